@@ -53,6 +53,7 @@ _HOME = {
     "algebra.exact.known_polynomial": ("Exact", "ExactPolynomial"),
     "bodies.thin_disk.disk_polynomials": ("exact_polynomial",),
     "derivation.conditions": ("conditions", "Conditions"),
+    "derivation.bodies.painleve": ("painleve_limit", "PainleveLimit"),
     "boundary.drift": ("drift", "Drift"),
     "boundary.hopf": ("hopf", "HopfPoint", "HopfKind"),
     "boundary.beyond_linear.slow_flow": ("slow_flow", "SlowFlow"),
@@ -174,6 +175,8 @@ if TYPE_CHECKING:
     from .boundary.hopf import HopfPoint as HopfPoint
     from .boundary.hopf import hopf as hopf
     from .compare.report import report as report
+    from .derivation.bodies.painleve import PainleveLimit as PainleveLimit
+    from .derivation.bodies.painleve import painleve_limit as painleve_limit
     from .derivation.conditions import Conditions as Conditions
     from .derivation.conditions import conditions as conditions
     from .explorer.explore import explore as explore

@@ -121,12 +121,19 @@ class _Short(reprlib.Repr):
     repr_MaskedArray = repr_matrix = repr_ndarray  # noqa: N815  # reprlib looks up the type's name
 
     def repr_instance(self, x: Any, level: int) -> str:  # noqa: ARG002
-        """The value's own `repr` if short; otherwise its type."""
+        """The value's own `repr` if short and no address; the name of a class or a function."""
+        kind = type(x).__name__
+        if isinstance(x, type):
+            return f"the class {x.__name__}"
         try:
             said = repr(x)
         except Exception:  # the value's own code may raise anything
             said = ""
-        kind = type(x).__name__
+        if said.startswith("<") and said.endswith(">"):
+            named = str(getattr(x, "__name__", ""))
+            if callable(x) and named.isidentifier():
+                return f"the function {named}"
+            said = "" if " at 0x" in said else said
         article = "an" if kind[:1].lower() in tuple("aeiou") else "a"
         return said if said.isprintable() and 0 < len(said) <= VALUE else f"{article} {kind}"
 
@@ -154,6 +161,8 @@ def shown(value: object) -> str:
     >>> import numpy as np
     >>> shown(np.zeros((2, 3))), shown([0.5] * 100)
     ('an array of shape (2, 3), float64', '[0.5, 0.5, 0.5, 0.5, 0.5, 0.5, ...]')
+    >>> shown(int), shown(shown), shown(lambda: 0)
+    ('the class int', 'the function shown', 'a function')
     """
     try:
         if isinstance(value, str):  # its two ends say more than reprlib's three dots

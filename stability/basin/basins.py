@@ -41,7 +41,7 @@ from .dataset import (
     works,
 )
 from .launch_labels import LaunchLabels
-from .launches import Launches, prepare
+from .launches import Launches, moving, prepare
 from .linear import LINEAR, linear_verdict
 from .outcomes import Judging, judged_by, last_time, outcomes
 from .refinement.refine import refine
@@ -277,8 +277,7 @@ def planned(
     -------
     Plan
     """
-    if body is not None and disk is not None:
-        raise ParameterError("body is given, and another one in the first place; give one of them.")
+    thing = moving(disk, body)
     judging = judged_by(tolerance, check, settle, flat, max_steps, max_seconds)
     last = last_time(horizon)
     axes: tuple[Axis, ...] = ()
@@ -295,8 +294,7 @@ def planned(
         names, shape = tuple(distribution.names), (whole_number("count", count, most=MOST),)
     if math.prod(shape) > MOST:
         raise ParameterError(f"{math.prod(shape):.3g} launches are asked; give at most {MOST:.0e}.")
-    launches = prepare(disk if body is None else body, contact, names, held, family, families,
-                       dict(parameters))  # fmt: skip
+    launches = prepare(thing, contact, names, held, family, families, dict(parameters))
     usual = min(max(TILE, math.prod(shape) // PIECES), LARGE)
     size = usual if chunk is None else whole_number("chunk", chunk)
     dims = names if axes else ("launch",)

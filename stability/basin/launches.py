@@ -15,6 +15,7 @@ from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.law_names import law_given
 from ..bodies.round_body.body import Body
+from ..bodies.round_body.shape import refuse_constants
 from ..bodies.thin_disk.disk_equations import STATES
 from ..bodies.thin_disk.disk_families import FAMILIES
 from ..bodies.thin_disk.launch import near_steady
@@ -122,6 +123,28 @@ def _with(body: Body, given: Mapping[str, Floats]) -> Body:
     return replace(body, shape=shape, **others)
 
 
+def moving(first: Any, body: Any) -> Any:
+    """What moves: the first argument, or `body`.
+
+    Parameters
+    ----------
+    first, body
+        `disk` and `body` of `basins`.
+
+    Raises
+    ------
+    ParameterError
+        If both are given, or `body` is none.
+    """
+    if body is None:
+        return first
+    if first is not None:
+        raise ParameterError("body is given, and another one in the first place; give one of them.")
+    if not isinstance(body, (Body, Disk)):
+        raise ParameterError(f"body is {shown(body)}; give a stability.Body or a stability.Disk.")
+    return body
+
+
 def prepare(
     thing: Any, contact: Any, varied: Sequence[str], held: Mapping[str, Any] | None,
     family: str, families: Any, parameters: dict[str, Any],
@@ -163,7 +186,7 @@ def prepare(
             raise ParameterError(
                 f"disk is {shown(thing)}; give a stability.Disk, a Body or a System."
             )
-        if families:
+        if families is not None and not (isinstance(families, (tuple, list)) and not families):
             raise ParameterError("families belong to a stability.System; leave them out.")
         contact = law_given(contact, parameters, motion=True, swept=(*varied, *held))
         for name in parameters:
@@ -186,18 +209,19 @@ def _held(held: Any) -> dict[str, float]:
 
 
 def _family(thing: Disk | Body, family: Any) -> str:
-    if not family:
+    if family is None or (isinstance(family, str) and not family):
         return ""
     lines = [n for n, one in FAMILIES.items() if one.line]
     if not isinstance(thing, Disk):
         raise ParameterError("family names steady motions of a stability.Disk; give states.")
-    if family not in lines:
+    if not isinstance(family, str) or family not in lines:
         raise NameUnknownError(f"family is {shown(family)}; give one of {', '.join(lines)}.")
     return str(family)
 
 
 def _complete(found: Launches) -> None:
     """Refuse names that are unknown, given twice or missing."""
+    refuse_constants(found.thing, (*found.varied, *found.held))
     for name in (*found.varied, *found.held):
         if name not in found.names:
             raise NameUnknownError(f"{shown(name)} varies nothing here; known are "

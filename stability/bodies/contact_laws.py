@@ -304,12 +304,13 @@ def law_class(law: str | type[Contact], *, motion: bool = True) -> type[Contact]
     >>> law_class("viscous")
     <class 'stability.bodies.contact_laws.Viscous'>
     """
+    linear = [n for n, one in MOTION_LAWS.items() if one.linearises]
     if isinstance(law, type) and issubclass(law, Contact) and law.name:
         found = law
-    elif not motion and isinstance(law, str) and law not in MOTION_LAWS:
-        found = LAWS[known("contact", law, [n for n, one in MOTION_LAWS.items() if one.linearises])]
+    elif isinstance(law, str) and law in MOTION_LAWS:
+        found = MOTION_LAWS[law]
     else:
-        found = MOTION_LAWS[known("contact", law, MOTION_LAWS)]
+        found = MOTION_LAWS[known("contact", law, MOTION_LAWS if motion else linear)]
     if (found.sticks or not found.slips) and found not in MOTION_LAWS.values():
         raise NameUnknownError(
             f"the {found.name} law sticks or leaves out the slip, whose equations are those of the "
@@ -317,8 +318,8 @@ def law_class(law: str | type[Contact], *, motion: bool = True) -> type[Contact]
         )
     if not motion and not found.linearises:
         raise NameUnknownError(
-            f"contact is {shown(law)}, dry friction, which has no linearisation of its own; "
-            "inside the friction cone it is `rough`."
+            f"contact is {found.name}, which has no linearisation of its own; known are "
+            f"{', '.join(linear)}; inside the friction cone it is `rough`."
         )
     return found
 

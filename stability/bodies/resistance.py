@@ -43,6 +43,12 @@ class Resistance(Record):
     """Parts of the angular velocity that cost energy."""
 
     def __post_init__(self) -> None:
+        if not self.coefficient or not hasattr(self, self.coefficient):
+            raise ParameterError(
+                f"{type(self).__name__} has the coefficient {shown(self.coefficient)} and no such "
+                "field; write `coefficient` and a field of that name in a subclass, under "
+                "@dataclass(frozen=True, eq=False)."
+            )
         value = positive(self.coefficient, getattr(self, self.coefficient), zero=True)
         object.__setattr__(self, self.coefficient, value)
 
@@ -76,7 +82,7 @@ class Resistance(Record):
             found = found / units[word]
         return found
 
-    def moment(self, turn: Sequence[Any], normal: Any, value: Any) -> list[Any]:
+    def moment(self, turn: Sequence[Any], normal: Any, value: Any) -> list[Any]:  # noqa: ARG002
         """Moment on the body along two horizontal axes and the vertical.
 
         Parameters
@@ -88,7 +94,7 @@ class Resistance(Record):
         value
             The coefficient.
         """
-        raise NotImplementedError
+        raise ParameterError(f"the resistance {type(self).__name__} states no moment.")
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,5 +253,11 @@ def total_moment(
     total: list[Any] = [0, 0, 0]
     for kind, value in against:
         form = kind.__new__(kind)  # only its formula is used, never its coefficient
-        total = [a + b for a, b in zip(total, form.moment(turn, normal, value), strict=True)]
+        found = form.moment(turn, normal, value)
+        if not isinstance(found, (tuple, list)) or len(found) != 3:
+            raise ParameterError(
+                f"the moment of {kind.name or kind.__name__} is {shown(found)}; give a list of "
+                "three, along two horizontal axes and the vertical."
+            )
+        total = [a + b for a, b in zip(total, found, strict=True)]
     return total

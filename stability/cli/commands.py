@@ -19,22 +19,15 @@ from .explorer.explore import EXAMPLES as PAGES
 from .explorer.explore import _explore
 from .explorer.explore import add_arguments as add_explore
 from .map import _boundaries, _map
-from .options import (
-    _family,
-    _member,
-    _Parser,
-    _physics,
-    add_body,
-    of_own_body,
-    overwriting,
-)
+from .options import _family, _member, _Parser, _physics, of_own_body, overwriting
 from .publication.cite import add_arguments as add_cite
 from .publication.export import EXAMPLES as EXPORTS
 from .publication.export import add_arguments as add_export
 from .scene import add_arguments as add_scene
 from .simulate import add_arguments
 from .spectrum import _spectrum
-from .system_option import add_system
+from .subject.body_option import add_body
+from .subject.system_option import add_system
 from .table import _table
 from .table import add_arguments as add_table
 from .terminal import (
@@ -330,10 +323,11 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
         "stability table --list",
         "stability table conditions --k 0.25,0.5 --mu 0.1,1,10",
         "stability table drift --k 0.25 --mu 0.3 --out drift.tex",
+        "stability table painleve --body torus --tube 0.2",
         "stability table conditions --system examples/bicycle.py:upright --positive v,g --decimals",
         "stability table hopf --system examples/railway_wheelset.py:centred --x v:1:50:50 "
         "--parameter m=1",
-    ))  # fmt: skip
+    ), words)  # fmt: skip
     add_export(command("export", _export, "A system or family for LaTeX, C, AUTO-07p or "
                        "BifurcationKit.jl", *EXPORTS), words)  # fmt: skip
     add_cite(command("cite", _cite, "What to cite for this package, or for a file that it wrote",

@@ -9,18 +9,9 @@ from typing import Any
 
 from ..base.errors import ParameterError, shown
 from ..storage.json_text import json_text
-from .options import (
-    _at,
-    _axis,
-    _disk,
-    _picture,
-    body_of,
-    contact_of,
-    in_words,
-    numbers_of_body,
-    where_of,
-)
-from .system_option import doubles, own_family, place, with_at
+from .options import _at, _axis, _disk, _picture, contact_of
+from .subject.body_option import body_of, in_words, numbers_of_body, where_of
+from .subject.system_option import doubles, own_family, place, with_at
 from .terminal import progress_bar, waiting
 
 

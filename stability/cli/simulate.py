@@ -11,17 +11,9 @@ from typing import Any
 from ..base.errors import ParameterError, absent, shown
 from ..base.quantities import Kind
 from ..storage.json_text import json_text
-from .options import (
-    PARAMETER_HELP,
-    _disk,
-    add_body,
-    add_scales,
-    body_of,
-    contact_of,
-    numbers_of_body,
-    overwriting,
-)
-from .system_option import doubles, named_numbers, system_with_families
+from .options import PARAMETER_HELP, _disk, add_scales, contact_of, overwriting
+from .subject.body_option import add_body, body_of, numbers_of_body
+from .subject.system_option import doubles, named_numbers, system_with_families
 from .terminal import progress_bar, waiting
 
 CONTACTS = (

@@ -12,8 +12,9 @@ from ..base.errors import ParameterError, absent, shown
 from ..base.quantities import Kind
 from ..bodies.thin_disk.disk_families import FAMILIES, leaning
 from ..storage.json_text import json_text
-from .options import _at, _disk, body_of, contact_of, in_words, numbers_of_body, where_of
-from .system_option import own_family, place, with_at
+from .options import _at, _disk, contact_of
+from .subject.body_option import body_of, in_words, numbers_of_body, where_of
+from .subject.system_option import own_family, place, with_at
 
 
 def _spectrum(options: argparse.Namespace) -> None:

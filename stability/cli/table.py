@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from typing import Any
 
 from ..base.errors import ParameterError
 from .options import CONTACTS, _axis, _list, overwriting
+from .subject.body_option import add_body, body_of
 from .terminal import progress_bar
 
 FORMS = ("json", "csv", "latex")
@@ -39,14 +41,17 @@ def _table(options: argparse.Namespace) -> None:
 
 def _settings(options: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
     """The family and the keyword arguments of `stability.table`; what is not given is left out."""
-    from .system_option import doubles, family_named, numbers
+    from .subject.system_option import doubles, family_named, numbers
 
     family: Any = options.family
     plain = ("k", "mu", "contact", "tilt", "at", "time", "systems")
     settings = {n: getattr(options, n) for n in plain if getattr(options, n) is not None}
     scales = {n: getattr(options, n) for n in ("mass", "radius", "gravity")}
     scales = {n: v for n, v in scales.items() if v is not None}
-    if scales:
+    if options.body is not None:
+        bare = {n: v for n, v in vars(options).items() if n != "family"}
+        settings["body"] = body_of(argparse.Namespace(**bare), {})
+    elif scales:
         from ..bodies.disk import Disk
 
         settings["disk"] = Disk(**scales)
@@ -67,29 +72,33 @@ def _settings(options: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
         raise ParameterError(
             "--system belongs to `table conditions`, `hopf` and `codimension`; leave it out."
         )
-    for key in (*plain, "disk"):
+    for key in (*plain, "disk", "body"):
         if key in settings:
-            what = "`table benchmarks`" if key == "systems" else "the disk"
+            what = {"systems": "`table benchmarks`", "body": "`table painleve`"}.get(
+                key, "the disk"
+            )
             raise ParameterError(f"{key} belongs to {what}; with --system leave it out.")
     family = family_named(options.system)
     given = numbers(options.parameter, family)
     return family, settings | (given if options.name == "conditions" else doubles(given))
 
 
-def add_arguments(sub: argparse.ArgumentParser) -> None:
+def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None = None) -> None:
     """Arguments of the command.
 
     Parameters
     ----------
     sub
         The command's parser.
+    words
+        The command line, which may name a body.
     """
     sub.add_argument(
         "name",
         metavar="NAME",
         nargs="?",
         help="families, conditions, drift, hopf, codimension, launches, theorems, bodies, "
-        "benchmarks, circular, thresholds, flatness, completeness or list",
+        "painleve, benchmarks, circular, thresholds, flatness, completeness or list",
     )
     sub.add_argument("--list", action="store_true",
                      help="the tables with source, what is published and recomputed, difference "
@@ -119,6 +128,7 @@ def add_arguments(sub: argparse.ArgumentParser) -> None:
         sub.add_argument(f"--{name}", type=float, help=f"{name} of the disk [{unit}], where --k is "
                          "taken (default 1)")  # fmt: skip
     _of_family(sub)
+    add_body(sub, words, motion=True)
 
 
 def _of_family(sub: argparse.ArgumentParser) -> None:

@@ -238,15 +238,15 @@ class Equations(Portable, Record):
             fine &= value.reshape(shape) > 0
         return fine
 
-    def rates(self, x: ArrayLike, p: ArrayLike) -> NDArray[np.float64]:
+    def rates(self, x: ArrayLike, p: ArrayLike, *, checked: bool = False) -> NDArray[np.float64]:
         """Rates of the states.
 
         Parameters
         ----------
-        x
-            States, shape (…, n), dimensionless for the disk.
-        p
-            Parameters, shape (…, m).
+        x, p
+            States, dimensionless for the disk, and parameters, shapes (…, n) and (…, m).
+        checked
+            Whether `check` has let these states through.
 
         Returns
         -------
@@ -258,27 +258,8 @@ class Equations(Portable, Record):
         DomainError
             Where the equations have no meaning.
         """
-        self.check(x, p)
-        return self.checked_rates(x, p)
-
-    def checked_rates(self, x: ArrayLike, p: ArrayLike) -> NDArray[np.float64]:
-        """Rates of states that `check` has let through.
-
-        Parameters
-        ----------
-        x, p
-            As in `rates`.
-
-        Returns
-        -------
-        ndarray
-            Shape (…, n).
-
-        Raises
-        ------
-        DomainError
-            Where a rate is not finite.
-        """
+        if not checked:
+            self.check(x, p)
         return self._finite(self._program.arrays(*self._arguments(x, p))[0])[..., 0]
 
     def linearise(self, x: ArrayLike, p: ArrayLike) -> NDArray[np.float64]:

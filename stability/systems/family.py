@@ -260,7 +260,7 @@ class Family(Record):
         try:
             require_steady(self, a, u, q, states)
             # a factor zero folds away in the family's graph, which may hide an overflow
-            self.system.checked_rates(states, given)
+            self.system.rates(states, given, checked=True)
         except StabilityError:
             row = gap(self.system, states, given)
             if row is None:

@@ -36,6 +36,7 @@ def table(
     mu: float | Sequence[float] | None = None,
     contact: str | None = None,
     disk: Disk | None = None,
+    body: Any = None,
     tilt: float | Sequence[float] | None = None,
     at: float | Sequence[float] | None = None,
     time: float | None = None,
@@ -55,7 +56,8 @@ def table(
     ----------
     name
         Any of list (the tables themselves), families, conditions, drift, hopf, codimension,
-        launches, theorems, bodies, benchmarks, circular, thresholds, flatness or completeness.
+        launches, theorems, bodies, painleve, benchmarks, circular, thresholds, flatness or
+        completeness.
     family
         A `Family` of your own, for conditions, hopf and codimension; one of the disk's families by
         name, for codimension.
@@ -66,6 +68,8 @@ def table(
         Name of a contact law, for the same tables.
     disk
         Gives mass, radius and gravity to the same tables; with `k` left out of codimension, k too.
+    body
+        A body of revolution, for painleve; the bodies of the package if left out.
     tilt
         Tilts [rad], for drift; one, for launches.
     at
@@ -105,8 +109,8 @@ def table(
     \begin{longtable}{@{\extracolsep{\fill}}rrrrrrrr@{}}
     """
     given = {
-        "k": k, "mu": mu, "contact": contact, "disk": disk, "tilt": tilt, "at": at, "time": time,
-        "systems": systems,
+        "k": k, "mu": mu, "contact": contact, "disk": disk, "body": body, "tilt": tilt, "at": at,
+        "time": time, "systems": systems,
     }  # fmt: skip
     given = {n: v for n, v in given.items() if v is not None}
     axes = {n: v for n, v in (("x", x), ("y", y)) if v is not None}
@@ -125,14 +129,15 @@ def table(
     options = _checked(name, given)
     if "progress" in chosen.takes:
         options["progress"] = progress
-    body = options.get("disk")
+    scaled = options.get("disk")
+    plain = scaled is None or scaled.dimensionless
     how = " (recomputed)" if chosen.about else ""
     with gathered() as works:
         rows = chosen.rows(**options)
         more = chosen.more(**options) if chosen.more else {}
     return Table(
-        name, f"{chosen.heading}{how}", chosen.columns, rows, body is None or body.dimensionless,
-        more, definition=chosen, citation=joined([chosen.cites, *works]),
+        name, f"{chosen.heading}{how}", chosen.columns, rows, plain, more,
+        definition=chosen, citation=joined([chosen.cites, *works]),
     )  # fmt: skip
 
 

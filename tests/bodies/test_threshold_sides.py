@@ -156,6 +156,55 @@ def test_a_tippe_top_turns_at_its_published_thresholds(offset: Fraction, across:
             assert words(family, root(square), numbers | {"mu": mu}) == expected
 
 
+@pytest.mark.parametrize("pole", [0, "pi"])
+@pytest.mark.parametrize(("h", "rho", "i1", "i3"), [
+    (Fraction(4, 5), Fraction(1), HALF, HALF),
+    (Fraction(6, 5), Fraction(9, 10), Fraction(2, 5), HALF),
+    (Fraction(3, 2), Fraction(1), Fraction(7, 10), HALF),
+])  # fmt: skip
+def test_vertical_spin_turns_at_the_printed_thresholds(
+    h: Fraction, rho: Fraction, i1: Fraction, i3: Fraction, pole: int | str
+) -> None:
+    """A ball of radius ρ whose centre of mass is at h over this end, every number free."""
+    side = 1 if pole == 0 else -1
+    body = st.Body(lambda t, tall, rho: rho + side * (tall - rho) * ca.cos(t), axial=0.5,
+                   transverse=0.4, shape={"tall": 1.2, "rho": 1.0}, name="ball")  # fmt: skip
+    numbers = {"tall": h, "rho": rho, "transverse": i1, "axial": i3}
+    bend, lever = rho - h, i3 * h - i1 * rho
+    expected = ["stable", "unstable"] if bend > 0 else ["unstable", "stable"]
+    family = body.family("vertical", "viscous", pole=pole)
+    edge = root(-(h**2) * bend / (rho * lever))
+    for mu in (Fraction(1, 100), *MU, Fraction(50)):
+        assert words(family, edge, numbers | {"mu": mu}) == expected
+    if bend < 0:
+        known = {"rough": (i1 + h**2) / (i3 + h * rho) ** 2, "smooth": i1 / i3**2}
+        for law, share in known.items():
+            family = body.family("vertical", law, pole=pole)
+            assert words(family, root(-4 * bend * share), numbers) == ["unstable", "neutral"], law
+
+
+@pytest.mark.parametrize(
+    ("theta", "b"), [(Fraction(7, 5), Fraction(1, 5)), (Fraction(13, 10), HALF)]
+)
+def test_precession_is_unstable_between_its_printed_thresholds(
+    theta: Fraction, b: Fraction
+) -> None:
+    """A torus: I1² X² + I1 (h′′ + h′ cot θ) X + (h′/sin θ)² < 0 with X = φ̇², to 60 digits."""
+    body, numbers, _, _, i1, _ = torus(b)
+    with mp.workdps(80):
+        at, across = (mp.mpf(v.numerator) / v.denominator for v in (theta, i1))
+        s, c = mp.sin(at), mp.cos(at)
+        middle, last = across * (-s + c * c / s), (c / s) ** 2
+        spread = mp.sqrt(middle**2 - 4 * across**2 * last)
+        edges = [mp.sqrt((-middle + sign * spread) / (2 * across**2)) for sign in (-1, 1)]
+        low, high = (Fraction(int(mp.nint(e * ONE)), ONE) for e in edges)
+    family = body.family("precession", "smooth")
+    for edge, expected in ((low, ["neutral", "unstable"]), (high, ["unstable", "neutral"])):
+        found = [st.spectrum(family, certify=True, at=[theta, edge * side], **numbers).verdict.word
+                 for side in (1 - STEP, 1 + STEP)]  # fmt: skip
+        assert found == expected
+
+
 @pytest.mark.parametrize("k", [Fraction(1, 4), HALF])
 def test_coin_and_hoop_roll_above_their_published_speeds(k: Fraction) -> None:
     """Rolling without slip: v² = g R/3 of a coin and g R/4 of a hoop; spinning: 1/(1 + k)."""

@@ -2,7 +2,9 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
+import casadi as ca
 import pytest
 from command_line import output, refused
 
@@ -34,6 +36,7 @@ NUMBERS = {
     "spheroid": ["--aspect", "0.6"],
     "eccentric-sphere": ["--offset", "0.2"],
     "thick-disk": ["--thickness", "0.3"],
+    "egg": ["--taper", "0.15"],
 }
 ASK = ["--at", "1", "--mu", "0.3"]
 TORUS = ["--body", "torus", "--tube", "0.2"]
@@ -55,7 +58,8 @@ def test_every_named_body_has_the_spectrum_of_the_library(
     capsys: pytest.CaptureFixture[str], name: str
 ) -> None:
     body = NAMED[name](float(NUMBERS[name][1]))
-    family, at = ("tumbling", "1") if name == "eccentric-sphere" else ("rolling", "2")
+    family, at = ("rolling", "2") if name in ("torus", "spheroid", "thick-disk") else (
+        "tumbling", "1")  # fmt: skip
     found = spectrum(capsys, family, "--body", name, *NUMBERS[name], "--at", at, "--mu", "0.3")
     own = st.spectrum(family, at=float(at), body=body, contact=st.Viscous(0.3))
     assert found["body"] == body.name
@@ -65,6 +69,7 @@ def test_every_named_body_has_the_spectrum_of_the_library(
     assert isinstance(told, dict)
     assert (told["axial"], told["transverse"]) == body.moments()
     assert {n: told[n] for n in body.shape} == dict(body.shape)
+    assert {n: told[n] for n in body.constants} == dict(body.constants)
 
 
 def test_units_hollowness_and_moments_reach_the_body(capsys: pytest.CaptureFixture[str]) -> None:
@@ -172,6 +177,10 @@ def test_help_lists_the_bodies_with_an_example(capsys: pytest.CaptureFixture[str
         (["rolling", "--body", "egg.py:egg", "3", *ASK], "no list of --NAME X"),
         (["rolling", "--body", "egg.py:fails", *ASK], "RuntimeError: no egg today"),
         (["rolling", "--body", "egg.py:nothing", *ASK], "returns 3; a stability.Body is needed"),
+        (["rolling", "--body", "egg", "--taper", "0.5", *ASK], "it must lie in [0, 0.4]"),
+        (["rolling", "--body", "egg", "--aspect", "0", *ASK], "aspect is 0; it must be positive"),
+        (["rolling", "--body", "egg", "--tube", "1", *ASK], "it takes --taper or --aspect"),
+        (["rolling", *TORUS, "--taper", "0.1", *ASK], "--taper is no number of torus"),
     ],
 )  # fmt: skip
 def test_bad_input_gets_one_sentence(
@@ -194,6 +203,103 @@ def test_bad_axes_get_one_sentence(
 ) -> None:
     found = refused(capsys, "boundaries", "rolling", "--body", "torus", "--mu", "1", *words)
     assert said in found
+
+
+HEN = ["--body", "egg", "--taper", "0.25", "--aspect", "1.4"]
+
+
+def test_every_command_takes_an_egg(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    egg = st.Egg(0.25, aspect=1.4)
+    told = {"taper": 0.25, "aspect": 1.4, "axial": egg.moments()[0], "transverse": egg.moments()[1]}
+
+    def ask(*words: str) -> dict[str, Any]:
+        found: dict[str, Any] = json.loads(output(capsys, *words, "--mu", "0.3", "--json"))
+        return found
+
+    found = ask("boundaries", "vertical", *HEN, "--pole", "pi", "--axis", "omega_Z:0.1:6:9")
+    own = st.boundaries("vertical", axis=("omega_Z", 0.1, 6, 9), body=egg, contact=st.Viscous(0.3),
+                        pole="pi")  # fmt: skip
+    assert [b["value"] for b in found["boundaries"]] == [b.value for b in own]
+    assert told.items() <= found["parameters"].items()
+
+    found = ask("map", "vertical", *HEN, "--x", "omega_Z:1:5:4", "--y", "axial:0.3:0.5:3",
+                "--out", "egg.nc")  # fmt: skip
+    assert (found["body"], found["parameters"]["taper"]) == ("egg", 0.25)
+    chart = st.stability_map("vertical", x=("omega_Z", 1, 5, 4), y=("axial", 0.3, 0.5, 3), body=egg,
+                             contact=st.Viscous(0.3))  # fmt: skip
+    assert (st.read_map("egg.nc").verdict == chart.verdict).all()
+
+    launch = ["--theta", "0.3", "--omega3", "2", "--time", "3"]
+    found = ask("simulate", *HEN, *launch)
+    run = st.simulate(egg, st.Viscous(0.3), {"theta": 0.3, "omega3": 2}, 3.0)
+    assert found["final"]["theta"] == pytest.approx(float(run.theta[-1]), abs=1e-7)
+    assert told.items() <= found["parameters"].items()
+
+    found = ask("basins", *HEN, "--x", "theta:0.3:1:2", "--y", "omega3:1:2:2", "--time", "3",
+                "--out", "egg.zarr")  # fmt: skip
+    assert found["launches"] == 4
+    output(capsys, "explore", "vertical", *HEN, "--mu", "0.3", "--out", "egg.html")
+    assert "st.Egg" not in (tmp_path / "egg.html").read_text()
+    output(capsys, "export", "c", "tumbling", *HEN, "--out", "code")
+    assert any((tmp_path / "code").iterdir())
+
+    (tmp_path / "egg.toml").write_text(
+        '[body]\nname = "egg"\ntaper = 0.25\naspect = 1.4\n[contact]\nlaw = "viscous"\nmu = 0.3\n'
+        "[start]\ntheta = 0.3\nomega3 = 2.0\n[question]\nhorizon = 3.0\n"
+    )
+    found = json.loads(output(capsys, "scene", "egg.toml", "--json"))
+    scene = st.Scene(body=egg, contact=st.Viscous(0.3), start={"theta": 0.3, "omega3": 2.0},
+                     horizon=3.0)  # fmt: skip
+    assert scene.answer().model == found["model"]
+
+
+@pytest.mark.parametrize("axis", ["taper", "aspect"])
+def test_a_number_of_a_quadrature_is_no_axis(capsys: pytest.CaptureFixture[str], axis: str) -> None:
+    axis_of = f"{axis}:0.1:0.3:4"
+    for words in (
+        ["boundaries", "tumbling", "--axis", axis_of, "--at", "1"],
+        ["map", "tumbling", "--x", axis_of, "--y", "mu:1:2:3", "--at", "1", "--out", "egg.nc"],
+        ["map", "tumbling", "--x", axis_of, "--y", "mu:1:2:3", "--at", "1", "--verdict-only",
+         "--out", "egg.nc"],
+        ["basins", "--x", axis_of, "--y", "theta:1:2:3", "--time", "1", "--out", "egg.zarr"],
+        ["explore", "tumbling", "--x", f"{axis}:0.1:0.3", "--out", "egg.html"],
+    ):  # fmt: skip
+        mu = [] if "mu:1:2:3" in words else ["--mu", "1"]
+        said = refused(capsys, *words, "--body", "egg", *mu)
+        assert f"{axis} is no axis of egg: its height and moments are computed for one" in said
+    for call in (
+        lambda: st.boundaries("tumbling", axis=(axis, 0.1, 0.3, 4), at=1.0, body=st.Egg(),
+                              contact="rough"),
+        lambda: st.basins(st.Egg(), "rough", x=(axis, 0.1, 0.3, 4), y=("theta", 1, 2, 3),
+                          horizon=1.0),
+    ):  # fmt: skip
+        with pytest.raises(st.StabilityError, match=f"{axis} is no axis of egg"):
+            call()
+
+
+OVAL = """
+import numpy as np
+import stability as st
+
+def oval(bulge=0.1):
+    return st.from_profile(lambda u: (np.sin(u) * (1 + bulge * np.cos(u)), -1.2 * np.cos(u)))
+"""
+
+
+def test_numbers_of_a_users_quadrature_are_recorded_and_no_axes(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "oval.py").write_text(OVAL)
+    monkeypatch.chdir(tmp_path)
+    found = spectrum(capsys, "tumbling", "--body", "oval.py:oval", "--bulge", "0.2", *ASK)
+    told = found["parameters"]
+    assert isinstance(told, dict) and told["bulge"] == 0.2
+    said = refused(capsys, "boundaries", "tumbling", "--body", "oval.py:oval", "--axis",
+                   "bulge:0.1:0.2:3", *ASK)  # fmt: skip
+    assert "bulge is no axis of profile" in said
 
 
 def test_a_launched_body_moves_as_in_the_library_and_is_filmed(
@@ -240,3 +346,26 @@ def test_a_launch_that_is_not_accepted_gets_one_sentence(
 ) -> None:
     launch = ["--theta", "1.2", "--mu", "0.3", "--time", "1"]
     assert said in refused(capsys, "simulate", *words, *launch)
+
+
+@pytest.mark.usefixtures("file")
+def test_the_command_prints_painleves_limit_of_a_body(capsys: pytest.CaptureFixture[str]) -> None:
+    def limit(*words: str) -> list[dict[str, float]]:
+        rows: list[dict[str, float]] = json.loads(
+            output(capsys, "table", "painleve", *words, "--json")
+        )["rows"]
+        return rows
+
+    [torus] = limit(*TORUS)
+    own = st.painleve_limit(st.Torus(0.2))
+    assert (torus["limit"], torus["at_most"], torus["theta"]) == (own.low, own.high, own.theta)
+    [coin] = limit("--body", "egg.py:coin", "--rim", "0.1")
+    body = st.Body(lambda t: 0.1 + ca.sin(t), axial=0.5, transverse=0.25)
+    assert coin["limit"] == pytest.approx(st.painleve_limit(body).low, rel=1e-12)
+    every = limit()
+    assert [r["body"] for r in every][-1] == "egg, taper 0.2" and len(every) == 11
+    assert "body belongs to `table painleve` only" in refused(capsys, "table", "drift", *TORUS)
+    assert "--tube is missing" in refused(capsys, "table", "painleve", "--body", "torus")
+    assert "does not go with --body" in refused(
+        capsys, "table", "painleve", *TORUS, "--system", "egg.py:coin"
+    )

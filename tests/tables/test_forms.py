@@ -17,6 +17,7 @@ import pandas as pd
 import pytest
 
 import stability as st
+from stability.bodies.round_body.shapes.named import NAMED
 from stability.cli.commands import _parser, main
 from stability.tables.formats.letters import mathematics, prose
 from stability.tables.registry import PLACES, definition
@@ -35,6 +36,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "circular": {},
     "thresholds": {},
     "list": {},
+    "painleve": {"body": st.Torus(0.2)},
     "launches": {"k": 0.25, "mu": 0.3, "at": (1.2, 1.6, 2.0)},
     "launches in SI": {"k": 0.25, "mu": 0.3 / SPEED, "disk": SI, "at": (60.0, 137.7951)},
     "codimension": {"family": "spinning", "x": ("at", 0.5, 5, 9), "y": ("mu", 0.1, 3, 9)},
@@ -250,9 +252,10 @@ def test_the_command_takes_the_arguments_of_the_function() -> None:
     [commands] = [a for a in _parser()._actions if a.choices]
     options = {a.dest for a in commands.choices["table"]._actions}
     forms = {"help", "json", "csv", "latex", "out", "force", "list"}
-    assert options - forms - {"system", "parameter"} - {"mass", "radius", "gravity"} == (
-        named - {"disk"}
-    )
+    bodies = {n for make in NAMED.values() for n, p in inspect.signature(make).parameters.items()
+              if p.kind is not p.VAR_KEYWORD} | {"length"}  # fmt: skip
+    scales = {"mass", "radius", "gravity"}
+    assert options - forms - {"system", "parameter"} - scales - bodies == named - {"disk"}
 
 
 @pytest.mark.parametrize("name", PLACES)

@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from ...base.checks import Number, broadcast, checked, positive
-from ...base.errors import ParameterError, shown
+from ...base.checks import Number, broadcast, checked, one_number, positive, real_numbers
+from ...base.errors import NameUnknownError, ParameterError, shown
 from ...systems.family import Family
+from ...systems.system_checks import mapping, title
 from .height.expression import expression
-from .shape import MOMENTS, SAMPLES, SCALES, TAKEN, RoundShape
+from .shape import MOMENTS, SAMPLES, SCALES, TAKEN, RoundShape, single_pole
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +50,8 @@ class Body(RoundShape):
         Range (low, high] of numbers of the shape, for formulas that do not hold elsewhere.
     error
         Relative error of height and moments where they come from a quadrature [-].
+    constants
+        Numbers by name of which height and moments were computed, for records; none is an axis.
 
     Raises
     ------
@@ -90,27 +93,20 @@ class Body(RoundShape):
     """Range (low, high] of numbers of the shape by name, beyond which the formulas do not hold."""
     error: float = 0.0
     """Relative error of height and moments where they come from a quadrature; 0 for formulas."""
+    constants: Mapping[str, float] = field(default_factory=dict)
+    """Numbers by name of which height and moments were computed; no parameters, so no axes."""
 
     def __post_init__(self) -> None:
         for name in SCALES:
             object.__setattr__(self, name, positive(name, getattr(self, name)))
-        if not isinstance(self.shape, Mapping):
-            raise ParameterError(f"shape is {shown(self.shape)}; give numbers by name.")
-        for name in self.shape:
-            if not isinstance(name, str) or not name.isidentifier() or name in TAKEN:
-                raise ParameterError(
-                    f"shape names {shown(name)}; give a word that is none of {', '.join(TAKEN)}."
-                )
-        numbers = {n: checked(n, v) for n, v in self.shape.items()}
-        for name, (low, high) in self.limits.items():
-            bad = np.asarray(numbers[name])
-            bad = bad[(bad <= low) | (bad > high)]
-            if bad.size:
-                end = f", {high:g}]" if math.isfinite(high) else ", ∞)"
-                raise ParameterError(
-                    f"{name} of the {self.name} is {bad.flat[0]:g}; it must lie in ({low:g}{end}."
-                )
+        object.__setattr__(self, "name", title("the body", self.name))
+        object.__setattr__(self, "error", self._share("error"))
+        numbers = self._numbers()
         object.__setattr__(self, "shape", numbers)
+        object.__setattr__(self, "limits", self._within_limits(numbers))
+        table = mapping("constants", self.constants)
+        constants = {n: one_number(n, v) for n, v in table.items()}
+        object.__setattr__(self, "constants", constants)
         object.__setattr__(
             self, "height", expression("height", self.height, ["theta", *numbers], 1)
         )
@@ -119,7 +115,7 @@ class Body(RoundShape):
             own = callable(value)
             value = expression(name, value, list(numbers)) if own else positive(name, value)
             object.__setattr__(self, name, value)
-        self._check_range()
+        object.__setattr__(self, "between", self._range())
         broadcast(**{n: np.shape(v) for n, v in self.given.items()})
         self._check_moments()
         self._check_convex()
@@ -167,18 +163,57 @@ class Body(RoundShape):
         """
         from .families import body_family
 
-        return body_family(self, name, contact, theta, pole)
+        return body_family(self, name, contact, theta, single_pole(pole))
 
     # --- checks ---
 
-    def _check_range(self) -> None:
-        low, high = (float(checked("between", v)) for v in self.between)
-        if not 0 <= low < high <= math.pi:
-            raise ParameterError(
-                f"between is {shown(self.between)}; give two angles in rising order between 0 "
-                "and π."
-            )
-        object.__setattr__(self, "between", (low, high))
+    def _share(self, name: str) -> float:
+        """A relative error: a number of at least 0."""
+        value = one_number(name, getattr(self, name))
+        if value < 0:
+            raise ParameterError(f"{name} is {value:g}; it must not be negative.")
+        return value
+
+    def _numbers(self) -> dict[str, Any]:
+        """The numbers of the shape by name."""
+        if not isinstance(self.shape, Mapping):
+            raise ParameterError(f"shape is {shown(self.shape)}; give numbers by name.")
+        for name in self.shape:
+            if not isinstance(name, str) or not name.isidentifier() or name in TAKEN:
+                raise ParameterError(
+                    f"shape names {shown(name)}; give a word that is none of {', '.join(TAKEN)}."
+                )
+        return {n: checked(n, v) for n, v in self.shape.items()}
+
+    def _within_limits(self, numbers: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
+        """The limits, after a check that the numbers lie within them."""
+        if not isinstance(self.limits, Mapping):
+            raise ParameterError(f"limits is {shown(self.limits)}; give pairs (low, high) by name.")
+        found = {}
+        for name, given in self.limits.items():
+            if name not in numbers:
+                raise NameUnknownError(
+                    f"limits names {shown(name)}; numbers of the shape are "
+                    f"{', '.join(numbers) or 'none'}."
+                )
+            low, high = _pair(f"the limit of {name}", given, "two numbers (low, high)")
+            bad = np.asarray(numbers[name])
+            bad = bad[(bad <= low) | (bad > high)]
+            if bad.size:
+                end = f", {high:g}]" if math.isfinite(high) else ", ∞)"
+                raise ParameterError(
+                    f"{name} of the {self.name} is {bad.flat[0]:g}; it must lie in ({low:g}{end}."
+                )
+            found[name] = (low, high)
+        return found
+
+    def _range(self) -> tuple[float, float]:
+        """The interval of θ in which the height holds."""
+        accepted = "two angles in rising order between 0 and π"
+        low, high = _pair("between", self.between, accepted)
+        if not (low >= 0 and high <= math.pi):
+            raise ParameterError(f"between is {shown(self.between)}; give {accepted}.")
+        return low, high
 
     def _check_moments(self) -> None:
         axial, transverse = (np.asarray(v) for v in self.moments())
@@ -220,3 +255,14 @@ class Body(RoundShape):
                 "is the radius of curvature of the meridian, which is nowhere negative for a "
                 "convex body."
             )
+
+
+def _pair(name: str, given: Any, remedy: str) -> tuple[float, float]:
+    """Two numbers in rising order; the higher one may be infinite."""
+    try:
+        ends = real_numbers(name, given)
+    except ParameterError:
+        ends = np.empty(0)
+    if ends.shape != (2,) or not -math.inf < ends[0] < ends[1]:
+        raise ParameterError(f"{name} is {shown(given)}; give {remedy}.")
+    return float(ends[0]), float(ends[1])

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ...base.checks import one_number
 from ...base.errors import NameUnknownError, NoMemberError, ParameterError, shown
 from ...systems.family import Family
 from ..contact import Contact
@@ -17,7 +18,7 @@ from ..law_names import law_given
 from ..resistance import Resistance, resistances
 from .families import FAMILIES, round_family, survives, unknown_family
 from .inclinations import level
-from .shape import SCALES, RoundShape
+from .shape import SCALES, RoundShape, refuse_constants, single_pole
 from .shapes.named import of_disk
 
 
@@ -77,6 +78,7 @@ def of_body(
     if not isinstance(family, str) or family not in FAMILIES:
         raise unknown_family(family, body)
     swept = [a[0] for a in axes if isinstance(a, (tuple, list)) and a and isinstance(a[0], str)]
+    refuse_constants(body, swept)
     law = _law(contact, given, swept)
     for axis in axes:
         _check_axis(body, law, axis)
@@ -87,12 +89,14 @@ def _check_axis(body: RoundShape, law: Contact, axis: Any) -> None:
     """Refuse an axis with values that the body or the law does not accept."""
     if not (isinstance(axis, (tuple, list)) and len(axis) > 2 and isinstance(axis[0], str)):
         return
-    name, low, high = axis[:3]
+    name = axis[0]
+    low, high = (one_number(f"the {side} end of the axis {name}", value)
+                 for side, value in zip(("low", "high"), axis[1:3], strict=True))  # fmt: skip
     if type(law).alternatives(name):
         type(law).accepted(name, [low, high])
     own = {n: v for n, v in body.given.items() if n not in body.shape}
     if name in body.shape or name in own:
-        between = np.linspace(float(low), float(high), 17)
+        between = np.linspace(low, high, 17)
         single = {n: float(np.asarray(v).flat[0]) for n, v in body.shape.items()}
         change = {"shape": single | {name: between}} if name in body.shape else {name: between}
         replace(body, **change)  # type: ignore[type-var]  # a body checks its numbers
@@ -112,7 +116,8 @@ def _resolved(
     family: str, body: RoundShape, law: Contact, given: dict[str, Any], swept: Collection[str]
 ) -> tuple[Family, None, None, dict[str, Any]]:
     theta = given.pop("theta", None) if FAMILIES[family].level else None
-    pole, against = given.pop("pole", None), resistances(given.pop("resistance", None))
+    pole = single_pole(given.pop("pole", None))
+    against = resistances(given.pop("resistance", None))
     physical = not body.dimensionless or any(n in SCALES for n in swept)
     coefficients = dict(law.given)
     for name in swept:  # an axis takes the place of its alternatives
@@ -129,7 +134,8 @@ def _resolved(
     numbers = body.given | coefficients | {r.coefficient: r.value for r in against}
     for name in given:
         if name in numbers:
-            raise ParameterError(f"{name} is {body.name}'s own number; give it there alone.")
+            owner = f"the {law.name} law" if name in coefficients else body.name
+            raise ParameterError(f"{name} is {owner}'s own number; give it there alone.")
     own = {n: numbers[n] for n in found.system.parameters if n not in swept}
     return found, None, None, own | given
 

@@ -26,9 +26,9 @@ from ..contact import Contact
 from ..contact_laws import law_class
 from ..law_names import class_named
 from .equations import Resistances, round_system
-from .inclinations import guess, level, sizes, slope_of, stands_upright
+from .inclinations import level, sizes, slope_of, stands_upright, start
 from .pole_equations import AXIS, SLIP, TURN, pole_system, refuse_rough_pole
-from .polynomials import closed_form
+from .polynomials import closed_form, stored
 from .shape import RoundShape
 from .si_law import shape_of
 
@@ -180,7 +180,8 @@ def round_family(
             held["theta"] = UPRIGHT
         else:
             # not the rate of theta_dot, which falls again where the lever is long
-            unknown, equations = {"theta": guess(body, at)}, ["lever"]
+            first = start(body, at, theta) if stored(name, law) else at
+            unknown, equations = {"theta": first}, ["lever"]
     every = _pairs(held), _pairs(unknown), tuple(equations), _pairs(_typical(body, record))
     upright = record.level and not unknown  # rational in every number: read from the graph
     shaped = None if resistance or upright else (shape_of(body), given, physical)

@@ -22,7 +22,7 @@ CLOSE = 1e-12
 COARSEST, FINEST = 2, 4
 """Binary digits of the sizes near which the equations of all bodies of one shape are sampled."""
 GUESSES = (3, 12)
-"""Range of the binary digits of a guessed inclination."""
+"""Range of the binary digits of an inclination from which a zero is sought."""
 SPREAD = 1.25
 """Room between these sizes and the limits of a shape's numbers, as a factor."""
 
@@ -229,10 +229,10 @@ def level(body: RoundShape, theta: float | None = None) -> float | None:
     return None if best == math.pi / 2 and stands_upright(body) else best
 
 
-def guess(body: RoundShape, at: float) -> float:
-    """An inclination with few digits from which Newton's method goes to a zero of the slope.
+def start(body: RoundShape, at: float, theta: float | None = None) -> float:
+    """A number to which a zero of the height's slope is the nearest.
 
-    Bodies that differ by little have the same guess.
+    It has few digits where none was given, so that bodies that differ by little have the same.
 
     Parameters
     ----------
@@ -240,7 +240,18 @@ def guess(body: RoundShape, at: float) -> float:
         The body.
     at
         The zero, from `level`.
+    theta
+        The number near it that was given, or None.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> coin = st.ThickDisk(0.3)
+    >>> level(coin), start(coin, level(coin))
+    (1.4219063791853994, 1.375)
     """
+    if theta is not None:  # members of all shapes are those nearest to it
+        return float(theta)
     others = [abs(v - at) for v in levels(body) if v != at]
     low, high = body.between
     room = min([*others, at - low, high - at]) / 2

@@ -57,6 +57,19 @@ def _catalogue() -> dict[str, Any]:
     return found
 
 
+def stored(name: str, law: type[Contact]) -> bool:
+    """Whether the polynomial of a family under a law is among those that are kept.
+
+    Parameters
+    ----------
+    name
+        Name of the family.
+    law
+        Class of the law.
+    """
+    return f"{name} {KINDS.get(law, '')}" in _catalogue()
+
+
 def closed_form(
     system: System, name: str, shape: Shape, law: type[Contact], given: Sequence[str], *,
     physical: bool, start: float | None = None,
@@ -142,7 +155,7 @@ class _Formulas:
         slope = ca.jacobian(level, theta)
         parts = ca.cse([slope, ca.jacobian(slope, theta)])
         equation = ca.Function("equation", [theta, numbers.p], [ca.densify(v) for v in parts])
-        return ImplicitForm(*record, equation.serialize(), start)
+        return ImplicitForm(*record, equation.serialize(), start, shape[4])
 
     def _conditions(  # noqa: PLR0913
         self, shape: Shape, law: type[Contact], given: Sequence[str], numbers: Numbers, h: ca.SX,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -11,6 +11,8 @@ import casadi as ca
 import numpy as np
 
 from ...algebra.program import Program
+from ...base.checks import broadcast, real_numbers, whole_number
+from ...base.errors import NameUnknownError, ParameterError, shown
 from ...base.types import Record
 from ..newton_euler import STATES
 from .height.expression import Expression
@@ -23,6 +25,37 @@ SAMPLES = 721
 """Inclinations at which convexity is checked."""
 TAKEN = (*SCALES, *MOMENTS, *STATES, "at", "x", "y", "axis", "body", "contact", "disk", "pole")
 """Names that no number of a body's shape can have."""
+
+
+def single_pole(pole: Any) -> Any:
+    """A pole as it was given, unless it holds several numbers, which name no pole.
+
+    Parameters
+    ----------
+    pole
+        None, 0, a number or a word.
+    """
+    if pole is not None and not isinstance(pole, (int, float, str)):
+        raise ParameterError(f"pole is {shown(pole)}; give 0 or 'pi'.")
+    return pole
+
+
+def refuse_constants(body: Any, axes: Collection[str]) -> None:
+    """Refuse an axis over a number with which height and moments of a body were computed.
+
+    Parameters
+    ----------
+    body
+        The body.
+    axes
+        Names of the axes.
+    """
+    for name in getattr(body, "constants", {}):
+        if name in axes:
+            raise NameUnknownError(
+                f"{name} is no axis of {body.name}: its height and moments are computed for one "
+                f"{name} and are no formulas in it; ask once for each {name}."
+            )
 
 
 class RoundShape(Record):
@@ -67,7 +100,8 @@ class RoundShape(Record):
         slope
             0 for h, 1 for h', 2 for h''.
         """
-        return self.heights(theta)[slope]
+        order = whole_number("slope", slope, 0, 2, "h'' is the highest")
+        return self.heights(theta)[order]
 
     @staticmethod
     def array(function: ca.Function, *values: Any) -> Any:
@@ -92,9 +126,10 @@ class RoundShape(Record):
         theta
             Inclinations that broadcast with the numbers of the shape [rad].
         """
-        values = [np.float64(v) if np.ndim(v) == 0 else np.asarray(v, dtype=float)
-                  for v in (theta, *self.shape.values())]  # fmt: skip
-        shape = np.broadcast_shapes(*(v.shape for v in values))
+        own = {n: np.asarray(v, dtype=float) for n, v in self.shape.items()}
+        arrays = {"theta": real_numbers("theta", theta)} | own
+        shape = broadcast(**{n: v.shape for n, v in arrays.items()})
+        values = [v if v.ndim else np.float64(v) for v in arrays.values()]
         found = _program(self.height, tuple(self.shape)).arrays([[v] for v in values], shape)
         return [v[..., 0, 0] if shape else float(v[0, 0]) for v in found]
 

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...algebra.program import Program
-from ...base.checks import one_number
+from ...base.checks import one_number, real_numbers
 from ...base.citation.used import cited
 from ...base.errors import ParameterError, shown
 from ...base.types import Floats
@@ -54,7 +54,10 @@ def thin_ring(inner: float = 0.0) -> Body:
     >>> thin_ring(1.0).moments()
     (1.0, 0.5)
     """
-    k = (1 + inner**2) / 4
+    share = one_number("inner", inner)
+    if not 0 <= share <= 1:
+        raise ParameterError(f"inner is {share:g}; it must lie in [0, 1].")
+    k = (1 + share**2) / 4
     return Body(lambda theta: ca.sin(theta), axial=2 * k, transverse=k, name="thin ring")
 
 
@@ -140,6 +143,10 @@ def retrograde_map(
     import xarray
 
     radii, shares = _points("inner", inner), _points("share", share)
+    if not isinstance(starts, (tuple, list)) or not starts:
+        raise ParameterError(
+            f"starts is {shown(starts)}; give a list of pairs (theta in degrees, speed)."
+        )
     pairs = [_start(pair) for pair in starts]
     grid = np.meshgrid(np.arange(len(pairs), dtype=float), radii, shares, indexing="ij")
     which, r, s = (a.ravel() for a in grid)
@@ -169,7 +176,7 @@ def retrograde_map(
 
 
 def _points(name: str, given: ArrayLike | None) -> Floats:
-    values = np.linspace(0, 1, 33) if given is None else np.asarray(given, dtype=float)
+    values = np.linspace(0, 1, 33) if given is None else real_numbers(name, given)
     if values.ndim != 1 or not values.size or not (np.diff(values) > 0).all():
         raise ParameterError(f"{name} is {shown(given)}; give rising numbers.")
     if not (values[0] >= 0 and values[-1] <= 1):

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from scipy.integrate import quad
 
 from ...algebra.program import Program
-from ...base.checks import one_number
+from ...base.checks import one_number, real_numbers
 from ...base.citation.used import cited
 from ...base.errors import NameUnknownError, NoMemberError, ParameterError, shown
 from ...base.types import Floats, Record, fields_of
@@ -102,7 +102,9 @@ class SlowFlow(Record):
             If there is no member, its null vectors are not separated from the other directions, or
             the disturbance drives the motion across the family.
         """
-        given, count = np.asarray(at, dtype=float), len(self.family.at)
+        given, count = real_numbers("at", at), len(self.family.at)
+        if not given.size:
+            raise ParameterError("at is an empty array; at least one number is needed.")
         if count > 1 and given.shape[-1:] != (count,):
             raise ParameterError(
                 f"at has shape {given.shape}; give {' and '.join(self.family.at)} along its last "
@@ -202,8 +204,17 @@ class SlowFlow(Record):
             The exponent between the two nearest values.
         """
         self._one_number()
+        end, near = one_number("end", end), one_number("near", near)
+        if end == near:
+            raise ParameterError(f"near is {near:g}, the end itself; give a number to one side.")
         gaps = (near - end) * 0.5 ** np.arange(STEPS)
         rates = np.abs(self.rate(end + gaps))
+        if not (np.isfinite(rates) & (rates > 0)).all():
+            raise ParameterError(
+                f"the drift between {self.family.at[0]} = {end:g} and {near:g} has the rates "
+                f"{', '.join(f'{r:.3g}' for r in rates[-2:])} near its end; an exponent needs "
+                "rates other than 0."
+            )
         return float(np.log2(rates[-2] / rates[-1]))
 
     def _one_number(self) -> None:
@@ -263,16 +274,19 @@ def slow_flow(
                 f"a Family needs small=, the name of its small parameter, and neither body nor "
                 f"resistance; small is {shown(small)}."
             )
-        if small not in family.parameters:
+        if not isinstance(small, str) or small not in family.parameters:
             raise NameUnknownError(
                 f"small is {shown(small)}; parameters of {family.name} are "
                 f"{', '.join(family.parameters) or 'none'}."
             )
         value = one_number(small, given.pop(small, 1.0))
     else:
-        [against] = resistances(resistance) or [None]
-        if not isinstance(against, Resistance):
-            raise ParameterError("resistance is missing; give one, such as RollingResistance(rho).")
+        against = _single_resistance(resistance)
+        if small is not None:
+            raise ParameterError(
+                f"small is {shown(small)}; the small parameter of a body is {against.coefficient}, "
+                "that of its resistance: leave small out."
+            )
         small, value = against.coefficient, one_number(against.coefficient, against.value)
         none = type(against)(0.0)  # type: ignore[call-arg]  # every resistance has one field
         family, _, _, given = of_body(family, body, None, contact, given | {"resistance": none})
@@ -286,6 +300,15 @@ def slow_flow(
     if missing:
         raise NameUnknownError(f"{', '.join(missing)} of {family.name} is missing.")
     return SlowFlow(still, family.system, small, value, numbers)
+
+
+def _single_resistance(given: Any) -> Resistance:
+    """The one resistance of a call."""
+    found = resistances(given)
+    if len(found) != 1:
+        what = f"names {len(found)} of them" if found else "is missing"
+        raise ParameterError(f"resistance {what}; give one, such as RollingResistance(rho).")
+    return found[0]
 
 
 def _still(family: Family, small: str) -> Family:

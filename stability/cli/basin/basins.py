@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 from ...base.checks import whole_number
 from ...base.errors import FileError, ParameterError
 from ...storage.json_text import json_text
-from ..options import PARAMETER_HELP, _picture, add_body, add_scales, overwriting
+from ..options import PARAMETER_HELP, _picture, add_scales, overwriting
 from ..simulate import CONTACTS
+from ..subject.body_option import add_body
 from ..terminal import progress_bar, say
 from .launched import KINDS, launched
 

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from ...base.errors import NameUnknownError, ParameterError, absent, listed, shown
-from ..options import _axis, _disk, _number, body_of, contact_of
-from ..system_option import system_with_families
+from ..options import _axis, _disk, contact_of, number
+from ..subject.body_option import body_of
+from ..subject.system_option import system_with_families
 
 KINDS = {"uniform": "LOW:HIGH", "log": "LOW:HIGH", "normal": "MEAN:DEVIATION"}
 """Distributions of --sample, and their two numbers."""
@@ -91,7 +92,7 @@ def _distribution(text: str) -> tuple[str, Any]:
         raise NameUnknownError(
             f"--sample has the kind {shown(kind)}; give {listed(list(KINDS), 'or')}."
         )
-    a, b = (_number(v, f"a number of --sample {shown(text)}") for v in numbers)
+    a, b = (number(v, f"a number of --sample {shown(text)}") for v in numbers)
     return name, {"uniform": Uniform, "log": LogUniform, "normal": Normal}[kind](a, b)
 
 
@@ -110,5 +111,5 @@ def _held(options: argparse.Namespace, varied: Sequence[str]) -> dict[str, float
             raise ParameterError(f"{name} is set twice; give it once.")
         if name in varied:
             raise ParameterError(f"{name} varies and is set; give it once.")
-        found[name] = _number(value, name)
+        found[name] = number(value, name)
     return found

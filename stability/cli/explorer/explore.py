@@ -7,8 +7,9 @@ from typing import Any
 
 from ...base.errors import ParameterError
 from ...storage.json_text import json_text
-from ..options import _at, _disk, _number, body_of, where_of
-from ..system_option import doubles, own_family, with_at
+from ..options import _at, _disk, number
+from ..subject.body_option import body_of, where_of
+from ..subject.system_option import doubles, own_family, with_at
 
 EXAMPLES = (
     "stability explore --out page.html",
@@ -77,4 +78,4 @@ def _axis(text: str | None, which: str) -> tuple[Any, ...] | None:
     spacing = ends[2:]
     if len(ends) < 2 or spacing not in ([], ["log"]):
         raise ParameterError(f"--{which} is {text!r}; give NAME:LO:HI or NAME:LO:HI:log.")
-    return name, *(_number(end, which) for end in ends[:2]), *spacing
+    return name, *(number(end, which) for end in ends[:2]), *spacing

@@ -8,8 +8,9 @@ from typing import Any
 
 from ...base.errors import ParameterError
 from ...storage.json_text import json_text
-from ..options import CONTACTS, _axis_ends, _family, add_body, body_of, overwriting, where_of
-from ..system_option import doubles, family_named, numbers, system_with_families
+from ..options import CONTACTS, _axis_ends, _family, overwriting
+from ..subject.body_option import add_body, body_of, where_of
+from ..subject.system_option import doubles, family_named, numbers, system_with_families
 
 FORMATS = ("latex", "c", "auto", "bifurcationkit")
 """Words after `export`."""

@@ -106,6 +106,8 @@ def steady_motions() -> Theorem:
     proof.step("both sides vanish for every φ̇ upright (c = 0 and h′ = 0), or where h′ = 0 and "
                "I1 r c = I3 z s, which at h′ = 0 is (I1-I3) h s c = 0",
                "identity at h′ = 0", _both)  # fmt: skip
+    proof.step("there ω₃ = φ̇ c, so ω = φ̇ Ẑ, and the contact point lies below the centre",
+               "ω₃ = φ̇ s z/r at h′ = 0, where r = h s and z = h c", _turns)  # fmt: skip
     proof.step("no equation is left, and each of the motions is steady under every such law",
                "Newton along ŷ, Euler along 1̂ and 3̂ vanish",
                lambda: all(vanishes(r) for r in (ny, e1, e3)))  # fmt: skip
@@ -114,17 +116,18 @@ def steady_motions() -> Theorem:
                lambda: vanishes(along(RADIUS) - (H + BEND) * COS))  # fmt: skip
     return Theorem(
         "steady motions of every body under any friction",
-        ("The steady motions are exactly rolling (φ̇ = 0, h′ = 0), spinning (θ = π/2, h′ = 0, "
-         "ω₃ = 0) and tumbling (ω₃ = φ̇ sinθ z/r, φ̇² sinθ (I1 r cosθ - I3 z sinθ) = h′ r), with "
-         "vA = 0 and F = 0 in each.",
-         "A body with I1 = I3 can also spin about the vertical at any θ with h′ = 0: tumbling "
-         "with φ̇ free."),
+        ("If I1 ≠ I3, the steady motions are exactly rolling (φ̇ = 0, h′ = 0), spinning (θ = π/2, "
+         "h′ = 0, ω₃ = 0) and tumbling (ω₃ = φ̇ sinθ z/r, φ̇² sinθ (I1 r cosθ - I3 z sinθ) = "
+         "h′ r), with vA = 0 and F = 0 in each.",
+         "A body with I1 = I3 has one more family: leaning spin, ω = φ̇ Ẑ with φ̇ free, at every "
+         "other θ with h′ = 0; there the equation of tumbling is 0 = 0."),
         ("0 < θ < π, sinθ ≠ 0, h > 0, h + h′′ ≥ 0 and not zero for all θ < π/2 if the contact "
          "reaches the axis (so r ≠ 0); I1 > 0, I3 > 0",
          "the law of friction at gn = 1: F·vA < 0 where vA ≠ 0, F = 0 where vA = 0; nothing else",
-         "steady: θ, θ̇ = 0, φ̇, ω₃ and vA are constant; the poles sinθ = 0 are left out"),
+         "steady: θ, θ̇ = 0, φ̇, ω₃ and vA are constant; the next theorem has the poles sinθ = 0"),
         tuple(proof.steps),
-        (SEARCH, f"{SEARCH}_at_or_near_a_pole"),
+        (SEARCH, f"{SEARCH}_at_or_near_a_pole",
+         "tests/derivation/bodies/test_vertical.py::test_a_body_of_equal_moments_leans_and_spins"),
     )  # fmt: skip
 
 
@@ -137,6 +140,10 @@ def _tumbles() -> bool:
 def _both() -> bool:
     level = (I1 * RADIUS * COS - I3 * AXIAL * SIN).subs(SLOPE, 0)
     return vanishes(level - (I1 - I3) * H * SIN * COS)
+
+
+def _turns() -> bool:
+    return vanishes((PHI * SIN * AXIAL / RADIUS).subs(SLOPE, 0) - PHI * COS)
 
 
 @lru_cache(maxsize=1)

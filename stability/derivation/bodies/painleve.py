@@ -18,7 +18,9 @@ from ...algebra.number_types import balls
 from ...algebra.program import Program
 from ...base.checks import instance
 from ...base.errors import ParameterError
+from ...bodies.disk import Disk
 from ...bodies.round_body.body import Body
+from ...bodies.round_body.shapes.named import of_disk
 
 WIDTH = 1e-13
 """Largest width of an enclosure, over its value."""
@@ -29,13 +31,19 @@ MOST = 200_000
 
 
 @dataclass(frozen=True)
-class Limit:
-    """An enclosure of Painlevé's limit of mu |vx|, over √(g·length) for friction over that speed.
+class PainleveLimit:
+    """An enclosure of Painlevé's limit of mu |vx|, which has no unit.
+
+    mu is the viscous coefficient [s/m], vx the slip along the horizontal part of the axis [m/s].
+
+    Source: `painleve_limit`.
 
     Examples
     --------
-    >>> Limit(1.0, 1.5, 0.3).middle
-    1.25
+    >>> import stability as st
+    >>> found = st.painleve_limit(st.Torus(0.2))
+    >>> found.low <= found.middle <= found.high, round(found.theta, 3)
+    (True, 1.017)
     """
 
     low: float
@@ -51,35 +59,43 @@ class Limit:
         return (self.low + self.high) / 2
 
 
-def painleve_limit(body: Body) -> Limit:
-    """Painlevé's limit of mu |vx| for a body, enclosed.
+def painleve_limit(body: Body | Disk) -> PainleveLimit:
+    """Painlevé's limit of the slip of a body under viscous friction, enclosed.
+
+    The plane can hold the body at every inclination exactly where mu |vx| is below the limit: then
+    D > 0 for every θ.  Above it there is an inclination at which no contact force does
+    (Painlevé's paradox).
 
     Parameters
     ----------
     body
-        The body, each number a single one; mass, gravity and length do not matter.
+        The body or disk, each number a single one; mass, gravity and length do not matter.
 
     Returns
     -------
-    Limit
+    PainleveLimit
         The upper end is infinite for a ball; the lower end may then be about 1e6 only.
 
     Raises
     ------
     ParameterError
-        If a number of the body is an array, or the height defies enclosure.
+        If this is no body, a number of it is an array, or the height defies enclosure.
 
     Source: the definition of D in docs/explanation/bodies.md; for the disk 2√(k(k+1)) in closed
-    form.
+    form.  tests/derivation/bodies/test_bodies_theorems.py minimises by another route.
 
     Examples
     --------
-    >>> import casadi as ca
-    >>> coin = Body(lambda theta: ca.sin(theta), axial=0.5, transverse=0.25)
-    >>> round(painleve_limit(coin).middle, 12)  # 2√(k(k+1))
+    >>> import stability as st
+    >>> print(round(st.painleve_limit(st.Disk(k=0.25)).middle, 12))  # 2√(k(k+1))
     1.11803398875
+    >>> egg = st.painleve_limit(st.Egg(0.2))
+    >>> print(f"mu |vx| < {egg.middle:.12f}, first reached at theta = {egg.theta:.3f}")
+    mu |vx| < 1.307568805439, first reached at theta = 2.531
     """
-    instance("body", body, Body, "give a stability.Body")
+    if isinstance(body, Disk):
+        body = of_disk(body)
+    instance("body", body, Body, "give a stability.Body or a stability.Disk")
     if any(np.ndim(v) for v in body.given.values()):
         raise ParameterError("Painlevé's limit needs one number for each quantity of the body.")
     with precision(128):
@@ -110,7 +126,7 @@ def _program(body: Body) -> Any:
     return values
 
 
-def _enclosed(values: Any, low: arb, high: arb, body: Body) -> Limit:
+def _enclosed(values: Any, low: arb, high: arb, body: Body) -> PainleveLimit:
     """Bisection: an interval is dropped where |g| stays below the best value found so far."""
     best, place = arb(0), float(low)
     boxes = [((low + (high - low) * i / 64), (low + (high - low) * (i + 1) / 64))
@@ -136,8 +152,8 @@ def _enclosed(values: Any, low: arb, high: arb, body: Body) -> Limit:
                 boxes += [(a, middle), (middle, b)]
     top = top.max(best)
     if top == 0:
-        return Limit(np.inf, np.inf, place)
-    return Limit(_down(1 / top), _up(1 / best) if best > 0 else np.inf, place)
+        return PainleveLimit(np.inf, np.inf, place)
+    return PainleveLimit(_down(1 / top), _up(1 / best) if best > 0 else np.inf, place)
 
 
 def _bound(values: Any, a: arb, b: arb, middle: arb) -> arb:

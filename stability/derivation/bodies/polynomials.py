@@ -37,6 +37,12 @@ RADIUS, AXIAL = H * SIN + SLOPE * COS, H * COS - SLOPE * SIN
 """r and z of the contact point."""
 LAWS = ("viscous", "rough", "smooth")
 """Laws whose polynomials are derived."""
+PAIRS = {"circling": "rough", "precession": "smooth"}
+"""Families that two numbers name, each under its one law."""
+PLACED = CENTRE | {BEND: RHO - CENTRE[H]}
+"""The height and its slopes by r, z and ρ."""
+PAIRED: dict[str, dict[Expr, Expr]] = {"circling": PLACED, "precession": {}}
+"""Values by which the polynomials of such families are short."""
 
 
 @dataclass(frozen=True)
@@ -62,14 +68,14 @@ class Characteristic:
 
 @lru_cache(maxsize=16)
 def characteristic(family: str, law: str) -> Characteristic:
-    """The characteristic polynomial of rolling, spinning or tumbling, for every body.
+    """The characteristic polynomial of a family with an inclined axis, for every body.
 
     Parameters
     ----------
     family
-        rolling, spinning or tumbling.
+        rolling, spinning or tumbling; circling or precession, where ω₃ follows from their surface.
     law
-        viscous, rough or smooth.
+        viscous, rough or smooth; rough for circling, smooth for precession.
 
     Returns
     -------
@@ -80,13 +86,15 @@ def characteristic(family: str, law: str) -> Characteristic:
     >>> characteristic("spinning", "smooth").coefficients
     (I1, 0, I1*phi_dot**2 + h′′)
     """
-    rest = dict(STATES[known("family", family, STATES)])
-    spin = {SPIN: rest.pop(SPIN, SPIN)}  # with its fraction only after the determinant
-    matrix = pencil(known("law", law, LAWS)).subs({FORCE_X: 0} | rest, simultaneous=True)
-    whole = DomainMatrix.from_Matrix(matrix.expand())
-    det = whole.domain.to_sympy(whole.det())
-    top = sympy.fraction(sympy.together(det.subs(spin)))[0]
-    poly = sympy.Poly(folded(top), LAM)
+    known("family", family, (*STATES, *PAIRS))
+    if family in PAIRS:
+        known("law", law, (PAIRS[family],))
+        poly = _of_pair(family, PAIRED[family])
+    else:
+        rest = dict(STATES[family])
+        spin = {SPIN: rest.pop(SPIN, SPIN)}  # with its fraction only after the determinant
+        det = _determinant(known("law", law, LAWS), {FORCE_X: 0} | rest)
+        poly = sympy.Poly(folded(sympy.fraction(sympy.together(det.subs(spin)))[0]), LAM)
     zeros = min(n for (n,) in poly.monoms())
     content, factors = sympy.factor_list(poly.as_expr())
     left = sympy.Mul(content, *[f**n for f, n in factors if not f.has(LAM)])
@@ -97,9 +105,23 @@ def characteristic(family: str, law: str) -> Characteristic:
     return Characteristic(family, law, zeros, coefficients, left)
 
 
+def _determinant(law: str, values: dict[Expr, Expr]) -> Expr:
+    """The determinant of the pencil at values of its symbols."""
+    whole = DomainMatrix.from_Matrix(pencil(law).subs(values, simultaneous=True).expand())
+    return whole.domain.to_sympy(whole.det())
+
+
+def _of_pair(family: str, place: dict[Expr, Expr]) -> sympy.Poly:
+    """The whole polynomial in λ of circling or precession; ω₃ and φ̇ both stay in it."""
+    law = PAIRS[family]
+    force = PHI * (R * SPIN - PHI * SIN * Z) if law == "rough" else 0  # mass times acceleration
+    det = _determinant(law, place | {FORCE_X: force})
+    return sympy.Poly(folded(det), LAM)
+
+
 def _negative(expression: Expr) -> bool:
     """Whether an expression is negative at one body, which only chooses a sign."""
-    point = {I1: sympy.Rational(1, 3), I3: sympy.Rational(1, 2), H: 1, R: 1, Z: 0,
+    point = {I1: sympy.Rational(1, 3), I3: sympy.Rational(1, 2), H: 1, SLOPE: 0, R: 1, Z: 0,
              SIN: sympy.Rational(4, 5), COS: sympy.Rational(3, 5)}  # fmt: skip
     return bool(expression.subs(point) < 0)
 
@@ -136,8 +158,6 @@ def derivatives_that_enter() -> tuple[bool, str]:
 
 VARIABLES = (I1, I3, H, BEND, R, Z, RHO, SIN, COS, PHI, SPIN, MU)
 """Variables of a stored polynomial; that of tumbling has no ω₃, that of rolling no r, z and ρ."""
-PAIRS = {"circling": "rough", "precession": "smooth"}
-"""Families that two numbers name, each under its one law."""
 
 
 def stored() -> dict[str, Any]:
@@ -153,12 +173,8 @@ def stored() -> dict[str, Any]:
         for family in ("rolling", "tumbling"):
             found = characteristic(family, law)
             cases[f"{family} {law}"] = _record(found.zeros, found.coefficients[::-1])
-    place = CENTRE | {BEND: RHO - CENTRE[H]}
     for family, law in PAIRS.items():
-        force = PHI * (R * SPIN - PHI * SIN * Z) if law == "rough" else 0  # mass times acceleration
-        matrix = pencil(law).subs(place | {FORCE_X: force}, simultaneous=True)
-        whole = DomainMatrix.from_Matrix(matrix.expand())
-        poly = sympy.Poly(folded(whole.domain.to_sympy(whole.det())), LAM)
+        poly = _of_pair(family, PLACED)
         zeros = min(n for (n,) in poly.monoms())
         cases[f"{family} {law}"] = _record(zeros, poly.all_coeffs()[::-1][zeros:])
     return {"format": 1, "cases": cases}

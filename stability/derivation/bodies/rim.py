@@ -7,11 +7,14 @@ two ways: sin θ + ε, the rim added outside, or (1-ε) sin θ + ε, the outer r
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
 import sympy
+from flint import arb, fmpq
 
+from ...algebra.balls import precision
 from ..characteristic import COS, MU, SIN, K, M
 from ..hurwitz import determinant
 from ..theorems.motion import PHI, SPIN
@@ -22,6 +25,8 @@ from .polynomials import SQUARE, characteristic
 Expr = Any
 """A SymPy expression; SymPy states no types."""
 EPS = sympy.Symbol("ε")
+BITS = 200
+"""Precision of balls."""
 SCALED = {I1: I1 / H**2, I3: I3 / H**2, RHO: (H + BEND) / H}
 """Numbers over h(π/2), as `spinning` has them."""
 
@@ -153,29 +158,136 @@ def _in_m(expression: Expr) -> Expr:
     return sum(c * M ** (n // 2 - 1) for (n,), c in poly.terms())
 
 
-def tumbling_shift(rounded: str, k: float, theta: float) -> tuple[tuple[float, float], ...]:
-    """mu² at the flutter boundaries of tumbling of a coin, and its derivative by ε.
+@dataclass(frozen=True)
+class TumblingShift:
+    """The limit of M = mu² of tumbling of a coin, and its change at first order in ε.
+
+    At an inclination with sine s and cosine c tumbling is stable where A s² M² + B s M + C > 0,
+    with C > 0.  Where A < 0 the limit is the one positive root.  It moves by ε dM/dε, with
+    dM/dε = -2 D/(s E (2 A s² M + B s)) at the root.
+    """
+
+    rounded: str
+    """A key of `INCLINED`."""
+    a: Expr
+    """A, a polynomial in k and c."""
+    b: Expr
+    """B, likewise."""
+    c: Expr
+    """C, likewise."""
+    divisor: Expr
+    """E, likewise; positive for k ≤ 1/2."""
+    moved: tuple[Expr, ...]
+    """Coefficients of D in M, the highest power first: polynomials in k and s."""
+
+    @property
+    def condition(self) -> Expr:
+        """A s² M² + B s M + C."""
+        return self.a * SIN**2 * M**2 + self.b * SIN * M + self.c
+
+    @property
+    def limit(self) -> Expr:
+        """The root M, for A < 0."""
+        return (self.b + sympy.sqrt(self.b**2 - 4 * self.a * self.c)) / (-2 * self.a * SIN)
+
+    @property
+    def slope(self) -> Expr:
+        """dM/dε, with the root M in it."""
+        top = sympy.Poly(list(self.moved), M).as_expr()
+        return -2 * top / (SIN * self.divisor * (2 * self.a * SIN**2 * M + self.b * SIN))
+
+
+@lru_cache(maxsize=4)
+def tumbling_formula(rounded: str) -> TumblingShift:
+    """The limit of mu² of tumbling of a coin at first order in ε, symbolic in k and sinθ.
+
+    Parameters
+    ----------
+    rounded
+        A key of `INCLINED`.
+
+    Raises
+    ------
+    ValueError
+        If the condition is not quadratic in M with factors of known sign.
+
+    Examples
+    --------
+    >>> tumbling_formula("h = sinθ + ε").c
+    -96*c**2*k**3*(3*c**2*k - c**2 - k)
+    """
+    value, slope = tumbling_polynomials(rounded)
+    divisor = K + (1 - 3 * K) * COS**2
+    ring = sympy.Poly(value, M)
+    parts: list[Expr] = []
+    for power in (2, 1, 0):
+        own = sympy.cancel(ring.nth(power) / (SIN ** (6 + power) * K**10))
+        in_cosine = sympy.Poly(own, SIN)
+        if any(n % 2 for (n,) in in_cosine.monoms()):
+            raise ValueError("the condition of tumbling is not even in sinθ")
+        turned = sum(e * (1 - COS**2) ** (n // 2) for (n,), e in in_cosine.terms())
+        parts.append(sympy.factor(sympy.cancel(turned / divisor)))
+    moved = sympy.Poly(sympy.cancel(slope / (2 * SIN**5 * K**10)), M)
+    if ring.degree() != 2 or not all(e.is_polynomial(K, COS, SIN) for e in (*parts, moved.LC())):
+        raise ValueError("the condition of tumbling is not quadratic in M")
+    a, b, c = parts
+    coefficients = tuple(sympy.factor(e) for e in moved.all_coeffs())
+    return TumblingShift(rounded, a, b, c, divisor, coefficients)
+
+
+def tumbling_shift(
+    rounded: str, k: Fraction | float, theta: Fraction | float
+) -> tuple[arb, arb] | None:
+    """mu² at the flutter boundary of tumbling of a coin, and its derivative by ε, enclosed.
 
     Parameters
     ----------
     rounded
         A key of `INCLINED`.
     k
-        Inertia factor.
+        Inertia factor, up to 1/2.
     theta
-        Inclination [rad].
+        Inclination, exactly [rad].
 
     Returns
     -------
-    tuple of (mu² [1/(g R)], derivative by ε)
-        One pair for each positive root; roots in double precision of exact polynomials.
-    """
-    import math
+    (mu² [1/(g R)], derivative by ε) as balls
+        None where tumbling is stable for every mu.
 
-    value, slope = (
-        sympy.Poly(sympy.together(p.subs({K: k, SIN: math.sin(theta)})), M)
-        for p in tumbling_polynomials(rounded)
-    )
-    roots = [complex(r) for r in value.nroots(n=20)]
-    real = [r.real for r in roots if abs(r.imag) < 1e-12 and r.real > 0]
-    return tuple((r, -float(slope.eval(r) / value.diff().eval(r))) for r in real)
+    Raises
+    ------
+    ValueError
+        If balls leave open whether there is a limit.
+
+    Examples
+    --------
+    >>> value, slope = tumbling_shift("h = sinθ + ε", Fraction(1, 4), Fraction(6, 5))
+    >>> print(value.str(15, radius=False), slope.str(15, radius=False))
+    1.38562634521409 -0.120814943689128
+    """
+    found = tumbling_formula(rounded)
+    with precision(BITS):
+        near = [arb(fmpq(*v.as_integer_ratio())) for v in (k, theta)]
+        given = {K: near[0], SIN: near[1].sin(), COS: near[1].cos()}
+        a, b, c = (_ball(e, given) for e in (found.a, found.b, found.c))
+        square = b * b - 4 * a * c
+        if a >= 0 and c > 0 and (b >= 0 or square < 0):
+            return None
+        if not (a < 0 and c > 0):  # one sign change: one positive root
+            raise ValueError(f"the limit of tumbling at {theta} is not enclosed")
+        root = (b + square.sqrt()) / (-2 * a * given[SIN])
+        return root, _ball(found.slope, given | {M: root})
+
+
+def _ball(expression: Expr, given: dict[Expr, arb]) -> arb:
+    """A rational expression with rational coefficients, at balls."""
+    parts = []
+    for part in sympy.fraction(sympy.together(expression)):
+        total = arb(0)
+        for powers, c in sympy.Poly(part, *given).terms():
+            term = arb(fmpq(int(c.p), int(c.q)))
+            for ball, power in zip(given.values(), powers, strict=True):
+                term *= ball**power
+            total += term
+        parts.append(total)
+    return parts[0] / parts[1]

@@ -23,8 +23,9 @@ from ..theorems.motion import (
 )
 from .completeness import MOMENT, RIM, SURFACE, power_theorem
 from .graph import BEND, I1, I3, RHO, SLOPE, H, R, Z, along, equations, folded, pencil, vanishes
-from .polynomials import AXIAL, CENTRE, RADIUS, SQUARE, characteristic
+from .polynomials import AXIAL, CENTRE, PAIRS, RADIUS, SQUARE, characteristic
 from .rolling import FILE
+from .signs import sign
 
 Expr = Any
 """A SymPy expression; SymPy states no types."""
@@ -106,6 +107,59 @@ def energy_decides() -> Theorem:
         tuple(proof.steps),
         (f"{FILE}::test_energy_is_least_at_neutral_members",),
     )  # fmt: skip
+
+
+@lru_cache(maxsize=1)
+def surfaces_neutral() -> Theorem:
+    """Which motions of the surfaces without slip and without friction are neutral."""
+    proof = Proof()
+    proof.step("circling: λ² (a λ² + K) = 0, a = s (I1 + r² + z²) (I1 I3 + I1 r² + I3 z²) > 0",
+               "characteristic polynomial of the general graph, coefficients of one sign",
+               lambda: _lead("circling", SIN * (I1 + R**2 + Z**2)
+                             * (I1 * I3 + I1 * R**2 + I3 * Z**2)))  # fmt: skip
+    proof.step("precession: λ² (a λ² + K) = 0, a = I1 (I1 + h′²) > 0", "the same",
+               lambda: _lead("precession", I1 * (I1 + SLOPE**2)))  # fmt: skip
+    proof.step("where the centre rests, K of circling is s/r² times the constant term of tumbling "
+               "without slip", "identity with ω₃ = φ̇ s z/r", _rests_too)  # fmt: skip
+    proof.step("precession: K = I1² φ̇² + I1 (h′′ + h′ c/s) + (h′/(φ̇ s))²",
+               "identity with I3 ω₃ = I1 φ̇ c - h′/(φ̇ s)", _precession)  # fmt: skip
+    proof.step("I1² φ̇² + (h′/(φ̇ s))² ≥ 2 I1 |h′|/s, with equality at I1 φ̇² = |h′|/s",
+               "the difference is a square", lambda: vanishes(
+                   I1**2 * PHI**2 + (SLOPE / (PHI * SIN)) ** 2 - 2 * I1 * SLOPE / SIN
+                   - (I1 * PHI - SLOPE / (PHI * SIN)) ** 2))  # fmt: skip
+    return Theorem(
+        "circling without slip, and precession without friction",
+        ("Circling without slip is neutral where K > 0, and unstable where K < 0, with K the "
+         "coefficient of λ⁰ that is printed among the polynomials.",
+         "Precession without friction is neutral where I1² φ̇² + I1 (h′′ + h′ cosθ/sinθ) + "
+         "(h′/(φ̇ sinθ))² > 0, and unstable where this is negative; the axial moment does not "
+         "enter.",
+         "It is neutral for every φ̇ ≠ 0 where h′′ sinθ + h′ cosθ + 2 |h′| > 0."),
+        ("0 < θ < π, h > 0, r > 0, φ̇ ≠ 0; m = g = 1; ω₃ from the surface of steady motions",
+         "neutral: every eigenvalue but the two structural zeros is on the imaginary axis"),
+        tuple(proof.steps),
+        ("tests/derivation/bodies/test_vertical.py"
+         "::test_circling_and_precession_turn_where_the_theorem_says",),
+    )  # fmt: skip
+
+
+def _lead(family: str, wanted: Expr) -> bool:
+    found = characteristic(family, PAIRS[family])
+    even = found.zeros == 2 and len(found.coefficients) == 3 and found.coefficients[1] == 0
+    return even and vanishes(found.coefficients[0] - wanted) and sign(wanted) == 1
+
+
+def _rests_too() -> bool:
+    circling = characteristic("circling", "rough").coefficients[-1]
+    resting = circling.subs(SPIN, PHI * SIN * Z / R) * R**2 / SIN
+    return vanishes(resting - characteristic("tumbling", "rough").coefficients[-1])
+
+
+def _precession() -> bool:
+    constant = characteristic("precession", "smooth").coefficients[-1]
+    inserted = constant.subs(SPIN, (I1 * PHI * COS - SLOPE / (PHI * SIN)) / I3)
+    wanted = I1**2 * PHI**2 + I1 * (BEND + SLOPE * COS / SIN) + (SLOPE / (PHI * SIN)) ** 2
+    return vanishes(inserted - wanted)
 
 
 @lru_cache(maxsize=2)

@@ -16,6 +16,7 @@ from ...bodies.round_body.body import Body
 from ...bodies.round_body.families import FAMILIES
 from ...bodies.round_body.inclinations import tumbling_ranges
 from ...bodies.round_body.pole_equations import smooth_at
+from ...bodies.round_body.shape import refuse_constants
 from ...bodies.round_body.shapes import named
 from ...systems.family import Family
 from ..disk_subjects import WORDS
@@ -84,6 +85,7 @@ def body_page(
     axes
         The two axes, or None for each.
     """
+    refuse_constants(body, [axis.name for axis in axes if axis is not None])
     families = _families(body)
     names = list(dict.fromkeys(f.name for f in families))
     if not isinstance(family, str) or family not in names:

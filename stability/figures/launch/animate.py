@@ -156,6 +156,8 @@ def _single(dataset: Any, body: Any = None) -> dict[str, Any]:
             f"the dataset is of {known or 'a disk'}; give "
             + (f"body=, the Body that is called {known}." if known else "no body.")
         )
+    if body is not None:
+        _check_numbers(dataset, body)
     if "phi" not in dataset:
         raise ParameterError("the dataset has no pose; call simulate with pose=True.")
     series = (*POSED, *LINEAR, *(("contact_x", "contact_y") if body else ()))
@@ -177,6 +179,22 @@ def _single(dataset: Any, body: Any = None) -> dict[str, Any]:
     if not finite or not (np.diff(motion["time"]) > 0).all():
         raise ParameterError("the dataset has NaN or times that do not rise; give a whole motion.")
     return motion if body else motion | {"radius": float(dataset.radius)}
+
+
+def _check_numbers(dataset: xarray.Dataset, body: Body) -> None:
+    """Refuse a body whose numbers are not those of the motion, since its shape would be another."""
+    for name, value in body.given.items():
+        if np.size(value) > 1:
+            raise ParameterError(
+                f"{name} of the body is {shown(value)}; give the body with the numbers of the one "
+                "launch that is drawn."
+            )
+        known = dataset[name].values if name in dataset.variables else np.asarray(value)
+        if known.ndim == 0 and not np.isclose(known, value, rtol=1e-9, atol=0.0).all():
+            raise ParameterError(
+                f"{name} of the body is {float(np.ravel(value)[0]):g} and that of the dataset "
+                f"{float(known):g}; give the body of the dataset."
+            )
 
 
 def _page(

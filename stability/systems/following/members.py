@@ -95,7 +95,7 @@ def find(family: Any, a: Floats, q: Floats, start: Floats | None) -> Found:
 def _rooted(
     family: Any, a: Floats, q: Floats, start: Floats, positive: Sequence[int]
 ) -> tuple[Floats, NDArray[np.bool_]]:
-    """Roots next to those of the family's formulas; the root-finder's where these have none."""
+    """Roots next to those of the family's formulas; where it has none, next to first guesses."""
     u, good, left = start.copy(), np.zeros(len(a), dtype=bool), np.ones(len(a), dtype=bool)
     known = family.formulas.guess(a, q) if family.formulas is not None else None
     if known is not None:
@@ -107,7 +107,7 @@ def _rooted(
         left = ~good & ~lacking
     rows = np.flatnonzero(left)
     if len(rows):
-        u[rows], good[rows] = roots(family.graph, a[rows], q[rows], start[rows], positive)
+        u[rows], good[rows] = roots(family.graph, a[rows], q[rows], u[rows], positive)
     return u, good
 
 

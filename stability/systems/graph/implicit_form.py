@@ -1,7 +1,8 @@
 """Formulas in an unknown that obeys one equation in the parameters alone.
 
-Each number type solves the equation in its own way, with a proof: arrays and balls by Newton's
-method and the mean value theorem, series power by power.
+An equation may have several roots.  The one nearest to the start is meant, for every number type.
+Doubles find it by Newton's method, and by a search where Newton's method goes to another one.
+Balls prove it by the mean value theorem, series follow power by power.
 
 Source: tests/bodies/test_closed_forms.py compares with the linearisation of the graph.
 """
@@ -11,11 +12,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
+from itertools import product
 from typing import Any
 
 import casadi as ca
 import numpy as np
 from flint import arb, arb_series, ctx
+from numpy.typing import NDArray
 
 from ...algebra.number_types import Algebra, balls, numpy_algebra
 from ...algebra.program import Program
@@ -33,6 +36,19 @@ WIDER = 4.0
 """Factor from the first bound on an error to the interval that proves it."""
 TRIES = 4
 """Intervals that are tried, each wider than the one before."""
+SIGNS = 32
+"""Values between the start and a root, and as many on the other side, whose signs are compared."""
+SAMPLES = 720
+"""Steps of the search for the nearest root."""
+HALVINGS = 60
+"""Halvings of a step in which a root lies."""
+SAME = 1e-12
+"""Distance of a root in doubles from the ball of the same root, relative to 1 or to the root."""
+KEPT = 1024
+"""Most roots that are kept."""
+
+
+_PLAIN = numpy_algebra()
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +59,9 @@ class ImplicitForm(ClosedForm):
     """A CasADi function, serialised: (unknown, parameters) → a number that vanishes at members, and
     its slope by the unknown."""
     start: float = 0.0
-    """First guess of the unknown, from which every number type starts."""
+    """Number to which the root that is meant is the nearest."""
+    between: tuple[float, float] = (-np.inf, np.inf)
+    """Interval of the unknown."""
 
     __getstate__ = fields_of
 
@@ -71,8 +89,16 @@ class ImplicitForm(ClosedForm):
         then = super().begun(algebra, [*a, u], q, moving)
         return lambda a, q: then([*a, u], q)
 
-    def guess(self, a: Floats, q: Floats) -> None:
-        """No unknowns: the equation for them is solved by the root-finder."""
+    def guess(self, a: Floats, q: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+        """The unknown, and where it is not found; the root-finder would take any other root.
+
+        Parameters
+        ----------
+        a, q
+            Family parameters and parameters, shapes (N, ·).
+        """
+        near = np.broadcast_to(self.near(list(q.T)), a.shape[:1])
+        return np.array(near)[:, None], ~np.isfinite(near)
 
     def solved(self, algebra: Algebra, q: Sequence[Any]) -> Any:
         """The unknown, in the number type of the parameters.
@@ -104,25 +130,79 @@ class ImplicitForm(ClosedForm):
         return (value or [zero])[0], (slope or [zero])[0]
 
     def near(self, q: Sequence[Any]) -> Any:
-        """The unknown in doubles, not a number where Newton's method does not end.
+        """The root nearest to the start in doubles, not a number where none is found.
 
         Parameters
         ----------
         q
             Parameters, numbers or arrays.
         """
-        plain = numpy_algebra()
-        shape = np.broadcast_shapes(*(np.shape(q[i]) for i in self.used))
-        u: Any = np.full(shape, self.start)
+        own = [np.asarray(q[i], dtype=float) for i in self.used]
+        key = tuple(v.item() for v in own) if all(v.ndim == 0 for v in own) else None
+        if key is not None and key in self._roots:
+            return self._roots[key]
+        given = [np.asarray(0.0)] * len(q)
+        for i, v in zip(self.used, own, strict=True):
+            given[i] = v
+        shape = np.broadcast_shapes(*(v.shape for v in own))
         with np.errstate(all="ignore"):
-            for _ in range(STEPS):
-                value, slope = self._both(plain, u, q)
-                step = np.asarray(value / slope)
-                u = u - step
-                last = np.abs(step) <= LEAST * (1 + np.abs(u))
-                if last.all():
-                    break
-        return np.where(np.abs(step) <= 4 * LEAST * (1 + np.abs(u)), u, np.nan)
+            u = self._newton(np.full(shape, self.start), given)
+            lost = ~self._nearest(u, given)
+            if lost.any():
+                rows = [np.broadcast_to(v, shape)[lost] for v in given]
+                u[lost] = self._searched(rows, int(lost.sum()))
+        if key is not None:
+            if len(self._roots) >= KEPT:
+                self._roots.clear()
+            self._roots[key] = u
+        return u
+
+    @cached_property
+    def _roots(self) -> dict[tuple[float, ...], Any]:
+        return {}
+
+    def _newton(self, u: Any, q: Sequence[Any]) -> Any:
+        """Newton's method; not a number where it does not end."""
+        for _ in range(STEPS):
+            value, slope = self._both(_PLAIN, u, q)
+            step = np.asarray(value / slope)
+            u = u - step
+            if (np.abs(step) <= LEAST * (1 + np.abs(u))).all():
+                break
+        return np.array(np.where(np.abs(step) <= 4 * LEAST * (1 + np.abs(u)), u, np.nan))
+
+    def _nearest(self, u: Any, q: Sequence[Any]) -> Any:
+        """Whether no sample nearer to the start than a root has another sign than the start."""
+        low, high = self.between
+        share = np.linspace(0.0, 1.0, SIGNS, endpoint=False).reshape(-1, *[1] * u.ndim)
+        sides = np.stack([self.start + sign * (u - self.start) * share for sign in (1, -1)])
+        value = np.sign(self._value(np.clip(sides, low, high), q))
+        same = (value == value[:, :1]).all(axis=(0, 1)) | (u == self.start)
+        return same & (low <= u) & (u <= high)
+
+    def _value(self, u: Any, q: Sequence[Any]) -> Any:
+        return np.broadcast_to(self._both(_PLAIN, u, q)[0], np.shape(u))
+
+    def _searched(self, q: Sequence[Any], count: int) -> Any:
+        """The root next to the nearest change of sign; not a number where there is none."""
+        low, high = self.between
+        if not np.isfinite(high - low):
+            return np.full(count, np.nan)
+        grid = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
+        value = self._value(np.tile(grid[:, None], count), q)
+        change = np.sign(value[:-1]) * np.sign(value[1:]) <= 0
+        far = np.abs((grid[:-1] + grid[1:]) / 2 - self.start)
+        order = np.where(change, far[:, None], np.inf)
+        best = order.argmin(axis=0)
+        left, right = grid[best], grid[best + 1]
+        begin = np.sign(np.take_along_axis(value, best[None], 0)[0])
+        for _ in range(HALVINGS):
+            middle = (left + right) / 2
+            here = np.sign(self._value(middle, q)) == begin
+            left, right = np.where(here, middle, left), np.where(here, right, middle)
+        found = self._newton((left + right) / 2, q)
+        close = np.abs(found - left) <= (high - low) / SAMPLES
+        return np.where(close & np.isfinite(order.min(axis=0)), found, np.nan)
 
     def _tracked(self, q: Sequence[Any]) -> RunningError:
         """With a bound: |f(u)| over the least slope on an interval that this bound fits into."""
@@ -155,9 +235,22 @@ class ImplicitForm(ClosedForm):
             table = dict(zip(self.used, points, strict=True))
             found = self._proved(q, float(self.near([table.get(i, 0.0) for i in range(len(q))])))
             if key is None:
+                self._require_one(own, found, q)
                 return found
             self._known[key] = found
         return self._known[key]
+
+    def _require_one(self, own: Sequence[Any], found: Any, q: Sequence[Any]) -> None:
+        """Refuse an interval at whose ends another root is the nearest."""
+        ends = [{float(v.mid() - v.rad()), float(v.mid() + v.rad())} for v in own]
+        if all(len(some) == 1 for some in ends):
+            return
+        room = SAME * (1 + abs(float(found.mid()))) + float(found.rad())
+        for corner in product(*ends):
+            table = dict(zip(self.used, corner, strict=True))
+            there = float(self.near([table.get(i, 0.0) for i in range(len(q))]))
+            if not abs(there - float(found.mid())) <= room:
+                raise NoMemberError("another root is the nearest in a part of the interval.")
 
     def _proved(self, q: Sequence[Any], rough: float) -> Any:
         if not np.isfinite(rough):

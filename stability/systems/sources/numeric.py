@@ -107,7 +107,7 @@ class NumericSystem(Equations):
     def check(self, x: ArrayLike, p: ArrayLike) -> None:
         """Nothing to check before the call."""
 
-    def rates(self, x: ArrayLike, p: ArrayLike) -> Floats:
+    def rates(self, x: ArrayLike, p: ArrayLike, *, checked: bool = False) -> Floats:  # noqa: ARG002
         """Rates of the states, as for `Equations.rates`; one call for each row."""
         xs, ps = rows("x", x, self.states), rows("p", p, self.parameters)
         shape = np.broadcast_shapes(xs.shape[:-1], ps.shape[:-1])

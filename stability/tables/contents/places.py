@@ -15,6 +15,7 @@ PLACES = {
     "launches": "launches",
     "theorems": "proofs.theorems",
     "bodies": "proofs.bodies",
+    "painleve": "proofs.painleve",
     "benchmarks": "benchmarks.catalogue",
     "circular": "literature.circular",
     "thresholds": "literature.thresholds",

@@ -19,7 +19,7 @@ NOTES = (
     "Over mass and length: m = g = 1. s = sinθ, c = cosθ; h, h′, h′′ the height of the centre and",
     "its derivatives at the state, ρ = h + h′′; r = h s + h′ c and z = h c - h′ s say where the",
     "contact point lies; I1 and I3 the transverse and axial moment; F the contact force, gn the",
-    "normal force, vA the slip; κ = I1/L².",
+    "normal force, vA the slip; n = omega_Z the rate of vertical spin, Ẑ the vertical; κ = I1/L².",
 )
 """Meaning of the symbols."""
 
@@ -35,6 +35,8 @@ def _lines(rows: list[dict[str, Any]]) -> list[str]:
     for number, row in enumerate(rows, start=1):
         lines.append(f"{number}. {row['part']}: {row['name']}  [{row['status']}]")
         lines += [line for text in row["statement"] for line in paragraph(text, "   ")]
+        for title, key in (("Source", "source"), ("Published", "published")):
+            lines += paragraph(f"{title}: {row[key]}", "   ") if row[key] else []
         for title, key in (("Assumptions:", "assumptions"), ("Tests:", "refuters")):
             if row[key]:
                 lines.append(f"   {title}")
@@ -53,6 +55,8 @@ def _latex(table: Table) -> str:
         title = f"{row['part']}: {row['name']}"
         out += ["", rf"\paragraph{{{number}. {prose(title)}}} ({prose(row['status'])})", ""]
         out += [f"{prose(text)}\n" for text in row["statement"]]
+        for title, key in (("Source", "source"), ("Published", "published")):
+            out += [f"{title}: {prose(row[key])}.\n"] if row[key] else []
         if row["assumptions"]:
             out += ["Assumptions: " + "; ".join(map(prose, row["assumptions"])) + "."]
         if row["steps"]:
@@ -75,6 +79,8 @@ TABLE = Definition(
         word("assumptions", "assumptions of the statement"),
         word("steps", "steps of the proof as checked"),
         word("refuters", "tests that try to refute the statement"),
+        word("source", "where a known result is from, and how much of it was at hand"),
+        word("published", "what the source prints, where that was at hand"),
     ),
     _rows,
     ("progress",),
@@ -82,7 +88,7 @@ TABLE = Definition(
     latex=_latex,
     about=About(
         "this package: statements on bodies of revolution; known results named row by row",
-        "no value",
+        "formulas and words in the column `published` of known results",
         "each statement from the general equations, by computer algebra",
         Standing.DERIVED,
     ),

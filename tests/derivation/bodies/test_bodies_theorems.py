@@ -24,11 +24,21 @@ from stability.bodies.contact_laws import LAWS
 from stability.bodies.round_body.equations import round_system
 from stability.bodies.round_body.families import round_family
 from stability.derivation.bodies import spinning
-from stability.derivation.bodies.catalogue import PARTS, PROOFS, entries, painleve, written
+from stability.derivation.bodies.catalogue import PROOFS, entries
 from stability.derivation.bodies.painleve import painleve_limit
-from stability.derivation.bodies.polynomials import characteristic, conditions
-from stability.derivation.bodies.rim import THRESHOLDS, shifts, tumbling_shift
+from stability.derivation.bodies.polynomials import PAIRS, characteristic, conditions
+from stability.derivation.bodies.rim import (
+    COS,
+    SIN,
+    THRESHOLDS,
+    M,
+    shifts,
+    tumbling_formula,
+    tumbling_shift,
+)
 from stability.derivation.bodies.signs import sign
+from stability.derivation.bodies.statements.entry import PARTS, written
+from stability.derivation.bodies.statements.limits import painleve
 from stability.derivation.bodies.tumbling import energy_slope
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -64,12 +74,12 @@ def at(expression: Any, values: dict[str, float]) -> float:
     return float(sp.sympify(expression).subs({sp.Symbol(n): v for n, v in values.items()}))
 
 
-def member_of(family: str, at: float, body: st.Body, law: str) -> np.ndarray:
+def member_of(family: str, at: float | tuple[float, float], body: st.Body, law: str) -> np.ndarray:
     """State of a member, from the body's own graph."""
     given = ("mu",) if law == "viscous" else ()
     found = round_family(body, family, LAWS[law], given, physical=False)
     table = dict(body.shape) | dict(zip(("axial", "transverse"), body.moments(), strict=True))
-    return found.member([at], [(table | {"mu": 0.7})[n] for n in found.parameters])
+    return found.member(np.atleast_1d(at), [(table | {"mu": 0.7})[n] for n in found.parameters])
 
 
 # --- proofs ---
@@ -96,19 +106,23 @@ def test_a_sign_is_proved_only_where_it_holds() -> None:
 # --- polynomials ---
 
 
-@pytest.mark.parametrize("law", ["viscous", "rough", "smooth"])
+MEMBERS: list[tuple[str, st.Body, float | tuple[float, float]]] = [
+    ("rolling", st.Torus(0.2), 1.3), ("rolling", LEAN, 0.7), ("rolling", LOW, 1.1),
+    ("rolling", st.ThickDisk(0.4), 2.0), ("spinning", st.Spheroid(1.7), 1.2),
+    ("spinning", st.Torus(0.3, solid=False), 2.1), ("tumbling", st.Spheroid(0.4), 0.8),
+    ("tumbling", st.Torus(0.2), 1.1), ("tumbling", st.ThickDisk(0.3), 0.9),
+    ("tumbling", EGG, 0.9), ("circling", EGG, (0.9, 1.3)), ("circling", LEAN, (1.6, 0.7)),
+    ("circling", st.ThickDisk(0.3), (1.1, 2.1)), ("precession", EGG, (2.1, 0.8)),
+    ("precession", st.Torus(0.2), (0.8, 1.9)),
+]  # fmt: skip
+
+
 @pytest.mark.parametrize(
-    ("family", "body", "member"),
-    [
-        ("rolling", st.Torus(0.2), 1.3), ("rolling", LEAN, 0.7), ("rolling", LOW, 1.1),
-        ("rolling", st.ThickDisk(0.4), 2.0), ("spinning", st.Spheroid(1.7), 1.2),
-        ("spinning", st.Torus(0.3, solid=False), 2.1), ("tumbling", st.Spheroid(0.4), 0.8),
-        ("tumbling", st.Torus(0.2), 1.1), ("tumbling", st.ThickDisk(0.3), 0.9),
-        ("tumbling", EGG, 0.9),
-    ],
-)  # fmt: skip
+    ("family", "body", "member", "law"),
+    [(*m, law) for m in MEMBERS for law in CONTACT if PAIRS.get(m[0], law) == law],
+)
 def test_polynomials_have_the_eigenvalues_of_the_spectrum(
-    law: str, family: str, body: st.Body, member: float
+    family: str, body: st.Body, member: float | tuple[float, float], law: str
 ) -> None:
     mu = 0.7
     spectrum = st.spectrum(family, at=member, body=body, contact=CONTACT[law](mu))
@@ -408,7 +422,10 @@ def test_the_solid_torus_moves_as_the_rounded_hoop() -> None:
 @pytest.mark.parametrize("kind", ["h = sinθ + ε", "h = (1-ε) sinθ + ε"])
 def test_tumbling_of_a_rounded_coin_moves_at_the_printed_rate(kind: str) -> None:
     for k, theta in ((0.25, 1.2), (0.5, 1.0)):
-        [(value, slope)] = tumbling_shift(kind, k, theta)
+        pair = tumbling_shift(kind, k, theta)
+        assert pair is not None
+        value, slope = (float(x) for x in pair)
+        assert all(x.rad() < 1e-40 for x in pair)
         left = []
         for eps in (0.004, 0.002):
             found = st.boundaries("tumbling", at=theta, axis=("mu", 0.2, 3, 30),
@@ -419,13 +436,34 @@ def test_tumbling_of_a_rounded_coin_moves_at_the_printed_rate(kind: str) -> None
         assert 3.4 < left[0] / left[1] < 4.8
 
 
+@pytest.mark.parametrize("kind", ["h = sinθ + ε", "h = (1-ε) sinθ + ε"])
+def test_tumbling_of_a_rounded_coin_ends_at_the_limit_of_spinning(kind: str) -> None:
+    """Upright, tumbling branches off spinning: its limit of mu² is M2, and moves as M2 does."""
+    found = tumbling_formula(kind)
+    [m2] = [s for s in shifts() if s.quantity == "mu² M2" and s.rounded == kind]
+    upright = {COS: 0, SIN: 1}
+    assert sp.simplify(found.condition.subs(upright).subs(M, m2.value)) == 0
+    assert sp.simplify(found.slope.subs(upright).subs(M, m2.value) - m2.slope) == 0
+    assert sp.simplify(found.condition.subs(M, found.limit)) == 0
+
+
+@pytest.mark.parametrize("k", [0.05, 0.2])
+def test_a_flat_coin_tumbles_stably_for_every_mu_where_there_is_no_limit(k: float) -> None:
+    kind, theta = "h = sinθ + ε", 0.5  # cos²θ > k/((1-3k)(1+2k))
+    assert tumbling_shift(kind, k, theta) is None
+    for mu in (0.1, 3.0, 100.0):
+        found = st.spectrum("tumbling", at=theta, body=rounded(kind, k, 1e-9),
+                            contact=st.Viscous(mu), certify=True)  # fmt: skip
+        assert found.verdict.word == "stable"
+
+
 # --- Painlevé ---
 
 
 @pytest.mark.parametrize(
     "body",
     [st.Torus(0.1), st.Torus(0.4, solid=False), st.Spheroid(0.5), st.Spheroid(1.8),
-     st.EccentricSphere(0.3), EGG],
+     st.EccentricSphere(0.3), EGG, st.Egg(0.2)],
     ids=lambda b: b.name,
 )  # fmt: skip
 def test_painleve_limits_are_the_least_values(body: st.Body) -> None:
@@ -465,6 +503,12 @@ def test_painleve_limits_of_disks_are_in_closed_form() -> None:
     with pytest.raises(st.StabilityError, match="one number"):
         painleve_limit(st.Torus([0.1, 0.2]))
     assert painleve().proved
+    assert st.painleve_limit(st.Disk(k=0.5)) == painleve_limit(
+        st.Body(lambda t: ca.sin(t), axial=1.0, transverse=0.5)
+    )
+    for wrong in ("egg", 0.25, None):
+        with pytest.raises(st.StabilityError, match=r"give a stability\.Body or a"):
+            st.painleve_limit(wrong)  # type: ignore[arg-type]
 
 
 def test_the_determinant_of_the_graph_vanishes_at_the_limit() -> None:
@@ -496,9 +540,21 @@ def test_the_table_of_bodies_prints_every_statement(capsys: pytest.CaptureFixtur
     assert len(theorems) == len(PROOFS) and all(r["status"] == "proved" for r in theorems)
     limits = {r["name"]: r["limit"] for r in rows if r["part"] == "Painlevé limit"}
     assert limits["disk, k = 0.25"] == pytest.approx(2 * math.sqrt(5) / 4, rel=1e-12)
-    known = {r["name"]: r["statement"][0] for r in rows if r["part"] == "known result"}
-    assert "1/4 g/R" in known["rolling hoop and coin"]
-    assert "1/3 g/R" in known["rolling hoop and coin"]
+    assert limits["egg, taper 0.2"] == pytest.approx(1.307568805439, rel=1e-12)
+    known = {r["name"]: r for r in rows if r["part"] == "known result"}
+    assert "1/4 g/R" in known["rolling hoop"]["statement"][0]
+    assert "1/3 g/R" in known["rolling coin"]["statement"][0]
+    for row in known.values():
+        assert "not recovered" not in row["status"]
+        if row["status"].startswith("published"):
+            assert row["published"] and "at hand" in row["source"]
+        elif row["status"].startswith("recomputed"):
+            assert not row["published"]
+    assert {n for n, r in known.items() if r["status"].startswith("published")} == {
+        "tippe top, inverted", "rolling coin", "gyroscopic balance"
+    }  # fmt: skip
+    polynomials = [r["name"] for r in rows if r["part"] == "polynomial"]
+    assert {"circling, rough", "precession, smooth", "vertical, viscous"} <= set(polynomials)
     assert all(r["limit"] is None or r["part"] == "Painlevé limit" for r in rows)
     assert len(entries.__doc__ or "") > 20
     assert written(sp.Symbol("phi_dot") ** 12 * sp.Symbol("mu")) == "mu φ̇¹²"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -75,15 +76,26 @@ def expression(
                 f"give one of {', '.join(names) or 'nothing'}."
             )
         return given
+    if not callable(given):
+        raise ParameterError(
+            f"{what} is {shown(given)}; give a function of {', '.join(names) or 'nothing'}."
+        )
     symbols = [ca.SX.sym(n) for n in names]
     by_name = dict(zip(names[places:], symbols[places:], strict=True))
     try:
-        found = ca.SX(given(*symbols[:places], **by_name))
+        value = given(*symbols[:places], **by_name)
     except Exception as error:  # a user's function may raise anything
         raise ParameterError(
             f"{what} is {shown(given)}, which has no value at CasADi expressions "
-            f"({type(error).__name__}: {error}); give a function of {', '.join(names)}."
+            f"({type(error).__name__}: {error}); give a function of "
+            f"{', '.join(names) or 'nothing'}."
         ) from None
+    found = ca.SX()
+    with suppress(Exception):  # what it gives may be anything
+        found = ca.SX(value)
     if found.shape != (1, 1) or ca.symvar(ca.veccat(found, *symbols))[len(symbols) :]:
-        raise ParameterError(f"{what} gives {shown(found)}; one expression is needed.")
+        raise ParameterError(
+            f"{what} gives {shown(value)}; one expression in {', '.join(names) or 'numbers'} is "
+            "needed."
+        )
     return Expression(ca.Function(what, symbols, [found], list(names), ["value"]).serialize())

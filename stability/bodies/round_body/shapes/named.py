@@ -18,6 +18,7 @@ from ....base.errors import ParameterError
 from ...disk import Disk
 from ..body import Body
 from ..shape import MOMENTS, SCALES
+from .profile import Egg
 
 
 def Torus(tube: ArrayLike, *, solid: bool = True, **scales: Any) -> Body:  # noqa: N802
@@ -88,10 +89,11 @@ def Spheroid(aspect: ArrayLike, **scales: Any) -> Body:  # noqa: N802
     >>> Spheroid(1.0).moments()
     (0.4, 0.4)
     """
+    # the double 1/5 in both, since CasADi makes a double of 2/5: a ball has two equal moments
     return Body(
         lambda theta, aspect: ca.sqrt(ca.sin(theta) ** 2 + (aspect * ca.cos(theta)) ** 2),
-        axial=lambda aspect: ca.SX(2) / 5 + 0 * aspect,
-        transverse=lambda aspect: (1 + aspect**2) / 5,
+        axial=lambda aspect: 2 * ca.SX(1 / 5) + 0 * aspect,
+        transverse=lambda aspect: (1 + aspect**2) * (1 / 5),
         shape={"aspect": aspect}, limits={"aspect": (0.0, math.inf)}, name="spheroid",
         **_scales(scales),
     )  # fmt: skip
@@ -227,5 +229,6 @@ NAMED: dict[str, Callable[..., Body]] = {
     "spheroid": Spheroid,
     "eccentric-sphere": EccentricSphere,
     "thick-disk": ThickDisk,
+    "egg": Egg,
 }
 """Named bodies, for the command line."""

@@ -10,19 +10,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ....base.checks import known, one_number
-from ....base.errors import ParameterError, shown
+from ....base.checks import known, one_number, real_numbers
+from ....base.errors import ParameterError, one_line, shown
 from ....base.types import Floats
 from ..body import Body
 from ..shape import SCALES
 
 Curve = Callable[[Any], tuple[Any, Any]]
+GRID = 2001
+"""Points of the meridian from which its lowest point is searched."""
 MOST_NODES = 1024
 """Largest number of nodes of a rule, and of angles of the series."""
 TIGHT = 1e-13
@@ -82,14 +86,12 @@ def from_profile(
     tolerance = one_number("tolerance", tolerance)
     if not FINEST <= tolerance <= LOOSE:
         raise ParameterError(f"tolerance is {tolerance:g}; it must lie in [{FINEST:g}, {LOOSE:g}].")
-    ends = [float(np.asarray(curve(u)[0])) for u in (0.0, math.pi)]
-    size = float(np.abs(np.asarray(curve(math.pi / 2))).max())
-    if not np.isfinite(ends).all() or max(map(abs, ends)) > 1e-9 * size:
-        raise ParameterError(
-            f"the meridian is at r = {ends[0]:.3g} and {ends[1]:.3g} at its ends; both must be 0."
-        )
-    (axial, transverse, centre), doubt = _agreed(lambda n: _moments(curve, density, n), "moments")
-    terms, error = _series(curve, centre, tolerance)
+    meridian, mass = _Meridian(curve), _Density(density)
+    with np.errstate(all="ignore"):  # what is not finite is refused
+        meridian.check()
+        found, doubt = _agreed(lambda n: _moments(meridian, mass, n), "moments")
+        axial, transverse, centre = found
+        terms, error = _series(meridian, centre, tolerance)
     numbers = [float(t) for t in terms]
     return Body(
         lambda theta: sum((a * ca.cos(n * theta) for n, a in enumerate(numbers) if n), numbers[0]),
@@ -133,15 +135,122 @@ def Egg(  # noqa: N802
     >>> bool(egg.height_at(0.0) < egg.height_at(np.pi))  # its centre lies nearer to the blunt end
     True
     """
+    for key in scales:
+        known("keyword", key, SCALES)
     taper, aspect = one_number("taper", taper), one_number("aspect", aspect)
     if not 0 <= taper <= 0.4:
         raise ParameterError(f"taper is {taper:g}; it must lie in [0, 0.4].")
     if aspect <= 0:
         raise ParameterError(f"aspect is {aspect:g}; it must be positive.")
-    return from_profile(
+    egg = from_profile(
         lambda u: (np.sin(u) * (1 + taper * np.cos(u)), -aspect * np.cos(u)), name="egg",
         tolerance=tolerance, **scales,
     )  # fmt: skip
+    return replace(egg, constants={"taper": taper, "aspect": aspect})
+
+
+@dataclass(frozen=True)
+class _Meridian:
+    """The meridian that a user gives, each answer checked."""
+
+    curve: Curve
+
+    def __call__(self, u: Any) -> tuple[Floats, Floats]:
+        """Distance from the axis and place along it, two arrays of the shape of u."""
+        given = np.asarray(u, dtype=float)
+        if not callable(self.curve):
+            raise ParameterError(f"curve is {shown(self.curve)}; give a function of u.")
+        found = _called("curve", self.curve, given)
+        try:
+            r, z = found
+            pair = real_numbers("r", r), real_numbers("z", z)
+            return np.broadcast_to(pair[0], given.shape), np.broadcast_to(pair[1], given.shape)
+        except Exception:  # what a user's function gives may raise anything
+            raise ParameterError(
+                f"curve gives {shown(found)} at {shown(given)}; give a function of u made of "
+                "NumPy's with a pair (r, z), such as lambda u: (np.sin(u), -np.cos(u))."
+            ) from None
+
+    def rise(self, u: Floats) -> Floats:
+        """Slope of z, by a complex step or, where complex numbers are not taken, by differences."""
+        step = 1e-30
+        with suppress(Exception):  # as above
+            found = np.asarray(self.curve(u + 1j * step)[1])
+            if found.dtype.kind == "c":
+                return np.broadcast_to(found.imag / step, u.shape)
+        h = 1e-3  # eighth order
+        weights = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
+        total = sum(c * (self(u + k * h)[1] - self(u - k * h)[1])
+                    for k, c in enumerate(weights, 1))  # fmt: skip
+        return np.asarray(total / h, dtype=float)
+
+    def check(self) -> None:
+        """Refuse a meridian that is not finite, leaves the axis at its ends, or goes down."""
+        u = np.linspace(0, math.pi, GRID)
+        r, z = self(u)
+        bad = ~(np.isfinite(r) & np.isfinite(z))
+        if bad.any():
+            raise ParameterError(f"the meridian has no finite point at u = {u[bad][0]:.6g}.")
+        size = max(np.abs(r).max(), np.ptp(z))
+        if max(abs(r[0]), abs(r[-1])) > 1e-9 * size:
+            raise ParameterError(
+                f"the meridian is at r = {r[0]:.3g} and {r[-1]:.3g} at its ends; both must be 0."
+            )
+        low = r < -1e-9 * size
+        if low.any():
+            raise ParameterError(
+                f"r is {r[low][0]:.3g} at u = {u[low][0]:.3g}; a distance from the axis is not "
+                "negative."
+            )
+        if not (np.diff(z) > -1e-9 * size).all() or not z[-1] > z[0]:
+            at = int(np.argmin(np.diff(z)))
+            raise ParameterError(
+                f"z goes from {z[at]:.6g} to {z[at + 1]:.6g} near u = {u[at]:.3g}; along the "
+                "meridian of a convex body, from its lower end, it rises."
+            )
+
+
+@dataclass(frozen=True)
+class _Density:
+    """The density that a user gives, each answer checked; uniform for None."""
+
+    density: Callable[[Any, Any], Any] | None
+
+    def __call__(self, r: Floats, z: Floats) -> Floats:
+        """Densities at points, an array of their shape."""
+        if self.density is None:
+            return np.ones(r.shape)
+        if not callable(self.density):
+            raise ParameterError(
+                f"density is {shown(self.density)}; give a function of r and z, or nothing."
+            )
+        given = _called("density", self.density, r, z)
+        try:
+            found = np.broadcast_to(real_numbers("it", given), r.shape)
+        except Exception:  # what a user's function gives may raise anything
+            raise ParameterError(
+                f"density gives {shown(given)} at {shown(r)}; give a function of r and z made of "
+                "NumPy's with one number at each."
+            ) from None
+        bad = ~(np.isfinite(found) & (found >= 0))
+        if bad.any() or not found.any():
+            at = tuple(np.argwhere(bad)[0]) if bad.any() else (0, 0)
+            raise ParameterError(
+                f"density is {found[at]:.3g} at r = {r[at]:.3g} and z = {z[at]:.3g}; it must be "
+                "finite and nowhere negative, and above 0 somewhere."
+            )
+        return found
+
+
+def _called(what: str, function: Callable[..., Any], *arrays: Floats) -> Any:
+    """What a user's function gives at arrays, or a refusal with what it raises."""
+    try:
+        return function(*arrays)
+    except Exception as error:  # a user's function may raise anything
+        raise ParameterError(
+            f"{what} has no value at {', '.join(map(shown, arrays))} ({type(error).__name__}: "
+            f"{one_line(str(error), 80).rstrip('.')}); give a function made of NumPy's."
+        ) from None
 
 
 def _agreed(rule: Callable[[int], Floats], what: str) -> tuple[Floats, float]:
@@ -150,8 +259,7 @@ def _agreed(rule: Callable[[int], Floats], what: str) -> tuple[Floats, float]:
     nodes = 32
     while nodes <= MOST_NODES:
         here = rule(nodes)
-        with np.errstate(all="ignore"):
-            gap = float(np.abs(here - before).max() / np.abs(here).max())
+        gap = float(np.abs(here - before).max() / np.abs(here).max())
         if gap < TIGHT:
             return here, max(gap, 2e-16)
         before, nodes = here, 2 * nodes
@@ -163,18 +271,15 @@ def _agreed(rule: Callable[[int], Floats], what: str) -> tuple[Floats, float]:
     )
 
 
-def _moments(curve: Curve, density: Callable[[Any, Any], Any] | None, nodes: int) -> Floats:
+def _moments(meridian: _Meridian, density: _Density, nodes: int) -> Floats:
     """Axial and transverse moment about the centre of mass over the mass, and the centre's z."""
     x, w = np.polynomial.legendre.leggauss(nodes)
     u, wu = (x + 1) * math.pi / 2, w * math.pi / 2
-    r, z = (np.broadcast_to(np.asarray(v, dtype=float), u.shape) for v in curve(u))
-    rise = _slope(lambda t: curve(t)[1], u)
+    r, z = meridian(u)
     part, wp = (x + 1) / 2, w / 2  # distance from the axis over r
     rho = r[:, None] * part
     height = np.broadcast_to(z[:, None], rho.shape)
-    weight = 2 * np.pi * rho * (r * rise * wu)[:, None] * wp
-    if density is not None:
-        weight = weight * np.asarray(density(rho, height), dtype=float)
+    weight = 2 * np.pi * rho * (r * meridian.rise(u) * wu)[:, None] * wp * density(rho, height)
     mass = weight.sum()
     centre = (weight * height).sum() / mass
     axial = (weight * rho**2).sum() / mass
@@ -182,25 +287,7 @@ def _moments(curve: Curve, density: Callable[[Any, Any], Any] | None, nodes: int
     return np.array([axial, across, centre])
 
 
-def _slope(function: Callable[[Any], Any], u: Floats) -> Floats:
-    """Derivative by a complex step, or by differences where complex numbers are not taken."""
-    step = 1e-30
-    try:
-        found = np.asarray(function(u + 1j * step))
-        if np.iscomplexobj(found):
-            return np.broadcast_to(found.imag / step, u.shape)
-    except (TypeError, ValueError):
-        pass
-    h = 1e-3  # eighth order
-    weights = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
-    total = sum(
-        c * (np.asarray(function(u + k * h)) - np.asarray(function(u - k * h)))
-        for k, c in enumerate(weights, 1)
-    )
-    return np.asarray(total / h, dtype=float)
-
-
-def _series(curve: Curve, centre: float, tolerance: float) -> tuple[Floats, float]:
+def _series(curve: _Meridian, centre: float, tolerance: float) -> tuple[Floats, float]:
     """Terms of the cosine series of the height, and a bound of what is left out."""
     count = 16
     while count <= MOST_NODES:
@@ -233,7 +320,7 @@ def _series(curve: Curve, centre: float, tolerance: float) -> tuple[Floats, floa
     return terms[:last], error
 
 
-def _support(curve: Curve, centre: float, theta: ArrayLike) -> Floats:
+def _support(curve: _Meridian, centre: float, theta: ArrayLike) -> Floats:
     """Largest r sinθ - (z - centre) cosθ over the meridian, by Newton from the best of a grid."""
     theta = np.asarray(theta, dtype=float)
     s, c = np.sin(theta), np.cos(theta)
@@ -242,16 +329,15 @@ def _support(curve: Curve, centre: float, theta: ArrayLike) -> Floats:
         r, z = curve(u)
         return r * s - (z - centre) * c
 
-    grid = np.linspace(0, np.pi, 2001)
-    r, z = (np.broadcast_to(np.asarray(v, dtype=float), grid.shape) for v in curve(grid))
+    grid = np.linspace(0, np.pi, GRID)
+    r, z = curve(grid)
     u = grid[np.argmax(np.outer(s, r) - np.outer(c, z - centre), axis=1)]
     best = depth(u)
     for width in (1e-3, 1e-4, 1e-5, 1e-5):  # the maximum of a parabola through three points
         middle = np.clip(u, width, np.pi - width)  # next to a pole it lies aside of all three
         below, here, above = (depth(middle + step) for step in (-width, 0.0, width))
         bend = below - 2 * here + above
-        with np.errstate(all="ignore"):
-            move = np.where(bend < 0, width * (below - above) / (2 * bend), 0.0)
+        move = np.where(bend < 0, width * (below - above) / (2 * bend), 0.0)
         trial = np.clip(middle + np.clip(np.nan_to_num(move), -2e-3, 2e-3), 0, np.pi)
         value = depth(trial)
         better = value > best

@@ -12,10 +12,10 @@ from fractions import Fraction
 from importlib import import_module
 from typing import Any
 
-from ..base.errors import NameUnknownError, ParameterError, shown
-from ..base.exact_numbers import ratio_of_text, written
-from ..base.quantities import readable
-from ..base.user_code import imported
+from ...base.errors import NameUnknownError, ParameterError, shown
+from ...base.exact_numbers import ratio_of_text, written
+from ...base.quantities import readable
+from ...base.user_code import imported
 
 
 def family_named(place: str) -> Any:
@@ -35,7 +35,7 @@ def family_named(place: str) -> Any:
     NameUnknownError
         If there is no such module, or no family of that name in it.
     """
-    from ..systems.family import Family
+    from ...systems.family import Family
 
     module, name, table = contents("system", "family", place)
     if not isinstance(table.get(name), Family):
@@ -104,8 +104,8 @@ def system_with_families(place: str) -> tuple[Any, list[Any]]:
     NameUnknownError
         If there is no such module, or no system or family of that name in it.
     """
-    from ..systems.equations import Equations
-    from ..systems.family import Family
+    from ...systems.equations import Equations
+    from ...systems.family import Family
 
     module, name, table = contents("system", "name", place)
     found = table.get(name)
