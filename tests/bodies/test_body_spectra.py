@@ -15,7 +15,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 import random_bodies
-from body_heights import HEIGHTS, by_height
+from body_heights import HEIGHTS, by_height, superellipse
 from jets import Array, plain, precise
 from scipy.optimize import linear_sum_assignment
 
@@ -259,3 +259,35 @@ def test_a_height_that_holds_above_upright_has_the_two_families_of_pairs(
     known = st.spectrum(family, at=(1.2, 0.9), body=disk, contact=law)
     found = st.spectrum(family, at=(math.pi - 1.2, 0.9), body=other, contact=law)
     assert found.eigenvalues == pytest.approx(known.eigenvalues, abs=1e-12)
+
+
+def _shapes(numbers: dict[str, float]) -> tuple[st.Body, st.Body]:
+    """A part of a superellipsoid with free numbers, and with the same as constants."""
+    free = st.Body(
+        lambda t, across, along, power: superellipse(across, along, power, t, 1.0), axial=0.4,
+        transverse=0.4, shape=numbers, between=(0.4, 1.2), name="free",
+    )  # fmt: skip
+    fixed = st.Body(
+        lambda t: superellipse(**numbers, theta=t, side=1.0), axial=0.4, transverse=0.4,
+        between=(0.4, 1.2), name="fixed",
+    )  # fmt: skip
+    return free, fixed
+
+
+@pytest.mark.parametrize("law", ["viscous", "rough"])
+def test_an_exponent_may_be_a_number_of_the_shape(law: str) -> None:
+    free, fixed = _shapes({"across": 1.0, "along": 0.9, "power": 3.0})
+    mu = {"mu": 0.3} if law == "viscous" else {}
+    found = st.spectrum("tumbling", at=0.7, body=free, contact=law, **mu)
+    known = st.spectrum("tumbling", at=0.7, body=fixed, contact=law, **mu)
+    assert found.eigenvalues == pytest.approx(known.eigenvalues, abs=1e-12)
+
+
+@pytest.mark.xfail(strict=True, reason="sample members are sought at numbers that have none")
+def test_a_shape_rolls_whose_neighbours_do_not() -> None:
+    """Of shapes with numbers near these, some roll outside the range of the height."""
+    free, fixed = _shapes({"across": 0.93, "along": 1.0, "power": 2.3})
+    for law in ("smooth", "rough"):
+        known = st.spectrum("rolling", at=1.3, body=fixed, contact=law)
+        found = st.spectrum("rolling", at=1.3, body=free, contact=law)
+        assert found.eigenvalues == pytest.approx(known.eigenvalues, abs=1e-12)

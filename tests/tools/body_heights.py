@@ -51,15 +51,17 @@ def _cap(g: Given, theta: float) -> Part:
     )
 
 
-def _superellipsoid(_: Given, theta: float) -> Part:
+def superellipse(across: Any, along: Any, power: Any, theta: Any, side: float) -> Any:
+    """The height of a superellipsoid, side 1 where cos theta is positive, -1 where it is not."""
+    q = power / (power - 1)
+    return ((across * ca.sin(theta)) ** q + (side * along * ca.cos(theta)) ** q) ** (1 / q)
+
+
+def _superellipsoid(g: Given, theta: float) -> Part:
+    """With its numbers put in: others near them roll at no inclination of the part."""
     side = math.copysign(1.0, math.cos(theta))
-
-    def height(t: Any, across: Any, along: Any, power: Any) -> Any:
-        q = power / (power - 1)
-        return ((across * ca.sin(t)) ** q + (side * along * ca.cos(t)) ** q) ** (1 / q)
-
     low, high = (0.4, 1.2) if side > 0 else (math.pi - 1.2, math.pi - 0.4)
-    return height, low, high
+    return (lambda t: superellipse(**g, theta=t, side=side)), low, high
 
 
 def _thick(_: Given, theta: float) -> Part:
@@ -83,6 +85,8 @@ def _egg(g: Given, _: float) -> Part:
     return (lambda t: series.height(t) + move * ca.cos(t)), 0.0, math.pi
 
 
+NUMBERS = ("egg", "superellipsoid")
+"""Bodies whose parameters are numbers in the height, and not of the shape."""
 HEIGHTS: dict[str, Callable[[Given, float], Part]] = {
     "torus": lambda _g, _t: ((lambda t, rim, tube: rim * ca.sin(t) + tube), 0.0, math.pi),
     "eccentric sphere": lambda _g, _t: (
@@ -101,5 +105,5 @@ def by_height(body: ConvexBody, theta: float) -> st.Body:
     return st.Body(
         height, axial=body.axial / body.mass, transverse=body.transverse / body.mass,
         mass=body.mass, gravity=body.gravity, between=(low, high), name=body.name,
-        shape={} if body.name == "egg" else dict(body.parameters),  # its terms are numbers
+        shape={} if body.name in NUMBERS else dict(body.parameters),
     )  # fmt: skip
