@@ -272,7 +272,7 @@ def own_units(family: Family) -> dict[str, str]:
     units = family.system.units
     time = time_unit(units)
     known_ = {n: readable(u) for n, u in units.items() if u and u != "1"}
-    return known_ | ({} if time == "1" else {"time": time, "rate": f"1/{time}"})
+    return known_ | ({} if time == "1" else {"time": time, "growth rate": f"1/{time}"})
 
 
 def own_certificate(family: Family, subject: Subject, values: Mapping[str, float]) -> Any:

@@ -13,7 +13,7 @@ from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from .subject import Quantity
 
-CURVES = {"time": Kind.TIME, "rate": Kind.GROWTH_RATE, "energy": Kind.ENERGY,
+CURVES = {"time": Kind.TIME, "growth rate": Kind.GROWTH_RATE, "energy": Kind.ENERGY,
           "normal force": Kind.FORCE}  # fmt: skip
 """Kinds of times, rates and curves of a body."""
 

@@ -330,7 +330,12 @@ def test_the_picture_is_saved_and_the_call_reproduces_the_point(
         drawing = ElementTree.fromstring(Path(waiting.value.path()).read_text(encoding="utf-8"))
         tags = {e.tag.split("}")[1] for e in drawing.iter()}
         assert {"image", "path", "text"} <= tags
-        assert "stable" in "".join(drawing.itertext())
+        words = "".join(drawing.itertext())
+        assert "stable" in words
+        title = drawing.find("{http://www.w3.org/2000/svg}title")
+        assert title is not None and title.text
+        assert {"spinning,", "viscous", "float"} <= set(re.split(r"[ ():]", title.text))
+        assert "k = 0." in title.text
         with page.expect_download() as waiting:
             page.get_by_role("button", name="PNG").click()
         assert Path(waiting.value.path()).read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
@@ -464,4 +469,13 @@ def test_the_widget_is_the_same_page(browser: Any, tmp_path: Path) -> None:
         assert seen.page.get_by_role("button", name="Link").count() == 0  # a cell has no address
         seen.page.evaluate("window.remove()")
         assert not seen.page.locator(".explorer").count()
+        quiet(seen)
+
+
+@pytest.mark.parametrize("link", ["#at=%E0%A4%A&k=0.3", "#%=1&k=0.3", "#k=0.3&mu=%zz"])
+def test_a_link_that_is_damaged_restores_the_rest(
+    browser: Any, page_of_disk: Path, link: str
+) -> None:
+    with visit(browser, page_of_disk, link) as seen:
+        assert state(seen)["values"]["k"] == 0.3
         quiet(seen)

@@ -59,7 +59,7 @@ def called(page: Any) -> dict[str, Any]:
 def eigenvalues(page: Any) -> np.ndarray:
     """Eigenvalues of the page in the unit that it shows."""
     found = page.evaluate(
-        "(() => { const {view} = stabilityExplorer, {size} = view.curve('rate');"
+        "(() => { const {view} = stabilityExplorer, {size} = view.curve('growth rate');"
         "return view.subject.eigenvalues(view.point()).map((z) => z.map((v) => v * size)); })()"
     )
     return np.array([complex(*z) for z in found])

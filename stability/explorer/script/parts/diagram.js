@@ -83,7 +83,7 @@ export class Diagram {
     this.bound(x, y);
     this.vectors(x, y, width, height);
     view.subject.hurry(false);
-    colourBar(this.bar, this.scale, colours, view.subject.wholeEven, view.curve("rate"));
+    colourBar(this.bar, this.scale, colours, view.subject.wholeEven, view.curve("growth rate"));
     this.pace(begun);
   }
 

@@ -33,7 +33,7 @@ export class EigenvaluePlane {
     const width = box.width - left - right, height = box.height - top - bottom;
     this.place = ([re, im]) => [left + width * (0.5 + re / (2 * reach)), top + height * (0.5 - im / (2 * tall))];
     this.now = now;
-    const {size, unit} = view.curve("rate"), named = (word) => (view.state.si ? `${word} [${unit}]` : word);
+    const {size, unit} = view.curve("growth rate"), named = (word) => (view.state.si ? `${word} [${unit}]` : word);
     const [ox, oy] = this.place([0, 0]), words = [], parts = [
       shape("rect", {class: "growing", x: ox, y: top, width: left + width - ox, height}),
       shape("rect", {class: "decaying", x: left, y: top, width: ox - left, height}),

@@ -1,11 +1,13 @@
 // What a reader takes away: a link, the diagram as SVG or PNG, and the Python calls.
 
-import {element} from "../drawing/elements.js";
+import {element, text} from "../drawing/elements.js";
 import {pythonCall} from "./python_call.js";
 
 const KEPT = ["fill", "stroke", "stroke-width", "stroke-dasharray", "stroke-linejoin", "font-family", "font-size",
   "font-style", "font-weight", "opacity", "paint-order", "fill-opacity", "text-anchor"];
 const DOTS = 3; // pixels of a PNG for one of the page
+const HEAD = 40; // height of the two lines over the drawing
+const NS = "http://www.w3.org/2000/svg";
 
 export class ExportMenu {
   constructor(view, diagram, linked) {
@@ -61,17 +63,38 @@ export class ExportMenu {
     inlined(over, copy);
     inlined(bar, legend);
     const place = canvas.getBoundingClientRect();
-    const picture = document.createElementNS("http://www.w3.org/2000/svg", "image");
+    const picture = document.createElementNS(NS, "image");
     const set = (node, given) => Object.entries(given).forEach(([n, v]) => node.setAttribute(n, v));
     set(picture, {href: canvas.toDataURL("image/png"), x: place.left - box.left, y: place.top - box.top,
       width: place.width, height: place.height, preserveAspectRatio: "none"});
     set(legend, {x: box.width, y: 0, width: side.width, height: box.height});
-    set(copy, {xmlns: "http://www.w3.org/2000/svg", width: wide, height: box.height, viewBox: `0 0 ${wide} ${box.height}`});
-    const page = document.createElementNS("http://www.w3.org/2000/svg", "rect");
-    set(page, {width: "100%", height: "100%", fill: getComputedStyle(stage).getPropertyValue("--page").trim() || "#ffffff"});
-    copy.prepend(page, picture);
-    copy.append(legend);
-    return {text: new XMLSerializer().serializeToString(copy), wide, high: box.height};
+    const high = box.height + HEAD, style = getComputedStyle(stage), colour = (name, usual) => style.getPropertyValue(name).trim() || usual;
+    set(copy, {xmlns: NS, width: wide, height: high, viewBox: `0 ${-HEAD} ${wide} ${high}`});
+    const page = document.createElementNS(NS, "rect");
+    set(page, {y: -HEAD, width: "100%", height: "100%", fill: colour("--page", "#ffffff")});
+    const lines = this.heading().map((words, i) => {
+      const line = document.createElementNS(NS, "text");
+      set(line, {x: 10, y: 17 * (i + 1) - HEAD, fill: style.color, "font-family": style.fontFamily, "font-size": i ? 11 : 13});
+      line.textContent = words;
+      return line;
+    });
+    const title = document.createElementNS(NS, "title");
+    title.textContent = this.heading().join(" ");
+    copy.prepend(title, page, picture);
+    copy.append(legend, ...lines);
+    return {text: new XMLSerializer().serializeToString(copy), wide, high};
+  }
+
+  /** What is drawn, for whom the page is gone: the family, what is held, and how it was computed. */
+  heading() {
+    const {view} = this, {subject, state} = view;
+    const held = subject.quantities.filter((q) => q.name !== state.x && q.name !== state.y).map((q) => {
+      const {size, unit} = view.shown(q);
+      return `${q.symbol} = ${text(state.values[q.name] * size, 6)}${unit ? ` ${unit}` : ""}`;
+    });
+    const law = subject.law ? `${subject.family}, ${subject.law} contact: ` : "";
+    return [[law + subject.title, ...held].join(", "),
+      `Colour: largest growth rate (float). Hatched: unstable${subject.wholeEven ? "; dotted: neutral" : ""}. Lines: boundaries (double precision).`];
   }
 
   svg() {
@@ -79,8 +102,8 @@ export class ExportMenu {
   }
 
   async png() {
-    const {text, wide, high} = this.drawing(), image = new Image();
-    image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(text)}`;
+    const drawn = this.drawing(), {wide, high} = drawn, image = new Image();
+    image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(drawn.text)}`;
     await image.decode();
     const canvas = element("canvas", {width: Math.round(DOTS * wide), height: Math.round(DOTS * high)});
     canvas.getContext("2d").drawImage(image, 0, 0, canvas.width, canvas.height);

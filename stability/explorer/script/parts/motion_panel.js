@@ -39,7 +39,7 @@ export class MotionPanel {
 );
     this.said = element("p", {class: "sentence outcome", role: "status"});
     this.traces = new Traces((t) => { this.playing = false; this.seek(t); }, (name) => view.curve(name));
-    this.traces.root.prepend(element("p", {class: "unseen"}, "Curves of the launch"));
+    this.traces.root.prepend(element("p", {class: "small"}, "Curves of the launch from this tilt"));
     this.start = element("div", {class: "slider tilt"}, element("label", {}, "tilt"), this.tilt, this.tiltSaid,
       element("label", {class: "small"}, "until t = ", this.until));
     this.root = element("div", {class: "motion"}, this.kind, this.box,

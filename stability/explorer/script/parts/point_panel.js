@@ -71,7 +71,7 @@ export class PointPanel {
         onkeydown: (event) => this.arrows(event, i)},
       element("span", {class: "dot"}), element("span", {class: "lambda"}), element("span", {class: "small words"}))));
     }
-    const rate = this.view.curve("rate"), time = this.view.curve("time");
+    const rate = this.view.curve("growth rate"), time = this.view.curve("time");
     shown.forEach((z, i) => {
       const row = this.modes.children[i], [dot, lambda, words] = row.children;
       dot.className = `dot ${z[0] > 1e-12 ? "grows" : "decays"}`;

@@ -85,7 +85,8 @@ function ofOwn(view) {
   const fixed = call.parameters.length ? `, ${named(call.parameters)}` : "";
   const held = others.length ? `, ${named(others)}` : "";
   return [
-    "import stability as st", "", `# family: ${subject.family} of ${call.system}`,
+    "import stability as st", "",
+    `# family is your own Family, "${subject.family}" of the system "${call.system}": define or import it first`,
     `point = st.spectrum(family, at=${at}${fixed}, certify=True)`,
     `diagram = st.stability_map(family, x=${axis(view, "x", 300)}, y=${axis(view, "y", 200)}${held})`,
     "figure = st.plot_map(diagram)", "print(point.verdict, point.eigenvalues)", "",

@@ -127,9 +127,13 @@ export class View {
 
   /** The part of the state that a link says; what it does not say, or says wrongly, stays. */
   read(link) {
-    const given = Object.fromEntries(link.replace(/^#/, "").split("&").filter((p) => p.includes("=")).map((p) => {
+    const given = Object.fromEntries(link.replace(/^#/, "").split("&").filter((p) => p.includes("=")).flatMap((p) => {
       const at = p.indexOf("=");
-      return [decodeURIComponent(p.slice(0, at)), decodeURIComponent(p.slice(at + 1))];
+      try {
+        return [[decodeURIComponent(p.slice(0, at)), decodeURIComponent(p.slice(at + 1))]];
+      } catch { // a % without two digits
+        return [];
+      }
     }));
     const key = [...this.subjects.keys()].find((k) => k.replace(" ", "-") === given.show);
     const state = key ? this.initial(key, {}) : this.state;
