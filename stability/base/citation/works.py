@@ -21,7 +21,7 @@ class Work:
     key: str
     """Key of the entry."""
     kind: str
-    """article, book, inproceedings or software."""
+    """article, book, inproceedings, misc or software."""
     role: str
     """What it is cited for."""
     author: str
@@ -53,7 +53,7 @@ class Work:
         """The entry of BibTeX."""
         volume, _, number = self.volume.partition("(")
         where = {"article": "journal", "book": "publisher", "inproceedings": "booktitle",
-                 "software": "note"}[self.kind]  # fmt: skip
+                 "misc": "note", "software": "note"}[self.kind]  # fmt: skip
         fields = {
             "author": self.author, "title": f"{{{self.title}}}", where: self.place,
             "volume": volume, "number": number.strip(")"), "pages": self.pages, "year": self.year,
@@ -88,6 +88,8 @@ _EVERY = (
          "Le Saux, Caroline and Leine, Remco I. and Glocker, Christoph",
          "Dynamics of a Rolling Disk in the Presence of Dry Friction", "2005",
          "Journal of Nonlinear Science", "15", "27--61", "10.1007/s00332-004-0655-4"),
+    Work("as2017", "misc", "a circling disk of 0.5 m, whose spin is printed", "As, Y.",
+         "Student report on a rolling disk", "2017", "Technion"),
     Work("fenichel1979", "article", "slow manifolds: creeping slip, and drift along a family",
          "Fenichel, Neil",
          "Geometric singular perturbation theory for ordinary differential equations", "1979",

@@ -113,13 +113,13 @@ TABLE = Definition(
     lambda table: framed(table, benchmark_lines(table.rows)),
     about=About(
         REPORT,
-        "the disk, and one spin, seen at second hand; none of its thresholds",
+        "the disk, and one spin; none of its thresholds was at hand",
         "thresholds as proved changes of the certified verdict; known values by closed forms, in "
         "balls",
         Standing.PARTLY,
         largest=8e-6,
     ),
-    cites=cited(eigenvalues=True, proofs=True),
+    cites=cited(eigenvalues=True, proofs=True, theory=["as2017"]),
     home=f"{__name__}:TABLE",
 )
 """The table for the registry."""
