@@ -77,11 +77,12 @@ def _zeros(count: int) -> str:
 
 
 def _diagram_caption(
-    family: str, name: str, inertia: str, dataset: Any, limits: list[str], strips: Sequence[Any]
-) -> str:
+    family: str, name: str, inertia: str, dataset: Any, limits: list[str], strips: Sequence[Any],
+    where: str = "under viscous friction",
+) -> str:  # fmt: skip
     y, x = (str(name) for name in dataset.verdict.dims)
     count = {v.word: int((dataset.verdict == c).sum()) for v, c in CODES.items()}
-    verdicts = ", ".join(f"{n:,} {word}".replace(",", " ") for word, n in count.items() if n)
+    verdicts = ", ".join(f"{n:,} {word}".replace(",", "\u00a0") for word, n in count.items() if n)
     undecided = "" if count["undecided"] else "; none undecided"
     kinds = [CODE_KINDS[c] for c in np.unique(dataset.boundary_kind.values).tolist()]
     style = {Crossing.STATIC: "static (solid)", Crossing.FLUTTER: "flutter (dashed)",
@@ -102,8 +103,8 @@ def _diagram_caption(
     strips_of = f" Strips: the limit laws on the same axis and colours ({'; '.join(limits)})."
     strips_of *= bool(limits)
     return (
-        f"{family.capitalize()} of the {name} ({inertia}) under viscous friction. Colour: largest "
-        "real part of the eigenvalues other than the "
+        f"{family.capitalize()} of the {name}{f' ({inertia})' if inertia else ''} {where}. "
+        "Colour: largest real part of the eigenvalues other than the "
         f"{_zeros(dataset.attrs['structural_zeros'])}, on "
         f"{dataset.sizes[x]} × {dataset.sizes[y]} points, in √(g/R), "
         f"{_colours(dataset, strips)}. "
@@ -130,10 +131,11 @@ _STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; background: #fff; max-width: 76rem;
        margin: 0 auto; padding: 1.5rem; }
 h1 { font-size: 1.6rem; margin: 0 0 .5rem; } h2 { margin: 2.2rem 0 .3rem; font-size: 1.25rem; }
-nav a { margin-right: 1rem; } p.lead { max-width: 46rem; }
+nav > * { margin-right: 1rem; } p.lead { max-width: 46rem; }
 .row { display: grid; grid-template-columns: repeat(auto-fit, minmax(20rem, 1fr)); gap: 1.5rem;
        margin-bottom: 1.8rem; }
-figure { margin: 0; } figure img { width: 100%; height: auto; }
+.pairs { grid-template-columns: repeat(auto-fill, minmax(min(28rem, 100%), 1fr)); }
+nav + .row { margin-top: 1.5rem; } figure { margin: 0; } figure img { width: 100%; height: auto; }
 figcaption { font-size: .82rem; color: #333; } figcaption .files { white-space: nowrap; }
 footer { margin-top: 3rem; border-top: 1px solid #ccc; font-size: .82rem; color: #444; }
 """

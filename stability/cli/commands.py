@@ -279,11 +279,11 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
                   "other bodies of revolution", "stability atlas --out atlas",
                   "stability atlas --bodies --out bodies")  # fmt: skip
     sub.add_argument("--bodies", action="store_true",
-                     help="torus, spheroids, eccentric sphere and thick disk; finished figures are "
-                     "kept in DIR.parts until all are done")  # fmt: skip
+                     help="torus, spheroids, eccentric sphere, thick disk and egg, a page for "
+                     "each; finished figures are kept in DIR.parts until all are done")  # fmt: skip
     sub.add_argument("--out", required=True, metavar="DIR", help="folder to write")
     sub.add_argument("--resolution", type=int, metavar="N",
-                     help="points along the family's axis (default 400, of bodies 48)")  # fmt: skip
+                     help="points along the family's axis (default 400, of bodies 96)")  # fmt: skip
     sub.add_argument("--draft", action=argparse.BooleanOptionalAction, default=None,
                      help="the diagrams alone, as PNG, without loci and PDFs; the default below "
                      "100 points, not with --bodies")  # fmt: skip

@@ -3,22 +3,30 @@
 import html
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import stability as st
-from stability.atlas.bodies import BODIES, MU, atlas_of_bodies
+from stability.atlas.bodies import BODIES, atlas_of_bodies
+from stability.atlas.body_diagrams import MU, absence, draw, kinds, names
+from stability.atlas.body_pages import pages
 from stability.cli import main
 
 KEYS = ("eccentric", "thick")
-STEMS = {
-    "vertical-eccentric-mu", "vertical-eccentric-offset", "vertical-pi-eccentric-mu",
-    "vertical-pi-eccentric-offset", "tumbling-eccentric-mu", "tumbling-eccentric-offset",
-    "rolling-thick-mu",
-    "rolling-thick-thickness", "tumbling-thick-mu", "tumbling-thick-thickness",
+KINDS = {"eccentric": "offset", "thick": "thickness"}
+FAMILIES = {
+    "eccentric": ("tumbling", "vertical", "vertical-pi"), "thick": ("rolling", "tumbling"),
 }  # fmt: skip
+STEMS = {
+    f"{name}-{key}-{kind}"
+    for key, every in FAMILIES.items()
+    for name in every
+    for kind in ("mu", KINDS[key], "rough", "smooth")
+} | {f"{name}-{key}" for key in KEYS for name in ("circling", "precession")}
+"""Maps of the two bodies."""
 
 
 @pytest.fixture(scope="module")
@@ -31,36 +39,78 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
             out, resolution=12, workers=1, progress=lambda *pair: told.append(pair)
         )
     assert page == out / "index.html"
-    assert (told[0], told[-1]) == ((0, 10), (10, 10))
+    assert (told[0], told[-1]) == ((0, len(STEMS)), (len(STEMS), len(STEMS)))
     return out
 
 
+def conservative_and_neutral(folder: Path) -> set[str]:
+    """Maps whose every cell is neutral or without a member."""
+    codes = {p.stem: st.read_map(p).verdict.values for p in folder.glob("*.nc")}
+    return {stem for stem, code in codes.items() if ((code == 3) | (code == 4)).all()}
+
+
+def text(folder: Path, name: str) -> str:
+    return html.unescape((folder / f"{name}.html").read_text())
+
+
 def test_it_has_every_diagram_and_nothing_else(folder: Path) -> None:
-    expected = {f"{s}.{kind}" for s in STEMS for kind in ("png", "pdf", "nc")} | {"index.html"}
+    plain = conservative_and_neutral(folder)
+    assert "tumbling-eccentric-rough" in plain and "vertical-pi-eccentric-rough" not in plain
+    expected = {f"{s}.nc" for s in STEMS} | {f"{k}.html" for k in (*KEYS, "index")}
+    expected |= {f"{s}.{kind}" for s in STEMS - plain for kind in ("png", "pdf")}
     assert {p.name for p in folder.iterdir()} == expected
     assert [p.name for p in folder.parent.iterdir()] == ["atlas"]
 
 
-def test_the_page_says_what_was_computed_and_what_does_not_exist(folder: Path) -> None:
-    page = html.unescape((folder / "index.html").read_text())
-    links = re.findall(r'(?:src|href)="([^"#]+)"', page)
+def test_the_index_has_a_picture_and_a_page_of_each_body(folder: Path) -> None:
+    page = text(folder, "index")
+    links = re.findall(r'(?:src|href)="([^"]+)"', page)
     assert all((folder / link).is_file() for link in links)
-    assert "No rolling: eccentric sphere rolls nowhere" in page
-    assert "No spinning: eccentric sphere has no spinning" in page
-    assert "No spinning: thick disk has no spinning" in page
-    assert "the moments of inertia are 0.32 (about the axis) and 0.48 (across it)" in page
-    assert "No vertical spin: thick disk is not smooth at theta = 0" in page
-    captions = re.findall(r"<figcaption>(.*?)</figcaption>", page, re.DOTALL)
-    assert len(captions) == len(STEMS)
-    assert "Tumbling of the eccentric sphere (offset = 0.2) under viscous friction" in captions[0]
+    assert {f"{k}.html" for k in KEYS} <= set(links)
+    drawn = len(STEMS) - len(conservative_and_neutral(folder))
+    counts = [int(n) for n in re.findall(r"\): (\d+) diagram", page)]
+    assert len(counts) == len(KEYS) and sum(counts) == drawn
+    assert "Thick disk</strong></a> (thickness = 0.3)" in page
+
+
+def test_each_page_says_what_was_computed_and_what_does_not_exist(folder: Path) -> None:
+    tops, thick = (text(folder, key) for key in KEYS)
+    for page in (tops, thick):
+        links = re.findall(r'(?:src|href)="([^"#]+)"', page)
+        assert all((folder / link).is_file() for link in links)
+        assert 'href="index.html"' in page
+    assert "No rolling: eccentric sphere rolls nowhere" in tops
+    assert "No spinning: eccentric sphere has no spinning" in tops
+    assert "the moments of inertia are 0.32 (about the axis) and 0.48 (across it)" in tops
+    assert "No spinning: thick disk has no spinning" in thick
+    assert "No vertical spin: thick disk is not smooth at theta = 0" in thick
+    assert "Vertical spin, centre of mass below" in tops and "spin, centre of mass above" in tops
+    captions = {key: re.findall(r"<figcaption>(.*?)</figcaption>", text(folder, key), re.DOTALL)
+                for key in KEYS}  # fmt: skip
+    first = "Tumbling of the eccentric sphere (offset = 0.2) under viscous friction. Colour:"
+    assert captions["eccentric"][0].startswith(first)
+    plain = conservative_and_neutral(folder)
+    assert sum(map(len, captions.values())) == len(STEMS) - len(plain)
     for path in folder.glob("*.nc"):
-        found = st.read_map(path)
-        blank = int(np.isnan(found.abscissa.values).sum())
-        stem = path.stem
-        [caption] = [c for c in captions if f'href="{stem}.nc"' in c]
+        found, stem = st.read_map(path), path.stem
+        [key] = [k for k in KEYS if k in stem]
+        law = str(found.attrs["system"]).rpartition(", ")[2]
+        words = {"rough": "on a rough plane, without slip",
+                 "smooth": "on a smooth plane, without friction"}  # fmt: skip
+        blank = int((found.verdict == 4).sum())
+        if stem in plain:
+            [said] = re.findall(
+                rf'<p>([^<]*) <a href="{stem}.nc">NetCDF</a></p>', text(folder, key)
+            )
+            assert "neutral at all 12 × 9 points of" in said and words[law] in said
+            assert (f"but for {blank} without a member" in said) == (blank > 0)
+            continue
+        [caption] = [c for c in captions[key] if f'href="{stem}.nc"' in c]
+        assert words.get(law, "under viscous friction") in caption
         assert (f"{blank} without a member, left blank" in caption) == (blank > 0)
-        stable = int((found.verdict == 1).sum())
-        assert (f"{stable} stable" in caption) == (stable > 0)
+        for code, word in ((1, "stable"), (2, "unstable"), (3, "neutral")):
+            count = int((found.verdict == code).sum())
+            assert (f" {count} {word}" in caption) == (count > 0)
 
 
 def test_its_numbers_are_those_of_single_spectra(folder: Path) -> None:
@@ -70,6 +120,58 @@ def test_its_numbers_are_those_of_single_spectra(folder: Path) -> None:
         one = st.spectrum("rolling", at=float(found.omega3[i]), body=body, contact=st.Viscous(MU))
         assert found.verdict.values[j, i] == one.verdict.code
         assert found.abscissa.values[j, i] == pytest.approx(one.abscissa, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("stem", "family", "law", "more"),
+    [("rolling-thick-rough", "rolling", "rough", {}),
+     ("rolling-thick-smooth", "rolling", "smooth", {}),
+     ("vertical-pi-eccentric-smooth", "vertical", "smooth", {"pole": "pi"})],
+)  # fmt: skip
+def test_maps_without_a_coefficient_are_those_of_single_spectra(
+    folder: Path, stem: str, family: str, law: str, more: dict[str, str]
+) -> None:
+    found = st.read_map(folder / f"{stem}.nc")
+    own, at = (str(d) for d in found.verdict.dims)
+    make = {"thickness": st.ThickDisk, "offset": st.EccentricSphere}[own]
+    for j, i in ((0, 0), (4, 3), (8, 11)):
+        one = st.spectrum(family, at=float(found[at][i]), body=make(float(found[own][j])),
+                          contact=law, **more)  # fmt: skip
+        assert found.verdict.values[j, i] == one.verdict.code
+
+
+def test_an_egg_has_a_page_with_both_ends_and_planes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("stability.atlas.body_diagrams._save", lambda *_: None)
+    shown, found, absent = BODIES["egg"], {}, {}
+    for name in names(shown):
+        if absence(shown, name):
+            absent["egg", name] = absence(shown, name)
+            continue
+        for kind in kinds(shown, name):
+            found["egg", name, kind] = draw("egg", name, kind, str(tmp_path), 8)
+    assert list(absent) == [("egg", "spinning")]
+    page = html.unescape(pages({"egg": shown}, found, absent, 8)["egg.html"])
+    assert "Vertical spin, blunt end below" in page and "Vertical spin, sharp end below" in page
+    assert "At taper = 0.2, aspect = 1.3 the moments of inertia are 0.4105 (about" in page
+    assert (
+        "Vertical spin of the egg (sharp end below, taper = 0.2, aspect = 1.3, μ = 0.3/√(gR))"
+        in page
+    )
+    for family, law in (("circling", "rough"), ("precession", "smooth")):
+        plane = st.read_map(tmp_path / f"{family}-egg.nc")
+        assert plane.verdict.dims == ("phi_dot", "theta")
+        for j, i in ((0, 0), (1, 1), (5, 7)):
+            at = float(plane.theta[i]), float(plane.phi_dot[j])
+            one = st.spectrum(family, at=at, body=st.Egg(0.2), contact=law)
+            assert plane.verdict.values[j, i] == one.verdict.code
+    spin = st.read_map(tmp_path / "vertical-pi-egg-axial.nc")
+    for j, i in ((0, 0), (5, 7)):
+        body = replace(st.Egg(0.2), axial=float(spin.axial[j]))
+        one = st.spectrum("vertical", at=float(spin.omega_Z[i]), body=body, contact=st.Viscous(MU),
+                          pole="pi")  # fmt: skip
+        assert spin.verdict.values[j, i] == one.verdict.code
 
 
 def test_vertical_spin_changes_at_the_tippe_tops_limit_on_each_end(folder: Path) -> None:
@@ -111,6 +213,7 @@ def test_an_interrupted_atlas_goes_on(tmp_path: Path, monkeypatch: pytest.Monkey
     atlas_of_bodies(out, resolution=8, workers=1)
     every = [f"{f}-eccentric-{axis}" for f in ("tumbling", "vertical", "vertical-pi")
              for axis in ("mu", "offset")]  # fmt: skip
+    every += [f"vertical-pi-eccentric-{law}" for law in ("rough", "smooth")]  # the rest is neutral
     assert asked == every
     assert [p.name for p in tmp_path.iterdir()] == ["atlas"]
 
