@@ -77,6 +77,7 @@ RESULTS: dict[str, tuple[Callable[[Path], Any], list[str]]] = {
         ["stability", "fenichel1979", "casadi"]),
     "retrograde_map": (lambda _: st.retrograde_map([1.0], [0.0], starts=[(80.0, 1.0)]),
                        ["stability"]),
+    "painleve_limit": (lambda _: st.painleve_limit(st.Torus(0.2)), ["stability", "casadi", "arb"]),
     "codimension_two": (
         lambda _: st.codimension_two("spinning", x=("at", 0.5, 5, 9), y=("mu", 0.1, 3, 9)),
         [*DISK[:2], "kuznetsov2004", "casadi", "arb"]),
@@ -113,7 +114,7 @@ REASONS = {
     **dict.fromkeys(("BranchPoint", "Fold", "BoundaryPoint", "Unresolved", "DegeneratePoint",
                      "Rung"), PART),
     **dict.fromkeys(("Spectrum", "Boundaries", "Conditions", "Drift", "HopfPoint", "CycleBirth",
-                     "SlowFlow", "CodimensionTwo", "Answer", "Table", "Branch"),
+                     "SlowFlow", "CodimensionTwo", "Answer", "Table", "Branch", "PainleveLimit"),
                     "the class of a result; the function that makes it is tested"),
     **dict.fromkeys(("latex", "c_code", "auto_input", "bifurcationkit_input", "write_map",
                      "write_motion", "report"), TEXT),

@@ -105,6 +105,7 @@ MAKERS: dict[str, Callable[[float], Any]] = {
     **{n: getattr(st, n) for n in ("RollingResistance", "PivotingResistance", "AirTorque")},
     "SlowFlow": lambda v: st.slow_flow("rolling", body=st.Torus(v), contact=st.Viscous(0.3),
                                        resistance=st.AirTorque(0.1)),
+    "PainleveLimit": lambda v: st.painleve_limit(st.Torus(v)),
     "Uniform": lambda v: st.Uniform(v, v + 1),
     "LogUniform": lambda v: st.LogUniform(v, v + 1),
     "Normal": lambda v: st.Normal(v, 1),

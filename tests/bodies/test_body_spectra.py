@@ -283,7 +283,6 @@ def test_an_exponent_may_be_a_number_of_the_shape(law: str) -> None:
     assert found.eigenvalues == pytest.approx(known.eigenvalues, abs=1e-12)
 
 
-@pytest.mark.xfail(strict=True, reason="sample members are sought at numbers that have none")
 def test_a_shape_rolls_whose_neighbours_do_not() -> None:
     """Of shapes with numbers near these, some roll outside the range of the height."""
     free, fixed = _shapes({"across": 0.93, "along": 1.0, "power": 2.3})

@@ -51,8 +51,10 @@ def neutral(theta: float, bend: float, omega3: float) -> bool:
     return bool(bent * q + 0.5 * (0.5 + h * h) * (0.5 + h * h + h * bent * c * c) * omega3**2 > 0)
 
 
-@pytest.mark.parametrize("edge", [1e-4, 9e-4, 1e-2])
-@pytest.mark.parametrize("law", [Rough(), Viscous(0.3), st.Smooth()])
+@pytest.mark.parametrize(
+    ("edge", "law"),
+    [(1e-4, Rough()), (9e-4, Rough()), (1e-2, st.Smooth()), (9e-4, Viscous(0.3))],
+)
 def test_the_inclination_that_is_meant_is_the_one_that_is_judged(edge: float, law: object) -> None:
     body = edged(edge)
     for at in zeros(0.25, edge):

@@ -13,6 +13,7 @@ from ...base.checks import Number, broadcast, checked, one_number, positive, rea
 from ...base.errors import NameUnknownError, ParameterError, shown
 from ...systems.family import Family
 from ...systems.system_checks import mapping, title
+from .height.convexity import LEAST, Convexity, convexity
 from .height.expression import expression
 from .shape import MOMENTS, SAMPLES, SCALES, TAKEN, RoundShape, single_pole
 
@@ -165,6 +166,27 @@ class Body(RoundShape):
 
         return body_family(self, name, contact, theta, single_pole(pole))
 
+    @property
+    def unproved(self) -> tuple[tuple[float, float], ...]:
+        """Intervals of θ in which samples alone say that the body is convex; empty if proved.
+
+        Everywhere else the height is above -1e-12, and the meridian's radius of curvature above
+        -1e-9, of the largest height, by bounds on pieces.  Open intervals are corners of the
+        height, points where its second derivative is infinite, and everything where more than 32
+        shapes are given at once.
+
+        Examples
+        --------
+        >>> import casadi as ca
+        >>> import stability as st
+        >>> st.Spheroid(0.5).unproved
+        ()
+        >>> can = st.Body(lambda t: ca.sin(t) + ca.fabs(ca.cos(t)), axial=0.5, transverse=0.5)
+        >>> [(round(a, 4), round(b, 4)) for a, b in can.unproved]  # it stands upright on a line
+        [(1.5708, 1.5708)]
+        """
+        return self._convexity().open
+
     # --- checks ---
 
     def _share(self, name: str) -> float:
@@ -230,31 +252,47 @@ class Body(RoundShape):
                 f"{pair[1][bad].flat[0]:g}; no body has axial above twice transverse."
             )
 
+    def _convexity(self) -> Convexity:
+        """What is proved about the height."""
+        own = np.broadcast_arrays(*self.shape.values()) if self.shape else []
+        shapes = zip(*(v.ravel().tolist() for v in own), strict=True) if own else [()]
+        found: Any = self.height
+        return convexity(found, tuple(self.shape), tuple(dict.fromkeys(shapes)), self.between)
+
     def _check_convex(self) -> None:
-        """Refuse a height that no convex body over the plane has, at samples of θ."""
+        """Refuse a height that no convex body over the plane has: by proof, else at samples."""
+        found = self._convexity()
+        if found.wrong is not None:
+            raise _not_convex(*found.wrong)
+        if not found.open:
+            return
         low, high = self.between
         theta = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
-        count = max(np.size(v) for v in self.shape.values()) if self.shape else 1
         theta = theta.reshape(-1, *[1] * max((np.ndim(v) for v in self.shape.values()), default=0))
         with np.errstate(all="ignore"):
             h, _, bend = self.heights(theta)
         if not (np.isfinite(h).all() and np.isfinite(bend).all()):
             raise ParameterError("height has no finite value and curvature at every theta between.")
-        where = np.broadcast_to(theta, np.shape(h)) if count else theta
+        where, radius = np.broadcast_to(theta, np.shape(h)), h + bend
         if (h <= 0).any():
             at = int(np.argmin(h))
-            raise ParameterError(
-                f"height is {h.flat[at]:.3g} at theta = {where.flat[at]:.3g}; the centre of mass "
-                "must lie above the plane."
-            )
-        radius = h + bend
-        if (radius < -1e-9 * np.abs(h).max()).any():
+            raise _not_convex("height", float(h.flat[at]), float(where.flat[at]))
+        if (radius < LEAST * np.abs(h).max()).any():
             at = int(np.argmin(radius))
-            raise ParameterError(
-                f"height + height'' is {radius.flat[at]:.3g} at theta = {where.flat[at]:.3g}; it "
-                "is the radius of curvature of the meridian, which is nowhere negative for a "
-                "convex body."
-            )
+            raise _not_convex("radius", float(radius.flat[at]), float(where.flat[at]))
+
+
+def _not_convex(what: str, value: float, theta: float) -> ParameterError:
+    """The refusal of a height, or of its radius of curvature, at an inclination."""
+    if what == "height":
+        return ParameterError(
+            f"height is {value:.3g} at theta = {theta:.3g}; the centre of mass must lie above the "
+            "plane."
+        )
+    return ParameterError(
+        f"height + height'' is {value:.3g} at theta = {theta:.3g}; it is the radius of curvature "
+        "of the meridian, which is nowhere negative for a convex body."
+    )
 
 
 def _pair(name: str, given: Any, remedy: str) -> tuple[float, float]:

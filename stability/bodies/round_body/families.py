@@ -26,10 +26,10 @@ from ..contact import Contact
 from ..contact_laws import law_class
 from ..law_names import class_named
 from .equations import Resistances, round_system
-from .inclinations import level, sizes, slope_of, stands_upright, start
+from .inclinations import level, sizes, stands_upright, start
 from .pole_equations import AXIS, SLIP, TURN, pole_system, refuse_rough_pole
 from .polynomials import closed_form, stored
-from .shape import RoundShape
+from .shape import RoundShape, not_upright
 from .si_law import shape_of
 
 
@@ -189,10 +189,7 @@ def round_family(
 
 
 def _not_upright(body: RoundShape, name: str) -> NoMemberError:
-    return NoMemberError(
-        f"{body.name} has no {name}: the slope of its height at theta = π/2 is "
-        f"{float(slope_of(body)(math.pi / 2)):.3g}, and must vanish there."
-    )
+    return NoMemberError(f"{body.name} has no {name}: {not_upright(body)}.")
 
 
 def _pairs(table: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:

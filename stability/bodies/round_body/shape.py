@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -23,6 +24,10 @@ MOMENTS = ("axial", "transverse")
 """Names of the moments of inertia that are given as numbers, as axes of maps."""
 SAMPLES = 721
 """Inclinations at which convexity is checked."""
+NEAR = 10.0 ** -np.arange(2, 9, 2)
+"""Distances from upright at which a height is looked at [rad]."""
+STEEPER = 1.2
+"""Growth of a second derivative from each distance to the next that counts as that to infinity."""
 TAKEN = (*SCALES, *MOMENTS, *STATES, "at", "x", "y", "axis", "body", "contact", "disk", "pole")
 """Names that no number of a body's shape can have."""
 
@@ -56,6 +61,42 @@ def refuse_constants(body: Any, axes: Collection[str]) -> None:
                 f"{name} is no axis of {body.name}: its height and moments are computed for one "
                 f"{name} and are no formulas in it; ask once for each {name}."
             )
+
+
+def not_upright(body: RoundShape) -> str:
+    """Why a body does not stand upright, at θ = π/2, as the end of a sentence.
+
+    Parameters
+    ----------
+    body
+        The body; of arrays the first shape counts.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> not_upright(st.EccentricSphere(0.1))
+    'the slope of its height at theta = π/2 is 0.1, and must vanish there'
+    """
+    low, high = body.between
+    right = math.pi / 2
+    if not low < right < high:
+        return f"its height holds between theta = {low:.6g} and {high:.6g}, without π/2 inside"
+    away = NEAR.reshape(-1, *[1] * max((np.ndim(v) for v in body.shape.values()), default=0))
+    below, above, at = (
+        [np.asarray(v).reshape(len(theta), -1)[:, 0] for v in body.heights(theta)[1:]]
+        for theta in (right - away, right + away, right + 0 * away)
+    )  # each h' and h''
+    bend = np.minimum(abs(below[1]), abs(above[1]))
+    if (bend[1:] > STEEPER * bend[:-1]).all():
+        return (
+            "the second derivative of its height grows beyond bounds towards theta = π/2 "
+            f"({bend[-1]:.2g} at a distance of {NEAR[-1]:g} rad), so that no motion there has a "
+            "linearisation"
+        )
+    first, last = float(below[0][-1]), float(above[0][-1])
+    if abs(first - last) > NEAR[-1] * 1e3 * (1 + bend[-1]):
+        return f"the slope of its height jumps from {first:.3g} to {last:.3g} at theta = π/2"
+    return f"the slope of its height at theta = π/2 is {float(at[0][0]):.3g}, and must vanish there"
 
 
 class RoundShape(Record):

@@ -17,6 +17,7 @@ from ...algebra.balls import precision
 from ...algebra.number_types import balls
 from ...algebra.program import Program
 from ...base.checks import instance
+from ...base.citation.used import cited
 from ...base.errors import ParameterError
 from ...bodies.disk import Disk
 from ...bodies.round_body.body import Body
@@ -57,6 +58,11 @@ class PainleveLimit:
     def middle(self) -> float:
         """Middle of the enclosure."""
         return (self.low + self.high) / 2
+
+    @property
+    def citation(self) -> str:
+        """Keys of the works to cite, for `stability.citation`."""
+        return cited(proofs=True)
 
 
 def painleve_limit(body: Body | Disk) -> PainleveLimit:

@@ -61,7 +61,7 @@ class ImplicitForm(ClosedForm):
     start: float = 0.0
     """Number to which the root that is meant is the nearest."""
     between: tuple[float, float] = (-np.inf, np.inf)
-    """Interval of the unknown."""
+    """Interval in which other roots are sought; a condition of the system says what is valid."""
 
     __getstate__ = fields_of
 
@@ -177,8 +177,7 @@ class ImplicitForm(ClosedForm):
         share = np.linspace(0.0, 1.0, SIGNS, endpoint=False).reshape(-1, *[1] * u.ndim)
         sides = np.stack([self.start + sign * (u - self.start) * share for sign in (1, -1)])
         value = np.sign(self._value(np.clip(sides, low, high), q))
-        same = (value == value[:, :1]).all(axis=(0, 1)) | (u == self.start)
-        return same & (low <= u) & (u <= high)
+        return (value == value[:, :1]).all(axis=(0, 1)) | (u == self.start)
 
     def _value(self, u: Any, q: Sequence[Any]) -> Any:
         return np.broadcast_to(self._both(_PLAIN, u, q)[0], np.shape(u))
