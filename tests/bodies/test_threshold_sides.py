@@ -8,47 +8,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from fractions import Fraction
-from math import isqrt
 from typing import Any
 
 import casadi as ca
 import pytest
 import sympy
-from flint import arb
 from mpmath import mp
+from sides import HALF, ONE, STEP, root, words
 
 import stability as st
-from stability.algebra.balls import precision
-from stability.algebra.number_types import balls
-from stability.bodies.round_body.equations import round_system
 from stability.derivation.bodies import spinning
-from stability.derivation.bodies.painleve import painleve_limit
-
-STEP = Fraction(1, 10**12)
-ONE = 10**60
-HALF = Fraction(1, 2)
-
-
-def root(square: Fraction) -> Fraction:
-    """The square root to 60 digits."""
-    return Fraction(isqrt(square.numerator * ONE**2 // square.denominator), ONE)
 
 
 def rounded(name: str) -> st.Body:
     """Height ρ + (1-ρ) sin θ, with all numbers free: h(π/2) = 1, ρ the radius of curvature."""
     return st.Body(lambda theta, rho: rho + (1 - rho) * ca.sin(theta), axial=0.5, transverse=0.4,
                    shape={"rho": 0.25}, name=name)  # fmt: skip
-
-
-def words(
-    family: st.Family, value: Fraction, numbers: Mapping[str, Fraction], name: str = ""
-) -> list[str]:
-    """Verdicts below and above a value of the family's number, or of a parameter by name."""
-    found = []
-    for side in (1 - STEP, 1 + STEP):
-        given = dict(numbers) | {name or "at": value * side}
-        found.append(st.spectrum(family, certify=True, **given).verdict.word)
-    return found
 
 
 # body, its numbers, then h, h′′, I1 and I3 upright
@@ -71,7 +46,8 @@ def coin(rho: Fraction, across: Fraction, along: Fraction) -> Upright:
 
 
 BODIES = [torus(Fraction(1, 5)), torus(Fraction(1, 3)), spheroid(Fraction(1, 2)),
-          coin(Fraction(1, 7), Fraction(2, 5), HALF)]  # fmt: skip
+          coin(Fraction(1, 7), Fraction(2, 5), HALF), coin(Fraction(0), Fraction(1, 4), HALF),
+          coin(Fraction(0), HALF, Fraction(1))]  # fmt: skip
 MU = (Fraction(3, 10), Fraction(3))
 
 
@@ -219,9 +195,11 @@ def test_coin_and_hoop_roll_above_their_published_speeds(k: Fraction) -> None:
 
 SCALES = ("mass", "gravity", "length")
 EGG = st.Egg(0.2)
+HOLLOW = st.Torus(0.1, solid=False)
+THIN = st.Body(lambda theta: ca.sin(theta), axial=0.5, transverse=0.25, name="thin disk")
 NAMED: list[tuple[str, Any, st.Body, dict[str, Any]]] = [
     (name, law, body, {})
-    for body in (st.Torus(0.2), st.Spheroid(0.6), st.ThickDisk(0.1))
+    for body in (st.Torus(0.2), st.Spheroid(0.6), st.ThickDisk(0.1), HOLLOW, THIN)
     for name in ("rolling", "spinning")
     for law in ("viscous", "rough", "smooth")
     if not (name == "spinning" and body.name == "thick disk")
@@ -233,6 +211,18 @@ NAMED: list[tuple[str, Any, st.Body, dict[str, Any]]] = [
     ("precession", "smooth", st.ThickDisk(0.1), {"axis": (0.3, 1.3), "held": ("phi_dot", 1.7)}),
     ("vertical", "viscous", st.Spheroid(0.6), {}),
     ("vertical", "viscous", st.EccentricSphere(0.2), {}),
+    ("tumbling", "viscous", THIN, {"axis": (0.05, 1.55), "mu": 2}),
+    ("tumbling", "viscous", st.Torus(0.2, solid=False), {"axis": (0.05, 1.55)}),
+    ("spinning", "viscous", st.Spheroid(1.7), {"axis": (0.05, 4.0)}),
+    ("spinning", "viscous", st.Spheroid(1.7), {"axis": (0.05, 4.0), "mu": 3}),
+    ("circling", "rough", st.Torus(0.2), {"axis": (0.05, 6.0), "held": ("theta", 1.4)}),
+    ("circling", "rough", st.ThickDisk(0.3), {"axis": (0.05, 6.0), "held": ("theta", 1.2)}),
+    ("circling", "rough", st.Spheroid(0.5), {"axis": (0.05, 6.0), "held": ("theta", 1.9)}),
+    ("circling", "rough", EGG, {"axis": (0.05, 6.0), "held": ("theta", 0.5)}),
+] + [
+    ("vertical", law, body, {"pole": pole})
+    for law in ("rough", "smooth")
+    for body, pole in ((st.Spheroid(1.7), 0), (st.EccentricSphere(0.2), "pi"), (EGG, "pi"))
 ]  # fmt: skip
 
 
@@ -245,9 +235,9 @@ def test_boundaries_of_named_bodies_have_two_sides(
     low, high = more.get("axis", (0.05, 6.0))
     numbers = {n: Fraction(v) for n, v in body.given.items() if n not in SCALES}
     if law == "viscous":
-        numbers["mu"] = Fraction(3, 10)
-    family = body.family(name, law)
-    axis = family.at[0]
+        numbers["mu"] = Fraction(more.get("mu", Fraction(3, 10)))
+    family = body.family(name, law, pole=more.get("pole"))
+    [axis] = [n for n in family.at if n != more.get("held", ("",))[0]]
     held = {more["held"][0]: Fraction(more["held"][1])} if "held" in more else {}
     given = {n: float(v) for n, v in (numbers | held).items()}
     found = st.boundaries(family, axis=(axis, low, high, 50), **given)
@@ -329,36 +319,3 @@ def test_tumbling_turns_where_its_energy_is_stationary(t: Fraction) -> None:
     unstable = [rise == falls for rise in rises]  # h′ dE/dθ < 0
     assert sorted(unstable) == [False, True]
     assert [word == "unstable" for word in seen] == unstable, seen
-
-
-@pytest.mark.parametrize(
-    ("body", "height"),
-    [(st.Torus(0.25), lambda t: mp.sin(t) + mp.mpf(1) / 4),
-     (st.Spheroid(0.5), lambda t: mp.sqrt(mp.sin(t) ** 2 + mp.cos(t) ** 2 / 4)),
-     (st.EccentricSphere(0.25), lambda t: 1 - mp.cos(t) / 4)],
-    ids=["torus", "spheroid", "eccentric sphere"],
-)  # fmt: skip
-def test_the_determinant_changes_sign_at_painleves_limit(body: st.Body, height: Any) -> None:
-    """D of the graph in balls, on both sides of the least value of (I1 + h′²)/(h |h′|)."""
-    moment = body.moments()[1]
-    limit = painleve_limit(body)
-    with mp.workdps(50):
-
-        def ratio(t: Any) -> Any:
-            slope = mp.diff(height, t)
-            return (mp.mpf(moment) + slope**2) / (height(t) * abs(slope))
-
-        theta = mp.findroot(lambda t: mp.diff(ratio, t), mp.mpf(limit.theta))
-        least, sign = ratio(theta), mp.sign(mp.diff(height, theta))
-        below, above = (arb(str(least * (1 + side * mp.mpf(10) ** -12))) for side in (-1, 1))
-        place, side = arb(str(theta)), arb(int(sign))
-    assert below < arb(limit.low) and arb(limit.high) < above  # D > 0 everywhere; D ≤ 0 somewhere
-    system = round_system(body, st.Viscous, ("mu",), physical=False)
-    table = {n: arb(float(v)) for n, v in body.given.items()} | {"mu": arb(1)}
-    p = [table[n] for n in system.parameters]
-    with precision(200):
-        for slip, positive in ((below, True), (above, False)):
-            state = {"theta": place, "slip_x": slip * side}
-            x = [state.get(n, arb(0)) for n in system.states]
-            [[determinant]] = system.condition_program.run(balls(), [x, p])[-1:]
-            assert (determinant > 0) is positive and (determinant < 0) is not positive
