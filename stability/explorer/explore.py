@@ -34,6 +34,7 @@ def explore(
     y: Any = None,
     positive: Sequence[str] = (),
     pole: Any = None,
+    theta: float | None = None,
     out: str | os.PathLike[str] | None = None,
     certify: bool = True,
     overwrite: bool = False,
@@ -67,6 +68,8 @@ def explore(
         Quantities of a family of your own that are positive, which makes its conditions shorter.
     pole
         0 or "pi": the inclination of vertical spin that is shown at first.
+    theta
+        Inclination near that of rolling, of a body that rolls at several [rad].
     out
         File to write, ending in `.html`; a widget is returned when left out.
     certify
@@ -106,6 +109,8 @@ def explore(
     axes = axis(x, "x"), axis(y, "y")
     if pole is not None and body is None:
         raise ParameterError("pole belongs to vertical spin of a body; leave it out.")
+    if theta is not None and body is None:
+        raise ParameterError("theta belongs to rolling of a body; leave it out.")
     if isinstance(family, Family):
         for name, given in (("contact", contact), ("disk", disk), ("body", body)):
             if given is not None:
@@ -117,7 +122,8 @@ def explore(
     elif body is not None:
         if disk is not None or not isinstance(body, Body):
             raise ParameterError("give one stability.Body as body, and no disk.")
-        data = body_page(family, at, contact, body, axes, parameters, certify=certify, pole=pole)
+        where = {"pole": pole, "theta": theta}
+        data = body_page(family, at, contact, body, axes, parameters, certify=certify, **where)
         title = f"{family} of a body"
     else:
         data = disk_page(family, at, contact, disk, axes, parameters, certify=certify)

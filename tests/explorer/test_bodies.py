@@ -121,7 +121,7 @@ def test_bounds_of_the_signs_hold_in_balls(seen: tuple[str, Visit]) -> None:
     generator, wide = np.random.default_rng(SEED), 0
     for law in ("viscous", "rough"):
         family = st.Torus(0.2).family("tumbling", law)
-        closed, key = Closed(family), f"tumbling {law}"
+        closed, key = Closed(family, ()), f"tumbling {law}"
         [subject] = [s for s in subjects(view.page) if s["key"] == key]
         for q in points(name, subject, generator).tolist():
             rows = view.page.evaluate(

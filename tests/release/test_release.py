@@ -106,8 +106,9 @@ def test_the_paper_has_the_parts_that_a_journal_asks_for() -> None:
     assert [a["name"] for a in given["authors"]] == [a["name"] for a in PROJECT["authors"]]
     parts = re.findall(r"^# (.*)$", body, re.MULTILINE)
     assert parts == ["Summary", "Statement of need", "State of the field", "Software design",
-                     "Research impact statement", "Acknowledgements", "References"]  # fmt: skip
-    assert 750 < len(body.split()) < 1750
+                     "Research impact statement", "AI usage disclosure", "Acknowledgements",
+                     "References"]  # fmt: skip
+    assert 750 <= len(body.split()) <= 1750  # by the journal's page on its format
 
 
 def test_every_work_of_the_paper_is_cited_and_known() -> None:

@@ -53,7 +53,7 @@ def _explore(options: argparse.Namespace) -> None:
         names = tuple(options.positive.split(",")) if options.positive else ()
         path = explore(family, positive=names, **common, **given)
     else:
-        for key in ("positive", "parameter", "theta", *(["pole"] if body is None else [])):
+        for key in ("positive", "parameter", *(["theta", "pole"] if body is None else [])):
             if getattr(options, key, None) is not None:
                 raise ParameterError(f"--{key} has no meaning for this page; leave it out.")
         name = options.family or "spinning"
@@ -63,7 +63,7 @@ def _explore(options: argparse.Namespace) -> None:
         if body is None:
             physics = {"disk": _disk(options)}
         else:
-            physics = {"body": body, "pole": where_of(options).get("pole")}
+            physics = {"body": body, **where_of(options)}
         path = explore(name, at=at, contact=options.contact, **physics, **common, **numbers)
     if options.json:
         print(json_text({"page": str(path), "bytes": path.stat().st_size}))

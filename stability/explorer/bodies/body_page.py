@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ...base.checks import one_number
 from ...base.errors import NameUnknownError, ParameterError, StabilityError, listed, shown
 from ...bodies.contact_laws import LAWS
 from ...bodies.round_body.body import Body
@@ -54,16 +55,21 @@ class Shown:
     """Word on its button."""
     pole: int = 0
     """1 or -1 for vertical spin at θ = 0 or π."""
+    theta: float | None = None
+    """Inclination near that of rolling, where one is given."""
 
     @property
     def choice(self) -> dict[str, Any]:
-        """The pole as an argument of calls."""
+        """The pole or the inclination as an argument of calls."""
+        if self.theta is not None:
+            return {"theta": self.theta}
         return {} if not self.pole else {"pole": 0 if self.pole == 1 else "pi"}
 
 
-def _families(body: Body) -> list[Shown]:
+def _families(body: Body, near: float | None) -> list[Shown]:
     """Every family that one number names; vertical spin at π only where it is another motion."""
-    known = [Shown(n, n, n.capitalize()) for n in ("rolling", "spinning", "tumbling")]
+    known = [Shown("rolling", "rolling", "Rolling", 0, near)]
+    known += [Shown(n, n, n.capitalize()) for n in ("spinning", "tumbling")]
     theta = np.linspace(0.3, 1.2, 4)
     both = smooth_at(body, 1) and smooth_at(body, -1)
     if both and np.allclose(body.height_at(theta), body.height_at(math.pi - theta), rtol=1e-13):
@@ -75,18 +81,19 @@ def _families(body: Body) -> list[Shown]:
 def body_page(
     family: Any, at: Any, contact: Any, body: Body, axes: Sequence[Any],
     parameters: Mapping[str, Any], *, certify: bool, pole: Any = None,
+    theta: Any = None,
 ) -> dict[str, Any]:  # fmt: skip
     """Data of the page of a body of revolution.
 
     Parameters
     ----------
-    family, at, contact, body, parameters, certify, pole
+    family, at, contact, body, parameters, certify, pole, theta
         As for `explore`.
     axes
         The two axes, or None for each.
     """
     refuse_constants(body, [axis.name for axis in axes if axis is not None])
-    families = _families(body)
+    families = _families(body, None if theta is None else one_number("theta", theta))
     names = list(dict.fromkeys(f.name for f in families))
     if not isinstance(family, str) or family not in names:
         raise NameUnknownError(
@@ -100,6 +107,8 @@ def body_page(
         )
     mu = numbers.get("mu", FRICTION[2])
     first = _chosen(families, family, pole)
+    if theta is not None and first.theta is None:
+        raise ParameterError(f"theta chooses where a body rolls; leave it out for {family}.")
     subjects: list[Subject] = []
     members: dict[str, Family] = {}
     for one in families:
@@ -205,7 +214,7 @@ def _subject(
     states: States
     if family.formulas is not None:
         found = closed_subject(family, quantities, axes, words)
-        states = closed_states(family)
+        states = closed_states(family, [q.value for q in quantities[1:]])
     else:
         given = {q.name: q.value for q in quantities}
         ends = {q.name: (q.name, q.low, q.high) for q in quantities}
@@ -269,4 +278,5 @@ def _call(body: Body, one: Shown, law: str) -> dict[str, Any]:
             text = f"st.{make.__name__}({', '.join(given)})"
             break
     return {"kind": "body", "family": one.name, "law": law, "pole": one.choice.get("pole"),
-            "class": LAWS[law].__name__, "body": text, "name": body.name}  # fmt: skip
+            "theta": one.theta, "class": LAWS[law].__name__, "body": text,
+            "name": body.name}  # fmt: skip

@@ -3,7 +3,8 @@
 The stored polynomials have h, h′ and h′′ as variables.  Put in, they are a graph in the quantities,
 no polynomial.  So the signs of the conditions are read with the running error of that graph
 (`source.tracked`).  Where the inclination is solved for, by Newton's
-method written out, there is no such bound, and the page says that its verdict is a float.
+method written out, there is no such bound, and the page says that its verdict is a float.  Where
+that method ends at another inclination than the one that Python means, the page has no member.
 """
 
 from __future__ import annotations
@@ -14,10 +15,12 @@ from functools import partial
 from typing import Any
 
 import casadi as ca
+import numpy as np
 
 from ...algebra.number_types import Algebra
 from ...algebra.program import Program
 from ...algebra.upright import Upright
+from ...base.errors import NoMemberError
 from ...systems.family import Family
 from ...systems.graph.implicit_form import ImplicitForm
 from ..source.formulas import FLOAT, Sign, Values
@@ -27,6 +30,13 @@ from ..subject import Quantity, Subject
 
 STEPS = 7
 """Steps of Newton's method for an inclination."""
+SIGNS = 8
+"""Samples between the start and the root, and as many on its other side: a part of those by which
+`ImplicitForm` knows the nearest root."""
+CLOSE = 1e-5
+"""Largest last step of Newton's method [rad]; the error is about its square."""
+SAME = 1e-6
+"""Angle within which a change of sign is rounding, in the shader's single precision [rad]."""
 
 
 class Closed:
@@ -36,23 +46,30 @@ class Closed:
     ----------
     family
         A family with `formulas`.
+    first
+        Parameters at which the page begins.
+
+    Raises
+    ------
+    NoMemberError
+        If the family has no member at these parameters.
     """
 
-    def __init__(self, family: Family) -> None:
+    def __init__(self, family: Family, first: Sequence[float]) -> None:
         form: Any = family.formulas
         self.form, self.count = form, len(family.at)
         a, p = ca.SX.sym("a", len(family.at)), ca.SX.sym("p", len(family.parameters))
         c = ca.SX.sym("c", len(form.constants))
         self.solved = isinstance(form, ImplicitForm)
-        full = ca.vertcat(a, _newton(form, p)) if self.solved else a
-        powers, unknown, positive = form.function(full, p, c)
+        theta, there = _nearest(form, p, first) if self.solved else (ca.SX(0, 1), ca.SX(0, 1))
+        powers, unknown, positive = form.function(ca.vertcat(a, theta), p, c)
         self.even = form.even
         self.rules = _rules(powers.numel() - 1, even=form.even)
         values, sizes = zip(*[rule(powers) for _, _, rule in self.rules], strict=True)
         inputs = [a, p, c]
         self._coefficients = self._program(inputs, ca.densify(powers))
         self._unknown = self._program(inputs, ca.densify(unknown))
-        self._members = self._program(inputs, ca.densify(positive))
+        self._members = self._program(inputs, ca.densify(ca.vertcat(positive, there)))
         self._values = self._program(inputs, ca.densify(ca.vertcat(*values)))
         self._sizes = self._program(inputs, ca.densify(ca.vertcat(*sizes)))
 
@@ -91,13 +108,34 @@ class Closed:
         return with_bounds(lambda a, z: self._run(self._values, a, z)[0], algebra, q)
 
 
-def _newton(form: ImplicitForm, p: ca.SX) -> ca.SX:
-    """The inclination after some steps of Newton's method, written out."""
-    equation, theta = ca.Function.deserialize(form.equation), ca.SX(form.start)
+def _nearest(form: ImplicitForm, p: ca.SX, first: Sequence[float]) -> tuple[ca.SX, ca.SX]:
+    """The inclination, and numbers that are positive where it is the root nearest to the start.
+
+    Newton's method is written out, from the root at the first parameters.
+    """
+    equation = ca.Function.deserialize(form.equation)
+    begin = float(form.near(list(first)))
+    if not np.isfinite(begin):
+        raise NoMemberError("no inclination is found at the numbers with which the page begins.")
+    theta, step, slope = ca.SX(begin), ca.SX(0), ca.SX(1)
     for _ in range(STEPS):
         value, slope = equation(theta, p)
-        theta = theta - value / slope
-    return theta
+        step = value / slope
+        theta = theta - step
+    low, high = form.between
+    least = (SAME * slope) ** 2
+    at_start, _ = equation(form.start, p)
+    there = [CLOSE - ca.fabs(step), theta - low, high - theta]
+    for share in (*range(1 - SIGNS, 0), *range(1, SIGNS + 1)):  # the root itself at -SIGNS
+        place = _within(form.start - share / SIGNS * (theta - form.start), low, high)
+        there.append(equation(place, p)[0] * at_start + least)
+    return theta, ca.vertcat(*there)
+
+
+def _within(u: ca.SX, low: float, high: float) -> ca.SX:
+    """A number moved into an interval, without a branch."""
+    above = (u + low + ca.fabs(u - low)) / 2
+    return (above + high - ca.fabs(high - above)) / 2
 
 
 def _rules(degree: int, *, even: bool) -> list[tuple[str, str, Any]]:
@@ -169,8 +207,8 @@ def closed_subject(
 
     Source: tests/explorer/test_bodies.py compares with `spectrum` at random points.
     """
-    closed = Closed(family)
     names = [q.name for q in quantities]
+    closed = Closed(family, [q.value for q in quantities[len(family.at) :]])
     system = family.system
     x, p = system.x, system.p
     degree = closed.form.function.numel_out(0) - 1
@@ -188,9 +226,9 @@ def closed_subject(
     )  # fmt: skip
 
 
-def closed_states(family: Family) -> Callable[[Algebra, Values], list[Any]]:
+def closed_states(family: Family, first: Sequence[float]) -> Callable[[Algebra, Values], list[Any]]:
     """States of a member as a function of the number type and the quantities."""
-    return partial(_member, family, Closed(family))
+    return partial(_member, family, Closed(family, first))
 
 
 def _note(degree: int, *, even: bool) -> str:

@@ -174,8 +174,9 @@ class ImplicitForm(ClosedForm):
     def _nearest(self, u: Any, q: Sequence[Any]) -> Any:
         """Whether no sample nearer to the start than a root has another sign than the start."""
         low, high = self.between
-        share = np.linspace(0.0, 1.0, SIGNS, endpoint=False).reshape(-1, *[1] * u.ndim)
-        sides = np.stack([self.start + sign * (u - self.start) * share for sign in (1, -1)])
+        share = (np.arange(SIGNS) / SIGNS).reshape(-1, *[1] * u.ndim)
+        other = -share - 1 / SIGNS  # up to the place as far away as the root
+        sides = np.stack([self.start + (u - self.start) * one for one in (share, other)])
         value = np.sign(self._value(np.clip(sides, low, high), q))
         return (value == value[:, :1]).all(axis=(0, 1)) | (u == self.start)
 

@@ -10,6 +10,7 @@ const SENTENCES = {
   undecided: "The point is on a boundary, as far as double precision can see.",
 };
 const UNREACHED = "The page reaches no member here: the family ends on the way, or its root-finder fails. Python says which.";
+const ANOTHER = "The page finds no member here: none exists, or its search meets another inclination than the one that is meant. Python says which.";
 const SIGNS = {stable: "✓", unstable: "↗", neutral: "○", undecided: "?", absent: "–"};
 
 export class PointPanel {
@@ -35,7 +36,8 @@ export class PointPanel {
     this.place.replaceChildren("at ", ...at.flatMap((parts, i) => (i ? [", ", ...parts] : parts)));
     const solved = subject.solved(q);
     if (verdict !== "absent") subject.unknown.forEach((n, i) => this.place.append("; ", symbol(n), ` = ${text(solved[i], 5)}`));
-    this.sentence.textContent = subject.solver && verdict === "absent" ? UNREACHED : SENTENCES[verdict];
+    const unsure = subject.solver ? UNREACHED : ANOTHER; // a family in closed form knows where it ends
+    this.sentence.textContent = verdict === "absent" && !subject.proved ? unsure : SENTENCES[verdict];
     this.proof.replaceChildren(...this.proved(verdict, rows));
     this.list(verdict === "absent" ? [] : subject.eigenvalues(q));
     clearTimeout(this.later);

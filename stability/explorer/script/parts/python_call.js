@@ -57,21 +57,22 @@ function ofDisk(view) {
 }
 
 function ofBody(view) {
-  const {subject, state} = view, {values} = state, {family, law, class: name, body, pole} = subject.call;
+  const {subject, state} = view, {values} = state, {family, law, class: name, body, pole, theta} = subject.call;
   const [first] = subject.names, at = number(view, subject.quantity[first], values[first]), axes = [state.x, state.y];
   const more = scales(view).join(", "), until = inUnits(state.until, view.curve("time").size);
   const made = body.replace(/\{(\w+)\}/g, (_, n) => exactText(values[n])).replace(/\)$/, more ? `, ${more})` : ")").replace("(, ", "(");
   const shape = subject.names.filter((n) => n !== first && n !== "mu").map((n) => `${n}=${exactText(values[n])}`).join(", ");
   const contact = `st.${name}(${"mu" in values ? number(view, subject.quantity.mu, values.mu) : ""})`;
   const where = pole === undefined || pole === null ? "" : `, pole=${JSON.stringify(pole)}`;
+  const placed = theta === null ? where : `, theta=${exactText(theta)}`;
   const held = [axes.includes("mu") ? `contact="${law}"` : "contact=contact", ...(axes.includes(first) ? [] : [`at=${at}`])];
   return [
     "import stability as st", "",
     made ? `body, contact = ${made}, ${contact}` : `contact = ${contact}  # body: your ${subject.call.name}${[shape, more].some((w) => w) ? ` with ${[shape, more].filter((w) => w).join(", ")}` : ""}`,
-    `point = st.spectrum("${family}", at=${at}, body=body, contact=contact${where}, certify=True)`,
-    `diagram = st.stability_map("${family}", x=${axis(view, "x", 300)}, y=${axis(view, "y", 200)}, body=body, ${held.join(", ")}${where})`,
+    `point = st.spectrum("${family}", at=${at}, body=body, contact=contact${placed}, certify=True)`,
+    `diagram = st.stability_map("${family}", x=${axis(view, "x", 300)}, y=${axis(view, "y", 200)}, body=body, ${held.join(", ")}${placed})`,
     "figure = st.plot_map(diagram)",
-    `start = st.launch("${family}", at=${at}, tilt=${exactText(state.tilt)}, body=body${where})`,
+    `start = st.launch("${family}", at=${at}, tilt=${exactText(state.tilt)}, body=body${placed})`,
     `motion = st.simulate(body, contact, start, ${until})`,
     "print(point.verdict, point.eigenvalues, motion.attrs[\"outcome\"])", "",
   ].join("\n");

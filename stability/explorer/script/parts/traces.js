@@ -34,7 +34,11 @@ export class Traces {
 
   draw() {
     const width = this.root.getBoundingClientRect().width;
-    if (!this.run || !width) { this.drawing.replaceChildren(); return; }
+    if (!this.run || !width) {
+      this.drawing.replaceChildren();
+      this.cursor = null;
+      return;
+    }
     const names = Object.keys(this.run.series), height = ROW * names.length + FOOT, parts = [];
     const wide = width - LEFT - RIGHT, at = (t) => LEFT + (wide * t) / this.span;
     names.forEach((name, row) => {

@@ -1,0 +1,103 @@
+"""A body that rolls at several inclinations: the page shows the one that is meant, or none."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from chromium import Visit, visit
+from edged_body import edged, zeros
+from page_numbers import ASK
+
+import stability as st
+from stability.base.errors import ParameterError
+
+BENDS = np.linspace(0.2, 0.3, 21)
+ASKED = np.linspace(0.02, 0.6, 40)
+"""Values of `bend` over its whole slider."""
+STEADY = """([key, points]) => { const s = stabilityExplorer.view.subjects.get(key);
+  return points.map((q) => (s.exists(q) ? s.steady(q)[0] : null)); }"""
+
+
+@pytest.fixture(scope="module", params=range(3))
+def seen(
+    request: Any, browser: Any, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[tuple[float, Visit]]:
+    """A page that begins at one of the three inclinations."""
+    at = zeros(0.25)[request.param]
+    path = tmp_path_factory.mktemp("page") / "edged.html"
+    st.explore("rolling", body=edged(), contact="rough", at=0.3, theta=round(at, 3), certify=False,
+               out=path)  # fmt: skip
+    with visit(browser, path) as found:
+        yield round(at, 3), found
+        assert not found.said and not found.asked
+
+
+def points(view: Visit, bends: np.ndarray) -> list[list[float]]:
+    names = view.page.evaluate("stabilityExplorer.view.subjects.get('rolling rough').names")
+    given = {"omega3": 0.3, "axial": 0.5, "transverse": 0.3}
+    return [[given.get(n, bend) for n in names] for bend in bends.tolist()]
+
+
+def test_every_member_of_the_page_is_at_the_inclination_that_is_meant(
+    seen: tuple[float, Visit],
+) -> None:
+    """Over the whole slider; near its first value the page finds every one."""
+    theta, view = seen
+    sets = points(view, ASKED)
+    found = view.page.evaluate(STEADY, ["rolling rough", sets])
+    there = 0
+    for bend, one in zip(ASKED.tolist(), found, strict=True):
+        if one is not None:
+            near = min(zeros(bend), key=lambda t: abs(t - theta))
+            assert one == pytest.approx(near, abs=1e-9), bend
+            there += 1
+    assert there > 10
+    near_first = view.page.evaluate(STEADY, ["rolling rough", points(view, BENDS)])
+    assert all(one is not None for one in near_first)
+
+
+def test_verdicts_are_those_of_that_inclination(seen: tuple[float, Visit]) -> None:
+    theta, view = seen
+    sets = points(view, BENDS)
+    [answers] = view.page.evaluate(ASK, [{"key": "rolling rough", "points": sets}])
+    for bend, one in zip(BENDS.tolist(), answers, strict=True):
+        body = replace(edged(), shape={"bend": bend})
+        known = st.spectrum("rolling", at=0.3, body=body, contact="rough", theta=theta)
+        assert one["verdict"] == known.verdict.word, bend
+
+
+def test_where_another_inclination_is_met_the_page_says_that_it_is_not_sure(
+    seen: tuple[float, Visit],
+) -> None:
+    theta, view = seen
+    page = view.page
+    found = page.evaluate(STEADY, ["rolling rough", points(view, ASKED)])
+    lost = [b for b, one in zip(ASKED.tolist(), found, strict=True) if one is None]
+    assert bool(lost) == (theta < 1.6)
+    if not lost:
+        return
+    page.evaluate("(bend) => { const {view} = stabilityExplorer;"
+                  "view.set({values: {...view.state.values, bend}}); }", lost[0])  # fmt: skip
+    page.wait_for_timeout(60)
+    assert page.locator(".badge").inner_text().endswith("no member")
+    assert "finds no member here" in page.locator(".point-panel .sentence").inner_text()
+
+
+def test_the_python_call_names_the_inclination(seen: tuple[float, Visit]) -> None:
+    theta, view = seen
+    view.page.evaluate(
+        "stabilityExplorer.exports.python.hidden = false; stabilityExplorer.exports.fill()"
+    )
+    assert view.page.locator("pre").inner_text().count(f"theta={theta:g}") == 3
+
+
+def test_theta_without_a_body_or_for_another_family_is_one_sentence(tmp_path: Path) -> None:
+    out = tmp_path / "page.html"
+    with pytest.raises(ParameterError, match="theta belongs to rolling of a body"):
+        st.explore("rolling", theta=1.5, out=out)
+    with pytest.raises(ParameterError, match="theta chooses where a body rolls"):
+        st.explore("tumbling", body=edged(), theta=1.5, out=out)
+    assert not out.exists()
