@@ -56,6 +56,11 @@ def test_every_integrator_has_works() -> None:
     assert set(METHODS) == set(INTEGRATORS)
 
 
+def test_a_limit_of_slip_cites_the_model_of_the_disk_alone() -> None:
+    assert keys(st.painleve_limit(st.Disk())) == [*MODEL, "arb"]
+    assert keys(st.painleve_limit(st.Torus(0.2))) == ["stability", "casadi", "arb"]
+
+
 def test_a_motion_of_a_users_system_cites_no_disk() -> None:
     run = st.simulate(spring(), None, [1.0, 0.0], 1.0, method="dop853")
     assert keys(run) == ["stability", "casadi", "scipy", "hairer1993"]

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 import stability as st
 from stability.cli.commands import main
 from stability.tables.benchmarks.catalogue import CASES
-from stability.tables.benchmarks.row import AGREES, CLOSED, PUBLISHED
+from stability.tables.benchmarks.row import AGREES, CLOSED, PUBLISHED, QUOTED
 from stability.tables.contents.listing import listed
 from stability.tables.contents.places import PLACES, definition
 from stability.tables.formats.about import Standing
@@ -50,6 +50,7 @@ def test_nothing_is_reproduced_whose_printed_value_was_not_at_hand(name: str) ->
     by_origin = {
         frozenset({PUBLISHED}): Standing.REPRODUCED,
         frozenset({PUBLISHED, CLOSED}): Standing.PARTLY,
+        frozenset({QUOTED, CLOSED}): Standing.RECOMPUTED,
         frozenset({CLOSED}): Standing.RECOMPUTED,
     }
     about = definition(name).about

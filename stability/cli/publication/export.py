@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ...base.errors import ParameterError
@@ -25,6 +25,8 @@ EXAMPLES = (
     "--out spinning",
     "stability export bifurcationkit spinning --axis mu:0.2:1.5 --parameter k=1/4 --parameter "
     "phi_dot=2.6 --out spinning",
+    "stability export auto spinning --body torus --tube 0.2 --axis phi_dot:5:1.8 --parameter "
+    "mu=0.8 --out torus",
 )
 """Examples of the help."""
 
@@ -53,19 +55,24 @@ def run(options: argparse.Namespace) -> None:
 
 def _subject(options: argparse.Namespace) -> Any:
     """The family that the options name."""
-    body = body_of(options, {})
+    return _with_body(options, {})[0]
+
+
+def _with_body(options: argparse.Namespace, swept: Mapping[str, Any]) -> tuple[Any, Any]:
+    """The family that the options name, and its body or None."""
+    body = body_of(options, swept)
     if (options.family is None) == (options.system is None):
         raise ParameterError("give FAMILY, or --system MODULE:FAMILY, one of them.")
     if options.system is not None:
         if options.contact is not None:
             raise ParameterError("--contact belongs to the disk; with --system leave it out.")
-        return family_named(options.system)
+        return family_named(options.system), None
     law = options.contact or "viscous"
     if body is not None:
-        return body.family(options.family, law, **where_of(options))
+        return body.family(options.family, law, **where_of(options)), body
     from ...bodies.thin_disk.disk_families import disk_family
 
-    return disk_family(options.family, law)
+    return disk_family(options.family, law), None
 
 
 def _latex(options: argparse.Namespace) -> dict[str, Any]:
@@ -105,10 +112,16 @@ def _continuation(options: argparse.Namespace) -> dict[str, Any]:
 
     write = auto_input if options.format == "auto" else bifurcationkit_input
     free, start, stop = _axis_ends(options.axis, "--axis")
-    family = _subject(options)
+    family, body = _with_body(options, {free: (free, start, stop)})
+    numbers_of = {} if body is None else body.given
+    own: dict[str, Any] = {
+        n: float(v) for n, v in numbers_of.items() if n in family.parameters and n != free
+    }
     given = doubles(numbers(options.parameter, family))
+    for name in sorted(own.keys() & given.keys()):
+        raise ParameterError(f"{name} is a number of the body; give it there alone.")
     found = write(family, options.out, free=free, start=start, stop=stop, overwrite=options.force,
-                  **given)  # fmt: skip
+                  **own, **given)  # fmt: skip
     return {"out": str(found), "files": sorted(p.name for p in found.iterdir())}
 
 

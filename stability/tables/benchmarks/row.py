@@ -18,6 +18,8 @@ from ...systems.family import Family
 
 PUBLISHED = "published"
 """Origin of a number that its source prints."""
+QUOTED = "quoted at second hand"
+"""Origin of a number that its source prints by the word of another, the print not at hand."""
 CLOSED = "closed form"
 """Origin of a number from a formula of its source."""
 ELSEWHERE = "recomputed elsewhere"
@@ -50,7 +52,7 @@ class BenchmarkRow:
     source: str
     """Where the equations or the value are from."""
     origin: str
-    """How the value is known: `PUBLISHED`, `CLOSED` or `ELSEWHERE`."""
+    """How the value is known: `PUBLISHED`, `QUOTED`, `CLOSED` or `ELSEWHERE`."""
     known: str
     """The known value with all its digits."""
     recomputed: float | None
@@ -91,7 +93,7 @@ def compared(
     recomputed
         The package's value, or None.
     origin
-        `PUBLISHED`, `CLOSED` or `ELSEWHERE`.
+        `PUBLISHED`, `QUOTED`, `CLOSED` or `ELSEWHERE`.
     unit
         SI unit.
     sides
@@ -235,7 +237,7 @@ def at_threshold(
     quantity
         What is compared.
     origin
-        `PUBLISHED`, `CLOSED` or `ELSEWHERE`.
+        `PUBLISHED`, `QUOTED`, `CLOSED` or `ELSEWHERE`.
     unit
         SI unit.
     scale
