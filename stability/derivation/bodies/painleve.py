@@ -61,11 +61,6 @@ class PainleveLimit:
         """Middle of the enclosure."""
         return (self.low + self.high) / 2
 
-    @property
-    def citation(self) -> str:
-        """Keys of the works to cite, for `stability.citation`."""
-        return cited(proofs=True)
-
 
 def painleve_limit(body: Body | Disk) -> PainleveLimit:
     """Painlevé's limit of the slip of a body under viscous friction, enclosed.
