@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from ..base.axis import Axis, AxisLike
 from ..base.checks import whole_number
-from ..base.errors import ParameterError
+from ..base.errors import ParameterError, shown
 from ..base.types import Floats, Progress
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
@@ -45,7 +45,7 @@ from .launches import Launches, moving, prepare
 from .linear import LINEAR, linear_verdict
 from .outcomes import Judging, judged_by, last_time, outcomes
 from .refinement.refine import refine
-from .statistics.samples import DistributionLike, Independent, sample
+from .statistics.samples import DistributionLike, Independent, check_distribution, sample
 
 if TYPE_CHECKING:
     import xarray
@@ -291,6 +291,7 @@ def planned(
             raise ParameterError("count is missing; give the number of launches of the sample.")
         if isinstance(distribution, Mapping):
             distribution = Independent(distribution)
+        check_distribution(distribution)
         names, shape = tuple(distribution.names), (whole_number("count", count, most=MOST),)
     if math.prod(shape) > MOST:
         raise ParameterError(f"{math.prod(shape):.3g} launches are asked; give at most {MOST:.0e}.")
@@ -307,6 +308,8 @@ def _axes(x: Any, y: Any, more: Sequence[Any], family: str) -> tuple[Axis, ...]:
     """The axes of a map, the slowest first; `at` is the number that names the family's members."""
     if x is None or y is None:
         raise ParameterError("x and y are missing; give two axes, or a distribution and count.")
+    if not isinstance(more, (tuple, list)):
+        raise ParameterError(f"more is {shown(more)}; give a list of further axes.")
     found = []
     given = [*more, y, x]
     for axis, which in zip(given, [*("more",) * len(more), "y", "x"], strict=True):

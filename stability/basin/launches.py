@@ -177,9 +177,13 @@ def prepare(
     if isinstance(thing, NumericSystem):
         raise ParameterError(thing.no_graph)
     if isinstance(thing, System):
+        for name, value in (("contact", contact), ("family", family or None)):
+            if value is not None:
+                raise ParameterError(
+                    f"{name} is {shown(value)}, which a system does not take; leave it out."
+                )
         held |= _held(parameters)
-        given = (families,) if isinstance(families, Family) else tuple(families)
-        found = Launches(thing, None, tuple(varied), held, "", given)
+        found = Launches(thing, None, tuple(varied), held, "", _families(families))
     else:
         thing = Disk() if thing is None else thing
         if not isinstance(thing, (Disk, Body)):
@@ -206,6 +210,13 @@ def _held(held: Any) -> dict[str, float]:
     if not isinstance(held, Mapping):
         raise ParameterError(f"held is {shown(held)}; give values by name.")
     return {n: one_number(f"held {n}", v) for n, v in held.items()}
+
+
+def _families(families: Any) -> tuple[Family, ...]:
+    given = (families,) if isinstance(families, Family) else families
+    if not isinstance(given, (tuple, list)):
+        raise ParameterError(f"families is {shown(families)}; give a list of stability.Family.")
+    return tuple(given)
 
 
 def _family(thing: Disk | Body, family: Any) -> str:

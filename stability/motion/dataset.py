@@ -105,8 +105,9 @@ def assemble(launches: Starts, settings: Settings, results: list[Result]) -> xar
     if error is not None:
         results = _accounted(results, error)
     variables |= _summary(launches, results, error, dims)
-    variables |= start_states(launches, dims) | event_log(launches, results)
-    coordinates = {"time": fast("time", times, labels("time"), fastpath=True)}
+    variables |= event_log(launches, results)
+    coordinates = start_states(launches, dims)  # a launch is known by its start
+    coordinates["time"] = fast("time", times, labels("time"), fastpath=True)
     for name, value in launches.given.items():
         kept = ((), value) if value.ndim == 0 else (dims, value.reshape(launches.shape))
         coordinates[name] = fast(*kept, {} if launches.law else labels(name), fastpath=True)

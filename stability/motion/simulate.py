@@ -131,12 +131,13 @@ def simulate(
     xarray.Dataset
         States and observables over (…, time), with units; `outcome` (CF flags), `evidence`,
         `end_time`, `energy_error`, `final_error` (estimated: the largest over the states, each over
-        1 or its own size), `end_time_error`, `start_state` and the nearest steady motion for each
-        launch; the event log along `event`; provenance in the attributes.  A single run that ended
-        early has its end as last sample.  Of several runs, each keeps its last state after its end,
-        where `running` is 0.  A system has its own observables; the energy account if `energy` and
-        `power` (the energy lost in a unit of time) are among them; the nearest steady motion if
-        families were given.  Its run ends where a condition reaches zero (*domain-end*).
+        1 or its own size), `end_time_error` and the nearest steady motion for each launch, and
+        `start_state` among the coordinates; the event log along `event`; provenance in the
+        attributes.  A single run that ended early has its end as last sample.  Of several runs,
+        each keeps its last state after its end, where `running` is 0.  A system has its own
+        observables; the energy account if `energy` and `power` (the energy lost in a unit of time)
+        are among them; the nearest steady motion if families were given.  Its run ends where a
+        condition reaches zero (*domain-end*).
 
     Raises
     ------

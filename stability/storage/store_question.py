@@ -17,6 +17,8 @@ FORMAT = 1
 """Version of the way in which stores are written; another one is another question."""
 QUESTION, PRINT = "question", "fingerprint"
 """Attributes of a store: what its numbers depend on, and the checksum of that."""
+MISSING = "missing"
+"""Text of an entry that one of two questions does not have; no JSON reads so."""
 ASIDE = ("its citation", "attribute citation")
 """What a store says of itself, and its numbers do not depend on."""
 
@@ -109,8 +111,24 @@ def difference(head: Mapping[str, Any], asked: Mapping[str, str]) -> str:
         return "its question cannot be read"
     if name == "the coordinates":
         return "the coordinates differ"
-    old, new = (
-        text if len(text) <= 40 else f"{text[:18]} … {text[-18:]}"
-        for text in (side.get(name, "missing") for side in (there, asked))
-    )
+    name, *sides = _apart(name, there.get(name, MISSING), asked.get(name, MISSING))
+    old, new = (t if len(t) <= 40 else f"{t[:18]} … {t[-18:]}" for t in sides)
     return f"{name}: {old} there, {new} here"
+
+
+def _apart(name: str, old: str, new: str) -> tuple[str, str, str]:
+    """The first entry by name that differs between two texts of JSON; else the texts."""
+    if MISSING in (old, new):
+        return name, old, new
+    one, other = json.loads(old), json.loads(new)
+    if isinstance(one, str) and isinstance(other, str):  # a text that holds JSON itself
+        with suppress(ValueError):
+            one, other = json.loads(one), json.loads(other)
+    if not (isinstance(one, dict) and isinstance(other, dict)):
+        return name, old, new
+    pairs = {
+        n: [plain_json(side[n], allow_nan=True) if n in side else MISSING for side in (one, other)]
+        for n in {**one, **other}
+    }
+    entry = next((n for n, (a, b) in pairs.items() if a != b), None)
+    return (name, old, new) if entry is None else _apart(f"{entry} of {name}", *pairs[entry])

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import casadi as ca
 import numpy as np
 import pytest
 import xarray
@@ -153,6 +154,8 @@ def test_without_heyoka_each_launch_runs_alone(
         ({"mu": 0.3, "nu": 2.0}, "'nu' is not an argument here"),
         ({"distribution": {"tilt": st.Uniform(0, 1)}}, "a sample has no axes"),
         ({"distribution": {"tilt": st.Uniform(0, 1)}, "x": None, "y": None}, "count is missing"),
+        ({"distribution": 3, "count": 3, "x": None, "y": None}, "distribution is 3; give Ball"),
+        ({"more": 3}, "more is 3; give a list"),
         ({"levels": 99}, "levels is 99"),
         ({"executor": "cluster"}, "cluster"),
         ({"body": st.Disk(), "disk": st.Disk()}, "give one of them"),
@@ -162,3 +165,19 @@ def test_what_is_wrong_is_said_in_one_sentence(change: dict[str, Any], words: st
     with pytest.raises(StabilityError, match=words) as caught:
         st.basins(**(SPIN | change))
     assert str(caught.value).endswith(".") and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"families": 3}, "families is 3; give a list"),
+        ({"contact": "viscous"}, "contact is 'viscous', which a system does not take"),
+        ({"family": "rolling"}, "family is 'rolling', which a system does not take"),
+    ],
+)
+def test_what_a_system_does_not_take_is_refused(change: dict[str, Any], words: str) -> None:
+    x = ca.SX.sym("x", 2)
+    swing = st.System("swing", x, ca.SX(), ca.vertcat(x[1], -ca.sin(x[0])), states=("q", "v"),
+                      parameters=())  # fmt: skip
+    with pytest.raises(StabilityError, match=words):
+        st.basins(swing, x=("q", 0, 1, 3), y=("v", 0, 1, 3), horizon=1.0, **change)

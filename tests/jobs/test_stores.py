@@ -175,6 +175,7 @@ def test_a_chunk_that_does_not_fit_is_refused_whole(
     [
         ({"question": {"horizon": 50.0, "body": {"k": 0.25}}}, "its horizon: 40.0 there, 50.0"),
         ({"question": {"horizon": 40.0}}, r'its body: {"k": 0.25} there, missing here'),
+        ({"question": {"horizon": 40.0, "body": {"k": 0.5}}}, "k of its body: 0.25 there, 0.5"),
         ({"attrs": {**ATTRS, "title": "other"}}, "attribute title"),
         ({"coords": {**COORDS, "y": np.arange(1.0, 10.0)}}, "the coordinates differ"),
         ({"coords": {**COORDS, "y": ("y", np.arange(9.0), {"units": "m"})}}, "coordinates differ"),

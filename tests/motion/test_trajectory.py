@@ -227,8 +227,9 @@ def test_every_launch_keeps_its_start_also_without_a_sample_at_time_0(tmp_path: 
     for name, values in zip(names, np.moveaxis(found.values, -1, 0), strict=True):
         expected = np.broadcast_to(np.asarray(given.get(name, 0.0)), (2, 3))
         assert np.allclose(values, expected, rtol=1e-15, atol=0), name
+    assert "start_state" in many.coords
     read = st.read_motion(st.write_motion(many, tmp_path / "many.nc"))
-    assert read.start_state.identical(found)
+    assert "start_state" in read.coords and read.start_state.identical(found)
     one = st.simulate(disk, st.Viscous(0.3), {"theta": 1.4, "omega3": 10.0, "slip_x": 0.3}, 1.0)
     assert np.array_equal(one.start_state, found[0, 0])
     again = st.simulate(disk, st.Viscous(0.3), found.values, [0.5, 1.0])

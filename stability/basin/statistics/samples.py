@@ -245,11 +245,27 @@ def sample(distribution: DistributionLike, first: int, count: int, seed: int = 0
     True
     """
     joint = Independent(distribution) if isinstance(distribution, Mapping) else distribution
-    if not callable(getattr(joint, "values", None)):
+    check_distribution(joint)
+    return joint.values(shares(joint.words, first, count, seed))
+
+
+def check_distribution(joint: Any) -> None:
+    """Refuse what is no joint distribution.
+
+    Parameters
+    ----------
+    joint
+        Anything.
+
+    Raises
+    ------
+    ParameterError
+        If it has no names or no values.
+    """
+    if not callable(getattr(joint, "values", None)) or not hasattr(joint, "names"):
         raise ParameterError(
             f"the distribution is {shown(joint)}; give Ball, or distributions by name."
         )
-    return joint.values(shares(joint.words, first, count, seed))
 
 
 def shares(words: int, first: int, count: int, seed: int = 0) -> Floats:
