@@ -56,6 +56,24 @@ def test_every_integrator_has_works() -> None:
     assert set(METHODS) == set(INTEGRATORS)
 
 
+def test_statistics_cite_what_computed_the_labels() -> None:
+    labels = st.launch_labels(st.Disk(), st.Viscous(0.3), varied=("tilt",), held={"omega3": 1.2},
+                              family="rolling", horizon=5.0)  # fmt: skip
+    runs = keys(labels)
+    assert runs[:3] == MODEL
+    assert keys(st.fatal_shock(labels, [0.1], budget=5)) == runs
+    assert keys(st.fatal_shock(lambda p: p.sum(axis=1) > 3, [0, 0], reach=5)) == ["stability"]
+
+    class Halves:
+        citation = labels.citation
+
+        def __call__(self, points: np.ndarray) -> np.ndarray:
+            return np.asarray(points[:, 0] > 0.5)
+
+    found = st.uncertainty_exponent(Halves(), [0], [1], [0.05, 0.1, 0.2], points=200)
+    assert keys(found) == [*runs, "grebogi1983", "wilson1927"]
+
+
 def test_a_limit_of_slip_cites_the_model_of_the_disk_alone() -> None:
     assert keys(st.painleve_limit(st.Disk())) == [*MODEL, "arb"]
     assert keys(st.painleve_limit(st.Torus(0.2))) == ["stability", "casadi", "arb"]

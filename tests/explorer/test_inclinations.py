@@ -86,6 +86,13 @@ def test_where_another_inclination_is_met_the_page_says_that_it_is_not_sure(
     assert "finds no member here" in page.locator(".point-panel .sentence").inner_text()
 
 
+def test_a_float_has_no_bound_beside_it_and_blank_is_explained(seen: tuple[float, Visit]) -> None:
+    _, view = seen
+    said = view.page.locator(".conditions-card").inner_text()
+    assert "(float)" in said and "±" not in said
+    assert "Blank: no member found." in view.page.locator("body").inner_text()
+
+
 def test_the_python_call_names_the_inclination(seen: tuple[float, Visit]) -> None:
     theta, view = seen
     view.page.evaluate(

@@ -91,7 +91,8 @@ def test_sliders_and_numbers_move_the_point(browser: Any, page_of_disk: Path) ->
         slider.evaluate("(e) => { e.value = 890; e.dispatchEvent(new Event('input')); }")
         rest(seen)
         assert state(seen)["values"]["k"] == 0.25  # a slider rests at a value with a name
-        assert "uniform disk" in page.locator(".sliders").inner_text()
+        said = page.locator(".sliders").inner_text()
+        assert "uniform disk" in said and "friction coefficient [1/√(gR)]" in said
         quiet(seen)
 
 

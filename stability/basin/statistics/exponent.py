@@ -10,12 +10,13 @@ Yorke, Physica D 17 (1985) 125).
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...base.checks import checked, whole_number
+from ...base.citation.used import joined
 from ...base.errors import ParameterError, StabilityWarning
 from ...base.types import Floats
 from ..lattice.labels import Ints, Label, asked
@@ -23,6 +24,8 @@ from .fractions import LEVEL, checked_level, wilson
 from .power_law import fitted
 from .samples import on_sphere, shares
 
+WORKS = "stability, grebogi1983, wilson1927"
+"""Keys of the works on the exponent."""
 POINTS = 2000
 """Base points, unless the caller wants another number."""
 DOUBTFUL = 1e-3
@@ -54,10 +57,8 @@ class UncertaintyExponent:
     note: str
     """What the interval counts, and whether the power law is in question."""
 
-    @property
-    def citation(self) -> str:
-        """Keys of the works to cite, for `stability.citation`."""
-        return "stability, grebogi1983, wilson1927"
+    citation: str = WORKS
+    """Keys of the works to cite, for `stability.citation`, those of the labels too."""
 
     @property
     def dimension(self) -> float:
@@ -139,7 +140,8 @@ def uncertainty_exponent(
         raise ParameterError("epsilons: give at least three numbers in (0, 1/2].")
     points = whole_number("points", points, least=2)
     unlike = disagreements(label, box, steps, points=points, seed=seed, chunk=chunk)
-    return exponent_of(unlike, steps, len(box), level)
+    found = exponent_of(unlike, steps, len(box), level)
+    return replace(found, citation=joined([str(getattr(label, "citation", WORKS)), WORKS]))
 
 
 def disagreements(

@@ -66,10 +66,8 @@ class Shock:
     note: str
     """What was searched and what is not excluded, in sentences."""
 
-    @property
-    def citation(self) -> str:
-        """Keys of the works to cite, for `stability.citation`."""
-        return "stability"
+    citation: str = "stability"
+    """Keys of the works to cite, for `stability.citation`, those of the labels too."""
 
     @property
     def found(self) -> bool:
@@ -330,4 +328,5 @@ class _Search:
         return Shock(
             self.size, self.ball.launches(best), self.found, self.ball.start, self.own,
             self.inner, self.searched, self.clear, share, note,
+            str(getattr(self.label, "citation", "stability")),
         )  # fmt: skip

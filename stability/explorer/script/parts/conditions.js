@@ -32,7 +32,7 @@ export class Conditions {
     rows.forEach((row, i) => {
       const {value, put} = this.lines[i];
       const sign = row.sign > 0 ? "> 0" : row.sign < 0 ? "< 0" : "≈ 0";
-      const error = element("span", {class: "quiet"}, ` ± ${text(row.error, 2)}`);
+      const error = element("span", {class: "quiet"}, subject.proved ? ` ± ${text(row.error, 2)}` : " (float)");
       value.replaceChildren(`= ${text(row.value, 6)}`, error, " ",
         element("b", {class: row.sign > 0 ? "holds" : "fails"}, `${sign} ${row.sign > 0 ? "✓" : row.sign < 0 ? "✗" : "?"}`));
       if (put) put.innerHTML = this.filled(row);

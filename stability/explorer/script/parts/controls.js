@@ -131,7 +131,8 @@ export class Controls {
       row.slider.setAttribute("aria-valuetext", `${text(value * size, 5)} ${unit}`);
       if (document.activeElement !== row.number) row.number.value = String(Number((value * size).toPrecision(6)));
       const named = q.marks.find(([v]) => v === value);
-      row.named.textContent = named ? named[1] : unit;
+      const words = named ? `${q.label}${q.label ? ": " : ""}${named[1]}` : [q.label, unit && `[${unit}]`].filter((w) => w).join(" ");
+      row.named.textContent = words;
       row.arrow.textContent = q.name === state.x ? "→" : q.name === state.y ? "↑" : "";
       row.arrow.title = q.name === state.x ? "horizontal axis" : q.name === state.y ? "vertical axis" : "";
       if (row.ticks) row.ticks.replaceChildren(...q.marks.map(([v]) => element("option", {value: Math.round(axis.place(v) * STEPS)})));
