@@ -245,7 +245,6 @@ def test_spectra_at_random_members_of_every_family(name: str, law: str) -> None:
     assert set(EVERY) == refused | set(met)
 
 
-@pytest.mark.xfail(strict=True, reason="sample members are looked for at 1 rad alone")
 @pytest.mark.parametrize(("family", "law"), [("circling", "rough"), ("precession", "smooth")])
 def test_a_height_that_holds_above_upright_has_the_two_families_of_pairs(
     family: str, law: str

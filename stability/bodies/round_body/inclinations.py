@@ -97,15 +97,21 @@ def sizes(body: RoundShape, *, rests: bool) -> dict[str, float]:
     """
     numbers = {n: v for n, v in first_numbers(body).items() if n not in SCALES}
     limits = getattr(body, "limits", {})
+    usual = _usual(*body.between)
     for digits in range(COARSEST, FINEST + 1):
         near = {n: _rounded(v, digits) for n, v in numbers.items()}
         inside = all(low < near[n] / SPREAD and near[n] * SPREAD <= high
                      for n, (low, high) in limits.items())  # fmt: skip
-        theta = _tumbling_at(shape_of(body), tuple(near.items())) if rests else 1.0
+        theta = _tumbling_at(shape_of(body), tuple(near.items())) if rests else usual
         if inside and theta is not None:
             return near | {"theta": theta}
-    theta = _tumbling_at(shape_of(body), tuple(numbers.items())) if rests else 1.0
-    return numbers | {"theta": 1.0 if theta is None else theta}
+    theta = _tumbling_at(shape_of(body), tuple(numbers.items())) if rests else usual
+    return numbers | {"theta": usual if theta is None else theta}
+
+
+def _usual(low: float, high: float) -> float:
+    """One radian, or the middle of an interval that does not hold it."""
+    return 1.0 if low < 1.0 < high else (low + high) / 2
 
 
 def _rounded(value: float, digits: int) -> float:
