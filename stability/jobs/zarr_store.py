@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..base.checks import flag
 from ..base.errors import FileError, StabilityError
 from ..storage.files import atomic_write
 from ..storage.litter import clear, temporary
@@ -179,7 +180,13 @@ class ZarrStore:
         question: Mapping[str, Any] | None = None, *, overwrite: bool = False,
     ) -> None:  # fmt: skip
         self.layout, self.variables = layout, tuple(variables)
+        overwrite = flag("overwrite", overwrite)
         self.folder: Path = check_folder(path).resolve()
+        if Path.cwd().is_relative_to(self.folder):  # a new store would take its place
+            raise FileError(
+                f"{path_text(self.folder)} is the current folder or holds it; give the name of a "
+                "folder for the store."
+            )
         self.writer = ChunkFiles(self.folder, layout, self.variables)
         self._given = coords or {}, attrs or {}
         arrays = [[v.name, v.dtype, v.fill, v.attrs, v.more] for v in self.variables]

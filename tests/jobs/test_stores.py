@@ -392,3 +392,25 @@ def test_a_store_that_holds_its_citation_in_its_question_goes_on(tmp_path: Path)
     (path / HEAD).write_text(json.dumps(head))
     with pytest.raises(st.StabilityError, match="cannot be read|belongs to another question"):
         _cited(path, "stability, casadi")
+
+
+@pytest.mark.parametrize("name", ["", ".", "..", "../{name}"])
+def test_a_store_takes_no_place_of_the_current_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    here = tmp_path / "here"
+    here.mkdir()
+    monkeypatch.chdir(here)
+    with pytest.raises(st.StabilityError, match="the current folder or holds it"):
+        ZarrStore(name.format(name=here.name), LAYOUT, VARIABLES, COORDS, ATTRS)
+    assert Path.cwd() == here and not list(tmp_path.rglob("zarr.json"))
+
+
+@pytest.mark.parametrize("overwrite", ["no", 3, None])
+def test_only_a_truth_value_lets_a_store_be_replaced(tmp_path: Path, overwrite: Any) -> None:
+    store(tmp_path / "s.zarr")
+    before = tree(tmp_path)
+    with pytest.raises(st.StabilityError, match="give True or False"):
+        ZarrStore(tmp_path / "s.zarr", Layout(("y", "x"), (2, 2), (1, 1)), VARIABLES, {}, ATTRS,
+                  overwrite=overwrite)  # fmt: skip
+    assert tree(tmp_path) == before
