@@ -102,7 +102,8 @@ def fractions(labels: ArrayLike, level: float = LEVEL) -> tuple[Fraction, ...]:
     Parameters
     ----------
     labels
-        Whole numbers from 0, shape (n,), of independent launches.
+        Whole numbers, shape (n,), of independent launches; leave out those of a store that are not
+        computed yet, whose outcome is -1.
     level
         Confidence level of each interval by itself.
 
@@ -114,8 +115,7 @@ def fractions(labels: ArrayLike, level: float = LEVEL) -> tuple[Fraction, ...]:
     Raises
     ------
     ParameterError
-        If the labels are not whole numbers from 0, or there are none; -1 marks a launch of a store
-        that is not computed yet.
+        If the labels are not whole numbers, or there are none.
 
     Source: E. B. Wilson (1927); tests/basin/test_statistics.py.
 
@@ -130,12 +130,6 @@ def fractions(labels: ArrayLike, level: float = LEVEL) -> tuple[Fraction, ...]:
     given = np.asarray(labels)
     if given.dtype.kind not in "iub" or given.ndim != 1 or not given.size:
         raise ParameterError(f"the labels are {shown(labels)}; give whole numbers, shape (n,).")
-    open_ = int((given.astype(np.int64) < 0).sum())
-    if open_:
-        raise ParameterError(
-            f"{open_} of {given.size} labels are negative: these launches are not computed yet; "
-            "finish the store, or leave them out."
-        )
     names, counts = np.unique(given.astype(np.int64), return_counts=True)
     low, high = wilson(counts, given.size, level)
     rows = zip(names.tolist(), counts.tolist(), low.tolist(), high.tolist(), strict=True)
