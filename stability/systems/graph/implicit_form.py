@@ -178,7 +178,7 @@ class ImplicitForm(ClosedForm):
         other = -share - 1 / SIGNS  # up to the place as far away as the root
         sides = np.stack([self.start + (u - self.start) * one for one in (share, other)])
         value = np.sign(self._value(np.clip(sides, low, high), q))
-        return (value == value[:, :1]).all(axis=(0, 1)) | (u == self.start)
+        return (value == value[:1, :1]).all(axis=(0, 1)) | (u == self.start)
 
     def _value(self, u: Any, q: Sequence[Any]) -> Any:
         return np.broadcast_to(self._both(_PLAIN, u, q)[0], np.shape(u))
