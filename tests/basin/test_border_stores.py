@@ -42,7 +42,8 @@ def test_an_opened_store_has_the_borders_of_memory_and_draws_them(whole: Path) -
     for name in names:
         np.testing.assert_array_equal(opened[name].values, memory[name].values)
         assert opened[name].dtype == memory[name].dtype
-    for name in ("border_width", "border_launches", "border_levels", "border_note"):
+    for name in ("border_width", "border_launches", "border_levels", "border_note",
+                 "border_exponent_note", "border_sensitive_note"):  # fmt: skip
         assert opened.attrs[name] == memory.attrs[name]
     [main] = [a for a in st.plot_basins(opened).axes if a.get_ylabel().startswith("tilt")]
     drawn = [c for c in main.collections if isinstance(c, LineCollection)][-1].get_segments()

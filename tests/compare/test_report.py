@@ -390,6 +390,7 @@ def test_a_part_of_which_no_cell_has_ended_has_a_page(name: str, tmp_path: Path)
     assert {path.name for path in tmp_path.iterdir()} == {"index.html", *none.data}
 
 
+@pytest.mark.usefixtures("small")
 def test_a_part_alone_makes_a_page_of_that_part(tmp_path: Path) -> None:
     page = st.report(tmp_path / "r", ["failures"])
     text = page.read_text()

@@ -174,3 +174,47 @@ def test_what_is_no_map_is_refused(found: xarray.Dataset) -> None:
         st.plot_basins(found.expand_dims("k"))
     with pytest.raises(ParameterError, match="fontsize"):
         st.plot_basins(found, fontsize=3)
+
+
+def test_sensitive_blocks_have_dashes_and_a_sentence(found: xarray.Dataset) -> None:
+    ends = np.array([[[0.5, 1.0], [0.2, 0.4]], [[1.0, 1.5], [0.2, 0.4]], [[2.0, 2.5], [0.5, 0.7]]])
+    marked = found.assign(
+        border_block_phi_dot=(("border_block", "edge"), ends[:, 0]),
+        border_block_tilt=(("border_block", "edge"), ends[:, 1]),
+        border_sensitive=("border_block", np.array([1, 1, 0], dtype=np.int8)),
+    ).assign_attrs(border_exponent=0.61, border_exponent_interval=[0.5, 0.72],
+                   border_exponent_level=0.95)  # fmt: skip
+    figure = st.plot_basins(marked)
+    assert faults(figure) == []
+    [main] = [a for a in figure.axes if a.get_ylabel().startswith("tilt")]
+    dashed = [c for c in main.collections if isinstance(c, LineCollection)][-1].get_segments()
+    sides = sorted(np.asarray(s).tolist() for s in dashed)  # one rectangle about both blocks
+    assert sides == [[[0.5, 0.2], [0.5, 0.4]], [[0.5, 0.2], [1.5, 0.2]],
+                     [[0.5, 0.4], [1.5, 0.4]], [[1.5, 0.2], [1.5, 0.4]]]  # fmt: skip
+    entries = [t.get_text() for a in figure.axes if a.get_legend()
+               for t in a.get_legend().get_texts()]  # type: ignore[union-attr]  # fmt: skip
+    assert entries[-1] == "sensitive"
+    words = basins_caption(marked)
+    assert "2 of 3 blocks along the borders are sensitive" in words
+    assert "0.61 [0.50, 0.72], 95 % confidence" in words
+    smooth = marked.assign(border_sensitive=0 * marked.border_sensitive)
+    assert "None of the 3 blocks" in basins_caption(smooth)
+    assert "sensitive" not in basins_caption(found)
+
+
+def test_launches_that_are_not_computed_have_no_border(found: xarray.Dataset) -> None:
+    half = found.copy(deep=True)
+    half.outcome.values[:, 7:] = -1
+    whole = found.copy(deep=True)
+    whole.outcome.values[:], whole.family.values[:] = Outcome.MOVING.code, 0
+    whole.outcome.values[:, 7:] = -1
+    [main] = [a for a in st.plot_basins(whole).axes if a.get_ylabel().startswith("tilt")]
+    [lines] = [c for c in main.collections if isinstance(c, LineCollection)]
+    assert lines.get_segments() == []
+    [main] = [a for a in st.plot_basins(half).axes if a.get_ylabel().startswith("tilt")]
+    [lines] = [c for c in main.collections if isinstance(c, LineCollection)]
+    edge = (found.phi_dot.values[6] + found.phi_dot.values[7]) / 2
+    assert lines.get_segments()
+    assert max(np.asarray(s)[:, 0].max() for s in lines.get_segments()) <= edge
+    upright = [s for s in lines.get_segments() if np.ptp(np.asarray(s)[:, 0]) == 0]
+    assert max(float(np.asarray(s)[0, 0]) for s in upright) < edge

@@ -10,6 +10,7 @@ from ...base.axis import Axis
 from ...base.types import Floats
 from ..borders import Borders
 from ..launch_labels import FAMILIES
+from .sensitivity import blocks, exponent
 
 if TYPE_CHECKING:
     import xarray
@@ -29,14 +30,17 @@ def border_arrays(found: Borders, axes: tuple[Axis, Axis]) -> xarray.Dataset:
     -------
     xarray.Dataset
         Along `border_point`: `border_X` for each axis X, the points of each line in turn
-        (`border_curve`), and the flag values of the outcomes and families on both sides.
+        (`border_curve`), and the flag values of the outcomes and families on both sides; along
+        `border_block`, which parts are sensitive.  Attributes hold the uncertainty exponent.
     """
     import xarray
 
-    return xarray.Dataset(_variables(found, axes), attrs={
+    parts, meaning = blocks(found, axes)
+    return xarray.Dataset(_variables(found, axes) | parts, attrs={
         "border_width": [float(w) for w in found.widths[-1]],
         "border_levels": found.lattice_levels, "border_launches": found.asked,
         "border_note": found.note, "border_cells": [int(n) for n in found.counts],
+        **exponent(found), **meaning,
     })  # fmt: skip
 
 

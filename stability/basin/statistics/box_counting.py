@@ -143,6 +143,12 @@ class Sensitive:
     """Local uncertainty exponent at each cell, shape (m,)."""
     bound: float
     """Exponent below which a cell is sensitive."""
+    span: int
+    """Halvings from a block to the finest cells."""
+    blocks: Ints
+    """Blocks that hold mixed cells: index along x and y, in blocks, shape (n, 2)."""
+    block_exponent: Floats
+    """Local uncertainty exponent of each block, shape (n,)."""
     note: str
     """The definition, in a sentence."""
 
@@ -202,13 +208,14 @@ def sensitive(
             f"the borders have {found.levels} levels; a span of {span} needs as many."
         )
     fine, wide = (_in_blocks(found.cells, n, span) for n in (0, halvings))
-    _, block = np.unique(found.cells >> span, axis=0, return_inverse=True)
-    own = (2 - np.log2(fine / (wide + 1.0)) / halvings)[block.reshape(-1)]
+    blocks, block = np.unique(found.cells >> span, axis=0, return_inverse=True)
+    local = 2 - np.log2(fine / (wide + 1.0)) / halvings
+    own = local[block.reshape(-1)]
     note = (
         f"Sensitive: in blocks of 2^{span} cells, the share of uncertain launches falls with an "
         f"exponent below {bound:g} over {halvings} halvings."
     )
-    return Sensitive(own < bound, own, bound, note)
+    return Sensitive(own < bound, own, bound, span, blocks, local, note)
 
 
 def _in_blocks(cells: Ints, coarser: int, span: int) -> Ints:

@@ -25,6 +25,7 @@ from ..shading import hatch
 from ..strip import Strip, draw_strip
 from .edges import draw_borders, refined
 from .fates import Fate, fates, kinds
+from .sensitive import draw_sensitive, sensitive_words
 
 if TYPE_CHECKING:
     import xarray
@@ -48,7 +49,8 @@ def plot_basins(
     """Basin diagram: outcomes by colour and hatching, the final steady motion by lightness.
 
     Borders between outcomes are black: the refined ones where the dataset holds them, the edges of
-    cells otherwise.  A strip shows the linear verdict of the family near which the launches start.
+    cells otherwise.  Dashes surround the sensitive parts of refined borders.  A strip shows the
+    linear verdict of the family near which the launches start.
 
     Parameters
     ----------
@@ -91,12 +93,13 @@ def plot_basins(
         present = fates(dataset)
         _colour(main, dataset, present, x, y)
         draw_borders(main, dataset, kinds(dataset), x, y)
+        dashes = draw_sensitive(main, dataset, x, y)
         _labels(main, above, dataset, x, y)
         _scales(figure, main, dataset, present)
         settle(figure)
         if strip is not None and above is not None:
             draw_strip(above, strip, Normalize(-1, 1))
-        key(main if above is None else above, [f.patch for f in present], title)
+        key(main if above is None else above, [*(f.patch for f in present), *dashes], title)
         note(main, _fixed(dataset))
     return figure
 
@@ -293,7 +296,8 @@ def basins_caption(dataset: xarray.Dataset) -> str:
     )
     return (
         f"Ends of {total} launches of {what}{near}{law}, over {x} and {y}.  Hatching: {ways}."
-        f"{lightness}  Black: {_border_words(dataset)}.{_strip_words(dataset, x)}  Launches: "
+        f"{lightness}  Black: {_border_words(dataset)}.{sensitive_words(dataset)}"
+        f"{_strip_words(dataset, x)}  Launches: "
         f"{counts}.  Each runs until its end is proved or until {told['horizon']:g}, at a "
         f"tolerance of {told['tolerance']:g}{_check_words(told)}."
     )

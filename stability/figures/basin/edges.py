@@ -35,7 +35,7 @@ def draw_borders(axes: Axes, dataset: xarray.Dataset, kinds: NDArray[Any], x: st
     dataset
         Map from `basins`; refined borders are drawn where it holds them.
     kinds
-        A number for each fate, shape (y, x).
+        A number for each fate, shape (y, x); negative where nothing is computed yet.
     x, y
         Names of the axes.
     """
@@ -78,24 +78,31 @@ def cell_edges(
     x, y
         Centres of the cells.
     kinds
-        A number for each cell, shape (len(y), len(x)).
+        A number for each cell, shape (len(y), len(x)); a negative one has no edges.
 
     Examples
     --------
     >>> cell_edges(np.arange(3.0), np.arange(2.0), np.array([[0, 0, 1], [0, 0, 1]]))
     [[(1.5, 0.0), (1.5, 1.0)]]
+    >>> cell_edges(np.arange(3.0), np.arange(2.0), np.array([[0, 0, -1], [0, 0, -1]]))
+    []
     """
     across, along = edges_of(x), edges_of(y)
     found = []
     for column in range(len(x) - 1):
-        for first, last in _runs(kinds[:, column] != kinds[:, column + 1]):
+        for first, last in _runs(_differ(kinds[:, column], kinds[:, column + 1])):
             at = float(across[column + 1])
             found.append([(at, float(along[first])), (at, float(along[last]))])
     for row in range(len(y) - 1):
-        for first, last in _runs(kinds[row] != kinds[row + 1]):
+        for first, last in _runs(_differ(kinds[row], kinds[row + 1])):
             at = float(along[row + 1])
             found.append([(float(across[first]), at), (float(across[last]), at)])
     return found
+
+
+def _differ(one: NDArray[Any], other: NDArray[Any]) -> NDArray[np.bool_]:
+    """Where two fates differ and both are known."""
+    return np.asarray((one != other) & (one >= 0) & (other >= 0))
 
 
 def _runs(where: NDArray[np.bool_]) -> list[tuple[int, int]]:
