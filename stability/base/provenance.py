@@ -6,6 +6,7 @@ import contextlib
 import os
 import platform
 from datetime import UTC, datetime
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -39,6 +40,33 @@ def machine() -> dict[str, str]:
         except PackageNotFoundError:
             found[name] = "missing"
     return found
+
+
+@cache
+def versions(names: tuple[str, ...]) -> str:
+    """Versions of libraries and of Python in one line, without those that are missing.
+
+    They are read from files once: a small result takes no longer itself.
+
+    Parameters
+    ----------
+    names
+        Names of the libraries, as they are installed.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> versions(("no-such-library",)) == f"python {platform.python_version()}"
+    True
+    """
+    found = []
+    for name in names:
+        with contextlib.suppress(PackageNotFoundError):
+            found.append(f"{name} {version(name)}")
+    return ", ".join([*found, f"python {platform.python_version()}"])
 
 
 def _processor() -> str:

@@ -254,13 +254,7 @@ def basins(
     if levels and len(plan.axes) != 2:
         raise ParameterError("levels refines a map over x and y alone; leave it out.")
     kept, _ = run(plan, store, overwrite, executor, workers, progress, levels)
-    return labelled(kept, plan)
-
-
-def labelled(kept: Store, plan: Plan) -> xarray.Dataset:
-    """The dataset of a store, the starts among its coordinates."""
-    varied = plan.launches.varied if plan.distribution is not None else ()
-    return kept.dataset().set_coords(["start_state", *varied])
+    return kept.dataset()
 
 
 def planned(
@@ -385,7 +379,8 @@ def store_of(plan: Plan, store: Any = None, overwrite: bool = False) -> Store:
     some = plan.starts((0,) * len(plan.layout.shape), slice(0, 1))
     varied = plan.launches.varied if plan.distribution is not None else ()
     asked = variables(some) + tuple(
-        Variable(n, "float64", np.nan, label(plan.launches, some, n)) for n in varied
+        Variable(n, "float64", np.nan, label(plan.launches, some, n), coordinate=True)
+        for n in varied
     )
     more = {} if plan.distribution is None else {
         "sample": repr(plan.distribution), "seed": plan.seed}  # fmt: skip

@@ -11,6 +11,7 @@ import numpy as np
 from ..base.axis import Axis
 from ..base.citation.used import cited
 from ..base.errors import listed
+from ..base.provenance import versions
 from ..base.quantities import Kind
 from ..base.types import Floats
 from ..base.version import __version__
@@ -28,6 +29,8 @@ FORMAT = "stability basins 1"
 """Mark of the datasets and stores of this module."""
 MISSING = -1
 """Outcome of a launch that is not there yet: no flag value of an outcome."""
+LIBRARIES = ("casadi", "heyoka", "numba", "numpy", "python-flint", "scipy")
+"""Libraries on which the numbers depend."""
 NO_FAMILY = 0
 """Flag value of `family` where none is settled on; families count from 1."""
 
@@ -77,7 +80,8 @@ def variables(sample: Starts) -> tuple[Variable, ...]:
             "over the states, each over 1 or its own size)"} | number),
         Variable("steps", "int32", MISSING, {"long_name": "steps of the integrator"}),
         Variable("start_state", "float64", np.nan, {
-            "long_name": "state at the start", "columns": " ".join(sample.model.states)}, states),
+            "long_name": "state at the start", "columns": " ".join(sample.model.states)}, states,
+            coordinate=True),
     )  # fmt: skip
 
 
@@ -192,6 +196,7 @@ def attributes(
         "checked": int(judging.check),
         "settle": judging.settle,
         "software": f"stability {__version__}",
+        "versions": versions(LIBRARIES),
         "source": sample.model.source,
         "Conventions": "CF-1.11",
     }

@@ -125,6 +125,8 @@ class Variable:
     """Unit, flags, long name."""
     more: tuple[tuple[str, int], ...] = ()
     """Names and lengths of further axes after those of the layout."""
+    coordinate: bool = False
+    """Whether it says which cells these are, so that it is a coordinate of the dataset."""
 
     def checked(self, values: Any, cells: int) -> NDArray[Any]:
         """Values of some cells as an array of the variable.
@@ -292,5 +294,6 @@ class Memory:
             for v in self.variables
         }  # fmt: skip
         found = xarray.Dataset(arrays, self.coords, self.attrs)
+        found = found.set_coords([v.name for v in self.variables if v.coordinate])
         more = self._attached
         return found if more is None else found.assign(more.variables).assign_attrs(more.attrs)

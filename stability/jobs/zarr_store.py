@@ -321,6 +321,9 @@ def _skeleton(
         warnings.filterwarnings("ignore", module=r"(zarr|xarray)\b")
         frame.to_zarr(memory, zarr_format=3, consolidated=False, encoding=chunks)
         group = zarr.open_group(memory, mode="r+", zarr_format=3)
+        own = [v.name for v in variables if v.coordinate]
+        if own:  # CF's way to say which arrays are coordinates
+            group.attrs["coordinates"] = " ".join([*group.attrs.get("coordinates", "").split(), *own])
         for variable in variables:
             group.create_array(
                 **_array(layout, variable, frame), filters=None,

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import json
-import platform
 from collections.abc import Mapping
 from datetime import UTC, datetime
-from functools import cache
-from importlib.metadata import version
 from typing import Any
 
 import numpy as np
 
+from ...base.provenance import versions
 from ...base.quantities import Kind, rate_unit, without_dimension, written
 from ...base.verdict import CODES
 from ...base.version import __version__
@@ -77,13 +75,6 @@ def is_disk(asked: Any) -> bool:
     return asked.law is not None and not asked.family.system.quantities
 
 
-@cache
-def _versions() -> str:
-    """Versions of the libraries, read from their files once: a small map takes no longer itself."""
-    found = ", ".join(f"{n} {version(n)}" for n in LIBRARIES)
-    return f"{found}, python {platform.python_version()}"
-
-
 def origin(asked: Any, fixed: Mapping[str, Any], *, citation: str, **more: Any) -> dict[str, Any]:
     """Origin of a result: family, numbers, source, versions, the time.
 
@@ -119,7 +110,7 @@ def origin(asked: Any, fixed: Mapping[str, Any], *, citation: str, **more: Any) 
         "by its height, linearised" if family.system.quantities else "user's system",
         "citation": citation,
         "software": f"stability {__version__}",
-        "versions": _versions(),
+        "versions": versions(LIBRARIES),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "Conventions": "CF-1.11",
     }  # fmt: skip
