@@ -154,9 +154,9 @@ def stability_map(
     if certify:
         finest = (max(g.count for g in axes) - 1).bit_length()
         boxes = prove_boxes(problem, axes, min(finest, 12) if levels is None else levels)
-    if certify or (problem.exact is not None and not cells.exact):
+    if certify:
         cells.settle()
-    elif problem.law is None:
-        cells.settle_few()
+    else:
+        cells.settle_as_usual()
     curves = trace(problem, axes, cells.codes, cells.abscissa, progress) if boundaries else None
     return assemble(problem, axes, cells, curves, boxes, marked)
