@@ -19,6 +19,7 @@ from ..base.errors import NoMemberError, ParameterError, StabilityError
 from ..base.types import Floats, Progress
 from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..base.version import __version__
+from ..integrators.flow import CASADI
 from ..jobs.checkpoint import Chunk
 from ..jobs.pipeline import Counted, Keep, ordered
 from ..jobs.shared import shared
@@ -254,18 +255,22 @@ class Cells:
         -------
         Chunk
             Flags, growth rates with bounds, and frequencies, flat, as the whole map has them.
-            Where the family is one's own it calls CasADi: one thread at a time.
+            Threads may share these cells: what calls CasADi takes turns.
         """
+        grid = xs, ys
         with eigensolver(self.solver):  # each thread has its own context
             if self.exact:
                 return self._rows(xs, ys)
             if self.by_slice:
                 chunk = self._rows(xs, ys)
-                self._complete(chunk, (xs, ys))
+                with CASADI:
+                    self._complete(chunk, grid)
             else:
-                cells = np.arange(len(xs) * len(ys))
-                chunk = self._work(*self._members_of(cells, (xs, ys)))
-            self._settle_as_usual(chunk["codes"], (xs, ys))
+                with CASADI:
+                    members = self._members_of(np.arange(len(xs) * len(ys)), grid)
+                chunk = self._work(*members)
+            with CASADI:
+                self._settle_as_usual(chunk["codes"], grid)
         return chunk
 
     def _band(self, start: int, total: int) -> Chunk:
