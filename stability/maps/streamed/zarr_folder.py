@@ -58,7 +58,7 @@ def growth_store(folder: Path, cells: Cells, layout: Layout, *, overwrite: bool)
         Variable("verdict", "int8", -1, attributes["verdict"]),
         *(Variable(name, "float64", np.nan, attributes[name]) for name in RATES),
     )
-    question = {"growth rates": True, "eigensolver": name_of(cells.solver)}
+    question = {"growth rates": True, "solver of eigenvalues": name_of(cells.solver)}
     return _store(folder, cells.problem, cells.axes, layout, arrays, cells.method, question,
                   overwrite)  # fmt: skip
 
