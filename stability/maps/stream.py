@@ -115,10 +115,10 @@ def stream_map(
     Notes
     -----
     With growth rates each chunk is computed as `stability_map` computes its bands, so the numbers
-    are the same.  Open cells of a user's family are settled chunk by chunk, so a few more may be
-    decided.  The flags of a user's family include `no_member`; numbers are missing there.  There
-    are no boundary curves.  A cell that ends its worker is *undecided*, without numbers, and its
-    bound is infinite.
+    of a disk are the same.  Those that a user's family has from its graph agree within their
+    bounds.  Its open cells are settled chunk by chunk, so more of them may be decided.  The flags
+    of a user's family include `no_member`; numbers are missing there.  There are no boundary
+    curves.  A cell that ends its worker is *undecided*, without numbers, and its bound is infinite.
 
     Source: tests/maps/test_kernels.py and tests/maps/test_streamed_growth.py; the figures of
     benchmarks/kernels.py.

@@ -241,3 +241,16 @@ def test_the_figure_of_a_streamed_map_has_no_curves(tmp_path: Path) -> None:
         assert lazy.abscissa.sizes == {"mu": 30, "at": 40}
         figure = st.plot_map(lazy.load())
     assert "unstable" in {t.get_text() for t in figure.axes[0].texts}
+
+
+@pytest.mark.parametrize("ending", ["nc", "zarr"])
+def test_a_streamed_verdict_that_balls_leave_open_is_undecided(ending: str, tmp_path: Path) -> None:
+    """The stiffness a cos(1) is zero at a = 0, which no ball about cos(1) proves."""
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 3)
+    rates = ca.vertcat(x[1], -p[0] * ca.cos(p[2]) * x[0] - p[1] * x[1])
+    system = st.System("ball", x, p, rates, states=("u", "v"), parameters=("a", "b", "q"))
+    family = st.Family(system, "rest", at=("a",), held={"u": 0.0, "v": 0.0})
+    out = st.stream_map(family, x=("a", -1, 1, 41), y=("b", 0.5, 2, 30), q=1.0,
+                        out=tmp_path / f"a.{ending}")  # fmt: skip
+    found = st.read_map(out).verdict.values
+    assert (found == [*[2] * 20, 0, *[1] * 20]).all()
