@@ -29,7 +29,7 @@ from ..systems.graph.smoothness import edged
 from .dataset import EXACT, GRAPH, LOOPS, OWN, SINGLE
 from .growth_rates import GrowthKernel, Room, steady_memory
 from .own.formula_cells import formula_cells
-from .own.graph_cells import GraphCells
+from .own.graph_rates import GraphCells
 from .own.rates import Bands
 from .own.slice_cells import SliceCells, slice_cells
 from .own.slice_verdicts import ELSEWHERE
