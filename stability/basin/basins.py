@@ -6,7 +6,6 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -22,9 +21,8 @@ from ..bodies.round_body.body import Body
 from ..bodies.thin_disk.disk_families import FAMILIES
 from ..integrators.flow import CASADI
 from ..jobs.chunks import Arrays, Block, Layout, Memory, Store, Variable
-from ..jobs.dask import engine
+from ..jobs.dask import check_pool, pool_of
 from ..jobs.filling import Filled, fill
-from ..jobs.pipeline import check_run
 from ..jobs.shared import shared
 from ..jobs.zarr_store import ZarrStore
 from ..motion.starts import Starts
@@ -248,8 +246,7 @@ def basins(
         tolerance=tolerance, check=check, settle=settle, flat=flat, max_steps=max_steps,
         max_seconds=max_seconds, chunk=chunk, **parameters,
     )  # fmt: skip
-    given = executor if isinstance(executor, Executor) or executor is None else None
-    check_run(workers, progress, given)
+    check_pool(executor, workers, progress)
     levels = whole_number("levels", levels, 0, MOST_LEVELS)
     if levels and len(plan.axes) != 2:
         raise ParameterError("levels refines a map over x and y alone; leave it out.")
@@ -347,7 +344,7 @@ def run(
     some = plan.starts((0,) * len(plan.layout.shape), slice(0, 1))
     varied = plan.launches.varied if plan.distribution is not None else ()
     kept = store_of(plan, store, overwrite)
-    with _engine(executor, workers) as (pool, number):
+    with pool_of(executor, workers) as (pool, number):
         work = _Work(shared(plan, pool))
         told = progress and (lambda done, total: progress(done, total + later))
         done = fill(kept, work, blank=_Blank(len(some.model.states), varied), executor=pool,
@@ -358,12 +355,6 @@ def run(
             labels = LaunchLabels(order, plan.horizon, plan.judging)
             refine(kept, labels, axes, levels, pool, number, progress)
     return kept, done
-
-
-def _engine(executor: Any, workers: int | None) -> AbstractContextManager[Any]:
-    if isinstance(executor, str) and executor != "threads":
-        return engine(executor, workers)
-    return nullcontext((None if isinstance(executor, str) else executor, workers))
 
 
 def store_of(plan: Plan, store: Any = None, overwrite: bool = False) -> Store:

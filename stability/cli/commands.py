@@ -19,7 +19,15 @@ from .explorer.explore import EXAMPLES as PAGES
 from .explorer.explore import _explore
 from .explorer.explore import add_arguments as add_explore
 from .map import _boundaries, _map
-from .options import _family, _member, _Parser, _physics, of_own_body, overwriting
+from .options import (
+    _family,
+    _member,
+    _Parser,
+    _physics,
+    of_own_body,
+    overwriting,
+    scheduling,
+)
 from .publication.cite import add_arguments as add_cite
 from .publication.export import EXAMPLES as EXPORTS
 from .publication.export import add_arguments as add_export
@@ -234,7 +242,9 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
                   "stability map spinning --body torus --x at:0.5:5:80 --y tube:0.05:0.5:60 "
                   "--mu 0.3 --out torus.nc",
                   "stability map --system examples/bicycle.py:upright --x v:0.1:10:200 "
-                  "--y g:1:20:100 --out bicycle.nc --plot bicycle.png")  # fmt: skip
+                  "--y g:1:20:100 --out bicycle.nc --plot bicycle.png",
+                  "stability map spinning --x at:0.5:5:20000 --y mu:0.01:10:20000:log "
+                  "--out large.zarr --scheduler processes --workers 8")  # fmt: skip
     _family(sub)
     add_system(sub)
     add_body(sub, words)
@@ -244,7 +254,9 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
                          "--system one of the family's own quantities, such as tube")  # fmt: skip
     sub.add_argument("--at", default=None, help="what names the member, where it is no axis")
     _physics(sub)
-    sub.add_argument("--out", required=True, metavar="F.nc", help="NetCDF file to write")
+    sub.add_argument("--out", required=True, metavar="F.nc",
+                     help="NetCDF file to write; F.zarr is a folder that a map of any size is "
+                     "computed into, chunk by chunk, and the same command goes on")  # fmt: skip
     sub.add_argument("--plot", metavar="F.png", help="figure to write (PNG, PDF or SVG)")
     sub.add_argument("--levels", type=int, metavar="L",
                      help="with --certify: halve the map this often at most")  # fmt: skip
@@ -257,6 +269,7 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
                      help="proved verdicts alone, streamed to the file, however large")  # fmt: skip
     sub.add_argument("--checkpoint", metavar="DIR",
                      help="keep finished cells there, to go on after an interruption")  # fmt: skip
+    scheduling(sub, None)
     overwriting(sub, "replace existing files")
 
     sub = command("boundaries", _boundaries,

@@ -19,7 +19,7 @@ def _map(options: argparse.Namespace) -> None:
     x, y = _axis(options.x, "--x"), _axis(options.y, "--y")
     if options.levels is not None and not options.certify:
         raise ParameterError("--levels belongs to --certify; leave it out or certify.")
-    if options.verdict_only:
+    if options.verdict_only or _stored(options):
         _stream(options, x, y)
         return
     with progress_bar("cells") as progress:
@@ -37,7 +37,8 @@ def _map(options: argparse.Namespace) -> None:
             dataset = stability_map(
                 family, x=x, y=y, certify=options.certify, levels=options.levels,
                 modes=options.modes, points=options.points, progress=progress,
-                checkpoint=options.checkpoint, **given,
+                checkpoint=options.checkpoint, executor=options.scheduler,
+                workers=options.workers, **given,
             )  # fmt: skip
             _write(options, dataset, targets)
         except KeyboardInterrupt:
@@ -76,13 +77,20 @@ def _map(options: argparse.Namespace) -> None:
         print(point_text(str(dataset.attrs["family"]), found))
 
 
+def _stored(options: argparse.Namespace) -> bool:
+    """Whether the map goes to a Zarr folder."""
+    from ..storage.targets import STORES, place
+
+    return place(options.out).suffix.lower() in STORES
+
+
 def _targets(options: argparse.Namespace) -> list[Path]:
     """The map and the figure to write, checked before anything is computed."""
     from ..storage.targets import DATASETS, NETCDF, STORES, check_folder, check_suffix, check_target
 
-    endings = (*NETCDF, *STORES) if options.verdict_only else DATASETS
+    endings = (*(NETCDF if options.verdict_only else DATASETS), *STORES)
     out = check_suffix(options.out, endings, "--out")
-    stored = out.suffix.lower() in STORES
+    stored = _stored(options)
     targets = [check_folder(out) if stored else check_target(out, overwrite=options.force)]
     if options.plot is not None:
         targets.append(_picture(options.plot, options.force))
@@ -176,9 +184,14 @@ def _stream(options: argparse.Namespace, x: Any, y: Any) -> None:
             if getattr(options, name):
                 raise ParameterError(
                     f"--{name} does not go with --verdict-only; leave one of them out."
-                )
+                    if options.verdict_only else
+                    f"--{name} does not go with --out {shown(options.out)}, which is written in "
+                    "chunks and goes on by itself; leave it out, or give --out F.nc."
+                )  # fmt: skip
         path = stream_map(
-            family, x=x, y=y, out=options.out, overwrite=options.force, progress=progress, **given,
+            family, x=x, y=y, out=options.out, growth=not options.verdict_only,
+            executor=options.scheduler, workers=options.workers, overwrite=options.force,
+            progress=progress, **given,
         )  # fmt: skip
     with read_map(path, lazy=True) as dataset:
         record = {"out": str(path), "cells": dataset.verdict.size, "method": dataset.method,
@@ -186,7 +199,8 @@ def _stream(options: argparse.Namespace, x: Any, y: Any) -> None:
     if options.json:
         print(json_text(record))
     else:
-        print(f"{path_text(path)}: {record['cells']} verdicts; {record['method']}")
+        what = "verdicts" if options.verdict_only else "verdicts and growth rates"
+        print(f"{path_text(path)}: {record['cells']} {what}; {record['method']}")
 
 
 def _draw(dataset: Any, target: Any) -> None:

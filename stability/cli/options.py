@@ -90,6 +90,14 @@ def overwriting(parser: argparse.ArgumentParser, what: str) -> None:
     parser.add_argument("--overwrite", "--force", dest="force", action="store_true", help=what)
 
 
+def scheduling(parser: argparse.ArgumentParser, default: str | None = "threads") -> None:
+    """Options of the workers of a job; `default` is the scheduler where none is given."""
+    parser.add_argument("--scheduler", metavar="WHERE", default=default,
+                        help="threads (default), processes, dask, or the address of a scheduler of "
+                        "dask such as tcp://127.0.0.1:8786")  # fmt: skip
+    parser.add_argument("--workers", type=int, metavar="N", help="workers (default: all cores)")
+
+
 def _physics(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--mu", type=float, help="friction coefficient [s/m] (viscous; c = mu m g for linear)"

@@ -16,15 +16,17 @@ from concurrent.futures import (
     InvalidStateError,
     ThreadPoolExecutor,
 )
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from functools import partial
 from typing import Any, TypeVar
 from weakref import WeakSet
 
 from ..base.checks import MOST_WORKERS, whole_number
-from ..base.errors import NameUnknownError, StabilityError, one_line, shown
+from ..base.errors import NameUnknownError, ParameterError, StabilityError, one_line, shown
+from ..base.types import Progress
 from ..storage.files import ignoring_signals
 from .following import follow, processes
+from .pipeline import check_run
 
 T = TypeVar("T")
 WORDS = ("threads", "processes", "dask", "local")
@@ -85,9 +87,88 @@ def engine(name: str, workers: int | None = None) -> Iterator[tuple[Executor, in
         with _client(name) as client, _scheduled(client) as executor:
             yield executor, _workers(client, name)
     else:
+        _check_word(name)
+
+
+def _check_word(name: str) -> None:
+    if name not in WORDS and not (isinstance(name, str) and "://" in name):
         raise NameUnknownError(
             f"the engine is {shown(name)}; give threads, processes, dask, or the address of a "
             "scheduler such as tcp://127.0.0.1:8786."
+        )
+
+
+Pooled = tuple[Executor | None, int | None]
+"""An executor, None for threads of the job itself, and the number of its workers."""
+
+
+def pool_of(
+    executor: Executor | str | None, workers: int | None = None
+) -> AbstractContextManager[Pooled]:
+    """The executor that an argument `executor` means, and the number of its workers.
+
+    Parameters
+    ----------
+    executor
+        A word or an address as for `engine`, any `concurrent.futures.Executor`, or None.
+    workers
+        Number of workers, or None.
+
+    Returns
+    -------
+    context manager
+        Gives executor and number.  For `threads` and None the executor is None: the job starts
+        threads itself, which share their data.  An executor that was given is not shut down.
+
+    Raises
+    ------
+    StabilityError
+        As for `check_pool` and `engine`.
+
+    Source: tests/jobs/test_dask.py.
+
+    Examples
+    --------
+    >>> with pool_of("threads", 2) as (executor, number):
+    ...     executor, number
+    (None, 2)
+    """
+    check_pool(executor, workers)
+    if isinstance(executor, str) and executor != "threads":
+        return engine(executor, workers)
+    return nullcontext((None if isinstance(executor, str) else executor, workers))
+
+
+def check_pool(executor: Any, workers: Any = None, progress: Progress | None = None) -> None:
+    """Refuse at once what `pool_of` does not take; no scheduler is asked.
+
+    Parameters
+    ----------
+    executor, workers
+        As for `pool_of`.
+    progress
+        A function of two numbers, or None.
+
+    Raises
+    ------
+    ParameterError
+        With the value.
+
+    Examples
+    --------
+    >>> check_pool(5)
+    Traceback (most recent call last):
+    ...
+    stability.base.errors.ParameterError: executor is 5; give threads, processes, dask, the \
+address of a scheduler such as tcp://127.0.0.1:8786, or a concurrent.futures.Executor.
+    """
+    check_run(workers, progress)
+    if isinstance(executor, str):
+        _check_word(executor)
+    elif executor is not None and not isinstance(executor, Executor):
+        raise ParameterError(
+            f"executor is {shown(executor)}; give threads, processes, dask, the address of a "
+            "scheduler such as tcp://127.0.0.1:8786, or a concurrent.futures.Executor."
         )
 
 

@@ -15,24 +15,21 @@ from numpy.typing import NDArray
 from ..algebra.eigensolver import chosen, eigensolver, name_of
 from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..base.axis import Axis
-from ..base.errors import DomainError, NoMemberError, ParameterError, StabilityError
+from ..base.errors import NoMemberError, ParameterError, StabilityError
 from ..base.types import Floats, Progress
 from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..base.version import __version__
+from ..integrators.flow import CASADI
 from ..jobs.checkpoint import Chunk
 from ..jobs.pipeline import Counted, Keep, ordered
 from ..jobs.shared import shared
 from ..spectra.certificate import BITS, verdict
-from ..spectra.deflation import deflate
-from ..spectra.eigenvalues import decide, eigenvalues
 from ..spectra.problem import Problem
 from ..systems.graph.smoothness import edged
-from ..systems.structure.multiplicity import certain, symmetric
-from ..systems.structure.structural_zeros import structure
 from .dataset import EXACT, GRAPH, LOOPS, OWN, SINGLE
 from .growth_rates import GrowthKernel, Room, steady_memory
 from .own.formula_cells import formula_cells
-from .own.graph_rates import quick_rates
+from .own.graph_rates import GraphCells
 from .own.rates import Bands
 from .own.slice_cells import SliceCells, slice_cells
 from .own.slice_verdicts import ELSEWHERE
@@ -52,6 +49,8 @@ MOST_SETTLED = 2000
 """Most cells of a user's family that are decided one by one without `certify`."""
 LEFT = "left"
 """Key in a chunk, in addition to its arrays: number of cells sent to exact arithmetic."""
+Grid = tuple[Floats, Floats]
+"""Values of x and y."""
 MOST_CELLS = 10**9
 """Largest map [cells]; without `modes` its arrays take 25 bytes a cell."""
 
@@ -67,11 +66,44 @@ class Cells:
         x and y.
     modes
         Whether to store all eigenvalues.
+    whole
+        Whether there are arrays for all cells; without them `part` computes some.
     """
 
-    def __init__(self, problem: Problem, axes: tuple[Axis, Axis], modes: bool) -> None:
+    def __init__(
+        self, problem: Problem, axes: tuple[Axis, Axis], modes: bool, *, whole: bool = True
+    ) -> None:
         self.problem, self.axes = problem, axes
         self.shape = axes[1].count, axes[0].count
+        self.values: NDArray[np.complex128] | None = None
+        self.modes, self.solver = modes, chosen()
+        self._by_graph = GraphCells(problem, modes)
+        if whole:
+            self._make_room()
+        self.exact = isinstance(problem.exact, TabulatedPolynomial)
+        self.handed_on = 0
+        self.refusal = ""
+        self._graph = GRAPH.replace("LAPACK", name_of(self.solver))
+        if problem.exact is not None:
+            self._graph += OWN
+        self.slice: Bands | None = None
+        if problem.law is None and math.prod(self.shape) >= LEAST:
+            self.slice = formula_cells(problem, axes, modes) or slice_cells(problem, axes, modes)
+        if self.exact:
+            self._verdicts = GridVerdicts(problem, axes[0].name, axes[1].name)
+            quick = math.prod(self.shape) >= COMPILED_FROM
+            self._growth = GrowthKernel(problem, modes=modes, quick=quick)
+            self.band = BAND
+        elif self.by_slice:
+            self.band = BAND if self.slice is not None and self.slice.swept else OWN_BAND
+        else:
+            self.chunk = self.band = CHUNK
+            return
+        self.chunk = max(1, self.band // self.shape[1]) * self.shape[1]
+        steady_memory()
+
+    def _make_room(self) -> None:
+        """Arrays for all cells."""
         if math.prod(self.shape) > MOST_CELLS:
             raise ParameterError(
                 f"the map has {math.prod(self.shape):.3g} cells; at most {MOST_CELLS:.0e} are "
@@ -81,36 +113,8 @@ class Cells:
         self.error = np.empty(self.shape)
         self.frequency = np.empty(self.shape)
         self.codes = np.zeros(self.shape, dtype=np.int8)
-        self.values, self.modes, self.solver = None, modes, chosen()
-        self.exact = isinstance(problem.exact, TabulatedPolynomial)
-        self.handed_on = 0
-        self.refusal = ""
-        self._graph = GRAPH.replace("LAPACK", name_of(self.solver))
-        if problem.exact is not None:
-            self._graph += OWN
-        family = problem.family
-        zeros = structure(family).zeros  # established here, before the threads start
-        self._certain = problem.derived or certain(family)
-        declared = family.conservative and self._certain
-        self._even = declared or (not problem.derived and symmetric(family))
-        self.slice: Bands | None = None
-        if problem.law is None and math.prod(self.shape) >= LEAST:
-            self.slice = formula_cells(problem, axes, modes) or slice_cells(problem, axes, modes)
-        self._count = len(family.system.states) - zeros
-        if modes:
-            self.values = np.empty((*self.shape, self._count), dtype=complex)
-        if self.exact:
-            self._verdicts = GridVerdicts(problem, axes[0].name, axes[1].name)
-            quick = math.prod(self.shape) >= COMPILED_FROM
-            self._growth = GrowthKernel(problem, modes=modes, quick=quick)
-            self.chunk = max(1, BAND // self.shape[1]) * self.shape[1]
-            steady_memory()
-        elif self.by_slice:
-            band = BAND if self.slice is not None and self.slice.swept else OWN_BAND
-            self.chunk = max(1, band // self.shape[1]) * self.shape[1]
-            steady_memory()
-        else:
-            self.chunk = CHUNK
+        if self.modes:
+            self.values = np.empty((*self.shape, self._by_graph.count), dtype=complex)
 
     @property
     def by_slice(self) -> bool:
@@ -124,17 +128,20 @@ class Cells:
     @property
     def route(self) -> str:
         """Method of computation of the cells, in words."""
+        alone = not (self.exact or self.by_slice or self.handed_on)
+        if alone and self.problem.exact is None:
+            return self._graph
+        return f"{self.method} ({self.handed_on} of {math.prod(self.shape)} cells there)"
+
+    @property
+    def method(self) -> str:
+        """The same before anything is computed."""
         if self.by_slice:
-            route = self._how
-        elif not self.exact:
-            route = self._graph
-            if self.problem.exact is None and not self.handed_on:
-                return route
-            if self.problem.exact is None:
-                route += SINGLE
-        else:
-            route = EXACT + LOOPS * self._growth.compiled
-        return f"{route} ({self.handed_on} of {math.prod(self.shape)} cells there)"
+            return self._how
+        if self.exact:
+            return EXACT + LOOPS * self._growth.compiled
+        single = self.problem.law is None or bool(self.handed_on)
+        return self._graph + SINGLE * (single and self.problem.exact is None)
 
     def key(self) -> dict[str, Any]:
         """Description of the map for a checkpoint, with all digits, so that maps are distinguished.
@@ -195,7 +202,10 @@ class Cells:
             for start, chunk in results:
                 self._place(start, chunk)
         if self.by_slice:
-            self._complete()
+            names = "codes", "abscissa", "error", "frequency", *(["values"] * self.modes)
+            whole = {n: getattr(self, n) for n in names}
+            grid = self.axes[0].values, self.axes[1].values
+            self._complete({n: a.reshape(-1, *a.shape[2:]) for n, a in whole.items()}, grid)
         if (self.codes == NO_MEMBER).all():
             self._inputs(0, 1)  # says why
             raise NoMemberError(self.refusal or f"{self.problem.family.name} has no member here.")
@@ -208,34 +218,79 @@ class Cells:
         most
             For a user's family: largest precision of balls.
         """
-        xs, ys = self.axes[0].values, self.axes[1].values
-        for i, j in np.argwhere(self.codes == CODES[Verdict.UNDECIDED]):
-            swept = {self.axes[0].name: float(xs[j]), self.axes[1].name: float(ys[i])}
+        grid = self.axes[0].values, self.axes[1].values
+        self._settle(self.codes.reshape(-1), grid, math.prod(self.shape), most)
+
+    def settle_as_usual(self) -> None:
+        """The same without `certify`: see `_settle_as_usual`."""
+        self._settle_as_usual(self.codes.reshape(-1), (self.axes[0].values, self.axes[1].values))
+
+    def _settle_as_usual(self, codes: Any, grid: Grid) -> None:
+        """Decide open cells by a user's polynomial; without one few, at low precision."""
+        if self.problem.exact is not None and not self.exact:
+            self._settle(codes, grid, len(codes), None)
+        elif self.problem.law is None:
+            self._settle(codes, grid, MOST_SETTLED, BITS)
+
+    def _settle(self, codes: Any, grid: Grid, few: int, most: int | None) -> None:
+        """Decide open cells of a grid, where they are few."""
+        left = np.flatnonzero(codes == CODES[Verdict.UNDECIDED])
+        for cell in left if len(left) <= few else ():
+            i, j = divmod(int(cell), len(grid[0]))
+            swept = {self.axes[0].name: float(grid[0][j]), self.axes[1].name: float(grid[1][i])}
             values = {n: float(v) for n, v in (dict(self.problem.values) | swept).items()}
             with suppress(StabilityError):  # no member is proved there: the cell stays open
-                self.codes[i, j] = CODES[verdict(self.problem, values, most)]
+                codes[cell] = CODES[verdict(self.problem, values, most)]
             self.handed_on += 1
 
-    def settle_few(self) -> None:
-        """The same at low precision, for few open cells of a user's family: those on a boundary."""
-        if 0 < (self.codes == CODES[Verdict.UNDECIDED]).sum() <= MOST_SETTLED:
-            self.settle(BITS)
+    def part(self, xs: Floats, ys: Floats) -> Chunk:
+        """The arrays of a grid inside the map, complete, without the others.
+
+        Parameters
+        ----------
+        xs, ys
+            Successive values of the axes.
+
+        Returns
+        -------
+        Chunk
+            Flags, growth rates with bounds, and frequencies, flat, as the whole map has them.
+            Threads may share these cells: what calls CasADi takes turns.
+        """
+        grid = xs, ys
+        with eigensolver(self.solver):  # each thread has its own context
+            if self.exact:
+                return self._rows(xs, ys)
+            if self.by_slice:
+                chunk = self._rows(xs, ys)
+                with CASADI:
+                    self._complete(chunk, grid)
+            else:
+                with CASADI:
+                    members = self._members_of(np.arange(len(xs) * len(ys)), grid)
+                chunk = self._work(*members)
+            with CASADI:
+                self._settle_as_usual(chunk["codes"], grid)
+        return chunk
 
     def _band(self, start: int, total: int) -> Chunk:
         """Compute whole rows by the exact route, which uses no CasADi function."""
         rows = slice(start // self.shape[1], min(start + self.chunk, total) // self.shape[1])
-        x, y = self.axes
+        return self._rows(self.axes[0].values, self.axes[1].values[rows], self._room(rows))
+
+    def _rows(self, xs: Floats, ys: Floats, room: Room | None = None) -> Chunk:
+        """The arrays of a grid inside the map, some cells left open by a slice."""
         if self.slice is not None:
-            found, left, rates = self.slice.band(x.values, y.values[rows])
+            found, left, rates = self.slice.band(xs, ys)
             part: Chunk = {
                 LEFT: np.array([left]), "codes": found, "abscissa": rates.abscissa,
                 "error": rates.error, "frequency": rates.frequency,
             }  # fmt: skip
             return part if rates.values is None else part | {"values": rates.values}
         values = dict(self.problem.values)
-        values |= {x.name: x.values[None, :], y.name: y.values[rows, None]}
-        growth = self._growth(values, out=self._room(rows))
-        codes, left = self._verdicts(x.values, y.values[rows], growth.codes)
+        values |= {self.axes[0].name: xs[None, :], self.axes[1].name: ys[:, None]}
+        growth = self._growth(values, out=room)
+        codes, left = self._verdicts(xs, ys, growth.codes)
         chunk: Chunk = {
             LEFT: np.array([left + growth.handed_on]),
             "codes": codes.reshape(-1), "abscissa": growth.abscissa, "error": growth.error,
@@ -251,43 +306,39 @@ class Cells:
         arrays = (self.abscissa, self.error, self.frequency, self.codes) if here else ()
         return tuple(a[rows].reshape(-1) for a in arrays) or None
 
-    def _complete(self) -> None:
+    def _complete(self, flat: Chunk, grid: Grid) -> None:
         """The cells that the slice left open: by the graph, verdicts of members as they are."""
-        self._leave_edges()
-        flat = {
-            n: getattr(self, n).reshape(-1, *getattr(self, n).shape[2:])
-            for n in ("codes", "abscissa", "error", "frequency", *(["values"] * self.modes))
-        }
+        self._leave_edges(flat["codes"], grid)
         left = np.flatnonzero(np.isinf(flat["error"]) | (flat["codes"] == ELSEWHERE))
         for first in range(0, len(left), CHUNK):
             some = left[first : first + CHUNK]
-            chunk = self._work(*self._members_of(some))
+            chunk = self._work(*self._members_of(some, grid))
             known = flat["codes"][some]
             chunk["codes"] = np.where(known == ELSEWHERE, chunk["codes"], known)
             for name, array in chunk.items():
                 flat[name][some] = array
 
-    def _leave_edges(self) -> None:
+    def _leave_edges(self, codes: NDArray[np.int8], grid: Grid) -> None:
         """Leave to the graph the cells in which the rates have no slope: no polynomial shows it."""
-        codes = self.codes.reshape(-1)
         # a formula whose bound is finite has slopes: a root's argument is away from zero
         if isinstance(self.slice, SliceCells) and edged(self.problem.family.system):
             for first in range(0, len(codes), CHUNK):
                 cells = np.arange(first, min(first + CHUNK, len(codes)))
-                bad = cells[~self._members_of(cells)[-1]]
+                bad = cells[~self._members_of(cells, grid)[-1]]
                 codes[bad[codes[bad] != NO_MEMBER]] = ELSEWHERE
 
     def _inputs(
         self, start: int, total: int
     ) -> tuple[Floats, Floats, Floats, Floats, NDArray[np.bool_]]:
         """Numbers and unknowns of the members of a chunk, and which of its cells have one."""
-        return self._members_of(np.arange(start, min(start + CHUNK, total)))
+        grid = self.axes[0].values, self.axes[1].values
+        return self._members_of(np.arange(start, min(start + CHUNK, total)), grid)
 
     def _members_of(
-        self, cells: NDArray[np.intp]
+        self, cells: NDArray[np.intp], grid: Grid
     ) -> tuple[Floats, Floats, Floats, Floats, NDArray[np.bool_]]:
-        xs, ys = self.axes[0].values, self.axes[1].values
-        row, column = np.divmod(cells, self.shape[1])
+        xs, ys = grid
+        row, column = np.divmod(cells, len(xs))
         swept = {self.axes[0].name: xs[column], self.axes[1].name: ys[row]}
         values = dict(self.problem.values) | swept
         a, q, rate, _ = self.problem.arrays(values)
@@ -301,68 +352,17 @@ class Cells:
         self, a: Floats, q: Floats, rate: Floats, u: Floats, good: NDArray[np.bool_]
     ) -> Chunk:
         """The arrays of a chunk; cells without a member have their flag, and no numbers."""
-        part = self._members(a, q, rate, u) if len(a) else {}
+        part = self._by_graph(a, q, rate, u) if len(a) else {}
         if good.all():
             return part
         chunk: Chunk = {}
         for name in ("codes", "abscissa", "error", "frequency", *(["values"] * self.modes)):
             kind: Any = {"codes": np.int8, "values": complex}.get(name, float)
-            shape = len(good), *((self._count,) if name == "values" else ())
+            shape = len(good), *((self._by_graph.count,) if name == "values" else ())
             chunk[name] = np.full(shape, NO_MEMBER if name == "codes" else np.nan, dtype=kind)
             if part:
                 chunk[name][good] = part[name]
         return chunk
-
-    def _members(self, a: Floats, q: Floats, rate: Floats, u: Floats) -> Chunk:
-        family = self.problem.family
-        family.checked_states(a, u, q)
-        watch = not self._certain
-        reduced = deflate(family, a, q, u, self.problem.roundings, watch=watch)
-        even = self._even
-        found = None if watch else quick_rates(reduced, even=even, modes=self.modes)
-        if found is not None:
-            return {
-                "codes": found.codes, "abscissa": found.abscissa * rate,
-                "error": found.error * rate, "frequency": found.frequency * rate,
-                **({"values": found.values * rate[:, None]} if found.values is not None else {}),
-            }  # fmt: skip
-        values, radius, _ = eigenvalues(reduced, even=even)
-        codes = decide(values, radius, even=even)
-        if watch:
-            self._restore(values, radius, codes, (a, q, u), reduced.supported)
-        lead = values[:, -1]
-        chunk: Chunk = {
-            "codes": codes,
-            "abscissa": lead.real * rate,
-            "error": (radius + (values.real - lead.real[:, None])).max(axis=1) * rate,
-            "frequency": np.abs(lead.imag) * rate,
-        }
-        if self.modes:
-            chunk["values"] = values * rate[:, None]
-        return chunk
-
-    def _restore(
-        self, values: Any, radius: Floats, codes: NDArray[np.int8],
-        place: tuple[Floats, Floats, Floats], supported: NDArray[np.intp],
-    ) -> None:  # fmt: skip
-        """Restore the leading eigenvalue of members that have fewer zeros than typical ones."""
-        usual = structure(self.problem.family).zeros
-        for count in range(usual):
-            rows = np.flatnonzero(supported == count)
-            if not len(rows):
-                continue
-            if self.modes:
-                raise DomainError(
-                    f"{self.problem.family.name} has {usual} eigenvalues that are zero by "
-                    f"structure at typical members but {count} somewhere on this map; leave out "
-                    "modes, or map that part by itself."
-                )
-            a, q, u = (part[rows] for part in place)
-            reduced = deflate(self.problem.family, a, q, u, self.problem.roundings, count)
-            all_values, discs, _ = eigenvalues(reduced, even=False)
-            codes[rows] = decide(all_values, discs, even=False)
-            kept = values.shape[1]
-            values[rows], radius[rows] = all_values[:, -kept:], discs[:, -kept:]
 
     def fits(self, start: int, chunk: Chunk) -> bool:
         """Whether a stored chunk is whole: every array, of the right length and type."""

@@ -122,16 +122,12 @@ def assemble(
     words = rate_attributes(problem)
     flags = verdict_attributes()
     missing = int((cells.codes == NO_MEMBER).sum())
-    cell_flags = _with_no_member(flags) if missing else flags
+    arrays = {"verdict": cells.codes, "abscissa": cells.abscissa, "abscissa_error": cells.error,
+              "frequency": cells.frequency}  # fmt: skip
     variables: dict[str, Any] = {
-        "abscissa": (dims, cells.abscissa, words | {"long_name": "largest growth rate"}),
-        "abscissa_error": (dims, cells.error, words | {"long_name": "error bound of abscissa"}),
-        "frequency": (
-            dims, cells.frequency,
-            words | {"long_name": "frequency of the eigenvalue with the largest real part"},
-        ),
-        "verdict": (dims, cells.codes, cell_flags),
-    }  # fmt: skip
+        name: (dims, arrays[name], attributes)
+        for name, attributes in cell_attributes(problem, missing=bool(missing)).items()
+    }
     if cells.values is not None:
         variables["eigenvalues"] = ((*dims, "mode"), cells.values, words | {
             "long_name": "eigenvalues, structural zeros removed, sorted by real part"})  # fmt: skip
@@ -163,6 +159,26 @@ def assemble(
             "wide; a logarithmic axis is measured in its logarithm",
         }
     return xarray.Dataset(variables, coordinates, attributes)
+
+
+def cell_attributes(problem: Problem, *, missing: bool) -> dict[str, dict[str, Any]]:
+    """Attributes of the variables that have a number in each cell, by name.
+
+    Parameters
+    ----------
+    problem
+        Family with values in the user's units.
+    missing
+        Whether cells may have no member.
+    """
+    words, flags = rate_attributes(problem), verdict_attributes()
+    return {
+        "abscissa": words | {"long_name": "largest growth rate"},
+        "abscissa_error": words | {"long_name": "error bound of abscissa"},
+        "frequency": words
+        | {"long_name": "frequency of the eigenvalue with the largest real part"},
+        "verdict": _with_no_member(flags) if missing else flags,
+    }
 
 
 def _with_no_member(flags: Mapping[str, Any]) -> dict[str, Any]:

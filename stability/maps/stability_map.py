@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 from ..base.types import Progress
 from ..bodies.round_body.by_name import of_body
-from ..jobs.pipeline import check_run
+from ..jobs.dask import check_pool, pool_of
 from ..spectra.arguments import axis_of, prepare
 
 MOST_CELLS = 100_000_000
@@ -47,7 +47,7 @@ def stability_map(
     points: bool = False,
     modes: bool = False,
     workers: int | None = None,
-    executor: Executor | None = None,
+    executor: Executor | str | None = None,
     progress: Progress | None = None,
     checkpoint: str | os.PathLike[str] | None = None,
     **parameters: ArrayLike,
@@ -80,10 +80,10 @@ def stability_map(
     modes
         Whether to keep all eigenvalues (complex, dimension `mode`).
     workers
-        Number of threads; the number of processors when left out.
+        Number of workers; the number of processors when left out.
     executor
-        Any `concurrent.futures.Executor` in place of the threads, for processes or another machine.
-        `workers` is then the number of its workers.
+        `threads`, `processes`, `dask` (a scheduler and workers on this machine), the address of a
+        running scheduler, or any `concurrent.futures.Executor`; threads when left out.
     progress
         Called with (cells done, cells in all) now and then.
     checkpoint
@@ -131,13 +131,13 @@ def stability_map(
         raise ParameterError("levels belongs to certify=True; leave it out or certify.")
     if levels is not None:
         levels = whole_number("levels", levels, 0, MOST_LEVELS)
-    check_run(workers, progress, executor)
+    check_pool(executor, workers, progress)
     family, disk, contact, parameters = of_body(family, body, disk, contact, parameters, (x, y))
     axes = axis_of(family, x, "x"), axis_of(family, y, "y")
     if (total := axes[0].count * axes[1].count) > MOST_CELLS:
         raise ParameterError(
             f"the map has {total:.3g} cells, at most {MOST_CELLS:.0e} are kept in memory; take "
-            "fewer points, or stream_map (`--verdict-only`), which writes a file."
+            "fewer points, or stream_map (`--out map.zarr`), which writes a folder."
         )
     problem = prepare(family, axes, disk, contact, at, parameters)
     marked = None
@@ -147,16 +147,17 @@ def stability_map(
         marked = in_plane(problem, axes)
     cells = Cells(problem, axes, modes)
     parts = Checkpoint(checkpoint, cells.key(), cells.fits) if checkpoint is not None else None
-    cells.fill(workers or os.cpu_count() or 1, progress, parts, executor)
+    with pool_of(executor, workers) as (pool, number):
+        cells.fill(number or os.cpu_count() or 1, progress, parts, pool)
     from .dataset import assemble
 
     boxes = None
     if certify:
         finest = (max(g.count for g in axes) - 1).bit_length()
         boxes = prove_boxes(problem, axes, min(finest, 12) if levels is None else levels)
-    if certify or (problem.exact is not None and not cells.exact):
+    if certify:
         cells.settle()
-    elif problem.law is None:
-        cells.settle_few()
+    else:
+        cells.settle_as_usual()
     curves = trace(problem, axes, cells.codes, cells.abscissa, progress) if boundaries else None
     return assemble(problem, axes, cells, curves, boxes, marked)

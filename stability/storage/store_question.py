@@ -106,7 +106,8 @@ def difference(head: Mapping[str, Any], asked: Mapping[str, str]) -> str:
     try:
         there = json.loads(head[QUESTION])
         names = _kept({**asked, **there})
-        name = next(n for n in names if asked.get(n) != there.get(n))
+        lacking = [n for n in names if n not in asked or n not in there]  # these say most
+        name = next(n for n in (*lacking, *names) if asked.get(n) != there.get(n))
     except (ValueError, KeyError, TypeError, StopIteration):
         return "its question cannot be read"
     if name == "the coordinates":

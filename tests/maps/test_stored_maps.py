@@ -109,4 +109,5 @@ def test_the_command_writes_and_continues_a_folder(
     assert main(["map", "rolling", *MAP[2:], "--out", str(out)]) == 2
     said = capsys.readouterr().err.splitlines()
     assert "belongs to another question" in said[-1]
-    assert main([*MAP[:-1], "--out", str(out)]) == 2  # growth rates go to NetCDF
+    assert main([*MAP[:-1], "--out", str(out)]) == 2  # it holds no growth rates
+    assert "growth rates: missing there, true here" in capsys.readouterr().err

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ...base.checks import whole_number
 from ...base.errors import FileError, ParameterError
 from ...storage.json_text import json_text
-from ..options import PARAMETER_HELP, _picture, add_scales, overwriting
+from ..options import PARAMETER_HELP, _picture, add_scales, overwriting, scheduling
 from ..simulate import CONTACTS
 from ..subject.body_option import add_body
 from ..terminal import progress_bar, say
@@ -89,10 +89,7 @@ def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None) -> 
     sub.add_argument("--levels", type=int, default=0, metavar="L",
                      help="halve the steps of a map this often along the borders between ends; the "
                      "store gets the borders, and the figure shows them")  # fmt: skip
-    sub.add_argument("--scheduler", metavar="WHERE", default="threads",
-                     help="threads (default), processes, dask, or the address of a scheduler of "
-                     "dask such as tcp://127.0.0.1:8786")  # fmt: skip
-    sub.add_argument("--workers", type=int, metavar="N", help="workers (default: all cores)")
+    scheduling(sub)
     sub.add_argument("--chunk", type=int, metavar="N",
                      help="launches of a chunk, the work of a worker (default 4096)")  # fmt: skip
     sub.add_argument("--dry-run", action="store_true",
