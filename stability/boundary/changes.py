@@ -57,7 +57,7 @@ def boundaries(
     every condition is isolated exactly, so that the result is complete.  So it is for a family that
     is algebraic along the axis, with sines, roots or unknowns.  For any other family the axis is
     cut into pieces, and each piece is proved in ball arithmetic to hold no eigenvalue on
-    the imaginary axis, or a single crossing.  An empty result that is complete thus states that the
+    the imaginary axis, or a single crossing.  An empty result that is complete states that the
     verdict does not change, but at the single values in `.touching`.  Pieces without such a proof
     are scanned.  The result then says where a change is not excluded, and a `StabilityWarning`
     repeats this.
