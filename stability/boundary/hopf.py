@@ -39,6 +39,7 @@ from ..base.checks import instance, whole_number
 from ..base.citation.used import cited
 from ..base.errors import ParameterError, StabilityError, StabilityWarning, listed, shown
 from ..bodies.contact import Contact
+from ..bodies.contact_laws import LAWS, law_missing
 from ..bodies.disk import Disk
 from ..bodies.law_names import law_only
 from ..bodies.round_body.body import Body
@@ -191,6 +192,8 @@ def hopf(
             "slowly, see drift)."
         )
     contact = law_only(contact, dict(parameters))
+    if contact is None:
+        raise law_missing({n: law for n, law in LAWS.items() if law.parameters})
     if not isinstance(contact, Contact) or not contact.parameters:
         raise ParameterError(f"contact is {shown(contact)}; a law with friction is needed.")
     points = whole_number("points", points, 2, MOST_POINTS, "the search takes time for each")
