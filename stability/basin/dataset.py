@@ -228,7 +228,7 @@ def works(launches: Launches, sample: Starts, *, linear: bool) -> str:
     """
     return cited(
         launches.contact.name if launches.contact is not None else None,
-        disk=isinstance(launches.thing, Disk), eigenvalues=linear, proofs=linear,
+        model=launches.contact is not None, eigenvalues=linear, proofs=linear,
         methods=[HEYOKA] if on_lanes(sample) else (),
     )  # fmt: skip
 

@@ -202,7 +202,7 @@ def hopf(
     for name, value in problem.values.items():
         if np.ndim(value):
             raise ParameterError(f"{name} is an array; give one number.")
-    works = cited(contact.name, disk=True, proofs=True, theory=["fiedler2000"])
+    works = cited(contact.name, model=True, proofs=True, theory=["fiedler2000"])
     unit = record.unit(float(np.asarray(body.rate)))
     bits = BITS
     while True:  # until the signs that decide the type are proved

@@ -117,7 +117,8 @@ class Conditions(Record):
     @property
     def citation(self) -> str:
         """Keys of the works to cite, for `stability.citation`."""
-        return cited(system=self.family.system.name, proofs=True)
+        system = self.family.system
+        return cited(system=system.name, model=bool(system.quantities), proofs=True)
 
     @property
     def deciding(self) -> tuple[SignCondition, ...]:

@@ -390,5 +390,5 @@ def _result(
     folds: tuple[Fold, ...], crossings: Sequence[tuple[Located, Floats]],
 ) -> Branch:  # fmt: skip
     crossed = tuple(_branch_point(family, curve, p, t) for p, t in crossings)
-    works = cited(system=family.system.name)
+    works = cited(system=family.system.name, model=bool(family.system.quantities))
     return Branch(z[:, -1], _states(family, curve, z), complete, ended, folds, crossed, works)
