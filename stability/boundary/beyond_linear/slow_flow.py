@@ -73,7 +73,7 @@ class SlowFlow(Record):
     @property
     def citation(self) -> str:
         """Keys of the works to cite, for `stability.citation`."""
-        system = self.family.system
+        system = self.disturbed
         return cited(system=system.name, model=bool(system.quantities), theory=["fenichel1979"])
 
     @cached_property
