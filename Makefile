@@ -83,13 +83,13 @@ bench: $(READY)
 	$(BIN)/python benchmarks/basins.py $(ARGS)
 	$(BIN)/python benchmarks/explorer.py
 
-# Other people's codes beside this one; what is not installed is reported as missing.
+# Other people's codes compared with this one. What is not installed is reported as missing.
 peers: $(READY)
 	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[peers]'
 	for peer in sympy_kane heyoka_raw auto mujoco_disk; do \
 	  echo; echo "== $$peer"; $(BIN)/python benchmarks/peers/$$peer.py || exit 1; done
 
-# Every polynomial and condition derived anew from the graph, into disk_polynomials.json and body_polynomials.json.
+# Every polynomial and condition derived again from the graph, into disk_polynomials.json and body_polynomials.json.
 derive: $(READY)
 	$(BIN)/python -c "from stability.derivation.hurwitz import write; write('stability/bodies/thin_disk/disk_polynomials.json', 'stability/bodies/thin_disk/disk_polynomials.py')"
 	$(BIN)/python -c "from stability.derivation.hurwitz import write; from stability.derivation.bodies.polynomials import stored; write('stability/bodies/round_body/body_polynomials.json', 'stability/bodies/round_body/polynomials.py', stored)"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import warnings
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
@@ -14,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from ..base.axis import Axis, AxisLike
 from ..base.checks import whole_number
-from ..base.errors import ParameterError, shown
+from ..base.errors import ParameterError, StabilityWarning, shown
 from ..base.types import Floats, Progress
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
@@ -22,7 +23,7 @@ from ..bodies.thin_disk.disk_families import FAMILIES
 from ..integrators.flow import CASADI
 from ..jobs.chunks import Arrays, Block, Layout, Memory, Store, Variable
 from ..jobs.dask import check_pool, pool_of
-from ..jobs.filling import Filled, fill
+from ..jobs.filling import fill
 from ..jobs.shared import shared
 from ..jobs.zarr_store import ZarrStore
 from ..motion.starts import Starts
@@ -34,7 +35,9 @@ from .dataset import (
     blank,
     coordinates,
     label,
+    lost,
     question,
+    told_of_lost,
     variables,
     works,
 )
@@ -222,7 +225,9 @@ def basins(
         *no-contact* or *lift-off*.  With `levels`, the borders along `border_point`: `border_X` for
         each axis X, `border_curve` (which line), and the outcomes on both sides; they are computed
         after the map, and are added to the store when all are there.  Attributes hold units,
-        settings and versions, and no date: the same call gives the same bytes.
+        settings and versions, and no date: the same call gives the same bytes.  A launch that ended
+        its worker is *unresolved*, without a start; `lost` in the attributes has the numbers of
+        such launches, row-major, and a `StabilityWarning` says them.
 
     Raises
     ------
@@ -250,8 +255,11 @@ def basins(
     levels = whole_number("levels", levels, 0, MOST_LEVELS)
     if levels and len(plan.axes) != 2:
         raise ParameterError("levels refines a map over x and y alone; leave it out.")
-    kept, _ = run(plan, store, overwrite, executor, workers, progress, levels)
-    return kept.dataset()
+    kept = run(plan, store, overwrite, executor, workers, progress, levels)
+    numbers = lost(kept)
+    if numbers:
+        warnings.warn(f"{told_of_lost(numbers)}.", StabilityWarning, stacklevel=2)
+    return kept.dataset().assign_attrs({"lost": list(numbers)} if numbers else {})
 
 
 def planned(
@@ -324,7 +332,7 @@ def _tile(shape: tuple[int, ...], size: int) -> tuple[int, ...]:
 def run(
     plan: Plan, store: Any, overwrite: bool, executor: Any, workers: int | None,
     progress: Progress | None, levels: int = 0, later: int = 0,
-) -> tuple[Store, Filled]:  # fmt: skip
+) -> Store:  # fmt: skip
     """Fill the store of a plan, and refine the borders of its map.
 
     Parameters
@@ -338,8 +346,8 @@ def run(
 
     Returns
     -------
-    Store, Filled
-        The full store, and what was done.
+    Store
+        The full store.
     """
     some = plan.starts((0,) * len(plan.layout.shape), slice(0, 1))
     varied = plan.launches.varied if plan.distribution is not None else ()
@@ -347,14 +355,14 @@ def run(
     with pool_of(executor, workers) as (pool, number):
         work = _Work(shared(plan, pool))
         told = progress and (lambda done, total: progress(done, total + later))
-        done = fill(kept, work, blank=_Blank(len(some.model.states), varied), executor=pool,
-                    workers=number, progress=told)  # fmt: skip
+        fill(kept, work, blank=_Blank(len(some.model.states), varied), executor=pool,
+             workers=number, progress=told)  # fmt: skip
         if levels:
             axes = plan.axes[1], plan.axes[0]
             order = replace(plan.launches, varied=tuple(a.name for a in axes))
             labels = LaunchLabels(order, plan.horizon, plan.judging)
             refine(kept, labels, axes, levels, pool, number, progress)
-    return kept, done
+    return kept
 
 
 def store_of(plan: Plan, store: Any = None, overwrite: bool = False) -> Store:

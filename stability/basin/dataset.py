@@ -18,7 +18,7 @@ from ..base.version import __version__
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES
 from ..integrators.selection import HEYOKA
-from ..jobs.chunks import Arrays, Variable
+from ..jobs.chunks import Arrays, Store, Variable
 from ..motion.result import CODES, Outcome, outcome_flags
 from ..motion.starts import Starts
 from ..systems.system import System
@@ -31,6 +31,8 @@ MISSING = -1
 """Outcome of a launch that is not there yet: no flag value of an outcome."""
 LIBRARIES = ("casadi", "heyoka", "numba", "numpy", "python-flint", "scipy")
 """Libraries on which the numbers depend."""
+FEW = 5
+"""Launches that are named in a sentence at most."""
 NO_FAMILY = 0
 """Flag value of `family` where none is settled on; families count from 1."""
 
@@ -147,6 +149,46 @@ def blank(count: int, states: int) -> Arrays:
     }  # fmt: skip
 
 
+def lost(kept: Store) -> tuple[int, ...]:
+    """Numbers of the launches that ended their worker, row-major: *unresolved*, without a start.
+
+    Parameters
+    ----------
+    kept
+        The store of a call.  It is read chunk by chunk, and starts only where a chunk needs it.
+    """
+    there, layout = kept.dataset(), kept.layout
+    found: list[int] = []
+    for block in layout.blocks():
+        where = dict(zip(layout.dims, layout.slices(block), strict=True))
+        open_ = there.outcome.isel(where).values.ravel() == CODES[Outcome.UNRESOLVED]
+        if open_.any():
+            starts = there.start_state.isel(where).values
+            bare = np.isnan(starts).all(axis=-1).ravel()
+            found += [layout.number(block, int(i)) for i in np.flatnonzero(open_ & bare)]
+    return tuple(sorted(found))
+
+
+def told_of_lost(numbers: tuple[int, ...]) -> str:
+    """A sentence about launches that ended their worker; empty without one.
+
+    Examples
+    --------
+    >>> told_of_lost((17,))
+    'launch 17 ended its worker and is unresolved'
+    >>> told_of_lost((3, 17))
+    'launches 3 and 17 ended their workers and are unresolved'
+    """
+    if not numbers:
+        return ""
+    if len(numbers) == 1:
+        return f"launch {numbers[0]} ended its worker and is unresolved"
+    some = listed([str(n) for n in numbers[:FEW]])
+    if len(numbers) > FEW:
+        some = f"{', '.join(map(str, numbers[:FEW]))} and {len(numbers) - FEW} more"
+    return f"launches {some} ended their workers and are unresolved"
+
+
 def coordinates(launches: Launches, sample: Starts, axes: tuple[Axis, ...]) -> dict[str, Any]:
     """The values along the axes, and the numbers that are held.
 
@@ -233,7 +275,7 @@ def works(launches: Launches, sample: Starts, *, linear: bool) -> str:
     """
     return cited(
         launches.contact.name if launches.contact is not None else None,
-        disk=isinstance(launches.thing, Disk), eigenvalues=linear, proofs=linear,
+        model=launches.contact is not None, eigenvalues=linear, proofs=linear,
         methods=[HEYOKA] if on_lanes(sample) else (),
     )  # fmt: skip
 

@@ -12,6 +12,7 @@ from ..base.checks import one_number
 from ..base.errors import NameUnknownError, ParameterError, listed, shown
 from ..base.types import Floats
 from ..bodies.contact import Contact
+from ..bodies.contact_laws import MOTION_LAWS, law_missing
 from ..bodies.disk import Disk
 from ..bodies.law_names import law_given
 from ..bodies.round_body.body import Body
@@ -197,6 +198,8 @@ def prepare(
             raise ParameterError(
                 f"{shown(name)} is not an argument here; give it in held, or as an axis."
             )
+        if contact is None:
+            raise law_missing(MOTION_LAWS)
         if not isinstance(contact, Contact) or not contact.name:
             raise NameUnknownError(f"contact is {shown(contact)}; give a contact law.")
         found = Launches(thing, contact, tuple(varied), held, _family(thing, family))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import Number, broadcast, instance, known, positive
-from ..base.errors import NameUnknownError, ParameterError, shown
+from ..base.errors import NameUnknownError, ParameterError, listed, shown
 from .contact import OVER_ANY_NUMBER, ZERO_MU, Contact, Parameter, Scales
 from .disk import Disk
 from .dry_friction import Coulomb, RegularisedCoulomb
@@ -283,7 +283,7 @@ MOTION_LAWS: dict[str, type[Contact]] = LAWS | {law.name: law for law in _FURTHE
 """The stored contact laws that `simulate` accepts, by name."""
 
 
-def law_class(law: str | type[Contact], *, motion: bool = True) -> type[Contact]:
+def law_class(law: str | type[Contact] | None, *, motion: bool = True) -> type[Contact]:
     """The class of a contact law, of the package or of a user.
 
     Parameters
@@ -295,6 +295,8 @@ def law_class(law: str | type[Contact], *, motion: bool = True) -> type[Contact]
 
     Raises
     ------
+    ParameterError
+        If `law` is None.
     NameUnknownError
         If `law` is neither, or has no linearisation where one is needed, or is a user's law that
         sticks or leaves out the slip.
@@ -305,6 +307,8 @@ def law_class(law: str | type[Contact], *, motion: bool = True) -> type[Contact]
     <class 'stability.bodies.contact_laws.Viscous'>
     """
     linear = [n for n, one in MOTION_LAWS.items() if one.linearises]
+    if law is None:
+        raise law_missing(MOTION_LAWS if motion else LAWS)
     if isinstance(law, type) and issubclass(law, Contact) and law.name:
         found = law
     elif isinstance(law, str) and law in MOTION_LAWS:
@@ -324,6 +328,24 @@ def law_class(law: str | type[Contact], *, motion: bool = True) -> type[Contact]
     return found
 
 
+def law_missing(laws: Mapping[str, type[Contact]], more: str = "") -> ParameterError:
+    """The refusal of a call without a contact law, the same for every question.
+
+    Parameters
+    ----------
+    laws
+        The laws that this question takes, by name.
+    more
+        What else the caller may do, at the end of the sentence.
+
+    Examples
+    --------
+    >>> print(law_missing({"viscous": Viscous, "rough": Rough}))
+    contact is missing; give Viscous(mu) or Rough().
+    """
+    return ParameterError(f"contact is missing; give {listed(_spelled(laws), 'or')}{more}.")
+
+
 def spelled(laws: Mapping[str, type[Contact]]) -> str:
     """Laws as a user writes them, for a message: `Smooth(), Viscous(mu)`.
 
@@ -332,11 +354,15 @@ def spelled(laws: Mapping[str, type[Contact]]) -> str:
     laws
         Laws by name.
     """
+    return ", ".join(_spelled(laws))
+
+
+def _spelled(laws: Mapping[str, type[Contact]]) -> list[str]:
     words = []
     for law in laws.values():
         first = {p.place: p.name for p in reversed(law.parameters)}
         words.append(f"{law.__name__}({', '.join(reversed(first.values()))})")
-    return ", ".join(words)
+    return words
 
 
 def stored(law: type[Contact]) -> bool:

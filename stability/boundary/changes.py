@@ -24,7 +24,7 @@ from ..bodies.round_body.body import Body
 from ..bodies.round_body.by_name import of_body
 from ..spectra.arguments import axis_of, prepare
 from ..spectra.certificate import verdict as certified
-from ..spectra.presentation.labels import is_disk
+from ..spectra.presentation.labels import of_package
 from ..spectra.problem import Problem
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
@@ -57,7 +57,7 @@ def boundaries(
     every condition is isolated exactly, so that the result is complete.  So it is for a family that
     is algebraic along the axis, with sines, roots or unknowns.  For any other family the axis is
     cut into pieces, and each piece is proved in ball arithmetic to hold no eigenvalue on
-    the imaginary axis, or a single crossing.  An empty result that is complete thus states that the
+    the imaginary axis, or a single crossing.  An empty result that is complete states that the
     verdict does not change, but at the single values in `.touching`.  Pieces without such a proof
     are scanned.  The result then says where a change is not excluded, and a `StabilityWarning`
     repeats this.
@@ -106,7 +106,7 @@ def boundaries(
     problem = prepare(family, (grid,), disk, contact, at, given, exact=True)
     found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
     law = problem.law.name if problem.law else None
-    works = cited(law, disk=is_disk(problem), proofs=True)
+    works = cited(law, model=of_package(problem), proofs=True)
     found = replace(found, searched=(grid.name, grid.low, grid.high), citation=works)
     found.warn(grid.name)
     return found

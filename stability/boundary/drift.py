@@ -21,7 +21,7 @@ from ..base.citation.used import MODEL
 from ..base.errors import ParameterError, if_degrees, shown
 from ..base.types import Floats, Record
 from ..bodies.contact import Contact
-from ..bodies.contact_laws import LinearViscous, Viscous, stored
+from ..bodies.contact_laws import LinearViscous, Viscous, law_missing, stored
 from ..bodies.disk import Disk
 from ..bodies.law_names import law_only
 from ..spectra.disk_problem import disk_problem
@@ -123,6 +123,8 @@ def drift(
     [5075.0, 28471.0]
     """
     contact = law_only(contact, dict(parameters))
+    if contact is None:
+        raise law_missing({law.name: law for law in (Viscous, LinearViscous)})
     if not (isinstance(contact, (Viscous, LinearViscous)) and stored(type(contact))):
         raise ParameterError(
             f"contact is {shown(contact)}; drift needs a law with friction: Viscous(mu) or "

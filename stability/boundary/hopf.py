@@ -39,6 +39,7 @@ from ..base.checks import instance, whole_number
 from ..base.citation.used import cited
 from ..base.errors import ParameterError, StabilityError, StabilityWarning, listed, shown
 from ..bodies.contact import Contact
+from ..bodies.contact_laws import LAWS, law_missing
 from ..bodies.disk import Disk
 from ..bodies.law_names import law_only
 from ..bodies.round_body.body import Body
@@ -191,6 +192,8 @@ def hopf(
             "slowly, see drift)."
         )
     contact = law_only(contact, dict(parameters))
+    if contact is None:
+        raise law_missing({n: law for n, law in LAWS.items() if law.parameters})
     if not isinstance(contact, Contact) or not contact.parameters:
         raise ParameterError(f"contact is {shown(contact)}; a law with friction is needed.")
     points = whole_number("points", points, 2, MOST_POINTS, "the search takes time for each")
@@ -199,7 +202,7 @@ def hopf(
     for name, value in problem.values.items():
         if np.ndim(value):
             raise ParameterError(f"{name} is an array; give one number.")
-    works = cited(contact.name, disk=True, proofs=True, theory=["fiedler2000"])
+    works = cited(contact.name, model=True, proofs=True, theory=["fiedler2000"])
     unit = record.unit(float(np.asarray(body.rate)))
     bits = BITS
     while True:  # until the signs that decide the type are proved

@@ -25,9 +25,13 @@ from ..base.citation.used import cited
 from ..base.errors import ParameterError, StabilityError
 from ..base.types import Record, fields_of
 from ..base.verdict import Verdict, best
+from ..bodies.contact import Contact
+from ..bodies.disk import Disk
+from ..bodies.round_body.body import Body
+from ..bodies.round_body.by_name import family_by_name
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
-from ..systems.system import refuse_system
+from ..systems.system import A_FAMILY, refuse_system
 from .general.deduction import Deduction, closed_forms, domain_of
 from .general.elimination import Reading, whole
 from .general.members import sloped_somewhere
@@ -113,7 +117,8 @@ class Conditions(Record):
     @property
     def citation(self) -> str:
         """Keys of the works to cite, for `stability.citation`."""
-        return cited(system=self.family.system.name, proofs=True)
+        system = self.family.system
+        return cited(system=system.name, model=bool(system.quantities), proofs=True)
 
     @property
     def deciding(self) -> tuple[SignCondition, ...]:
@@ -285,8 +290,10 @@ class Conditions(Record):
 
 
 def conditions(
-    family: Family,
+    family: Family | str,
     *,
+    contact: Contact | type[Contact] | str | None = None,
+    body: Body | Disk | None = None,
     positive: Sequence[str] = (),
     between: Mapping[str, tuple[float, float]] | None = None,
     decimals: bool = False,
@@ -299,7 +306,11 @@ def conditions(
     Parameters
     ----------
     family
-        A family whose Jacobian is algebraic in parameters, states, and functions of these.
+        A family whose Jacobian is algebraic in parameters, states, and functions of these; or the
+        name of a family of the disk or of `body`, with `contact`.
+    contact, body
+        With a family by its name, as for `spectrum`; their numbers stay variables, and are given
+        as parameters where they are not to.
     positive
         Names of parameters, family parameters or unknowns that are positive.
     between
@@ -342,7 +353,8 @@ def conditions(
     'Stable where c > 0; unstable where it is negative.'
     """
     refuse_system(family)
-    instance("family", family, Family, "give a stability.Family: disk_family(…), body.family(…)")
+    family = family_by_name(family, body, contact, parameters)
+    family = instance("family", family, Family, A_FAMILY)
     reads = Numbers(flag("decimals", decimals))
     intervals = reads.intervals(family, positive, between or {})
     values = {known("parameter", n, family.parameters): reads.rational(n, v)

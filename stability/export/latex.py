@@ -12,6 +12,10 @@ from ..algebra.polynomial import Polynomial
 from ..algebra.program import Program
 from ..algebra.upright import Upright
 from ..base.errors import ParameterError, shown
+from ..bodies.contact import Contact
+from ..bodies.disk import Disk
+from ..bodies.round_body.body import Body
+from ..bodies.round_body.by_name import family_by_name
 from ..derivation.conditions import Conditions, conditions
 from ..systems.equations import Equations
 from ..systems.family import Family
@@ -31,8 +35,10 @@ HEAD = r"""\documentclass{article}
 
 
 def latex(
-    subject: Equations | Family | Conditions,
+    subject: Equations | Family | Conditions | str,
     *,
+    contact: Contact | type[Contact] | str | None = None,
+    body: Body | Disk | None = None,
     positive: Sequence[str] = (),
     standalone: bool = True,
     **parameters: Any,
@@ -47,7 +53,9 @@ def latex(
     subject
         A `System` (its equations of motion, and the Jacobian of its rates); a `Family` (the same at
         its steady motions, then the characteristic polynomial and the conditions of stability,
-        derived exactly); or `Conditions` that were derived before (these alone).
+        derived exactly), or its name; or `Conditions` that were derived before (these alone).
+    contact, body
+        With a family by its name, as for `stability.conditions`.
     positive
         Positive variables of the conditions, as for `stability.conditions`.
     standalone
@@ -76,6 +84,7 @@ def latex(
     >>> print(st.latex(pendulum, standalone=False).splitlines()[3])
     \dot{\omega} &= -g\,\sin\left(\theta\right)
     """
+    subject = family_by_name(subject, body, contact, parameters, "subject")
     if isinstance(subject, Conditions):
         parts = _of_conditions(subject)
     elif isinstance(subject, Family):
@@ -86,10 +95,10 @@ def latex(
         parts = _of_system(_graph_of(subject))
     else:
         raise ParameterError(
-            f"subject is {shown(subject)}; give a System, a Family, or Conditions."
+            f"subject is {shown(subject)}; give a System, a Family or its name, or Conditions."
         )
-    body = "\n".join(parts) + "\n"
-    return f"{HEAD}{body}\\end{{document}}\n" if standalone else body
+    text = "\n".join(parts) + "\n"
+    return f"{HEAD}{text}\\end{{document}}\n" if standalone else text
 
 
 def _graph_of(system: Equations) -> Equations:

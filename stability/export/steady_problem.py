@@ -16,11 +16,12 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from ..base.checks import instance
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.types import Floats
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
-from ..systems.system import refuse_system
+from ..systems.system import A_FAMILY, refuse_system
 
 STEPS = 50
 """Steps of the first run, about."""
@@ -96,8 +97,7 @@ def steady_problem(
     Source: A. Brauer, Duke Math. J. 19 (1952) 75-91; tests/export/test_continuation.py.
     """
     refuse_system(family)
-    if not isinstance(family, Family):
-        raise ParameterError(f"family is {shown(family)}; give a Family.")
+    instance("family", family, Family, A_FAMILY)
     names = (*family.at, *family.parameters)
     if free not in names:
         raise NameUnknownError(f"free is {shown(free)}; known are {', '.join(names)}.")

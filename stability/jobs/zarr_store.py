@@ -323,7 +323,8 @@ def _skeleton(
         group = zarr.open_group(memory, mode="r+", zarr_format=3)
         own = [v.name for v in variables if v.coordinate]
         if own:  # CF's way to say which arrays are coordinates
-            group.attrs["coordinates"] = " ".join([*group.attrs.get("coordinates", "").split(), *own])
+            before = group.attrs.get("coordinates", "").split()
+            group.attrs["coordinates"] = " ".join([*before, *own])
         for variable in variables:
             group.create_array(
                 **_array(layout, variable, frame), filters=None,

@@ -11,7 +11,7 @@ from ..base.citation.used import cited, joined
 from ..base.verdict import NO_MEMBER
 from ..spectra.presentation.labels import (
     axis_attributes,
-    is_disk,
+    of_package,
     origin,
     rate_attributes,
     verdict_attributes,
@@ -82,7 +82,7 @@ def provenance(
     law = problem.law.name if problem.law else None
     return origin(
         problem, fixed,
-        citation=cited(law, disk=is_disk(problem), eigenvalues=route.startswith(GRAPH),
+        citation=cited(law, model=of_package(problem), eigenvalues=route.startswith(GRAPH),
                        proofs=True),
         axes=" ".join(g.text for g in axes or ()),
         structural_zeros=how.zeros,

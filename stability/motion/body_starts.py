@@ -15,7 +15,7 @@ from ..base.checks import broadcast
 from ..base.errors import DomainError, NameUnknownError, ParameterError, if_degrees, shown
 from ..base.types import Floats
 from ..bodies.contact import Contact, Scales
-from ..bodies.contact_laws import MOTION_LAWS, Creep, spelled
+from ..bodies.contact_laws import MOTION_LAWS, Creep, law_missing, spelled
 from ..bodies.model import TAKEN, Model
 from ..bodies.resistance import UNITS, Resistance, resistances
 from ..bodies.round_body.body import Body
@@ -99,6 +99,8 @@ def accepted(body: Body, contact: Any) -> type[Contact]:
     allowed = {
         n: one for n, one in MOTION_LAWS.items() if not (one.sticks or issubclass(one, Creep))
     }
+    if contact is None:
+        raise law_missing(allowed)
     if not isinstance(contact, Contact) or not contact.name:
         raise NameUnknownError(f"contact is {shown(contact)}; give one of {spelled(allowed)}.")
     if contact.sticks or isinstance(contact, Creep):

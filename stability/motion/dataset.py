@@ -350,7 +350,7 @@ def _provenance(launches: Starts, settings: Settings, results: list[Result]) -> 
         "max_steps": settings.max_steps,
         "citation": cited(
             launches.law.name if launches.law else None,
-            disk=launches.law is not None and "body" not in body,
+            model=launches.law is not None,
             methods=used,
         ),
         "software": f"stability {__version__}",

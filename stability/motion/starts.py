@@ -17,7 +17,7 @@ from ..base.checks import checked
 from ..base.errors import DomainError, NameUnknownError, ParameterError, if_degrees, shown
 from ..base.types import Floats
 from ..bodies.contact import Contact, Scales
-from ..bodies.contact_laws import MOTION_LAWS, Rough, spelled
+from ..bodies.contact_laws import MOTION_LAWS, Rough, law_missing, spelled
 from ..bodies.disk import Disk
 from ..bodies.model import Model
 from ..bodies.thin_disk.disk_equations import STATES, disk_system
@@ -111,6 +111,8 @@ def gather(
     """
     if not isinstance(disk, Disk):
         raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk.")
+    if contact is None:
+        raise law_missing(MOTION_LAWS)
     if not isinstance(contact, Contact) or not contact.name:
         raise NameUnknownError(f"contact is {shown(contact)}; give one of {spelled(MOTION_LAWS)}.")
     with np.errstate(all="ignore"):  # an overflow is refused by _check

@@ -12,6 +12,7 @@ import numpy as np
 from ..base.citation.used import cited, joined
 from ..base.types import Floats
 from ..bodies.disk import Disk
+from ..bodies.round_body.body import Body
 from .answer import Answer
 from .rungs.track import relative
 from .uncertain import apart as distance
@@ -160,7 +161,8 @@ def works_of(thing: Any, laws: Mapping[str, Any], answer: Answer) -> str:
         return joined(part.citation for part in answer.parts.values())
     law = getattr(next(iter(laws.values()), None), "name", None)
     return cited(
-        "creep-1" if answer.model.startswith("creep") else law, disk=isinstance(thing, Disk),
+        "creep-1" if answer.model.startswith("creep") else law,
+        model=isinstance(thing, (Disk, Body)),
         methods=answer.motion[1].methods if answer.motion else (),
         eigenvalues=answer.model == "double precision",
         proofs=answer.model in ("certified", "exact roots"),

@@ -13,7 +13,7 @@ from ..base.axis import MOST_POINTS, Axis
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.types import Floats
 from ..bodies.contact import Contact
-from ..bodies.contact_laws import LAWS, Viscous
+from ..bodies.contact_laws import LAWS, Viscous, law_missing
 from ..bodies.disk import Disk
 from ..bodies.law_names import class_named, law_given, law_only, refuse_misspelt
 from ..bodies.thin_disk.disk_families import FAMILIES
@@ -236,10 +236,7 @@ def _law(contact: Any, axes: Sequence[Axis], parameters: dict[str, Any]) -> Cont
     found = law_given(contact, parameters, swept=[g.name for g in axes])
     if found is None:
         refuse_misspelt(Viscous, parameters)
-        raise ParameterError(
-            "contact is missing; give Smooth(), Viscous(mu), LinearViscous(c) or Rough(), or make "
-            "mu an axis."
-        )
+        raise law_missing(LAWS, ", or make mu an axis")
     if not isinstance(found, Contact):
         raise NameUnknownError(f"contact is {shown(found)}; known are {', '.join(LAWS)}.")
     return found
@@ -332,7 +329,5 @@ def problem_of(
         return system_problem(family, at, _opened(family, parameters))
     law: Any = law_only(contact, parameters)
     if law is None:
-        raise ParameterError(
-            "contact is missing; give Smooth(), Viscous(mu), LinearViscous(c) or Rough()."
-        )
+        raise law_missing(LAWS)
     return disk_problem(family, Disk() if disk is None else disk, law, at, lean)

@@ -23,7 +23,7 @@ from .eigenvalues import REASONS, Eigenpairs, in_words
 from .modes import Modes, lift, mode_labels, track
 from .presentation.dataset import dataset
 from .presentation.drawing import figure_of
-from .presentation.labels import is_disk
+from .presentation.labels import of_package
 from .presentation.text import line, page
 
 if TYPE_CHECKING:
@@ -157,7 +157,7 @@ class Spectrum(Record):
     def citation(self) -> str:
         """Keys of the works to cite, for `stability.citation`."""
         proved = self.proof is not None and bool((self.proof.bits != NOT_ASKED).any())
-        return cited(self.law.name if self.law else None, disk=is_disk(self),
+        return cited(self.law.name if self.law else None, model=of_package(self),
                      eigenvalues=self.solver is lapack, proofs=proved)  # fmt: skip
 
     def to_xarray(self) -> xarray.Dataset:

@@ -26,6 +26,7 @@ from .following.singular_points import (
     locate_fold,
 )
 from .following.turning_points import Fold, SingularPoint
+from .system import A_FAMILY
 from .system_checks import numbers_of
 
 MOST_POINTS = 100_000
@@ -188,8 +189,7 @@ def branch(
     >>> run.complete, float(run.state[0, 2].round(6))
     (True, 2.00251)
     """
-    known = "give a stability.Family: system.steady(at, guess={…}), disk_family(…), body.family(…)"
-    instance("family", family, Family, known)
+    instance("family", family, Family, A_FAMILY)
     points = whole_number("points", points, 2, MOST_POINTS, "follow a longer branch in pieces")
     lo, hi = one_number("start", start), one_number("stop", stop)
     rest, q = numbers_of(family, fixed, parameters, named)
@@ -390,5 +390,5 @@ def _result(
     folds: tuple[Fold, ...], crossings: Sequence[tuple[Located, Floats]],
 ) -> Branch:  # fmt: skip
     crossed = tuple(_branch_point(family, curve, p, t) for p, t in crossings)
-    works = cited(system=family.system.name)
+    works = cited(system=family.system.name, model=bool(family.system.quantities))
     return Branch(z[:, -1], _states(family, curve, z), complete, ended, folds, crossed, works)

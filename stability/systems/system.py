@@ -285,6 +285,10 @@ class System(Equations):
         )  # fmt: skip
 
 
+A_FAMILY = "give a stability.Family: system.steady(at, guess={…}), disk_family(…), body.family(…)"
+"""What a call accepts that needs a family, in its refusal."""
+
+
 def refuse_system(family: Any) -> None:
     """Refuse equations of motion where one of their families of steady motions is needed.
 

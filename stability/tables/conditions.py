@@ -236,7 +236,7 @@ TABLE = Definition(
         "every change of verdict in a bracket with proved ends, for the package's laws",
         Standing.RECOMPUTED,
     ),
-    cites=cited(disk=True, proofs=True),
+    cites=cited(model=True, proofs=True),
     home=f"{__name__}:TABLE",
 )  # fmt: skip
 """The table for the registry."""

@@ -155,7 +155,7 @@ TABLE = Definition(
         "conditions, structural zeros and limits, from polynomials of the equations",
         Standing.RECOMPUTED,
     ),
-    cites=cited(disk=True, proofs=True, theory=["sympy"]),
+    cites=cited(model=True, proofs=True, theory=["sympy"]),
     home=f"{__name__}:TABLE",
 )  # fmt: skip
 """The table for the registry."""

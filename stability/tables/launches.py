@@ -277,7 +277,7 @@ TABLE = Definition(
         "outcomes of simulated motions with stated errors",
         Standing.RECOMPUTED,
     ),
-    cites=cited(disk=True, eigenvalues=True),
+    cites=cited(model=True, eigenvalues=True),
     home=f"{__name__}:TABLE",
 )  # fmt: skip
 """The table for the registry."""

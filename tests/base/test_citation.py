@@ -74,9 +74,24 @@ def test_statistics_cite_what_computed_the_labels() -> None:
     assert keys(found) == [*runs, "grebogi1983", "wilson1927"]
 
 
-def test_a_limit_of_slip_cites_the_model_of_the_disk_alone() -> None:
+def test_a_limit_of_slip_cites_the_model() -> None:
     assert keys(st.painleve_limit(st.Disk())) == [*MODEL, "arb"]
-    assert keys(st.painleve_limit(st.Torus(0.2))) == ["stability", "casadi", "arb"]
+    assert keys(st.painleve_limit(st.Torus(0.2))) == [*MODEL, "arb"]
+
+
+def test_a_body_cites_the_work_whose_frames_and_friction_its_equations_have() -> None:
+    """`bodies/newton_euler.py` names that work; the body is not a system of the user."""
+    torus, law = st.Torus(0.2), st.Viscous(0.3)
+    family = torus.family("spinning", "viscous")
+    assert keys(st.spectrum("rolling", at=1.8, body=torus, contact=law)) == [*MODEL, "lapack"]
+    assert keys(st.spectrum(family, at=1.8, tube=0.2, mu=0.3)) == [*MODEL, "lapack"]
+    assert keys(st.conditions(torus.family("spinning", "rough"))) == [*MODEL, "arb"]
+    assert keys(st.branch(family, 1.5, 2, tube=0.2, mu=0.3, points=3)) == MODEL
+    edges = st.boundaries("spinning", axis=("at", 0.1, 5, 9), body=torus, contact=law)
+    assert keys(edges) == [*MODEL, "arb"]
+    plane: dict[str, Any] = {"x": ("at", 1, 3, 4), "y": ("mu", 0.1, 1, 3)}
+    assert keys(st.stability_map("spinning", body=torus, **plane))[:3] == MODEL
+    assert "bodies of revolution" in st.citation().text
 
 
 def test_a_motion_of_a_users_system_cites_no_disk() -> None:
@@ -84,14 +99,14 @@ def test_a_motion_of_a_users_system_cites_no_disk() -> None:
     assert keys(run) == ["stability", "casadi", "scipy", "hairer1993"]
 
 
-def test_a_body_cites_no_disk_with_resistance_or_without() -> None:
+def test_a_motion_of_a_body_cites_the_model_with_resistance_or_without() -> None:
     start = {"theta": 1.3, "omega3": 2.0}
     bare = {"method": "dop853", "check": False}
     body = st.simulate(st.Torus(0.2), st.Viscous(0.3), start, 0.5, **bare)
-    assert keys(body) == ["stability", "casadi", "scipy", "hairer1993"]
+    assert keys(body) == [*MODEL, "scipy", "hairer1993"]
     resisted = st.simulate(st.Torus(0.2), st.Viscous(0.3), start, 0.5, **bare,
                            resistance=st.RollingResistance(0.01))  # fmt: skip
-    assert keys(resisted) == ["stability", "casadi", "scipy", "hairer1993"]
+    assert keys(resisted) == [*MODEL, "scipy", "hairer1993"]
 
 
 def test_dry_friction_cites_the_paper_on_it() -> None:

@@ -22,8 +22,7 @@ horizon = 1.0
 """
 COMMANDS = {
     "spectrum rolling --at 1.8 --mu 0.97": [*DISK, "lapack"],
-    "spectrum rolling --at 1.8 --mu 0.97 --body torus --tube 0.3":
-        ["stability", "casadi", "lapack"],
+    "spectrum rolling --at 1.8 --mu 0.97 --body torus --tube 0.3": [*DISK, "lapack"],
     "boundaries spinning --axis at:0.1:5:9 --mu 0.97": [*DISK, "arb"],
     "map spinning --x at:1:3:5 --y mu:0.1:1:4 --out {folder}/a.nc": [*DISK, "arb"],
     "map spinning --x at:1:3:5 --y mu:0.1:1:4 --verdict-only --out {folder}/a.zarr":

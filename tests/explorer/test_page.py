@@ -447,6 +447,11 @@ def test_the_page_of_ones_own_family(browser: Any, tmp_path: Path) -> None:
         assert page.locator(".trace").count() >= 3
         page.get_by_label("State that is disturbed").select_option("1")
         rest(seen)
+        page.locator(".mode").first.click()  # its components by the names of the states
+        rest(seen)
+        said = page.locator(".outcome").inner_text()
+        names = re.findall(r"(\w+) [\d.]+", said.partition("Mode 1: ")[2])
+        assert names and set(names) <= set(towed_wheel().system.states)
         page.get_by_role("button", name="Python").click()
         assert "st.spectrum(family, at=" in page.locator("pre").inner_text()
         quiet(seen)

@@ -169,8 +169,8 @@ def test_what_has_no_formula_is_refused() -> None:
     numeric = st.System.from_function(lambda x, p: [-x[0]], name="fall", states=("x",))  # noqa: ARG005
     with pytest.raises(st.StabilityError, match="Python function"):
         st.latex(numeric)
-    with pytest.raises(st.StabilityError, match="give a System, a Family, or Conditions"):
-        st.latex("rolling")  # type: ignore[arg-type]
+    with pytest.raises(st.StabilityError, match="give a System, a Family or its name, or Cond"):
+        st.latex(3)  # type: ignore[arg-type]
 
 
 def test_the_command_writes_a_document(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -43,7 +43,7 @@ CASES: list[tuple[str, Callable[[], Any], str]] = [
     ("drift far out", lambda: fall(at=1e300), "double precision"),
     ("drift of huge friction", lambda: fall(contact=V(1.7e308)), "double precision"),
     ("drift of a thing", lambda: fall(disk=[]), "give a stability.Disk"),
-    ("hopf without a law", lambda: st.hopf("spinning", contact=None), "law with friction"),  # type: ignore[arg-type]
+    ("hopf without a law", lambda: st.hopf("spinning", contact=None), "contact is missing"),  # type: ignore[arg-type]
     ("hopf of a list", lambda: st.hopf([], contact=V(1)), "family is []"),  # type: ignore[arg-type]
     ("hopf of many", lambda: st.hopf("spinning", contact=V([1, 2])), "mu is an array"),
     ("hopf by text", lambda: st.hopf("spinning", contact=V(1), points="x"), "points is 'x'"),  # type: ignore[arg-type]

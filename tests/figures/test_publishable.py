@@ -127,7 +127,7 @@ def test_a_certified_map_shows_its_boxes_and_its_strip() -> None:
     assert {"proved box", "strip that encloses it", "flutter boundary"} <= set(words)
     lines = [ln for ln in figure.axes[0].lines if len(ln.get_xdata()) > 2]  # type: ignore[arg-type]
     strip = [c for c in figure.axes[0].collections if c.get_zorder() == 2.2]
-    # the strip is wider than the line upon it
+    # the strip is wider than the line on it
     assert max(ln.get_linewidth() for ln in lines) < strip[0].get_linewidth()[0]  # type: ignore[index]
 
 

@@ -1,4 +1,4 @@
-"""Stores filled by workers that may be killed: the same bytes, and nothing done twice in vain."""
+"""Stores filled by workers that may be killed: the same bytes, and nothing done twice."""
 
 import os
 import random

@@ -117,7 +117,7 @@ Moment = Callable[[Pose], tuple[Array, Array]]
 
 @dataclass(frozen=True)
 class Law:
-    """A contact law, and moments that act besides the contact force."""
+    """A contact law, and moments that act in addition to the contact force."""
 
     name: str
     coefficient: Any = 0

@@ -18,7 +18,8 @@ from stability.base.version import __version__
 from stability.tables.benchmarks.catalogue import CASES
 
 ROOT = Path(__file__).resolve().parents[2]
-PROJECT: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+WHOLE: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text())
+PROJECT: dict[str, Any] = WHOLE["project"]
 PACKAGE = ROOT / "stability"
 OTHER_NAMES = {"matplotlib-base": "matplotlib", "heyoka.py": "heyoka"}
 """Names of a recipe that a wheel has otherwise."""
@@ -74,6 +75,17 @@ def test_the_recipe_asks_for_what_the_project_asks_for() -> None:
     assert found["package"]["version"] == PROJECT["version"] == __version__
     assert f'set version = "{__version__}"' in (ROOT / "conda-recipe" / "meta.yaml").read_text()
     assert found["about"]["license"] == PROJECT["license"]
+    assert found["about"]["summary"] == PROJECT["description"]
+    host = {line.split()[0]: line.partition(">=")[2] for line in found["requirements"]["host"]}
+    builds = bounds(WHOLE["build-system"]["requires"])
+    assert host == {"python": asked["python"], "pip": "", **builds}
+
+
+def test_the_recipe_says_what_to_replace_before_it_is_submitted() -> None:
+    text = (ROOT / "conda-recipe" / "meta.yaml").read_text()
+    assert recipe()["source"] == {"path": ".."}
+    [note] = re.findall(r"^source:\n  # (.*)\n  path: \.\.$", text, re.MULTILINE)
+    assert "url of the sdist" in note and "sha256" in note
 
 
 def test_every_tool_of_a_release_is_pinned() -> None:
@@ -133,6 +145,22 @@ def test_every_count_of_the_paper_is_one_that_its_script_prints() -> None:
 
 # --- wheel and sdist ---
 
+SHIPPED = {".py", ".json", ".html", ".typed", ".js", ".css", ".LICENSE"}
+"""Endings of the files that a user needs: code, data, and the parts of pages."""
+
+
+def tracked() -> set[str]:
+    """Files of the package that are kept in the repository."""
+    return set(command("git", "ls-files", "stability", cwd=ROOT).split())
+
+
+def test_every_kind_of_file_of_the_package_is_shipped() -> None:
+    """A file with a new ending must be named here, and by `package-data` of pyproject.toml."""
+    assert {Path(name).suffix for name in tracked()} == SHIPPED
+    data = WHOLE["tool"]["setuptools"]["package-data"]
+    endings = {Path(pattern).suffix or f".{pattern.split('.')[1]}" for pattern in data["stability"]}
+    assert endings == SHIPPED - {".py"}
+
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -151,8 +179,9 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.long
 def test_wheel_and_sdist_have_every_module_and_all_data(built: Path) -> None:
-    ours = {p.relative_to(ROOT).as_posix() for p in PACKAGE.rglob("*")
-            if p.suffix in (".py", ".json", ".html", ".typed") or p.name == "py.typed"}  # fmt: skip
+    ours = {p.relative_to(ROOT).as_posix() for p in PACKAGE.rglob("*") if p.suffix in SHIPPED}
+    assert SHIPPED == {Path(name).suffix for name in ours}
+    assert "stability/py.typed" in ours
     [wheel], [sdist] = built.glob("*.whl"), built.glob("*.tar.gz")
     with zipfile.ZipFile(wheel) as inside:
         assert ours <= set(inside.namelist())
@@ -186,6 +215,12 @@ def test_an_environment_of_its_own_runs_what_was_built(
     where = command(place / "bin" / "python", "-c", "import stability; print(stability.__file__)",
                     cwd=tmp_path)  # fmt: skip
     assert Path(where.strip()).is_relative_to(place)
+    pages = ["explore", "spinning", "--mu", "0.3", "--out"]
+    command(stability, *pages, "page.html", cwd=tmp_path)
+    command(sys.executable, "-m", "stability", *pages, "ours.html", cwd=tmp_path,
+            PYTHONPATH=str(ROOT))  # fmt: skip
+    page = (tmp_path / "page.html").read_bytes()
+    assert page.startswith(b"<!") and page == (tmp_path / "ours.html").read_bytes()
     film = tmp_path / "run.html"
     launch = ["--theta", "1.4", "--omega3", "1.5", "--mu", "0.3", "--time", "1"]
     command(stability, "simulate", *launch, "--film", film, cwd=tmp_path)

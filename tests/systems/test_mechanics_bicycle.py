@@ -123,7 +123,7 @@ def benchmark(speed: float) -> Any:
 
 @pytest.mark.parametrize(("speed", "word"), [(3.0, "unstable"), (5.0, "stable"), (8.0, "unstable")])
 def test_running_straight_has_the_spectrum_of_the_linear_benchmark(speed: float, word: str) -> None:
-    """Three zeros besides: the speed, and the heights of the two contacts."""
+    """Three more zeros: the speed, and the heights of the two contacts."""
     found = st.spectrum(running(), at=speed / 0.3, **bicycle().VALUES)
     assert found.structural_zeros == 3
     assert abs(found.eigenvalues - benchmark(speed)).max() < 1e-10

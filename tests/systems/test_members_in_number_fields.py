@@ -39,7 +39,7 @@ def triangle() -> st.Family:
 
 
 def test_the_triangle_of_three_bodies_is_neutral_up_to_rouths_mass_ratio() -> None:
-    """Routh (1875): (λ² + 1) and λ⁴ + λ² + 27/4 (m₁m₂ + m₂m₃ + m₃m₁), with two zeros besides."""
+    """Routh (1875): (λ² + 1) and λ⁴ + λ² + 27/4 (m₁m₂ + m₂m₃ + m₃m₁), and two more zeros."""
     m3 = mp.mpf(0.01)
     edge = float(mp.findroot(lambda m: (1 - m - m3) * (m + m3) + m * m3 - mp.mpf(1) / 27, 0.03))
     family = triangle()

@@ -580,7 +580,7 @@ def _said(error: BaseException) -> str:
 
 
 def _given_nan(call: Call) -> bool:
-    """Whether NaN went into a container of results, which only hands on what it was given."""
+    """Whether NaN went into a container of results, which only passes on what it was given."""
     return isinstance(call[0], type) and call[0].__name__ not in ("Disk",)
 
 

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from ...base.citation.used import cited
 from ...base.errors import ParameterError, shown
 from ...base.types import content
 from ...base.user_code import arithmetic
@@ -46,6 +47,11 @@ class Exact:
     """Factors over Q; each by powers of σ, lowest first.  λ = σ mu*, or λ = σ without mu."""
     conditions: tuple[tuple[str, Polynomial], ...]
     """(kind, polynomial): all positive means stable (or neutral), some negative means unstable."""
+
+    @property
+    def citation(self) -> str:
+        """Keys of the works to cite, for `stability.citation`."""
+        return cited(self.law, model=True, proofs=True)
 
     @arithmetic("give numbers of one type")
     def coefficients(self, values: Sequence[Any]) -> list[list[Any]]:

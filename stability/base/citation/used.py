@@ -33,7 +33,7 @@ LAWS = {
 def cited(
     law: str | None = None,
     *,
-    disk: bool = False,
+    model: bool = False,
     methods: Iterable[str] = (),
     eigenvalues: bool = False,
     proofs: bool = False,
@@ -46,8 +46,9 @@ def cited(
     ----------
     law
         Name of the contact law; None for a user's system.
-    disk
-        Whether the body is the thin disk, whose model is from a paper.
+    model
+        Whether the body is the thin disk, or a body of revolution: frames, signs and viscous
+        friction of both are from a paper.
     methods
         Names of the integrators that ran.
     eigenvalues
@@ -57,7 +58,7 @@ def cited(
     theory
         Keys of works on what is computed, beyond those of the model.
     system
-        Name of the system, in place of `law` and `disk`: that of the disk's systems says both.
+        Name of the system, in place of `law` and `model`: that of the disk's systems says both.
 
     Returns
     -------
@@ -65,7 +66,7 @@ def cited(
 
     Examples
     --------
-    >>> cited("viscous", disk=True, methods=["heyoka"])
+    >>> cited("viscous", model=True, methods=["heyoka"])
     'stability, przybylska2016, casadi, heyoka'
     >>> cited(methods=["radau", "dop853"])
     'stability, casadi, scipy, hairer1996, hairer1993'
@@ -73,9 +74,9 @@ def cited(
     ('stability, przybylska2016, lesaux2005, casadi', 'stability, casadi')
     """
     if system.startswith(DISK):
-        law, disk = system.removeprefix(DISK), True
+        law, model = system.removeprefix(DISK), True
     keys = ["stability"]
-    keys += ["przybylska2016"] * disk
+    keys += ["przybylska2016"] * model
     keys += LAWS.get(law or "", ())
     keys += theory
     keys += ["casadi"]

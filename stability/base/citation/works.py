@@ -79,7 +79,8 @@ _EVERY = (
     Work("stability", "software", "this package", "{The stability developers}",
          "stability: stability diagrams of nonholonomic and frictional systems, with proved "
          "boundaries", "", f"version {__version__}"),
-    Work("przybylska2016", "article", "the model of the disk",
+    Work("przybylska2016", "article", "the model of the disk, and the frames of bodies of "
+         "revolution",
          "Przybylska, Maria and Rauch-Wojciechowski, Stefan",
          "Dynamics of a Rolling and Sliding Disk in a Plane. Asymptotic Solutions, Stability and "
          "Numerical Simulations", "2016", "Regular and Chaotic Dynamics", "21(2)", "204--231",

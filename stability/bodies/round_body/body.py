@@ -124,7 +124,7 @@ class Body(RoundShape):
     # --- families ---
 
     def family(
-        self, name: str, contact: Any, *, theta: float | None = None, pole: Any = None
+        self, name: str, contact: Any = None, *, theta: float | None = None, pole: Any = None
     ) -> Family:
         """A family of the body's steady motions, for everything that takes a `Family`.
 

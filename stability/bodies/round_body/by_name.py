@@ -12,11 +12,12 @@ from ...base.checks import one_number
 from ...base.errors import NameUnknownError, NoMemberError, ParameterError, shown
 from ...systems.family import Family
 from ..contact import Contact
-from ..contact_laws import LAWS, law_class, spelled
+from ..contact_laws import LAWS, Viscous, law_class, law_missing, spelled
 from ..disk import Disk
 from ..law_names import law_given
 from ..resistance import Resistance, resistances
-from .families import FAMILIES, round_family, survives, unknown_family
+from ..thin_disk.disk_families import disk_family
+from .families import FAMILIES, body_family, round_family, survives, unknown_family
 from .inclinations import level
 from .shape import SCALES, RoundShape, refuse_constants, single_pole
 from .shapes.named import of_disk
@@ -102,10 +103,54 @@ def _check_axis(body: RoundShape, law: Contact, axis: Any) -> None:
         replace(body, **change)  # type: ignore[type-var]  # a body checks its numbers
 
 
+def family_by_name(
+    family: Any, body: Any, contact: Any, given: Collection[str], word: str = "family"
+) -> Any:
+    """A family of a call that keeps every number as a variable: by its name, or as it is.
+
+    Parameters
+    ----------
+    family
+        What the caller gave: a name, or anything else, which is returned as it is.
+    body
+        A `Body` or `Disk`; the disk when None.
+    contact
+        A law, its name or its class; None counts as viscous where `mu` is given, as in `spectrum`.
+    given
+        Names of the numbers that the caller gave.
+    word
+        Name of the argument of the family.
+
+    Raises
+    ------
+    StabilityError
+        If the law is missing, or body or law are given with a family that has its own.
+
+    Examples
+    --------
+    >>> family_by_name("spinning", None, "rough", ()).parameters
+    ('k',)
+    """
+    if not isinstance(family, str):
+        for name, one in (("contact", contact), ("body", body)):
+            if one is not None:
+                raise ParameterError(
+                    f"{name} belongs to a family by its name; leave it out where {word} is "
+                    f"{shown(family)}."
+                )
+        return family
+    contact = Viscous if contact is None and "mu" in given else contact
+    if body is None or isinstance(body, Disk):
+        return disk_family(family, contact)
+    if not isinstance(body, RoundShape):
+        raise ParameterError(f"body is {shown(body)}; give a stability.Body or a stability.Disk.")
+    return body_family(body, family, contact, None)
+
+
 def _law(contact: Any, given: dict[str, Any], swept: Collection[str]) -> Contact:
     found = law_given(contact, given, swept=swept)
     if found is None:
-        raise ParameterError(f"contact is missing; give {spelled(LAWS)}, or make mu an axis.")
+        raise law_missing(LAWS, ", or make mu an axis" if swept else "")
     if not isinstance(found, Contact) or not found.name:
         raise NameUnknownError(f"contact is {shown(found)}; give one of {spelled(LAWS)}.")
     law_class(type(found), motion=False)

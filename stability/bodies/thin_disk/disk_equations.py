@@ -37,14 +37,15 @@ CREEPS = (
 
 
 def disk_system(
-    law: str | type[Contact], *, slip_states: bool | None = None, direction: bool = False
-) -> System:
+    law: str | Contact | type[Contact] | None = None, *, slip_states: bool | None = None,
+    direction: bool = False,
+) -> System:  # fmt: skip
     """The disk under a contact law as a `System`; dimensionless, built once for each law.
 
     Parameters
     ----------
     law
-        A key of `stability.bodies.contact_laws.MOTION_LAWS`, or the class of a law.
+        A contact law, its name or its class; its numbers stay parameters of the system.
     slip_states
         Whether the two slip velocities are states; None for the choice of the law.  Only the
         smooth disk allows both (its slip follows the other four states).  Without them its
@@ -64,7 +65,7 @@ def disk_system(
     Raises
     ------
     ParameterError
-        If the law has no such form of its equations.
+        If the law is missing, or has no such form of its equations.
 
     Source: equations of Przybylska & Rauch-Wojciechowski 2016; tests/bodies/test_equations.py.
 
@@ -75,7 +76,7 @@ def disk_system(
     >>> float(system.observe(upright, [0.25, 0.3])["normal_force"])
     1.0
     """
-    contact = law_class(law)
+    contact = law_class(type(law) if isinstance(law, Contact) else law)
     if slip_states is not None:
         slip_states = flag("slip_states", slip_states)
         if slip_states != contact.slips and contact is not Smooth:

@@ -172,7 +172,7 @@ def leaning() -> str:
     return listed([f.name for f in FAMILIES.values() if f.by_angle])
 
 
-def disk_family(name: str, law: str | type[Contact]) -> Family:
+def disk_family(name: str, law: str | Contact | type[Contact] | None = None) -> Family:
     """One of the disk's families under a contact law; dimensionless, built once.
 
     In each family the rate of theta_dot must vanish.  This equation is solved for phi_dot (rolling,
@@ -184,7 +184,7 @@ def disk_family(name: str, law: str | type[Contact]) -> Family:
     name
         A key of `FAMILIES`.
     law
-        A key of `stability.bodies.contact_laws.LAWS`, or the class of a law.
+        A contact law, its name or its class; its numbers stay parameters of the family.
 
     Returns
     -------
@@ -193,8 +193,8 @@ def disk_family(name: str, law: str | type[Contact]) -> Family:
 
     Raises
     ------
-    NameUnknownError
-        If there is no such family under this law.
+    NameUnknownError, ParameterError
+        If there is no such family under this law, or the law is missing.
 
     Source: Przybylska & Rauch-Wojciechowski 2016, Section 2; `stability.derivation.completeness`
     proves that the viscous law has no further steady motions.
@@ -206,10 +206,12 @@ def disk_family(name: str, law: str | type[Contact]) -> Family:
     np.float64(2.0)
     """
     from ...base.checks import known
+    from ..contact import Contact
     from ..contact_laws import LAWS, law_class, stored
 
     record = FAMILIES[known("family", name, FAMILIES)]
-    if isinstance(law, str) or not isinstance(law, type):
+    law = type(law) if isinstance(law, Contact) else law
+    if law is not None and not isinstance(law, type):
         known("contact", law, LAWS)
     contact = law_class(law, motion=False)
     word = contact.name

@@ -19,8 +19,10 @@ import numpy as np
 from ...algebra.exact.known_polynomial import Exact, TabulatedPolynomial
 from ...algebra.number_types import Algebra
 from ...algebra.polynomial import Polynomial
+from ...base.checks import known
 from ...base.errors import NameUnknownError, NoMemberError, StabilityError, shown
 from ..contact import Contact
+from ..contact_laws import LAWS, law_missing, stored
 from .disk_families import FAMILIES
 
 DATA = "disk_polynomials.json"
@@ -103,7 +105,7 @@ class DiskPolynomial(TabulatedPolynomial):
         return "s" in self.known.variables and "lean" in values and bool(values["lean"] == 0)
 
 
-def exact_polynomial(family: str, law: str | Contact) -> Exact:
+def exact_polynomial(family: str, law: str | Contact | type[Contact] | None = None) -> Exact:
     """The characteristic polynomial and the conditions of a family under a law.
 
     Parameters
@@ -111,7 +113,7 @@ def exact_polynomial(family: str, law: str | Contact) -> Exact:
     family
         A key of `stability.bodies.thin_disk.disk_families.FAMILIES`.
     law
-        A contact law or its name.
+        A contact law, its name or its class; its numbers do not matter.
 
     Returns
     -------
@@ -120,8 +122,8 @@ def exact_polynomial(family: str, law: str | Contact) -> Exact:
 
     Raises
     ------
-    NameUnknownError
-        If no polynomial is stored for this family and law.
+    NameUnknownError, ParameterError
+        If no polynomial is stored for this family and law, or the law is missing.
 
     Source: derived from the graph; tests/derivation/test_exact.py derives it again.
 
@@ -131,10 +133,12 @@ def exact_polynomial(family: str, law: str | Contact) -> Exact:
     >>> found.zeros, [str(p) for _, p in found.conditions]
     (2, ['2*k*z - 1'])
     """
-    name = law.name if isinstance(law, Contact) else law
-    if not isinstance(family, str) or not isinstance(name, str):
-        bad = name if isinstance(family, str) else family
-        raise NameUnknownError(f"{shown(bad)} is no name; give a family and a law by their names.")
+    family = known("family", family, FAMILIES)
+    if law is None:
+        raise law_missing(LAWS)
+    one = type(law) if isinstance(law, Contact) else law
+    name = one.name if isinstance(one, type) and issubclass(one, Contact) and stored(one) else one
+    name = known("contact", name, LAWS)
     found = known_polynomial(family, name)
     if found is None:
         cases = ", ".join(key.replace(" ", " under ") for key in _catalogue())

@@ -66,7 +66,11 @@ def births(
     fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
     flutter = [b for b in found if b.crossing is Crossing.FLUTTER]
     line = Line(family, grid.name, fixed)
-    works = cited(proofs=True, theory=["fiedler2000" if on_line else "kuznetsov2004"])
+    works = cited(
+        model=bool(family.system.quantities),
+        proofs=True,
+        theory=["fiedler2000" if on_line else "kuznetsov2004"],
+    )
     if on_line:
         return [replace(_on_line(line, b), citation=works) for b in flutter]
     return [replace(birth(line, b), citation=works) for b in flutter]

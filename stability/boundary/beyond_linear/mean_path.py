@@ -171,7 +171,7 @@ def retrograde_map(
             "start_speed": ("start", [b for _, b in pairs], {"units": "1"}),
         },
         attrs={"format": FORMAT, "contact": "rough", "end": FLAT, "stability": __version__,
-               "citation": cited("rough")},
+               "citation": cited("rough", model=True)},
     )  # fmt: skip
 
 

@@ -73,7 +73,8 @@ class SlowFlow(Record):
     @property
     def citation(self) -> str:
         """Keys of the works to cite, for `stability.citation`."""
-        return cited(system=self.family.system.name, theory=["fenichel1979"])
+        system = self.disturbed
+        return cited(system=system.name, model=bool(system.quantities), theory=["fenichel1979"])
 
     @cached_property
     def _slope(self) -> Program:

@@ -111,18 +111,18 @@ def run(options: argparse.Namespace) -> None:
         if not options.dry_run:
             if cost.launches or cost.border:
                 say(_in_words(cost))
-            from ...basin.basins import labelled
             from ...basin.basins import run as fill
+            from ...basin.dataset import lost
 
-            kept, _ = fill(plan, out, options.force, options.scheduler, options.workers, progress,
-                           options.levels, cost.border)  # fmt: skip
-            dataset = labelled(kept, plan)
+            kept = fill(plan, out, options.force, options.scheduler, options.workers, progress,
+                        options.levels, cost.border)  # fmt: skip
+            dataset, numbers = kept.dataset(), lost(kept)
             if picture is not None:
                 _draw(dataset, picture, options)
     if options.dry_run:
         print(json_text({"cost": _record(cost)}) if options.json else _in_words(cost))
         return
-    _report(options, dataset, cost, out, picture)
+    _report(options, dataset, cost, out, picture, numbers)
 
 
 def _planned(options: argparse.Namespace) -> tuple[Plan, Path, Path | None]:
@@ -232,8 +232,10 @@ def _bytes(size: int) -> str:
 
 
 def _report(
-    options: argparse.Namespace, dataset: Any, cost: Cost, out: Path, picture: Path | None
-) -> None:
+    options: argparse.Namespace, dataset: Any, cost: Cost, out: Path, picture: Path | None,
+    numbers: tuple[int, ...],
+) -> None:  # fmt: skip
+    from ...basin.dataset import told_of_lost
     from ...motion.result import BY_CODE
     from ...storage.targets import path_text
 
@@ -242,11 +244,36 @@ def _report(
     record = {
         "out": str(out), "plot": None if picture is None else str(picture),
         "launches": int(codes.size), "outcomes": counts, "cost": _record(cost),
-        "citation": dataset.attrs["citation"],
+        "lost": list(numbers), "citation": dataset.attrs["citation"], **_borders(dataset),
     }  # fmt: skip
     if options.json:
         print(json_text(record))
         return
     ends = ", ".join(f"{n} {word}" for word, n in counts.items() if n)
     wrote = " and ".join(path_text(p) for p in (out, picture) if p is not None)
-    print(f"{wrote}: {ends}")
+    parts = [f"{wrote}: {ends}", told_of_lost(numbers), _sensitivity(record)]
+    print("; ".join(part for part in parts if part))
+
+
+def _borders(dataset: Any) -> dict[str, Any]:
+    """What refined borders say of sensitivity, for the record."""
+    if "border_levels" not in dataset.attrs:
+        return {}
+    told = {n: v for n, v in dataset.attrs.items() if str(n).startswith("border_exponent")}
+    if "border_sensitive" in dataset:
+        marked = dataset.border_sensitive.values
+        told |= {"border_blocks": int(marked.size), "border_sensitive_blocks": int(marked.sum())}
+    return told
+
+
+def _sensitivity(record: dict[str, Any]) -> str:
+    """The same in words."""
+    words = []
+    if "border_exponent" in record:
+        low, high = record["border_exponent_interval"]
+        exponent = record["border_exponent"]
+        words.append(f"uncertainty exponent {exponent:.2f} [{low:.2f}, {high:.2f}]")
+    if record.get("border_blocks"):
+        some, all_ = record["border_sensitive_blocks"], record["border_blocks"]
+        words.append(f"{some} of {all_} blocks along borders sensitive")
+    return ", ".join(words)

@@ -6,7 +6,7 @@ D = I1 + h′² - mu vx h h′ > 0 for every θ exactly where mu |vx| is below t
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
@@ -53,7 +53,7 @@ class PainleveLimit:
     """Proved upper end: at it D ≤ 0 at some inclination."""
     theta: float
     """Inclination near which D vanishes first [rad]."""
-    citation: str = cited("viscous", proofs=True)
+    citation: str = cited("viscous", model=True, proofs=True)
     """Keys of the works to cite, for `stability.citation`."""
 
     @property
@@ -96,7 +96,6 @@ def painleve_limit(body: Body | Disk) -> PainleveLimit:
     >>> print(f"mu |vx| < {egg.middle:.12f}, first reached at theta = {egg.theta:.3f}")
     mu |vx| < 1.307568805439, first reached at theta = 2.531
     """
-    thin = isinstance(body, Disk)
     if isinstance(body, Disk):
         body = of_disk(body)
     instance("body", body, Body, "give a stability.Body or a stability.Disk")
@@ -104,8 +103,7 @@ def painleve_limit(body: Body | Disk) -> PainleveLimit:
         raise ParameterError("Painlevé's limit needs one number for each quantity of the body.")
     with precision(128):
         low, high = (_exact(v) for v in body.between)
-        found = _enclosed(_program(body), low, high, body)
-    return replace(found, citation=cited("viscous", disk=thin, proofs=True))
+        return _enclosed(_program(body), low, high, body)
 
 
 def _exact(value: float) -> arb:

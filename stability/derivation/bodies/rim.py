@@ -172,11 +172,11 @@ class TumblingShift:
     a: Expr
     """A, a polynomial in k and c."""
     b: Expr
-    """B, likewise."""
+    """B, a polynomial in k and c."""
     c: Expr
-    """C, likewise."""
+    """C, a polynomial in k and c."""
     divisor: Expr
-    """E, likewise; positive for k ≤ 1/2."""
+    """E, a polynomial in k and c; positive for k ≤ 1/2."""
     moved: tuple[Expr, ...]
     """Coefficients of D in M, the highest power first: polynomials in k and s."""
 

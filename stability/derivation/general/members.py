@@ -65,8 +65,8 @@ class Members:
                 break
             self._signs(point, left, found)
         for row in waiting:
-            besides = (p for point in points[:4] for p in self._beside(row["rest"], point))
-            for point in besides:
+            others = (p for point in points[:4] for p in self._beside(row["rest"], point))
+            for point in others:
                 if len(found[id(row)]) == 2 or budget.spent > budget.seconds:
                     break
                 self._signs(point, [row], found)

@@ -106,8 +106,8 @@ def settling() -> Theorem:
     proof.conclude(
         "the motion converges to one steady motion",
         "LaSalle: its limit set is not empty, connected, invariant, with one energy and "
-        "vA = 0; so it consists of steady motions of one energy, finitely many, hence "
-        "of one",
+        "vA = 0. So it consists of steady motions of one energy. There are finitely many, and "
+        "so it is one of them",
     )
     return Theorem(
         "every bounded motion settles",

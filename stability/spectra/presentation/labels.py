@@ -70,9 +70,9 @@ def _units(asked: Any, fixed: Mapping[str, Any]) -> dict[str, Any]:
     return units
 
 
-def is_disk(asked: Any) -> bool:
-    """Whether the body is the thin disk: a user's system has no law, a body has its quantities."""
-    return asked.law is not None and not asked.family.system.quantities
+def of_package(asked: Any) -> bool:
+    """Whether the body is the disk, which has a law, or one of revolution, which has quantities."""
+    return asked.law is not None or bool(asked.family.system.quantities)
 
 
 def origin(asked: Any, fixed: Mapping[str, Any], *, citation: str, **more: Any) -> dict[str, Any]:

@@ -92,7 +92,7 @@ TABLE = Definition(
         "each statement from the general equations, by computer algebra",
         Standing.DERIVED,
     ),
-    cites=cited(proofs=True, theory=["sympy"]),
+    cites=cited(model=True, proofs=True, theory=["sympy"]),
     home=f"{__name__}:TABLE",
 )
 """The table for the registry."""

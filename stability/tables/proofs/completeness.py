@@ -57,7 +57,7 @@ TABLE = Definition(
         "a proof step by step, and a search from random starts",
         Standing.DERIVED,
     ),
-    cites=cited(disk=True, theory=["sympy"]),
+    cites=cited(model=True, theory=["sympy"]),
     home=f"{__name__}:TABLE",
 )  # fmt: skip
 """The table for the registry."""

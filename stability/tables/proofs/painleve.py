@@ -68,7 +68,7 @@ TABLE = Definition(
         "least value of (I1 + h′²)/(h |h′|), enclosed by bisection in balls",
         Standing.DERIVED,
     ),
-    cites=cited(proofs=True),
+    cites=cited(model=True, proofs=True),
     home=f"{__name__}:TABLE",
 )
 """The table for the registry."""

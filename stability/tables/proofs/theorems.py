@@ -177,7 +177,7 @@ TABLE = Definition(
         "each step of each proof, by computer algebra",
         Standing.DERIVED,
     ),
-    cites=cited(disk=True, theory=["sympy"]),
+    cites=cited(model=True, theory=["sympy"]),
     home=f"{__name__}:TABLE",
 )
 """The table for the registry."""

@@ -18,7 +18,7 @@ from ....bodies.disk import Disk
 from ....bodies.round_body.body import Body
 from ....bodies.round_body.by_name import of_body
 from ....spectra.arguments import axis_of, prepare
-from ....spectra.presentation.labels import is_disk
+from ....spectra.presentation.labels import of_package
 from ....spectra.problem import Problem
 from ....systems.family import Family
 from ....systems.structure.structural_zeros import structure
@@ -152,7 +152,7 @@ def in_plane(problem: Problem, axes: tuple[Axis, Axis]) -> CodimensionTwo:
     points = tuple(sorted(units, key=lambda p: (order.index(p.kind), p.x, p.y)))
     ends = tuple((g.name, g.low, g.high) for g in axes)
     law = problem.law.name if problem.law else None
-    works = cited(law, disk=is_disk(problem), proofs=True, theory=["kuznetsov2004"])
+    works = cited(law, model=of_package(problem), proofs=True, theory=["kuznetsov2004"])
     return CodimensionTwo(points, (ends[0], ends[1]), tuple(left), how, said, every, works)
 
 

@@ -32,7 +32,7 @@ class ComplexPolynomial:
     law: str
     """Name of the law."""
     zeros: int
-    """Multiplicity of λ = 0 besides."""
+    """Further multiplicity of λ = 0."""
     coefficients: tuple[tuple[Expr, Expr], ...]
     """Real and imaginary part of each coefficient, the highest power of λ first."""
 

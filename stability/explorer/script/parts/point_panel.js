@@ -3,7 +3,7 @@
 import {complexText, element, onceAFrame, symbol, text} from "../drawing/elements.js";
 
 const SENTENCES = {
-  stable: "Every disturbance of the linear motion decays, those along the family excepted.",
+  stable: "Every disturbance of the linear motion decays, except those along the family.",
   unstable: "Some disturbance grows exponentially.",
   neutral: "No disturbance grows, and none decays: nothing takes energy away.",
   absent: "The family has no member here: there is no such steady motion.",
@@ -59,7 +59,7 @@ export class PointPanel {
       });
       out.push(element("b", {class: "certified"}, "Certified by the package"), `: ${one.verdict} for every `,
         ...ends[0], " and ", ...ends[1], ".");
-    } else if (one) out.push("The file's certificate is made of rectangles, and leaves that around this point open.");
+    } else if (one) out.push("The file's certificate is made of rectangles. The one around this point is left open.");
     else out.push("The file carries no certificate for these numbers.");
     return out;
   }

@@ -5,7 +5,7 @@ const LEAST = 0.03; // share of the diagram that a region needs for its name
 
 const LETTER = 4.3, LINE = 10; // half of a letter's width, half of a word's height [px]
 
-const BESIDE = 13; // room that a word leaves around the point [px]
+const ROOM = 13; // room that a word leaves around the point [px]
 
 /** [word, u, v] with places in the unit square, for a diagram of this size in pixels. */
 export function regionNames(view, x, y, width, height) {
@@ -23,8 +23,8 @@ export function regionNames(view, x, y, width, height) {
   for (const [kind, word] of [[true, subject.good], [false, "unstable"]]) {
     if (cells.filter((c) => c === kind).length < LEAST * cells.length) continue;
     const half = LETTER * word.length, sides = [width / COLUMNS / half, height / ROWS / LINE];
-    const free = cells.map((c, n) => width * Math.abs((n % COLUMNS + 0.5) / COLUMNS - px) > half + BESIDE
-      || height * Math.abs((Math.floor(n / COLUMNS) + 0.5) / ROWS - py) > LINE + BESIDE);
+    const free = cells.map((c, n) => width * Math.abs((n % COLUMNS + 0.5) / COLUMNS - px) > half + ROOM
+      || height * Math.abs((Math.floor(n / COLUMNS) + 0.5) / ROWS - py) > LINE + ROOM);
     const best = deepest(cells, kind, free, sides);
     if (best) found.push([word, (best[0] + 0.5) / COLUMNS, (best[1] + 0.5) / ROWS]);
   }

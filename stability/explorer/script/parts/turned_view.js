@@ -29,7 +29,7 @@ export function surface({point, low, high}, p) {
 export class TurnedView {
   constructor() {
     this.canvas = element("canvas", {role: "application", tabindex: 0,
-      "aria-label": "The body on the plane; drag, or use the arrow keys, to look from elsewhere"});
+      "aria-label": "The body on the plane; drag, or use the arrow keys, to look from another side"});
     this.angle = {azimuth: 0.75, height: 0.36, away: 5.6};
     this.target = [0, 0];
     this.turned();
