@@ -181,3 +181,21 @@ def test_what_a_system_does_not_take_is_refused(change: dict[str, Any], words: s
                       parameters=())  # fmt: skip
     with pytest.raises(StabilityError, match=words):
         st.basins(swing, x=("q", 0, 1, 3), y=("v", 0, 1, 3), horizon=1.0, **change)
+
+
+def test_an_opened_store_has_its_starts_as_coordinates_and_names_versions(tmp_path: Path) -> None:
+    few = dict(SPIN, x=("phi_dot", 2.0, 3.9, 2), y=("tilt", 0.1, 0.55, 2), horizon=1.0)
+    held = {"k": 0.3}
+    inside = st.basins(**few, held=held, store=tmp_path / "a.zarr")
+    sample = st.basins(contact="viscous", mu=0.3, family="spinning", horizon=1.0, count=3,
+                       distribution={"phi_dot": st.Uniform(2, 3), "tilt": st.Uniform(0.1, 0.2)},
+                       store=tmp_path / "b.zarr")  # fmt: skip
+    for name, whole in (("a", inside), ("b", sample)):
+        opened = xarray.open_zarr(tmp_path / f"{name}.zarr")
+        assert set(opened.coords) == set(whole.coords) >= {"start_state"}
+        assert set(opened.data_vars) == set(whole.data_vars)
+        assert f"casadi {ca.__version__}, " in opened.attrs["versions"]
+        assert "python 3." in opened.attrs["versions"]
+    assert {"phi_dot", "tilt"} <= set(sample.coords) and "k" in inside.coords
+    memory = st.basins(**few, held=held)
+    assert set(memory.coords) == set(inside.coords)
