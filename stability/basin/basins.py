@@ -171,7 +171,8 @@ def basins(
         and parameters.  With `family` also `tilt` and the number that names its members.
     distribution, count, seed
         A random sample in place of axes: distributions by name (`Uniform`, `Normal`, `LogUniform`),
-        or a `Ball`; the number of launches; and the seed.  Launch i of a seed is always the same.
+        or a `Ball`; the number of launches; and the seed.  Launch i of a seed is always the same,
+        for names in the same order.
     held
         Other numbers by name.  States of a disk that are not named are 0; a system needs them all.
     family
@@ -289,34 +290,39 @@ def planned(
         if count is None:
             raise ParameterError("count is missing; give the number of launches of the sample.")
         if isinstance(distribution, Mapping):
-            distribution = Independent(distribution)
+            distribution = Independent({_named(n, family): d for n, d in distribution.items()})
         check_distribution(distribution)
         names, shape = tuple(distribution.names), (whole_number("count", count, most=MOST),)
     if math.prod(shape) > MOST:
         raise ParameterError(f"{math.prod(shape):.3g} launches are asked; give at most {MOST:.0e}.")
+    if isinstance(held, Mapping):
+        held = {_named(n, family): v for n, v in held.items()}
     launches = prepare(thing, contact, names, held, family, families, dict(parameters))
-    usual = min(max(TILE, math.prod(shape) // PIECES), LARGE)
-    size = usual if chunk is None else whole_number("chunk", chunk)
-    dims = names if axes else ("launch",)
+    size = min(max(TILE, math.prod(shape) // PIECES), LARGE)
+    size = size if chunk is None else whole_number("chunk", chunk)
     seed = whole_number("seed", seed, least=0)
-    layout = Layout(dims, shape, _tile(shape, size))
+    layout = Layout(names if axes else ("launch",), shape, _tile(shape, size))
     return Plan(launches, last, judging, layout, axes, distribution, seed)
 
 
 def _axes(x: Any, y: Any, more: Sequence[Any], family: str) -> tuple[Axis, ...]:
-    """The axes of a map, the slowest first; `at` is the number that names the family's members."""
+    """The axes of a map, the slowest first."""
     if x is None or y is None:
         raise ParameterError("x and y are missing; give two axes, or a distribution and count.")
     if not isinstance(more, (tuple, list)):
         raise ParameterError(f"more is {shown(more)}; give a list of further axes.")
     found = []
-    given = [*more, y, x]
-    for axis, which in zip(given, [*("more",) * len(more), "y", "x"], strict=True):
+    for axis, which in zip([*more, y, x], [*("more",) * len(more), "y", "x"], strict=True):
         one = Axis.of(axis, which)
-        if one.name == "at" and family in FAMILIES:
-            one = replace(one, name=FAMILIES[family].at[0])
-        found.append(one)
+        found.append(replace(one, name=_named(one.name, family)))
     return tuple(found)
+
+
+def _named(name: Any, family: Any) -> Any:
+    """A name; `at` is the number that names the members of a family of the disk."""
+    if name == "at" and isinstance(family, str) and family in FAMILIES:
+        return FAMILIES[family].at[0]
+    return name
 
 
 def _tile(shape: tuple[int, ...], size: int) -> tuple[int, ...]:

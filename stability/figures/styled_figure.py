@@ -306,7 +306,7 @@ def fixed(
     law
         Contact law.
     dimensionless
-        Whether mass, radius and gravity are 1 by choice of units.
+        Whether mass, radius (or a body's length) and gravity are 1 by choice of units.
 
     Examples
     --------
@@ -316,7 +316,7 @@ def fixed(
     parts = [f"{law} contact"] if law else []
     for name, value in values.items():
         quantity = known.get(name)
-        if dimensionless and name in ("mass", "radius", "gravity"):
+        if dimensionless and name in ("mass", "radius", "length", "gravity"):
             continue
         symbol = (quantity.typeset if quantity else "") or plain_text(name)
         unit = units.get(name, "1")

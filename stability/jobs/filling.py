@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Iterator
 from concurrent.futures import Executor
-from contextlib import AbstractContextManager, closing, nullcontext
+from contextlib import closing, contextmanager, nullcontext
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
@@ -127,7 +127,7 @@ def fill(
     count = Counted(progress, layout.total)
     number = workers or os.cpu_count() or 1
     start = own(number) if executor is None else nullcontext(executor)
-    with _kept(store.folder, count), start as pool:
+    with _kept(store, count), start as pool:
         count.add(stored)
         filling = _Filling(store, work, blank, pool, number, tries, count)
         filling.every(missing)
@@ -139,8 +139,19 @@ def fill(
     )  # fmt: skip
 
 
-def _kept(folder: Path | None, count: Counted) -> AbstractContextManager[None]:
-    return nullcontext() if folder is None else resumable(folder, count)
+@contextmanager
+def _kept(store: Store, count: Counted) -> Iterator[None]:
+    """Say on Ctrl-C how many cells are kept, those of workers that have ended meanwhile too."""
+    if store.folder is None:
+        yield
+        return
+    with resumable(store.folder, count):
+        try:
+            yield
+        except KeyboardInterrupt:
+            left = sum(map(store.layout.count, store.missing()))
+            count.done = max(count.done, store.layout.total - left)
+            raise
 
 
 @dataclass(frozen=True)

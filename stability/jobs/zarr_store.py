@@ -243,19 +243,7 @@ class ZarrStore:
         return found
 
     def _head(self) -> dict[str, Any] | None:
-        """Attributes of a store that is there; None where there is no folder, or an empty one."""
-        path = self.folder / HEAD
-        with refusing(self.folder, "used"):
-            if not self.folder.is_dir() or not any(self.folder.iterdir()):
-                return None
-            text = path.read_bytes() if path.is_file() else b""
-        with suppress(ValueError, KeyError, TypeError):
-            attributes = json.loads(text)["attributes"]
-            if isinstance(attributes[PRINT], str):
-                return dict(attributes)
-        raise FileError(
-            f"{path_text(self.folder)} is no store of ours, or is damaged; choose another name."
-        )
+        return _head_of(self.folder)
 
     def _create(self, files: Mapping[str, bytes], asked: Mapping[str, Any]) -> None:
         """Write a folder under a temporary name, and rename it."""
@@ -283,6 +271,46 @@ class ZarrStore:
         with refusing(self.folder):
             self.folder.rename(old)
             shutil.rmtree(old)
+
+
+def check_store(path: str | PathLike[str]) -> Path:
+    """Check that a folder can hold a store, by one that is made and removed beside it.
+
+    Parameters
+    ----------
+    path
+        The folder.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    FileError
+        If it holds other files, or nothing can be written there.
+    """
+    target = check_folder(path)
+    if _head_of(target) is None:
+        draft = target.parent / temporary(target.suffix)
+        with refusing(target):
+            draft.mkdir()
+            draft.rmdir()
+    return target
+
+
+def _head_of(folder: Path) -> dict[str, Any] | None:
+    """Attributes of a store that is there; None where there is no folder, or an empty one."""
+    path = folder / HEAD
+    with refusing(folder, "used"):
+        if not folder.is_dir() or not any(folder.iterdir()):
+            return None
+        text = path.read_bytes() if path.is_file() else b""
+    with suppress(ValueError, KeyError, TypeError):
+        attributes = json.loads(text)["attributes"]
+        if isinstance(attributes[PRINT], str):
+            return dict(attributes)
+    raise FileError(f"{path_text(folder)} is no store of ours, or is damaged; choose another name.")
 
 
 # --- metadata ---

@@ -199,3 +199,19 @@ def test_an_opened_store_has_its_starts_as_coordinates_and_names_versions(tmp_pa
     assert {"phi_dot", "tilt"} <= set(sample.coords) and "k" in inside.coords
     memory = st.basins(**few, held=held)
     assert set(memory.coords) == set(inside.coords)
+
+
+def test_at_names_the_member_in_samples_and_held_numbers_too() -> None:
+    common: dict[str, Any] = {"contact": "viscous", "mu": 0.3, "family": "spinning", "count": 2}
+    one, other = (
+        st.basins(**common, horizon=1.0, held={name: 2.5},
+                  distribution={"tilt": st.Uniform(0.1, 0.2)})
+        for name in ("at", "phi_dot")
+    )  # fmt: skip
+    assert one.identical(other) and float(one.phi_dot) == 2.5
+    one, other = (
+        st.basins(**common, horizon=1.0, held={"tilt": 0.1},
+                  distribution={name: st.Uniform(2, 3)})
+        for name in ("at", "phi_dot")
+    )  # fmt: skip
+    assert one.identical(other) and one.phi_dot.dims == ("launch",)

@@ -218,3 +218,14 @@ def test_launches_that_are_not_computed_have_no_border(found: xarray.Dataset) ->
     assert max(np.asarray(s)[:, 0].max() for s in lines.get_segments()) <= edge
     upright = [s for s in lines.get_segments() if np.ptp(np.asarray(s)[:, 0]) == 0]
     assert max(float(np.asarray(s)[0, 0]) for s in upright) < edge
+
+
+def test_a_body_is_named_with_its_numbers_and_a_map_of_states_has_a_caption() -> None:
+    torus = st.basins(body=st.Torus(0.3), contact="viscous", mu=0.3, horizon=1.0, check=False,
+                      x=("phi_dot", 0.5, 3, 3), y=("theta", 0.6, 1.2, 3))  # fmt: skip
+    figure = st.plot_basins(torus)
+    [words] = [t.get_text() for t in figure.texts if "until" in t.get_text()]
+    assert words.startswith("torus, viscous contact, ") and "tube = 0.3" in words
+    assert "length" not in words
+    said = basins_caption(torus)
+    assert said.startswith("Ends of 9 launches of a torus under viscous contact, over phi_dot and")

@@ -128,9 +128,10 @@ def run(options: argparse.Namespace) -> None:
 def _planned(options: argparse.Namespace) -> tuple[Plan, Path, Path | None]:
     """The plan and the targets, checked before anything is computed."""
     from ...basin.basins import MOST_LEVELS, planned
-    from ...storage.targets import check_folder, check_suffix
+    from ...jobs.zarr_store import check_store
+    from ...storage.targets import check_suffix
 
-    out = check_folder(check_suffix(options.out, (".zarr",), "--out"))
+    out = check_store(check_suffix(options.out, (".zarr",), "--out"))
     picture = None if options.plot is None else _picture(options.plot, options.force)
     if picture is not None and (options.sample or options.more):
         raise ParameterError("--plot draws a map of two axes; leave it out.")

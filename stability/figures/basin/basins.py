@@ -246,6 +246,8 @@ def _fixed(dataset: xarray.Dataset) -> str:
     known = _quantities(dataset)
     law = str(told.get("contact", ""))
     text = fixed(values, known, units, law=law, dimensionless=plain)
+    if str(told.get("body", "disk")) != "disk":
+        text = f"{told['body']}, {text}"
     unit = unit_of(dataset.end_time.attrs)
     if known:
         unit = known["time"].kind.label(dimensionless=plain)
@@ -284,8 +286,8 @@ def basins_caption(dataset: xarray.Dataset) -> str:
     x, y = _axes_of(dataset)
     told, present = dataset.attrs, fates(dataset)
     what = told.get("system") or f"a {told['body']}"
-    near = f" near {told['launched_near']}" * ("launched_near" in told)
-    law = f" under {told['contact']} contact" * ("contact" in told)
+    near = f" near {told['launched_near']}" if "launched_near" in told else ""
+    law = f" under {told['contact']} contact" if "contact" in told else ""
     total = dataset.outcome.size
     ways = "; ".join(f"{f.way}: {f.label}" for f in present)
     counts = ", ".join(f"{int(f.where.sum())} {f.label}" for f in present)
