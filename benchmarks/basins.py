@@ -10,10 +10,13 @@ medians of the ratios.
 """
 
 import argparse
+import contextlib
 import os
 import resource
 import statistics
+import threading
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -156,7 +159,7 @@ def million(count: int, family: str, horizon: float, workers: int, *, check: boo
     import tempfile
 
     side = round(count**0.5)
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, Together() as memory:
         begin, before = time.perf_counter(), _spent()
         found = st.basins(contact="viscous", mu=MU, family=family, horizon=horizon,
                           x=(SCENES[family], 0.3, 4.0, side), y=("tilt", 0.0, 0.6, side),
@@ -170,9 +173,50 @@ def million(count: int, family: str, horizon: float, workers: int, *, check: boo
     runs = "twice" if check else "once"
     print(f"{side * side} launches, {family}, to T = {horizon:g}, run {runs}, "
           f"{workers} processes: {wall:.0f} s, computing time {spent:.0f} s, peak memory "
-          f"{own:.2f} and {theirs:.2f} GiB a process; {ends}; load {os.getloadavg()[0]:.1f}",
+          f"{own:.2f} and {theirs:.2f} GiB a process, {memory.peak / 2**30:.2f} GiB together; "
+          f"{ends}; load {os.getloadavg()[0]:.1f}",
           flush=True)  # fmt: skip
     return wall
+
+
+class Together:
+    """The largest memory of this process and its children together [bytes], where there is /proc.
+
+    Pages that several of them share count once (PSS).
+    """
+
+    def __init__(self) -> None:
+        self.peak = 0
+        self._ended = threading.Event()
+        self._watch = threading.Thread(target=self._look, daemon=True)
+
+    def __enter__(self) -> "Together":
+        self._watch.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._ended.set()
+        self._watch.join()
+
+    def _look(self) -> None:
+        while not self._ended.wait(0.5):
+            family, seen = [os.getpid()], set()
+            while family:
+                one = family.pop()
+                seen.add(one)
+                for task in Path(f"/proc/{one}/task").glob("*/children"):
+                    with contextlib.suppress(OSError):
+                        family += map(int, task.read_text().split())
+            self.peak = max(self.peak, sum(map(_shared_out, seen)))
+
+
+def _shared_out(process: int) -> int:
+    """Memory of a process, its share of common pages [bytes]; 0 where it has ended."""
+    with contextlib.suppress(OSError):
+        for line in Path(f"/proc/{process}/smaps_rollup").read_text().splitlines():
+            if line.startswith("Pss:"):
+                return 1024 * int(line.split()[1])
+    return 0
 
 
 def scaling(count: int, family: str, horizon: float) -> None:

@@ -41,11 +41,16 @@ def compared(found: Outcomes, run: Any, open_: int) -> int:
 )
 @pytest.mark.filterwarnings("ignore::stability.StabilityWarning")
 def test_outcomes_are_those_of_the_checked_single_run(
-    family: str, own: str, body: str, count: int
+    family: str, own: str, body: str, count: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     horizon = 400.0 if count < 100 else 1000.0
     launches = launched(family, own, count, len(body), horizon, DISKS[body])
+    alone: list[int] = []
+    single = engine._singly
+    monkeypatch.setattr(engine, "_singly", lambda found, some, rows, judging: (
+        alone.extend(rows.tolist()), single(found, some, rows, judging)))  # fmt: skip
     found = outcomes(launches, Judging())
+    assert len(alone) <= count / 20  # these are compared with the route that decided them
     fit = np.array([i not in (launches.unfit or {}) for i in range(count)])
     run = st.simulate(st.Disk(k=DISKS[body]), st.Viscous(0.3), launches.starts[fit], horizon,
                       settle=0.05)  # fmt: skip
@@ -63,6 +68,7 @@ def test_outcomes_are_those_of_the_checked_single_run(
     stated = part.error + run.final_error.values  # not finite where neighbouring runs part
     allowed = part.member_error + near.settled.error + stated
     told = settled & near.settled.proved & np.isfinite(stated)
+    np.testing.assert_array_equal(part.family[told], near.family[told])
     assert told.sum() >= 0.9 * settled.sum()
     assert (late <= allowed + 1e-12)[told].all(), list(zip(late[told], allowed[told], strict=True))
     if not told.any():
