@@ -208,19 +208,29 @@ def rate(roots: int, w: Any) -> None:
         w[ERROR + j] = larger(w[HIGH + j] - w[TOP + j], w[ERROR + j]) + rounding
 
 
-def squares(w: Any) -> None:
-    """The same for ±√z, where λ² = z = -a₀/a₁ is one number, neutral where z is negative."""
+def judge_squares(flags: Any, w: Any) -> int:
+    """The same as `judge` for ±√z, where λ² = z = -a₀/a₁ is one number, neutral where z < 0.
+
+    One loop, since its lines would take as long as the roots.
+    """
+    sure = 0
     for j in range(SIDE):
-        z = -w[A + j]
-        slack = w[E + j] / abs(z)
-        root = math.sqrt(abs(z))
+        z, unit = -w[A + j], w[UNIT + j]
+        size = abs(z)
+        slack, root = w[E + j] / size, math.sqrt(size)
         # |√z - √z'| ≤ √|z| times the relative error of z; a cell where the sign of z is open is
         # computed again
         error = root * (slack + EPS) if slack < 1 else math.inf
-        top, turn = (root, 0.0) if z > 0 else (0.0, root)
+        grows = z > 0
+        top, turn = (root, 0.0) if grows else (0.0, root)
         still = (top == 0) & (turn > error)
-        w[TOP + j], w[TURN + j], w[LARGEST + j] = top, turn, root
-        w[ERROR + j] = 0.0 if still else error + (6e-16 * top + 1e-18 * root)
+        error = unit * (0.0 if still else error + (6e-16 * top + 1e-18 * root))
+        top, largest = unit * top, unit * root
+        good = (error <= WANTED * largest) & ((top > error) | (error == 0))
+        w[TOP + j], w[ERROR + j], w[TURN + j] = top, error, unit * turn
+        w[CHANGE + j] = (flags[1] if grows else flags[0]) if good else 0.0
+        sure += 1 if good else 0
+    return sure
 
 
 def fill(values: Any, where: Any, count: int, row: int, column: int, many: int, line: int,
@@ -299,15 +309,13 @@ def settle(row: int, column: int, many: int, degree: int, past: Any, near: Any, 
 def judge(even: bool, roots: int, flags: Any, w: Any) -> int:
     """Rates of a block in the user's unit; flags, 0 where a bound is not good, on a line."""
     if even:
-        squares(w)
-    else:
-        rate(roots, w)
+        return judge_squares(flags, w)
+    rate(roots, w)
     sure = 0
     for j in range(SIDE):
         unit = w[UNIT + j]
         top, error, largest = unit * w[TOP + j], unit * w[ERROR + j], unit * w[LARGEST + j]
-        still = (error == 0) & even
-        good = (error <= WANTED * largest) & ((abs(top) > error) | still)
+        good = (error <= WANTED * largest) & (abs(top) > error)
         w[TOP + j], w[ERROR + j], w[TURN + j] = top, error, unit * w[TURN + j]
         w[CHANGE + j] = (flags[1] if top > 0 else flags[0]) if good else 0.0
         sure += 1 if good else 0
