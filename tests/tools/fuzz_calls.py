@@ -255,6 +255,10 @@ def _branch(r: random.Random, place: Path) -> Call:  # noqa: ARG001
 @_call
 def _stream_map(r: random.Random, place: Path) -> Call:
     words = {"x": _axis("at")(r), "y": _axis("mu")(r), "out": place / "s.nc", "overwrite": True}
+    if r.random() < 0.5:
+        words |= {"growth": True, "out": place / "g.zarr"}
+    if r.random() < 0.3:
+        words |= {"executor": r.choice(["threads", "thread", 5]), "workers": r.randint(1, 2)}
     return st.stream_map, [r.choice(["rolling", "spinning"])], words
 
 

@@ -128,6 +128,9 @@ def _map(r: random.Random) -> Words:
         words += ["--checkpoint", "kept"]
     elif kind < 0.28:
         words += ["--plot", "x.png"]
+    elif kind < 0.35:
+        words[-1] = "out.zarr"
+        words += r.choice([[], [], ["--scheduler", "threads"], ["--plot", "x.png"]])
     return words + ["--modes"] * (r.random() < 0.2)
 
 
