@@ -322,3 +322,25 @@ def test_a_sample_may_name_the_member_by_at(tmp_path: Path) -> None:
              "--out", str(tmp_path / "a.zarr")]  # fmt: skip
     assert main(words) == 0
     assert {"phi_dot", "tilt"} <= set(xarray.open_zarr(tmp_path / "a.zarr").coords)
+
+
+def test_refined_borders_are_said_to_be_sensitive_or_not(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["basins", "--family", "spinning", "--k", "0.5", "--mu", "0.3", "--x", "at:1:2.2:5",
+             "--y", "tilt:0.05:0.6:5", "--levels", "4", "--time", "60", "--no-check",
+             "--out", str(tmp_path / "a.zarr")]  # fmt: skip
+    assert main(words) == 0
+    found = xarray.open_zarr(tmp_path / "a.zarr")
+    low, high = found.attrs["border_exponent_interval"]
+    blocks, marked = found.border_sensitive.size, int(found.border_sensitive.sum())
+    assert 0 < marked < blocks  # a thin region between two rests
+    said = capsys.readouterr().out
+    assert (
+        f"; uncertainty exponent {found.attrs['border_exponent']:.2f} [{low:.2f}, {high:.2f}], "
+        f"{marked} of {blocks} blocks along borders sensitive" in said
+    )
+    assert main([*words, "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["border_exponent_interval"] == [low, high]
+    assert (record["border_blocks"], record["border_sensitive_blocks"]) == (blocks, marked)
