@@ -1,0 +1,21 @@
+// Sizes and phases of the components of a mode as text.
+
+import {text} from "../../drawing/elements.js";
+
+const SIZE = 3, SMALL = 0.02; // digits of a size; share of the largest component that a sentence leaves out
+
+/** A phase in degrees with one decimal, above −180° and at most 180°. */
+export function phaseText(phase) {
+  const rounded = Number(phase.toFixed(1)), turned = rounded === -180 ? 180 : rounded === 0 ? 0 : rounded;
+  return `${String(turned).replace("-", "−")}°`;
+}
+
+export function sizeText(size) {
+  return text(size, SIZE);
+}
+
+/** The components of a mode that matter, the largest first: name, size, and phase in brackets. */
+export function componentsText(parts, names) {
+  const all = parts.map((part, i) => ({...part, name: names[i]})).filter(({size}) => size > SMALL);
+  return all.sort((a, b) => b.size - a.size).map(({name, size, phase}) => `${name} ${sizeText(size)} (${phaseText(phase)})`).join(", ");
+}
