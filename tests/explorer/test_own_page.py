@@ -179,7 +179,7 @@ def test_sizes_and_phases_are_pythons(own: tuple[Visit, st.Family, st.Spectrum])
         parts = re.findall(r"(\w+) ([^ ]+) \(([^)]+)\)", said)
         assert parts[0][1:] == ("1", "0°")
         assert {n for n, *_ in parts} == {
-            n for n, v in zip(family.system.states, vector, strict=True) if abs(v) > 0.02
+            n for n, v in zip(family.system.states, vector, strict=True) if abs(v) > 1e-9
         }
         for name, size, phase in parts:
             agrees(size, phase, vector[family.system.states.index(name)])

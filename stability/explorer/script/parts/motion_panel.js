@@ -10,6 +10,7 @@ import {placed, surface} from "./turned_view.js";
 const PICTURES = {steady: "Steady", mode: "Mode", launch: "Launch"};
 const TIMES = [20, 60, 200], REST = 90; // milliseconds without a change after which a launch is computed
 const UNCHANGED = 5e-4; // share by which the size of a mode changes, too little to be printed
+const SMALL = 0.02; // share of the largest component that the sentence on a body leaves out; states have units of their own
 const SHOWING = 8; // seconds in which the curves of a mode are played
 const NEAR = 0.02; // distance from a steady motion that is worth a word
 const LEAST_TILT = 0.005, MOST_TILT = 0.8;
@@ -206,18 +207,24 @@ export class MotionPanel {
     else if (show === "mode") {
       const parts = solid ? components(subject.mode(view.point(), eigenvalue)) : shown.parts;
       this.said.textContent = `Mode ${index + 1} of the linear motion${solid ? ", enlarged" : ` (float): ${this.course()}`}. `
-        + `Sizes and phases: ${componentsText(parts, named)}.`;
+        + `Sizes and phases: ${componentsText(parts, named, solid ? SMALL : 0)}.`;
     } else if (run.refused) this.said.textContent = `No launch from here: ${words}.`;
     else {
-      const by = `${text(state.tilt, 3)}${solid ? " rad" : ""}`;
+      const name = subject.states[state.kick || 0], by = solid ? `${text(state.tilt, 3)} rad` : `${this.sizeOf(name)} in ${name}`;
       this.said.textContent = `Launched ${solid ? "tilted" : "disturbed"} by ${by}: at t = ${seconds(run.until, 5)} ${words}${this.near(run)}.`;
     }
+  }
+
+  /** The size of the disturbance of a state, in its unit. */
+  sizeOf(name) {
+    const {unit} = this.view.curve(name);
+    return `${text(this.view.state.tilt, 3)}${unit ? ` ${unit}` : ""}`;
   }
 
   /** How the size of the mode of a system changes along its curves. */
   course() {
     const {parts, factor, count, each} = this.shown, largest = parts.findIndex((part) => part.phase === 0 && part.size === 1);
-    const first = `${this.view.subject.states[largest]} begins ${text(this.view.state.tilt, 3)} from its steady value`;
+    const name = this.view.subject.states[largest], first = `${name} begins ${this.sizeOf(name)} from its steady value`;
     const change = Math.abs(factor - 1) < UNCHANGED ? "the size stays" : `the size is multiplied by ${text(factor, 3)}`;
     return `${first}; ${count ? `after ${count} ${each} ` : ""}${change}`;
   }
@@ -237,6 +244,7 @@ export class MotionPanel {
       this.tilt.setAttribute("aria-label", amplitude ? "Amplitude of the mode" : "Size of the disturbance");
     }
     this.start.classList.toggle("own", !solid);
+    this.start.classList.toggle("amplitude", amplitude);
     this.start.hidden = this.sizes("steady");
     this.length.hidden = amplitude;
     const formula = ["Linear motion in mode ", this.chosen.index + 1, " (float): steady value + amplitude · Re(", element("i", {}, "v"), " e", element("sup", {}, "λt"), ")"];

@@ -3,7 +3,7 @@
 import {element, shape, text} from "../drawing/elements.js";
 import {ticks} from "../drawing/scales.js";
 
-const LEFT = 52, RIGHT = 10, ROW = 62, FOOT = 20, LABEL = 12, MOST = 700, NOTHING = 1e-4;
+const LEFT = 58, RIGHT = 10, ROW = 62, FOOT = 20, LABEL = 12, MOST = 700, NOTHING = 1e-4;
 const SEEN = 0.01, SEEN_LINEAR = 1e-9; // least change of a curve over its size; of a linear motion, which has no rounding
 const DIGITS = [3, 5, 7, 9]; // as many as both ends need to differ
 

@@ -2,7 +2,7 @@
 
 import {text} from "../../drawing/elements.js";
 
-const SIZE = 3, SMALL = 0.02; // digits of a size; share of the largest component that a sentence leaves out
+const SIZE = 3; // digits of a size
 
 /** A phase in degrees with one decimal, above −180° and at most 180°. */
 export function phaseText(phase) {
@@ -14,8 +14,8 @@ export function sizeText(size) {
   return text(size, SIZE);
 }
 
-/** The components of a mode that matter, the largest first: name, size, and phase in brackets. */
-export function componentsText(parts, names) {
-  const all = parts.map((part, i) => ({...part, name: names[i]})).filter(({size}) => size > SMALL);
+/** The components of a mode that are larger than `least`, the largest first: name, size, and phase in brackets. */
+export function componentsText(parts, names, least) {
+  const all = parts.map((part, i) => ({...part, name: names[i]})).filter(({size}) => size > least);
   return all.sort((a, b) => b.size - a.size).map(({name, size, phase}) => `${name} ${sizeText(size)} (${phaseText(phase)})`).join(", ");
 }
