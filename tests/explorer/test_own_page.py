@@ -57,12 +57,26 @@ def spring() -> st.Family:
                      unknown={"height": -0.001}, equations=("rise",))  # fmt: skip
 
 
+def rotor() -> st.Family:
+    """Jeffcott's rotor: both directions have one size, so that the first has phase 0."""
+    x, y, u, v = (ca.SX.sym(n) for n in ("x", "y", "u", "v"))
+    turn, w, de, di = (ca.SX.sym(n) for n in ("W", "w", "de", "di"))
+    rates = ca.vertcat(
+        u, v, -(de + di) * u - w**2 * x - turn * di * y, -(de + di) * v - w**2 * y + turn * di * x
+    )
+    system = st.System("rotor", ca.vertcat(x, y, u, v), ca.vertcat(turn, w, de, di), rates,
+                       states=("x", "y", "u", "v"), parameters=("W", "w", "de", "di"),
+                       units={"x": "m", "y": "m", "u": "m/s", "v": "m/s"})  # fmt: skip
+    return st.Family(system, "centred", at=("W",), held=dict.fromkeys(system.states, 0.0))
+
+
 CASES: dict[str, tuple[Any, dict[str, Any]]] = {
     "wheel": (towed_wheel, {"at": 0.3, **GIVEN}),
     "governor": (governor, {"at": 0.3, "a": 0.5, "b": 0.5}),
     "spring": (spring, {"at": 9.81, "k": 1e4, "c": -3.0}),
+    "rotor": (rotor, {"at": 3.0, "w": 1.0, "de": 0.03, "di": 0.02}),
 }
-"""Families with a slow real mode, growing oscillations, and states of very different sizes."""
+"""Families with a real mode, growing oscillations, states of very different and of equal sizes."""
 
 
 def made(name: str, folder: Path) -> Path:

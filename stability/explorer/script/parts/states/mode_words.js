@@ -3,6 +3,7 @@
 import {text} from "../../drawing/elements.js";
 
 const SIZE = 3; // digits of a size
+const EQUAL = 1e-6; // sizes that differ by less count as equal
 
 /** A phase in degrees with one decimal, above −180° and at most 180°. */
 export function phaseText(phase) {
@@ -17,5 +18,6 @@ export function sizeText(size) {
 /** The components of a mode that are larger than `least`, the largest first: name, size, and phase in brackets. */
 export function componentsText(parts, names, least) {
   const all = parts.map((part, i) => ({...part, name: names[i]})).filter(({size}) => size > least);
-  return all.sort((a, b) => b.size - a.size).map(({name, size, phase}) => `${name} ${sizeText(size)} (${phaseText(phase)})`).join(", ");
+  const order = ({size}) => Math.round(size / EQUAL); // equal ones stay in order: the first has phase 0
+  return all.sort((a, b) => order(b) - order(a)).map(({name, size, phase}) => `${name} ${sizeText(size)} (${phaseText(phase)})`).join(", ");
 }
