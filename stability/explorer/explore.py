@@ -50,7 +50,8 @@ def explore(
     ----------
     family
         Family shown at first, rolling, spinning or tumbling; or a `Family` of your own whose
-        stability conditions are polynomials in its parameters.
+        stability conditions are polynomials in its parameters.  Its launches have a curve of the
+        energy where the system has an observable named `energy`, as `mechanics` gives it.
     at
         Member that is shown at first; for the disk omega3, phi_dot [√(g/R)] or theta [rad].  As
         in every other call, numbers are in SI units where the body has a mass, length or gravity.

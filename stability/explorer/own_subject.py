@@ -45,7 +45,7 @@ SECONDS = 30.0
 LEVELS = 5
 """Halvings of a diagram in both directions for proved rectangles."""
 SERIES = 2
-"""Observables whose curves are drawn, next to the states."""
+"""Observables whose curves are drawn, next to the states; one named energy is the first."""
 FUNCTION = re.compile(r"(sin|cos|sqrt)\((\w+)\)")
 """A variable that is a function of a quantity."""
 SIZE = re.compile(r"sqrt\((\w+)\*\*2\)")

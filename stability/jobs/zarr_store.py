@@ -274,7 +274,7 @@ class ZarrStore:
 
 
 def check_store(path: str | PathLike[str]) -> Path:
-    """Check that a folder can hold a store, by one that is made and removed beside it.
+    """Check that a folder can hold a store, by one that is made and removed next to it.
 
     Parameters
     ----------

@@ -450,7 +450,7 @@ def test_the_page_of_ones_own_family(browser: Any, tmp_path: Path) -> None:
         page.locator(".mode").first.click()  # its components by the names of the states
         rest(seen)
         said = page.locator(".outcome").inner_text()
-        names = re.findall(r"(\w+) [\d.]+", said.partition("Mode 1: ")[2])
+        names = re.findall(r"(\w+) [\d.]+ \(", said.partition("Sizes and phases: ")[2])
         assert names and set(names) <= set(towed_wheel().system.states)
         page.get_by_role("button", name="Python").click()
         assert "st.spectrum(family, at=" in page.locator("pre").inner_text()

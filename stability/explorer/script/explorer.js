@@ -14,6 +14,7 @@ import {MotionPanel} from "./parts/motion_panel.js";
 import {PointPanel} from "./parts/point_panel.js";
 import {FlatStage} from "./parts/flat_stage.js";
 import {Stage} from "./parts/stage.js";
+import {StateTable} from "./parts/states/state_table.js";
 import {View} from "./parts/view.js";
 
 let mounted = 0;
@@ -37,7 +38,7 @@ export function mount(root, data, library, link = null) {
   const view = new View(data, link || ""), look = browserLook();
   const diagram = new Diagram(view, look), controls = new Controls(view, data.names);
   const point = new PointPanel(view), plane = new EigenvaluePlane(view), conditions = new Conditions(view);
-  const motion = new MotionPanel(view, look), exports = new ExportMenu(view, diagram, link !== null);
+  const states = new StateTable(view), motion = new MotionPanel(view, look), exports = new ExportMenu(view, diagram, link !== null);
   const title = element("h1", {}), under = element("p", {class: "small subtitle"});
   const card = (name, ...children) => element("section", {class: `card ${name}`}, ...children);
   const grows = element("p", {class: "small hint"});
@@ -49,7 +50,7 @@ export function mount(root, data, library, link = null) {
         card("diagram-card", diagram.root, grows, controls.root),
         card("conditions-card", element("h2", {}, "Conditions of stability, with these numbers"), conditions.root)),
       element("div", {class: "column"},
-        card("point-card", point.root, element("div", {class: "spectrum"}, plane.root, point.modes)),
+        card("point-card", point.root, element("div", {class: "spectrum"}, plane.root, point.modes), states.root),
         card("motion-card", element("h2", {}, "Motion"), motion.root)),
       exports.python),
     element("footer", {class: "small"}, data.foot),
@@ -65,7 +66,7 @@ export function mount(root, data, library, link = null) {
     motion.root.parentElement.hidden = !view.motion;
   };
   view.on((changed) => { if (changed.has("subject")) head(); });
-  const all = [diagram, controls, point, plane, conditions];
+  const all = [diagram, controls, point, plane, conditions, states];
   for (const part of all) part.render();
   motion.run();
   head();

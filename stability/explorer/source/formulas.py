@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -90,6 +91,10 @@ def _scaled(coefficient: int, shift: int) -> float:
     return float(coefficient / (1 << shift))
 
 
+WORD = re.compile(r"[A-Za-z]{2}")
+"""Two letters: a name that is a word, whose product with another needs a space."""
+
+
 def typeset(polynomial: Polynomial, names: Mapping[str, tuple[str, int]], shift: int = 0) -> str:
     """A polynomial as HTML.
 
@@ -107,10 +112,12 @@ def typeset(polynomial: Polynomial, names: Mapping[str, tuple[str, int]], shift:
     >>> p = Polynomial(("k", "z"), ((2, (1, 1)), (-1, (0, 0))))
     >>> typeset(p, {"k": ("k", 1), "z": ("ω₃", 2)})
     '2<i>k</i><i>ω₃</i><sup>2</sup> − 1'
+    >>> typeset(p, {"k": ("k", 1), "z": ("speed", 1)})  # a space where a name is a word
+    '2 <i>k</i> <i>speed</i> − 1'
     """
     words = []
     for c, exponents in polynomial.terms:
-        factors = []
+        factors, space = [], ""
         for variable, exponent in zip(polynomial.variables, exponents, strict=True):
             symbol, power = names.get(variable, (variable, 1))
             raised = exponent * power
@@ -118,8 +125,10 @@ def typeset(polynomial: Polynomial, names: Mapping[str, tuple[str, int]], shift:
             text = f"<i>{letter}</i>" + f"<sub>{below}</sub>" * bool(below)
             if raised and symbol != "1":
                 factors.append(text if raised == 1 else f"{text}<sup>{raised}</sup>")
+                space = " " if WORD.search(letter) else space
         size = "" if abs(c) == 1 and factors else _size(c, shift)
-        words.append((" − " if c < 0 else " + ") + size + "".join(factors))
+        parts = [size, *factors] if size else factors
+        words.append((" − " if c < 0 else " + ") + space.join(parts))
     found = "".join(words) or "0"
     return found[3:] if found.startswith(" + ") else found.replace(" − ", "−", 1)
 

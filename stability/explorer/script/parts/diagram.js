@@ -9,7 +9,7 @@ import {handled} from "./hand.js";
 import {regionNames} from "./region_names.js";
 import {ranged} from "./view.js";
 
-const MARGIN = {left: 46, right: 12, top: 10, bottom: 38};
+const MARGIN = {left: 56, right: 12, top: 10, bottom: 38};
 const QUICK = 30; // milliseconds from frame to frame while something moves; otherwise it is coarser
 const PAUSE = 400; // milliseconds after which a frame does not follow the last one
 const CURVES = 8, LEAST_DETAIL = 0.15, MOVING_DETAIL = 0.5; // milliseconds for curves in motion, and their fineness

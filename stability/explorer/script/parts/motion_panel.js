@@ -1,12 +1,17 @@
 // The motion: steady, in one mode, or launched from a tilt; played, stopped, and drawn over time.
 
 import {before, launched, modeMotion, poseAt} from "../mathematics/launch.js";
+import {components, modeCurves, modesAt, steadyCurves} from "../mathematics/modes.js";
 import {clamp, element, onceAFrame, text} from "../drawing/elements.js";
+import {componentsText} from "./states/mode_words.js";
 import {Traces} from "./traces.js";
 import {placed, surface} from "./turned_view.js";
 
 const PICTURES = {steady: "Steady", mode: "Mode", launch: "Launch"};
 const TIMES = [20, 60, 200], REST = 90; // milliseconds without a change after which a launch is computed
+const UNCHANGED = 5e-4; // share by which the size of a mode changes, too little to be printed
+const SMALL = 0.02; // share of the largest component that the sentence on a body leaves out; states have units of their own
+const SHOWING = 8; // seconds in which the curves of a mode are played
 const NEAR = 0.02; // distance from a steady motion that is worth a word
 const LEAST_TILT = 0.005, MOST_TILT = 0.8;
 const FLOAT = "Float: modes and launches are computed here in double precision (launches by DOP853, tolerance 10⁻¹²). "
@@ -32,16 +37,17 @@ export class MotionPanel {
       oninput: () => { this.playing = false; this.seek((this.slider.value / 1000) * this.span); }});
     this.clock = element("output", {class: "clock"});
     this.tilt = element("input", {type: "range", min: 0, max: 1000, "aria-label": "Size of the disturbance",
-      oninput: () => view.set({tilt: tiltOf(this.tilt.value / 1000), show: "launch"})});
+      oninput: () => view.set({tilt: tiltOf(this.tilt.value / 1000), show: !this.solid && view.state.show === "mode" ? "mode" : "launch"})});
     this.tiltSaid = element("output", {class: "clock"});
     this.kick = element("select", {"aria-label": "State that is disturbed", onchange: () => view.set({kick: Number(this.kick.value), show: "launch"})});
-    this.until = element("select", {"aria-label": "Length of the run", onchange: () => view.set({until: Number(this.until.value), show: "launch"})},
-);
+    this.until = element("select", {"aria-label": "Length of the run", onchange: () => view.set({until: Number(this.until.value), show: "launch"})});
     this.said = element("p", {class: "sentence outcome", role: "status"});
     this.traces = new Traces((t) => { this.playing = false; this.seek(t); }, (name) => view.curve(name));
-    this.traces.root.prepend(element("p", {class: "small"}, "Curves of the launch from this tilt"));
-    this.start = element("div", {class: "slider tilt"}, element("label", {}, "tilt"), this.tilt, this.tiltSaid,
-      element("label", {class: "small"}, "until t = ", this.until));
+    this.caption = element("p", {class: "small caption"});
+    this.traces.root.prepend(this.caption);
+    this.sized = element("label", {});
+    this.length = element("label", {class: "small"}, "until t = ", this.until);
+    this.start = element("div", {class: "slider tilt"}, this.sized, this.tilt, this.tiltSaid, this.length);
     this.root = element("div", {class: "motion"}, this.kind, this.box,
       element("div", {class: "transport"}, this.play, this.slider, this.clock), this.start, this.said, this.traces.root,
       element("p", {class: "small"}, FLOAT));
@@ -58,8 +64,33 @@ export class MotionPanel {
         this.playing = !look.still();
       }
     });
-    this.visible = true;
-    new IntersectionObserver(([entry]) => { this.visible = entry.isIntersecting; this.frame(); }).observe(this.box);
+    this.sight = new Map();
+    const sight = new IntersectionObserver((entries) => {
+      for (const {target, isIntersecting} of entries) this.sight.set(target, isIntersecting);
+      this.frame();
+    });
+    for (const part of [this.box, this.traces.root]) sight.observe(part);
+  }
+
+  /** Whether the body, or of a system of one's own the curves, can be seen. */
+  get visible() {
+    return this.sight.get(this.solid ? this.box : this.traces.root) !== false;
+  }
+
+  /** Whether there is a body to draw; of any other system its states are drawn. */
+  get solid() {
+    return Boolean(this.view.subject.pose);
+  }
+
+  /** The unit after a time: of a body in SI units, of any other system where it states one. */
+  get second() {
+    const {unit} = this.view.curve("time");
+    return unit && (this.view.state.si || !this.solid) ? ` ${unit}` : "";
+  }
+
+  /** Whether the size of the disturbance is that of a picture of the states. */
+  sizes(picture) {
+    return !this.solid && this.kindShown === picture;
   }
 
   /** Take over the stage once its library is there. */
@@ -93,48 +124,68 @@ export class MotionPanel {
 
   /** Compute what is shown, and the launch whose curves are drawn. */
   run() {
-    const {view} = this, {subject, motion, state} = view, q = view.point(), solid = Boolean(subject.pose);
-    const present = subject.exists(q);
-    const modes = present ? subject.eigenvalues(q).filter((z) => z[1] >= 0).reverse() : [];
-    const show = state.show === "mode" && (!solid || !modes.length) ? "launch" : state.show;
+    const {view, solid} = this, {subject, motion, state} = view, q = view.point(), present = subject.exists(q);
+    const modes = present ? modesAt(subject, q) : [];
+    const show = state.show === "mode" && !modes.length ? "launch" : state.show;
     for (const button of this.kind.children) {
       const own = button.dataset.name === show;
       button.setAttribute("aria-checked", String(own));
       button.tabIndex = own ? 0 : -1;
     }
-    this.kind.hidden = !solid;
     this.box.hidden = !solid;
-    if (!motion) { this.root.hidden = true; return; }
-    this.root.hidden = false;
-    const tilt = new Array(subject.states.length).fill(0), kick = solid ? 0 : (state.kick || 0);
-    tilt[kick] = solid ? -state.tilt : state.tilt;
-    const run = present ? launched(subject, motion, q, tilt, state.until) : {refused: true, outcome: "absent", times: [], states: [], until: 0};
-    run.ended = !["moving", "unresolved"].includes(run.outcome);
-    this.launch = run;
-    if (!solid) run.series = {...this.statesOf(run), ...run.series};
-    // a run that ended early has room behind its end, not more
-    this.traces.show(run.refused ? null : run, run.ended ? Math.min(state.until, 1.4 * run.until) : state.until);
-    if (show === "mode") {
-      const eigenvalue = modes[Math.min(state.mode || 0, modes.length - 1)];
-      this.shown = {...modeMotion(subject, q, eigenvalue), eigenvalue};
-      this.shown.path = this.shown.poses.map((p) => placed(p).contact);
-    } else if (!present) {
-      this.shown = {times: [0], until: 0, path: [], poses: []};
-    } else if (show === "steady" || run.refused) {
-      this.shown = solid ? this.steady(subject, motion, q) : {times: [0], until: state.until, path: []};
-    } else {
-      this.shown = {times: run.times, until: run.until, path: solid ? run.times.map((t) => placed(poseAt(run, motion, t)).contact) : []};
-    }
+    this.root.hidden = !motion;
+    if (!motion) return;
+    const index = Math.min(state.mode || 0, modes.length - 1);
+    this.chosen = {index, eigenvalue: modes[index]};
+    this.shown = solid ? this.ofBody(show, present, q) : this.ofStates(show, present, q);
     this.kindShown = show;
     this.span = this.shown.until;
     this.time = Math.min(this.time, this.span);
-    this.say(show, modes);
+    this.say(show);
     this.frame();
   }
 
-  statesOf(run) {
-    const {states} = this.view.subject;
-    return Object.fromEntries(states.slice(0, 4).map((name, i) => [name, run.states.map((y) => y[i])]));
+  /** The launch from a disturbance of the states; a run that ended early has room behind its end, not more. */
+  launchFrom(disturbance, q, present) {
+    const {subject, motion, state} = this.view;
+    const run = present ? launched(subject, motion, q, disturbance, state.until)
+      : {refused: true, outcome: "absent", times: [], states: [], until: 0};
+    run.ended = !["moving", "unresolved"].includes(run.outcome);
+    this.launch = run;
+    return run;
+  }
+
+  /** How the body is shown; the curves are those of the launch. */
+  ofBody(show, present, q) {
+    const {subject, motion, state} = this.view, run = this.launchFrom([-state.tilt], q, present);
+    this.traces.show(run.refused ? null : run, run.ended ? Math.min(state.until, 1.4 * run.until) : state.until);
+    if (show === "mode") {
+      const {eigenvalue} = this.chosen, found = {...modeMotion(subject, q, eigenvalue), eigenvalue};
+      return {...found, path: found.poses.map((p) => placed(p).contact)};
+    }
+    if (!present) return {times: [0], until: 0, path: [], poses: []};
+    if (show === "steady" || run.refused) return this.steady(subject, motion, q);
+    return {times: run.times, until: run.until, path: run.times.map((t) => placed(poseAt(run, motion, t)).contact)};
+  }
+
+  /** Curves of the states of a system of one's own: steady, in one mode, or launched. */
+  ofStates(show, present, q) {
+    const {subject, motion, state} = this.view;
+    let run = null, span = null;
+    if (!present || show === "launch") {
+      const disturbance = subject.states.map((_, i) => (i === (state.kick || 0) ? state.tilt : 0));
+      run = this.launchFrom(disturbance, q, present);
+      span = run.ended ? Math.min(state.until, 1.4 * run.until) : state.until;
+    } else {
+      this.launch = {outcome: "", refused: false, until: 0};
+      run = show === "mode" ? modeCurves(subject, q, this.chosen.eigenvalue, state.tilt, state.until)
+        : steadyCurves(subject, motion, q, state.until);
+      span = run.until;
+    }
+    const curves = subject.states.map((name, i) => [name, run.states.map((y) => y[i])]);
+    run.series = {...Object.fromEntries(curves), ...run.series};
+    this.traces.show(run.refused ? null : run, span);
+    return {...run, path: []};
   }
 
   steady(subject, motion, q) {
@@ -142,41 +193,63 @@ export class MotionPanel {
     return {times: run.times, until: 20, run, path: run.times.map((t) => placed(poseAt(run, motion, t)).contact)};
   }
 
-  say(show, modes) {
-    const {view} = this, {state, subject} = view, run = this.launch, solid = Boolean(subject.pose);
+  say(show) {
+    const {view, solid, launch: run, shown} = this, {state, subject} = view, {index, eigenvalue} = this.chosen;
+    const {size} = view.curve("time"), seconds = (t, digits) => `${text(t * size, digits)}${this.second}`;
     this.tilt.value = String(1000 * sliderOf(state.tilt));
     this.tiltSaid.textContent = `${text(state.tilt, 3)}${solid ? " rad" : ""}`;
-    const {size, unit} = view.curve("time"), seconds = (t, digits) => `${text(t * size, digits)}${state.si ? ` ${unit}` : ""}`;
     this.until.replaceChildren(...[...new Set([...TIMES, state.until])].map((t) => element("option", {value: t}, seconds(t, 3))));
     this.until.value = String(state.until);
-    const label = this.start.firstChild;
-    if (!solid) label.replaceChildren("disturb ", this.kick);
-    if (solid) label.textContent = "tilt";
-    this.start.classList.toggle("own", !solid);
+    this.offer(show);
+    const words = ENDS[run.outcome] || `${(view.motion.words || {})[run.outcome] || run.outcome}`;
+    const named = subject.states.map((name) => subject.symbols[name] || name);
+    if (show === "steady" && run.outcome !== "absent") this.said.textContent = "The steady motion itself, undisturbed.";
+    else if (show === "mode") {
+      const parts = solid ? components(subject.mode(view.point(), eigenvalue)) : shown.parts;
+      this.said.textContent = `Mode ${index + 1} of the linear motion${solid ? ", enlarged" : ` (float): ${this.course()}`}. `
+        + `Sizes and phases: ${componentsText(parts, named, solid ? SMALL : 0)}.`;
+    } else if (run.refused) this.said.textContent = `No launch from here: ${words}.`;
+    else {
+      const name = subject.states[state.kick || 0], by = solid ? `${text(state.tilt, 3)} rad` : `${this.sizeOf(name)} in ${name}`;
+      this.said.textContent = `Launched ${solid ? "tilted" : "disturbed"} by ${by}: at t = ${seconds(run.until, 5)} ${words}${this.near(run)}.`;
+    }
+  }
+
+  /** The size of the disturbance of a state, in its unit. */
+  sizeOf(name) {
+    const {unit} = this.view.curve(name);
+    return `${text(this.view.state.tilt, 3)}${unit ? ` ${unit}` : ""}`;
+  }
+
+  /** How the size of the mode of a system changes along its curves. */
+  course() {
+    const {parts, factor, count, each} = this.shown, largest = parts.findIndex((part) => part.phase === 0 && part.size === 1);
+    const name = this.view.subject.states[largest], first = `${name} begins ${this.sizeOf(name)} from its steady value`;
+    const change = Math.abs(factor - 1) < UNCHANGED ? "the size stays" : `the size is multiplied by ${text(factor, 3)}`;
+    return `${first}; ${count ? `after ${count} ${each} ` : ""}${change}`;
+  }
+
+  /** The controls that belong to a picture, and what the curves are. */
+  offer(show) {
+    const {solid} = this, {subject, state} = this.view, amplitude = this.sizes("mode");
     if (this.kicked !== subject.key) {
       this.kicked = subject.key;
       this.kick.replaceChildren(...subject.states.map((n, i) => element("option", {value: i}, n)));
     }
     this.kick.value = String(state.kick || 0);
-    const shares = (vector) => {
-      const all = vector.map((v, i) => [Math.hypot(...v), subject.symbols[subject.states[i]] || subject.states[i]]);
-      const most = Math.max(...all.map((v) => v[0]));
-      return all.filter(([size]) => size > 0.02 * most).sort((a, b) => b[0] - a[0])
-        .map(([size, name]) => `${name} ${text(size / most, 2)}`).join(", ");
-    };
-    const words = ENDS[run.outcome] || `${(this.view.motion.words || {})[run.outcome] || run.outcome}`;
-    if (show === "steady" && !(run.outcome === "absent")) this.said.textContent = "The steady motion itself, undisturbed.";
-    else if (show === "mode") {
-      this.said.textContent = `Mode ${Math.min(state.mode || 0, modes.length - 1) + 1} of the linear motion, enlarged. `
-        + `Shares: ${shares(this.shown.vector)}.`;
-    } else if (run.refused) this.said.textContent = `No launch from here: ${words}.`;
-    else {
-      const by = `${text(state.tilt, 3)}${solid ? " rad" : ""}`;
-      this.said.textContent = `Launched ${solid ? "tilted" : "disturbed"} by ${by}: at t = ${seconds(run.until, 5)} ${words}${this.near(run)}.`;
-      if (!solid && state.mode !== null && modes[state.mode]) {
-        this.said.textContent += ` Mode ${state.mode + 1}: ${shares(subject.mode(view.point(), modes[state.mode]))}.`;
-      }
+    const label = solid ? "tilt" : amplitude ? "amplitude" : "disturb ";
+    if (this.sized.dataset.says !== label) { // only then, since an element that moves loses the focus
+      this.sized.dataset.says = label;
+      this.sized.replaceChildren(label, ...(label === "disturb " ? [this.kick] : []));
+      this.tilt.setAttribute("aria-label", amplitude ? "Amplitude of the mode" : "Size of the disturbance");
     }
+    this.start.classList.toggle("own", !solid);
+    this.start.classList.toggle("amplitude", amplitude);
+    this.start.hidden = this.sizes("steady");
+    this.length.hidden = amplitude;
+    const formula = ["Linear motion in mode ", this.chosen.index + 1, " (float): steady value + amplitude · Re(", element("i", {}, "v"), " e", element("sup", {}, "λt"), ")"];
+    const captions = {steady: ["The steady motion (float)"], mode: formula, launch: ["The nonlinear launch from this disturbance (float)"]};
+    this.caption.replaceChildren(...(solid ? ["Curves of the launch from this tilt"] : captions[show]));
   }
 
   /** How near the end of a run is to a member of the family, in words; no proof that it stays. */
@@ -200,12 +273,13 @@ export class MotionPanel {
       this.last = now;
     } else this.last = null;
     this.slider.value = String((1000 * this.time) / (this.span || 1));
-    const {size, unit} = this.view.curve("time"), decimals = Math.max(0, 1 - Math.floor(Math.log10(size)));
-    this.clock.textContent = `t = ${(this.time * size).toFixed(decimals)}${this.view.state.si ? ` ${unit}` : ""}`;
+    const {size} = this.view.curve("time"), {solid} = this;
+    const decimals = Math.max(0, solid ? 1 - Math.floor(Math.log10(size)) : Math.min(9, 2 - Math.floor(Math.log10(this.span || 1))));
+    this.clock.textContent = `t = ${(this.time * size).toFixed(decimals)}${this.second}`;
     this.play.textContent = this.playing ? "❚❚" : "▶";
-    this.traces.mark(this.kindShown === "launch" ? this.time : 0);
+    this.traces.mark(solid && this.kindShown !== "launch" ? 0 : this.time);
     const {motion} = this.view;
-    if (this.stage && this.visible && this.view.subject.pose) {
+    if (this.stage && this.visible && solid) {
       this.stage.shapeOf(...this.outline());
       const {times, poses, path} = this.shown, index = before(times, this.time) + 1;
       if (poses && !poses.length) return;
@@ -226,6 +300,7 @@ export class MotionPanel {
 
   /** Seconds of the motion in one second: a run lasts about twenty. */
   pace() {
+    if (!this.solid && this.kindShown !== "launch") return this.span / SHOWING;
     return this.kindShown === "launch" ? Math.max(1.5, Math.min(6, this.span / 20)) : 1.5;
   }
 }

@@ -3,7 +3,9 @@
 import {element, shape, text} from "../drawing/elements.js";
 import {ticks} from "../drawing/scales.js";
 
-const LEFT = 52, RIGHT = 10, ROW = 62, FOOT = 20, LABEL = 12, MOST = 700, NOTHING = 1e-4;
+const LEFT = 58, RIGHT = 10, ROW = 62, FOOT = 20, LABEL = 12, MOST = 700, NOTHING = 1e-4;
+const SEEN = 0.01, SEEN_LINEAR = 1e-9; // least change of a curve over its size; of a linear motion, which has no rounding
+const DIGITS = [3, 5, 7, 9]; // as many as both ends need to differ
 
 export class Traces {
   /** `measure` gives size and unit of a curve, and of `time`, by its name. */
@@ -25,7 +27,7 @@ export class Traces {
     new ResizeObserver(() => this.draw()).observe(this.root);
   }
 
-  /** Show a run: {times, series, outcome}, over a span of time. */
+  /** Show a run: {times, series, ended, linear}, over a span of time. */
   show(run, span) {
     this.run = run;
     this.span = span;
@@ -45,7 +47,7 @@ export class Traces {
       const {size, unit} = this.measure(name), values = this.run.series[name], top = row * ROW + 15, tall = ROW - 21;
       let low = Math.min(...values), high = Math.max(...values);
       if (name === "normal force") { low = Math.min(low, 0); high = Math.max(high, 1); }
-      const small = 0.01 * Math.max(Math.abs(low), Math.abs(high), 1e-9);
+      const still = low === high, small = (this.run.linear ? SEEN_LINEAR : SEEN) * Math.max(Math.abs(low), Math.abs(high), 1e-9);
       if (high - low < small) { // a constant is drawn as a line in the middle
         const middle = (low + high) / 2;
         [low, high] = [middle - small / 2, middle + small / 2];
@@ -55,9 +57,9 @@ export class Traces {
       const line = this.run.times.map((t, i) => [t, values[i], i]).filter(([, , i]) => i % skip === 0 || i === values.length - 1)
         .map(([t, v]) => `${at(t).toFixed(1)} ${y(v).toFixed(2)}`).join("L");
       parts.push(shape("path", {class: "grid", d: `M${LEFT} ${top + tall}h${wide}`}));
-      const digits = text(low * size, 3) === text(high * size, 3) ? 5 : 3;
+      const digits = DIGITS.find((n) => text(low * size, n) !== text(high * size, n)) || 3;
       const near = (v) => (Math.abs(v) < NOTHING * (high - low) ? 0 : v); // no 10⁻¹⁰ at the foot of a decay
-      for (const v of [low, high]) parts.push(shape("text", {class: "number", x: LEFT - 5, y: y(v) + 3.5, "text-anchor": "end"}, text(near(v) * size, digits)));
+      for (const v of still ? [values[0]] : [low, high]) parts.push(shape("text", {class: "number", x: LEFT - 5, y: y(v) + 3.5, "text-anchor": "end"}, text(near(v) * size, digits)));
       parts.push(shape("text", {class: "number strong", x: LEFT, y: top - 4}, bracketed(name, unit)));
       parts.push(shape("path", {class: "trace", d: `M${line}`}));
       if (this.run.ended) parts.push(shape("circle", {class: "ended", cx: at(this.run.until), cy: y(values[values.length - 1]), r: 3.5}));
