@@ -12,8 +12,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 REPORT = ROOT / "docs" / "report"
 """An example of what `make report` writes, in the words of the version that wrote it."""
-FOREIGN = (REPORT, ROOT / "stability" / "explorer" / "library")
-"""Folders whose words are left as they are: that example, and a library of others."""
+FOREIGN = (REPORT, ROOT / "stability" / "explorer" / "library", ROOT / "docs" / "_made",
+           ROOT / "docs" / "notebooks")  # fmt: skip
+"""Folders left out: that example, a library of others, and what the build of the site makes."""
 FOLDERS = ("stability", "docs", "tests", "benchmarks", "examples", "notebooks", "paper",
            "conda-recipe", ".github")  # fmt: skip
 """Folders with pages, beyond the files next to the README."""
