@@ -174,7 +174,7 @@ def test_scales_are_carried() -> None:
         ({"tilt": 1.5}, "past π/2"),
         ({"tilt": 1.5, "launch": False, "at": 5.0}, "past π/2"),
         ({"contact": st.Rough()}, "law with friction"),
-        ({"contact": None}, "law with friction"),
+        ({"contact": None}, "contact is missing; give Viscous"),
         ({"tilt": float("nan")}, "tilt is nan"),
         ({"launch": 1}, "launch is 1"),
     ],
