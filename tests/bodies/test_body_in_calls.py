@@ -67,12 +67,16 @@ def test_a_branch_of_a_body_is_followed() -> None:
 
 def test_a_name_where_a_family_is_needed_is_led_to_the_bodys() -> None:
     for call in (
-        lambda: st.conditions("rolling", body=st.Torus(0.2)),  # type: ignore[arg-type]
         lambda: st.branch("rolling", 1, 2),  # type: ignore[arg-type]
         lambda: st.table("conditions", "rolling"),
     ):
         with pytest.raises(st.StabilityError, match=r"body\.family\("):
             call()
+    torus = st.Torus(0.2)
+    with pytest.raises(st.StabilityError, match="contact is missing; give Smooth"):
+        st.conditions("rolling", body=torus)
+    by_name = st.conditions("rolling", body=torus, contact="viscous")
+    assert str(by_name) == str(st.conditions(torus.family("rolling", st.Viscous(0.3))))
 
 
 # --- quantities ---

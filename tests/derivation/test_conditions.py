@@ -578,7 +578,7 @@ def test_members_outside_are_refused_and_missing_numbers_are_named() -> None:
         found.decide({"r": 28, "sigma": 10, "b": 1})
     with pytest.raises(DomainError, match="does not obey"):
         found.decide({"r": 28, "sigma": 10, "b": 1, "x": 1})
-    with pytest.raises(ParameterError, match="family"):
-        st.conditions("rolling")  # type: ignore[arg-type]
+    with pytest.raises(ParameterError, match="contact is missing; give Smooth"):
+        st.conditions("rolling")
     with pytest.raises(ParameterError, match="b is missing"):
         found.verdict(28.0, sigma=10.0)

@@ -269,8 +269,8 @@ def test_every_function_that_takes_a_law_is_called_here() -> None:
         and "contact" in inspect.signature(one).parameters
     }  # fmt: skip
     # a table takes the name alone, with mu as numbers of its rows; on a page mu is a slider;
-    # slow_flow is for other bodies
-    assert takes == {*CALLS, "explore", "slow_flow", "table"}
+    # slow_flow is for other bodies; numbers of a law stay variables of conditions and formulas
+    assert takes == {*CALLS, "conditions", "explore", "latex", "slow_flow", "table"}
 
 
 @pytest.mark.parametrize("name", CALLS)

@@ -209,26 +209,21 @@ def rate(roots: int, w: Any) -> None:
 
 
 def judge_squares(flags: Any, w: Any) -> int:
-    """The same as `judge` for ±√z, where λ² = z = -a₀/a₁ is one number, neutral where z < 0.
-
-    One loop, since its lines would take as long as the roots.
-    """
+    """The same for ±√z, λ² = z = -a₀/a₁, neutral where z < 0, in one loop: lines take time."""
     sure = 0
     for j in range(SIDE):
         z, unit = -w[A + j], w[UNIT + j]
         size = abs(z)
         slack, root = w[E + j] / size, math.sqrt(size)
-        # |√z - √z'| ≤ √|z| times the relative error of z; a cell where the sign of z is open is
-        # computed again
+        # |√z - √z'| ≤ √|z| times the relative error of z; where the sign of z is open, again
         error = root * (slack + EPS) if slack < 1 else math.inf
-        grows = z > 0
-        top, turn = (root, 0.0) if grows else (0.0, root)
+        top, turn = (root, 0.0) if z > 0 else (0.0, root)
         still = (top == 0) & (turn > error)
         error = unit * (0.0 if still else error + (6e-16 * top + 1e-18 * root))
         top, largest = unit * top, unit * root
         good = (error <= WANTED * largest) & ((top > error) | (error == 0))
         w[TOP + j], w[ERROR + j], w[TURN + j] = top, error, unit * turn
-        w[CHANGE + j] = (flags[1] if grows else flags[0]) if good else 0.0
+        w[CHANGE + j] = (flags[1] if z > 0 else flags[0]) if good else 0.0
         sure += 1 if good else 0
     return sure
 
