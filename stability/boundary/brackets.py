@@ -76,10 +76,11 @@ class AxisScan:
         """Characteristic polynomial at a point of the line, at a precision in bits; cached."""
         key = value, bits
         if key not in self._known:
-            self._known[key] = self._coefficients(value, bits)
+            self._known[key] = self.enclosed(value, bits)
         return self._known[key]
 
-    def _coefficients(self, value: Any, bits: int) -> list[Any]:
+    def enclosed(self, value: Any, bits: int) -> list[Any]:
+        """The same for every value in a ball; not cached."""
         family = self.problem.family
         with precision(bits):
             a, q = self.problem.balls(self.fixed | {self.axis: value})
@@ -229,7 +230,7 @@ class AxisScan:
     def _at(self, value: Any, bits: int) -> list[Any]:
         """The polynomial whose Hurwitz stability is the verdict, at a ball."""
         zeros = structure(self.problem.family).zeros
-        return verdict_polynomial(self._coefficients(value, bits), zeros, self.even)
+        return verdict_polynomial(self.enclosed(value, bits), zeros, self.even)
 
     def _halved(self, low: Any, high: Any) -> bool:
         """Whether the constant term is not proved to differ from zero where the verdict changes."""

@@ -37,6 +37,9 @@ from .interval_search.proved import proved
 from .search import Mark, Search, search
 from .single_points import single
 
+POINT = 1e-9
+"""Width of a part that the exact search leaves open, over the interval, up to which it is a point.
+"""
 MOST_SCAN = 1_000_000
 """Most points of a scan for boundaries along an axis."""
 
@@ -177,13 +180,20 @@ def _along(line: AxisScan, low: float, high: float, points: int, *, log: bool) -
     """By exact roots where possible, then with algebraic numbers, otherwise in pieces."""
     with suppress(NotExact, UnclearError):
         return located(line, search(line.problem, line.axis, low, high))
+    exact, reason = None, ""
     try:
-        return algebraic(line, low, high)
+        exact = algebraic(line, low, high)
     except NotExact as error:
-        reason = str(error)
+        reason = f"; no exact search, since {error}"
+    if exact is not None:
+        widest = max((part.high - part.low for part in exact.unresolved), default=0.0)
+        if widest <= POINT * (high - low):
+            return exact  # single points stay open in pieces too
     line.__dict__["formulas"] = None
     found = proved(line, _grid(low, high, points, log=log), log=log)
-    return replace(found, how=f"{found.how}; no exact search, since {reason}")
+    if exact is not None and not found.complete:
+        return exact
+    return replace(found, how=found.how + reason)
 
 
 # --- by exact roots ---

@@ -11,7 +11,9 @@ from kicked_flow import DIMENSION, kicked, side
 import stability as st
 from stability.base.axis import Axis
 from stability.basin.borders import borders
+from stability.basin.launch_labels import FAMILIES
 from stability.basin.refinement.arrays import border_arrays
+from stability.motion.result import Outcome
 
 ALPHA = 2 - DIMENSION
 ROUGH: dict[str, Any] = {
@@ -40,6 +42,33 @@ def test_a_rough_border_is_marked_and_a_circle_is_not() -> None:
     assert low < 1 < high
     assert smooth.border_sensitive.size > 10 and not smooth.border_sensitive.values.any()
     assert told.attrs["border_sensitive_note"].startswith("Sensitive: ")
+
+
+SETTLED = FAMILIES * Outcome.SETTLED.code
+STRIP = 0.005
+
+
+def around(side: np.ndarray) -> np.ndarray:
+    """Two ends, and between them a strip of launches that still move at the horizon."""
+    return np.where(np.abs(side) < STRIP, 0, SETTLED + 1 + (side > 0))
+
+
+def test_a_strip_of_unfinished_launches_is_open_where_the_border_is_smooth() -> None:
+    axes = ("x", 0, 1, 9), ("y", 0, 1, 9)
+    _, told = refined(lambda p: around(p[:, 1] - 0.31 * p[:, 0] - 0.2), *axes, 6)
+    marked = told.border_sensitive.values
+    assert (marked == 2).sum() > 4 and not (marked == 1).any()
+    assert (told.border_block_exponent.values[marked == 2] < 0.9).all()
+    assert "Open: the same, but through a strip" in told.attrs["border_sensitive_note"]
+    assert "100 % of the finest pairs hold a launch whose end" in told.attrs["border_exponent_note"]
+    _, known = refined(lambda p: SETTLED + 1 + (p[:, 1] > 0.31 * p[:, 0] + 0.2), *axes, 6)
+    assert not known.border_sensitive.values.any()
+    assert "end is not known" not in known.attrs["border_exponent_note"]
+
+
+def test_a_strip_along_a_rough_border_leaves_it_sensitive() -> None:
+    _, told = refined(lambda p: around(side(p)), ("x", 0.03, 0.97, 12), ("y", -2, 2, 13), 6)
+    assert (told.border_sensitive.values == 1).mean() > 0.8
 
 
 @pytest.mark.parametrize("scale", [(), ("log",)])

@@ -333,13 +333,15 @@ def test_refined_borders_are_said_to_be_sensitive_or_not(
     assert main(words) == 0
     found = xarray.open_zarr(tmp_path / "a.zarr")
     low, high = found.attrs["border_exponent_interval"]
-    blocks, marked = found.border_sensitive.size, int(found.border_sensitive.sum())
-    assert 0 < marked < blocks  # a thin region between two rests
+    blocks, marked = found.border_sensitive.size, int((found.border_sensitive == 1).sum())
+    open_ = int((found.border_sensitive == 2).sum())
+    assert 0 < marked + open_ < blocks  # a thin region between two rests
     said = capsys.readouterr().out
     assert (
         f"; uncertainty exponent {found.attrs['border_exponent']:.2f} [{low:.2f}, {high:.2f}], "
         f"{marked} of {blocks} blocks along borders sensitive" in said
     )
+    assert (f"{open_} open (a longer --time decides)" in said) == (open_ > 0)
     assert main([*words, "--json"]) == 0
     record = json.loads(capsys.readouterr().out)
     assert record["border_exponent_interval"] == [low, high]

@@ -197,6 +197,8 @@ def test_sensitive_blocks_have_dashes_and_a_sentence(found: xarray.Dataset) -> N
     words = basins_caption(marked)
     assert "2 of 3 blocks along the borders are sensitive" in words
     assert "0.61 [0.50, 0.72], 95 % confidence" in words
+    strips = basins_caption(marked.assign(border_sensitive=2 * marked.border_sensitive))
+    assert "2 blocks are open" in strips and "None of the 3 blocks" in strips
     smooth = marked.assign(border_sensitive=0 * marked.border_sensitive)
     assert "None of the 3 blocks" in basins_caption(smooth)
     assert "sensitive" not in basins_caption(found)

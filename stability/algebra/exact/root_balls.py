@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -16,6 +17,8 @@ FAR_BITS = 1800
 """Bits of a coefficient above which roots of one irreducible factor may be too near to isolate."""
 CLUSTER_BITS = 1024
 """Precision at which such roots are isolated, or else enclosed in clusters."""
+STARTS = (0.0, 0.3711, -0.5873)
+"""Centres of further attempts to isolate the roots of a monic polynomial, over their mean size."""
 
 Balls = list[Any]
 
@@ -104,9 +107,8 @@ def isolated(coefficients: Balls, even: bool) -> Balls | None:
     balls = [arb(c) for c in (coefficients[::2] if even else coefficients)]
     if balls[-1].contains(0):
         return None
-    try:
-        found = acb_poly(balls).roots(tol=arb(2) ** (-3 * ctx.prec // 4))
-    except ValueError:
+    found = _separated(balls)
+    if found is None:
         return None
     # conjugates are roots too: if a ball's mirror image meets it and no other, its root is real
     for i, r in enumerate(found):
@@ -118,6 +120,25 @@ def isolated(coefficients: Balls, even: bool) -> Balls | None:
         return [root for square in real for root in _both(square)] if _clear(real) else None
     upper = [r for r in real if r.imag > 0]
     return [r for r in real if r.imag == 0] + [w for r in upper for w in (r, r.conjugate())]
+
+
+def _separated(balls: Balls) -> Balls | None:
+    """Roots in balls that do not meet, from one of a few starts; None where there are none.
+
+    The iteration starts at fixed numbers and has few steps: now and then it ends too early, also
+    for roots that are far apart.  For the monic polynomial or about another centre it differs.
+    """
+    size = float(abs(balls[0] / balls[-1]).mid()) ** (1 / max(len(balls) - 1, 1))
+    near = arb(size) if 0 < size < math.inf else arb(1)
+    monic = acb_poly([c / balls[-1] for c in balls])
+    for centre in (None, *(share * near for share in STARTS)):
+        tried = acb_poly(balls) if centre is None else monic(acb_poly([centre, 1]))
+        try:
+            found: Balls = tried.roots(tol=arb(2) ** (-3 * ctx.prec // 4))
+        except ValueError:
+            continue
+        return found if centre is None else [r + centre for r in found]
+    return None
 
 
 def _clear(squares: Balls) -> bool:

@@ -8,14 +8,18 @@ import numpy as np
 
 from ...base.axis import Axis
 from ...base.errors import ParameterError
+from ...motion.result import Outcome
 from ..borders import Borders
 from ..lattice.quadtree import between
+from ..launch_labels import FAMILIES
 from ..statistics.box_counting import HALVINGS, SPAN, box_dimension, sensitive
 
 BLOCK = "border_block"
 """Dimension of the blocks along a border."""
 LEAST = HALVINGS + 1
 """Fewest halvings that tell a sensitive block: those of a local exponent, and one more."""
+UNFINISHED = {o.code for o in (Outcome.MOVING, Outcome.UNDETERMINED, Outcome.UNRESOLVED)}
+"""Outcomes of launches whose end is not known."""
 
 
 def blocks(found: Borders, axes: tuple[Axis, Axis]) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -33,13 +37,15 @@ def blocks(found: Borders, axes: tuple[Axis, Axis]) -> tuple[dict[str, Any], dic
     dict, dict
         Along `border_block`: `border_block_X`, its low and high edge along each axis X,
         `border_block_exponent` and `border_sensitive`; and attributes that say what this means.
-        No array where the borders have too few halvings, which the attribute says.
+        No array where the borders have too few halvings, which the attribute says.  A block is
+        open where only launches that still move at the horizon make it look sensitive.
     """
     span = min(SPAN, found.levels)
     if span < LEAST:
         few = f"not sought: sensitive parts need {LEAST} halvings, and {found.levels} are complete"
         return {}, {"border_sensitive_note": few}
-    local = sensitive(found, span=span)
+    open_ = [c for c in np.unique(found.labels) if c // FAMILIES in UNFINISHED]
+    local = sensitive(found, span=span, unfinished=open_)
     arrays: dict[str, Any] = {}
     for axis, index in zip(axes, local.blocks.T, strict=True):
         ends = [between(axis, (index + i) << span, found.levels) for i in (0, 1)]
@@ -52,9 +58,9 @@ def blocks(found: Borders, axes: tuple[Axis, Axis]) -> tuple[dict[str, Any], dic
         {"long_name": "local uncertainty exponent between the last widths", "units": "1"},
     )  # fmt: skip
     arrays["border_sensitive"] = (
-        BLOCK, (local.block_exponent < local.bound).astype(np.int8),
-        {"long_name": "whether the block is sensitive", "flag_values": [0, 1],
-         "flag_meanings": "smooth sensitive"},
+        BLOCK, np.where(local.strips, 2, local.block_exponent < local.bound).astype(np.int8),
+        {"long_name": "whether the block is sensitive", "flag_values": [0, 1, 2],
+         "flag_meanings": "smooth sensitive open"},
     )  # fmt: skip
     return arrays, {"border_sensitive_note": local.note}
 
@@ -83,6 +89,18 @@ def exponent(found: Borders) -> dict[str, Any]:
         "border_exponent": float(known.exponent),
         "border_exponent_interval": [float(2 - high), float(2 - low)],
         "border_exponent_level": known.level,
-        "border_exponent_note": "2 - D, with D the slope of the number of unlike neighbours over "
-        f"their distance, halvings {first} to {last}; all borders together",
+        "border_exponent_note": "2 - D, with D the slope of the number of unlike neighbours (two "
+        "launches side by side with different ends) over their distance, halvings "
+        f"{first} to {last}; all borders together{_moving(found)}",
     }
+
+
+def _moving(found: Borders) -> str:
+    """The share of borders next to launches whose end is not known, for the note."""
+    open_ = np.isin(found.pair_labels // FAMILIES, list(UNFINISHED)).any(axis=1)
+    if not open_.any():
+        return ""
+    return (
+        f"; {100 * open_.mean():.0f} % of the finest pairs hold a launch whose end is not known, "
+        "and a longer horizon may change the exponent"
+    )

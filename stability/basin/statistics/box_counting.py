@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -149,6 +150,8 @@ class Sensitive:
     """Blocks that hold mixed cells: index along x and y, in blocks, shape (n, 2)."""
     block_exponent: Floats
     """Local uncertainty exponent of each block, shape (n,)."""
+    strips: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
+    """Whether a block is below the bound through a strip of unfinished launches alone, (n,)."""
     note: str
     """The definition, in a sentence."""
 
@@ -159,7 +162,12 @@ class Sensitive:
 
 
 def sensitive(
-    found: Borders, *, span: int = SPAN, halvings: int = HALVINGS, bound: float = BOUND
+    found: Borders,
+    *,
+    span: int = SPAN,
+    halvings: int = HALVINGS,
+    bound: float = BOUND,
+    unfinished: Sequence[int] = (),
 ) -> Sensitive:
     """The parts of a border at which a better known start hardly makes the outcome more certain.
 
@@ -179,6 +187,10 @@ def sensitive(
         Halvings over which the exponent is taken, at most `span`.
     bound
         Largest local exponent of a sensitive block.
+    unfinished
+        Labels of launches whose end is not known.  Where the horizon ends, a narrow strip of these
+        lies between two ends.  Its two sides look like one border at first, so that the number of
+        mixed cells doubles once.  Such a block is no longer sensitive, but one of `strips`.
 
     Returns
     -------
@@ -210,12 +222,51 @@ def sensitive(
     fine, wide = (_in_blocks(found.cells, n, span) for n in (0, halvings))
     blocks, block = np.unique(found.cells >> span, axis=0, return_inverse=True)
     local = 2 - np.log2(fine / (wide + 1.0)) / halvings
-    own = local[block.reshape(-1)]
+    strips = np.zeros(len(blocks), dtype=bool)
+    if len(unfinished) and (local < bound).any():
+        strips = (local < bound) & _smooth_without(found, unfinished, blocks, span, halvings, bound)
+    own = np.where(strips, np.inf, local)[block.reshape(-1)]
     note = (
         f"Sensitive: in blocks of 2^{span} cells, the share of uncertain launches falls with an "
         f"exponent below {bound:g} over {halvings} halvings."
     )
-    return Sensitive(own < bound, own, bound, span, blocks, local, note)
+    if strips.any():
+        note += (
+            "  Open: the same, but through a strip of launches whose end is not known; counted "
+            "with one of the ends next to it, they leave a smooth border."
+        )
+    return Sensitive(
+        own < bound, local[block.reshape(-1)], bound, span, blocks, local, strips, note
+    )
+
+
+def _smooth_without(
+    found: Borders, unfinished: Sequence[int], blocks: Ints, span: int, halvings: int, bound: float
+) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+    """Blocks whose border is smooth once unfinished launches count with another end nearby."""
+    labels = _corners(found)
+    open_ = np.isin(labels, unfinished)
+    out = np.zeros(len(blocks), dtype=bool)
+    for label in np.unique(labels[~open_]):
+        merged = np.where(open_, label, labels)
+        left = found.cells[(merged != merged[:, :1]).any(axis=1)]
+        if len(left):
+            fine, wide = (_in_blocks(left, n, span) for n in (0, halvings))
+            smooth = 2 - np.log2(fine / (wide + 1.0)) / halvings >= bound
+            known = {tuple(b) for b in np.unique(left >> span, axis=0)[smooth].tolist()}
+            out |= np.array([tuple(b) in known for b in blocks.tolist()], dtype=bool)
+    return out
+
+
+def _corners(found: Borders) -> Ints:
+    """Labels of the four corners of each finest mixed cell, shape (m, 4)."""
+    row = int(found.index[:, 1].max()) + 1
+    place = found.index[:, 0].astype(np.int64) * row + found.index[:, 1]
+    order = np.argsort(place)
+    step = 2 ** (found.lattice_levels - found.levels)
+    ends = [(found.cells + d) * step for d in ((0, 0), (1, 0), (0, 1), (1, 1))]
+    asked = np.stack([e[:, 0] * row + e[:, 1] for e in ends], axis=1)
+    return np.asarray(found.labels[order[np.searchsorted(place[order], asked)]])
 
 
 def _in_blocks(cells: Ints, coarser: int, span: int) -> Ints:

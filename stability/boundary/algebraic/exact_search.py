@@ -49,6 +49,10 @@ HOW = (
     "functions and unknowns as algebraic numbers"
 )
 NEAR = "another candidate is too near for a number between the two"
+JUMP = (
+    "the root-finder passes to another steady motion here, so the members are not one family; "
+    "take the family from System.steady, which follows one branch"
+)
 MEET = "two steady motions meet at this value, or one goes to infinity, so the branch may end"
 END = "an unknown that must be positive is zero at this value, so the branch may end"
 POLE = "the linearisation of {family} may have no value there; the verdict {said}"
@@ -186,7 +190,7 @@ class _Judge:
         for value, other in looks:
             if other.label != label:
                 above = next(i for i, f in enumerate(fence) if f > value)
-                reason = BRANCH if other.sign else other.reason
+                reason = JUMP if other.sign else other.reason
                 doubts.append((fence[above - 1], fence[above], reason))
         return Cell(low, high, place, look, tuple(doubts))
 

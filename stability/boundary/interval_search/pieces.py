@@ -49,7 +49,11 @@ NO_MEMBER = (
     "a regular one are still too wide"
 )
 NO_VALUE = "the linearisation has no value, or no finite enclosure, somewhere here"
-BRANCH = "the root-finder passes to another steady motion here, so the members are not one family"
+BRANCH = (
+    "the members at both ends are not proved to lie on one branch of steady motions: the "
+    "root-finder may pass to another one, or another is near; search shorter intervals, or take "
+    "the family from System.steady and follow it with st.branch"
+)
 ALONG = "an eigenvalue stays on the imaginary axis along all of it, as far as {bits} bits show"
 
 

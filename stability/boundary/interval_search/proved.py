@@ -8,13 +8,15 @@ both ends are unstable, another eigenvalue is unstable at the meeting too: no va
 from __future__ import annotations
 
 import numpy as np
+from flint import arb
 
+from ...algebra.balls import precision
 from ...base.errors import StabilityError
 from ...base.types import Floats
-from ..brackets import AxisScan, at_point, bracketed, refine
+from ..brackets import BITS, AxisScan, at_point, bracketed, refine
 from ..crossings import Boundaries, BoundaryPoint, Unresolved
 from ..scan import scanned
-from .pieces import TOUCH, Leaf, pieces
+from .pieces import NO_VALUE, TOUCH, Leaf, pieces
 
 PIECES = (
     "in ball arithmetic each of {count} pieces was proved to hold no eigenvalue on the imaginary "
@@ -129,4 +131,16 @@ def _open(line: AxisScan, leaf: Leaf, grid: Floats) -> Part:
         found = []
     finally:
         line.neutral = before
+    if NO_VALUE in leaf.reason:  # through a pole the verdict changes, and no eigenvalue is zero
+        found = [point for point in found if _has_value(line, point)]
     return found, [Unresolved(first, last, f"{leaf.reason}.")]
+
+
+def _has_value(line: AxisScan, point: BoundaryPoint) -> bool:
+    """Whether the linearisation has a finite enclosure over the bracket of a change."""
+    with precision(BITS):
+        over = arb(point.value, 2 * point.error)
+        try:
+            return all(c.is_finite() for c in line.enclosed(over, BITS))
+        except (StabilityError, ArithmeticError):
+            return False

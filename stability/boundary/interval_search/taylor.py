@@ -18,6 +18,7 @@ from typing import Any
 from flint import arb, arb_series, ctx
 
 from ...algebra.number_types import UNARY, Algebra, ball_angle, ball_power
+from ...base.errors import StabilityError
 
 UNIT = arb(0, 1)
 """Every t of a piece."""
@@ -33,11 +34,20 @@ def terms(count: int) -> Iterator[None]:
     ----------
     count
         Number of terms.
+
+    Raises
+    ------
+    ZeroDivisionError
+        If a series is divided by one whose first coefficient may be zero, as balls are.
     """
     before = ctx.cap
     ctx.cap = count
     try:
         yield
+    except StabilityError:
+        raise
+    except ValueError as error:  # of FLINT, where balls would give NaN
+        raise ZeroDivisionError(str(error)) from None
     finally:
         ctx.cap = before
 

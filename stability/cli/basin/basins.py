@@ -263,7 +263,11 @@ def _borders(dataset: Any) -> dict[str, Any]:
     told = {n: v for n, v in dataset.attrs.items() if str(n).startswith("border_exponent")}
     if "border_sensitive" in dataset:
         marked = dataset.border_sensitive.values
-        told |= {"border_blocks": int(marked.size), "border_sensitive_blocks": int(marked.sum())}
+        counts = {
+            word: int((marked == flag).sum()) for flag, word in ((1, "sensitive"), (2, "open"))
+        }
+        told |= {"border_blocks": int(marked.size)}
+        told |= {f"border_{word}_blocks": count for word, count in counts.items()}
     return told
 
 
@@ -277,4 +281,6 @@ def _sensitivity(record: dict[str, Any]) -> str:
     if record.get("border_blocks"):
         some, all_ = record["border_sensitive_blocks"], record["border_blocks"]
         words.append(f"{some} of {all_} blocks along borders sensitive")
+        if record["border_open_blocks"]:
+            words.append(f"{record['border_open_blocks']} open (a longer --time decides)")
     return ", ".join(words)

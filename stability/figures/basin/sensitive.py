@@ -40,7 +40,7 @@ def draw_sensitive(axes: Axes, dataset: xarray.Dataset, x: str, y: str) -> list[
     list of Line2D
         The entry of the legend; empty where no part is sensitive.
     """
-    marked = _marked(dataset)
+    marked = _marked(dataset, 1)
     if not marked.any():
         return []
     across, along = (dataset[f"border_block_{n}"].values[marked] for n in (x, y))
@@ -50,10 +50,10 @@ def draw_sensitive(axes: Axes, dataset: xarray.Dataset, x: str, y: str) -> list[
     return [Line2D([], [], label="sensitive", **LOOK)]
 
 
-def _marked(dataset: xarray.Dataset) -> np.ndarray[Any, np.dtype[np.bool_]]:
+def _marked(dataset: xarray.Dataset, flag: int) -> np.ndarray[Any, np.dtype[np.bool_]]:
     if MARK not in dataset.variables:
         return np.zeros(0, dtype=bool)
-    return np.asarray(dataset[MARK].values == 1)
+    return np.asarray(dataset[MARK].values == flag)
 
 
 def outline(across: Any, along: Any) -> list[list[Point]]:
@@ -101,7 +101,8 @@ def sensitive_words(dataset: xarray.Dataset) -> str:
     str
         Empty where the dataset has no refined borders, or these are too coarse for both.
     """
-    marked, told, found = _marked(dataset), dataset.attrs, ""
+    marked, open_ = (_marked(dataset, flag) for flag in (1, 2))
+    told, found = dataset.attrs, ""
     if marked.any():
         found = (
             f"  Dashes: {int(marked.sum())} of {marked.size} blocks along the borders are "
@@ -109,6 +110,11 @@ def sensitive_words(dataset: xarray.Dataset) -> str:
         )
     elif marked.size:
         found = f"  None of the {marked.size} blocks along the borders is sensitive."
+    if open_.any():
+        found += (
+            f"  {int(open_.sum())} blocks are open: a strip of launches that still move lies "
+            "between two ends, and a longer horizon decides."
+        )
     if "border_exponent" in told:
         low, high = told["border_exponent_interval"]
         found += (
