@@ -75,6 +75,22 @@ class Tilted(Upright):
 
 
 @dataclass(frozen=True, eq=False)
+class Field:
+    """The graph of (y, given, e, constants) → G, then g."""
+
+    function: ca.Function
+    """The graph; without constants it takes three arguments."""
+    constants: tuple[float, ...] | None = None
+    """Values of the last argument, which the graph keeps as symbols; None where there is none."""
+
+    @property
+    def symbols(self) -> list[ca.SX]:
+        """Fresh symbols of the constants, in a list; empty where there are none."""
+        count = self.function.n_in() - 3
+        return [ca.SX.sym("constant", self.function.numel_in(3))] if count else []
+
+
+@dataclass(frozen=True, eq=False)
 class Surroundings:
     """Surroundings of a family: programs of (y, given, e)."""
 
@@ -88,6 +104,8 @@ class Surroundings:
     """The guards."""
     remainder: Program | None = None
     """G at e = 0 for a family without y; None for a family with y, where G is zero by structure."""
+    field: Field | None = None
+    """The field itself, for a family that one number names; None where no tube is sought."""
 
 
 def attraction(

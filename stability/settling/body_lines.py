@@ -21,8 +21,9 @@ from ..base.types import Floats
 from ..bodies.newton_euler import STATES
 from ..systems.family import Family
 from ..systems.system import System
-from .attraction import Attraction, Surroundings, attraction
+from .attraction import Attraction, Surroundings
 from .lines import line_surroundings
+from .proof import settles
 from .together.kernel import Balls
 from .together.many import RIGHT_ANGLE
 
@@ -204,7 +205,7 @@ class Line:
         exact = [arb(v) for v in state[: len(self.system.states)].tolist()]
         held, right = [arb(v) for v in given], [arb.pi() / 2]
         [y, *e] = (v for [v] in self.deviation.dense(balls(), [exact, held, right]))
-        return attraction(around, given, [y], e)
+        return settles(around, given, [y], e)
 
 
 @lru_cache(maxsize=256)
@@ -300,7 +301,7 @@ class Vertical:
 
         functions = SimpleNamespace(**balls().functions)
         own, *off = self._chart([arb(v) for v in state.tolist()], functions)
-        return attraction(self.around, p.tolist(), [own], off)
+        return settles(self.around, p.tolist(), [own], off)
 
 
 @lru_cache(maxsize=1)

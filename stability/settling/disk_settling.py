@@ -26,9 +26,10 @@ from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.thin_disk.disk_equations import STATES, disk_system
 from ..bodies.thin_disk.disk_families import AT_REST, FAMILIES, DiskFamily, lines_under
-from .attraction import Attraction, Surroundings, attraction
+from .attraction import Attraction, Surroundings
 from .lines import line_surroundings
 from .nearest import Nearest
+from .proof import settles
 from .together.kernel import Balls
 from .together.many import RIGHT_ANGLE, NearestMany, nearest_many
 
@@ -273,7 +274,7 @@ def settled(
         None where the test fails.
     """
     around = surroundings(law, family)
-    return attraction(around, [sign, *p.tolist()], [y], e)
+    return settles(around, [sign, *p.tolist()], [y], e)
 
 
 def surroundings(law: type[Contact], family: str) -> Surroundings:

@@ -11,7 +11,7 @@ from ..algebra.number_types import casadi_algebra
 from ..algebra.program import Program
 from ..algebra.upright import UPRIGHT
 from ..systems.system import System
-from .attraction import Surroundings, Tilted
+from .attraction import Field, Surroundings, Tilted
 
 
 def line_surroundings(
@@ -55,9 +55,11 @@ def line_surroundings(
     for n in others:  # a member moves with its parameter
         if member[n] is not UPRIGHT and ca.depends_on(ca.SX(member[n]), y):
             rhs[n] = rhs[n] - ca.jacobian(member[n], y) * along
-    slope = ca.densify(ca.jacobian(ca.vertcat(*(rhs[n] for n in others), along), e))
+    field = ca.densify(ca.vertcat(*(rhs[n] for n in others), along))
+    slope = ca.densify(ca.jacobian(field, e))
     inputs = [y, given, e]
     return Surroundings(
         1, len(others), Program(ca.Function("slopes", inputs, [slope])),
         Program(ca.Function("positive", inputs, [ca.densify(ca.vertcat(*values[1]))])),
+        field=Field(ca.Function("field", inputs, [field])),
     )  # fmt: skip

@@ -23,8 +23,9 @@ from ..base.quantities import rate_unit
 from ..base.types import Floats
 from ..systems.family import Family, listing
 from ..systems.graph.constants import Constants
-from .attraction import Surroundings, Tilted, attraction
+from .attraction import Field, Surroundings, Tilted
 from .nearest import Nearest
+from .proof import settles
 from .together.kernel import Balls
 from .together.many import RIGHT_ANGLE, NearestMany, nearest_many
 
@@ -254,7 +255,7 @@ def _proved(family: Family, state: Floats, member: Floats, p: Floats) -> tuple[s
         for n, v in ((n, fixed[n]) for n in system.states if n not in family.at)
     ]
     given = [*p.tolist(), *(float(fixed[n]) for n in family.unknown)]
-    proof = attraction(around, given, y, e)
+    proof = settles(around, given, y, e)
     return "convergence to it is not proved from there", proof
 
 
@@ -311,14 +312,16 @@ def _surroundings(family: Family, along: list[str], across: list[str]) -> Surrou
     still = all(ca.SX(rest[i]).is_zero() for i in order)
     if along and not still:
         return "that its rates vanish along the family is not seen from the graph's structure"
-    slope = ca.densify(ca.jacobian(ca.vertcat(*(values[i] for i in order)), e))
+    field = ca.densify(ca.vertcat(*(values[i] for i in order)))
+    slope = ca.densify(ca.jacobian(field, e))
+    inputs = [y, ca.vertcat(p, u), e, constants.column]
 
     def program(name: str, output: ca.SX) -> Program:
-        inputs = [y, ca.vertcat(p, u), e, constants.column]
         return Program(ca.Function(name, inputs, [ca.densify(output)]), constants.values)
 
     remainder = None if along else program("rest", ca.vertcat(*(rest[i] for i in order)))
+    whole = Field(ca.Function("field", inputs, [field]), tuple(constants.values))
     return Surroundings(
         len(along), len(across), program("slopes", slope),
-        program("positive", ca.vertcat(*positive)), remainder,
+        program("positive", ca.vertcat(*positive)), remainder, whole if len(along) == 1 else None,
     )  # fmt: skip

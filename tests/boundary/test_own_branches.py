@@ -15,7 +15,7 @@ from stability.boundary.algebraic import branch
 
 
 def skew_bead() -> dict[str, st.Family]:
-    """A bead on a hoop that turns about an axis away from its centre: two motions, then four from 6.6016."""
+    """A bead on a hoop that turns about an axis off its centre: two, later four motions."""
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
     pull = p[0] ** 2 * (ca.sin(x[0]) + 0.5) * ca.cos(x[0]) - 9.81 * ca.sin(x[0])
     system = st.System("bead", x, p, ca.vertcat(x[1], pull - p[1] * x[1]),

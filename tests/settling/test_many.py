@@ -1,6 +1,8 @@
 """What the kernel calls settled is settled: by the flint test, and by independent motions."""
 
 import math
+from dataclasses import replace
+from functools import lru_cache
 from importlib.util import find_spec
 from types import SimpleNamespace
 from typing import Any
@@ -57,6 +59,20 @@ def final(six: Any, p: Any, span: float) -> Any:
     run = solve_ivp(rates, (0, span), six.ravel(), method="DOP853", rtol=1e-9, atol=1e-12)
     assert run.success
     return run.y[:, -1].reshape(six.shape)
+
+
+@pytest.fixture(autouse=True)
+def _boxes_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """These are tests of the box about a state; tests/settling/test_tube.py has those of tubes."""
+    whole = disk_settling.surroundings
+    monkeypatch.setattr(
+        disk_settling, "surroundings", lambda law, name: _without_field(whole(law, name))
+    )
+
+
+@lru_cache(maxsize=32)
+def _without_field(around: Surroundings) -> Surroundings:
+    return replace(around, field=None)
 
 
 def converges(found: Any, six: Any, p: Any, some: Any) -> Any:

@@ -25,6 +25,7 @@ from ...algebra.number_types import Algebra
 from ...base.errors import StabilityError
 from ...base.types import Floats
 from ..attraction import ROOM, TURNS, WIDEN, Surroundings
+from ..tube.nodes import in_tube
 from . import box_kernel
 
 KERNELS: tuple[ModuleType, ...] = (double_balls, box_kernel)
@@ -39,6 +40,8 @@ JUST = 4.0
 NEARER, MARGIN, LEAST = 0.6, 0.8, 0.05
 """Part of the distance where the next proof may succeed: without an estimate, over the estimate,
 and at least."""
+INSIDE = 0.98
+"""Part of a tube's radius over the distance at which the next try is made."""
 SPARE = 2.0**-46
 """Half-width of the first box along the family, over the size of its centre: above rounding."""
 
@@ -169,9 +172,12 @@ def settled_many(
     """
     made, count, n = tapes(around), len(given), around.along
     found = nothing(count, n)
+    left = np.ones(count, bool) if around.field is None else ~_by_tubes(around, y, given, e, found)
+    if not left.any():
+        return found
     test = _Test(around, made, y, given, e, found, plain, np.zeros(count, bool))
     with np.errstate(all="ignore"):  # nan is never proved
-        some, centre, slow, a = test.centres()
+        some, centre, slow, a = test.centres(left)
         if n == 1:  # launches with the same parameters share bases
             test.proofs(some, centre, slow, test.shared_bases(some, centre, a))
             some, centre, slow, a = test.missed(some, centre, slow, a)
@@ -179,6 +185,25 @@ def settled_many(
         some, centre, slow, a = test.missed(some, centre, slow, a)
         test.proofs(some, centre, slow, _lyapunov(a))
     return found
+
+
+def _by_tubes(
+    around: Surroundings, y: Balls, given: Floats, e: Balls, found: Settled
+) -> NDArray[np.bool_]:
+    """Which launches are near a member with a tube; those in it are proved."""
+    near = np.asarray(np.isfinite(np.hstack([y.mid, given, e.mid])).all(1), dtype=bool)
+    if not near.any():
+        return near
+    balls = (y.mid[near, 0], y.rad[near, 0]), (e.mid[near], e.rad[near])
+    told = in_tube(around, balls[0], given[near], balls[1])
+    some = np.flatnonzero(near)
+    fine = some[told.proved]
+    found.proved[fine], found.limit[fine, 0] = True, told.limit[told.proved]
+    for name, values in (("error", told.error), ("rate", told.rate), ("reach", told.half)):
+        getattr(found, name)[fine] = values[told.proved]
+    found.nearer[some] = np.where(told.known, np.clip(INSIDE * told.share, LEAST, INSIDE), NEARER)
+    near[some] = told.known
+    return near
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,10 +228,11 @@ class _Test:
         found: Floats = mid[: (m + n) * m].T.reshape(-1, m + n, m)
         return found
 
-    def centres(self) -> tuple[Any, Floats, Floats, Floats]:
+    def centres(self, left: NDArray[np.bool_]) -> tuple[Any, Floats, Floats, Floats]:
         """Launches, centres y_c = y - ℓᵀe, rows ℓ with ℓᵀA = ∂g/∂e there, and A."""
         m = self.around.across
-        some = np.flatnonzero(np.isfinite(np.hstack([self.y.mid, self.given, self.e.mid])).all(1))
+        whole = np.isfinite(np.hstack([self.y.mid, self.given, self.e.mid])).all(1)
+        some = np.flatnonzero(whole & left)
         y, e, given = self.y.mid[some], self.e.mid[some], self.given[some]
         centre, slow, a = y, np.zeros((len(y), self.around.along, m)), np.zeros((len(y), m, m))
         for _ in range(3):

@@ -1,0 +1,164 @@
+"""Launches in the tubes of members on a grid, which all launches with the same numbers share."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.types import Floats
+from ..attraction import Surroundings
+from .normal_form import LOOSE, WIDE
+from .radius import OFF, STEP, Tubes, tubes
+
+MOST = 20_000
+"""Tubes that are kept for one family."""
+TOGETHER = 512
+"""Tubes that are made together."""
+
+
+class InTube(NamedTuple):
+    """What tubes say of launches; each has shape (launches,)."""
+
+    known: NDArray[np.bool_]
+    """Whether the member nearby has a tube."""
+    proved: NDArray[np.bool_]
+    """Whether the launch is in it."""
+    limit: Floats
+    """Parameter of a member near the one that it converges to."""
+    error: Floats
+    """Bound on the distance of the two."""
+    rate: Floats
+    """Least rate at which the deviation falls, in the tube's coordinates."""
+    half: Floats
+    """Half the diagonal of a box across the family that holds the tube."""
+    share: Floats
+    """Radius of the tube over the launch's distance, in the tube's coordinates."""
+
+
+def in_tube(around: Surroundings, y: Any, given: Floats, e: Any) -> InTube:
+    """Which launches are in a tube in which every motion converges to the family.
+
+    Parameters
+    ----------
+    around
+        Surroundings with a field.
+    y, e
+        Parameters of the nearest members and deviations as balls (mid, rad) that contain the true
+        values, shapes (launches,) and (launches, m).
+    given
+        Second argument of the programs, shape (launches, ·).
+
+    Returns
+    -------
+    InTube
+
+    Raises
+    ------
+    StabilityError
+        If the graph has a function without a kernel.
+    """
+    kept = _kept(around)
+    (at, r_at), (off, r_off) = y, e
+    with np.errstate(all="ignore"):  # nan is never proved
+        node = np.rint(at / STEP)
+        first = kept.rows(node, given)
+        moved = at - (first.ell * off).sum(1) + _square(first.q, _times(first.z, off))
+        better = np.where(np.abs(moved - node * STEP) < 0.5, np.rint(moved / STEP), node)
+        own = kept.rows(better, given)
+        z = _times(own.z, off)
+        r_z = _times(np.abs(own.z), r_off + LOOSE * np.abs(off)) * WIDE
+        slack, size = _length(r_z), _length(np.abs(z) + r_z)
+        w = (at - better * STEP) - (own.ell * off).sum(1)
+        r_w = np.abs(at) + np.abs(better * STEP) + (np.abs(own.ell * off)).sum(1)
+        r_w = (r_at + (np.abs(own.ell) * r_off).sum(1) + LOOSE * r_w) * WIDE
+        along = w + _square(own.q, z) + w * (own.c * z).sum(1)
+        r_along = r_w * (1 + own.c_size * size) + np.abs(w) * own.c_size * (slack + LOOSE * size)
+        r_along = (r_along + own.q_size * size * (2 * slack + LOOSE * size)) * WIDE
+        far = size * (1 + own.p_size * size + own.n_size * (np.abs(w) + r_w)) * WIDE
+        limit = better * STEP + along
+        drift = np.where(far[:, None] <= own.inner, own.drift, np.inf).min(1)
+        error = drift * far * WIDE + r_along + LOOSE * (1 + np.abs(limit))
+        known = own.reach > 0
+        proved = known & (far <= own.reach) & ((np.abs(along) + r_along) * WIDE <= OFF)
+        return InTube(known, proved, limit, error * WIDE, own.rate, own.half, own.reach / far)
+
+
+def _times(a: Floats, b: Floats) -> Floats:
+    out: Floats = (a @ b[..., None])[..., 0]
+    return out
+
+
+def _square(a: Floats, b: Floats) -> Floats:
+    out: Floats = (b[:, None] @ a @ b[..., None])[:, 0, 0]
+    return out
+
+
+def _length(a: Floats) -> Floats:
+    found: Floats = np.sqrt(np.square(a).sum(1)) * WIDE + 2.0**-500
+    return found
+
+
+class _Row(NamedTuple):
+    """Tubes, launch by launch, as in `Tubes` and its `Form`."""
+
+    ell: Floats
+    z: Floats
+    q: Floats
+    c: Floats
+    p_size: Floats
+    n_size: Floats
+    q_size: Floats
+    c_size: Floats
+    reach: Floats
+    rate: Floats
+    half: Floats
+    inner: Floats
+    drift: Floats
+
+
+class _Kept:
+    """Tubes of one family that were made before."""
+
+    def __init__(self, around: Surroundings) -> None:
+        self.around, self.known = around, dict[bytes, Floats]()
+
+    def rows(self, node: Floats, given: Floats) -> _Row:
+        """The tubes about `node` steps, launch by launch."""
+        asked = np.ascontiguousarray(np.column_stack([node, given]))
+        unique, mine = np.unique(asked, axis=0, return_inverse=True)
+        keys = [row.tobytes() for row in unique]
+        known = self.known
+        new = [i for i, key in enumerate(keys) if key not in known]
+        made = dict[bytes, Floats]()
+        for low in range(0, len(new), TOGETHER):
+            some = new[low : low + TOGETHER]
+            found = _flat(tubes(self.around, unique[some, 0] * STEP, unique[some, 1:]))
+            made.update(zip((keys[i] for i in some), found, strict=True))
+        table = np.array([made[k] if k in made else known[k] for k in keys])
+        if made:  # another thread may read the old table meanwhile
+            self.known = made if len(known) + len(made) > MOST else known | made
+        return _row(table[mine.ravel()], self.around.across)
+
+
+@lru_cache(maxsize=32)
+def _kept(around: Surroundings) -> _Kept:
+    return _Kept(around)
+
+
+def _flat(found: Tubes) -> Floats:
+    n, form = len(found.p), found.form
+    parts = [form.ell, form.z, form.q, form.c, found.p, found.n, found.q, found.c,
+             found.reach, found.rate, found.half, found.inner, found.drift]  # fmt: skip
+    return np.concatenate([v.reshape(n, -1) for v in parts], axis=1)
+
+
+def _row(table: Floats, m: int) -> _Row:
+    ends = np.cumsum([m, m * m, m * m, m, *[1] * 7])
+    ell, z, q, c, *sizes, last = np.split(table, ends, axis=1)
+    shape, (inner, drift) = (-1, m, m), np.split(last, 2, axis=1)
+    flat = (v[:, 0] for v in sizes)
+    parts: list[Floats] = [ell, z.reshape(shape), q.reshape(shape), c, *flat, inner, drift]
+    return _Row(*parts)
