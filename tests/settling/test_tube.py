@@ -112,8 +112,8 @@ def broken(family: str, turned: float = 1.0) -> int:
         out += int(((u * du).sum(1) > -made.rate[i] * size**2)[inside].sum())
         both = np.einsum("bc,kb,kc->k", q, zs, dz) + np.einsum("bc,kb,kc->k", q, dz, zs)
         along = np.abs(dw + both + dw * (zs @ c) + w * (dz @ c))
-        # from D = K_w R/(a β) and |z| a ≤ |u|
-        out += int((along > made.drift[i, 0] * made.rate[i] * size)[inside].sum())
+        # D is at least K_w R/(3 a β), and |z| a ≤ |u|
+        out += int((along > 3 * made.drift[i, 0] * made.rate[i] * size)[inside].sum())
     return out
 
 

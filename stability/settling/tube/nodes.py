@@ -10,11 +10,14 @@ from numpy.typing import NDArray
 
 from ...base.types import Floats
 from ..attraction import Surroundings
-from .normal_form import LOOSE, WIDE
+from .derivatives import derivatives
+from .normal_form import LOOSE, WIDE, slow_rows
 from .radius import OFF, STEP, Tubes, tubes
 
-MOST = 20_000
+MOST = 40_000
 """Tubes that are kept for one family."""
+BLOCK = 8
+"""Neighbours that are made at once where all launches have the same numbers."""
 TOGETHER = 512
 """Tubes that are made together."""
 
@@ -60,30 +63,40 @@ def in_tube(around: Surroundings, y: Any, given: Floats, e: Any) -> InTube:
     StabilityError
         If the graph has a function without a kernel.
     """
-    kept = _kept(around)
-    (at, r_at), (off, r_off) = y, e
+    kept, (at, _), (off, _) = _kept(around), y, e
     with np.errstate(all="ignore"):  # nan is never proved
-        node = np.rint(at / STEP)
-        first = kept.rows(node, given)
-        moved = at - (first.ell * off).sum(1) + _square(first.q, _times(first.z, off))
-        better = np.where(np.abs(moved - node * STEP) < 0.5, np.rint(moved / STEP), node)
-        own = kept.rows(better, given)
-        z = _times(own.z, off)
-        r_z = _times(np.abs(own.z), r_off + LOOSE * np.abs(off)) * WIDE
-        slack, size = _length(r_z), _length(np.abs(z) + r_z)
-        w = (at - better * STEP) - (own.ell * off).sum(1)
-        r_w = np.abs(at) + np.abs(better * STEP) + (np.abs(own.ell * off)).sum(1)
-        r_w = (r_at + (np.abs(own.ell) * r_off).sum(1) + LOOSE * r_w) * WIDE
-        along = w + _square(own.q, z) + w * (own.c * z).sum(1)
-        r_along = r_w * (1 + own.c_size * size) + np.abs(w) * own.c_size * (slack + LOOSE * size)
-        r_along = (r_along + own.q_size * size * (2 * slack + LOOSE * size)) * WIDE
-        far = size * (1 + own.p_size * size + own.n_size * (np.abs(w) + r_w)) * WIDE
-        limit = better * STEP + along
-        drift = np.where(far[:, None] <= own.inner, own.drift, np.inf).min(1)
-        error = drift * far * WIDE + r_along + LOOSE * (1 + np.abs(limit))
-        known = own.reach > 0
-        proved = known & (far <= own.reach) & ((np.abs(along) + r_along) * WIDE <= OFF)
-        return InTube(known, proved, limit, error * WIDE, own.rate, own.half, own.reach / far)
+        slow = np.nan_to_num(kept.slow(at, given), posinf=0.0, neginf=0.0)
+        node = np.rint((at - (slow * off).sum(1)) / STEP)
+        for _ in range(2):
+            own = kept.rows(node, given)
+            found, along = _told(own, node * STEP, y, e)
+            aside = np.abs(along) > OFF
+            if not aside.any():
+                return found
+            node = np.where(aside, np.rint(node + along / STEP), node)
+        return found
+
+
+def _told(own: _Row, centre: Floats, y: Any, e: Any) -> tuple[InTube, Floats]:
+    """What the tubes about centres say of launches, and W."""
+    (at, r_at), (off, r_off) = y, e
+    z = _times(own.z, off)
+    r_z = _times(np.abs(own.z), r_off + LOOSE * np.abs(off)) * WIDE
+    slack, size = _length(r_z), _length(np.abs(z) + r_z)
+    w = (at - centre) - (own.ell * off).sum(1)
+    r_w = np.abs(at) + np.abs(centre) + (np.abs(own.ell * off)).sum(1)
+    r_w = (r_at + (np.abs(own.ell) * r_off).sum(1) + LOOSE * r_w) * WIDE
+    along = w + _square(own.q, z) + w * (own.c * z).sum(1)
+    r_along = r_w * (1 + own.c_size * size) + np.abs(w) * own.c_size * (slack + LOOSE * size)
+    r_along = (r_along + own.q_size * size * (2 * slack + LOOSE * size)) * WIDE
+    far = size * (1 + own.p_size * size + own.n_size * (np.abs(w) + r_w)) * WIDE
+    limit = centre + along
+    drift = np.where(far[:, None] <= own.inner, own.drift, np.inf).min(1)
+    error = drift * far * WIDE + r_along + LOOSE * (1 + np.abs(limit))
+    known = own.reach > 0
+    proved = known & (far <= own.reach) & ((np.abs(along) + r_along) * WIDE <= OFF)
+    share = own.reach / far
+    return InTube(known, proved, limit, error * WIDE, own.rate, own.half, share), along
 
 
 def _times(a: Floats, b: Floats) -> Floats:
@@ -125,22 +138,34 @@ class _Kept:
     def __init__(self, around: Surroundings) -> None:
         self.around, self.known = around, dict[bytes, Floats]()
 
+    def slow(self, y: Floats, given: Floats) -> Floats:
+        """The row ℓ at members, launch by launch."""
+        m = self.around.across
+        first, _ = derivatives(self.around).first.run(np.vstack([y, given.T]))
+        return slow_rows(first.T.reshape(-1, m + 1, m))
+
     def rows(self, node: Floats, given: Floats) -> _Row:
         """The tubes about `node` steps, launch by launch."""
-        asked = np.ascontiguousarray(np.column_stack([node, given]))
+        asked = np.column_stack([node, given]) + 0.0  # -0 has other bytes than 0
         unique, mine = np.unique(asked, axis=0, return_inverse=True)
-        keys = [row.tobytes() for row in unique]
-        known = self.known
-        new = [i for i, key in enumerate(keys) if key not in known]
+        keys, known = [row.tobytes() for row in unique], self.known
+        new = unique[[key not in known for key in keys]]
+        if len(new):
+            if not np.ptp(given, axis=0).any():  # others with the same numbers will come nearby
+                base = np.unique(np.floor(new[:, 0] / BLOCK))[:, None] * BLOCK + np.arange(BLOCK)
+                new = np.column_stack([base.ravel(), np.tile(given[0], (base.size, 1))]) + 0.0
+            made, known = self._made(new), self.known
+            known = known | made  # another thread may read the old table meanwhile
+            self.known = made if len(known) > MOST else known
+        return _row(np.array([known[k] for k in keys])[mine.ravel()], self.around.across)
+
+    def _made(self, asked: Floats) -> dict[bytes, Floats]:
         made = dict[bytes, Floats]()
-        for low in range(0, len(new), TOGETHER):
-            some = new[low : low + TOGETHER]
-            found = _flat(tubes(self.around, unique[some, 0] * STEP, unique[some, 1:]))
-            made.update(zip((keys[i] for i in some), found, strict=True))
-        table = np.array([made[k] if k in made else known[k] for k in keys])
-        if made:  # another thread may read the old table meanwhile
-            self.known = made if len(known) + len(made) > MOST else known | made
-        return _row(table[mine.ravel()], self.around.across)
+        for low in range(0, len(asked), TOGETHER):
+            some = asked[low : low + TOGETHER]
+            found = _flat(tubes(self.around, some[:, 0] * STEP, some[:, 1:]))
+            made.update(zip((row.tobytes() for row in some), found, strict=True))
+        return made
 
 
 @lru_cache(maxsize=32)

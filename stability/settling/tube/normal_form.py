@@ -113,7 +113,7 @@ def normal_form(made: Derivatives, y: Floats, given: Floats) -> tuple[Form, Boun
         about = at_members(made, y, ROOM, given)
         values, basis = _eigen(exact[0][:, :-1])
         z = _inverse(basis)
-        ell = _solved(np.swapaxes(exact[0][:, :-1], 1, 2), exact[0][:, -1])
+        ell = slow_rows(exact[0])
         s = _shear(z, ell)
         parts = _Parts(s, basis, exact, about)
         rate = -values.real.max(1)
@@ -136,8 +136,15 @@ def _inverse(a: Floats) -> Floats:
     return out
 
 
-def _solved(a: Floats, b: Floats) -> Floats:
-    out: Floats = (_inverse(a) @ b[..., None])[..., 0]
+def slow_rows(slopes: Floats) -> Floats:
+    """ℓ with ℓ ∂G/∂e = ∂g/∂e, from the slopes at members.
+
+    Parameters
+    ----------
+    slopes
+        ∂G/∂e, then ∂g/∂e, shape (N, m + 1, m).
+    """
+    out: Floats = (slopes[:, -1:] @ _inverse(slopes[:, :-1]))[:, 0]
     return out
 
 

@@ -3,9 +3,16 @@
 Within |z| ≤ r, |w| ≤ δ let a = 1 - |P| r - |N| δ > ½, so that |z| a ≤ |u|.  The terms that are left
 obey |u' - M u - w L z| ≤ K |z| and |W'| ≤ K_w |z|.  Of w L u only the symmetric part of L changes
 |u|.  With β = s - |L + Lᵀ| δ/2 - K/a > 0 a motion from |u| ≤ R = r a keeps |u| falling at the rate
-β, so that it never reaches |z| = r, and W moves by at most D = K_w R/(a β).  Where
-(|W| + D + |q| r²)/(1 - |c| r) ≤ δ, it never leaves |w| ≤ δ.  So it converges to the member y_c + W
-within D.  The guards are positive on all of the tube.
+β, so that it never reaches |z| = r.
+
+K, K_w, and the rate fall with |u|: at |u| = x R they are at most K⁰ + (K - K⁰) x, and so on, and at
+least β⁰ - (β⁰ - β) x, since they are sums of powers.  W moves by at most ∫ K_w d|u|/(a β), so by
+
+    D = r (K_w⁰ (1/β⁰ + 1/β)/2 + (K_w - K_w⁰) (1/(6 β⁰) + 1/(3 β))),
+
+as 1/β is at most (1 - x)/β⁰ + x/β.  Where (|W| + D + |q| r²)/(1 - |c| r) ≤ δ, the motion never
+leaves |w| ≤ δ.  So it converges to the member y_c + W within D.  The guards are positive on all of
+the tube.
 """
 
 from __future__ import annotations
@@ -13,15 +20,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...base.types import Floats
 from ..attraction import Surroundings
 from .derivatives import Derivatives, derivatives
 from .normal_form import ROOM, WIDE, Bounds, Form, normal_form
 
-RADII = 0.16 * 0.75 ** np.arange(16)
-"""Radii r that are tried, the largest first."""
-STEP = 2.0**-13
+LEAST, MOST = 1e-3, 0.16
+"""Radii r between which the largest one is sought, by halving their logarithm."""
+HALVINGS = 7
+"""Halvings."""
+STEP = 2.0**-11
 """Spacing of the members about which tubes are made."""
 OFF = 0.75 * STEP
 """Largest |W| of a launch."""
@@ -79,50 +89,47 @@ def tubes(around: Surroundings, y: Floats, given: Floats) -> Tubes:
     made = derivatives(around)
     form, bounds = normal_form(made, y, given)
     with np.errstate(all="ignore"):
-        third, along, clear = _third(made, form, bounds, y, given)
-        return _largest(form, bounds, third, along, clear)
+        return _largest(made, form, bounds, y, given)
 
 
 def _third(
-    made: Derivatives, form: Form, bounds: Bounds, y: Floats, given: Floats
-) -> tuple[Floats, Floats, Floats]:
+    made: Derivatives, form: Form, bounds: Bounds, y: Floats, given: Floats, r: Floats
+) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """Bounds of the terms of third order of z' and w' for |z| ≤ r, and where guards are positive.
 
-    Shapes (radii, N).
+    Each has shape (N,).
     """
-    n, m, count = len(y), made.across, len(RADII)
-    box = RADII[:, None, None] * bounds.rows * WIDE  # |e_i|, shape (radii, N, m)
-    aside = (np.abs(form.ell) * box).sum(2) * WIDE + ROOM
-    mid = np.zeros((1 + given.shape[1] + 3 * m, count, n))
+    m, at = made.across, 1 + given.shape[1]
+    box = r[:, None] * bounds.rows * WIDE  # |e_i|
+    aside = (np.abs(form.ell) * box).sum(1) * WIDE + ROOM
+    mid = np.zeros((at + 3 * m, len(y)))
     rad = np.zeros_like(mid)
-    at = 1 + given.shape[1]
-    mid[0], rad[0], mid[1:at] = y, aside * WIDE, given.T[:, None]
-    rad[at : at + m] = rad[at + m : at + 2 * m] = np.moveaxis(box, 2, 0)
-    mid[at + 2 * m :] = form.ell.T[:, None]
-    flat = [v.reshape(len(v), -1) for v in (mid, rad)]
-    centre, radius = (v.reshape(m + 1, count, n) for v in made.third.run(*flat))
+    mid[0], rad[0], mid[1:at], mid[at + 2 * m :] = y, aside * WIDE, given.T, form.ell.T
+    rad[at : at + m] = rad[at + m : at + 2 * m] = box.T
+    centre, radius = (v.T for v in made.third.run(mid, rad))
     size = (np.abs(centre) + radius) * WIDE
-    across = np.einsum("nij,jkn->ikn", bounds.z, size[:m]) * WIDE
-    along = (size[m] + np.einsum("nj,jkn->kn", np.abs(form.ell), size[:m])) * WIDE
-    guards = made.positive.run(*(v[: at + m] for v in flat))
-    clear = (guards[0] > guards[1]).all(0).reshape(count, n)
-    return np.sqrt(np.square(across).sum(0)) * WIDE, along, clear
+    across = (bounds.z @ size[:, :m, None])[..., 0] * WIDE
+    along = (size[:, m] + (np.abs(form.ell) * size[:, :m]).sum(1)) * WIDE
+    guards = made.positive.run(mid[: at + m], rad[: at + m])
+    clear: NDArray[np.bool_] = np.asarray((guards[0] > guards[1]).all(0), dtype=bool)
+    return np.sqrt(np.square(across).sum(1)) * WIDE, along, clear
 
 
-def _largest(form: Form, b: Bounds, third: Floats, along: Floats, clear: Floats) -> Tubes:
-    """The largest radius at which the inequality holds, member by member, and what is within."""
-    count = len(b.p)
-    best, t, t_w = np.zeros((3, count))
-    reach, rate, drift = np.zeros((3, count))
-    for r, own, own_w, fine in zip(RADII, third, along, clear, strict=True):
-        if (best > 0).all():
-            break
-        radius = np.full(count, r)
-        found = _tube(b, radius, own, own_w)
-        take = (found[0] > 0) & (fine > 0) & (best == 0)
-        for kept, new in zip((best, t, t_w, reach, rate, drift), (radius, own, own_w, *found),
+def _largest(made: Derivatives, form: Form, b: Bounds, y: Floats, given: Floats) -> Tubes:
+    """Nearly the largest radius at which the inequality holds, and what is within."""
+    count = len(y)
+    best, t, t_w, reach, rate, drift = np.zeros((6, count))
+    low, high = np.zeros(count), np.ones(count)  # of log(MOST/r) over log(MOST/LEAST)
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        r = MOST * (LEAST / MOST) ** middle
+        third, along, clear = _third(made, form, b, y, given, r)
+        found = _tube(b, r, third, along)
+        good = clear & (found[0] > 0)
+        for kept, new in zip((best, t, t_w, reach, rate, drift), (r, third, along, *found),
                              strict=True):  # fmt: skip
-            kept[take] = new[take]
+            kept[good] = new[good]
+        low, high = np.where(good, low, middle), np.where(good, middle, high)
     inner, drifts = [reach], [drift]
     for share in INNER:  # a term of third order falls with the cube of the radius
         cube = share**3 * WIDE
@@ -139,17 +146,22 @@ def _tube(b: Bounds, r: Floats, third: Floats, along: Floats) -> tuple[Floats, F
     spread = 1 - b.c * r * WIDE
     delta = 1.05 * (OFF + b.q * r * r) / spread
     done = np.zeros(len(r), dtype=bool)
-    own, beta, moved = np.full((3, len(r)), np.nan)
+    own, beta, moved, none = np.zeros((4, len(r)))
     for _ in range(TURNS):
         shrink = 1 - (b.p * r + b.n * delta) * WIDE
         own = r * shrink / WIDE
         k, k_w = _left_over(b, r, delta, third / r, along / r)
-        beta = (b.slowest - (b.turn_even * delta + k / shrink) * WIDE) / WIDE
-        moved = k_w / (shrink * beta) * WIDE
+        k_0, k_w0 = _left_over(b, none, delta, none, none)
+        own_rate = b.slowest - b.turn_even * delta * WIDE
+        beta, beta_0 = ((own_rate - v / shrink * WIDE) / WIDE for v in (k, k_0))
+        moved = k_w0 * (1 / beta_0 + 1 / beta) / 2
+        moved = (moved + (k_w - k_w0 / WIDE) * (1 / (6 * beta_0) + 1 / (3 * beta))) * WIDE
+        moved = moved / shrink * WIDE  # D over R
         needed = (OFF + moved * own + b.q * r * r) / spread * WIDE
         done = (needed <= delta) & (delta <= ROOM) & (beta > 0) & (shrink > 0.5)
         done &= (spread > 0.5) & (b.slowest > 0) & (delta > 0)
-        if done.all():
+        lost = ~((beta > 0) & (needed <= ROOM))
+        if (done | lost).all():
             break
         delta = np.where(done, delta, 1.1 * needed)
     return np.where(done, own, 0.0), beta, moved
