@@ -16,8 +16,10 @@ from .radius import OFF, STEP, Tubes, tubes
 
 MOST = 40_000
 """Tubes that are kept for one family."""
-BLOCK = 8
-"""Neighbours that are made at once where all launches have the same numbers."""
+BLOCK = 16
+"""Neighbours that are made together where launches share their numbers."""
+SHARED = 4
+"""Most sets of numbers at which they count as shared, two signs of a body's turning included."""
 TOGETHER = 512
 """Tubes that are made together."""
 
@@ -151,9 +153,10 @@ class _Kept:
         keys, known = [row.tobytes() for row in unique], self.known
         new = unique[[key not in known for key in keys]]
         if len(new):
-            if not np.ptp(given, axis=0).any():  # others with the same numbers will come nearby
-                base = np.unique(np.floor(new[:, 0] / BLOCK))[:, None] * BLOCK + np.arange(BLOCK)
-                new = np.column_stack([base.ravel(), np.tile(given[0], (base.size, 1))]) + 0.0
+            if len(np.unique(new[:, 1:], axis=0)) <= SHARED:  # others will come nearby
+                new[:, 0] = np.floor(new[:, 0] / BLOCK) * BLOCK
+                new = np.repeat(np.unique(new, axis=0), BLOCK, axis=0)
+                new[:, 0] += np.tile(np.arange(BLOCK), len(new) // BLOCK)
             made, known = self._made(new), self.known
             known = known | made  # another thread may read the old table meanwhile
             self.known = made if len(known) > MOST else known
