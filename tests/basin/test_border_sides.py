@@ -14,16 +14,25 @@ SURE = {"settled on spinning": "spinning", "settled on tumbling": "tumbling",
 """Labels that say how a launch ends, and the oracle's words for them."""
 
 
-def sides(coarse: int, levels: int, horizon: float) -> tuple[np.ndarray, list[str], list[str]]:
+PLACES = {
+    "spinning": ("phi_dot", (2.2, 4.6), (0.05, 0.95), 2),
+    "rolling": ("omega3", (1.1, 1.38), (0.02, 0.14), 3),
+}
+"""Name of the member, ends of both axes, and the place of the name among the six states."""
+
+
+def sides(
+    coarse: int, levels: int, horizon: float, family: str = "spinning"
+) -> tuple[np.ndarray, list[str], list[str]]:
     """Launches on both sides of every refined border, their labels, and the oracle's words."""
-    label = st.launch_labels(contact="viscous", mu=0.3, family="spinning",
-                             varied=("phi_dot", "tilt"), horizon=horizon)  # fmt: skip
-    found = borders(label, ("phi_dot", 2.2, 4.6, coarse), ("tilt", 0.05, 0.95, coarse),
-                    levels=levels)  # fmt: skip
+    own, across, along, place = PLACES[family]
+    label = st.launch_labels(contact="viscous", mu=0.3, family=family, varied=(own, "tilt"),
+                             horizon=horizon)  # fmt: skip
+    found = borders(label, (own, *across, coarse), ("tilt", *along, coarse), levels=levels)
     launches, first = np.unique(found.pairs.reshape(-1, 2), axis=0, return_index=True)
     words = [label.words(int(i)) for i in found.pair_labels.ravel()[first]]
     starts = np.zeros((len(launches), 6))
-    starts[:, 0], starts[:, 2] = np.pi / 2 - launches[:, 1], launches[:, 0]
+    starts[:, 0], starts[:, place] = np.pi / 2 - launches[:, 1], launches[:, 0]
     return launches, words, ends(starts, 0.25, 0.3, horizon)
 
 
@@ -45,6 +54,24 @@ def test_sides_of_a_coarse_border_are_confirmed() -> None:
     assert len(words) >= 12
     assert found["open"] <= 0.2 * len(words)
     assert len({w for w in words if w in SURE}) == 3
+
+
+def test_sides_of_the_border_of_lift_off_near_rolling_are_confirmed() -> None:
+    """Slow rolling falls: by t = 40 it has left the plane, or it has not."""
+    _, words, true = sides(4, 1, 40.0, "rolling")
+    left = [word == "lift-off" for word in words]
+    assert len(words) >= 12 and 0.2 < np.mean(left) < 0.8
+    assert left == [other == "lift-off" for other in true]
+
+
+@pytest.mark.long
+def test_sides_of_a_border_near_rolling_are_confirmed() -> None:
+    """It leaves the plane, or settles on tumbling; next to the border some still move."""
+    _, words, true = sides(6, 1, 800.0, "rolling")
+    found = judged(words, true)
+    assert found["other"] == 0, list(zip(words, true, strict=True))
+    assert found["same"] >= 30 and found["same"] > 2 * found["open"], found
+    assert {w for w in words if w in SURE} == {"settled on tumbling", "lift-off"}
 
 
 @pytest.mark.long
