@@ -90,6 +90,28 @@ class Field:
         return [ca.SX.sym("constant", self.function.numel_in(3))] if count else []
 
 
+MOST_ACROSS = 16
+"""Most states across a family for which the roundings of a tube are bounded."""
+KINKED = (ca.OP_FABS, ca.OP_SIGN)
+"""Operations whose graphs have a kink that no derivative shows: |x|' = sign x, and sign' = 0."""
+
+
+def smooth_field(function: ca.Function, constants: tuple[float, ...] | None = None) -> Field | None:
+    """The field of a family, or None where a Taylor series does not say how far it is true.
+
+    Parameters
+    ----------
+    function
+        As in `Field`; an SX function.
+    constants
+        As in `Field`.
+    """
+    codes = {function.instruction_id(i) for i in range(function.n_instructions())}
+    if codes.intersection(KINKED) or function.numel_in(2) > MOST_ACROSS:
+        return None
+    return Field(function, constants)
+
+
 @dataclass(frozen=True, eq=False)
 class Surroundings:
     """Surroundings of a family: programs of (y, given, e)."""

@@ -11,7 +11,7 @@ from ..algebra.number_types import casadi_algebra
 from ..algebra.program import Program
 from ..algebra.upright import UPRIGHT
 from ..systems.system import System
-from .attraction import Field, Surroundings, Tilted
+from .attraction import Surroundings, Tilted, smooth_field
 
 
 def line_surroundings(
@@ -61,5 +61,5 @@ def line_surroundings(
     return Surroundings(
         1, len(others), Program(ca.Function("slopes", inputs, [slope])),
         Program(ca.Function("positive", inputs, [ca.densify(ca.vertcat(*values[1]))])),
-        field=Field(ca.Function("field", inputs, [field])),
+        field=smooth_field(ca.Function("field", inputs, [field])),
     )  # fmt: skip

@@ -23,7 +23,7 @@ from ..base.quantities import rate_unit
 from ..base.types import Floats
 from ..systems.family import Family, listing
 from ..systems.graph.constants import Constants
-from .attraction import Field, Surroundings, Tilted
+from .attraction import Surroundings, Tilted, smooth_field
 from .nearest import Nearest
 from .proof import settles
 from .together.kernel import Balls
@@ -320,7 +320,7 @@ def _surroundings(family: Family, along: list[str], across: list[str]) -> Surrou
         return Program(ca.Function(name, inputs, [ca.densify(output)]), constants.values)
 
     remainder = None if along else program("rest", ca.vertcat(*(rest[i] for i in order)))
-    whole = Field(ca.Function("field", inputs, [field]), tuple(constants.values))
+    whole = smooth_field(ca.Function("field", inputs, [field]), tuple(constants.values))
     return Surroundings(
         len(along), len(across), program("slopes", slope),
         program("positive", ca.vertcat(*positive)), remainder, whole if len(along) == 1 else None,

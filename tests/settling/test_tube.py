@@ -262,3 +262,49 @@ def test_a_body_in_a_tube_comes_to_the_member_that_is_told() -> None:
         assert then.family[0] == first.family[i]
         room = first.settled.error[i] + then.settled.error[0] + 1e-7
         assert abs(then.settled.limit[0, 0] - first.settled.limit[i, 0]) <= room
+
+
+KINKS = {
+    "cubic drag": lambda e: -e - 100 * e * ca.fabs(e),
+    "growth": lambda e: -e + 100 * e * ca.fabs(e),
+    "root": lambda e: -e + 100 * e * ca.sqrt(e**2),
+    "aside": lambda e: -e + 60 * e * (ca.fabs(e - 0.02) + e - 0.02),
+    "sign": lambda e: -e + 100 * e**2 * ca.sign(e),
+}
+
+
+@pytest.mark.parametrize("name", list(KINKS))
+def test_a_kink_has_no_tube(name: str) -> None:
+    """The third derivative of e |e| is zero almost everywhere: no bound would see the kink."""
+    x = ca.SX.sym("x", 2)
+    system = st.System("kink", x, ca.SX.sym("none", 0), ca.vertcat(KINKS[name](x[0]), x[0]),
+                       states=("e", "y"))  # fmt: skip
+    family = st.Family(system, "rest", at=("y",), held={"e": 0.0})
+    e = np.array([0.005, 0.012, 0.03, 0.05, 0.1])
+    start = np.column_stack([e, np.zeros(5)])
+    told = SystemSettling((family,)).many(start, np.zeros((5, 0)), 1.0).settled
+    for i in np.flatnonzero(told.proved):
+        run = solve_ivp(lambda _, v: np.array(system_rates(system, v)), (0, 60), start[i],
+                        rtol=1e-11, atol=1e-13)  # fmt: skip
+        assert abs(run.y[0, -1]) < 1e-6
+        assert abs(run.y[1, -1] - told.limit[i, 0]) <= told.error[i] + 1e-9
+    assert not told.proved[1:].any()
+
+
+def system_rates(system: Any, state: Any) -> Any:
+    return np.asarray(system.rates(np.asarray(state), np.zeros(0)))
+
+
+def test_a_tube_is_the_same_in_any_company() -> None:
+    rng = np.random.default_rng(1)
+    y = np.round(rng.uniform(0.2, 1.5, 300) / STEP) * STEP
+    given = np.column_stack([np.ones(300), rng.uniform(0.05, 0.5, 300),
+                             10 ** rng.uniform(-1.3, 1.0, 300)])  # fmt: skip
+    around = surroundings(st.Viscous, "tumbling")
+    whole = tubes(around, y, given)
+    alone = [tubes(around, y[i : i + 1], given[i : i + 1]) for i in range(300)]
+    for name in ("reach", "rate", "half"):
+        np.testing.assert_array_equal(
+            np.concatenate([getattr(one, name) for one in alone]), getattr(whole, name)
+        )
+    assert (whole.reach > 0).mean() > 0.3

@@ -2,6 +2,10 @@
 
 With ℓ a row that is given, e' = G and y' = g are read at y = y_c + w + ℓ·e.  So the derivatives in
 e at fixed w follow the slow direction of the line.
+
+The graph must be smooth wherever its third derivative has a finite enclosure: `smooth_field` keeps
+out |x| and sign x, whose kinks leave no trace in a derivative.  Numbers that CasADi folds while it
+differentiates are rounded once, which the bounds of roundings of each term cover.
 """
 
 from __future__ import annotations

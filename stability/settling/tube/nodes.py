@@ -157,9 +157,10 @@ class _Kept:
                 new[:, 0] = np.floor(new[:, 0] / BLOCK) * BLOCK
                 new = np.repeat(np.unique(new, axis=0), BLOCK, axis=0)
                 new[:, 0] += np.tile(np.arange(BLOCK), len(new) // BLOCK)
-            made, known = self._made(new), self.known
-            known = known | made  # another thread may read the old table meanwhile
-            self.known = made if len(known) > MOST else known
+            made = self._made(new)
+            # other threads may replace the table meanwhile, so this one answers from its own
+            known, others = known | made, self.known | made
+            self.known = made if len(others) > MOST else others
         return _row(np.array([known[k] for k in keys])[mine.ravel()], self.around.across)
 
     def _made(self, asked: Floats) -> dict[bytes, Floats]:

@@ -258,7 +258,7 @@ class _Parts:
         f = np.abs(z @ self.x - eye) + LOOSE * (np.abs(z) @ np.abs(self.x) + eye)
         f = f.sum((1, 2)) * WIDE
         kappa = np.where(f < 0.5, WIDE / (1 - f), np.nan)
-        rows = np.sqrt(np.square(self.x).sum(2)) * kappa[:, None] * WIDE
+        rows = np.sqrt(np.square(self.x).sum(2) + 2.0**-500) * kappa[:, None] * WIDE
         a, off = self.first0, self.first_off
         slack = f * kappa * WIDE  # |(1 + F)⁻¹ - 1|
         still = _norm(np.abs(a[:, :m] - block) * WIDE + off[:, :m]) * kappa + _norm(block) * slack

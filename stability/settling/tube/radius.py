@@ -163,7 +163,8 @@ def _tube(b: Bounds, r: Floats, third: Floats, along: Floats) -> tuple[Floats, F
         lost = ~((beta > 0) & (needed <= ROOM))
         if (done | lost).all():
             break
-        delta = np.where(done, delta, 1.1 * needed)
+        # what is lost stays so: with more turns than it needs alone it might come back
+        delta = np.where(done | lost, delta, 1.1 * needed)
     return np.where(done, own, 0.0), beta, moved
 
 
