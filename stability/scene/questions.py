@@ -28,6 +28,8 @@ ROUNDED = 2.0**-52
 """Rounding of a sine."""
 SIDES = ((1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0))
 """Sides to which the end is displaced by its error: every other state, and the rest."""
+SMALL = 0.01
+"""Error of the end over the reach of the proof that it settles, up to which its sides do too."""
 UNKNOWN = ("unresolved", "undetermined", "non-unique")
 """Ends after which nothing is known."""
 
@@ -75,7 +77,8 @@ def outcome(problem: Problem, track: Track) -> Found:
         return Found("unresolved", math.inf, "the error of the end has no bound")
     near = _near(problem, track)
     sides = [near.settled]
-    if track.errors[-1] > near.reach:
+    room = float(np.linalg.norm(track.errors[-1] * np.maximum(1.0, np.abs(track.states[-1]))))
+    if room > SMALL * near.reach or near.distance + room > problem.settle > near.distance:
         sides += [_near(problem, track, side).settled for side in SIDES]
     if len(set(sides)) > 1:
         return Found("moving", math.inf, "settling is proved for the end, not for one in its error")

@@ -416,7 +416,7 @@ def test_a_line_has_one_polynomial_by_both_routes(family: str, law: Any) -> None
     asked = disk_problem(family, st.Disk(k=0.3), law or st.Viscous(0.6), at)
     line = AxisScan(asked, "k", {n: float(v) for n, v in asked.values.items()})
     with precision(128):
-        graph, exact_ = line._coefficients(0.3, 128), line._exact(0.3)
+        graph, exact_ = line.enclosed(0.3, 128), line._exact(0.3)
         assert exact_ is not None
         assert len(graph) == len(exact_)
         for one, other in zip(graph, exact_, strict=True):
