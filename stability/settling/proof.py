@@ -20,12 +20,8 @@ def settles(
 
     Parameters
     ----------
-    around
-        The family's surroundings.
-    given
-        Second argument of its programs.
-    y, e
-        Parameters of the nearest member and deviation, as balls that contain the true values.
+    around, given, y, e
+        As for `attraction`.
 
     Returns
     -------

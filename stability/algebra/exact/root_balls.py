@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -128,16 +129,16 @@ def _separated(balls: Balls) -> Balls | None:
     The iteration starts at fixed numbers and has few steps: now and then it ends too early, also
     for roots that are far apart.  For the monic polynomial or about another centre it differs.
     """
+    tolerance = arb(2) ** (-3 * ctx.prec // 4)
+    with suppress(ValueError):
+        found: Balls = acb_poly(balls).roots(tol=tolerance)
+        return found
     size = float(abs(balls[0] / balls[-1]).mid()) ** (1 / max(len(balls) - 1, 1))
     near = arb(size) if 0 < size < math.inf else arb(1)
     monic = acb_poly([c / balls[-1] for c in balls])
-    for centre in (None, *(share * near for share in STARTS)):
-        tried = acb_poly(balls) if centre is None else monic(acb_poly([centre, 1]))
-        try:
-            found: Balls = tried.roots(tol=arb(2) ** (-3 * ctx.prec // 4))
-        except ValueError:
-            continue
-        return found if centre is None else [r + centre for r in found]
+    for centre in (share * near for share in STARTS):
+        with suppress(ValueError):
+            return [r + centre for r in monic(acb_poly([centre, 1])).roots(tol=tolerance)]
     return None
 
 

@@ -219,13 +219,11 @@ def sensitive(
         raise ParameterError(
             f"the borders have {found.levels} levels; a span of {span} needs as many."
         )
-    fine, wide = (_in_blocks(found.cells, n, span) for n in (0, halvings))
-    blocks, block = np.unique(found.cells >> span, axis=0, return_inverse=True)
-    local = 2 - np.log2(fine / (wide + 1.0)) / halvings
+    blocks, block, local = _exponents(found.cells, span, halvings)
     strips = np.zeros(len(blocks), dtype=bool)
     if len(unfinished) and (local < bound).any():
         strips = (local < bound) & _smooth_without(found, unfinished, blocks, span, halvings, bound)
-    own = np.where(strips, np.inf, local)[block.reshape(-1)]
+    own = np.where(strips, np.inf, local)[block]
     note = (
         f"Sensitive: in blocks of 2^{span} cells, the share of uncertain launches falls with an "
         f"exponent below {bound:g} over {halvings} halvings."
@@ -235,9 +233,7 @@ def sensitive(
             "  Open: the same, but through a strip of launches whose end is not known; counted "
             "with one of the ends next to it, they leave a smooth border."
         )
-    return Sensitive(
-        own < bound, local[block.reshape(-1)], bound, span, blocks, local, strips, note
-    )
+    return Sensitive(own < bound, local[block], bound, span, blocks, local, strips, note)
 
 
 def _smooth_without(
@@ -251,9 +247,8 @@ def _smooth_without(
         merged = np.where(open_, label, labels)
         left = found.cells[(merged != merged[:, :1]).any(axis=1)]
         if len(left):
-            fine, wide = (_in_blocks(left, n, span) for n in (0, halvings))
-            smooth = 2 - np.log2(fine / (wide + 1.0)) / halvings >= bound
-            known = {tuple(b) for b in np.unique(left >> span, axis=0)[smooth].tolist()}
+            held, _, local = _exponents(left, span, halvings)
+            known = {tuple(b) for b in held[local >= bound].tolist()}
             out |= np.array([tuple(b) in known for b in blocks.tolist()], dtype=bool)
     return out
 
@@ -267,6 +262,14 @@ def _corners(found: Borders) -> Ints:
     ends = [(found.cells + d) * step for d in ((0, 0), (1, 0), (0, 1), (1, 1))]
     asked = np.stack([e[:, 0] * row + e[:, 1] for e in ends], axis=1)
     return np.asarray(found.labels[order[np.searchsorted(place[order], asked)]])
+
+
+def _exponents(cells: Ints, span: int, halvings: int) -> tuple[Ints, Ints, Floats]:
+    """Blocks that hold mixed cells, the block of each cell, and the exponent of each block."""
+    fine, wide = (_in_blocks(cells, n, span) for n in (0, halvings))
+    local: Floats = 2 - np.log2(fine / (wide + 1.0)) / halvings
+    blocks, block = np.unique(cells >> span, axis=0, return_inverse=True)
+    return blocks, np.asarray(block.reshape(-1)), local
 
 
 def _in_blocks(cells: Ints, coarser: int, span: int) -> Ints:

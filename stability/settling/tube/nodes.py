@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...base.types import Floats
 from ..attraction import Surroundings
 from .derivatives import derivatives
-from .normal_form import LOOSE, WIDE, slow_rows
+from .normal_form import LOOSE, WIDE, norm, slow_rows
 from .radius import OFF, STEP, Tubes, tubes
 
 MOST = 40_000
@@ -84,7 +84,7 @@ def _told(own: _Row, centre: Floats, y: Any, e: Any) -> tuple[InTube, Floats]:
     (at, r_at), (off, r_off) = y, e
     z = _times(own.z, off)
     r_z = _times(np.abs(own.z), r_off + LOOSE * np.abs(off)) * WIDE
-    slack, size = _length(r_z), _length(np.abs(z) + r_z)
+    slack, size = norm(r_z), norm(np.abs(z) + r_z)
     w = (at - centre) - (own.ell * off).sum(1)
     r_w = np.abs(at) + np.abs(centre) + (np.abs(own.ell * off)).sum(1)
     r_w = (r_at + (np.abs(own.ell) * r_off).sum(1) + LOOSE * r_w) * WIDE
@@ -109,11 +109,6 @@ def _times(a: Floats, b: Floats) -> Floats:
 def _square(a: Floats, b: Floats) -> Floats:
     out: Floats = (b[:, None] @ a @ b[..., None])[:, 0, 0]
     return out
-
-
-def _length(a: Floats) -> Floats:
-    found: Floats = np.sqrt(np.square(a).sum(1)) * WIDE + 2.0**-500
-    return found
 
 
 class _Row(NamedTuple):

@@ -209,30 +209,25 @@ def _both_sides(tensor: Any, matrix: Any) -> Any:
 
 
 class _Parts:
-    """Derivatives in the coordinates (z, w), with bounds of their roundings.
+    """Derivatives in the coordinates (z, w).
 
-    Arrays end with `0` at the members themselves; their radii hold all that is not exact.
+    Arrays end with `0` at the members themselves; those with `off` and `wide` bound what is not
+    exact in these, there and over ROOM.
     """
 
     def __init__(
         self, s: Floats, x: Floats, exact: tuple[Floats, ...], about: tuple[Floats, ...]
     ) -> None:
-        self.s, self.x, n = s, x, len(s)
-        ell = -s[:, -1, :-1]
-        (a, ra, mixed, rmixed, bend, rbend), m = exact, ell.shape[1]
+        self.s, self.x = s, x
+        a, ra, mixed, _, bend, _ = exact
         _, _, wide, rwide, bent, rbent = about
-        self.first0, self.first_off = self._through(a, ra)
-        self.turn0, self.turn_off = self._through(mixed, rmixed)
-        _, off = self._through(mixed, np.abs(wide - mixed) * WIDE + rwide)
-        self.turn_wide = off
-        own, rown = _followed(bend, rbend, mixed, rmixed, ell)
-        flat = (n, m + 1, -1)
-        self.bend0, self.bend_off = self._bilinear(own, rown)
-        change = np.abs(bent - bend) * WIDE + rbent
         turned = np.abs(wide - mixed) * WIDE + rwide
-        _, rall = _followed(bend, change, mixed, turned, ell)
-        _, self.bend_wide = self._bilinear(own, rall)
-        assert self.bend0.reshape(flat).shape[0] == n
+        changed = np.abs(bent - bend) * WIDE + rbent
+        self.first0, self.first_off = self._through(a, ra)
+        self.turn0, self.turn_wide = self._through(mixed, turned)
+        self.bend0, self.bend_wide = self._bilinear(
+            *_followed(bend, changed, mixed, turned, -s[:, -1, :-1])
+        )
 
     def _through(self, a: Floats, ra: Floats) -> tuple[Floats, Floats]:
         """S a X, and a bound of what is not exact in it."""
@@ -261,32 +256,32 @@ class _Parts:
         rows = np.sqrt(np.square(self.x).sum(2) + 2.0**-500) * kappa[:, None] * WIDE
         a, off = self.first0, self.first_off
         slack = f * kappa * WIDE  # |(1 + F)⁻¹ - 1|
-        still = _norm(np.abs(a[:, :m] - block) * WIDE + off[:, :m]) * kappa + _norm(block) * slack
-        turn = _norm(np.abs(self.turn0[:, :m]) + self.turn_wide[:, :m]) * kappa
+        still = norm(np.abs(a[:, :m] - block) * WIDE + off[:, :m]) * kappa + norm(block) * slack
+        turn = norm(np.abs(self.turn0[:, :m]) + self.turn_wide[:, :m]) * kappa
         own = self.turn0[:, :m] + n @ block - block @ n
         off_own = LOOSE * (np.abs(self.turn0[:, :m]) + np.abs(n) @ np.abs(block)
                            + np.abs(block) @ np.abs(n)) + self.turn_wide[:, :m]  # fmt: skip
-        turn_off = (_norm(off_own) + turn * slack) * WIDE
-        turn_left, turn_even = _norm(own), _norm(0.5 * (own + np.swapaxes(own, 1, 2)))
+        turn_off = (norm(off_own) + turn * slack) * WIDE
+        turn_left, turn_even = norm(own), norm(0.5 * (own + np.swapaxes(own, 1, 2)))
         half = 0.5 * kappa * kappa * WIDE
-        size = _bilinear_norm(self.bend0[:, :m]) + _norm(self.bend_wide[:, :m])
-        size_along = _bilinear_norm(self.bend0[:, m:]) + _norm(self.bend_wide[:, m])
+        size = _bilinear_norm(self.bend0[:, :m]) + norm(self.bend_wide[:, :m])
+        size_along = _bilinear_norm(self.bend0[:, m:]) + norm(self.bend_wide[:, m])
         twice = (2 + slack) * slack * 0.5 * WIDE
         bend, along_bend = size * half, size_along * half
-        left, sizes = _left(self.bend0[:, :m], block, p)
-        left = _norm(np.abs(left) * WIDE + LOOSE * sizes + 0.5 * self.bend_wide[:, :m])
+        left, sizes = _left(self.bend0[:, :m], p, block, block)
+        left = norm(np.abs(left) * WIDE + LOOSE * sizes + 0.5 * self.bend_wide[:, :m])
         left = left + size * (twice + half - 0.5)
-        rest, sizes = _left(self.bend0[:, m:], None, q[:, None], block)
-        rest = _norm(np.abs(rest) * WIDE + LOOSE * sizes + 0.5 * self.bend_wide[:, m:])
+        rest, sizes = _left(self.bend0[:, m:], q[:, None], block, np.zeros((1, 1, 1)))
+        rest = norm(np.abs(rest) * WIDE + LOOSE * sizes + 0.5 * self.bend_wide[:, m:])
         rest = rest + along_bend * 2 * (twice + half - 0.5)
         row, sizes = (c[:, None] @ block)[:, 0], (np.abs(c[:, None]) @ np.abs(block))[:, 0]
         of_c = np.abs(self.turn0[:, m] + row) * WIDE + LOOSE * (np.abs(self.turn0[:, m]) + sizes)
-        line = _norm(np.abs(self.turn0[:, m]) + self.turn_wide[:, m])
+        line = norm(np.abs(self.turn0[:, m]) + self.turn_wide[:, m])
         return Bounds(
-            rate, _bilinear_norm(p), _norm(n), _bilinear_norm(q[:, None]), _norm(c), rows,
+            rate, _bilinear_norm(p), norm(n), _bilinear_norm(q[:, None]), norm(c), rows,
             np.abs(z), still * WIDE, turn * WIDE, turn_left, turn_even, turn_off,
-            bend * WIDE, left * WIDE, _norm(np.abs(a[:, m]) + off[:, m]) * kappa, line * kappa,
-            _norm(of_c + self.turn_wide[:, m]) * WIDE + line * slack, along_bend * WIDE,
+            bend * WIDE, left * WIDE, norm(np.abs(a[:, m]) + off[:, m]) * kappa, line * kappa,
+            norm(of_c + self.turn_wide[:, m]) * WIDE + line * slack, along_bend * WIDE,
             rest * WIDE,
         )  # fmt: skip
 
@@ -304,24 +299,22 @@ def _followed(
     return out, off * WIDE
 
 
-def _left(
-    bend: Floats, block: Floats | None, p: Floats, inner: Floats | None = None
-) -> tuple[Floats, Floats]:
-    """½ B - M P + P(M·, ·) + P(·, M·), and the sum of the sizes of its terms."""
-    inside: Any = block if inner is None else inner
-    out, size = 0.5 * bend, 0.5 * np.abs(bend)
-    across = np.swapaxes(inside, 1, 2)[:, None]
-    out = out + across @ p + p @ inside[:, None]
-    size = size + np.abs(across) @ np.abs(p) + np.abs(p) @ np.abs(inside)[:, None]
-    if block is not None:
-        flat = p.reshape(len(p), p.shape[1], -1)
-        out = out - (block @ flat).reshape(p.shape)
-        size = size + (np.abs(block) @ np.abs(flat)).reshape(p.shape)
-    return out, size
+def _left(bend: Floats, p: Floats, m: Floats, own: Floats) -> tuple[Floats, Floats]:
+    """½ B - O P + P(M·, ·) + P(·, M·), and the sizes of its terms; O is M for P, and 0 for q."""
+    across, flat = np.swapaxes(m, 1, 2)[:, None], p.reshape(len(p), p.shape[1], -1)
+    out = 0.5 * bend + across @ p + p @ m[:, None] - (own @ flat).reshape(p.shape)
+    size = 0.5 * np.abs(bend) + np.abs(across) @ np.abs(p) + np.abs(p) @ np.abs(m)[:, None]
+    return out, size + (np.abs(own) @ np.abs(flat)).reshape(p.shape)
 
 
-def _norm(a: Floats) -> Floats:
-    """Upper bounds of Frobenius norms of all but the first axis."""
+def norm(a: Floats) -> Floats:
+    """Upper bounds of Frobenius norms of all but the first axis.
+
+    Parameters
+    ----------
+    a
+        Shape (N, …).
+    """
     flat = a.reshape(len(a), -1)
     found: Floats = np.sqrt(np.square(flat).sum(1)) * WIDE + 2.0**-500
     return found
