@@ -21,7 +21,7 @@ ROW, TOP, TALL = 62, 15, 41
 REST = """async () => {
   const frame = () => new Promise((r) => requestAnimationFrame(r));
   await frame();
-  while (stabilityExplorer.motion.waits || stabilityExplorer.diagram.moving) await frame();
+  while (stabilityExplorer.motion.waits || stabilityExplorer.view.moving) await frame();
   await frame();
   await frame();
 }"""

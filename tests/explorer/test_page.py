@@ -18,7 +18,7 @@ REST = """async () => {
   const explorer = window.stabilityExplorer;
   const frame = () => new Promise((r) => requestAnimationFrame(r));
   await frame();
-  while (explorer && (explorer.motion.waits || explorer.diagram.moving)) await frame();
+  while (explorer && (explorer.motion.waits || explorer.view.moving)) await frame();
   await frame();
   await frame();
 }"""
@@ -160,7 +160,7 @@ def test_paths_of_eigenvalues_have_no_jumps(browser: Any, page_of_disk: Path) ->
     """A pair that turns real leaves the imaginary axis at a right angle, not along a chord."""
     with visit(browser, page_of_disk, "#show=rolling-smooth&at=0.5&k=0.25") as seen:
         rest(seen)
-        paths = seen.page.evaluate("stabilityExplorer.plane.paths(2, 2)")
+        paths = seen.page.evaluate("stabilityExplorer.plane.paths(2, 2, 1)")
         # λ² is real: every point lies on one of the axes, and steps are short
         apart = [abs(complex(*a) - complex(*b)) for path in paths
                  for a, b in zip(path, path[1:], strict=False)

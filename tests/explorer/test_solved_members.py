@@ -175,11 +175,12 @@ WALK = """(points) => {
     found.push(...way.map((q, i) => [exact[i], [...s.solved(q)]]));
     s.hurry(false);
   }
-  const {diagram} = stabilityExplorer, said = [], hurry = s.hurry;
+  const {diagram, view} = stabilityExplorer, said = [], hurry = s.hurry;
   s.hurry = (on) => { said.push(on); hurry.call(s, on); };
-  diagram.moving = true;
+  view.moving = diagram.coarse = true;
+  diagram.shown = "";
   diagram.draw();
-  diagram.moving = false;
+  view.moving = false;
   diagram.draw();
   delete s.hurry;
   return [found, said, s.finder.hasty];

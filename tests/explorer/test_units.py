@@ -22,7 +22,7 @@ SAME = 1e-9
 REST = """async () => {
   const frame = () => new Promise((r) => requestAnimationFrame(r));
   await frame();
-  while (stabilityExplorer.motion.waits || stabilityExplorer.diagram.moving) await frame();
+  while (stabilityExplorer.motion.waits || stabilityExplorer.view.moving) await frame();
   await frame();
   await frame();
 }"""

@@ -81,7 +81,8 @@ export function mount(root, data, library, link = null) {
       stage = diagram.raster.gl ? new Stage(library(), look) : new FlatStage(look);
       motion.show(stage);
     }
-    root.dataset.ready = "true";
+    view.stir(); // the first picture was a coarse one
+    view.on(() => requestAnimationFrame(() => { if (!view.moving) root.dataset.ready = "true"; }));
   }, 60));
   requestAnimationFrame(afterPaint);
   return {view, diagram, motion, plane, exports, launched, polynomialRoots, stage: () => stage};

@@ -24,11 +24,9 @@ function filled(made, attributes, children) {
 }
 
 /** A symbol such as ω_Z as an element, with its index below the line. */
-export function symbol(name, svg = false) {
+export function symbol(name) {
   const [letter, index] = name.split("_");
-  if (!svg) return element("i", {}, letter, ...(index ? [element("sub", {}, index)] : []));
-  return shape("tspan", {"font-style": "italic"}, letter,
-    ...(index ? [shape("tspan", {"baseline-shift": "sub", "font-size": "75%"}, index)] : []));
+  return element("i", {}, letter, ...(index ? [element("sub", {}, index)] : []));
 }
 
 /** A quantity in words, or by its symbol where it has no words: text where nothing can be set below the line. */
@@ -71,16 +69,6 @@ export function complexText([re, im], digits = 4) {
 export function exactText(value) {
   const found = String(value);
   return /^-?\d+$/.test(found) ? `${found}.0` : found.replace("e+", "e");
-}
-
-/** Call a function once in the next frame, however often this is called. */
-export function onceAFrame(call) {
-  let waiting = false;
-  return () => {
-    if (waiting) return;
-    waiting = true;
-    requestAnimationFrame(() => { waiting = false; call(); });
-  };
 }
 
 export function clamp(value, low, high) {

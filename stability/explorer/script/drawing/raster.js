@@ -2,10 +2,12 @@
 // Where WebGL2 is missing, the same picture is computed in double precision, more coarsely.
 
 import {rgb, shade} from "./colours.js";
+import {Fineness} from "./redrawn.js";
 import {UNPACKED, VERTEX, subjectShader} from "./raster_shader.js";
 
 const COLUMNS = 130; // of the picture without WebGL
 const NODES = [49, 37], NONE = 3e38; // grid of members that are solved for; where there is none
+const SEEKING = 5, FEWEST = 0.2; // milliseconds for that grid in motion, and its least fineness
 
 /** A canvas that shows the growth rate of a subject over two quantities. */
 export class Raster {
@@ -14,6 +16,7 @@ export class Raster {
     this.gl = canvas.getContext("webgl2", {antialias: false, alpha: true, preserveDrawingBuffer: true});
     this.pen = this.gl ? null : canvas.getContext("2d");
     this.programs = new Map();
+    this.seeking = new Fineness(SEEKING, FEWEST);
     if (!this.gl) return;
     const gl = this.gl;
     gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
@@ -27,8 +30,9 @@ export class Raster {
     return this.gl ? "single precision, in a shader" : "double precision, on a coarse grid";
   }
 
-  /** Draw; `share` is the resolution of the growth rates over that of the canvas. */
-  draw(subject, values, x, y, scale, colours, pixel, share = 1) {
+  /** Draw; `share` is the resolution of the growth rates over that of the canvas, `moving` whether a hand moves it. */
+  draw(subject, values, x, y, scale, colours, pixel, share, moving) {
+    this.moving = moving;
     if (!this.gl) this.compute(subject, values, x, y, scale, colours);
     else if (share >= 1) this.paint(subject, values, x, y, scale, colours, pixel);
     else {
@@ -39,9 +43,19 @@ export class Raster {
     }
   }
 
+  /** Compile what a picture in motion needs, before a hand moves it. */
+  prepare(subject) {
+    if (!this.gl) return;
+    this.program(subject, true);
+    this.use("unpacked", () => UNPACKED);
+  }
+
+  program(subject, packed) {
+    return this.use(`${subject.key}${packed ? " packed" : ""}`, () => subjectShader(subject, packed));
+  }
+
   paint(subject, values, x, y, scale, colours, pixel, packed = null) {
-    const gl = this.gl, key = `${subject.key}${packed ? " packed" : ""}`;
-    const set = this.use(key, () => subjectShader(subject, packed !== null));
+    const gl = this.gl, set = this.program(subject, packed !== null);
     const [width, height] = packed || [this.canvas.width, this.canvas.height];
     gl.bindFramebuffer(gl.FRAMEBUFFER, packed ? this.frame : null);
     gl.viewport(0, 0, width, height);
@@ -53,13 +67,13 @@ export class Raster {
     set("xIndex", "1i", subject.names.indexOf(x.name));
     set("yIndex", "1i", subject.names.indexOf(y.name));
     for (const name of ["linear", "width", "end"]) set(name, "1f", scale[name]);
-    if (subject.solver) this.members(set, subject, values, x, y);
+    if (subject.solver) this.seeking.spend(this.moving, (fine) => this.members(set, subject, values, x, y, fine));
     this.common(set, subject, colours, pixel, [width, height]);
   }
 
   /** Unknowns of the members on a grid, as a texture: the shader starts from them. */
-  members(set, subject, values, x, y) {
-    const gl = this.gl, [columns, rows] = NODES, found = new Float32Array(4 * columns * rows), q = subject.array(values);
+  members(set, subject, values, x, y, fine) {
+    const gl = this.gl, [columns, rows] = NODES.map((n) => Math.round(1 + fine * (n - 1))), found = new Float32Array(4 * columns * rows), q = subject.array(values);
     const [i, j] = [x, y].map((axis) => subject.names.indexOf(axis.name));
     for (let n = 0; n < columns * rows; n++) {
       q[i] = x.value((n % columns) / (columns - 1));

@@ -3,8 +3,9 @@
 const CELLS_X = 120, CELLS_Y = 90, HALVINGS = 50;
 
 /**
- * Polylines on which the verdict changes: {kind, points: [[x, y], …]} in values of the axes.
- * `detail` is a share of the full fineness; at 1 every point is exact to double precision.
+ * Curves on which the verdict changes, {kind, points: [[x, y], …]} in values of the axes, and `good(u, v)`: whether
+ * every condition holds at the nearest point of the grid, or null without a member there.
+ * `detail` is a share of the full fineness; at 1 every point of a curve is exact to double precision.
  */
 export function boundaryCurves(subject, values, x, y, detail = 1) {
   const cells = [Math.round(CELLS_X * detail), Math.round(CELLS_Y * detail)];
@@ -28,7 +29,12 @@ export function boundaryCurves(subject, values, x, y, detail = 1) {
       }
     }
   });
-  return curves;
+  const good = (u, v) => {
+    const [i, j] = [Math.round(u * cells[0]), Math.round(v * cells[1])];
+    if (!subject.rules.length) return all(u, v) === absent ? null : true;
+    return grid.some((one) => Number.isNaN(one[j][i])) ? null : grid.every((one) => one[j][i] > 0);
+  };
+  return {curves, good};
 }
 
 /** Each condition on the points of a grid over the unit square. */

@@ -1,6 +1,7 @@
 // The conditions of stability with the numbers of the point put in, and their signs.
 
-import {element, onceAFrame, text} from "../drawing/elements.js";
+import {element, text} from "../drawing/elements.js";
+import {onceAFrame} from "../drawing/redrawn.js";
 
 const KINDS = {
   static: "no real eigenvalue passes through zero (divergence)",

@@ -1,6 +1,7 @@
 // Family, law, and a slider with a number for each quantity.
 
-import {element, onceAFrame, spoken, symbol, text} from "../drawing/elements.js";
+import {element, spoken, symbol, text} from "../drawing/elements.js";
+import {onceAFrame} from "../drawing/redrawn.js";
 import {axisOf} from "../drawing/scales.js";
 import {ranged} from "./view.js";
 

@@ -1,10 +1,12 @@
 // The plane of eigenvalues, with the paths that they take while one quantity runs.
 
-import {element, onceAFrame, shape, text} from "../drawing/elements.js";
+import {element, shape, text} from "../drawing/elements.js";
+import {Fineness, boxOf, onceAFrame, part, show} from "../drawing/redrawn.js";
 import {axisOf, ticks} from "../drawing/scales.js";
 
 const SAMPLES = 140, FINER = 9; // values along a path; halvings between two of them where it turns
 const LONGEST = 0.03, FINEST = 600; // step of a path over the plane; halvings of all steps together
+const PATHS = 3, LEAST_PATHS = 0.25; // milliseconds for paths in motion, and their least fineness
 const MARGIN = {left: 8, right: 8, top: 8, bottom: 18};
 const LEAST = 1e-6; // below it all eigenvalues count as zero, and the plane shows the unit of rates
 const NEAR = 22; // pixels within which a tap chooses an eigenvalue
@@ -19,53 +21,54 @@ export class EigenvaluePlane {
       element("label", {class: "small along"}, "Eigenvalues λ (float: double precision); paths: λ while ", this.choice, " runs"));
     this.drawing.addEventListener("click", (event) => this.pick(event));
     this.render = onceAFrame(() => this.draw());
-    new ResizeObserver(() => this.render()).observe(this.drawing);
+    this.box = boxOf(this.drawing, this.render);
+    this.tracing = new Fineness(PATHS, LEAST_PATHS);
     view.on(() => this.render());
   }
 
   draw() {
-    const box = this.drawing.getBoundingClientRect();
+    const box = this.box();
     if (!box.width) return;
     const {view} = this, {subject, state} = view, now = subject.eigenvalues(view.point()).filter((z) => Number.isFinite(z[0] + z[1]));
     this.offer();
-    const [reach, tall] = this.extent(now), paths = this.paths(reach, tall);
+    const [reach, tall] = this.extent(now), paths = this.kept(reach, tall);
     const {left, right, top, bottom} = MARGIN;
     const width = box.width - left - right, height = box.height - top - bottom;
     this.place = ([re, im]) => [left + width * (0.5 + re / (2 * reach)), top + height * (0.5 - im / (2 * tall))];
     this.now = now;
     const {size, unit} = view.curve("growth rate"), named = (word) => (view.state.si ? `${word} [${unit}]` : word);
     const [ox, oy] = this.place([0, 0]), words = [], parts = [
-      shape("rect", {class: "growing", x: ox, y: top, width: left + width - ox, height}),
-      shape("rect", {class: "decaying", x: left, y: top, width: ox - left, height}),
+      part("rect", {class: "growing", x: ox, y: top, width: left + width - ox, height}),
+      part("rect", {class: "decaying", x: left, y: top, width: ox - left, height}),
     ];
     for (const rate of ticks(-reach * size, reach * size, 5)) {
       const v = rate / size, [x] = this.place([v, 0]);
-      if (v !== 0) parts.push(shape("path", {class: "grid", d: `M${x} ${top}v${height}`}));
-      if (Math.abs(v) < 0.93 * reach) words.push(shape("text", {class: "number", x, y: box.height - 5, "text-anchor": "middle"}, text(rate, 3)));
+      if (v !== 0) parts.push(part("path", {class: "grid", d: `M${x} ${top}v${height}`}));
+      if (Math.abs(v) < 0.93 * reach) words.push(part("text", {class: "number", x, y: box.height - 5, "text-anchor": "middle"}, text(rate, 3)));
     }
     for (const rate of ticks(-tall * size, tall * size, 4)) {
       const v = rate / size, [, y] = this.place([0, v]);
       if (v === 0 || Math.abs(v) > 0.93 * tall) continue;
-      parts.push(shape("path", {class: "grid", d: `M${left} ${y}h${width}`}));
-      words.push(shape("text", {class: "number", x: left + 3, y: y - 2}, `${text(rate, 3)} i`));
+      parts.push(part("path", {class: "grid", d: `M${left} ${y}h${width}`}));
+      words.push(part("text", {class: "number", x: left + 3, y: y - 2}, `${text(rate, 3)} i`));
     }
-    parts.push(shape("path", {class: "axis", d: `M${left} ${oy}h${width}M${ox} ${top}v${height}`}));
-    words.push(shape("text", {class: "number", x: left + width - 3, y: oy - 4, "text-anchor": "end"}, named("Re λ")),
-      shape("text", {class: "number", x: ox + 4, y: top + 10}, named("Im λ")));
+    parts.push(part("path", {class: "axis", d: `M${left} ${oy}h${width}M${ox} ${top}v${height}`}));
+    words.push(part("text", {class: "number", x: left + width - 3, y: oy - 4, "text-anchor": "end"}, named("Re λ")),
+      part("text", {class: "number", x: ox + 4, y: top + 10}, named("Im λ")));
     for (const path of paths) {
       for (const piece of this.inside(path, reach, tall)) {
-        parts.push(shape("path", {class: "locus", d: `M${piece.map((z) => this.place(z).map((v) => v.toFixed(1)).join(" ")).join("L")}`}));
+        parts.push(part("path", {class: "locus", d: `M${piece.map((z) => this.place(z).map((v) => v.toFixed(1)).join(" ")).join("L")}`}));
       }
     }
     parts.push(...words);
     const chosen = state.mode === null ? null : this.shown(now)[state.mode];
     for (const z of now) {
       const [x, y] = this.place(z), own = chosen && z[0] === chosen[0] && Math.abs(z[1]) === Math.abs(chosen[1]);
-      parts.push(shape("circle", {class: `value ${z[0] > 1e-12 ? "grows" : "decays"}${own ? " chosen" : ""}`,
+      parts.push(part("circle", {class: `value ${z[0] > 1e-12 ? "grows" : "decays"}${own ? " chosen" : ""}`,
         cx: x, cy: y, r: own ? 6.5 : 4.5}));
     }
     this.drawing.setAttribute("viewBox", `0 0 ${box.width} ${box.height}`);
-    this.drawing.replaceChildren(...parts);
+    show(this.drawing, parts);
   }
 
   offer() {
@@ -92,8 +95,19 @@ export class EigenvaluePlane {
     return [0, 1].map((i) => round(1.15 * Math.max(...now.map((z) => Math.abs(z[i])), 0.2 * most)));
   }
 
+  /** The paths, computed again where something else than the running quantity has changed, or was in motion. */
+  kept(reach, tall) {
+    const {subject, state, moving} = this.view, held = subject.names.filter((n) => n !== state.along).map((n) => state.values[n]);
+    const content = JSON.stringify([subject.key, state.along, state.ranges[state.along], held, reach, tall]);
+    if (content !== this.content || (this.coarse && !moving)) {
+      this.traced = this.tracing.spend(moving, (share) => this.paths(reach, tall, share));
+      Object.assign(this, {content, coarse: moving});
+    }
+    return this.traced;
+  }
+
   /** Eigenvalues while the quantity runs, in steps that are short wherever a path can be seen. */
-  paths(reach, tall) {
+  paths(reach, tall, share) {
     const {subject, state} = this.view, axis = axisOf(state, state.along), at = {...state.values};
     const seen = (z) => Math.abs(z[0]) < 1.02 * reach && Math.abs(z[1]) < 1.02 * tall;
     const apart = (a, b) => (seen(a) || seen(b) ? Math.hypot((a[0] - b[0]) / reach, (a[1] - b[1]) / tall) / 2 : 0);
@@ -103,7 +117,8 @@ export class EigenvaluePlane {
       return found.every((z) => Number.isFinite(z[0] + z[1])) ? found : null;
     };
     const paths = [];
-    let last = null, u = 0, more = FINEST;
+    const samples = Math.round(share * SAMPLES);
+    let last = null, u = 0, more = share * FINEST;
     const step = (to, found, depth) => {
       if (found && last && last.length === found.length) {
         const next = nearest(last.map((p) => p[p.length - 1]), found);
@@ -120,7 +135,7 @@ export class EigenvaluePlane {
       }
       u = to;
     };
-    for (let n = 0; n <= SAMPLES; n++) step(n / SAMPLES, values(n / SAMPLES), 0);
+    for (let n = 0; n <= samples; n++) step(n / samples, values(n / samples), 0);
     return paths;
   }
 

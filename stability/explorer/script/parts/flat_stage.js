@@ -23,7 +23,7 @@ export class FlatStage extends TurnedView {
 
   /** Draw a pose, with the contact points of the path so far. */
   draw(pose, path) {
-    const box = this.canvas.getBoundingClientRect(), dense = Math.min(2, window.devicePixelRatio || 1);
+    const box = this.box(), dense = Math.min(2, window.devicePixelRatio || 1);
     if (!box.width || !box.height) return;
     this.canvas.width = Math.round(dense * box.width);
     this.canvas.height = Math.round(dense * box.height);

@@ -2,7 +2,8 @@
 
 import {before, launched, modeMotion, poseAt} from "../mathematics/launch.js";
 import {components, modeCurves, modesAt, steadyCurves} from "../mathematics/modes.js";
-import {clamp, element, onceAFrame, text} from "../drawing/elements.js";
+import {clamp, element, text} from "../drawing/elements.js";
+import {onceAFrame} from "../drawing/redrawn.js";
 import {componentsText} from "./states/mode_words.js";
 import {Traces} from "./traces.js";
 import {placed, surface} from "./turned_view.js";

@@ -1,6 +1,7 @@
 // What is known of the point: its verdict and proof, and its modes, one of which may be chosen.
 
-import {complexText, element, onceAFrame, symbol, text} from "../drawing/elements.js";
+import {complexText, element, symbol, text} from "../drawing/elements.js";
+import {onceAFrame} from "../drawing/redrawn.js";
 
 const SENTENCES = {
   stable: "Every disturbance of the linear motion decays, except those along the family.",

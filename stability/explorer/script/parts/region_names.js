@@ -7,19 +7,18 @@ const LETTER = 4.3, LINE = 10; // half of a letter's width, half of a word's hei
 
 const ROOM = 13; // room that a word leaves around the point [px]
 
-/** [word, u, v] with places in the unit square, for a diagram of this size in pixels. */
-export function regionNames(view, x, y, width, height) {
-  const {subject, state} = view, q = subject.array(state.values);
-  const i = subject.names.indexOf(x.name), j = subject.names.indexOf(y.name), cells = [];
+/** Whether the verdict is the good one, cell by cell; null without a member. `good` says so at a place. */
+export function regionCells(good) {
+  const cells = [];
   for (let row = 0; row < ROWS; row++) {
-    for (let column = 0; column < COLUMNS; column++) {
-      q[i] = x.value((column + 0.5) / COLUMNS);
-      q[j] = y.value((row + 0.5) / ROWS);
-      const margin = subject.margin(q);
-      cells.push(Number.isNaN(margin) ? null : margin > 0);
-    }
+    for (let column = 0; column < COLUMNS; column++) cells.push(good((column + 0.5) / COLUMNS, (row + 0.5) / ROWS));
   }
-  const [px, py] = [x.place(state.values[x.name]), y.place(state.values[y.name])], found = [];
+  return cells;
+}
+
+/** [word, u, v] with places in the unit square, for the cells of a diagram of this size in pixels. */
+export function regionNames(cells, view, x, y, width, height) {
+  const {subject, state} = view, [px, py] = [x.place(state.values[x.name]), y.place(state.values[y.name])], found = [];
   for (const [kind, word] of [[true, subject.good], [false, "unstable"]]) {
     if (cells.filter((c) => c === kind).length < LEAST * cells.length) continue;
     const half = LETTER * word.length, sides = [width / COLUMNS / half, height / ROWS / LINE];

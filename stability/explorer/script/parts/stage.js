@@ -107,7 +107,7 @@ export class Stage extends TurnedView {
   /** Draw a pose, with the contact points of the path so far. */
   draw(pose, path) {
     if (!this.canvas.isConnected) return;
-    const box = this.canvas.getBoundingClientRect();
+    const box = this.box();
     if (!box.width || !box.height) return;
     const T = this.three, {mark, side, axis, centre} = placed(pose);
     const turn = new T.Matrix4().set(mark[0], side[0], axis[0], centre[0], mark[1], side[1], axis[1], centre[1],

@@ -1,6 +1,7 @@
 // Curves over time: energy, normal force, or the states of a system of one's own.
 
 import {element, shape, text} from "../drawing/elements.js";
+import {boxOf} from "../drawing/redrawn.js";
 import {ticks} from "../drawing/scales.js";
 
 const LEFT = 58, RIGHT = 10, ROW = 62, FOOT = 20, LABEL = 12, MOST = 700, NOTHING = 1e-4;
@@ -24,7 +25,7 @@ export class Traces {
       this.drawing.addEventListener("pointermove", move);
       this.drawing.addEventListener("pointerup", () => this.drawing.removeEventListener("pointermove", move), {once: true});
     });
-    new ResizeObserver(() => this.draw()).observe(this.root);
+    this.box = boxOf(this.root, () => this.draw());
   }
 
   /** Show a run: {times, series, ended, linear}, over a span of time. */
@@ -35,7 +36,7 @@ export class Traces {
   }
 
   draw() {
-    const width = this.root.getBoundingClientRect().width;
+    const {width} = this.box();
     if (!this.run || !width) {
       this.drawing.replaceChildren();
       this.cursor = null;
@@ -82,7 +83,7 @@ export class Traces {
   mark(time) {
     this.time = time;
     if (!this.cursor) return;
-    const wide = this.root.getBoundingClientRect().width - LEFT - RIGHT;
+    const wide = this.box().width - LEFT - RIGHT;
     this.cursor.setAttribute("d", `M${LEFT + (wide * time) / this.span} 2V${this.height - FOOT + 4}`);
   }
 }

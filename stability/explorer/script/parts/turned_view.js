@@ -1,6 +1,7 @@
 // What every picture of the disk shares: where its parts are, and the hand that turns the view.
 
 import {element} from "../drawing/elements.js";
+import {boxOf} from "../drawing/redrawn.js";
 import {fromSource} from "../mathematics/subject.js";
 
 const ROWS = 60, END = 1e-9, HALF = 0.55; // points of a meridian; distance from its ends; beyond upright [rad]
@@ -32,6 +33,7 @@ export class TurnedView {
       "aria-label": "The body on the plane; drag, or use the arrow keys, to look from another side"});
     this.angle = {azimuth: 0.75, height: 0.36, away: 5.6};
     this.target = [0, 0];
+    this.box = boxOf(this.canvas, () => this.changed && this.changed());
     this.turned();
   }
 

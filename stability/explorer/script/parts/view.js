@@ -3,6 +3,9 @@
 import {Subject, certified} from "../mathematics/subject.js";
 import {axisOf} from "../drawing/scales.js";
 
+const REST = 160; // milliseconds without a change after which nothing moves
+const SEEN = ["values", "ranges", "x", "y"]; // what moves a picture
+
 /** Ends of an axis with its spacing: "log", which needs a positive end, or nothing. */
 export function ranged([low, high], spacing) {
   return spacing === "log" && low > 0 ? [low, high, "log"] : [low, high];
@@ -13,6 +16,7 @@ export class View {
     this.data = data;
     this.subjects = new Map(data.subjects.map((s) => [s.key, new Subject(s)]));
     this.listeners = [];
+    this.moving = true; // the first picture, or a hand moves the point or the axes: pictures may be coarser
     this.state = this.initial(data.start.subject, data.start.values || {});
     (data.start.axes || []).forEach((axis, i) => {
       if (!axis) return;
@@ -70,6 +74,19 @@ export class View {
     const changed = Object.keys(patch).filter((n) => patch[n] !== this.state[n]);
     if (!changed.length) return;
     this.state = {...this.state, ...patch};
+    if (changed.includes("subject")) this.moving = false;
+    else if (changed.some((n) => SEEN.includes(n))) this.stir();
+    this.tell(changed);
+  }
+
+  /** Something moves, until a while after the last change. */
+  stir() {
+    this.moving = true;
+    clearTimeout(this.resting);
+    this.resting = setTimeout(() => { this.moving = false; this.tell(["moving"]); }, REST);
+  }
+
+  tell(changed) {
     for (const listener of this.listeners) listener(new Set(changed));
   }
 

@@ -1,6 +1,7 @@
 // The states of a system of one's own: the value of each in the steady motion, its size and phase in the chosen mode.
 
-import {element, onceAFrame, text} from "../../drawing/elements.js";
+import {element, text} from "../../drawing/elements.js";
+import {onceAFrame} from "../../drawing/redrawn.js";
 import {components, modesAt} from "../../mathematics/modes.js";
 import {phaseText, sizeText} from "./mode_words.js";
 
