@@ -1,8 +1,11 @@
-"""The explorer in software rendering: size, time to the first picture, time of a frame.
+"""The explorer: size, time to the first picture, time of a frame while a slider is swept.
 
+In software rendering, or with `--gpu` on the graphics card (`--gpu vulkan`, `gl-egl`, `d3d11`,
+`metal` say through which interface). Every slider is swept; the one that asks most is printed.
 Times are of the wall on this machine, whose other work counts: run it alone.
 """
 
+import argparse
 import os
 import sys
 import tempfile
@@ -32,6 +35,11 @@ SWEEP = """async (frames) => {
     view.move({[q.name]: middle}, q.name);
   }
   return found;
+}"""
+RENDERER = """() => {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const known = gl && gl.getExtension("WEBGL_debug_renderer_info");
+  return gl ? gl.getParameter(known ? known.UNMASKED_RENDERER_WEBGL : gl.RENDERER) : "no WebGL";
 }"""
 PAINT = "performance.getEntriesByName('first-contentful-paint').map((e) => e.startTime)[0]"
 
@@ -67,12 +75,16 @@ def governor(st: Any) -> Any:
 
 def main() -> None:
     sys.path.insert(0, str(ROOT / "tests" / "tools"))
-    from chromium import chromium, visit
+    from chromium import GPU, SOFTWARE, chromium, visit
 
     import stability as st
 
+    wanted = argparse.ArgumentParser(description=__doc__)
+    wanted.add_argument("--gpu", nargs="?", const="gl-egl", help="interface of the graphics card")
+    gpu = wanted.parse_args().gpu
+    rendering = (*GPU, f"--use-angle={gpu}") if gpu else SOFTWARE
     print(f"load of the machine {os.getloadavg()[0]:.1f}, {os.cpu_count()} cores")
-    with tempfile.TemporaryDirectory() as folder, chromium() as browser:
+    with tempfile.TemporaryDirectory() as folder, chromium(rendering=rendering) as browser:
         begun = time.process_time()
         path = st.explore("spinning", mu=0.3, out=Path(folder) / "page.html")
         made = time.process_time() - begun
@@ -83,11 +95,12 @@ def main() -> None:
             with visit(browser, path, ready=False) as seen:
                 seen.page.wait_for_selector("[data-ready]", timeout=60_000)
                 readies.append(time.perf_counter() - begun)
+                drawn_by = seen.page.evaluate(RENDERER)
                 paints.append(seen.page.evaluate(PAINT) / 1000)
         least, most = min(paints), max(paints)
         print(f"first picture after {quantile(paints, 0.5):.2f} s (median of 5; {least:.2f} to "
               f"{most:.2f}), 3-D after {quantile(readies, 0.5):.2f} s")  # fmt: skip
-        print("a slider swept, 1280 x 800, software rendering:")
+        print(f"a slider swept, 1280 x 800, drawn by {drawn_by}:")
         for link in ("rolling-viscous", "spinning-viscous", "tumbling-viscous", "spinning-rough"):
             swept(browser, path, link, f"#show={link}")
         others = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,10 +13,13 @@ import pytest
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 ARGUMENTS = (
-    "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-    "--disable-background-networking", "--disable-component-update", "--disable-sync",
-    "--enable-unsafe-swiftshader", "--use-gl=angle", "--use-angle=swiftshader",
+    "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
+    "--disable-component-update", "--disable-sync",
 )  # fmt: skip
+SOFTWARE = ("--disable-gpu", "--enable-unsafe-swiftshader", "--use-gl=angle",
+            "--use-angle=swiftshader")  # fmt: skip
+GPU = ("--enable-gpu", "--ignore-gpu-blocklist", "--use-gl=angle")
+"""With `--use-angle=`: gl-egl or vulkan on Linux, d3d11 on Windows, metal on macOS."""
 DESKTOP, PHONE = {"width": 1280, "height": 800}, {"width": 390, "height": 844}
 WITHOUT_WEBGL = (
     "const own = HTMLCanvasElement.prototype.getContext;"
@@ -38,14 +41,14 @@ def executable() -> str:
 
 
 @contextmanager
-def chromium(*more: str) -> Iterator[Any]:
-    """A headless browser."""
+def chromium(*more: str, rendering: Sequence[str] = SOFTWARE) -> Iterator[Any]:
+    """A headless browser, which draws in software unless told otherwise."""
     from playwright.sync_api import sync_playwright
 
     path = executable()
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(
-            executable_path=path, headless=True, args=[*ARGUMENTS, *more]
+            executable_path=path, headless=True, args=[*ARGUMENTS, *rendering, *more]
         )
         try:
             yield browser

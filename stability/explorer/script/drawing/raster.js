@@ -7,7 +7,7 @@ import {UNPACKED, VERTEX, subjectShader} from "./raster_shader.js";
 
 const COLUMNS = 130; // of the picture without WebGL
 const NODES = [49, 37], NONE = 3e38; // grid of members that are solved for; where there is none
-const SEEKING = 5, FEWEST = 0.2; // milliseconds for that grid in motion, and its least fineness
+const SEEKING = 3, FEWEST = 0.12; // milliseconds for that grid in motion, and its least fineness
 
 /** A canvas that shows the growth rate of a subject over two quantities. */
 export class Raster {

@@ -13,7 +13,7 @@ import {ranged} from "./view.js";
 const MARGIN = {left: 56, right: 12, top: 10, bottom: 38};
 const QUICK = 30; // milliseconds from frame to frame while something moves; otherwise it is coarser
 const PAUSE = 400; // milliseconds after which a frame does not follow the last one
-const CURVES = 5, LEAST_DETAIL = 0.15, MOVING_DETAIL = 0.5; // milliseconds for curves in motion, and their fineness
+const CURVES = 3, LEAST_DETAIL = 0.1, MOVING_DETAIL = 0.5; // milliseconds for curves in motion, and their fineness
 const SOON = 100; // milliseconds after a picture, until what a moving one needs is compiled
 const COARSEST = 0.12, HATCHED = 2.5, LEAST_HATCHED = 0.55;
 const DASHES = {static: "", flutter: "7 3", auxiliary: "1.5 3"};
