@@ -122,7 +122,8 @@ def own_subject(
         model=told.get("motion", family.name), parameters=tuple(
             names.index(n) for n in system.parameters),
         call={"kind": "own", "at": family.at, "parameters": family.parameters,
-              "system": system.name, "numbers": found.numbers},
+              "given": system.parameters, "system": system.name,
+              "numbers": found.numbers},
         good="neutral" if even else "stable",
         symbols={n: symbols.get(n, n) for n in system.states},
     )  # fmt: skip

@@ -90,6 +90,19 @@ function ofOwn(view) {
     `# family is your own Family, "${subject.family}" of the system "${call.system}": define or import it first`,
     `point = st.spectrum(family, at=${at}${fixed}, certify=True)`,
     `diagram = st.stability_map(family, x=${axis(view, "x", 300)}, y=${axis(view, "y", 200)}${held})`,
-    "figure = st.plot_map(diagram)", "print(point.verdict, point.eigenvalues)", "",
+    "figure = st.plot_map(diagram)", ...launchOfOwn(view),
+    `print(point.verdict, point.eigenvalues${view.motion ? ", motion.attrs[\"outcome\"]" : ""})`, "",
   ].join("\n");
+}
+
+/** The launch of a system of one's own: the steady states, one of them disturbed. */
+function launchOfOwn(view) {
+  const {subject, state, motion} = view, q = view.point();
+  if (!motion || !subject.exists(q)) return [];
+  const steady = subject.steady(q), kick = state.kick || 0;
+  const entries = (names, values) => names.map((n, i) => `${JSON.stringify(n)}: ${exactText(values[i])}`).join(", ");
+  const start = entries(subject.states, subject.states.map((_, i) => steady[i] + (i === kick ? state.tilt : 0)));
+  const given = entries(subject.call.given, subject.parameters.map((i) => q[i]));
+  return [`start = {${start}}`,
+    `motion = st.simulate(family.system, {${given}}, start, ${exactText(state.until)}, families=family)`];
 }
