@@ -271,7 +271,7 @@ def test_bounds_of_coefficients_hold_over_q_and_are_not_idle(family: str, long: 
         family, PLAIN, np.random.default_rng(6)
     ):
         run = loops_().long_coefficients if long else loops_().coefficients
-        run(*tables[:4], first, count, w)
+        run(*tables[:4], first, count, *(() if long else (False,)), w)
         for j in range(0, SIDE, 4):
             at = [Fraction(h[j]) + (Fraction(x[j]) if long else 0)
                   for h, x in zip(high, low, strict=True)]  # fmt: skip
@@ -330,7 +330,7 @@ def test_the_bound_counts_each_rounding_of_a_quotient_by_one_inverse(
                       [schemes.SCALE, 1, 1], [schemes.SET, 1, 0]])  # fmt: skip
     numbers, parts = np.array([1.0, 0.0, 1.0, 0.0]), np.array([[0, 1, 2], [2, 3, 4]])
     run = loops_().long_coefficients if long else loops_().coefficients
-    run(steps, numbers, parts, np.zeros(2), 0, 1, w)
+    run(steps, numbers, parts, np.zeros(2), 0, 1, *(() if long else (False,)), w)
     shares = []
     for j in range(SIDE):
         x, y = (Fraction(float(high[v, j])) + Fraction(float(low[v, j])) for v in range(2))

@@ -41,6 +41,7 @@ from .schemes import (
     coefficients,
     copy,
     long_coefficients,
+    steady_lead,
 )
 
 STRIDE = 16
@@ -337,6 +338,7 @@ def sweep(table: Any, where: Any, values: Any, shape: Any, even: bool, flags: An
     past = np.zeros((4, degree, columns))
     near, z = np.full(degree, math.nan), np.zeros(degree, dtype=np.complex128)
     w, count = np.zeros(PAGE), 0
+    steady = len(factors) == 1 and steady_lead(steps, parts, factors[0, 0] + degree, where)
     for row in range(rows):
         for column in range(0, columns, SIDE):
             many = min(SIDE, columns - column)
@@ -345,7 +347,7 @@ def sweep(table: Any, where: Any, values: Any, shape: Any, even: bool, flags: An
             slot = 0
             for k in range(len(factors)):
                 first, n = factors[k]
-                coefficients(steps, numbers, parts, bounds, first, n, w)
+                coefficients(steps, numbers, parts, bounds, first, n, steady and column > 0, w)
                 if n > 1:
                     settle(row, column, many, n, past, near, z, w)
                 if not even:

@@ -118,10 +118,21 @@ def long_scheme(steps: Any, numbers: Any, first: int, last: int, w: Any) -> int:
     return x
 
 
+def steady_lead(steps: Any, parts: Any, row: int, where: Any) -> bool:
+    """Whether the leading coefficient on this row is the same in all columns of a tile."""
+    for k in range(parts[row, 0], parts[row, 2]):
+        if steps[k, 0] >= TIMES and where[steps[k, 2], 2]:
+            return False
+    return True
+
+
 def coefficients(steps: Any, numbers: Any, parts: Any, bounds: Any, first: int, count: int,
-                 w: Any) -> None:  # fmt: skip
-    """Monic coefficients of a factor, and their errors; `first` is the row of its lead."""
-    for i in range(count, -1, -1):
+                 led: bool, w: Any) -> None:  # fmt: skip
+    """Monic coefficients of a factor, and their errors, from its row `first` on.
+
+    `led`: the lines of the leading coefficient hold its inverse already.
+    """
+    for i in range(count - 1 if led else count, -1, -1):
         k = first + i
         high = scheme(steps, numbers, parts[k, 0], parts[k, 1], w)
         value, off = (LEAD, LEAD_ERROR) if i == count else (A + i * SIDE, E + i * SIDE)
@@ -135,7 +146,9 @@ def coefficients(steps: Any, numbers: Any, parts: Any, bounds: Any, first: int, 
         for j in range(SIDE):
             x, y = w[HIGH + j], w[U(low + j)]
             w[U(value + j)], w[U(off + j)] = x - y, bounds[k] * (x + y)
-    monic(count, DIVIDED, w)
+    if not led:
+        invert(DIVIDED, w)
+    monic(count, w)
 
 
 def long_coefficients(steps: Any, numbers: Any, parts: Any, bounds: Any, first: int, count: int,
@@ -153,20 +166,25 @@ def long_coefficients(steps: Any, numbers: Any, parts: Any, bounds: Any, first: 
             s, t = two_sum(x, -y)
             w[U(value + j)] = s + (t + (w[HIGH_LOW + j] - w[U(low + LOW + j)]))
             w[U(off + j)] = 2.0**-11 * bounds[k] * (x + y)
-    monic(count, DIVIDED + EPS, w)  # value and lead are rounded to doubles: a unit each
+    invert(DIVIDED + EPS, w)  # value and lead are rounded to doubles: a unit each
+    monic(count, w)
 
 
-def monic(count: int, rounding: float, w: Any) -> None:
-    """Divide coefficients by the leading one, which is inverted once: divisions take most time.
-
-    From x with error X, L with error δ|L|, and v = x·(1/L) with two roundings, within ρ|x/L|, the
-    true quotient is within (X/|L| + |v| (δ + ρ)) of v, to first order.  `rounding` is ρ, with the
-    roundings of x and L where their errors leave them out.  1.1 covers higher orders, δ < 0.05,
-    and the roundings of the errors themselves.
-    """
+def invert(rounding: float, w: Any) -> None:
+    """The inverse of the leading coefficient, and the relative error of a product with it."""
     for j in range(SIDE):
         one = 1.0 / w[LEAD + j]
         w[LEAD + j], w[LEAD_ERROR + j] = one, w[LEAD_ERROR + j] * abs(one) + rounding
+
+
+def monic(count: int, w: Any) -> None:
+    """Divide coefficients by the leading one, which is inverted once: divisions take most time.
+
+    From x with error X, L with error δ|L|, and v = x·(1/L) with two roundings, within ρ|x/L|, the
+    true quotient is within (X/|L| + |v| (δ + ρ)) of v, to first order.  ρ is the rounding that
+    `invert` gets, with the roundings of x and L where their errors leave them out.  1.1 covers
+    higher orders, δ < 0.05, and the roundings of the errors themselves.
+    """
     for i in range(count):
         x, off = A + i * SIDE, E + i * SIDE
         for j in range(SIDE):
