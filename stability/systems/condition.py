@@ -2,15 +2,40 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
 
 from ..base.checks import instance, real_numbers
-from ..base.errors import ParameterError, shown
+from ..base.errors import DomainError, ParameterError, shown
 from ..base.types import Record
 from .serialisation import Portable
 from .system_checks import expression
+
+
+def not_finite(name: str, values: Mapping[str, Any], found: NDArray[np.float64]) -> DomainError:
+    """The error of a graph with a value that is not finite; it names the first such place.
+
+    Parameters
+    ----------
+    name
+        Name of the system.
+    values
+        What the graph is computed from by name, arrays that broadcast to the leading shape.
+    found
+        Its values, matrices of shape (…, rows, columns).
+    """
+    fine = np.isfinite(found).all(axis=(-1, -2))
+    first = int(np.argmin(fine))
+    at = ((n, np.broadcast_to(v, fine.shape).flat[first]) for n, v in values.items())
+    return DomainError(
+        f"{name} at {', '.join(f'{n} = {v:.6g}' for n, v in at)}: values are not finite there, "
+        "or overflow double precision; give other states or parameters, nearer to 1."
+    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ from ..base.checks import broadcast, known, rows
 from ..base.errors import DomainError, ParameterError, shown
 from ..base.quantities import Quantity
 from ..base.types import Record, content
-from .condition import Condition
+from .condition import Condition, not_finite
 from .serialisation import Portable
 from .system_checks import check_implicit, check_system, expression, mapping, names
 
@@ -260,7 +260,8 @@ class Equations(Portable, Record):
         """
         if not checked:
             self.check(x, p)
-        return self._finite(self._program.arrays(*self._arguments(x, p))[0])[..., 0]
+        arguments, shape = self._arguments(x, p)
+        return self._finite(self._program.arrays(arguments, shape)[0], arguments)[..., 0]
 
     def linearise(self, x: ArrayLike, p: ArrayLike) -> NDArray[np.float64]:
         """The Jacobian ∂f/∂x by automatic differentiation at any state.
@@ -281,7 +282,8 @@ class Equations(Portable, Record):
             Where the equations have no meaning.
         """
         self.check(x, p)
-        return self._finite(self._jacobian_program.arrays(*self._arguments(x, p))[0])
+        arguments, shape = self._arguments(x, p)
+        return self._finite(self._jacobian_program.arrays(arguments, shape)[0], arguments)
 
     def observe(self, x: ArrayLike, p: ArrayLike) -> dict[str, NDArray[np.float64]]:
         """Every observable at states.
@@ -302,19 +304,18 @@ class Equations(Portable, Record):
             Where the equations have no meaning.
         """
         self.check(x, p)
-        values = map(self._finite, self._program.arrays(*self._arguments(x, p))[1:])
+        arguments, shape = self._arguments(x, p)
+        values = [self._finite(v, arguments) for v in self._program.arrays(arguments, shape)[1:]]
         return {
             name: value[..., 0, 0] if value.shape[-2:] == (1, 1) else value[..., 0]
             for name, value in zip(self.observables, values, strict=True)
         }
 
-    def _finite(self, values: Any) -> NDArray[np.float64]:
-        array: NDArray[np.float64] = np.asarray(values)
+    def _finite(self, found: Any, arguments: list[Any]) -> NDArray[np.float64]:
+        array: NDArray[np.float64] = np.asarray(found)
         if not np.isfinite(array).all():
-            raise DomainError(
-                f"{self.name}: values are not finite there, or overflow double precision; give "
-                "another state, with values nearer to 1."
-            )
+            named = zip((*self.states, *self.parameters), sum(arguments, []), strict=True)
+            raise not_finite(self.name, dict(named), array)
         return array
 
     def index(self, state: str) -> int:
