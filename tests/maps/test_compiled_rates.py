@@ -425,5 +425,5 @@ def test_schemes_have_the_steps_of_the_polynomials_source() -> None:
                 schemes.ADD: own + below, schemes.COPY: below, schemes.TIMES: own * one,
                 schemes.SCALE: int(number) * one, schemes.PRODUCT: below * one,
             }[what]  # fmt: skip
-        assert lines[len(at)] == part(*at)
+        assert lines[level] == part(*at)  # on the line of the last step
         assert part.roundings(INPUT) >= part.roundings(PLAIN)

@@ -1,7 +1,6 @@
-"""Growth rates of a tile, row by row: everything that runs once for each cell.
+"""Growth rates of a tile, row by row and block by block: what runs once for each cell.
 
-A tile is cut into rows, and a row into blocks.  Factors of a cell start from those of the rows
-before, by extrapolation.
+Factors of a cell start from those of the rows before, by extrapolation.
 """
 
 from __future__ import annotations
@@ -51,7 +50,7 @@ MORE = 4
 LONGER = 40
 """Largest number of corrections of a cell that starts from another one."""
 ROUNDS = 200
-"""Largest number of rounds of a cell that starts from nothing."""
+"""The same of a cell that starts from nothing."""
 ENOUGH = 8 * EPS
 """Square of a change that leaves no error."""
 WANTED = 1e-13
@@ -231,7 +230,7 @@ def judge_squares(flags: Any, w: Any) -> int:
 
 def fill(values: Any, where: Any, count: int, row: int, column: int, many: int, line: int,
          w: Any) -> None:  # fmt: skip
-    """Lines of the variables of a block, the last cell repeated to the end."""
+    """Lines of variables of a block, the last cell repeated; a row's own stay for its blocks."""
     for v in range(count):
         at = where[v, 0] + row * where[v, 1] + column * where[v, 2]
         to = line + v * SIDE
@@ -240,7 +239,7 @@ def fill(values: Any, where: Any, count: int, row: int, column: int, many: int, 
                 w[to + j] = values[at + j]
             for j in range(many, SIDE):
                 w[to + j] = w[to + many - 1]
-        else:
+        elif column == 0:
             for j in range(SIDE):
                 w[to + j] = values[at]
 
@@ -279,12 +278,11 @@ def settle(row: int, column: int, many: int, degree: int, past: Any, near: Any, 
            w: Any) -> None:  # fmt: skip
     """Factors of a block, corrected until they no longer change, and kept for the next rows."""
     predict(row, column, many, degree, past, near, z, w)
-    left = SIDE
+    left, now = SIDE, row % 4
     for _ in range(MORE):
         left = correct(degree, w)
         if left == 0:
             break
-    now = row % 4
     if left:
         for j in range(SIDE):
             if not w[CHANGE + j] < ENOUGH:

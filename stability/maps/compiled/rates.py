@@ -67,6 +67,8 @@ def scheme(polynomial: Polynomial) -> tuple[list[tuple[int, int, int]], list[flo
         value(polynomial.terms, len(polynomial.variables))
     else:
         step(schemes.SET, len(polynomial.variables))
+    while steps[-1][0] == schemes.COPY:  # the value may stay on the line of a lower level
+        del steps[-1], numbers[-1]
     return steps, numbers
 
 

@@ -126,6 +126,14 @@ def steady_lead(steps: Any, parts: Any, row: int, where: Any) -> bool:
     return True
 
 
+def constant(steps: Any, first: int, last: int) -> bool:
+    """Whether a scheme is a number alone: set on one line, and copied to others."""
+    for k in range(first + 1, last):
+        if steps[k, 0] != COPY:
+            return False
+    return bool(steps[first, 0] == SET)
+
+
 def coefficients(steps: Any, numbers: Any, parts: Any, bounds: Any, first: int, count: int,
                  led: bool, w: Any) -> None:  # fmt: skip
     """Monic coefficients of a factor, and their errors, from its row `first` on.
@@ -136,10 +144,11 @@ def coefficients(steps: Any, numbers: Any, parts: Any, bounds: Any, first: int, 
         k = first + i
         high = scheme(steps, numbers, parts[k, 0], parts[k, 1], w)
         value, off = (LEAD, LEAD_ERROR) if i == count else (A + i * SIDE, E + i * SIDE)
-        if parts[k, 2] == parts[k, 1] + 1 and numbers[parts[k, 1]] == 0:  # no term is negative
+        if constant(steps, parts[k, 1], parts[k, 2]):  # such as 0, where no term is negative
+            y = numbers[parts[k, 1]]
             for j in range(SIDE):
                 x = w[U(high + j)]
-                w[U(value + j)], w[U(off + j)] = x, bounds[k] * x
+                w[U(value + j)], w[U(off + j)] = x - y, bounds[k] * (x + y)
             continue
         copy(high, HIGH, w)
         low = scheme(steps, numbers, parts[k, 1], parts[k, 2], w)
