@@ -25,7 +25,7 @@ def commands() -> dict[str, argparse.ArgumentParser]:
     from stability.cli.commands import _parser
 
     found: dict[str, argparse.ArgumentParser] = {}
-    for action in _parser([])._actions:
+    for action in _parser()._actions:
         if isinstance(action, argparse._SubParsersAction):
             found.update(action.choices)
     return found

@@ -6,6 +6,7 @@ A name belongs to the group of its folder, so that a new name has a place withou
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
@@ -214,6 +215,26 @@ def alone(app: Any) -> None:
     for listener in list(app.events.listeners["autodoc-process-docstring"]):
         if listener.handler is napoleon._process_docstring:
             app.disconnect(listener.id)
+
+
+def defaults(
+    _app: Any, _what: str, _name: str, thing: Any, _options: Any, signature: str | None,
+    returned: str | None,
+) -> tuple[str, str | None] | None:  # fmt: skip
+    """A signature with numbers and words in the places of the constants that name them."""
+    if not signature:
+        return None
+    scope = vars(sys.modules[getattr(thing, "__module__", "stability")])
+
+    def value(match: re.Match[str]) -> str:
+        found: Any = scope.get(match.group(2))
+        for name in (match.group(3) or "").split(".")[1:]:
+            found = getattr(found, name, None)
+        plain = isinstance(found, int | float | str)
+        return f"{match.group(1)}{found!r}" if plain else match.group(0)
+
+    shown = re.sub(r"(= ?)([A-Z]\w*)((?:\.\w+)*)(?=[,)])", value, signature)
+    return shown, returned
 
 
 def resolved(app: Any, env: Any, node: Any, inner: Any) -> Any:  # noqa: ARG001

@@ -37,5 +37,6 @@ def setup(app: Any) -> dict[str, bool]:
     app.connect("env-merge-info", sources.merge)
     app.connect("html-collect-pages", sources.pages)
     app.connect("autodoc-process-docstring", reference.sections)
+    app.connect("autodoc-process-signature", reference.defaults)
     app.connect("missing-reference", reference.resolved)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -15,7 +15,8 @@ class Upright:
 
     Examples
     --------
-    >>> UPRIGHT.sin(), UPRIGHT.cos()
+    >>> import stability as st
+    >>> st.UPRIGHT.sin(), st.UPRIGHT.cos()
     (1, 0)
     """
 

@@ -14,9 +14,10 @@ class Verdict(Sentences):
 
     Examples
     --------
-    >>> Verdict.STABLE == "stable", Verdict("stable") is Verdict.STABLE, Verdict(1).word
+    >>> import stability as st
+    >>> st.Verdict.STABLE == "stable", st.Verdict("stable") is st.Verdict.STABLE, st.Verdict(1).word
     (True, True, 'stable')
-    >>> print(Verdict.STABLE)
+    >>> print(st.Verdict.STABLE)
     stable
     """
 
@@ -65,14 +66,14 @@ class Nonlinear(Sentences):
 
     Examples
     --------
-    >>> Nonlinear.ASYMPTOTIC.value.split(":")[0]
-    'asymptotic along the family'
+    >>> import stability as st
+    >>> st.Nonlinear.ASYMPTOTIC.value.split(":")[0]
+    'asymptotic'
     """
 
     ASYMPTOTIC = (
-        "asymptotic along the family: a disturbed motion tends to this member, or on a line of "
-        "steady motions to a neighbouring one (Lyapunov-Malkin: every structural zero is a tangent "
-        "of the family)"
+        "asymptotic: a disturbed motion tends to this member or, where members form a line, to one "
+        "next to it (Lyapunov-Malkin: every structural zero is a tangent of the family)"
     )
     DRIFTS = (
         "drifts: spectrally stable, yet Lyapunov-unstable: every disturbance with a slow tilt, "

@@ -106,10 +106,10 @@ class Contact(Record):
     >>> from dataclasses import dataclass
     >>> import stability as st
     >>> @dataclass(frozen=True, eq=False)
-    ... class Weakening(Contact):
+    ... class Weakening(st.Contact):
     ...     nu: float
     ...     name = "weakening"
-    ...     parameters = (Parameter("nu", "s/m", lambda nu, scales: nu * scales.speed),)
+    ...     parameters = (st.Parameter("nu", "s/m", lambda nu, scales: nu * scales.speed),)
     ...
     ...     def force(self, slip, normal, nu):
     ...         share = nu * normal / (1 + slip[0] ** 2 + slip[1] ** 2)

@@ -33,7 +33,8 @@ class Smooth(Contact):
 
     Examples
     --------
-    >>> Smooth().conservative
+    >>> import stability as st
+    >>> st.Smooth().conservative
     True
     """
 
@@ -65,7 +66,8 @@ class Viscous(Contact):
 
     Examples
     --------
-    >>> Viscous(0.3).mu
+    >>> import stability as st
+    >>> st.Viscous(0.3).mu
     0.3
     """
 
@@ -104,7 +106,8 @@ class LinearViscous(Contact):
 
     Examples
     --------
-    >>> LinearViscous.like(0.3, Disk(mass=2.0)).c
+    >>> import stability as st
+    >>> st.LinearViscous.like(0.3, st.Disk(mass=2.0)).c
     0.6
     """
 
@@ -139,7 +142,8 @@ class LinearViscous(Contact):
 
         Examples
         --------
-        >>> LinearViscous.like(0.3, Disk()).c
+        >>> import stability as st
+        >>> st.LinearViscous.like(0.3, st.Disk()).c
         0.3
         """
         coefficient: Number = positive("mu", mu, ZERO_MU)
@@ -163,7 +167,8 @@ class Rough(Contact):
 
     Examples
     --------
-    >>> Rough().slips
+    >>> import stability as st
+    >>> st.Rough().slips
     False
     """
 

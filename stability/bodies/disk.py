@@ -43,7 +43,8 @@ class Disk(Record):
 
     Examples
     --------
-    >>> Disk.hoop(mass=0.3, radius=0.45, gravity=9.81).k
+    >>> import stability as st
+    >>> st.Disk.hoop(mass=0.3, radius=0.45, gravity=9.81).k
     0.5
     """
 
@@ -95,7 +96,8 @@ class Disk(Record):
 
         Examples
         --------
-        >>> Disk.uniform().k
+        >>> import stability as st
+        >>> st.Disk.uniform().k
         0.25
         """
         return cls(**_scales(scales, "a uniform disk"), k=0.25)
@@ -118,7 +120,8 @@ class Disk(Record):
 
         Examples
         --------
-        >>> Disk.annulus(0.5).k
+        >>> import stability as st
+        >>> st.Disk.annulus(0.5).k
         0.3125
         """
         scales = _scales(scales, "an annulus")
@@ -143,7 +146,8 @@ class Disk(Record):
 
         Examples
         --------
-        >>> Disk.hoop().k
+        >>> import stability as st
+        >>> st.Disk.hoop().k
         0.5
         """
         return cls(**_scales(scales, "a hoop"), k=0.5)
@@ -164,7 +168,8 @@ class Disk(Record):
 
         Examples
         --------
-        >>> coin = Disk.named("quarter")
+        >>> import stability as st
+        >>> coin = st.Disk.named("quarter")
         >>> coin.mass, coin.radius
         (0.00567, 0.01213)
         """

@@ -35,7 +35,8 @@ class Coulomb(Contact):
 
     Examples
     --------
-    >>> Coulomb(0.3).force([3.0, 4.0], 1.0, 0.3)
+    >>> import stability as st
+    >>> st.Coulomb(0.3).force([3.0, 4.0], 1.0, 0.3)
     [-0.18, -0.24]
     """
 
@@ -73,7 +74,8 @@ class RegularisedCoulomb(Contact):
 
     Examples
     --------
-    >>> RegularisedCoulomb(0.3, 1e-3).epsilon
+    >>> import stability as st
+    >>> st.RegularisedCoulomb(0.3, 1e-3).epsilon
     0.001
     """
 

@@ -56,7 +56,8 @@ def launch(
 
     Examples
     --------
-    >>> launch("rolling", at=1.2, tilt=0.1).round(3).tolist()
+    >>> import stability as st
+    >>> st.launch("rolling", at=1.2, tilt=0.1).round(3).tolist()
     [1.471, 0.0, 0.0, 1.2, 0.0, 0.0]
     """
     if disk is not None and body is not None:

@@ -29,7 +29,8 @@ class Resistance(Record):
 
     Examples
     --------
-    >>> RollingResistance(0.01).moment((1.0, 2.0, 3.0), 10.0, 0.01)
+    >>> import stability as st
+    >>> st.RollingResistance(0.01).moment((1.0, 2.0, 3.0), 10.0, 0.01)
     [-0.1, -0.2, 0]
     """
 
@@ -67,7 +68,8 @@ class Resistance(Record):
 
         Examples
         --------
-        >>> AirTorque(6.0).dimensionless({"N": 2.0, "m": 0.5, "s": 3.0})
+        >>> import stability as st
+        >>> st.AirTorque(6.0).dimensionless({"N": 2.0, "m": 0.5, "s": 3.0})
         2.0
         """
         found = self.value
@@ -152,7 +154,8 @@ class PivotingResistance(Resistance):
 
     Examples
     --------
-    >>> PivotingResistance(0.01).moment((1.0, 2.0, 3.0), 10.0, 0.01)[2]
+    >>> import stability as st
+    >>> st.PivotingResistance(0.01).moment((1.0, 2.0, 3.0), 10.0, 0.01)[2]
     -0.30000000000000004
     """
 
@@ -187,7 +190,8 @@ class AirTorque(Resistance):
 
     Examples
     --------
-    >>> AirTorque(0.5).moment((1.0, 2.0, 3.0), 10.0, 0.5)
+    >>> import stability as st
+    >>> st.AirTorque(0.5).moment((1.0, 2.0, 3.0), 10.0, 0.5)
     [-0.5, -1.0, -1.5]
     """
 

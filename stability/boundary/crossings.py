@@ -14,6 +14,8 @@ from ..base.types import Sentences
 class Crossing(Sentences):
     """Kind of crossing at a boundary; the value of each member is the sentence a user reads.
 
+    A static boundary is that of divergence.
+
     Source: docs/explanation/method.md; planted boundaries: tests/boundary/test_boundaries.py.
 
     Examples

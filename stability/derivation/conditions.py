@@ -178,6 +178,7 @@ class Conditions(Record):
 
         Examples
         --------
+        >>> from fractions import Fraction
         >>> import casadi as ca, stability as st
         >>> x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
         >>> system = st.System("oscillator", x, c, ca.vertcat(x[1], -x[0] - c * x[1]),
@@ -344,12 +345,13 @@ def conditions(
 
     Examples
     --------
+    >>> import stability as st
     >>> import casadi as ca, stability as st
     >>> x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
     >>> system = st.System("oscillator", x, c, ca.vertcat(x[1], -x[0] - c * x[1]),
     ...                    states=("q", "v"), parameters=("c",))
     >>> rest = st.Family(system, "rest", at=("c",), held={"q": 0, "v": 0})
-    >>> conditions(rest).rule
+    >>> st.conditions(rest).rule
     'Stable where c > 0; unstable where it is negative.'
     """
     refuse_system(family)

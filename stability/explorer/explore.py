@@ -97,6 +97,7 @@ def explore(
 
     Examples
     --------
+    >>> from pathlib import Path
     >>> import tempfile, stability as st
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path = st.explore("spinning", mu=0.3, out=Path(folder) / "page.html")

@@ -170,6 +170,14 @@ def told_axis(axis: Axis, size: float = 1.0) -> list[Any]:
     return [axis.name, axis.low / size, axis.high / size, *["log"] * axis.log]
 
 
+PROOFS = (
+    "Float: computed in floating point, without a proof. Proved in this page: at this point the "
+    "signs of the conditions exceed their rounding errors. Certified by the package: the verdict "
+    "holds on a whole rectangle, by exact arithmetic."
+)
+"""What the words on a page say of numbers and verdicts."""
+
+
 def foot(source: str, units: Units | None = None) -> str:
     """The last line of a page.
 
@@ -180,7 +188,8 @@ def foot(source: str, units: Units | None = None) -> str:
     units
         Units of a body; None for a system of one's own.
     """
-    words = f"Made by stability {__version__}. This page computes everything itself, from {source}"
+    made = f"Made by stability {__version__}. This page computes everything itself, from {source}"
+    words = f"{PROOFS} {made}"
     if units is None:
         return f"{words}."
     if units.scales.dimensionless:

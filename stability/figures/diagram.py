@@ -287,6 +287,7 @@ def _curves(axes: Axes, dataset: xarray.Dataset) -> None:
     # on a certified map the line is thin, so that the strip shows on both its sides
     boxed = "box_verdict" in dataset
     halo = [] if boxed else [withStroke(linewidth=2.6, foreground="white")]
+    kind = _without_single_points(kind, curve)
     for start, stop in _runs(kind, curve):
         crossing = by_code[int(kind[start])]
         last = min(stop + 1, len(x)) if stop < len(x) and curve[stop] == curve[start] else stop
@@ -308,6 +309,17 @@ def _handles(axes: Axes, dataset: xarray.Dataset, nameless: set[Verdict]) -> lis
         handles.append(Patch(facecolor=DIVERGING(0.2), edgecolor="white", linewidth=0.8,
                              label="proved box"))  # fmt: skip
     return handles + [patch(v) for v in Verdict if v in nameless]
+
+
+def _without_single_points(kind: NDArray[Any], curve: NDArray[Any]) -> NDArray[Any]:
+    """Kinds of points; a single one, such as the static end of flutter, has its neighbour's."""
+    own, runs = kind.copy(), _runs(kind, curve)
+    long = {i for start, stop in runs if stop > start + 1 for i in range(start, stop)}
+    for start, stop in runs:
+        near = [i for i in (stop, start - 1) if i in long and curve[i] == curve[start]]
+        if stop == start + 1 and near:
+            own[start] = kind[near[0]]
+    return own
 
 
 def _runs(kind: NDArray[Any], curve: NDArray[Any]) -> list[tuple[int, int]]:

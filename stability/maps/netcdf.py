@@ -49,10 +49,11 @@ def write_map(
 
     Examples
     --------
+    >>> from pathlib import Path
     >>> import tempfile, stability as st
     >>> m = st.stability_map("rolling", x=("at", 1, 2, 3), y=("mu", 1, 2, 3), modes=True)
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     back = read_map(write_map(m, Path(folder) / "map.nc"))
+    ...     back = st.read_map(st.write_map(m, Path(folder) / "map.nc"))
     >>> back.identical(m)
     True
     """

@@ -125,9 +125,10 @@ def stream_map(
 
     Examples
     --------
+    >>> from pathlib import Path
     >>> import tempfile, stability as st
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     file = stream_map("spinning", x=("at", 1, 4, 50), y=("mu", 0.1, 2, 40),
+    ...     file = st.stream_map("spinning", x=("at", 1, 4, 50), y=("mu", 0.1, 2, 40),
     ...                       out=Path(folder) / "map.nc")
     ...     st.read_map(file).verdict.shape
     (40, 50)

@@ -45,10 +45,11 @@ def write_motion(
 
     Examples
     --------
+    >>> from pathlib import Path
     >>> import tempfile, stability as st
     >>> run = st.simulate(st.Disk(), st.Rough(), {"theta": 1.2, "phi_dot": 1.0}, [1.0, 2.0])
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     back = read_motion(write_motion(run, FilePath(folder) / "run.nc"))
+    ...     back = st.read_motion(st.write_motion(run, Path(folder) / "run.nc"))
     >>> back.identical(run)
     True
     """

@@ -59,9 +59,10 @@ class Outcome(Sentences):
 
     Examples
     --------
-    >>> Outcome.LIFT_OFF.word
+    >>> import stability as st
+    >>> st.Outcome.LIFT_OFF.word
     'lift-off'
-    >>> Outcome.MOVING.code
+    >>> st.Outcome.MOVING.code
     0
     """
 

@@ -97,7 +97,7 @@ class Scene(Record):
     Examples
     --------
     >>> import stability as st
-    >>> scene = Scene(start={"theta": 1.5706, "omega3": 1.2}, contact=st.Viscous(300.0),
+    >>> scene = st.Scene(start={"theta": 1.5706, "omega3": 1.2}, contact=st.Viscous(300.0),
     ...               horizon=1000.0, tolerance=1e-6)
     >>> scene.answer().model
     'linearised'
@@ -390,9 +390,9 @@ class Scene(Record):
 
         Examples
         --------
-        >>> import pathlib, stability
-        >>> folder = pathlib.Path(stability.__file__).parents[1] / "examples" / "scenes"
-        >>> Scene.from_toml(folder / "spun-coin.toml").answer().model
+        >>> import pathlib, stability as st
+        >>> folder = pathlib.Path(st.__file__).parents[1] / "examples" / "scenes"
+        >>> st.Scene.from_toml(folder / "spun-coin.toml").answer().model
         'linearised'
         """
         from .toml_file import read

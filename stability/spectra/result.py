@@ -167,7 +167,8 @@ class Spectrum(Record):
         -------
         xarray.Dataset
             `eigenvalues` (complex), `error_radius` and `label` over the parameters and `mode`;
-            `abscissa`, `abscissa_error`, `verdict` (CF flags) and `certified` over the parameters.
+            `abscissa`, `abscissa_error`, `certified`, and as CF flags `verdict` and `nonlinear`,
+            over the parameters.
             An axis has the name of the one quantity given along it, otherwise `point`.
             `write_map` and `read_map` keep it in a file.
 

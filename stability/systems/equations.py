@@ -117,13 +117,13 @@ class Equations(Portable, Record):
 
         Returns
         -------
-        Equations
-            An instance of the class that was called.
+        Equations, or the class that was called.
 
         Examples
         --------
+        >>> import casadi as ca, stability as st
         >>> x, m = ca.SX.sym("x", 2), ca.SX.sym("m")
-        >>> s = Equations.from_mass_matrix("spring", x, m, m, -x[0], unknowns=("d_v",),
+        >>> s = st.System.from_mass_matrix("spring", x, m, m, -x[0], unknowns=("d_v",),
         ...     rates={"q": x[1]}, states=("q", "v"), parameters=("m",))
         >>> s.rates([1.0, 0.0], [4.0])
         array([ 0.  , -0.25])

@@ -118,6 +118,7 @@ def mechanics(
 
     Examples
     --------
+    >>> import casadi as ca
     >>> import stability as st
     >>> q, u, p = ca.SX.sym("angle"), ca.SX.sym("rate"), ca.SX.sym("g")
     >>> pendulum = st.mechanics(q, u, p, kinetic=u**2 / 2, potential=-p * ca.cos(q))

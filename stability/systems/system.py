@@ -49,9 +49,10 @@ class System(Equations):
 
     Examples
     --------
+    >>> import stability as st
     >>> import casadi as ca
     >>> x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
-    >>> pendulum = System("pendulum", x, p, ca.vertcat(x[1], -p * ca.sin(x[0])),
+    >>> pendulum = st.System("pendulum", x, p, ca.vertcat(x[1], -p * ca.sin(x[0])),
     ...                   states=("angle", "rate"), parameters=("g",))
     >>> pendulum.rates([0.5, 0.0], [9.81])
     array([ 0.        , -4.70316453])
@@ -71,9 +72,10 @@ class System(Equations):
 
         Examples
         --------
+        >>> import stability as st
         >>> import casadi as ca
         >>> x, p = ca.SX.sym("x", 3), ca.SX.sym("p", 0)
-        >>> cart = System("cart", x, p, ca.vertcat(x[1] * ca.cos(x[2]), -x[1], x[1]),
+        >>> cart = st.System("cart", x, p, ca.vertcat(x[1] * ca.cos(x[2]), -x[1], x[1]),
         ...               states=("place", "speed", "heading"))
         >>> cart.ignorable
         ('place', 'heading')
@@ -136,9 +138,11 @@ class System(Equations):
 
         Examples
         --------
+        >>> import stability as st
         >>> import sympy
         >>> q, v, k = sympy.symbols("q v k")
-        >>> System.from_sympy({q: v, v: -k * sympy.sin(q) / 3}, name="swing").linearise([0, 0], [3])
+        >>> swing = st.System.from_sympy({q: v, v: -k * sympy.sin(q) / 3}, name="swing")
+        >>> swing.linearise([0, 0], [3])
         array([[ 0.,  1.],
                [-1.,  0.]])
         """
@@ -192,13 +196,14 @@ class System(Equations):
 
         Examples
         --------
+        >>> import stability as st
         >>> import casadi as ca, stability as st
         >>> x, g = ca.SX.sym("x", 2), ca.SX.sym("g")
         >>> rates = ca.vertcat(x[1], -g * ca.sin(x[0]))
         >>> f = ca.Function("swing", [x, g], [rates], ["x", "g"], ["rates"])
-        >>> System.from_function(f).states, System.from_function(f).parameters
+        >>> st.System.from_function(f).states, st.System.from_function(f).parameters
         (('x_0', 'x_1'), ('g',))
-        >>> swing = System.from_function(lambda x, p: [x[1], -x[0] - x[1]], name="damped",
+        >>> swing = st.System.from_function(lambda x, p: [x[1], -x[0] - x[1]], name="damped",
         ...                              states=("q", "v"))
         >>> rest = st.Family(swing, "rest", at=("q",), held={"v": 0.0})
         >>> st.spectrum(rest, at=0.0).verdict.word

@@ -198,6 +198,9 @@ def test_every_command_and_option_is_in_the_reference() -> None:
     module = part("command_line")
     found = module.commands()
     assert {"spectrum", "map", "boundaries", "atlas", "simulate", "basins", "scene"} <= set(found)
+    # bodies have options that only a command line with --body or --help has
+    assert "--body NAME" in module.section("spectrum", found["spectrum"])
+    assert "--tube" in module.section("basins", found["basins"])
     for name, parser in found.items():
         text = module.section(name, parser)
         for action in parser._actions:

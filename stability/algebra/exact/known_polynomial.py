@@ -85,8 +85,9 @@ class ExactPolynomial(ABC):
 
     Examples
     --------
+    >>> import stability as st
     >>> import casadi as ca, stability as st
-    >>> class Damped(ExactPolynomial):
+    >>> class Damped(st.ExactPolynomial):
     ...     def coefficients(self, values, algebra):  # λ² + d λ + g
     ...         return [[values["g"], values["d"], 1]]
     >>> x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)

@@ -128,9 +128,11 @@ def uncertainty_exponent(
 
     Examples
     --------
+    >>> import numpy as np
+    >>> import stability as st
     >>> def above(points):
     ...     return points[:, 1] > points[:, 0] ** 2
-    >>> found = uncertainty_exponent(above, [0, 0], [1, 1], np.geomspace(1e-3, 0.1, 8))
+    >>> found = st.uncertainty_exponent(above, [0, 0], [1, 1], np.geomspace(1e-3, 0.1, 8))
     >>> bool(found.interval[0] < 1 < found.interval[1]), found.dimensions
     (True, 2)
     """

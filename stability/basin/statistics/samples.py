@@ -39,7 +39,9 @@ class Uniform:
 
     Examples
     --------
-    >>> Uniform(1, 3).at(np.array([0.25]))
+    >>> import numpy as np
+    >>> import stability as st
+    >>> st.Uniform(1, 3).at(np.array([0.25]))
     array([1.5])
     """
 
@@ -64,7 +66,9 @@ class LogUniform:
 
     Examples
     --------
-    >>> LogUniform(0.01, 100).at(np.array([0.5])).round(12)
+    >>> import numpy as np
+    >>> import stability as st
+    >>> st.LogUniform(0.01, 100).at(np.array([0.5])).round(12)
     array([1.])
     """
 
@@ -90,7 +94,9 @@ class Normal:
 
     Examples
     --------
-    >>> Normal(2.0, 0.1).at(np.array([0.5, 0.975])).round(3)
+    >>> import numpy as np
+    >>> import stability as st
+    >>> st.Normal(2.0, 0.1).at(np.array([0.5, 0.975])).round(3)
     array([2.   , 2.196])
     """
 
@@ -172,7 +178,8 @@ class Ball(Record):
 
     Examples
     --------
-    >>> Ball({"theta": 1.2, "omega3": 2.0}, {"theta": 0.01, "omega3": 0.1}).words
+    >>> import stability as st
+    >>> st.Ball({"theta": 1.2, "omega3": 2.0}, {"theta": 0.01, "omega3": 0.1}).words
     3
     """
 

@@ -124,9 +124,12 @@ def fatal_shock(
 
     Examples
     --------
+    >>> import math
+    >>> import numpy as np
+    >>> import stability as st
     >>> def over(points):
     ...     return points.sum(axis=1) > 3  # at the distance √3 from the origin
-    >>> found = fatal_shock(over, [0, 0, 0], reach=5)
+    >>> found = st.fatal_shock(over, [0, 0, 0], reach=5)
     >>> bool(math.sqrt(3) < found.size < 1.001 * math.sqrt(3)), found.label
     (True, 1)
     >>> bool(np.linalg.norm(found.launch) == found.size)

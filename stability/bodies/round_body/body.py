@@ -64,9 +64,11 @@ class Body(RoundShape):
 
     Examples
     --------
+    >>> import math
+    >>> import stability as st
     >>> import casadi as ca
-    >>> ball = Body(lambda theta: 1.0, axial=0.4, transverse=0.4)
-    >>> coin = Body(lambda theta, rim: ca.sin(theta) + rim, axial=0.5, transverse=0.25,
+    >>> ball = st.Body(lambda theta: 1.0, axial=0.4, transverse=0.4)
+    >>> coin = st.Body(lambda theta, rim: ca.sin(theta) + rim, axial=0.5, transverse=0.25,
     ...             shape={"rim": 0.02}, name="coin")
     >>> round(float(coin.height_at(math.pi / 2)), 12)
     1.02

@@ -71,7 +71,9 @@ def disk_system(
 
     Examples
     --------
-    >>> system = disk_system("viscous")
+    >>> import math
+    >>> import stability as st
+    >>> system = st.disk_system("viscous")
     >>> upright = [math.pi / 2, 0, 0, 1.2, 0, 0]
     >>> float(system.observe(upright, [0.25, 0.3])["normal_force"])
     1.0

@@ -201,8 +201,9 @@ def disk_family(name: str, law: str | Contact | type[Contact] | None = None) -> 
 
     Examples
     --------
+    >>> import stability as st
     >>> import math
-    >>> disk_family("tumbling", "viscous").member([math.pi / 6], [0.5, 1.0]).round(12)[2]
+    >>> st.disk_family("tumbling", "viscous").member([math.pi / 6], [0.5, 1.0]).round(12)[2]
     np.float64(2.0)
     """
     from ...base.checks import known

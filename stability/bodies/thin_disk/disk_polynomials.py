@@ -129,7 +129,8 @@ def exact_polynomial(family: str, law: str | Contact | type[Contact] | None = No
 
     Examples
     --------
-    >>> found = exact_polynomial("rolling", "viscous")
+    >>> import stability as st
+    >>> found = st.exact_polynomial("rolling", "viscous")
     >>> found.zeros, [str(p) for _, p in found.conditions]
     (2, ['2*k*z - 1'])
     """

@@ -136,7 +136,8 @@ def retrograde_map(
 
     Examples
     --------
-    >>> chart = retrograde_map([0.0, 1.0], [0.0], starts=[(80.0, 1.0)])
+    >>> import stability as st
+    >>> chart = st.retrograde_map([0.0, 1.0], [0.0], starts=[(80.0, 1.0)])
     >>> (chart.largest_ratio > 1).values.ravel().tolist()  # a coin does not, a hoop does
     [False, True]
     """

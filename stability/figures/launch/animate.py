@@ -93,10 +93,11 @@ def animate(
 
     Examples
     --------
+    >>> from pathlib import Path
     >>> import tempfile, stability as st
     >>> run = st.simulate(st.Disk(), st.Viscous(0.3), {"theta": 1.4}, 3.0, pose=True)
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     animate(run, FilePath(folder) / "fall.html").name
+    ...     st.animate(run, Path(folder) / "fall.html").name
     'fall.html'
     """
     callback(progress)

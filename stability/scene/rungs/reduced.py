@@ -52,10 +52,11 @@ class ReducedModel(Record):
 
     Examples
     --------
+    >>> import stability as st
     >>> import casadi as ca
     >>> x, p = ca.SX.sym("x"), ca.SX.sym("p")
-    >>> slow = System("slow", x, p, -p * x, states=("x",), parameters=("rate",))
-    >>> ReducedModel("slow", slow, lambda x, p: (x[:1], p[:1]), lambda x, p: x).name
+    >>> slow = st.System("slow", x, p, -p * x, states=("x",), parameters=("rate",))
+    >>> st.ReducedModel("slow", slow, lambda x, p: (x[:1], p[:1]), lambda x, p: x).name
     'slow'
     """
 

@@ -6,14 +6,16 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ...base.verdict import Nonlinear
 from .labels import axis_attributes, origin, rate_attributes, verdict_attributes
 
 if TYPE_CHECKING:
     import xarray
 
 TAKEN = ("eigenvalues", "error_radius", "abscissa", "abscissa_error", "verdict", "certified",
-         "label", "mode", "complex_part")  # fmt: skip
+         "nonlinear", "label", "mode", "complex_part")  # fmt: skip
 """Names of variables and dimensions; a parameter with such a name is called `parameter_NAME`."""
 
 
@@ -88,6 +90,11 @@ def dataset(spectrum: Any) -> xarray.Dataset:
         "certified": (dims, np.asarray(spectrum.certified, dtype=np.int8), {
             "long_name": "whether the verdict is proved in rational arithmetic or balls",
             "flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "no yes"}),
+        "nonlinear": (dims, _places(spectrum.nonlinear), {
+            "long_name": "behaviour of the nonlinear motion",
+            "flag_values": np.arange(len(Nonlinear), dtype=np.int8),
+            "flag_meanings": " ".join(one.name.lower() for one in Nonlinear),
+            "sentences": " | ".join(one.value for one in Nonlinear)}),
         "label": (every, np.array(spectrum.modes.labels, dtype=object).reshape(
             spectrum.eigenvalues.shape), {"long_name": "mode in words: kind, leading states"}),
     }  # fmt: skip
@@ -108,3 +115,10 @@ def dataset(spectrum: Any) -> xarray.Dataset:
         tolerances="verdicts only where the error discs or a proof decide",
         note=str(spectrum.note),
     ))  # fmt: skip
+
+
+def _places(found: Any) -> NDArray[np.int8]:
+    """The place of each sentence in its enumeration."""
+    known = {one: i for i, one in enumerate(Nonlinear)}
+    given = np.asarray(found, dtype=object)
+    return np.array([known[one] for one in given.ravel()], dtype=np.int8).reshape(given.shape)

@@ -47,7 +47,8 @@ def Torus(tube: ArrayLike, *, solid: bool = True, **scales: Any) -> Body:  # noq
 
     Examples
     --------
-    >>> tyre = Torus(0.1, solid=False)
+    >>> import stability as st
+    >>> tyre = st.Torus(0.1, solid=False)
     >>> [round(float(m), 4) for m in tyre.moments()]
     [1.015, 0.5125]
     """
@@ -86,7 +87,8 @@ def Spheroid(aspect: ArrayLike, **scales: Any) -> Body:  # noqa: N802
 
     Examples
     --------
-    >>> Spheroid(1.0).moments()
+    >>> import stability as st
+    >>> st.Spheroid(1.0).moments()
     (0.4, 0.4)
     """
     # the double 1/5 in both, since CasADi makes a double of 2/5: a ball has two equal moments
@@ -133,7 +135,8 @@ def EccentricSphere(  # noqa: N802
 
     Examples
     --------
-    >>> top = EccentricSphere(0.1)
+    >>> import stability as st
+    >>> top = st.EccentricSphere(0.1)
     >>> [round(float(m), 4) for m in top.moments()]
     [0.36, 0.45]
     """
@@ -180,7 +183,8 @@ def ThickDisk(thickness: ArrayLike, **scales: Any) -> Body:  # noqa: N802
 
     Examples
     --------
-    >>> coin = ThickDisk(0.1)
+    >>> import stability as st
+    >>> coin = st.ThickDisk(0.1)
     >>> [round(float(m), 6) for m in coin.moments()]
     [0.5, 0.250833]
     """

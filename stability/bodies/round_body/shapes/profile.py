@@ -77,7 +77,9 @@ def from_profile(
 
     Examples
     --------
-    >>> ball = from_profile(lambda u: (np.sin(u), -np.cos(u)))
+    >>> import numpy as np
+    >>> import stability as st
+    >>> ball = st.from_profile(lambda u: (np.sin(u), -np.cos(u)))
     >>> [round(float(m), 12) for m in ball.moments()], ball.error < 1e-12
     ([0.4, 0.4], True)
     """
@@ -131,7 +133,9 @@ def Egg(  # noqa: N802
 
     Examples
     --------
-    >>> egg = Egg(0.2)
+    >>> import numpy as np
+    >>> import stability as st
+    >>> egg = st.Egg(0.2)
     >>> bool(egg.height_at(0.0) < egg.height_at(np.pi))  # its centre lies nearer to the blunt end
     True
     """

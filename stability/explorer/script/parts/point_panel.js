@@ -5,6 +5,7 @@ import {onceAFrame} from "../drawing/redrawn.js";
 
 const SENTENCES = {
   stable: "Every disturbance of the linear motion decays, except those along the family.",
+  isolated: "Every disturbance of the linear motion decays.",
   unstable: "Some disturbance grows exponentially.",
   neutral: "No disturbance grows, and none decays: nothing takes energy away.",
   absent: "The family has no member here: there is no such steady motion.",
@@ -38,7 +39,8 @@ export class PointPanel {
     const solved = subject.solved(q);
     if (verdict !== "absent") subject.unknown.forEach((n, i) => this.place.append("; ", symbol(n), ` = ${text(solved[i], 5)}`));
     const unsure = subject.solver ? UNREACHED : ANOTHER; // a family in closed form knows where it ends
-    this.sentence.textContent = verdict === "absent" && !subject.proved ? unsure : SENTENCES[verdict];
+    const said = verdict === "stable" && !subject.zeros ? "isolated" : verdict;
+    this.sentence.textContent = verdict === "absent" && !subject.proved ? unsure : SENTENCES[said];
     this.proof.replaceChildren(...this.proved(verdict, rows));
     this.list(verdict === "absent" ? [] : subject.eigenvalues(q));
     clearTimeout(this.later);
@@ -97,9 +99,9 @@ export class PointPanel {
 
 /** How fast a mode grows or decays, and its period, in a unit of time. */
 function inWords([re, im], {size: second, unit}) {
-  const size = Math.hypot(re, im), parts = [];
-  if (Math.abs(re) > 1e-12 * size) parts.push(`${re > 0 ? "doubles" : "halves"} in ${text((second * Math.LN2) / Math.abs(re), 3)}`);
+  const size = Math.hypot(re, im), parts = [], time = (t) => `${text(second * t, 3)}${unit ? ` ${unit}` : ""}`;
+  if (Math.abs(re) > 1e-12 * size) parts.push(`${re > 0 ? "doubles" : "halves"} in ${time(Math.LN2 / Math.abs(re))}`);
   else if (size > 0) parts.push("persists");
-  if (im !== 0) parts.push(`period ${text((second * 2 * Math.PI) / Math.abs(im), 3)}`);
-  return parts.join(", ") + (unit && (im !== 0 || Math.abs(re) > 1e-12 * size) ? ` ${unit}` : "");
+  if (im !== 0) parts.push(`period ${time((2 * Math.PI) / Math.abs(im))}`);
+  return parts.join(", ");
 }
