@@ -230,7 +230,7 @@ def defaults(
         found: Any = scope.get(match.group(2))
         for name in (match.group(3) or "").split(".")[1:]:
             found = getattr(found, name, None)
-        plain = isinstance(found, int | float | str)
+        plain = isinstance(found, int | float | str | tuple)
         return f"{match.group(1)}{found!r}" if plain else match.group(0)
 
     shown = re.sub(r"(= ?)([A-Z]\w*)((?:\.\w+)*)(?=[,)])", value, signature)

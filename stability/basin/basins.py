@@ -179,7 +179,7 @@ def basins(
         Family of the disk (rolling, spinning, tumbling): launches start near its member, with the
         axis tilted by `tilt` [rad].
     horizon
-        Last time [s].
+        Last time [s]; for the dimensionless disk in units of √(R/g).
     body
         A `Body` or a `Disk`, in place of the first argument.
     families
