@@ -151,9 +151,8 @@ def hopf(
     Examples
     --------
     >>> import stability as st
-    >>> from stability.bodies.contact_laws import Viscous
-    >>> [(p.kind.word, p.stable_below) for p in st.hopf("tumbling", contact=Viscous(0.9),
-    ...                                              disk=st.Disk(k=0.375))]
+    >>> [(p.kind.word, p.stable_below) for p in st.hopf("tumbling", contact=st.Viscous(0.9),
+    ...                                                 disk=st.Disk(k=0.375))]
     [('elliptic', True), ('hyperbolic', False)]
 
     >>> import casadi as ca, stability as st

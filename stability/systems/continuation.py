@@ -185,8 +185,7 @@ def branch(
     Examples
     --------
     >>> import stability as st
-    >>> from stability.bodies.thin_disk.disk_families import disk_family
-    >>> run = st.branch(disk_family("tumbling", "viscous"), 1.5, 0.1, k=0.25, mu=0.3, points=5)
+    >>> run = st.branch(st.disk_family("tumbling", "viscous"), 1.5, 0.1, k=0.25, mu=0.3, points=5)
     >>> run.complete, float(run.state[0, 2].round(6))
     (True, 2.00251)
     """

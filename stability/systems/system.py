@@ -196,7 +196,6 @@ class System(Equations):
 
         Examples
         --------
-        >>> import stability as st
         >>> import casadi as ca, stability as st
         >>> x, g = ca.SX.sym("x", 2), ca.SX.sym("g")
         >>> rates = ca.vertcat(x[1], -g * ca.sin(x[0]))

@@ -57,3 +57,12 @@ def test_the_calls_give_the_verdict_the_map_and_the_launch_of_the_page(
     steady[1] -= 0.05
     known = family.member([given["at"]], [given.get(n, given["at"]) for n in family.parameters])
     assert steady == pytest.approx(np.ravel(known)[: len(ours)], abs=1e-9)
+
+
+def test_without_a_member_the_calls_speak_of_no_launch(browser: Any, tmp_path: Path) -> None:
+    """Below turn = 1 the pendulum hangs straight: the page prints nothing that is not there."""
+    path = st.explore(pumped(), certify=False, out=tmp_path / "own.html", at=1.6, loss=0.3)
+    with visit(browser, path, "#show=inclined&turn=0.5&loss=0.3") as seen:
+        assert seen.page.locator(".badge").inner_text().endswith("no member")
+        seen.page.evaluate("document.querySelector('button[title^=\"Show the Python\"]').click()")
+        assert "motion" not in seen.page.locator("pre").inner_text()

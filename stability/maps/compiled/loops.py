@@ -50,7 +50,7 @@ MORE = 4
 LONGER = 40
 """Largest number of corrections of a cell that starts from another one."""
 ROUNDS = 200
-"""The same of a cell that starts from nothing."""
+"""Largest number of rounds of a cell that starts from nothing."""
 ENOUGH = 8 * EPS
 """Square of a change that leaves no error."""
 WANTED = 1e-13

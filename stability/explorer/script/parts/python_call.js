@@ -84,18 +84,18 @@ function ofOwn(view) {
   const at = call.at.length === 1 ? exactText(values[call.at[0]]) : `[${call.at.map((n) => exactText(values[n])).join(", ")}]`;
   const others = subject.names.filter((n) => n !== state.x && n !== state.y);
   const fixed = call.parameters.length ? `, ${named(call.parameters)}` : "";
-  const held = others.length ? `, ${named(others)}` : "";
+  const held = others.length ? `, ${named(others)}` : "", launch = launchOfOwn(view);
   return [
     "import stability as st", "",
     `# family is your own Family, "${subject.family}" of the system "${call.system}": define or import it first`,
     `point = st.spectrum(family, at=${at}${fixed}, certify=True)`,
     `diagram = st.stability_map(family, x=${axis(view, "x", 300)}, y=${axis(view, "y", 200)}${held})`,
-    "figure = st.plot_map(diagram)", ...launchOfOwn(view),
-    `print(point.verdict, point.eigenvalues${view.motion ? ", motion.attrs[\"outcome\"]" : ""})`, "",
+    "figure = st.plot_map(diagram)", ...launch,
+    `print(point.verdict, point.eigenvalues${launch.length ? ", motion.attrs[\"outcome\"]" : ""})`, "",
   ].join("\n");
 }
 
-/** The launch of a system of one's own: the steady states, one of them disturbed. */
+/** The launch of a system of one's own: the steady states, one of them disturbed; nothing without a member. */
 function launchOfOwn(view) {
   const {subject, state, motion} = view, q = view.point();
   if (!motion || !subject.exists(q)) return [];
