@@ -214,3 +214,19 @@ def meant(word: str, names: Iterable[str]) -> str:
 
     near = get_close_matches(word, list(names), 1)
     return near[0] if near else ""
+
+
+def listing(names: Iterable[str], values: Iterable[Any]) -> str:
+    """Names with their values, for a message.
+
+    Parameters
+    ----------
+    names, values
+        The same number of each; values are numbers.
+
+    Examples
+    --------
+    >>> listing(("m", "g"), (2.0, 9.81))
+    'm = 2, g = 9.81'
+    """
+    return ", ".join(f"{n} = {v:.6g}" for n, v in zip(names, values, strict=True))

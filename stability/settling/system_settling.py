@@ -18,10 +18,10 @@ import numpy as np
 from ..algebra.kernels.double_balls import add
 from ..algebra.program import Program
 from ..algebra.upright import Upright
-from ..base.errors import StabilityError
+from ..base.errors import StabilityError, listing
 from ..base.quantities import rate_unit
 from ..base.types import Floats
-from ..systems.family import Family, listing
+from ..systems.family import Family
 from ..systems.graph.constants import Constants
 from .attraction import Surroundings, Tilted, smooth_field
 from .nearest import Nearest

@@ -25,12 +25,12 @@ from ..algebra.exact.number_fields import EXACT, NotExact, rational
 from ..algebra.number_types import balls
 from ..algebra.routh_balls import product
 from ..base.checks import checked
-from ..base.errors import NameUnknownError, NoMemberError, ParameterError, absent, shown
+from ..base.errors import NameUnknownError, NoMemberError, ParameterError, absent, listing, shown
 from ..base.exact_numbers import double, no_double, warn_rounded
 from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..systems.closed_form import ClosedForm
-from ..systems.family import Family, listing
+from ..systems.family import Family
 from ..systems.structure.enclosure import characteristic
 from ..systems.structure.multiplicity import certain
 from ..systems.structure.structural_zeros import SAMPLE_BITS, SAMPLES, sampled, structure

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.checks import instance, real_numbers
-from ..base.errors import DomainError, ParameterError, shown
+from ..base.errors import DomainError, ParameterError, listing, shown
 from ..base.types import Record
 from .serialisation import Portable
 from .system_checks import expression
@@ -31,10 +31,10 @@ def not_finite(name: str, values: Mapping[str, Any], found: NDArray[np.float64])
     """
     fine = np.isfinite(found).all(axis=(-1, -2))
     first = int(np.argmin(fine))
-    at = ((n, np.broadcast_to(v, fine.shape).flat[first]) for n, v in values.items())
+    at = [np.broadcast_to(v, fine.shape).flat[first] for v in values.values()]
     return DomainError(
-        f"{name} at {', '.join(f'{n} = {v:.6g}' for n, v in at)}: values are not finite there, "
-        "or overflow double precision; give other states or parameters, nearer to 1."
+        f"{name} at {listing(values, at)}: values are not finite there, or overflow double "
+        "precision; give other states or parameters, nearer to 1."
     )
 
 

@@ -14,17 +14,11 @@ from numpy.typing import ArrayLike, NDArray
 from ..algebra.exact.known_polynomial import ExactPolynomial
 from ..algebra.upright import Upright
 from ..base.checks import broadcast, instance, rows
-from ..base.errors import (
-    DomainError,
-    NoMemberError,
-    ParameterError,
-    StabilityError,
-)
+from ..base.errors import DomainError, NoMemberError, ParameterError, StabilityError, listing
 from ..base.types import Floats, Record, fields_of
 from .closed_form import ClosedForm
 from .equations import Equations
 from .following.members import Found, check_states, find, require_steady
-from .following.members import listing as listing
 from .following.sheet import Anchor
 from .graph.family_graph import FamilyGraph, Frame
 from .graph.ignorable import acting_on, hidden_pairs, ignorable

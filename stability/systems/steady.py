@@ -17,11 +17,12 @@ from ..base.errors import (
     ParameterError,
     StabilityError,
     listed,
+    listing,
     shown,
 )
 from ..base.types import Floats
 from .equations import Equations
-from .family import Family, listing
+from .family import Family
 from .following.roots import accepted, newton_step, roots
 from .following.sheet import Anchor
 from .system_checks import mapping, names

@@ -8,9 +8,9 @@ import numpy as np
 
 from ...algebra.eigensolver import chosen
 from ...algebra.upright import Upright
-from ...base.errors import NoMemberError, ParameterError
+from ...base.errors import NoMemberError, ParameterError, listing
 from ...base.types import Floats
-from ...systems.family import Family, listing
+from ...systems.family import Family
 from ...systems.sources.numeric import Derivative, NumericSystem
 from ..deflation import Place, Reduced
 from ..eigenvalues import decide, eigenvalues

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.errors import NameUnknownError, NoMemberError, ParameterError, shown
+from ...base.errors import NameUnknownError, NoMemberError, ParameterError, listing, shown
 from ...base.types import Floats
 from ..graph.family_graph import FamilyGraph
 from ..graph.ignorable import ignorable
@@ -51,11 +51,6 @@ class Found(NamedTuple):
     """Whether a member was found, shape (N,)."""
     why: Callable[[int], str]
     """The sentence that says why a row has no member."""
-
-
-def listing(names: Sequence[str], values: Sequence[float] | Floats) -> str:
-    """Names with their values, for a message."""
-    return ", ".join(f"{n} = {v:.6g}" for n, v in zip(names, values, strict=True))
 
 
 def find(family: Any, a: Floats, q: Floats, start: Floats | None) -> Found:

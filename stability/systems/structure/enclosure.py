@@ -9,8 +9,8 @@ import numpy as np
 from flint import arb, arb_mat, ctx
 
 from ...algebra.number_types import balls
-from ...base.errors import NoMemberError
-from ..family import Family, listing
+from ...base.errors import NoMemberError, listing
+from ..family import Family
 
 
 def characteristic(family: Family, a: Sequence[Any], q: Sequence[Any]) -> list[Any]:
