@@ -177,8 +177,8 @@ WALK = """(points) => {
   }
   const {diagram, view} = stabilityExplorer, said = [], hurry = s.hurry;
   s.hurry = (on) => { said.push(on); hurry.call(s, on); };
-  view.moving = diagram.coarse = true;
-  diagram.shown = "";
+  view.moving = true;
+  diagram.renewal.content = "";
   diagram.draw();
   view.moving = false;
   diagram.draw();

@@ -44,6 +44,15 @@ export class Fineness {
   }
 }
 
+/** Whether something is to be computed again: its content has changed, or it was coarse and nothing moves any more. */
+export class Renewal {
+  due(content, moving) {
+    if (content === this.content && (moving || !this.coarse)) return false;
+    Object.assign(this, {content, coarse: moving});
+    return true;
+  }
+}
+
 /** A part of a drawing in words: a tag, attributes, and parts or text inside. */
 export function part(tag, attributes = {}, ...children) {
   const inside = children.flat().filter((c) => c !== null && c !== undefined && c !== "");

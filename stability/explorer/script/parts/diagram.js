@@ -3,7 +3,7 @@
 import {boundaryCurves} from "../mathematics/boundaries.js";
 import {palette, rateScale} from "../drawing/colours.js";
 import {clamp, element, shape, text} from "../drawing/elements.js";
-import {Fineness, boxOf, onceAFrame, part, show, symbolPart} from "../drawing/redrawn.js";
+import {Fineness, Renewal, boxOf, onceAFrame, part, show, symbolPart} from "../drawing/redrawn.js";
 import {axisTicks} from "../drawing/scales.js";
 import {colourBar} from "./colour_bar.js";
 import {handled} from "./hand.js";
@@ -23,6 +23,7 @@ export class Diagram {
     this.view = view;
     this.look = look;
     this.share = 1; // resolution while something moves, adapted to the time of a frame
+    this.renewal = new Renewal();
     this.curving = new Fineness(CURVES, LEAST_DETAIL, MOVING_DETAIL);
     this.canvas = element("canvas", {"aria-hidden": "true"});
     this.over = shape("svg", {class: "over"});
@@ -76,9 +77,8 @@ export class Diagram {
     const begun = performance.now(), {view} = this;
     const x = view.axis("x"), y = view.axis("y"), {width, height} = this.size();
     const content = this.content(x, y, width, height);
-    if (content !== this.shown || (this.coarse && !view.moving)) {
+    if (this.renewal.due(content, view.moving)) {
       this.fill(x, y, width, height);
-      Object.assign(this, {shown: content, coarse: view.moving});
       this.pace(begun);
     }
     this.vectors(x, y, width, height);

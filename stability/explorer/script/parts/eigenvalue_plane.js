@@ -1,7 +1,7 @@
 // The plane of eigenvalues, with the paths that they take while one quantity runs.
 
 import {element, shape, text} from "../drawing/elements.js";
-import {Fineness, boxOf, onceAFrame, part, show} from "../drawing/redrawn.js";
+import {Fineness, Renewal, boxOf, onceAFrame, part, show} from "../drawing/redrawn.js";
 import {axisOf, ticks} from "../drawing/scales.js";
 
 const SAMPLES = 140, FINER = 9; // values along a path; halvings between two of them where it turns
@@ -22,6 +22,7 @@ export class EigenvaluePlane {
     this.drawing.addEventListener("click", (event) => this.pick(event));
     this.render = onceAFrame(() => this.draw());
     this.box = boxOf(this.drawing, this.render);
+    this.renewal = new Renewal();
     this.tracing = new Fineness(PATHS, LEAST_PATHS);
     view.on(() => this.render());
   }
@@ -99,9 +100,8 @@ export class EigenvaluePlane {
   kept(reach, tall) {
     const {subject, state, moving} = this.view, held = subject.names.filter((n) => n !== state.along).map((n) => state.values[n]);
     const content = JSON.stringify([subject.key, state.along, state.ranges[state.along], held, reach, tall]);
-    if (content !== this.content || (this.coarse && !moving)) {
+    if (this.renewal.due(content, moving)) {
       this.traced = this.tracing.spend(moving, (share) => this.paths(reach, tall, share));
-      Object.assign(this, {content, coarse: moving});
     }
     return this.traced;
   }
