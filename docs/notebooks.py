@@ -44,7 +44,7 @@ def run(path: Path) -> dict[str, Any]:
     with TemporaryDirectory() as folder:  # a notebook may write files
         NotebookClient(
             page, timeout=600, resources={"metadata": {"path": folder}}, record_timing=False,
-            coalesce_streams=True,  # otherwise one output is cut where the kernel happens to flush it
+            coalesce_streams=True,  # otherwise cut where the kernel happens to flush
             extra_arguments=list(SHARP),
         ).execute()  # fmt: skip
     for number, cell in enumerate(page.cells):

@@ -19,9 +19,8 @@ from ..base.errors import ParameterError, StabilityWarning, shown
 from ..base.types import Floats, Progress
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
-from ..bodies.thin_disk.disk_families import FAMILIES
 from ..integrators.flow import CASADI
-from ..jobs.chunks import Arrays, Block, Layout, Memory, Store, Variable
+from ..jobs.chunks import Arrays, Block, Layout, Memory, Store, Variable, even_chunk
 from ..jobs.dask import check_pool, pool_of
 from ..jobs.filling import fill
 from ..jobs.shared import shared
@@ -42,7 +41,7 @@ from .dataset import (
     works,
 )
 from .launch_labels import LaunchLabels
-from .launches import Launches, moving, prepare
+from .launches import Launches, at_name, moving, prepare
 from .linear import LINEAR, linear_verdict
 from .outcomes import Judging, judged_by, last_time, outcomes
 from .refinement.refine import refine
@@ -139,6 +138,8 @@ def basins(
     seed: int = 0,
     held: Mapping[str, float] | None = None,
     family: str = "",
+    theta: float | None = None,
+    pole: Any = None,
     horizon: float,
     body: Body | Disk | None = None,
     families: Family | Sequence[Family] = (),
@@ -176,8 +177,11 @@ def basins(
     held
         Other numbers by name.  States of a disk that are not named are 0; a system needs them all.
     family
-        Family of the disk (rolling, spinning, tumbling): launches start near its member, with the
-        axis tilted by `tilt` [rad].
+        Family of the disk or body (rolling, spinning, tumbling; of a body also vertical): launches
+        start near its member, with the axis tilted by `tilt` [rad], as by `launch`.
+    theta, pole
+        Of a body with `family`, as for `launch`: where it rolls if at several inclinations; the
+        pole of vertical spin, 0 or "pi".
     horizon
         Last time [s]; for the dimensionless disk in units of √(R/g).
     body
@@ -248,7 +252,8 @@ def basins(
     """
     plan = planned(
         disk, contact, x=x, y=y, more=more, distribution=distribution, count=count, seed=seed,
-        held=held, family=family, horizon=horizon, body=body, families=families,
+        held=held, family=family, theta=theta, pole=pole, horizon=horizon, body=body,
+        families=families,
         tolerance=tolerance, check=check, settle=settle, flat=flat, max_steps=max_steps,
         max_seconds=max_seconds, chunk=chunk, **parameters,
     )  # fmt: skip
@@ -266,7 +271,8 @@ def basins(
 def planned(
     disk: Any, contact: Any, *, x: Any = None, y: Any = None, more: Sequence[Any] = (),
     distribution: Any = None, count: Any = None, seed: Any = 0, held: Any = None,
-    family: str = "", horizon: Any, body: Any = None, families: Any = (),
+    family: str = "", theta: Any = None, pole: Any = None, horizon: Any, body: Any = None,
+    families: Any = (),
     tolerance: Any = Judging.tolerance, check: Any = Judging.check, settle: Any = Judging.settle,
     flat: Any = Judging.flat, max_steps: Any = Judging.most, max_seconds: Any = Judging.seconds,
     chunk: Any = None, **parameters: Any,
@@ -297,11 +303,13 @@ def planned(
         raise ParameterError(f"{math.prod(shape):.3g} launches are asked; give at most {MOST:.0e}.")
     if isinstance(held, Mapping):
         held = {_named(n, family): v for n, v in held.items()}
-    launches = prepare(thing, contact, names, held, family, families, dict(parameters))
+    launches = prepare(thing, contact, names, held, family, families, dict(parameters), theta, pole)
     size = min(max(TILE, math.prod(shape) // PIECES), LARGE)
     size = size if chunk is None else whole_number("chunk", chunk)
     seed = whole_number("seed", seed, least=0)
-    layout = Layout(names if axes else ("launch",), shape, _tile(shape, size))
+    layout = Layout(names if axes else ("launch",), shape, even_chunk(shape, size))
+    if axes:
+        launches.check_edges(axes, last)
     return Plan(launches, last, judging, layout, axes, distribution, seed)
 
 
@@ -319,20 +327,8 @@ def _axes(x: Any, y: Any, more: Sequence[Any], family: str) -> tuple[Axis, ...]:
 
 
 def _named(name: Any, family: Any) -> Any:
-    """A name; `at` is the number that names the members of a family of the disk."""
-    if name == "at" and isinstance(family, str) and family in FAMILIES:
-        return FAMILIES[family].at[0]
-    return name
-
-
-def _tile(shape: tuple[int, ...], size: int) -> tuple[int, ...]:
-    """A chunk of about `size` launches, as even as the axes allow."""
-    tile, left = [1] * len(shape), float(size)
-    for i, axis in enumerate(sorted(range(len(shape)), key=lambda a: shape[a])):
-        side = left ** (1 / (len(shape) - i))
-        tile[axis] = max(1, min(shape[axis], round(side)))
-        left /= tile[axis]
-    return tuple(tile)
+    """A name; `at` is the number that names the members of a family."""
+    return at_name(family) if isinstance(name, str) and name == "at" else name
 
 
 def run(

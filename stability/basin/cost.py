@@ -6,7 +6,6 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import product
 from operator import itemgetter
 
 import numpy as np
@@ -121,7 +120,7 @@ def predict(
     Raises
     ------
     StabilityError
-        In one sentence, if a launch at a corner of a map or one of a trial is refused.
+        In one sentence, if a launch of a trial is refused.
 
     Source: benchmarks/basins.py compares it with the cost of whole maps.
 
@@ -141,7 +140,6 @@ def predict(
     launches = sum(counts)
     if not launches and not levels:
         return Cost(0, layout.total, 0, 0.0, 0.0, 0.0, workers, 0)
-    _corners(plan)
     cells = _spread(layout.shape)
     trial = _trials(plan, cells, max(launches, 1), clock)
     found = trial.found
@@ -210,14 +208,6 @@ def _points(plan: Plan, cells: NDArray[np.intp]) -> dict[str, Floats]:
         return {a.name: a.values[i] for a, i in zip(plan.axes, cells.T, strict=True)}
     rows = [sample(plan.distribution, int(i), 1, plan.seed)[0] for i in cells[:, 0]]
     return dict(zip(plan.launches.varied, np.array(rows).T, strict=True))
-
-
-def _corners(plan: Plan) -> None:
-    """Refuse a map at once if a launch at one of its corners is refused."""
-    if plan.distribution is None:
-        ends = [sorted({0, a.count - 1}) for a in plan.axes]
-        with CASADI:
-            plan.launches.starts(_points(plan, np.array(list(product(*ends)))), plan.horizon)
 
 
 def _spread(shape: tuple[int, ...]) -> NDArray[np.intp]:

@@ -15,8 +15,10 @@ from ..base.provenance import versions
 from ..base.quantities import Kind
 from ..base.types import Floats
 from ..base.version import __version__
+from ..bodies.contact_laws import Smooth
 from ..bodies.disk import Disk
-from ..bodies.thin_disk.disk_families import FAMILIES
+from ..bodies.round_body.families import FAMILIES
+from ..bodies.round_quantities import round_quantities
 from ..integrators.selection import HEYOKA
 from ..jobs.chunks import Arrays, Store, Variable
 from ..motion.result import CODES, Outcome, outcome_flags
@@ -53,7 +55,8 @@ def variables(sample: Starts) -> tuple[Variable, ...]:
     second, names = sample.unit("time"), sample.settling.names
     units = "1" if sample.dimensionless or not body else f"{Kind.ANGULAR_VELOCITY.si} "\
         f"(theta: {Kind.ANGLE.si})"  # fmt: skip
-    own = list(dict.fromkeys(FAMILIES[n].at[0] for n in names if n in FAMILIES))
+    known = (FAMILIES.get(n.split(" ")[0]) for n in names if body)
+    own = list(dict.fromkeys(one.at[0] for one in known if one is not None))
     named = f"its {listed(own, 'or')}" if own else "the number that names it"
     flags = outcome_flags(disk=body)
     codes = np.arange(len(names) + 1, dtype=np.int8)
@@ -104,7 +107,7 @@ def arrays(found: Outcomes, launches: Starts) -> dict[str, Any]:
     """
     scales, names = launches.scales, launches.settling.names
     rate = np.broadcast_to(scales["rate"] if launches.law else 1.0, (launches.count,))
-    angles = [i for i, n in enumerate(names) if n in FAMILIES and FAMILIES[n].by_angle]
+    angles = [i for i, n in enumerate(names) if n in FAMILIES and FAMILIES[n].at == ("theta",)]
     unit = np.where(np.isin(found.family, angles), 1.0, rate)
     settled = found.outcome == CODES[Outcome.SETTLED]
     off = np.where(settled & np.isfinite(found.error), found.error, 0.0)
@@ -215,6 +218,9 @@ def label(launches: Launches, sample: Starts, name: str) -> dict[str, str]:
         return {"long_name": "tilt from the steady motion", "units": Kind.ANGLE.si}
     if isinstance(launches.thing, System):
         return sample.model.attributes(name, dimensionless=True)
+    if name == launches.own and name not in sample.model.quantities:  # of no state of the angles
+        own = round_quantities("", Smooth, (), (name,))[name]
+        return own.attributes(dimensionless=sample.dimensionless)
     return sample.model.attributes(name, dimensionless=sample.dimensionless)
 
 
@@ -259,7 +265,7 @@ def attributes(
             "parameters": json.dumps(fixed, sort_keys=True),
         }  # fmt: skip
         if launches.family:
-            found["launched_near"] = launches.family
+            found["launched_near"] = launches.near
     return found | dict(more)
 
 

@@ -127,7 +127,8 @@ def coded(outcome: Any, family: Any) -> Ints:
 
 def launch_labels(
     disk: Any = None, contact: Any = None, *, varied: Sequence[str], horizon: float,
-    held: Mapping[str, float] | None = None, family: str = "", families: Any = (),
+    held: Mapping[str, float] | None = None, family: str = "", theta: float | None = None,
+    pole: Any = None, families: Any = (),
     body: Any = None, tolerance: float = Judging.tolerance, check: bool = Judging.check,
     executor: Executor | None = None, workers: int | None = None, **parameters: Any,
 ) -> LaunchLabels:  # fmt: skip
@@ -139,7 +140,7 @@ def launch_labels(
         As for `basins`.
     varied
         Names of the numbers that vary, in the order of the columns.
-    horizon, held, family, families, body, tolerance, check
+    horizon, held, family, theta, pole, families, body, tolerance, check
         As for `basins`.
     executor, workers
         Where the launches run.
@@ -170,7 +171,7 @@ def launch_labels(
     if isinstance(varied, str):
         raise ParameterError(f"varied is {shown(varied)}; give a list of names.")
     thing = body if disk is None else disk
-    asked = prepare(thing, contact, tuple(varied), held, family, families, parameters)
+    asked = prepare(thing, contact, tuple(varied), held, family, families, parameters, theta, pole)
     check_run(workers, None, executor)
     judging = judged_by(tolerance, check)
     return LaunchLabels(asked, last_time(horizon), judging, executor, workers)

@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
+from ..base.axis import Axis
 from ..base.checks import one_number
 from ..base.errors import NameUnknownError, ParameterError, listed, shown
 from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import MOTION_LAWS, law_missing
 from ..bodies.disk import Disk
+from ..bodies.launch import launch
 from ..bodies.law_names import law_given
 from ..bodies.round_body.body import Body
+from ..bodies.round_body.families import FAMILIES as ROUND
+from ..bodies.round_body.families import place_of
 from ..bodies.round_body.shape import refuse_constants
 from ..bodies.thin_disk.disk_equations import STATES
 from ..bodies.thin_disk.disk_families import FAMILIES
-from ..bodies.thin_disk.launch import near_steady
+from ..integrators.flow import CASADI
 from ..motion.body_starts import gather_body
 from ..motion.starts import Starts, gather
 from ..motion.system_starts import gather_system
@@ -50,9 +55,27 @@ class Launches:
     held: Mapping[str, float]
     """Values of others by name."""
     family: str = ""
-    """Family of the disk near which launches start; empty where the states are given."""
+    """Family of the disk or body near which launches start; empty where the states are given."""
+    where: Mapping[str, Any] = field(default_factory=dict)
+    """`theta` or `pole` of that family, for a body that needs them."""
     families: tuple[Family, ...] = ()
     """Families on which a user's system may settle."""
+
+    @property
+    def own(self) -> str:
+        """Name of the number that names members of `family`."""
+        return at_name(self.family)
+
+    @property
+    def near(self) -> str:
+        """The family near which launches start, in words; empty where the states are given."""
+        if not self.family or not isinstance(self.thing, Body):
+            return self.family
+        pole = self.where.get("pole")
+        at = place_of(self.thing, self.family, self.where.get("theta"), pole)
+        if ROUND[self.family].pole:
+            return f"{self.family} at theta = {'pi' if at else 0}"
+        return self.family if at in (None, math.pi / 2) else f"{self.family} at theta = {at:.6g}"
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -61,7 +84,7 @@ class Launches:
             return (*self.thing.states, *self.thing.parameters)
         own = SCALES if isinstance(self.thing, Disk) else tuple(self.thing.given)
         law = tuple(self.contact.given) if self.contact is not None else ()
-        near = (*FAMILIES[self.family].at, TILT) if self.family else ()
+        near = (self.own, TILT) if self.family else ()
         return tuple(dict.fromkeys((*near, *STATES, *own, *law)))
 
     def starts(self, points: Mapping[str, Floats], horizon: float) -> Starts:
@@ -90,11 +113,41 @@ class Launches:
             return gather_system(self.thing, p or None, x, times, self.families, mark=True)
         contact = self._law(given)
         if isinstance(self.thing, Body):
-            body = _with(self.thing, {n: v for n, v in given.items() if n in self.thing.given})
-            start = {n: given[n] for n in STATES if n in given}
-            return gather_body(body, contact, start, times, mark=True)
+            body = self.body(given)
+            return gather_body(body, contact, self._six(body, given), times, mark=True)
         disk = replace(self.thing, **{n: given[n] for n in SCALES if n in given})
         return gather(disk, contact, self._six(disk, given), times, mark=True)
+
+    def body(self, given: Mapping[str, Any]) -> Body:
+        """The body with those of some numbers that are its own."""
+        assert isinstance(self.thing, Body)
+        return _with(self.thing, {n: v for n, v in given.items() if n in self.thing.given})
+
+    def check_edges(self, axes: Sequence[Axis], horizon: float) -> None:
+        """Refuse a map with launches that do not exist before any of them runs.
+
+        Members exist or not by the numbers of one axis, and tilts are largest at ends: along every
+        edge of the map each launch is made.
+
+        Parameters
+        ----------
+        axes
+            Axes of the map.
+        horizon
+            Last time.
+
+        Raises
+        ------
+        StabilityError
+            In one sentence, if a launch is refused.
+        """
+        rows = []
+        for along in axes:
+            sides = [a.values if a is along else a.values[[0, -1]] for a in axes]
+            rows.append(np.stack([v.ravel() for v in np.meshgrid(*sides, indexing="ij")]))
+        edges = np.concatenate(rows, axis=1)
+        with CASADI:
+            self.starts({a.name: edges[i] for i, a in enumerate(axes)}, horizon)
 
     def _law(self, given: Mapping[str, Floats]) -> Contact:
         assert self.contact is not None
@@ -103,18 +156,30 @@ class Launches:
             return self.contact
         return type(self.contact)(**(mine | {n: given[n] for n in mine if n in given}))
 
-    def _six(self, disk: Disk, given: Mapping[str, Floats]) -> Floats:
-        """The six states of each launch of a disk."""
+    def _six(self, body: Disk | Body, given: Mapping[str, Floats]) -> Floats:
+        """The six states of each launch of a disk or body."""
         count = len(next(iter(given.values())))
         six = np.zeros((count, 6))
         if self.family:
-            own = FAMILIES[self.family].at[0]
-            six = near_steady(self.family, at=given[own], tilt=given.get(TILT, 0.0), disk=disk)
+            six = launch(self.family, at=given[self.own], tilt=given.get(TILT, 0.0), body=body,
+                         **self.where)  # fmt: skip
             six = np.array(np.broadcast_to(six, (count, 6)))
         for column, name in enumerate(STATES):
-            if name in given and not (self.family and name == FAMILIES[self.family].at[0]):
+            if name in given and not (self.family and name == self.own):
                 six[:, column] = given[name]
         return six
+
+
+def at_name(family: Any, otherwise: str = "at") -> str:
+    """Name of the number that names members of a family; another one where none alone does.
+
+    Examples
+    --------
+    >>> at_name("rolling"), at_name("vertical"), at_name("precession")
+    ('omega3', 'omega_Z', 'at')
+    """
+    found = ROUND.get(family) if isinstance(family, str) else None
+    return found.at[0] if found is not None and len(found.at) == 1 else otherwise
 
 
 def _with(body: Body, given: Mapping[str, Floats]) -> Body:
@@ -148,7 +213,7 @@ def moving(first: Any, body: Any) -> Any:
 
 def prepare(
     thing: Any, contact: Any, varied: Sequence[str], held: Mapping[str, Any] | None,
-    family: str, families: Any, parameters: dict[str, Any],
+    family: str, families: Any, parameters: dict[str, Any], theta: Any = None, pole: Any = None,
 ) -> Launches:  # fmt: skip
     """Check what is launched.
 
@@ -164,6 +229,8 @@ def prepare(
         Family near which launches start; empty where states are given.
     parameters
         Numbers of a contact law that is named, or of a system, by name.
+    theta, pole
+        Where a body rolls or spins, as for `launch`.
 
     Returns
     -------
@@ -178,13 +245,14 @@ def prepare(
     if isinstance(thing, NumericSystem):
         raise ParameterError(thing.no_graph)
     if isinstance(thing, System):
-        for name, value in (("contact", contact), ("family", family or None)):
+        others = ("contact", contact), ("family", family or None), ("theta", theta), ("pole", pole)
+        for name, value in others:
             if value is not None:
                 raise ParameterError(
                     f"{name} is {shown(value)}, which a system does not take; leave it out."
                 )
         held |= _held(parameters)
-        found = Launches(thing, None, tuple(varied), held, "", _families(families))
+        found = Launches(thing, None, tuple(varied), held, families=_families(families))
     else:
         thing = Disk() if thing is None else thing
         if not isinstance(thing, (Disk, Body)):
@@ -202,7 +270,8 @@ def prepare(
             raise law_missing(MOTION_LAWS)
         if not isinstance(contact, Contact) or not contact.name:
             raise NameUnknownError(f"contact is {shown(contact)}; give a contact law.")
-        found = Launches(thing, contact, tuple(varied), held, _family(thing, family))
+        near = _family(thing, family, theta, pole)
+        found = Launches(thing, contact, tuple(varied), held, *near)
     _complete(found)
     return found
 
@@ -222,15 +291,32 @@ def _families(families: Any) -> tuple[Family, ...]:
     return tuple(given)
 
 
-def _family(thing: Disk | Body, family: Any) -> str:
+def _family(
+    thing: Disk | Body, family: Any, theta: Any, pole: Any
+) -> tuple[str, Mapping[str, Any]]:
+    """The family near which launches start, and where it is."""
+    where = {n: v for n, v in (("theta", theta), ("pole", pole)) if v is not None}
     if family is None or (isinstance(family, str) and not family):
-        return ""
+        if theta is not None:
+            raise ParameterError(
+                "theta chooses where a family rolls; name the family, or give the state theta as "
+                "an axis or held."
+            )
+        if pole is not None:
+            raise ParameterError("pole belongs to the family vertical; name the family.")
+        return "", {}
     lines = [n for n, one in FAMILIES.items() if one.line]
-    if not isinstance(thing, Disk):
-        raise ParameterError("family names steady motions of a stability.Disk; give states.")
+    if isinstance(thing, Body):
+        lines = [n for n, one in ROUND.items() if len(one.at) == 1]
     if not isinstance(family, str) or family not in lines:
         raise NameUnknownError(f"family is {shown(family)}; give one of {', '.join(lines)}.")
-    return str(family)
+    if isinstance(thing, Body):
+        place_of(thing, family, theta, pole)
+    elif where:
+        raise ParameterError(
+            f"{next(iter(where))} belongs to a stability.Body; leave it out for a disk."
+        )
+    return str(family), where
 
 
 def _complete(found: Launches) -> None:
@@ -248,7 +334,7 @@ def _complete(found: Launches) -> None:
     if isinstance(found.thing, System):
         needed = list(found.names)
     elif found.family:
-        needed = [FAMILIES[found.family].at[0]]
+        needed = [found.own]
     else:
         needed = ["theta"]
     missing = [n for n in needed if n not in (*found.varied, *found.held)]

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ..base.axis import Axis
-from ..base.errors import StabilityError
+from ..base.errors import StabilityError, StabilityWarning
 from ..base.verdict import CODES
 from ..bodies.disk import Disk
+from ..bodies.round_body.body import Body
 from ..bodies.thin_disk.disk_equations import STATES
-from ..bodies.thin_disk.disk_families import FAMILIES
 from ..boundary.changes import boundaries
 from ..spectra.spectrum import spectrum
 from .launches import SCALES, TILT, Launches
@@ -52,24 +53,29 @@ def linear_verdict(launches: Launches, axes: tuple[Axis, ...]) -> dict[str, Any]
     >>> found.linear_verdict.attrs["changes"], found.linear_verdict.attrs["zones"]
     ([2.0], [2, 1])
     """
-    if not launches.family or not isinstance(launches.thing, Disk) or launches.contact is None:
+    if not launches.family or launches.contact is None:
         return {}
-    own = FAMILIES[launches.family].at[0]
+    own = launches.own
     along = [a for a in axes if a.name == own]
     others = [a.name for a in axes if a.name != own]
     if not along or any(n != TILT and n not in STATES for n in others):
         return {}
     held, law = dict(launches.held), launches.contact
-    disk = replace(launches.thing, **{n: held[n] for n in SCALES if n in held})
+    thing: dict[str, Any] = {}
+    if isinstance(launches.thing, Body):
+        thing = {"body": launches.body(held), **launches.where, "certify": True}
+    elif isinstance(launches.thing, Disk):
+        thing = {"disk": replace(launches.thing, **{n: held[n] for n in SCALES if n in held})}
     if set(law.given) & set(held):
         law = type(law)(**(law.given | {n: held[n] for n in law.given if n in held}))
     try:
-        found = spectrum(launches.family, at=along[0].values, disk=disk, contact=law)
-        changes, zones = _zones(launches.family, along[0], {"disk": disk, "contact": law})
+        given = thing | {"contact": law}
+        found = spectrum(launches.family, at=along[0].values, **given)
+        changes, zones = _zones(launches.family, along[0], given)
     except StabilityError:  # dry friction is not smooth at a member
         return {}
     attributes: dict[str, Any] = {
-        "long_name": f"linear verdict of {launches.family} under {law.name} contact",
+        "long_name": f"linear verdict of {launches.near} under {law.name} contact",
         "flag_values": [int(c) for c in CODES.values()],
         "flag_meanings": " ".join(v.word for v in CODES),
     }
@@ -80,7 +86,10 @@ def linear_verdict(launches: Launches, axes: tuple[Axis, ...]) -> dict[str, Any]
 
 def _zones(family: str, axis: Axis, given: dict[str, Any]) -> tuple[list[float], list[int]]:
     """Changes of verdict and the verdicts between them; none where a piece stays open."""
-    found = boundaries(family, axis=("at", axis.low, axis.high, axis.count), **given)
+    of_all = {n: v for n, v in given.items() if n != "certify"}
+    with warnings.catch_warnings():  # an open piece leaves out the zones, and nothing else
+        warnings.simplefilter("ignore", StabilityWarning)
+        found = boundaries(family, axis=("at", axis.low, axis.high, axis.count), **of_all)
     if not found.complete or not len(found):
         return [], []
     changes = [float(f"{p.value:.{DIGITS}g}") for p in found]

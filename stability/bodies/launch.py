@@ -17,6 +17,9 @@ from .round_body.families import FAMILIES, place_of
 from .round_body.inclinations import tumbling_rates
 from .thin_disk.launch import TILT, near_steady
 
+LEVEL = 1e-9
+"""Largest slope of the height, over the height, where a body rolls."""
+
 
 def launch(
     family: str, *, at: ArrayLike, tilt: ArrayLike = TILT, disk: Disk | None = None,
@@ -71,12 +74,25 @@ def launch(
     return near_steady(family, at=at, tilt=tilt, disk=disk if body is None else body)
 
 
+def _same_place(body: Body, family: str, place: float) -> None:
+    """Refuse numbers of the shape that move the inclination, which is that of the first of them."""
+    height, slope, _ = (np.asarray(v) for v in body.heights(place))
+    level = np.abs(slope) <= LEVEL * height
+    if not level.all():
+        raise ParameterError(
+            f"{', '.join(body.shape)} of {body.name} takes several values, and {family} has "
+            "another inclination at each; make one call for each value."
+        )
+
+
 def _near_member(
     body: Body, family: str, at: ArrayLike, tilt: ArrayLike, theta: float | None, pole: Any
 ) -> Floats:
     """The six states near a member of a body's family, from its closed form."""
     known("family", family, [n for n, one in FAMILIES.items() if len(one.at) == 1])
     place = place_of(body, family, theta, pole)
+    if place is not None and not FAMILIES[family].pole:
+        _same_place(body, family, place)
     where, lean = np.asarray(checked("at", at)), np.asarray(checked("tilt", tilt))
     rate = np.sqrt(np.asarray(body.gravity) / body.length)
     sizes = {n: np.shape(v) for n, v in body.given.items()}

@@ -107,6 +107,29 @@ class Layout:
         return int(np.ravel_multi_index(at, self.shape))
 
 
+def even_chunk(shape: tuple[int, ...], size: int) -> tuple[int, ...]:
+    """A chunk of about `size` cells, as even as the axes allow.
+
+    Parameters
+    ----------
+    shape
+        Number of cells along each axis.
+    size
+        Number of cells of a chunk, about.
+
+    Examples
+    --------
+    >>> even_chunk((10, 1000), 400)
+    (10, 40)
+    """
+    chunk, left = [1] * len(shape), float(size)
+    for i, axis in enumerate(sorted(range(len(shape)), key=lambda a: shape[a])):
+        side = left ** (1 / (len(shape) - i))
+        chunk[axis] = max(1, min(shape[axis], round(side)))
+        left /= chunk[axis]
+    return tuple(chunk)
+
+
 @dataclass(frozen=True)
 class Variable:
     """One array of a result.

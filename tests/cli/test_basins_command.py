@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 import xarray
 from command_line import output, refused
+from PIL import Image
 
 import stability as st
 from stability.cli.commands import main
@@ -138,8 +139,11 @@ def test_a_sample_has_its_distributions_and_its_seed(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     words = ("--sample", "theta:uniform:0.3:1.5", "--sample", "omega3:normal:2:0.1", "--sample",
-             "mu:log:0.1:1", "--count", "7", "--seed", "5", "--time", "2")  # fmt: skip
+             "mu:log:0.1:1", "--count", "7", "--seed", "5", "--time", "2", "--plot",
+             str(tmp_path / "s.png"))  # fmt: skip
     found = launches_of(capsys, tmp_path, *words)
+    with Image.open(tmp_path / "s.png") as picture:
+        assert picture.width > 800
     spread = {
         "theta": st.Uniform(0.3, 1.5),
         "omega3": st.Normal(2, 0.1),
@@ -158,6 +162,13 @@ def test_bodies_systems_and_numbers_are_launched(
     found = launches_of(capsys, tmp_path / "torus", *torus)
     assert found.attrs["body"] == st.Torus(0.2).name
     np.testing.assert_array_equal(found.start_state.values[..., 2], 0.5)
+    near = ("--body", "eccentric-sphere", "--offset", "0.3", "--family", "vertical", "--pole", "pi",
+            "--x", "at:1:2:2", "--y", "tilt:0.1:0.2:2", "--mu", "0.3", "--time", "1")  # fmt: skip
+    found = launches_of(capsys, tmp_path / "top", *near)
+    true = st.basins(st.EccentricSphere(0.3), "viscous", mu=0.3, family="vertical", pole="pi",
+                     x=("at", 1, 2, 2), y=("tilt", 0.1, 0.2, 2), horizon=1.0)  # fmt: skip
+    np.testing.assert_array_equal(found.start_state.values, true.start_state.values)
+    assert found.attrs["launched_near"] == "vertical at theta = pi"
     governor = ("--system", f"{EXAMPLES}/watt_governor.py:running", "--x", "x:0.5:1.5:2", "--y",
                 "y:-1:1:2", "--set", "z=1.4", "--set", "e=0.8", "--set", "a=0.5", "--set", "b=0.5",
                 "--time", "5")  # fmt: skip

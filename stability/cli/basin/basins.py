@@ -27,6 +27,9 @@ EXAMPLES = (
     "--time 100 --out launches.zarr --dry-run",
     "stability basins --sample theta:uniform:0.1:1.5 --sample omega3:normal:2:0.1 --count 100000 "
     "--mu 0.3 --time 100 --out sample.zarr --scheduler dask",
+    "stability basins --body eccentric-sphere --offset 0.3 --axial 0.4 --transverse 0.4 --family "
+    "vertical --x at:0.2:6:48 --y tilt:0.02:1.2:32 --mu 0.3 --time 400 --out top.zarr "
+    "--plot top.png",
     "stability basins --system examples/watt_governor.py:running --x x:0.5:1.5:40 --y y:-1:1:40 "
     "--set z=1.4 --set e=0.8 --set a=0.5 --set b=0.5 --time 200 --out governor.zarr",
 )
@@ -63,13 +66,14 @@ def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None) -> 
         metavar="S",
         help="of the sample (default 0); launch i of a seed is always the same",
     )
-    sub.add_argument("--family", help="launch near rolling, spinning or tumbling, the axis tilted")
+    sub.add_argument("--family", help="launch near rolling, spinning, tumbling or, of a "
+                     "body, vertical, the axis tilted")  # fmt: skip
     sub.add_argument("--set", action="append", metavar="NAME=VALUE",
                      help="any other number, once for each; other states are 0")  # fmt: skip
     sub.add_argument("--system", metavar="MODULE:NAME",
                      help="a system of your own in place of the disk, or a family of it; its "
                      "numbers are set by --set")  # fmt: skip
-    add_body(sub, words, motion=True)
+    add_body(sub, words)
     sub.add_argument("--mu", type=float, help="friction coefficient")
     sub.add_argument("--epsilon", type=float, help="slip speed of coulomb-regularised")
     sub.add_argument("--contact", help=f"{CONTACTS} (default viscous)")
@@ -133,8 +137,8 @@ def _planned(options: argparse.Namespace) -> tuple[Plan, Path, Path | None]:
 
     out = check_store(check_suffix(options.out, (".zarr",), "--out"))
     picture = None if options.plot is None else _picture(options.plot, options.force)
-    if picture is not None and (options.sample or options.more):
-        raise ParameterError("--plot draws a map of two axes; leave it out.")
+    if picture is not None and options.more:
+        raise ParameterError("--plot draws a map of two axes or a sample; leave it out.")
     whole_number("levels", options.levels, 0, MOST_LEVELS)
     if options.levels and (options.sample or options.more):
         raise ParameterError("--levels refines a map of two axes; leave it out.")

@@ -8,7 +8,7 @@ from typing import Any
 
 from ...base.errors import NameUnknownError, ParameterError, absent, listed, shown
 from ..options import _axis, _disk, contact_of, number
-from ..subject.body_option import body_of
+from ..subject.body_option import body_of, where_of
 from ..subject.system_option import system_with_families
 
 KINDS = {"uniform": "LOW:HIGH", "log": "LOW:HIGH", "normal": "MEAN:DEVIATION"}
@@ -52,7 +52,8 @@ def launched(options: argparse.Namespace) -> dict[str, Any]:
     body = body_of(options, {a[0]: a for a in axes})
     contact = contact_of(options, motion=True, swept={*names, *held})
     thing = _disk(options) if body is None else body
-    return varied | {
+    where = {} if body is None else where_of(options)
+    return varied | where | {
         "disk": thing, "contact": contact, "held": held, "family": options.family
     }  # fmt: skip
 
@@ -98,15 +99,15 @@ def _distribution(text: str) -> tuple[str, Any]:
 
 def _held(options: argparse.Namespace, varied: Sequence[str]) -> dict[str, float]:
     """Numbers of --set by name; `at` is the one that names the family's members."""
-    from ...bodies.thin_disk.disk_families import FAMILIES
+    from ...basin.launches import at_name
 
     found: dict[str, float] = {}
     for text in options.set or ():
         name, equals, value = text.partition("=")
         if not equals:
             raise ParameterError(f"--set is {shown(text)}; give NAME=NUMBER.")
-        if name == "at" and options.family in FAMILIES:
-            name = FAMILIES[options.family].at[0]
+        if name == "at":
+            name = at_name(options.family)
         if name in found:
             raise ParameterError(f"{name} is set twice; give it once.")
         if name in varied:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from ..styled_figure import drawing, fixed, key, note, settle, small, ticks_along  # isort: skip
+from ..styled_figure import drawing, key, note, settle, small, ticks_along  # isort: skip
 
-import json
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -16,15 +15,13 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ...base.errors import ParameterError
-from ...base.quantities import Kind, Quantity, axis_label, in_latex, readable, unit_of
 from ...base.verdict import BY_CODE
-from ...bodies.contact_laws import MOTION_LAWS
-from ...bodies.thin_disk.disk_families import FAMILIES
-from ...bodies.thin_disk.disk_quantities import disk_quantities
 from ..shading import hatch
 from ..strip import Strip, draw_strip
 from .edges import draw_borders, refined
 from .fates import Fate, fates, kinds
+from .labels import even_ratios, fixed_numbers, label, member_label
+from .sample import draw_sample, is_sample, plane_of, sample_caption, told_below
 from .sensitive import draw_sensitive, sensitive_words
 
 if TYPE_CHECKING:
@@ -32,6 +29,10 @@ if TYPE_CHECKING:
 
 LINEAR = "linear_verdict"
 """Coordinate with the verdict of the family near which launches start."""
+FEW, LINE = 4, 0.17
+"""Ends for whose legend there is room above the panel; room for each further one [in]."""
+TIGHT = 0.7
+"""Part of a panel's height that is there once legend and labels have their room."""
 FINE = 600
 """Points of the strip where the places of its changes are known."""
 SHADE = {"stable": -0.35, "unstable": 0.5}
@@ -41,6 +42,8 @@ SHADE = {"stable": -0.35, "unstable": 0.5}
 def plot_basins(
     dataset: xarray.Dataset,
     *,
+    x: str = "",
+    y: str = "",
     title: str = "",
     ax: Axes | None = None,
     width: float | None = None,
@@ -52,10 +55,15 @@ def plot_basins(
     cells otherwise.  Dashes surround the sensitive parts of refined borders.  A strip shows the
     linear verdict of the family near which the launches start.
 
+    A random sample has a mark for each launch instead, and fractions in the legend.
+
     Parameters
     ----------
     dataset
-        Map from `basins`, with two axes.
+        Map from `basins`, with two axes; or a random sample.
+    x, y
+        Of a sample: the numbers along the axes, the first two that vary when left out; `end_time`
+        is one too.
     title
         Title of the figure.
     ax
@@ -74,7 +82,7 @@ def plot_basins(
     Raises
     ------
     ParameterError
-        If the dataset is no map of two axes, or a size is not accepted.
+        If the dataset is no map of two axes and no sample, or a size or name is not accepted.
 
     Source: drawn from the dataset alone; each text is measured: tests/figures.
 
@@ -86,34 +94,41 @@ def plot_basins(
     >>> round(float(st.plot_basins(found).get_figwidth()), 2)
     3.39
     """
-    x, y = _axes_of(dataset)
+    x, y = _axes_of(dataset, x, y)
     strip = None if ax is not None else linear_strip(dataset, x)
-    with drawing(ax, width, fontsize, lambda wide: min(0.98 * wide, 2.0 + 0.4 * wide)) as figure:
+    present = fates(dataset)
+    more = LINE * max(0, len(present) - FEW)
+    with drawing(ax, width, fontsize,
+                 lambda wide: min(0.98 * wide, 2.0 + 0.4 * wide) + more) as figure:  # fmt: skip
         above, main = (None, ax) if ax is not None else _panels(figure, strip)
-        present = fates(dataset)
-        _colour(main, dataset, present, x, y)
-        draw_borders(main, dataset, kinds(dataset), x, y)
-        dashes = draw_sensitive(main, dataset, x, y)
+        if is_sample(dataset):
+            entries: list[Any] = draw_sample(main, dataset, present, x, y)
+        else:
+            _colour(main, dataset, present, x, y)
+            draw_borders(main, dataset, kinds(dataset), x, y)
+            entries = [f.patch for f in present] + draw_sensitive(main, dataset, x, y)
         _labels(main, above, dataset, x, y)
         _scales(figure, main, dataset, present)
         settle(figure)
         if strip is not None and above is not None:
             draw_strip(above, strip, Normalize(-1, 1))
-        key(main if above is None else above, [*(f.patch for f in present), *dashes], title)
-        note(main, _fixed(dataset))
+        key(main if above is None else above, entries, title)
+        note(main, fixed_numbers(dataset) + told_below(dataset))
     return figure
 
 
-def _axes_of(dataset: Any) -> tuple[str, str]:
-    """Names of the axes along x and y, or a refusal."""
+def _axes_of(dataset: Any, x: str = "", y: str = "") -> tuple[str, str]:
+    """Names of the numbers along x and y, or a refusal."""
     if not {"outcome", "family", "member"} <= set(getattr(dataset, "data_vars", ())):
         raise ParameterError(
             f"dataset is {type(dataset).__name__}; give what basins returns, or its store, opened "
             "by xarray.open_zarr."
         )
     names = tuple(map(str, dataset.outcome.dims))
-    if names == ("launch",):
-        raise ParameterError("dataset is a random sample; give a map, of basins with x and y.")
+    if is_sample(dataset):
+        return plane_of(dataset, x, y)
+    if x or y:
+        raise ParameterError("x and y choose numbers of a random sample; leave them out for a map.")
     if len(names) != 2:
         raise ParameterError(
             f"dataset has the axes {', '.join(names)}; choose two, such as "
@@ -174,36 +189,10 @@ def _colour(axes: Axes, dataset: xarray.Dataset, present: list[Fate], x: str, y:
             hatch(axes, across, along, fate.where, fate.texture)
 
 
-def even_ratios(values: Any) -> bool:
-    """Whether values are on a logarithmic axis.
-
-    Examples
-    --------
-    >>> even_ratios(np.geomspace(0.1, 10, 5)), even_ratios(np.linspace(0.1, 10, 5))
-    (True, False)
-    """
-    if len(values) < 3 or values[0] * values[-1] <= 0 or (values == 0).any():
-        return False
-    ratios = values[1:] / values[:-1]
-    return bool(np.ptp(ratios) < 1e-9 * abs(ratios[0] - 1))
-
-
-def _quantities(dataset: xarray.Dataset) -> Mapping[str, Quantity]:
-    """Quantities by name; none of a user's system, whose `theta` may be anything."""
-    if "system" in dataset.attrs:
-        return {}
-    tilt = Quantity("tilt", "", "tilt from the steady motion", Kind.ANGLE)
-    return {**disk_quantities(MOTION_LAWS.get(str(dataset.attrs["contact"]))), "tilt": tilt}
-
-
-def _label(dataset: xarray.Dataset, name: str) -> str:
-    return axis_label(_quantities(dataset).get(name), name, unit_of(dataset[name].attrs))
-
-
 def _labels(main: Axes, above: Axes | None, dataset: xarray.Dataset, x: str, y: str) -> None:
-    main.set_xlabel(_label(dataset, x))
-    main.set_ylabel(_label(dataset, y))
-    if not even_ratios(dataset[x].values):
+    main.set_xlabel(label(dataset, x))
+    main.set_ylabel(label(dataset, y))
+    if main.get_xscale() != "log":
         main.xaxis.set_major_locator(ticks_along(main))
     if above is not None:
         above.tick_params(axis="x", labelbottom=False)
@@ -213,48 +202,19 @@ def _scales(figure: Figure, main: Axes, dataset: xarray.Dataset, present: list[F
     """A scale of lightness for each family whose members differ, one above the other."""
     shown = [f for f in present if f.spread]
     share = 1 / max(len(shown), 1)
+    room = TIGHT * main.get_window_extent().height * 72 / figure.dpi * share
     for i, fate in enumerate(shown):
         panel = main.inset_axes((1.03, 1 - (i + 0.94) * share, 0.035, 0.88 * share))
         assert fate.members is not None
         bar = figure.colorbar(ScalarMappable(Normalize(*fate.members), fate.ramp), cax=panel)
-        bar.set_label(_member_label(dataset, fate.family), fontsize=small())
+        bar.set_label(member_label(dataset, fate.family, room), fontsize=small())
         bar.ax.tick_params(labelsize=small(), length=2)
         bar.locator = MaxNLocator(max(2, round(5 * share)), steps=[1, 2, 2.5, 5, 10])
         bar.update_ticks()
-        if fate.texture:
+        if fate.texture and not is_sample(dataset):
             low, high = fate.members
             ends = np.array([low, high])
             hatch(bar.ax, np.array([0.0, 1.0]), ends, np.ones((2, 2), dtype=bool), fate.texture)
-
-
-def _member_label(dataset: xarray.Dataset, family: str) -> str:
-    """What names the members of a family, with its unit."""
-    if family not in FAMILIES:
-        return family
-    own = _quantities(dataset)[FAMILIES[family].at[0]]
-    unit = in_latex(own.kind.label(dimensionless=bool(dataset.attrs.get("dimensionless", 0))))
-    return f"{family} {own.typeset}" + f" [{unit}]" * bool(unit)
-
-
-def _fixed(dataset: xarray.Dataset) -> str:
-    """The numbers that the axes do not show."""
-    told = dataset.attrs
-    held = {str(n): float(c) for n, c in dataset.coords.items() if c.ndim == 0}
-    values = json.loads(told.get("parameters", "{}")) | held
-    units = {n: unit_of(dataset[n].attrs) for n in held}
-    plain = bool(told.get("dimensionless", 0))
-    known = _quantities(dataset)
-    law = str(told.get("contact", ""))
-    text = fixed(values, known, units, law=law, dimensionless=plain)
-    if str(told.get("body", "disk")) != "disk":
-        text = f"{told['body']}, {text}"
-    unit = unit_of(dataset.end_time.attrs)
-    if known:
-        unit = known["time"].kind.label(dimensionless=plain)
-    # a root in mathematics would be taller than a line of the note
-    last = f"$t$ = {float(told['horizon']):g} {readable(unit)}".removesuffix(" 1")
-    near = f"launched near {told['launched_near']}, " if "launched_near" in told else ""
-    return f"{near}{text}, until {last}" if text else f"{near}until {last}"
 
 
 def basins_caption(dataset: xarray.Dataset) -> str:
@@ -263,7 +223,7 @@ def basins_caption(dataset: xarray.Dataset) -> str:
     Parameters
     ----------
     dataset
-        Map from `basins`.
+        Map from `basins`, or a random sample, as drawn without `x` and `y`.
 
     Returns
     -------
@@ -273,7 +233,7 @@ def basins_caption(dataset: xarray.Dataset) -> str:
     Raises
     ------
     ParameterError
-        If the dataset is no map of two axes.
+        If the dataset is no map of two axes and no sample.
 
     Examples
     --------
@@ -285,9 +245,16 @@ def basins_caption(dataset: xarray.Dataset) -> str:
     """
     x, y = _axes_of(dataset)
     told, present = dataset.attrs, fates(dataset)
-    what = told.get("system") or f"a {told['body']}"
+    body = str(told.get("body", ""))
+    what = told.get("system") or f"a{'n' * body.startswith(tuple('aeiou'))} {body}"
     near = f" near {told['launched_near']}" if "launched_near" in told else ""
     law = f" under {told['contact']} contact" if "contact" in told else ""
+    rest = (
+        f"  Each runs until its end is proved or until {told['horizon']:g}, at a "
+        f"tolerance of {told['tolerance']:g}{_check_words(told)}."
+    )
+    if is_sample(dataset):
+        return sample_caption(dataset, x, y, f"{what}{near}{law}") + rest
     total = dataset.outcome.size
     ways = "; ".join(f"{f.way}: {f.label}" for f in present)
     counts = ", ".join(f"{int(f.where.sum())} {f.label}" for f in present)
@@ -300,8 +267,7 @@ def basins_caption(dataset: xarray.Dataset) -> str:
         f"Ends of {total} launches of {what}{near}{law}, over {x} and {y}.  Hatching: {ways}."
         f"{lightness}  Black: {_border_words(dataset)}.{sensitive_words(dataset)}"
         f"{_strip_words(dataset, x)}  Launches: "
-        f"{counts}.  Each runs until its end is proved or until {told['horizon']:g}, at a "
-        f"tolerance of {told['tolerance']:g}{_check_words(told)}."
+        f"{counts}.{rest}"
     )
 
 

@@ -1,0 +1,235 @@
+"""A random sample of launches on a basin diagram: a mark for each launch, by its end."""
+
+from __future__ import annotations
+
+from ..canvas import figure_style  # isort: skip  # noqa: F401  # before Matplotlib
+
+from typing import TYPE_CHECKING, Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from ...base.errors import NameUnknownError, ParameterError, shown
+from ...basin.launches import at_name
+from ...basin.statistics.fractions import LEVEL, wilson
+from .fates import Fate, fates
+
+if TYPE_CHECKING:
+    import xarray
+
+LAUNCH = "launch"
+"""Dimension of a sample."""
+LATEST = "end_time"
+"""What stands along y where a single number varies."""
+MOST, PASSES = 3000, 6
+"""Marks of a figure, the first launches of the sample; drawn in parts, so that no end hides all
+others where ends mix."""
+DECADES = 30.0
+"""Ratio of the largest to the smallest value from which an axis is logarithmic."""
+MARKS = {
+    "plain": ("o", "circles"), "dots": ("s", "squares"), "level lines": ("^", "triangles"),
+    "upright lines": ("v", "triangles on their tips"), "lines that rise": ("x", "slanted crosses"),
+    "lines that fall": ("_", "dashes"), "crosses": ("D", "diamonds"),
+    "upright crosses": ("P", "thick crosses"), "small circles": ("h", "hexagons"),
+    "large circles": ("p", "pentagons"), "stars": ("*", "stars"),
+}  # fmt: skip
+"""Mark and its name, by the hatching of the same end on a map."""
+EDGE = 0.3
+"""Width of a mark's outline [pt]."""
+SIZE = (26.0, 5.0)
+"""Largest and smallest area of a mark [pt²]."""
+
+
+def is_sample(dataset: Any) -> bool:
+    """Whether what `basins` returns is a random sample.
+
+    Parameters
+    ----------
+    dataset
+        What it returns.
+    """
+    return tuple(map(str, dataset.outcome.dims)) == (LAUNCH,)
+
+
+def varied(dataset: xarray.Dataset) -> list[str]:
+    """Names of the numbers that vary in a sample, in its order.
+
+    Parameters
+    ----------
+    dataset
+        A sample of `basins`.
+    """
+    return [str(n) for n, c in dataset.coords.items() if c.dims == (LAUNCH,) and n != LAUNCH]
+
+
+def plane_of(dataset: xarray.Dataset, x: str, y: str) -> tuple[str, str]:
+    """The two numbers over which a sample is drawn.
+
+    Parameters
+    ----------
+    dataset
+        A sample of `basins`.
+    x, y
+        Names, `at` for what names the members of a family; empty for the first two that vary.
+
+    Raises
+    ------
+    StabilityError
+        If a name is not known, or is given twice.
+    """
+    names = [*varied(dataset), LATEST]
+    own = at_name(str(dataset.attrs.get("launched_near", "")).split(" ")[0])
+    found: list[str] = []
+    for given, which in ((x, "x"), (y, "y")):
+        name = own if given == "at" else given
+        if not name:
+            other = x if which == "y" else y
+            name = next(n for n in names if n not in (*found, own if other == "at" else other))
+        elif name not in names:
+            raise NameUnknownError(f"{which} is {shown(given)}; give one of {', '.join(names)}.")
+        found.append(name)
+    if found[0] == found[1]:
+        raise ParameterError(f"x and y are both {found[0]}; give two names.")
+    return found[0], found[1]
+
+
+def draw_sample(
+    axes: Axes, dataset: xarray.Dataset, present: list[Fate], x: str, y: str
+) -> list[Line2D]:
+    """Draw a mark for each of the first launches.
+
+    Parameters
+    ----------
+    axes
+        The panel.
+    dataset
+        A sample of `basins`.
+    present
+        Its ends.
+    x, y
+        Names of the numbers along the axes.
+
+    Returns
+    -------
+    list of Line2D
+        Entries of the legend, each with the fraction of its end.
+    """
+    count = min(dataset.outcome.size, MOST)
+    across, along = (dataset[n].values for n in (x, y))
+    size = float(np.clip(2e3 / max(count, 1) ** 0.75, SIZE[1], SIZE[0]))
+    outline = matplotlib.rcParams["hatch.color"]
+    for part in np.array_split(np.arange(count), PASSES):
+        for fate in present:
+            mine = part[fate.where[part]]
+            mark, colours = MARKS[fate.way][0], fate.shades(dataset.member.values[mine])
+            look: dict[str, Any] = {"c": colours, "edgecolors": outline, "linewidths": EDGE}
+            if mark in "x_":  # lines alone, which no outline shows
+                look = {"c": outline, "linewidths": 2 * EDGE}
+            axes.scatter(across[mine], along[mine], s=size, marker=mark, rasterized=count > 500,
+                         **look)  # fmt: skip
+    for values, scale, limits in (
+        (across, axes.set_xscale, axes.set_xlim), (along, axes.set_yscale, axes.set_ylim)
+    ):  # fmt: skip
+        low, high = float(np.nanmin(values)), float(np.nanmax(values))
+        if low > 0 and high > DECADES * low:
+            scale("log")
+            limits(low / (high / low) ** 0.03, high * (high / low) ** 0.03)
+        else:
+            room = 0.03 * (high - low) or 0.5
+            limits(low - room, high + room)
+    words = shares(present)
+    return [_entry(fate, words[i], outline) for i, fate in enumerate(present)]
+
+
+def _entry(fate: Fate, share: str, outline: Any) -> Line2D:
+    mark = MARKS[fate.way][0]
+    bare = mark in "x_"
+    return Line2D(
+        [], [], linestyle="none", marker=mark, markersize=4.5, label=f"{fate.label}, {share}",
+        markerfacecolor=fate.ramp(0.5), markeredgecolor=outline,
+        markeredgewidth=2 * EDGE if bare else EDGE,
+    )  # fmt: skip
+
+
+def shares(present: list[Fate]) -> list[str]:
+    """Percentage of each end with its interval of confidence, in words.
+
+    Parameters
+    ----------
+    present
+        The ends of a sample; launches that are not computed yet count in none.
+
+    Examples
+    --------
+    >>> one = Fate("lift-off", np.array([True] * 3 + [False] * 7), ("k", "k"), "", "crosses")
+    >>> other = Fate("moving", ~one.where, ("k", "k"), "", "lines that rise")
+    >>> shares([one, other])
+    ['30 % (11–60)', '70 % (40–89)']
+    """
+    counts = [int(fate.where.sum()) for fate in present]
+    low, high = wilson(counts, np.full(len(counts), sum(counts)))
+    widest = float(np.max(high - low, initial=0.0))
+    digits = 0 if widest > 0.02 else 1 if widest > 0.002 else 2
+    every = zip(counts, low, high, strict=True)
+    return [
+        f"{100 * k / sum(counts):.{digits}f} % ({100 * a:.{digits}f}–{100 * b:.{digits}f})"
+        for k, a, b in every
+    ]
+
+
+def drawn(dataset: xarray.Dataset) -> str:
+    """How many of the launches a figure shows, in words; empty where it shows all.
+
+    Parameters
+    ----------
+    dataset
+        A sample of `basins`.
+    """
+    total = dataset.outcome.size
+    return f"the first {MOST} of {total} launches" if total > MOST else ""
+
+
+def told_below(dataset: xarray.Dataset) -> str:
+    """What the note below a figure adds for a sample; empty for a map.
+
+    Parameters
+    ----------
+    dataset
+        What `basins` returns.
+    """
+    if not is_sample(dataset):
+        return ""
+    some = f", {drawn(dataset)} shown" * bool(drawn(dataset))
+    return f", fractions with {100 * LEVEL:g} % intervals{some}"
+
+
+def sample_caption(dataset: xarray.Dataset, x: str, y: str, who: str) -> str:
+    """What the diagram of a sample shows, but for how long each launch runs.
+
+    Parameters
+    ----------
+    dataset
+        A sample of `basins`.
+    x, y
+        Names of the numbers along the axes.
+    who
+        What is launched, in words.
+    """
+    present: list[Fate] = fates(dataset)
+    marks = "; ".join(f"{MARKS[f.way][1]}: {f.label}" for f in present)
+    lightness = "  Lightness: the steady motion that is settled on." * any(
+        f.spread for f in present
+    )
+    counts: NDArray[np.int64] = np.array([int(f.where.sum()) for f in present])
+    each = ", ".join(f"{f.label} {s}" for f, s in zip(present, shares(present), strict=True))
+    some = f" ({drawn(dataset)} are drawn)" * bool(drawn(dataset))
+    missing = dataset.outcome.size - int(counts.sum())
+    each += f"; {missing} launches are not computed yet" * bool(missing)
+    return (
+        f"Ends of {dataset.outcome.size} launches of {who}, drawn at random over "
+        f"{', '.join(varied(dataset))}, shown over {x} and {y}{some}.  Marks: {marks}.{lightness}"
+        f"  Fractions, each with Wilson's interval at {100 * LEVEL:g} %: {each}."
+    )
