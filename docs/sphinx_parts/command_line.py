@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from pathlib import Path
 from typing import Any
 
@@ -33,8 +34,9 @@ def commands() -> dict[str, argparse.ArgumentParser]:
 
 def plain(text: str) -> str:
     """A text of the help, where stars and underscores are letters."""
-    return (text or "").replace("%%", "%").replace("\\", "\\\\").replace("*", "\\*").replace(
+    marked = (text or "").replace("%%", "%").replace("\\", "\\\\").replace("*", "\\*").replace(
         "_", "\\_").replace("`", "")  # fmt: skip
+    return re.sub(r"\btcp://\S+", r"``\g<0>``", marked)  # otherwise a link that leads nowhere
 
 
 def option(action: argparse.Action) -> str:

@@ -182,12 +182,22 @@ def sections_of(lines: list[str]) -> list[str]:
         text,
         flags=re.DOTALL | re.MULTILINE,
     )
+    text = re.sub(
+        r"^Attributes\n-+\n(.*?)(?=\n\s*\n|\Z)", _attributes, text, flags=re.DOTALL | re.MULTILINE
+    )
     lines, example = [], False
     for line in text.split("\n"):
         example = line.lstrip().startswith(">>>") or (example and bool(line.strip()))
         lines.append(line if example or "``" in line else line.replace("|", r"\|"))
     text = "\n".join(lines)
     return re.sub(r"(?<![`:\w])`([^`\n]+)`(?![`_])(.?)", _marked, text).split("\n")
+
+
+def _attributes(match: re.Match[str]) -> str:
+    """The attributes of a class as a list; `a, b` on one line would else be a name and its type."""
+    lines = [line if line.startswith(" ") else ", ".join(f"``{n}``" for n in line.split(", "))
+             for line in match[1].split("\n")]  # fmt: skip
+    return ".. rubric:: Attributes\n\n" + "\n".join(lines)
 
 
 def _marked(match: re.Match[str]) -> str:

@@ -207,7 +207,7 @@ def basins(
         Folder of a Zarr store.  It holds every chunk that is finished, and the same call continues
         an interrupted one.  Without it the result is in memory.
     overwrite
-        Whether a store of another question may be replaced.
+        Whether a store that was made with other arguments may be replaced.
     chunk
         Launches of a chunk, about; a worker computes and writes one at a time.  4096 when left
         out, up to 16384 for more than 262144 launches.

@@ -148,14 +148,14 @@ class ZarrStore:
     attrs
         Attributes of the dataset; they must fit JSON.
     question
-        What the numbers depend on, as JSON: a store of another question is refused.
+        What the numbers depend on, as JSON: a store that was made with other arguments is refused.
     overwrite
-        Whether a store of another question may be replaced.
+        Whether a store that was made with other arguments may be replaced.
 
     Raises
     ------
     FileError
-        If the folder cannot be used, or holds another question or other files.
+        If the folder cannot be used, or was made with other arguments, or holds other files.
     StabilityError
         If the package zarr is missing.
 
@@ -198,7 +198,7 @@ class ZarrStore:
         if head is not None and not same_question(head, asked):
             if not overwrite:
                 raise FileError(
-                    f"{path_text(path)} belongs to another question ({difference(head, asked)}); "
+                    f"{path_text(path)} was made with other arguments ({difference(head, asked)}); "
                     "choose another name, or replace it with --overwrite (overwrite=True)."
                 )
             self._remove()

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.axis import MOST_POINTS, Axis
+from ..base.checks import checked
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.types import Floats
 from ..bodies.contact import Contact
@@ -126,9 +127,10 @@ def prepare(
         known: tuple[str, ...] = (*family.at, *family.parameters)
     else:
         tilted = 0.0 if "lean" in names else None  # the axis replaces this value
-        at = _pair(family, names, at)
         check_names(family, names, contact)
         given_by_name = dict(parameters)
+        given = at_by_name(family, at, given_by_name, names)
+        at = _pair(family, names, given)
         law_ = _law(contact, axes, given_by_name)
         problem = problem_of(family, at, disk, law_, given_by_name, tilted)
         keys = ("at",) if len(problem.family.at) == 1 else problem.family.at
@@ -198,6 +200,57 @@ def _taken(name: str) -> NameUnknownError:
     return NameUnknownError(
         f"axis is {shown(name)}, a name that the map needs for itself; rename the parameter."
     )
+
+
+def at_by_name(
+    family: Any, at: Any, parameters: dict[str, Any], swept: Sequence[str] = ()
+) -> Any:  # fmt: skip
+    """What names a member of a family of the disk: `at`, or numbers by their own names.
+
+    Parameters
+    ----------
+    family, at
+        What the caller gave.
+    parameters
+        Numbers by name; those that name the member are taken out.
+    swept
+        Names of axes, which stand for numbers too.
+
+    Returns
+    -------
+    array_like or None
+        None where nothing names the member, or not all of it.
+
+    Raises
+    ------
+    ParameterError
+        If a number is given twice, or shapes do not fit.
+
+    Examples
+    --------
+    >>> given = {"omega3": 1.2, "mu": 0.3}
+    >>> at_by_name("rolling", None, given), given
+    (1.2, {'mu': 0.3})
+    """
+    names = FAMILIES[family].at if isinstance(family, str) and family in FAMILIES else ()
+    mine = [n for n in names if n in parameters]
+    if not mine:
+        return at
+    if at is not None:
+        raise ParameterError(f"{mine[0]} is given as at and by name; give it once.")
+    for name in mine:
+        axis = next((a for a in swept if a in (name, "at", "lean")), None)
+        if axis:
+            other = "and as an axis" if axis == name else f"and {axis} too"
+            raise ParameterError(f"{name} is given by name, {other}; give it once.")
+    if {*mine, *swept} < set(names):
+        return None
+    parts = [checked(n, parameters.pop(n)) for n in mine]
+    try:
+        return parts[0] if len(parts) == 1 else np.stack(np.broadcast_arrays(*parts), axis=-1)
+    except ValueError:
+        shapes = ", ".join(str(np.shape(v)) for v in parts)
+        raise ParameterError(f"{' and '.join(mine)} have shapes {shapes}; make them fit.") from None
 
 
 def _beyond_axes(
@@ -327,6 +380,7 @@ def problem_of(
                 f"{', '.join(family.parameters) or 'no parameters'}."
             )
         return system_problem(family, at, _opened(family, parameters))
+    at = at_by_name(family, at, parameters, ("lean",) if lean is not None else ())
     law: Any = law_only(contact, parameters)
     if law is None:
         raise law_missing(LAWS)

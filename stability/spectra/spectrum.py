@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,8 @@ from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.by_name import of_body
+from ..bodies.round_body.families import FAMILIES as ROUND
+from ..bodies.round_body.families import RoundFamily
 from ..bodies.thin_disk.disk_families import FAMILIES, DiskFamily
 from ..bodies.thin_disk.disk_quantities import QUANTITIES
 from ..systems.family import Family
@@ -54,7 +57,8 @@ def spectrum(
     at
         Number that names the member: omega3 (rolling), phi_dot (spinning) [rad/s], theta (tumbling)
         [rad], the pair (theta, phi_dot) along the last axis (circling, precession).  Arrays
-        broadcast with the fields of disk and contact.
+        broadcast with the fields of disk and contact.  Its own name does as well:
+        `spectrum("rolling", omega3=1.2, …)`.
     lean
         Angle π/2 - theta [rad] instead of `at`, for tumbling.  0 is exactly upright; no double
         theta is.
@@ -100,10 +104,7 @@ def spectrum(
     (-1.7739+0j)
     """
     if at is None and lean is None:
-        known = FAMILIES.get(family) if isinstance(family, str) and body is None else family
-        names = known.at if isinstance(known, (Family, DiskFamily)) else ()
-        own = f", here {' and '.join(names)}" if names else ""
-        raise ParameterError(f"at is missing; it names the member of the family{own}.")
+        _check_named(family, body, parameters)
     certify, escalate = flag("certify", certify), flag("escalate", escalate)
     family, disk, contact, given = of_body(family, body, disk, contact, parameters)
     problem = problem_of(family, at, disk, contact, given, lean)
@@ -149,6 +150,17 @@ def spectrum(
     if escalate:
         asked |= codes == CODES[Verdict.UNDECIDED]
     return proved(found, rows, asked, shape, escalated=not certify) if asked.any() else found
+
+
+def _check_named(family: Any, body: Any, parameters: Mapping[str, Any]) -> None:
+    """Refuse a member without `at` that its own names do not give either."""
+    table: Mapping[str, Any] = FAMILIES if body is None else ROUND
+    known = table.get(family) if isinstance(family, str) else family
+    names = known.at if isinstance(known, (Family, DiskFamily, RoundFamily)) else ()
+    if names and set(names) <= set(parameters):
+        return
+    own = f", here {' and '.join(names)}" if names else ""
+    raise ParameterError(f"at is missing; it names the member of the family{own}.")
 
 
 def proved(

@@ -109,12 +109,12 @@ def difference(head: Mapping[str, Any], asked: Mapping[str, str]) -> str:
         lacking = [n for n in names if n not in asked or n not in there]  # these say most
         name = next(n for n in (*lacking, *names) if asked.get(n) != there.get(n))
     except (ValueError, KeyError, TypeError, StopIteration):
-        return "its question cannot be read"
+        return "which cannot be read"
     if name == "the coordinates":
         return "the coordinates differ"
     name, *sides = _apart(name, there.get(name, MISSING), asked.get(name, MISSING))
     old, new = (t if len(t) <= 40 else f"{t[:18]} … {t[-18:]}" for t in sides)
-    return f"{name}: {old} there, {new} here"
+    return f"{name.removeprefix('the ').removeprefix('its ')}: {old} there, {new} here"
 
 
 def _apart(name: str, old: str, new: str) -> tuple[str, str, str]:

@@ -84,7 +84,7 @@ def test_a_dry_run_leaves_a_store_of_another_question_as_it_is(
     output(capsys, *MAP, "--out", str(out))
     before = {p: p.read_bytes() for p in out.rglob("*") if p.is_file()}
     other = (*MAP[:-1], "31", "--out", str(out), "--dry-run")
-    assert "another question (its horizon: 30.0 there, 31.0 here)" in refused(capsys, *other)
+    assert "other arguments (horizon: 30.0 there, 31.0 here)" in refused(capsys, *other)
     law = (*MAP, "--mu", "0.31", "--out", str(out))
     assert "(mu of its parameters: 0.3 there, 0.31 here)" in refused(capsys, *law)
     assert output(capsys, *other, "--force").startswith("24 launches to run: ")

@@ -80,7 +80,7 @@ def test_a_folder_of_another_map_is_refused_or_replaced(tmp_path: Path) -> None:
     st.stream_map("tumbling", **AXES, out=tmp_path / "a.zarr")
     other = {**AXES, "y": ("mu", 0.1, 6, 30)}
     for family, axes in (("tumbling", other), ("rolling", AXES)):
-        with pytest.raises(st.StabilityError, match="belongs to another question"):
+        with pytest.raises(st.StabilityError, match="was made with other arguments"):
             st.stream_map(family, **axes, out=tmp_path / "a.zarr")
     st.stream_map("tumbling", **other, out=tmp_path / "a.zarr", overwrite=True)
     assert st.read_map(tmp_path / "a.zarr").mu.values[-1] == 6
@@ -108,6 +108,6 @@ def test_the_command_writes_and_continues_a_folder(
     assert main([*MAP, "--out", str(out)]) == 0
     assert main(["map", "rolling", *MAP[2:], "--out", str(out)]) == 2
     said = capsys.readouterr().err.splitlines()
-    assert "belongs to another question" in said[-1]
+    assert "was made with other arguments" in said[-1]
     assert main([*MAP[:-1], "--out", str(out)]) == 2  # it holds no growth rates
     assert "growth rates: missing there, true here" in capsys.readouterr().err

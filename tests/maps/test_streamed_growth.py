@@ -196,7 +196,7 @@ def test_compiled_loops_and_numpy_are_two_questions(
     for name in NAMES:
         np.testing.assert_array_equal(found[name].values, whole[name].values)
     monkeypatch.setattr("stability.maps.growth_rates.numba_found", lambda: False)
-    with pytest.raises(st.StabilityError, match="belongs to another question"):
+    with pytest.raises(st.StabilityError, match="was made with other arguments"):
         both("rolling", tmp_path, **AXES)
 
 

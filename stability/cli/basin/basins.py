@@ -98,7 +98,7 @@ def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None) -> 
                      help="launches of a chunk, the work of a worker (default 4096)")  # fmt: skip
     sub.add_argument("--dry-run", action="store_true",
                      help="say what it would cost, from a few launches, and stop")  # fmt: skip
-    overwriting(sub, "replace a store of another question, and an existing figure")
+    overwriting(sub, "replace a store that was made with other arguments, and an existing figure")
 
 
 def run(options: argparse.Namespace) -> None:
