@@ -49,7 +49,7 @@ pictures: .venv/.jupyter
 
 # The documentation site in build/site/html: every cell and command run, every figure drawn; a warning is an error.
 docs: .venv/.docs
-	$(BIN)/python -m sphinx -b html -j 2 -W --keep-going -q docs build/site/html
+	$(BIN)/python -m sphinx -b html -j 3 -W --keep-going -q docs build/site/html
 	$(BIN)/python docs/sphinx_parts/links.py
 	@echo "open build/site/html/index.html"
 

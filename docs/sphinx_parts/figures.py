@@ -63,7 +63,7 @@ def command(words: str, result: str, path: Path) -> None:
 def basins(path: Path) -> None:
     """The picture of launches near rolling, with fewer launches."""
     command(
-        "stability basins --family rolling --x at:0.02:3:64 --y tilt:0.01:1.2:50 --mu 0.3 "
+        "stability basins --family rolling --x at:0.02:3:48 --y tilt:0.01:1.2:36 --mu 0.3 "
         "--time 1000 --out OUT/rolling.zarr --plot OUT/rolling.png", "rolling.png", path,
     )  # fmt: skip
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import shutil
 import subprocess
 from pathlib import Path
@@ -40,8 +41,15 @@ Make your own: `stability explore --out page.html`, or {py:func}`stability.explo
 """
 
 
+ALONE = ("report",)
+"""Parts that measure times, so that nothing else runs meanwhile."""
+_others: list[subprocess.Popen[str]] = []
+
+
 def make(place: str) -> None:
     """Make the parts that are missing, or of another state of the package.
+
+    Those that measure are made at once; the others while Sphinx reads the pages, until `finish`.
 
     Parameters
     ----------
@@ -55,21 +63,43 @@ def make(place: str) -> None:
         written(target, PAGE)
     else:
         target.unlink(missing_ok=True)
+    lines = []
     for name, command in parts.items():
-        stamp = Path(place) / name / ".made"
-        if stamp.is_file() and stamp.read_text() == f"{fingerprint()} {command}":
+        part, mark = Path(place) / name, f"{fingerprint()} {command}"
+        stamp = part / ".made"
+        if stamp.is_file() and stamp.read_text() == mark:
             continue
         logging.getLogger(__name__).info("making %s: %s", name, command)
-        shutil.rmtree(Path(place) / name, ignore_errors=True)
+        shutil.rmtree(part, ignore_errors=True)
         if name == "explorer":
-            (Path(place) / name).mkdir(parents=True)
-        done = subprocess.run(
-            ["bash", "-ec", command.replace("OUT", place)], cwd=ROOT, env=environment(),
-            text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,
-        )  # fmt: skip
-        if done.returncode:
-            raise ExtensionError(f"{command!r} ended with {done.returncode}:\n{done.stdout}")
-        stamp.write_text(f"{fingerprint()} {command}")
+            part.mkdir(parents=True)
+        line = f"{command.replace('OUT', place)}\nprintf %s {shlex.quote(mark)} > {stamp}\n"
+        if name in ALONE:
+            _wait(_start(line))
+        else:
+            lines.append(line)
+    if lines:
+        _others.append(_start("".join(lines)))
+
+
+def _start(lines: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        ["bash", "-ec", lines], cwd=ROOT, env=environment(), text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+    )  # fmt: skip
+
+
+def _wait(one: subprocess.Popen[str]) -> None:
+    said, _ = one.communicate()
+    if one.returncode:
+        raise ExtensionError(f"{one.args!r} ended with {one.returncode}:\n{said}")
+
+
+def finish(app: Any, env: Any) -> list[str]:  # noqa: ARG001
+    """Wait for the parts, before anything is written."""
+    while _others:
+        _wait(_others.pop())
+    return []
 
 
 WIDGET = "application/vnd.jupyter.widget-view+json"
@@ -115,7 +145,7 @@ class Live(SphinxDirective):
             name = f"made/{self.env.docname}/{name}"
             (extra / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(source, extra / name)
-        if not (extra / name).is_file():
-            raise ExtensionError(f"{extra / name} is not there")
+        elif Path(name).parts[0] not in (*PARTS, "explorer"):
+            raise ExtensionError(f"{name} is made by no command of {__name__}")
         title, height = self.options.get("title", name), self.options.get("height", 640)
         return [framed(self.env.docname, name, title, height)]

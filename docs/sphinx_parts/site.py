@@ -4,7 +4,18 @@ from __future__ import annotations
 
 from typing import Any
 
-from . import command_line, commands, figures, live, mathml, notebooks, reference, shell, sources
+from . import (
+    command_line,
+    commands,
+    figures,
+    live,
+    mathml,
+    notebooks,
+    order,
+    reference,
+    shell,
+    sources,
+)
 
 
 def made(app: Any) -> None:
@@ -27,6 +38,7 @@ def setup(app: Any) -> dict[str, bool]:
     app.add_directive("sh", shell.Sh)
     app.add_html_math_renderer("mathml", (mathml.inline, None), (mathml.display, None))
     app.connect("builder-inited", made)
+    app.connect("env-before-read-docs", order.ordered)
     app.connect("source-read", commands.fresh)
     app.connect("source-read", shell.executed)
     app.connect("source-read", notebooks.executed)
@@ -38,5 +50,6 @@ def setup(app: Any) -> dict[str, bool]:
     app.connect("html-collect-pages", sources.pages)
     app.connect("autodoc-process-docstring", reference.sections)
     app.connect("autodoc-process-signature", reference.defaults)
+    app.connect("env-updated", live.finish)
     app.connect("missing-reference", reference.resolved)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
