@@ -190,7 +190,8 @@ def sections_of(lines: list[str]) -> list[str]:
         example = line.lstrip().startswith(">>>") or (example and bool(line.strip()))
         lines.append(line if example or "``" in line else line.replace("|", r"\|"))
     text = "\n".join(lines)
-    return re.sub(r"(?<![`:\w])`([^`\n]+)`(?![`_])(.?)", _marked, text).split("\n")
+    name = r"(?<![`:\w])`([^`\n]+(?:\n *[^`\s][^`\n]*)?)`(?![`_])(.?)"
+    return re.sub(name, _marked, text).split("\n")
 
 
 def _attributes(match: re.Match[str]) -> str:
@@ -202,7 +203,7 @@ def _attributes(match: re.Match[str]) -> str:
 
 def _marked(match: re.Match[str]) -> str:
     """A public name as a link, anything else as code."""
-    name, after = match[1].replace("\\", ""), match[2]
+    name, after = re.sub(r"\n *", " ", match[1]).replace("\\", ""), match[2]
     gap = "\\ " if after and not re.match(r"[\s.,:;!?)\]}'\"/-]", after) else ""
     if name in stability.__all__:
         return f":py:obj:`~stability.{name}`{gap}{after}"

@@ -66,8 +66,8 @@ def spectrum(
         The disk; the uniform one with m = R = g = 1 when left out.
     body
         Any other body of revolution in place of the disk: a `Body`.  Its families are `rolling`,
-        `spinning`, `tumbling`, `circling` and `precession`, with the same `at`.  Where it rolls at
-        several inclinations, `theta=` chooses one.
+        `spinning`, `tumbling`, `circling` and `precession`, with the same `at`, and `vertical`,
+        named by omega_Z.  `theta=` and `pole=` choose one of several inclinations.
     contact
         The contact law; or its name or class, with its parameters by name: `contact="viscous",
         mu=0.3`.

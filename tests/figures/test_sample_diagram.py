@@ -51,6 +51,8 @@ def test_every_launch_has_a_mark_at_its_numbers(found: xarray.Dataset) -> None:
     main = figure.axes[0]
     assert (main.get_xscale(), main.get_yscale()) == ("linear", "log")
     assert main.get_xlabel().startswith("precession rate")
+    wide = found.assign_attrs(sample="Independent(quantities={'tilt': Uniform(low=0, high=1)})")
+    assert st.plot_basins(wide).axes[0].get_yscale() == "linear"
     other = st.plot_basins(found, x="tilt", y="at")
     assert np.array_equal(points(other), ordered(found.tilt, found.phi_dot))
     last = st.plot_basins(found, y="end_time")

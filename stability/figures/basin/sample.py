@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ...base.errors import NameUnknownError, ParameterError, shown
 from ...basin.launches import at_name
 from ...basin.statistics.fractions import LEVEL, wilson
+from ...basin.statistics.samples import LogUniform
 from .fates import Fate, fates
 
 if TYPE_CHECKING:
@@ -27,8 +28,6 @@ LATEST = "end_time"
 MOST, PASSES = 3000, 6
 """Marks of a figure, the first launches of the sample; drawn in parts, so that no end hides all
 others where ends mix."""
-DECADES = 30.0
-"""Ratio of the largest to the smallest value from which an axis is logarithmic."""
 MARKS = {
     "plain": ("o", "circles"), "dots": ("s", "squares"), "level lines": ("^", "triangles"),
     "upright lines": ("v", "triangles on their tips"), "lines that rise": ("x", "slanted crosses"),
@@ -130,11 +129,11 @@ def draw_sample(
                 look = {"c": outline, "linewidths": 2 * EDGE}
             axes.scatter(across[mine], along[mine], s=size, marker=mark, rasterized=count > 500,
                          **look)  # fmt: skip
-    for values, scale, limits in (
-        (across, axes.set_xscale, axes.set_xlim), (along, axes.set_yscale, axes.set_ylim)
+    for name, values, scale, limits in (
+        (x, across, axes.set_xscale, axes.set_xlim), (y, along, axes.set_yscale, axes.set_ylim)
     ):  # fmt: skip
         low, high = float(np.nanmin(values)), float(np.nanmax(values))
-        if low > 0 and high > DECADES * low:
+        if f"{name!r}: {LogUniform.__name__}(" in str(dataset.attrs.get("sample")) and high > low:
             scale("log")
             limits(low / (high / low) ** 0.03, high * (high / low) ** 0.03)
         else:
