@@ -76,10 +76,10 @@ class Nonlinear(Sentences):
         "next to it (Lyapunov-Malkin: every structural zero is a tangent of the family)"
     )
     DRIFTS = (
-        "drifts: spectrally stable, yet Lyapunov-unstable: every disturbance with a slow tilt, "
-        "however small, lets the spin fall by a finite amount through the linear threshold, at a "
-        "distance of the order of the tilt from the line of rolling until then (stability.drift, "
-        "`stability table drift`)"
+        "drifts: spectrally stable, yet not Lyapunov-stable: a disturbance that leaves a slow "
+        "tilt, however small, lets the spin fall until it passes the linear threshold; until then "
+        "the motion stays as near to rolling as that tilt (stability.drift, `stability table "
+        "drift`)"
     )
     CARRIED = (
         "carried along: spectrally stable, yet a slow flow on the centre manifold carries a "
