@@ -214,7 +214,7 @@ def at_by_name(
     parameters
         Numbers by name; those that name the member are taken out.
     swept
-        Names of axes, which stand for numbers too.
+        Names of axes, which are numbers of the member too.
 
     Returns
     -------
