@@ -318,7 +318,7 @@ def test_an_axis_takes_the_members_own_name(family: str, own: str, low: float) -
     )
     assert one == two
     with pytest.raises(st.StabilityError, match=f"at is missing; .* family, here {own}"):
-        st.spectrum(family, contact=LAW, **{own: 1.2})
+        st.spectrum(family, contact=LAW)
     part = f"axis is 'omga3'; known for {family} are at, {own}"
     with pytest.raises(st.StabilityError, match=part):
         st.stability_map(family, x=("omga3", 1, 2, 3), y=("mu", 1, 2, 3))
