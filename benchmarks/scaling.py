@@ -4,14 +4,15 @@ Chunks of real launches go to a Zarr folder by one and by two workers, in turns,
 machine hits both alike.  The CPU time of each chunk is measured in this process, and the CPU time
 that the driver (with dask its scheduler too) spends for a chunk, on chunks without work, with as
 many in flight as the workers would have.  An event simulation then serves workers from one driver:
-times of chunks are drawn from the measured ones.  It prints a table and what loses most, and draws
-docs/scaling.png.
+times of chunks are drawn from the measured ones.  It prints a table and what loses most, and keeps
+the shares in docs/scaling.json, from which the documentation draws its figure.
 """
 
 from __future__ import annotations
 
 import argparse
 import heapq
+import json
 import os
 import statistics
 import tempfile
@@ -25,15 +26,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 import stability as st
-from stability.figures.canvas import save_figure
-from stability.figures.styled_figure import drawing, key
 from stability.jobs.chunks import Layout, Variable
 from stability.jobs.dask import engine
 from stability.jobs.filling import AHEAD, fill
 from stability.jobs.pipeline import here
 from stability.jobs.zarr_store import ZarrStore
 
-PICTURE = Path(__file__).resolve().parents[1] / "docs" / "scaling.png"
+RECORD = Path(__file__).resolve().parents[1] / "docs" / "scaling.json"
 ENGINES = ("processes", "dask")
 WORKERS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 SHOWN = (1, 2, 10, 100, 1000)
@@ -202,28 +201,13 @@ def table(runs: Mapping[int, Run], chunks: Mapping[int, int], size: int, start: 
               f"{efficiency(run, n, start):10.3f}  {bottleneck(run, n, start)}")  # fmt: skip
 
 
-def draw(curves: Mapping[str, Sequence[float]], measured: Mapping[str, float]) -> None:
-    with drawing(None, None, None, lambda width: 0.75 * width) as figure:
-        axes = figure.subplots()
-        lines = []
-        for (name, values), style in zip(curves.items(), ("-", "--", ":", "-."), strict=False):
-            lines += axes.plot(WORKERS, values, style, label=name)
-        for (name, value), mark in zip(measured.items(), "os", strict=False):
-            lines += axes.plot([2], [value], mark, ms=4, mfc="none", color="black",
-                               label=f"{name}, measured")  # fmt: skip
-        axes.set(xscale="log", xlim=(1, WORKERS[-1]), xlabel="workers",
-                 ylim=(0, 1.05), ylabel="share of time in chunks")  # fmt: skip
-        key(axes, lines, f"Simulated, {EACH} chunks a worker")
-    save_figure(figure, PICTURE)
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=str(__doc__).split("\n")[0])
     parser.add_argument("--size", type=int, default=3000, help="launches of a chunk")
     parser.add_argument("--chunks", type=int, default=8, help="chunks of a measured run")
     parser.add_argument("--turns", type=int, default=3, help="runs of each number of workers")
     parser.add_argument("--launches", type=float, default=1e7, help="launches of a simulated run")
-    parser.add_argument("--no-figure", action="store_true")
+    parser.add_argument("--no-record", action="store_true", help="print alone")
     options = parser.parse_args()
     size, random = options.size, np.random.default_rng(20261123)
     curves: dict[str, list[float]] = {}
@@ -263,9 +247,11 @@ def main() -> None:
                     curves[f"{kind}, {length}"] = [
                         efficiency(run, n, start) for n, run in runs.items()
                     ]
-    if not options.no_figure:
-        draw(curves, measured)
-        print(f"\n{PICTURE}")
+    if not options.no_record:
+        shares = {"workers": WORKERS, "chunks a worker": EACH, "simulated": curves,
+                  "measured with two workers": measured}  # fmt: skip
+        RECORD.write_text(json.dumps(shares, indent=1) + "\n", encoding="utf-8")
+        print(f"\n{RECORD.name}; `python docs/scaling_picture.py` draws it")
 
 
 if __name__ == "__main__":

@@ -1,12 +1,11 @@
 """Figures of pages that the build draws again, in place of the copies that the repository shows.
 
-The repository keeps a copy of each for readers of the files.  `KEPT` names those that stay as they
-are, with the command that makes them.
+The repository keeps a copy of each for readers of the files.  Figures of measured times are drawn
+from the measured numbers, which the repository keeps.
 """
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import shutil
 import subprocess
@@ -25,13 +24,6 @@ from .commands import MADE, ROOT, environment
 
 DOCS = ROOT / "docs"
 REPORT = DOCS / "report"
-KEPT = {
-    "scaling.png": "python benchmarks/scaling.py",
-    "report/failures-ladder.png": "make report",
-}
-"""Figures that are not drawn by the build: minutes of measured time."""
-
-
 SOURCES = (".py", ".json", ".html", ".js", ".css")
 
 
@@ -135,7 +127,6 @@ def _report_figure(name: str) -> Any:
 
     from stability.compare import failures, report
     from stability.compare.figures import cost_error
-    from stability.compare.marks import BY_WORD
 
     def data(stem: str) -> Any:
         with xarray.open_dataset(REPORT / f"{stem}.nc", engine="h5netcdf") as found:
@@ -143,12 +134,9 @@ def _report_figure(name: str) -> Any:
 
     part, _, what = name.partition("-")
     if part == "failures":
-        rows = csv.DictReader((REPORT / "failures.csv").read_text(encoding="utf-8").splitlines())
-        cases = [
-            failures.Entry(r["part"], r["group"], r["case"], r["method"], BY_WORD.get(r["mark"]),
-                           float(r["digits"] or "nan"), r["note"]) for r in rows
-        ]  # fmt: skip
-        return report._failure_figure(cases, what)
+        cases = failures.from_csv((REPORT / "failures.csv").read_text(encoding="utf-8"))
+        return report._ladder_figure(cases) if what == "ladder" else (
+            report._failure_figure(cases, what))  # fmt: skip
     if part == "motion":
         found = data("motion")
         if what == "first":
@@ -157,6 +145,13 @@ def _report_figure(name: str) -> Any:
     draw = {"verdict": cost_error.verdict_figure, "eigenvalues": cost_error.spectrum_figure,
             "boundary": cost_error.boundary_figure}  # fmt: skip
     return draw[what](data("spectrum"))
+
+
+def scaling(path: Path) -> None:
+    """The share of time in chunks over the number of workers, from measured times."""
+    import scaling_picture as script
+
+    script.main(path)
 
 
 def house(path: Path) -> None:
@@ -168,11 +163,11 @@ def house(path: Path) -> None:
 
 FROM_REPORT = (
     "spectrum-verdict", "spectrum-eigenvalues", "spectrum-boundary", "motion-path", "motion-event",
-    "motion-first", "failures-linear", "failures-motion",
+    "motion-first", "failures-linear", "failures-motion", "failures-ladder",
 )  # fmt: skip
 MAKERS: dict[str, Callable[[Path], Any]] = {
     "basins.png": basins, "explorer.png": explorer, "launch.png": launch, "scene.png": scene,
-    "towed-wheel.png": towed_wheel, "house.svg": house,
+    "towed-wheel.png": towed_wheel, "house.svg": house, "scaling.png": scaling,
     **{f"films/{n}": of_films(n) for n in ("tippe-top.gif", "egg.gif", "ring.gif",
                                            "retrograde.png")},
     **{f"report/{n}.png": of_report(n) for n in FROM_REPORT},
@@ -202,7 +197,7 @@ def replaced(app: Any, doctree: nodes.document) -> None:
         if name in MAKERS:
             logging.getLogger(__name__).info("drawing %s", name)
             node["uri"] = "/" + made(name).relative_to(DOCS).as_posix()
-        elif target.is_file() and MADE not in target.parents and name not in KEPT:
+        elif target.is_file() and MADE not in target.parents:
             if not name.startswith("sphinx_parts"):
                 raise RuntimeError(f"{name} is a figure that no part of the build makes")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -29,6 +30,8 @@ _LEADING = (
 )  # fmt: skip
 DRIVER_NAMES = (*_LEADING, *(name for name in drivers.DRIVERS if name not in _LEADING))
 """Columns of the part on motion."""
+STEPS = ("right", "undecided", "wrong")
+"""What a verdict at one distance from a boundary may be."""
 LIMIT = 4.0
 """Time limit of a cell [s]."""
 LINEAR, MOTION = "linear", "motion"
@@ -52,6 +55,8 @@ class Entry:
     """Digits, or decades of distance, that are left; NaN if none."""
     note: str
     """Short remark on the answer, or the message of a failure."""
+    steps: str = ""
+    """Initials of right, undecided and wrong for each of `DECADES`, of a case at a boundary."""
 
 
 def tasks() -> list[list[Task]]:
@@ -153,23 +158,24 @@ def entries(cells: Mapping[str, Cell]) -> list[Entry]:
     return found
 
 
-def _read(cell: Cell) -> tuple[Mark | None, float, str]:
+def _read(cell: Cell) -> tuple[Mark | None, float, str, str]:
     nan = float("nan")
     if cell.status == DONE:
         if cell.value is None:
-            return None, nan, ""
-        return BY_WORD[cell.value["mark"]], cell.value["digits"], cell.value["note"]
+            return None, nan, "", ""
+        letters = "".join(word[0] for word in cell.value.get("steps", ()))
+        return BY_WORD[cell.value["mark"]], cell.value["digits"], cell.value["note"], letters
     mark = {REFUSED: Mark.REFUSED, CRASHED: Mark.CRASHED, LATE: Mark.LATE}[cell.status]
-    return mark, nan, cell.message
+    return mark, nan, cell.message, ""
 
 
-def ladder(cells: Mapping[str, Cell]) -> dict[str, list[dict[str, int]]]:
+def ladder(found: Sequence[Entry]) -> dict[str, list[dict[str, int]]]:
     """Number of boundaries with each mark, by route and distance from the boundary.
 
     Parameters
     ----------
-    cells
-        Cells by key.
+    found
+        From `entries`.
 
     Returns
     -------
@@ -177,16 +183,17 @@ def ladder(cells: Mapping[str, Cell]) -> dict[str, list[dict[str, int]]]:
         By route: a list along `DECADES` of counts by word.  Boundaries without an answer are not
         counted.
     """
-    found = {}
+    words = {word[0]: word for word in STEPS}
+    counted = {}
     for method in ROUTE_NAMES:
-        counts = [dict.fromkeys(("right", "undecided", "wrong"), 0) for _ in DECADES]
-        mine = [c for name in CASES if (c := cells.get(f"failure/{LINEAR}/{name}/{method}"))]
-        for cell in mine:
-            for count, word in zip(counts, (cell.value or {}).get("steps", ()), strict=False):
-                count[word] += 1
+        mine = [e for e in found if e.part == LINEAR and e.method == method]
+        counts = [dict.fromkeys(STEPS, 0) for _ in DECADES]
+        for one in mine:
+            for count, letter in zip(counts, one.steps, strict=False):
+                count[words[letter]] += 1
         if mine:
-            found[method] = counts
-    return found
+            counted[method] = counts
+    return counted
 
 
 def own_methods() -> dict[str, bool]:
@@ -237,8 +244,29 @@ def as_csv(found: Sequence[Entry]) -> str:
     for e in found:
         digits = "" if e.digits != e.digits else f"{e.digits:g}"
         mark = "" if e.mark is None else e.mark.word
-        rows.append((e.part, e.group, e.case, e.method, mark, digits, e.note))
-    return csv_text(("part", "group", "case", "method", "mark", "digits", "note"), rows)
+        rows.append((e.part, e.group, e.case, e.method, mark, digits, e.note, e.steps))
+    return csv_text(("part", "group", "case", "method", "mark", "digits", "note", "steps"), rows)
+
+
+def from_csv(text: str) -> list[Entry]:
+    """The catalogue from its CSV.
+
+    Parameters
+    ----------
+    text
+        From `as_csv`.
+
+    Examples
+    --------
+    >>> one = Entry("linear", "edges", "a", "ad", Mark.WRONG, 3.0, "right to 1e-3, …", "rrrw")
+    >>> from_csv(as_csv([one])) == [one]
+    True
+    """
+    return [
+        Entry(r["part"], r["group"], r["case"], r["method"], BY_WORD.get(r["mark"]),
+              float(r["digits"] or "nan"), r["note"], r["steps"])
+        for r in csv.DictReader(text.splitlines())
+    ]  # fmt: skip
 
 
 def as_markdown(found: Sequence[Entry]) -> str:

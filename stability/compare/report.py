@@ -309,14 +309,14 @@ def _failures(cells: Mapping[str, Cell]) -> Part:
         for name, heading in ((catalogue.LINEAR, "Linear analysis"), (catalogue.MOTION, "Motion"))
         if any(e.part == name for e in found)
     ]  # fmt: skip
-    edges = len({e.case for e in found} & {case.name for case in LADDERS})
+    edges = _edges(found)
     if edges:
         plates.append(Plate(
             "failures-ladder",
             "Verdicts on both sides of boundaries, at relative distances 10⁻¹ to 10⁻¹⁵: shares of "
             f"the {edges} boundaries for which each route is right, undecided or wrong; blank "
             f"where it crashed. Bold: the package's.{STRAW}",
-            lambda: _ladder_figure(cells, edges),
+            lambda: _ladder_figure(found),
         ))  # fmt: skip
     return Part(FAILURES, tuple(plates), ("failures.md", "failures.csv"), found)
 
@@ -338,13 +338,17 @@ def _failure_figure(found: Sequence[catalogue.Entry], name: str) -> Figure:
     return drawings.failure_figure(methods, own, [(g, len(c)) for g, c in groups.items()], share)
 
 
-def _ladder_figure(cells: Mapping[str, Cell], edges: int) -> Figure:
+def _edges(found: Sequence[catalogue.Entry]) -> int:
+    """Number of boundaries whose both sides were asked."""
+    return len({e.case for e in found} & {case.name for case in LADDERS})
+
+
+def _ladder_figure(found: Sequence[catalogue.Entry]) -> Figure:
     from .figures import cost_error as drawings
 
-    counts = catalogue.ladder(cells)
+    counts, edges = catalogue.ladder(found), _edges(found)
     share = np.array([
-        [[c[w] / edges for w in ("right", "undecided", "wrong")] for c in row]
-        for row in counts.values()
+        [[c[w] / edges for w in catalogue.STEPS] for c in row] for row in counts.values()
     ])  # fmt: skip
     own = [name in catalogue.own_methods() for name in counts]
     return drawings.ladder_figure(list(counts), own, [-d for d in DECADES], share)

@@ -21,7 +21,7 @@ from stability.compare.figures import cost_error as drawings
 from stability.compare.figures.panels import OWN, PALE, PEOPLE
 from stability.compare.figures.shares import MARKS
 from stability.compare.figures.work_precision import LOOKS
-from stability.compare.marks import BY_WORD, Mark
+from stability.compare.marks import Mark
 from stability.compare.motion.drivers import DRIVERS
 from stability.compare.motion.reference_motions import scene
 from stability.compare.parts import Part
@@ -53,11 +53,8 @@ def rows() -> list[dict[str, str]]:
 
 
 @pytest.fixture(scope="module")
-def cases(rows: list[dict[str, str]]) -> list[catalogue.Entry]:
-    return [
-        catalogue.Entry(r["part"], r["group"], r["case"], r["method"], BY_WORD.get(r["mark"]),
-                        float(r["digits"] or "nan"), r["note"]) for r in rows
-    ]  # fmt: skip
+def cases() -> list[catalogue.Entry]:
+    return catalogue.from_csv((EXAMPLE / "failures.csv").read_text())
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +74,8 @@ def figures(
         "first": lambda: drawings.first_call_figure(motion),
         "linear": lambda: report._failure_figure(cases, "linear"),
         "motion": lambda: report._failure_figure(cases, "motion"),
-        "ladder": lambda: drawings.ladder_figure(names, own, [*range(-1, -16, -1)], share),
+        "ladder": lambda: report._ladder_figure(cases),
+        "other": lambda: drawings.ladder_figure(names, own, [*range(-1, -16, -1)], share),
     }
     return {name: make() for name, make in draw.items()}
 
@@ -203,3 +201,18 @@ def test_sympy_divides_by_what_the_page_names() -> None:
     assert [p for p in pivots[:-1] if p.subs({X[4]: 0, X[5]: 0}) == 0] == [
         sympy.factor(sympy.Symbol("mu") * X[5] * (1 + 2 * K))
     ]
+
+
+def test_letters_of_every_boundary_say_what_its_remark_says(cases: list[catalogue.Entry]) -> None:
+    asked = [c for c in cases if c.steps]
+    assert len(asked) > 200 and {len(c.steps) for c in asked} == {15}
+    for one in asked:
+        held, first = len(one.steps) - len(one.steps.lstrip("r")), one.steps.find("w") + 1
+        assert one.note.startswith(f"right to 1e-{held}" if held else "right at no distance")
+        assert (f"wrong at 1e-{first}" in one.note) == bool(first), one
+    counts = catalogue.ladder(cases)
+    edges = len({c.case for c in asked})
+    assert [c["right"] for c in counts["spectrum"]] == [edges] * 15
+    assert sum(c["wrong"] for row in counts.values() for c in row) == sum(
+        c.steps.count("w") for c in asked
+    )
