@@ -1,7 +1,8 @@
 """Open the built site in a browser, from its files: `make docs-opened`, after `make docs`.
 
 Each page is opened at the width of a phone and, dark, of a desktop.  It must say nothing on its
-console, ask for nothing outside the site, and be no wider than the window.  Search must find.
+console, ask for nothing outside the site, be no wider than the window, and squash no picture.
+Search must find.
 """
 
 from __future__ import annotations
@@ -18,6 +19,11 @@ LOOKS = {
     "phone": {"viewport": {"width": 390, "height": 844}, "color_scheme": "light"},
     "desktop": {"viewport": {"width": 1280, "height": 900}, "color_scheme": "dark"},
 }
+SQUASHED = """Array.from(document.images).filter(
+  i => i.naturalHeight && i.clientHeight
+    && Math.abs(i.clientWidth / i.clientHeight * i.naturalHeight / i.naturalWidth - 1) > 0.05
+).map(i => i.getAttribute('src'))"""
+"""Pictures that are shown with other proportions than their own; small ones are a pixel off."""
 SEARCHES = {"flutter": "tutorials/", "stability_map": "reference/maps.html", "hysteresis": ""}
 """A word, and how the address of a page that it finds starts; "" where it finds nothing."""
 
@@ -70,6 +76,7 @@ def _open(page: Any, path: Path, said: list[str]) -> None:
     wide = page.evaluate("document.documentElement.scrollWidth - window.innerWidth")
     if wide > 0:
         said.append(f"is {wide} pixels too wide")
+    said += [f"squashes {source}" for source in page.evaluate(SQUASHED)]
 
 
 def searched(browser: Any, site: Path = SITE) -> Iterator[str]:

@@ -6,6 +6,10 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
+SQUARE = (
+    "data:image/svg+xml,<svg xmlns=%22http://www.w3.org/2000/svg%22 width=%2210%22 "
+    "height=%2210%22/>"
+)
 
 
 def test_each_fault_of_a_page_is_found(browser: Any, tmp_path: Path) -> None:
@@ -20,6 +24,8 @@ def test_each_fault_of_a_page_is_found(browser: Any, tmp_path: Path) -> None:
         "loud": "<script>console.error('no')</script>",
         "broken": "<script>nothing()</script>",
         "greedy": '<img src="https://example.invalid/a.png">',
+        "squashed": f'<img src="{SQUARE}" width="200" height="100">',
+        "sharp": f'<img src="{SQUARE}" width="200" height="200">',
         "empty": '<iframe src="none.html"></iframe>',
     }
     head = '<!doctype html><link rel="icon" href="data:,">'
@@ -30,6 +36,10 @@ def test_each_fault_of_a_page_is_found(browser: Any, tmp_path: Path) -> None:
     found = list(opened.faults(browser, tmp_path))
     looks = {(line.split(".html (")[0], line.split("(")[1].split(")")[0]) for line in found}
     assert looks == {
-        *((name, look) for name in ("loud", "broken", "greedy", "empty") for look in opened.LOOKS),
+        *(
+            (name, look)
+            for name in ("loud", "broken", "greedy", "empty", "squashed")
+            for look in opened.LOOKS
+        ),
         ("wide", "phone"),
     }
