@@ -19,6 +19,7 @@ from ..base.errors import ParameterError, StabilityWarning, shown
 from ..base.types import Floats, Progress
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
+from ..bodies.round_body.families import at_name
 from ..integrators.flow import CASADI
 from ..jobs.chunks import Arrays, Block, Layout, Memory, Store, Variable, even_chunk
 from ..jobs.dask import check_pool, pool_of
@@ -41,7 +42,7 @@ from .dataset import (
     works,
 )
 from .launch_labels import LaunchLabels
-from .launches import Launches, at_name, moving, prepare
+from .launches import Launches, moving, prepare
 from .linear import LINEAR, linear_verdict
 from .outcomes import Judging, judged_by, last_time, outcomes
 from .refinement.refine import refine

@@ -20,7 +20,7 @@ from ..bodies.launch import launch
 from ..bodies.law_names import law_given
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.families import FAMILIES as ROUND
-from ..bodies.round_body.families import place_of
+from ..bodies.round_body.families import at_name, place_of
 from ..bodies.round_body.shape import refuse_constants
 from ..bodies.thin_disk.disk_equations import STATES
 from ..bodies.thin_disk.disk_families import FAMILIES
@@ -168,18 +168,6 @@ class Launches:
             if name in given and not (self.family and name == self.own):
                 six[:, column] = given[name]
         return six
-
-
-def at_name(family: Any, otherwise: str = "at") -> str:
-    """Name of the number that names members of a family; another one where none alone does.
-
-    Examples
-    --------
-    >>> at_name("rolling"), at_name("vertical"), at_name("precession")
-    ('omega3', 'omega_Z', 'at')
-    """
-    found = ROUND.get(family) if isinstance(family, str) else None
-    return found.at[0] if found is not None and len(found.at) == 1 else otherwise
 
 
 def _with(body: Body, given: Mapping[str, Floats]) -> Body:

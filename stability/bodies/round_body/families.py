@@ -95,6 +95,23 @@ FAMILIES = {family.name: family for family in _RECORDS}
 """Every family of a body of revolution by name."""
 
 
+def at_name(family: Any) -> str:
+    """Name of the number that names members of a family by its name; `at` where none alone does.
+
+    Parameters
+    ----------
+    family
+        What the caller gave.
+
+    Examples
+    --------
+    >>> at_name("rolling"), at_name("vertical"), at_name("precession")
+    ('omega3', 'omega_Z', 'at')
+    """
+    found = FAMILIES.get(family) if isinstance(family, str) else None
+    return found.at[0] if found is not None and len(found.at) == 1 else "at"
+
+
 def survives(name: str, resistance: Resistances, *, upright: bool) -> bool:
     """Whether members of a family lose no energy to resistances, so that they are steady.
 

@@ -10,12 +10,11 @@ import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
 from ...base.errors import NameUnknownError, ParameterError, shown
-from ...basin.launches import at_name
 from ...basin.statistics.fractions import LEVEL, wilson
 from ...basin.statistics.samples import LogUniform
+from ...bodies.round_body.families import at_name
 from .fates import Fate, fates
 
 if TYPE_CHECKING:
@@ -222,10 +221,9 @@ def sample_caption(dataset: xarray.Dataset, x: str, y: str, who: str) -> str:
     lightness = "  Lightness: the steady motion that is settled on." * any(
         f.spread for f in present
     )
-    counts: NDArray[np.int64] = np.array([int(f.where.sum()) for f in present])
     each = ", ".join(f"{f.label} {s}" for f, s in zip(present, shares(present), strict=True))
     some = f" ({drawn(dataset)} are drawn)" * bool(drawn(dataset))
-    missing = dataset.outcome.size - int(counts.sum())
+    missing = dataset.outcome.size - sum(int(f.where.sum()) for f in present)
     each += f"; {missing} launches are not computed yet" * bool(missing)
     return (
         f"Ends of {dataset.outcome.size} launches of {who}, drawn at random over "
