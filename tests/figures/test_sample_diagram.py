@@ -134,6 +134,10 @@ def test_launches_that_are_not_there_yet_count_in_no_fraction(found: xarray.Data
     some.outcome.values[:100] = -1
     assert len(points(st.plot_basins(some))) == 200
     assert "100 launches are not computed yet" in basins_caption(some)
+    some.outcome.values[:] = -1
+    for draw in (st.plot_basins, basins_caption):
+        with pytest.raises(ParameterError, match="none of the 300 launches is computed yet"):
+            draw(some)
 
 
 def test_what_does_not_fit_is_refused(found: xarray.Dataset) -> None:

@@ -76,8 +76,13 @@ def plane_of(dataset: xarray.Dataset, x: str, y: str) -> tuple[str, str]:
     Raises
     ------
     StabilityError
-        If a name is not known, or is given twice.
+        If a name is not known, or is given twice, or no launch is computed yet.
     """
+    if not fates(dataset):
+        raise ParameterError(
+            f"none of the {dataset.outcome.size} launches is computed yet; continue the sample, "
+            "then draw it."
+        )
     names = [*varied(dataset), LATEST]
     own = at_name(str(dataset.attrs.get("launched_near", "")).split(" ")[0])
     found: list[str] = []
