@@ -1,10 +1,11 @@
 """Break the package in seeded places, one at a time, and see which tests notice.
 
-`python tests/tools/mutants.py draw`            two places in each folder, into tests/data/mutants.json
-`python tests/tools/mutants.py reach`           which tests execute each place, from one run of all of them
-`python tests/tools/mutants.py run [--fast]`    each place broken in a copy; its tests, up to the first failure
+`draw`: two places in each folder, into tests/data/mutants.json.
+`reach`: which tests execute each place, and how long each test takes, from one run of all.
+`run`: each place broken in a copy of the last commit, and the tests that execute it run there, quick
+ones first, up to the first failure.  Nothing is changed in the tree itself.
 
-The copy is made of the last commit; nothing is changed in the tree itself.
+`reach` hands further words to pytest (`-m long tests/maps`).  Both keep what they find in `--out`.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import ast
 import json
 import os
 import random
-import shutil
+import re
 import subprocess
 import sys
 import tempfile
@@ -32,7 +33,7 @@ KINDS = ("comparison", "sign", "constant", "term", "exception", "range")
 TURNED = {
     ast.Lt: ">", ast.LtE: ">", ast.Gt: "<", ast.GtE: "<", ast.Eq: "!=", ast.NotEq: "==",
 }  # fmt: skip
-PROBE = '''"""Notes which test executes a place that will be broken, and how long each test takes."""
+PROBE = '''"""Notes which test executes a place, and how long each test takes."""
 import os
 FILE, SEEN = {file!r}, set()
 def pytest_runtest_logreport(report):
@@ -212,13 +213,97 @@ def reach(out: Path, words: list[str]) -> None:
     print(result.stdout.splitlines()[-1])
 
 
+FAILED = re.compile(r"^(?:FAILED|ERROR) (\S+)", re.MULTILINE)
+FIRST = 40
+"""So many tests run first, before the rest is even imported."""
+
+
+def reached(out: Path) -> tuple[dict[int, set[str]], dict[str, float]]:
+    """The tests that execute each place, and the seconds of each test."""
+    tests: dict[int, set[str]] = {}
+    for line in (out / "hits.txt").read_text(encoding="utf-8").splitlines():
+        number, test = line.split("\t")
+        tests.setdefault(int(number), set()).add(test)
+    seconds: dict[str, float] = {}
+    for line in (out / "hits.txt.times").read_text(encoding="utf-8").splitlines():
+        took, _, test = line.split("\t")
+        seconds[test] = seconds.get(test, 0.0) + float(took)
+    return tests, seconds
+
+
+def tried(tree: Path, record: dict[str, Any], tests: list[str], limit: float) -> dict[str, Any]:
+    """Break one place, run its tests, mend it; which test failed first."""
+    before = _line(tree, record, record["broken"])
+    start, found = time.monotonic(), None
+    names = tree / "tests-to-run.txt"
+    try:
+        for part in (tests[:FIRST], tests[FIRST:]):
+            if not part or found:
+                continue
+            names.write_text("\n".join(part), encoding="utf-8")
+            left = limit - (time.monotonic() - start)
+            try:
+                said = _pytest(tree, "-x", "-m", "", f"@{names}", timeout=max(left, 1.0)).stdout
+            except subprocess.TimeoutExpired:
+                found = "no answer in time"
+            else:
+                match = FAILED.search(said)
+                found = match.group(1) if match else None
+                if not match and " passed" not in said:
+                    found = said[-300:]
+    finally:
+        (tree / record["file"]).write_text(before, encoding="utf-8")
+    seconds = round(time.monotonic() - start, 1)
+    return {"found by": found, "tests": len(tests), "seconds": seconds}
+
+
+def run(out: Path, numbers: list[int], jobs: int, limit: float) -> None:
+    """Try every place, and print which test finds it."""
+    records = [
+        r for r in json.loads(PLACES.read_text(encoding="utf-8"))
+        if not numbers or r["number"] in numbers
+    ]  # fmt: skip
+    tests, seconds = reached(out)
+    results_file = out / "results.json"
+    results: dict[str, Any] = json.loads(results_file.read_text()) if results_file.exists() else {}
+    with tempfile.TemporaryDirectory() as into, ThreadPoolExecutor(jobs) as pool:
+        trees: SimpleQueue[Path] = SimpleQueue()
+        for number in range(jobs):
+            (Path(into) / str(number)).mkdir()
+            trees.put(_copy(Path(into) / str(number)))
+
+        def one(record: dict[str, Any]) -> None:
+            folder = record["file"].split("/")[1]
+            chosen = sorted(
+                tests.get(record["number"]) or {f"tests/{folder}"},
+                key=lambda t: (not t.startswith(f"tests/{folder}/"), seconds.get(t, 0.0)),
+            )
+            tree = trees.get()
+            try:
+                result = tried(tree, record, chosen, limit)
+            finally:
+                trees.put(tree)
+            results[str(record["number"])] = result
+            results_file.write_text(json.dumps(results, indent=1) + "\n")
+            print(record["number"], record["file"], result, flush=True)
+
+        list(pool.map(one, records))
+    lost = sorted(int(n) for n, r in results.items() if r["found by"] is None)
+    print(f"{len(results) - len(lost)} of {len(results)} found; not found: {lost}")
+
+
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("task", choices=("draw", "reach", "run"))
     parser.add_argument("--seed", type=int, default=37)
     parser.add_argument("--out", type=Path, default=ROOT / "build/mutants")
+    parser.add_argument("--only", type=int, nargs="*", default=[], help="numbers of places to run")
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--limit", type=float, default=900.0, help="seconds for one place")
     given, rest = parser.parse_known_args()
     if given.task == "draw":
         draw(given.seed)
     elif given.task == "reach":
-        reach(given.out, rest)
+        reach(given.out.resolve(), rest)
+    else:
+        run(given.out.resolve(), given.only, given.jobs, given.limit)
