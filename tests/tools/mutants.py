@@ -2,8 +2,8 @@
 
 `draw`: two places in each folder, into tests/data/mutants.json.
 `reach`: which tests execute each place, and how long each test takes, from one run of all.
-`run`: each place broken in a copy of the last commit, and the tests that execute it run there, quick
-ones first, up to the first failure.  Nothing is changed in the tree itself.
+`run`: each place broken in a copy of a commit, and the tests that execute it run there, quick ones
+first, up to the first failure.  Nothing is changed in the tree itself.
 
 `reach` hands further words to pytest (`-m long tests/maps`).  Both keep what they find in `--out`.
 """
@@ -151,11 +151,11 @@ def draw(seed: int) -> None:
     print(f"{len(records)} places in {PLACES.relative_to(ROOT)}")
 
 
-def _copy(into: Path) -> Path:
-    """The last commit in a folder of its own."""
+def _copy(into: Path, commit: str) -> Path:
+    """A commit in a folder of its own."""
     tree = into / "tree"
     tree.mkdir()
-    archive = subprocess.run(["git", "archive", "HEAD"], cwd=ROOT, capture_output=True, check=True)
+    archive = subprocess.run(["git", "archive", commit], cwd=ROOT, capture_output=True, check=True)
     subprocess.run(["tar", "-x", "-C", str(tree)], input=archive.stdout, check=True)
     subprocess.run(["git", "init", "-q"], cwd=tree, check=True)
     return tree
@@ -191,12 +191,12 @@ def _pytest(tree: Path, *words: str, **kwargs: Any) -> subprocess.CompletedProce
     )  # fmt: skip
 
 
-def reach(out: Path, words: list[str]) -> None:
+def reach(out: Path, commit: str, words: list[str]) -> None:
     """Run the tests once with a probe at each place; keep which test comes by, and for how long."""
     records = json.loads(PLACES.read_text(encoding="utf-8"))
     out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as into:
-        tree = _copy(Path(into))
+        tree = _copy(Path(into), commit)
         hits = out / "hits.txt"
         for file in (hits, Path(f"{hits}.times")):
             file.write_text("")
@@ -257,7 +257,7 @@ def tried(tree: Path, record: dict[str, Any], tests: list[str], limit: float) ->
     return {"found by": found, "tests": len(tests), "seconds": seconds}
 
 
-def run(out: Path, numbers: list[int], jobs: int, limit: float) -> None:
+def run(out: Path, commit: str, numbers: list[int], jobs: int, limit: float) -> None:
     """Try every place, and print which test finds it."""
     records = [
         r for r in json.loads(PLACES.read_text(encoding="utf-8"))
@@ -270,7 +270,7 @@ def run(out: Path, numbers: list[int], jobs: int, limit: float) -> None:
         trees: SimpleQueue[Path] = SimpleQueue()
         for number in range(jobs):
             (Path(into) / str(number)).mkdir()
-            trees.put(_copy(Path(into) / str(number)))
+            trees.put(_copy(Path(into) / str(number), commit))
 
         def one(record: dict[str, Any]) -> None:
             folder = record["file"].split("/")[1]
@@ -297,6 +297,7 @@ if __name__ == "__main__":
     parser.add_argument("task", choices=("draw", "reach", "run"))
     parser.add_argument("--seed", type=int, default=37)
     parser.add_argument("--out", type=Path, default=ROOT / "build/mutants")
+    parser.add_argument("--commit", default="HEAD")
     parser.add_argument("--only", type=int, nargs="*", default=[], help="numbers of places to run")
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--limit", type=float, default=900.0, help="seconds for one place")
@@ -304,6 +305,6 @@ if __name__ == "__main__":
     if given.task == "draw":
         draw(given.seed)
     elif given.task == "reach":
-        reach(given.out.resolve(), rest)
+        reach(given.out.resolve(), given.commit, rest)
     else:
-        run(given.out.resolve(), given.only, given.jobs, given.limit)
+        run(given.out.resolve(), given.commit, given.only, given.jobs, given.limit)
