@@ -10,11 +10,8 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from . import old_paths
 from .base.version import __version__ as __version__
 from .spectra.presentation import drawing
-
-old_paths.install()
 
 _HOME = {
     "bodies.disk": ("Disk", "REAL_DISKS"),

@@ -7,14 +7,3 @@ then reads every graph in this type.
 To add a kernel: a module of plain functions, compiled by those of the folder `kernels`.
 To add an eigensolver: a function of matrices, given to `eigensolver` in `eigensolver.py`.
 """
-
-from typing import Any
-
-
-def __getattr__(name: str) -> Any:
-    """A name of the module `stability.algebra` of version 0.4."""
-    from ..old_paths import found
-
-    return found(
-        name, "stability.algebra", ("algebra.program", "algebra.number_types", "algebra.upright")
-    )

@@ -127,10 +127,15 @@ def test_every_test_that_a_text_names_is_there() -> None:
     assert named > 80
 
 
-def test_versions_agree() -> None:
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    assert project["version"] == stability.__version__
-    assert f"## {stability.__version__}" in (ROOT / "CHANGELOG.md").read_text()
+def test_the_version_stands_in_one_place() -> None:
+    whole = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    assert whole["project"]["dynamic"] == ["version"]
+    read = {"version": {"attr": "stability.base.version.__version__"}}
+    assert whole["tool"]["setuptools"]["dynamic"] == read
+    for name in ("pyproject.toml", "CITATION.cff", "conda-recipe/meta.yaml", "CONTRIBUTING.md"):
+        assert stability.__version__ not in (ROOT / name).read_text(), name
+    released = re.findall(r"^## (\d\S*)", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
+    assert stability.__version__ == released[0]
 
 
 def test_every_dependency_is_pinned_for_those_who_come_later() -> None:
