@@ -1,9 +1,12 @@
 # Needs Python 3.11 or later and make; everything else goes into .venv.
-PYTHON ?= $(shell command -v python3.11 || command -v python3)
-BIN := .venv/bin
+PYTHON ?= $(shell command -v python3.11 || command -v python3 || command -v python)
+BIN := $(if $(filter Windows_NT,$(OS)),.venv/Scripts,.venv/bin)
 READY := .venv/.ready
+# kept bytecode starts workers and commands several times as fast
+unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: atlas explorer explorer-library basins report notebooks pictures docs docs-opened linkcheck peers test test-long lint bench derive lock clean
+.PHONY: atlas explorer explorer-library basins report notebooks pictures docs docs-opened linkcheck peers \
+  test tests test-browser test-outside test-long lint bench derive lock clean
 
 # The main job: the stability diagrams of three bodies, in atlas/index.html.
 atlas: $(READY)
@@ -65,13 +68,25 @@ linkcheck: .venv/.docs
 	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[docs]'
 	@touch $@
 
-# Lint, types and every test.
-test: lint
-	$(BIN)/pytest -q -n 2
+# Lint, types and tests, in five minutes on two cores. ARGS goes to pytest, here and below.
+test: $(READY)
+	@$(MAKE) --no-print-directory -j 2 lint tests
+	@echo "Not tested here: pages in a browser (make test-browser); LaTeX, C and AUTO (make test-outside); campaigns (make test-long)."
+
+tests: $(READY)
+	$(BIN)/pytest -q -n 2 --dist loadfile $(ARGS)
+
+# Pages of the explorer, films and the site's checks in a Chromium of the system.
+test-browser: $(READY)
+	$(BIN)/pytest -q -m browser tests $(ARGS)
+
+# What other programs make of the exports: pdflatex, a C compiler, gfortran with AUTO-07p.
+test-outside: $(READY)
+	$(BIN)/pytest -q -m outside tests $(ARGS)
 
 # Campaigns of minutes: thousands of random points against ball arithmetic, large maps.
 test-long: $(READY)
-	$(BIN)/pytest -q -s -m long tests
+	$(BIN)/pytest -q -m "long and not (browser or outside)" tests $(ARGS)
 
 # The figures that the README quotes, measured here; ARGS=--large adds the large map.
 bench: $(READY)

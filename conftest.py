@@ -1,4 +1,7 @@
-"""Tests in any order: what one leaves behind fails it, and `--order-seed N` shuffles them."""
+"""Tests in any order: what one leaves behind fails it, and `--order-seed N` shuffles them.
+
+`--tenth N` runs the tests whose turn it is, `--no-skips` fails those that would be skipped.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +10,11 @@ import os
 import random
 import signal
 import sys
+import zlib
 from collections.abc import Iterator
 from typing import Any
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # workers share the cores already
 
 import numpy as np
 import pytest
@@ -20,6 +26,8 @@ settings.register_profile(
 )
 settings.load_profile("any-machine")
 BACKEND = ("backend", "backend_fallback", "interactive")
+"""Settings of matplotlib that are settled when pyplot is first asked for."""
+SIGNALS = [n for n in ("SIGINT", "SIGALRM", "SIGTERM") if hasattr(signal, n)]
 
 
 def pytest_configure() -> None:
@@ -29,13 +37,20 @@ def pytest_configure() -> None:
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Name a random order: that of the files, and that of the tests within each."""
+    """Name a random order, a tenth of the tests, and whether one may be skipped."""
     parser.addoption("--order-seed", type=int, help="run files, and tests within, in random order")
+    parser.addoption("--tenth", type=int, choices=range(10), help="run one test of ten, by name")
+    parser.addoption("--no-skips", action="store_true", help="a test that is skipped fails")
 
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Shuffle files, then the tests of each, so that fixtures of a file are made once."""
+    """Keep a tenth; shuffle files, then the tests of each: fixtures of a file are made once."""
+    tenth = config.getoption("--tenth")
+    if tenth is not None:
+        left_out = [item for item in items if zlib.crc32(item.nodeid.encode()) % 10 != tenth]
+        config.hook.pytest_deselected(items=left_out)
+        items[:] = [item for item in items if item not in left_out]
     seed = config.getoption("--order-seed")
     if seed is None:
         return
@@ -50,34 +65,35 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     items[:] = [item for group in groups for item in group]
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Any:
+    """Where every program is installed, as in CI, a skipped test is one that nobody runs."""
+    report = yield
+    if report.skipped and item.config.getoption("--no-skips"):
+        report.outcome, report.longrepr = "failed", f"skipped: {report.longrepr[-1]}"
+    return report
+
+
 def _state() -> dict[str, Any]:
     """What belongs to the process, not to the library or to a test."""
+    _, drawn, place, *_ = np.random.get_state()  # noqa: NPY002
     state: dict[str, Any] = {
         "working directory": os.getcwd(),
         "environment": {k: v for k, v in os.environ.items() if k != "PYTEST_CURRENT_TEST"},
         "floating-point errors": np.geterr(),
-        "NumPy's random state": np.random.get_state()[1:3],  # noqa: NPY002
+        "NumPy's random state": (drawn.tobytes(), place),
         "Python's random state": random.getstate(),
         "locale": locale.setlocale(locale.LC_ALL),
-        "interrupt": signal.getsignal(signal.SIGINT),
-        "alarm": signal.getsignal(signal.SIGALRM),
-        "termination": signal.getsignal(signal.SIGTERM),
+        "signals": [signal.getsignal(getattr(signal, name)) for name in SIGNALS],
         "print options": {k: str(v) for k, v in np.get_printoptions().items()},
         "recursion limit": sys.getrecursionlimit(),
     }
     if "matplotlib" in sys.modules:
-        known = dict.items(sys.modules["matplotlib"].rcParams)
-        # those of the backend are settled when pyplot is first asked for
-        state |= {f"rcParams {k}": str(v) for k, v in known if k not in BACKEND}
+        known = dict(dict.items(sys.modules["matplotlib"].rcParams))
+        state["rcParams"] = {k: v for k, v in known.items() if k not in BACKEND}
     if "flint" in sys.modules:
         state["precision of balls"] = sys.modules["flint"].ctx.prec
     return state
-
-
-def _same(before: Any, after: Any) -> bool:
-    if isinstance(before, tuple):
-        return all(_same(a, b) for a, b in zip(before, after, strict=True))
-    return bool(np.all(before == after))
 
 
 @pytest.fixture(autouse=True)
@@ -92,5 +108,5 @@ def nothing_left() -> Iterator[None]:
             left.append(f"{len(plt.get_fignums())} figures open")
             plt.close("all")
     after = _state()
-    left += [name for name, value in before.items() if not _same(value, after.get(name))]
+    left += [name for name, value in before.items() if value != after.get(name)]
     assert not left, f"left behind: {', '.join(left)}"

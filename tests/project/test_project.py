@@ -181,3 +181,13 @@ def test_the_word_list_finds_its_words() -> None:
     text = "plain\nderived a" + "new, and wh" + "atever\nanewly"
     assert words.found(text) == [(2, "a" + "new"), (2, "wh" + "atever")]
     assert words.main() == 0
+
+
+def test_hooks_of_a_commit_are_the_programs_of_lint() -> None:
+    import yaml
+
+    make = (ROOT / "Makefile").read_text().replace("$(BIN)", ".venv/bin")
+    recipe = make.partition("\nlint:")[2].partition("\n\n")[0].splitlines()[1:]
+    [local] = yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text())["repos"]
+    hooks = [h["entry"].replace(" --force-exclude", "") for h in local["hooks"]]
+    assert [line.strip().removesuffix(" .") for line in recipe] == hooks
