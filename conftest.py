@@ -30,8 +30,9 @@ BACKEND = ("backend", "backend_fallback", "interactive")
 SIGNALS = [n for n in ("SIGINT", "SIGALRM", "SIGTERM") if hasattr(signal, n)]
 
 
-def pytest_configure() -> None:
+def pytest_configure(config: pytest.Config) -> None:
     """Hear SIGINT, as the commands under test must: what runs in the background may ignore it."""
+    config.pluginmanager.register(Few())
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
@@ -41,6 +42,39 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--order-seed", type=int, help="run files, and tests within, in random order")
     parser.addoption("--tenth", type=int, choices=range(10), help="run one test of ten, by name")
     parser.addoption("--no-skips", action="store_true", help="a test that is skipped fails")
+
+
+def _drawn(items: list[pytest.Item], count: int) -> list[pytest.Item]:
+    """So many of the cases of a test, by a seeded draw that meets as many values as it can.
+
+    Of a product of bodies and laws, each body and each law is met before one of them comes twice.
+    """
+    left = sorted(items, key=lambda item: item.nodeid)
+    random.Random(left[0].location[2].partition("[")[0]).shuffle(left)
+    chosen: list[pytest.Item] = []
+    met: set[tuple[str, int]] = set()
+    while left and len(chosen) < count:
+        best = max(left, key=lambda item: len(item.callspec.indices.items() - met))
+        left.remove(best)
+        chosen.append(best)
+        met |= best.callspec.indices.items()
+    return chosen
+
+
+class Few:
+    """Marks as long what `@pytest.mark.few(n)` leaves out, before pytest selects by marks."""
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
+        """Of each marked test, draw the cases that stay."""
+        cases: dict[tuple[pytest.Item | None, str], list[pytest.Item]] = {}
+        for item in items:
+            if item.get_closest_marker("few") and hasattr(item, "callspec"):
+                cases.setdefault((item.parent, item.originalname), []).append(item)
+        for group in cases.values():
+            count = group[0].get_closest_marker("few").args[0]
+            for item in set(group) - set(_drawn(group, count)):
+                item.add_marker(pytest.mark.long)
 
 
 @pytest.hookimpl(trylast=True)

@@ -58,6 +58,7 @@ def check(found: tuple[Any, Any], exact: Any, sides: Any) -> int:
         ctx.prec = 53
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", ["add", "multiply", "divide"])
 def test_sums_products_and_quotients_hold_the_exact_ones(name: str) -> None:
     (a, ra), (b, rb) = numbers(1), numbers(2)
@@ -73,6 +74,7 @@ def test_sums_products_and_quotients_hold_the_exact_ones(name: str) -> None:
     assert check(found, exact, sides) > 0.5 * COUNT
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", ["root", "sine", "cosine"])
 def test_roots_sines_and_cosines_hold_the_exact_ones(name: str) -> None:
     a, ra = numbers(4)

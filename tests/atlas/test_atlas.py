@@ -158,6 +158,7 @@ def test_force_replaces_its_own_files_and_leaves_others(folder: Path, tmp_path: 
     assert [p.name for p in tmp_path.iterdir()] == ["atlas"]
 
 
+@pytest.mark.few(1)
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize(
     ("resolution", "draft", "command"),

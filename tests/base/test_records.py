@@ -168,6 +168,7 @@ def travelled(value: Any) -> list[Any]:
     return [*copies, copy.deepcopy(value), copy.copy(value)]
 
 
+@pytest.mark.few(25)
 @pytest.mark.parametrize("name", RECORDS)
 def test_a_record_travels_and_equals_what_was_made_alike(name: str) -> None:
     one, alike, other = made(name, 0.3), made(name, 0.3, 1), made(name, 0.4)

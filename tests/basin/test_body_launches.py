@@ -76,6 +76,7 @@ def test_starts_lean_from_the_member(top: xarray.Dataset) -> None:
     assert top.attrs["launched_near"] == "vertical at theta = pi"
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("body", "near"),
     [

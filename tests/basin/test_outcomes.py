@@ -219,6 +219,7 @@ def test_a_systems_launches_settle_where_an_independent_integration_ends() -> No
     assert {0, 1, 2} <= set(found.family.tolist())
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("contact", [st.Rough(), st.Smooth(), st.Coulomb(0.3)])
 def test_laws_that_settle_on_nothing_give_the_outcomes_of_simulate(contact: Any) -> None:
     asked = prepare(None, contact, ("phi_dot", "tilt"), {}, "spinning", (), {})

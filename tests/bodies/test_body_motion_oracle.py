@@ -19,6 +19,7 @@ from scipy.integrate import quad
 STORED = stored()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("reference", "entry"), STORED, ids=[r.name for r, _ in STORED])
 def test_two_integrators_give_the_same_motion(reference: Reference, entry: dict[str, Any]) -> None:
     """DOP853 in doubles, and extrapolation with 25 digits; five of these cross a pole.
@@ -54,6 +55,7 @@ def test_a_quaternion_is_read_back() -> None:
         assert rotation(quaternion(rotation(q))) == pytest.approx(rotation(q), abs=1e-15)
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize("name", BODIES)
 def test_energy_falls_by_the_power_of_the_contact(name: str) -> None:
     rng = np.random.default_rng(12)
@@ -85,6 +87,7 @@ def test_moments_take_the_power_that_they_say() -> None:
     assert np.abs(free.spin - motion.spin).max() > 1e-3
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("law", ["smooth", "viscous", "linear-viscous", "coulomb"])
 def test_jelletts_integral_is_kept_for_a_sphere(law: str) -> None:
     """J. H. Jellett, Treatise on the theory of friction (1872); another body does not keep it."""

@@ -49,6 +49,7 @@ def _disk_states(law: str, count: int) -> list[tuple[Array, float, float]]:
     return found
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", DISK_LAWS)
 def test_the_thin_rim_is_the_disk_of_the_package_and_of_kane(law: str) -> None:
     system = st.disk_system(law)
@@ -95,6 +96,7 @@ def test_a_ball_slides_as_a_ball() -> None:
     )
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", BODIES)
 def test_doubles_agree_with_thirty_digits_at_any_yaw(name: str) -> None:
     for scene in scenes(11, 12, name=name):
@@ -104,6 +106,7 @@ def test_doubles_agree_with_thirty_digits_at_any_yaw(name: str) -> None:
         assert np.abs(rough - fine).max() <= 1e-12 * np.abs(fine).max()
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("law", LAWS)
 def test_the_rates_are_the_time_derivatives_of_the_coordinates(law: str) -> None:
     """A step along the accelerations in inertial axes, its coordinates read again, to 1e-12."""
@@ -244,6 +247,7 @@ def test_every_scene_scales_with_its_units() -> None:
     assert slower == pytest.approx(rates(body, scene.law, scene.state) * length / c ** (power + 1))
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("alpha", "gamma"), [(0.3, 131 / 140), (0.15, 1.0), (0.5, 0.8), (0.4, 1.2)]
 )

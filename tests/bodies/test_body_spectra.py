@@ -220,6 +220,7 @@ def _compare(place: Place, family: str) -> bool:
     return True
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("name", HEIGHTS)
 def test_spectra_at_random_members_of_every_family(name: str, law: str) -> None:

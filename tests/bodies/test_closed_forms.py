@@ -46,6 +46,7 @@ def members(body: st.Body, family: st.Family, count: int = 12) -> tuple[np.ndarr
     return np.array(a).T, np.array([known[n] for n in family.parameters]).T.reshape(count, -1)
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize(("name", "law"), LAWS)
 @pytest.mark.parametrize(
     "body",
@@ -79,6 +80,7 @@ AXES = {"tumbling": ("theta", 0.9, 1.5, 41), "circling": ("theta", 0.4, 1.4, 41)
         "precession": ("theta", 0.4, 1.4, 41)}  # fmt: skip
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize(("name", "law"), [p for p in LAWS if p[1] != "linear-viscous"])
 def test_maps_by_formulas_have_the_verdicts_of_the_graph(
     name: str, law: str, monkeypatch: pytest.MonkeyPatch
@@ -104,6 +106,7 @@ def test_maps_by_formulas_have_the_verdicts_of_the_graph(
     assert (gap <= bound)[finite].all()
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("law", ["viscous", "linear-viscous", "rough", "smooth"])
 @pytest.mark.parametrize("name", ["thick disk", "egg", "si"])
 def test_leaning_rolling_has_the_eigenvalues_of_the_jacobian(name: str, law: str) -> None:

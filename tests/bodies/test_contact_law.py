@@ -137,6 +137,7 @@ def test_a_lean_names_a_member(certify: bool) -> None:
     assert [b.crossing for b in found] == [b.crossing for b in stored]
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("disk", DISKS.values(), ids=DISKS)
 @pytest.mark.parametrize(
     ("family", "axis", "at"),
@@ -179,6 +180,7 @@ def test_maps_are_those_of_the_same_slope() -> None:
     assert "exact polynomials" in known.attrs["method"]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("family", ["spinning", "tumbling"])
 def test_hopf_points_are_those_of_the_same_slope(family: str) -> None:
     disk, mu = st.Disk(k=0.375), 0.9

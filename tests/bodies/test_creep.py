@@ -50,6 +50,7 @@ def truth(mu: float) -> Any:
     return four(run(Viscous(mu), 3.0, (*START, *slip), method="dop853", tolerance=1e-14))
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("order", range(4))
 def test_the_error_of_a_motion_falls_as_the_order_says(order: int) -> None:
     frictions = (25.0, 50.0, 100.0, 200.0)
@@ -96,6 +97,7 @@ def test_eigenvalues_are_the_slow_ones_to_the_order(order: int, family: str, at:
     assert slope == pytest.approx(order + 1, abs=1e-3), [mpmath.nstr(e, 5) for e in errors]
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("law", "family", "at"),
     [(Creep1, "rolling", 1.3), (Creep1, "rolling", 1.5), (Creep2, "spinning", 2.2),
@@ -136,6 +138,7 @@ def test_units_do_not_matter() -> None:
     assert float(si.slip_x[-1]) == pytest.approx(speed * float(plain.slip_x[-1]), rel=1e-6)
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize("law", CREEP[1:])
 @pytest.mark.parametrize("mu", [3e2, 3e4, 3e6])
 def test_creep_ends_before_the_normal_force_does_and_claims_no_lift_off(

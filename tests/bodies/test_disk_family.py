@@ -83,6 +83,7 @@ def test_spectra_are_those_to_25_digits(family: str, certify: bool) -> None:
         assert (mine.verdict is st.Verdict.STABLE) == known["stable"]
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("disk", [st.Disk(), st.Disk(mass=2.0, radius=0.3, gravity=9.81)])
 def test_boundaries_are_where_the_rates_in_fixed_axes_turn(family: str, disk: st.Disk) -> None:
     rate, speed = float(np.asarray(disk.rate)), float(np.asarray(disk.speed))
@@ -173,6 +174,7 @@ def test_the_command_line_takes_it(family: str, capsys: pytest.CaptureFixture[st
     assert "lean names a member of tumbling" in capsys.readouterr().err
 
 
+@pytest.mark.few(1)
 def test_tables_hold_it(family: str) -> None:
     [row] = [r for r in definition("families").rows() if r["family"] == family]
     assert (row["at"], row["motion"]) == ("phi_dot", FAMILIES[family].motion)
@@ -236,6 +238,7 @@ def test_the_atlas_draws_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     assert '<h2 id="edge-on">Edge-on</h2>\n<p>θ = π/2</p>' in page._html(pages, (), 8, draft=True)
 
 
+@pytest.mark.few(1)
 def test_flutter_points_are_those_of_the_same_motion(family: str) -> None:
     disk, contact = st.Disk(k=0.375), st.Viscous(0.9)
     mine = st.hopf(family, contact=contact, disk=disk)

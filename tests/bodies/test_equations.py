@@ -120,6 +120,7 @@ def remainders(law: str, k: Any = K) -> list[Any]:
     ]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", LAWS)
 def test_rates_and_forces_satisfy_kanes_equations_identically(law: str) -> None:
     """All eight of SymPy's equations, at every state and yaw: remainder exactly zero."""
@@ -215,6 +216,7 @@ def test_energy_falls_at_the_dissipated_power_in_sympys_own_calculus() -> None:
     assert field.from_sympy((balance + power / 10**9).subs(rational)) != 0
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("law", LAWS)
 def test_jacobian_graph_is_the_exact_derivative_identically(law: str) -> None:
     """CasADi's Jacobian = the derivative of the rates that Kane's equations fix, entry by entry.
@@ -368,6 +370,7 @@ def test_six_rates_of_the_oracles_keep_the_law(law: str, oracle: str) -> None:
 UNIT = st.floats(-3.0, 3.0, allow_subnormal=False)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("law", LAWS)
 @settings(derandomize=True, max_examples=100, deadline=None)
 @given(
@@ -478,6 +481,7 @@ def meet(motion: dict[str, Any], stretch_k: float = 0.0) -> float:
     return float(np.abs(found.y.T[1:] - np.array(motion["states"])).max())
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("number", range(len(MOTIONS)))
 def test_viscous_motion_meets_the_inertial_frame_trajectory(number: int) -> None:
     """To 1e-9 absolute in all six states at every stored time."""

@@ -40,6 +40,7 @@ def _largest(found: Spectrum, limit: Sequence[complex]) -> list[float]:
 # --- a ring with a thin tube is a thin hoop ---
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize(("family", "at"), [("rolling", 2.3), ("rolling", 0.2), ("spinning", 2.6),
                                             ("tumbling", 0.7), ("tumbling", 1.2)])  # fmt: skip
@@ -109,6 +110,7 @@ BALL = {
 """Eigenvalues of a ball in the frames of the families, less the structural zeros."""
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("family", "law"), BALL)
 @pytest.mark.parametrize("side", [1, -1], ids=["long", "flat"])
 def test_a_spheroid_becomes_the_ball(family: str, law: str, side: int) -> None:

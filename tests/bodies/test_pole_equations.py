@@ -26,6 +26,7 @@ def _frame(x: np.ndarray) -> tuple[np.ndarray, ...]:
     return along, across, c * along - s * up, s * along + c * up
 
 
+@pytest.mark.few(10)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("body", BODIES, ids=lambda b: b.name)
 def test_both_charts_have_the_same_rates_forces_and_energy(body: st.Body, law: str) -> None:
@@ -64,6 +65,7 @@ def test_both_charts_have_the_same_rates_forces_and_energy(body: st.Body, law: s
             assert mine[name] == pytest.approx(other[name], rel=1e-12, abs=1e-13), name
 
 
+@pytest.mark.few(10)
 @pytest.mark.parametrize("pole", [0, "pi"])
 @pytest.mark.parametrize("gamma", [0.85, 1.0, 1.15])
 @pytest.mark.parametrize("offset", [0.1, 0.3])

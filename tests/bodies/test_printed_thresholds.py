@@ -66,6 +66,7 @@ HEIGHTS: dict[str, Callable[[st.Body], Callable[[Number], Number]]] = {
 PRINTED = {name: body for name, body, _ in bodies()}
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", PRINTED)
 def test_the_determinant_changes_sign_at_painleves_limit(name: str) -> None:
     """D of the graph in balls, on both sides of the least value of (I1 + h′²)/(h |h′|)."""
@@ -143,6 +144,7 @@ def _secant(function: Callable[[Number], Number], near: Number, step: float) -> 
     return mp.findroot(function, (mp.mpf(near), mp.mpf(near) + mp.mpf(step)), tol=1e-40)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("rounded", INCLINED)
 def test_tumbling_of_a_coin_turns_at_the_printed_mu(rounded: str) -> None:
     """At ε = 0; the printed digits are those of the surface, and mu² is certified on both sides."""
@@ -163,6 +165,7 @@ def test_tumbling_of_a_coin_turns_at_the_printed_mu(rounded: str) -> None:
         assert found == ["stable", "unstable"], (k, theta)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("aspect", "mu", "near"),
     [(Fraction(13, 10), Fraction(1), 2.0), (Fraction(17, 10), Fraction(1), 1.93),
@@ -203,6 +206,7 @@ def _circling_surface(name: str, number: Number) -> oracle.ConvexBody:
     return surfaces.spheroid(one, number, 2 * one / 5, (1 + number**2) / 5)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("name", "body", "numbers", "theta", "edges"), CIRCLES,
                          ids=[c[0] for c in CIRCLES])  # fmt: skip
 def test_circling_turns_where_its_square_of_frequency_vanishes(

@@ -161,6 +161,7 @@ def test_a_users_theta_is_not_the_disks() -> None:
     assert {"theta  [m]", "mu  [1/s]"} < _labels(diagram(found))
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(
     ("law", "given"),
     [(st.Viscous(0.3), "μ = 0.3 s/m"), (st.LinearViscous(mu=0.3), "μ = 0.3 s/m"),

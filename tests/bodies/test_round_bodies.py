@@ -35,6 +35,7 @@ def test_general_graph_meets_the_reference_spectra(known: dict) -> None:  # type
     assert found.structural_zeros == known["structural_zeros"]
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("known", reference.trajectories(), ids=lambda m: f"{m['k']}-{m['mu']}")
 def test_general_graph_meets_the_reference_motions(known: dict) -> None:  # type: ignore[type-arg]
     """Five motions of the disk by an inertial formulation with quaternions."""

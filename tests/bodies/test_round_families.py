@@ -40,6 +40,7 @@ def _tumbles(body: st.Body, theta: float) -> tuple[float, float] | None:
     return (math.sqrt(square), math.sqrt(square) * s * z / r) if square > 0 else None
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("body", BODIES, ids=lambda b: b.name)
 def test_tumbling_has_the_closed_form_and_is_steady(body: st.Body, law: str) -> None:
@@ -181,6 +182,7 @@ def _search(value: Residual, slope: Residual, starts: list[np.ndarray]) -> list[
     return found
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("body", EVERY, ids=lambda b: f"{b.name} {list(b.shape.values())[0]}")
 def test_no_other_steady_motion_is_found(body: st.Body, law: str) -> None:
@@ -207,6 +209,7 @@ def test_no_other_steady_motion_is_found(body: st.Body, law: str) -> None:
     assert sum(kinds.values()) > MOST * SEARCHES, kinds
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("body", ROUND, ids=lambda b: f"{b.name} {list(b.shape.values())[0]}")
 def test_no_other_steady_motion_is_found_at_or_near_a_pole(body: st.Body, law: str) -> None:
@@ -246,6 +249,7 @@ def _at_pole(body: st.Body, law: str, y: np.ndarray, slips: int) -> str | None:
     return _kind(body, law, (math.acos(axis[2]), float(y[-1]), float(omega @ axis)), slip)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("body", "theta"),
     [

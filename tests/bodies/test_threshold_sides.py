@@ -51,6 +51,7 @@ BODIES = [torus(Fraction(1, 5)), torus(Fraction(1, 3)), spheroid(Fraction(1, 2))
 MU = (Fraction(3, 10), Fraction(3))
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("case", BODIES, ids=lambda c: c[0].name)
 def test_upright_rolling_and_spinning_turn_at_the_printed_thresholds(case: Upright) -> None:
     body, numbers, h, bend, i1, i3 = case
@@ -132,6 +133,7 @@ def test_a_tippe_top_turns_at_its_published_thresholds(offset: Fraction, across:
             assert words(family, root(square), numbers | {"mu": mu}) == expected
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("pole", [0, "pi"])
 @pytest.mark.parametrize(("h", "rho", "i1", "i3"), [
     (Fraction(4, 5), Fraction(1), HALF, HALF),
@@ -226,6 +228,7 @@ NAMED: list[tuple[str, Any, st.Body, dict[str, Any]]] = [
 ]  # fmt: skip
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("name", "law", "body", "more"), NAMED,
                          ids=lambda v: getattr(v, "name", str(v)))  # fmt: skip
 def test_boundaries_of_named_bodies_have_two_sides(
@@ -272,6 +275,7 @@ def test_leaning_rolling_turns_at_its_printed_thresholds(t: Fraction) -> None:
         assert words(family, root(square), numbers) == ["unstable", "neutral"], law
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("share", [Fraction(1, 4), HALF, Fraction(9, 10)])
 @pytest.mark.parametrize("rho", [Fraction(0), Fraction(1, 7)])
 def test_fast_spinning_flutters_from_its_second_limit(rho: Fraction, share: Fraction) -> None:

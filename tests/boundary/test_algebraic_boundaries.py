@@ -380,6 +380,7 @@ def prey_and_predator(h: float = 1.0) -> st.Family:
     return system.steady("K", guess={"x": 0.6, "y": 0.8, "K": 2.0, "d": 0.375})
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("death", [0.375, 0.25, 0.5])
 def test_a_branch_that_another_one_crosses_goes_on_through_the_crossing(death: float) -> None:
     """The prey is x = d/(1 - d); trans-critical at K = x, oscillation from K = (1 + d)/(1 - d)."""

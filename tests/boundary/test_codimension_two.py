@@ -81,6 +81,7 @@ PLANTED = [
 ]
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("make", "kind", "frequencies", "x", "y"), PLANTED)
 def test_a_planted_point_is_found_over_q(
     make: Any, kind: PointKind, frequencies: Any, x: str, y: str

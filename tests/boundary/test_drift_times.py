@@ -34,6 +34,7 @@ def order(sizes: Sequence[float], gaps: Sequence[float]) -> float:
     return float(np.polyfit(np.log(sizes), np.log(gaps), 1)[0])
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("body", "family", "start", "end", "kind"),
     [
@@ -132,6 +133,7 @@ def test_rolling_resistance_lets_it_lie_down_never() -> None:
     assert halvings == pytest.approx(known, rel=0.01)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("kind", "power", "distances"),
     [(st.AirTorque, 1, (0.4, 0.2, 0.1, 0.05)), (st.RollingResistance, 1, (0.4, 0.2, 0.1)),

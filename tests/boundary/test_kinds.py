@@ -105,6 +105,7 @@ def _crossing_lines(slopes: tuple[float, float], turned: bool) -> st.Family:
     return st.Family(system, "rest", at=("p",), held={"a": 0, "b": 0})
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("slopes", "turned"), [
     ((0.75, 1.25), False), ((0.1, 0.4), True), ((-0.2, 0.2), False),
 ])  # fmt: skip

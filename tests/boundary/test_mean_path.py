@@ -60,6 +60,7 @@ def test_near_flat_the_ratio_of_a_ring_at_rest_has_a_closed_form() -> None:
         assert (frequency[0] / at[0, 1]) ** 2 == pytest.approx(3 * k / (k + 1), rel=1e-6)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("inner", "share", "backward"),
     [(0.0, 0.0, False), (1.0, 0.0, True), (0.0, 1.0, True), (1.0, 1.0, True), (0.5, 0.0, False)],
@@ -106,6 +107,7 @@ def test_what_is_no_map_is_refused(given: dict, words: str) -> None:  # type: ig
         retrograde_map(**given)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("mu", "backward"), [(100.0, False), (300.0, True)])
 def test_slip_hides_the_turn_of_a_hoop(mu: float, backward: bool) -> None:
     """With viscous friction the nutation dies out, unless the slip is far below the resistance."""

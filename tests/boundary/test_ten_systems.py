@@ -7,6 +7,7 @@ from ten_systems import DIGITS, KNOWN, Known
 import stability as st
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("known", KNOWN, ids=lambda k: k.name)
 def test_the_first_lyapunov_coefficient_lies_within_its_bound(known: Known) -> None:
     name = next(iter(known.parameters))

@@ -462,6 +462,7 @@ def test_a_bad_resolution_is_refused(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "words", [["map", "tumbling", "--x", "at:0.01:1.5:400", "--y", "mu:0.1:5:400"], ["atlas"]]
 )

@@ -72,6 +72,7 @@ def _same(found: Any, value: Any) -> bool:
     return bool(found is None and not math.isfinite(value)) or bool(found == value)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.stem)
 def test_an_example_prints_the_answer_of_python_in_both_forms(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, path: Path
@@ -103,6 +104,7 @@ def _simulated(scene: st.Scene, law: Any) -> Any:
     return st.simulate(scene.disk, law, scene.start, scene.horizon, tolerance=1e-12, check=False)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.stem)
 def test_an_example_is_answered_as_simulate_does_within_its_tolerance(path: Path) -> None:
     scene, found = st.Scene.from_toml(path), example(path.stem)

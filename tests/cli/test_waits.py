@@ -49,6 +49,7 @@ for line in sys.argv[1:]:
 """
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("lines", "read"), [(LONG, []), (OF_BODIES, ["casadi", "flint"])])
 def test_long_commands_open_their_bar_before_they_import_libraries(
     tmp_path: Path, lines: tuple[str, ...], read: list[str]

@@ -70,6 +70,7 @@ class Digits(ManyDigits):
     name, title, digits = "digits", "200 digits", 200
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     "hardness", ["open", "near", "very-near", "large-mu", "flat-hoop", "meeting"]
 )
@@ -148,6 +149,7 @@ def test_every_class_has_points_of_more_than_one_verdict_or_is_hard_otherwise() 
 # --- routes ---
 
 
+@pytest.mark.few(8)
 @pytest.mark.parametrize("name", list(spectral.ROUTES))
 def test_every_route_is_right_in_the_open_field(name: str) -> None:
     if name == "sympy-solved":  # 0/0 upright, which is what it is there to show
@@ -307,6 +309,7 @@ def test_one_over_cosine_crashes_or_is_wrong_where_the_disk_is_upright() -> None
     }
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("route", [r for r in OWN if r.default])
 def test_no_default_route_misleads(route: type[Route]) -> None:
     for name, mark in marks(route()).items():
@@ -397,6 +400,7 @@ def test_every_scene_is_known_well_and_none_is_undetermined() -> None:
             assert np.allclose(it.states[0], it.start, rtol=0, atol=1e-15)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("case", list(MOTION_CASES))
 def test_simulate_never_misleads(case: str) -> None:
     for name in ("simulate", "simulate-fine"):

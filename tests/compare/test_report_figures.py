@@ -93,6 +93,7 @@ def elsewhere(data: xarray.Dataset, rng: np.random.Generator, *names: str) -> xa
                         (data[n].ndim - f.ndim))) for n, f in times.items()})  # fmt: skip
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "seed", [140, 157, 160, *(pytest.param(s, marks=pytest.mark.long) for s in range(200, 300))]
 )

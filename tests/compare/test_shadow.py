@@ -32,6 +32,7 @@ def last(run: Any) -> Any:
     return np.stack([run[name].values for name in STATES], axis=-1)[-1]
 
 
+@pytest.mark.few(8)
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-9, 1e-12])
 @pytest.mark.parametrize("name", SMOOTH)
 def test_no_error_is_larger_than_is_stated(name: str, tolerance: float) -> None:
@@ -55,6 +56,7 @@ def test_the_stated_error_falls_with_the_tolerance() -> None:
     assert stated[1] / stated[2] == pytest.approx(100, rel=0.9)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("sign", ["plus", "minus"])
 def test_a_launch_beside_the_border_of_outcomes_is_undetermined_until_asked_finely(
     sign: str,
@@ -100,6 +102,7 @@ def test_a_plane_of_symmetry_is_kept() -> None:
     assert float(run.end_time_error) < 1e-6
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("name", [n for n, s in scenes().items() if s.law == "coulomb"])
 def test_dry_friction_is_checked_too(name: str) -> None:
     it = scene(name)

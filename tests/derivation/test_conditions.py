@@ -416,6 +416,7 @@ ALGEBRAIC = ("governor", "three bodies")
 """Members with irrational numbers; other tests have these."""
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", [n for n in CASES if n not in ALGEBRAIC])
 def test_the_verdict_is_that_of_the_exact_matrix(name: str) -> None:
     chance = random.Random(name)
@@ -434,6 +435,7 @@ def test_the_verdict_is_that_of_the_exact_matrix(name: str) -> None:
     assert min(words.values()) > 8, words
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("name", ["governor", "lorenz", "three bodies", "bicycle", "jeffcott"])
 def test_the_verdict_is_that_of_certified_spectra(name: str) -> None:
     chance = random.Random(name)

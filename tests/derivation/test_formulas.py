@@ -21,6 +21,7 @@ from stability.tables.disk_formulas import formula_latex
 Z, M, S, K = sympy.symbols("z M s k")
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("law", ["smooth", "viscous", "rough"])
 @pytest.mark.parametrize("family", ["rolling", "spinning", "tumbling"])
 def test_boundary_formulas_are_the_refined_boundary_curves_to_1e_12(family: str, law: str) -> None:

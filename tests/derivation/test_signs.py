@@ -143,6 +143,7 @@ def test_determinants_and_subdiscriminants_are_those_of_sympy() -> None:
     assert sympy.expand(last - a**6 * disc) == 0
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("order", [2, 3, 4])
 def test_even_polynomials_are_neutral_where_every_square_is_real_and_negative(order: int) -> None:
     """z⁽²ᵐ⁾ + a z⁽²ᵐ⁻²⁾ + …: Sturm's count of SymPy for the roots λ²."""

@@ -39,6 +39,7 @@ NEAR = Fraction(1, 10**12)
 # --- proofs ---
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", PROOFS)
 def test_every_step_of_a_theorem_is_proved(name: str) -> None:
     theorem = PROOFS[name]()
@@ -287,6 +288,7 @@ COSINES = [Fraction(1, 10**8), Fraction(1, 10**3), Fraction(1, 20), Fraction(1, 
            Fraction(9999, 10**4)]  # fmt: skip
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("k", "shape"),
     [(Fraction(1, 50), "falls"), (Fraction(1, 4), "falls"), (Fraction(3, 10), "falls"),
@@ -381,6 +383,7 @@ def families_of(y: Array, k: Array, near: float = 1e-3) -> dict[str, int]:
     return counts | {"other": y.shape[1] - sum(counts.values())}
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", [n for n in FORCES if n != "none"])
 def test_no_other_steady_motion_is_found_under_several_laws(name: str) -> None:
     y, k = steady_roots(name, 100, 5)

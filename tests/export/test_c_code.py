@@ -18,6 +18,7 @@ def run(code: object, folder: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(code, shell=True, cwd=folder, capture_output=True, text=True)  # type: ignore[call-overload,no-any-return]
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("law", ["viscous", "rough", "smooth"])
 def test_the_example_compiles_and_agrees(law: str, tmp_path: Path) -> None:
     code = st.c_code(st.disk_system(law), tmp_path / "disk", name=f"disk {law}")

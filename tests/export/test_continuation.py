@@ -164,6 +164,7 @@ def test_derivatives_are_those_of_the_rates(name: str, tmp_path: Path) -> None:
             assert by_par[:, place - 1] == pytest.approx(slope, abs=1e-6)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", ["spinning by phi_dot", "tumbling by theta", "oscillator"])
 def test_a_continuation_of_the_problem_meets_the_boundaries(name: str, tmp_path: Path) -> None:
     """Growth along the compiled problem changes sign where `boundaries` proves a change."""

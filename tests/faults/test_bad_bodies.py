@@ -147,6 +147,7 @@ def sentence(call: Callable[[], Any]) -> str:
     return ""
 
 
+@pytest.mark.few(51)
 @pytest.mark.parametrize(("call", "words"), CASES, ids=[w[:30] for _, w in CASES])
 def test_it_is_refused_in_one_sentence(call: Callable[[], Any], words: str) -> None:
     assert words in sentence(call)
@@ -195,6 +196,7 @@ def calls(value: Any) -> Iterator[Callable[[], Any]]:
     yield lambda: st.Scene(body=value, contact="rough", start={"theta": 1}, horizon=1.0)
 
 
+@pytest.mark.few(17)
 @pytest.mark.parametrize("value", VALUES, ids=range(len(VALUES)))
 def test_any_value_gets_an_answer_or_one_sentence(value: Any) -> None:
     said = [sentence(call) for call in calls(value)]

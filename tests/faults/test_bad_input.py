@@ -130,6 +130,7 @@ CASES: list[tuple[str, Callable[[], Any], str]] = [
 ]  # fmt: skip
 
 
+@pytest.mark.few(77)
 @pytest.mark.parametrize(
     ("call", "sentence"), [c[1:] for c in CASES], ids=[c[0].replace(" ", "-") for c in CASES]
 )

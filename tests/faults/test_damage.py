@@ -185,6 +185,7 @@ def test_a_flag_without_a_meaning_is_refused_in_an_old_file(tmp_path: Path) -> N
         st.read_map(plain(found, tmp_path / "map.nc"))
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("with_checksum", [False, True])
 @pytest.mark.parametrize("kind", BOMBS)
 def test_a_small_file_that_declares_gigabytes_is_refused(

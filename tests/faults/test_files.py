@@ -60,6 +60,7 @@ def test_endings_are_refused_in_python_too(tmp_path: Path) -> None:
 LONG = pytest.mark.long
 
 
+@pytest.mark.few(28)
 @pytest.mark.parametrize("option", ["--out", "--plot", "--film", "--checkpoint", "folder"])
 @pytest.mark.parametrize(
     "name", ["loop", "loop/a", "a\0b", "a\ud800b", "folder", "gone/a", "x" * 300, "dangling/a"]
@@ -90,6 +91,7 @@ def test_a_name_that_cannot_be_written_gets_one_sentence(
     assert sorted(os.listdir()) == before
 
 
+@pytest.mark.few(2)
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of a process")
 @pytest.mark.parametrize(
     ("words", "size"),

@@ -64,6 +64,7 @@ def small_disk(folder: Path) -> list[str]:
     return ["unshare", "-rm", "sh", "-c", mount, "sh"]
 
 
+@pytest.mark.few(1)
 @pytest.mark.skipif(shutil.which("unshare") is None, reason="no disk can be mounted")
 @pytest.mark.parametrize("kind", ["basins", "stream_map"])
 def test_a_store_goes_on_after_a_full_disk(kind: str, tmp_path: Path) -> None:

@@ -31,6 +31,7 @@ ENVIRONMENTS: dict[str, dict[str, str | None]] = {
 """Settings of a process that have no say in the answer."""
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("kind", "count"), [("calls", 90), ("commands", 35)])
 def test_random_input_gets_an_answer_or_a_sentence(kind: str, count: int) -> None:
     found = campaign(kind, "suite", count)

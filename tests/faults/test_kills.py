@@ -116,6 +116,7 @@ def test_a_worker_ends_with_its_parent(system: str, tmp_path: Path) -> None:
     assert soon(there, 30.0) == []
 
 
+@pytest.mark.few(2)
 @LINUX
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_to_the_group_leaves_the_helper_of_multiprocessing_alone(number: int) -> None:
@@ -168,6 +169,7 @@ def test_an_interruption_within_hdf5_does_not_end_the_process(tmp_path: Path) ->
     assert left == 0
 
 
+@pytest.mark.few(1)
 @LINUX
 @pytest.mark.parametrize(
     ("name", "number", "delay"),

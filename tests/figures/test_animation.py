@@ -36,6 +36,7 @@ def shared(path: Path) -> dict[str, Any]:
     return dict(json.loads(found[1], parse_constant=lambda name: pytest.fail(name)))
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
 @pytest.mark.parametrize("radius", [1.0, 0.3])
 def test_the_contact_point_is_on_the_plane_and_one_radius_from_the_centre(
@@ -110,6 +111,7 @@ def test_a_gif_has_the_frames_asked_for_and_they_differ(tmp_path: Path) -> None:
         assert (abs(a - b)[80:-50] > 60).sum() > 100
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("spin", [1.5, 60.0])
 def test_the_texts_of_a_film_are_readable_in_a_column(spin: float, tmp_path: Path) -> None:
     """At the size of print, and dark in the pixels of the GIF, whose colours are few."""

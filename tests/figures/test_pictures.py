@@ -226,6 +226,7 @@ def test_paths_without_a_pose_are_refused_and_left_out_of_the_page(dry: xarray.D
     assert motion_figure(dry).get_figwidth() == 7.0
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("draw", "suffix"),
     [

@@ -81,6 +81,7 @@ def coin() -> Any:
     return st.simulate(st.Disk.named("quarter"), st.Viscous(0.3), start, 0.5, pose=True)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("show", [None, "states", "paths", "energy"])
 def test_no_text_of_a_motion_overlaps_or_is_too_small(run: Any, coin: Any, show: Any) -> None:
     assert faults(st.plot_motion(run, show=show)) == []
@@ -103,6 +104,7 @@ def quarter() -> Any:
     )
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("width", "fontsize"), [(None, None), (3.35, 7), (5.0, 10), (7.0, 12)])
 def test_texts_keep_clear_at_any_size(quarter: Any, coin: Any, width: Any, fontsize: Any) -> None:
     size: dict[str, Any] = {"width": width, "fontsize": fontsize}
@@ -206,6 +208,7 @@ def test_a_user_gives_axes(run: Any, quarter: Any) -> None:
     assert lone.get_xlabel().startswith("axial")
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("layout", ["tight", "constrained"])
 def test_maps_on_neighbouring_axes_leave_room_for_each_other(quarter: Any, layout: Any) -> None:
     figure = Figure(figsize=(6.7, 3), layout=layout)

@@ -119,6 +119,7 @@ def test_without_uncertain_inputs_there_is_no_band() -> None:
     assert not bare.axes[0].patches and "uncertain" not in scene_caption(made(ROWS, spread=np.nan))
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("spread", [np.nan, 8e-4, 1.1e-4, 0.9e-4])
 def test_no_label_hides_another_and_none_leaves_the_figure(spread: float) -> None:
     figure = scene_figure(made(ROWS, spread=spread))
@@ -178,6 +179,7 @@ def test_a_chart_without_any_error_can_be_drawn() -> None:
     assert not any(isinstance(c, Collection) for c in found.axes[0].collections)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("suffix", ["png", "pdf", "svg"])
 def test_the_figure_can_be_saved_with_its_fonts(
     suffix: str, figure: Figure, tmp_path: Path

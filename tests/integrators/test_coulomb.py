@@ -35,6 +35,7 @@ def events(case: dict[str, Any]) -> list[tuple[str, float]]:
     return found
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", SCENES)
 @pytest.mark.parametrize("method", ["auto", pytest.param("dop853", marks=pytest.mark.long)])
 def test_scenes_meet_the_inertial_formulation(name: str, method: str) -> None:
@@ -74,6 +75,7 @@ def test_backspin_on_an_upright_disk_is_exact() -> None:
     assert float(run.dissipated[-1]) == pytest.approx(0.2 * 0.9 * 1.5 / 2, abs=1e-12)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("name", "order"),
     [("slides_throughout", 2.0), ("slides_then_sticks", 1.0), ("starts_stuck_then_slips", 0.8)],

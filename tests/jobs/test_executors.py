@@ -89,6 +89,7 @@ class Told(list[tuple[int, int]]):
         return self == sorted(self) and self[-1] == (total, total)
 
 
+@pytest.mark.few(2)
 @pytest.mark.usefixtures("small")
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_map_is_the_same_by_every_executor(kind: str, pools: dict[str, Executor]) -> None:
@@ -117,6 +118,7 @@ def test_a_stream_is_the_same_by_every_executor(
     assert told.rises_to(1200)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "law",
     ["stiff", "dry", *(pytest.param(n, marks=pytest.mark.long) for n in ("heyoka", "smooth"))],
@@ -286,6 +288,7 @@ def test_an_interrupted_map_leaves_no_process_and_is_resumed(
     assert resumed.drop_attrs().identical(fresh.drop_attrs())
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", ["threads", "processes"])
 def test_launches_of_a_users_system_are_the_same(kind: str, pools: dict[str, Executor]) -> None:
     system, start = own_systems.pendulum(), {"angle": np.array([0.5, 1.5, 2.5]), "rate": 0.0}

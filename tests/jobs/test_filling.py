@@ -53,6 +53,7 @@ POOLS: dict[str, Callable[[], AbstractContextManager[Executor | None]]] = {
 }
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", POOLS)
 def test_a_store_is_the_same_by_every_executor(kind: str, tmp_path: Path) -> None:
     kept, log, told = store(tmp_path / "a.zarr"), tmp_path / "log", []
@@ -115,6 +116,7 @@ def test_two_runs_at_once_write_the_same_and_share_the_work(tmp_path: Path) -> N
 # --- workers that end ---
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("deadly", "tries"),
     [((37,), 1), ((37,), 2), ((37,), 3), ((0, 1, 89), 2), ((44, 45, 46, 47, 54, 55, 56, 57), 1)],
@@ -265,6 +267,7 @@ def test_an_error_of_the_work_is_the_callers_and_what_is_done_is_kept(tmp_path: 
 # --- interruptions ---
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("kind", ["own threads", "here", "processes"])
 def test_ctrl_c_keeps_every_finished_cell_and_says_where(kind: str, tmp_path: Path) -> None:
     log = tmp_path / "log"

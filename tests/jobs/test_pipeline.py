@@ -153,6 +153,7 @@ def test_an_executor_that_takes_nothing_gets_one_sentence() -> None:
         list(ordered([1], squares, executor=pool))
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("kind", ["threads", "here", "processes", "distributed"])
 def test_an_interruption_at_any_moment_leaves_what_was_finished(kind: str) -> None:
     chosen = random.Random(20261122)

@@ -170,6 +170,7 @@ def test_a_chunk_that_does_not_fit_is_refused_whole(
     assert tree(tmp_path) == before
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -298,6 +299,7 @@ kept.write((0, 0), chunk_work.values(np.array([0, 1, 2, 3, 10, 11, 12, 13])))
 """
 
 
+@pytest.mark.few(1)
 @pytest.mark.skipif(sys.platform == "win32", reason="SIGKILL")
 @pytest.mark.parametrize("what", ["file", "folder"])
 def test_a_killed_writer_leaves_nothing_in_the_finished_store(what: str, tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ FORCES = {
 }
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("force", FORCES)
 @pytest.mark.parametrize("count", [5, 401])
 def test_an_inner_row_without_a_slope_is_left_out(force: str, count: int) -> None:

@@ -52,6 +52,7 @@ def tile(asked: Any, family: str, columns: int = 150, rows: int = 40) -> dict[st
                                  second: np.geomspace(low, high, rows)[:, None]}  # fmt: skip
 
 
+@pytest.mark.few(2)
 @needs_numba
 @pytest.mark.parametrize(("family", "law"), CASES, ids=names)
 def test_loops_and_numpy_agree_within_their_bounds(family: str, law: Any) -> None:
@@ -109,6 +110,7 @@ def test_verdicts_of_compiled_maps_are_those_of_the_conditions(
     assert len(np.unique(by_loops.verdict)) > 1
 
 
+@pytest.mark.few(1)
 @needs_numba
 @pytest.mark.parametrize("family", FAMILIES)
 def test_bounds_of_the_loops_hold_against_mpmath(family: str) -> None:
@@ -310,6 +312,7 @@ def worst_quotients(long: bool, random: Any) -> tuple[Any, Any]:
     return high[:, best], low[:, best]
 
 
+@pytest.mark.few(1)
 @needs_numba
 @pytest.mark.parametrize(
     ("long", "units"),

@@ -41,6 +41,7 @@ def test_the_filter_never_contradicts_exact_arithmetic(family: str, disk: Any) -
     assert (plain == 0).mean() < 0.01
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("family", FAMILIES)
 def test_the_timed_route_decides_every_random_point_rightly(family: str) -> None:
     at, q = random_points(family, 150, seed=32)
@@ -88,6 +89,7 @@ def test_grids_packed_around_a_boundary_are_decided_rightly(family: str, edge: f
     assert {Verdict.STABLE, Verdict.UNSTABLE} <= kinds
 
 
+@pytest.mark.few(40)
 @pytest.mark.parametrize("law", [None, st.LinearViscous(0.4), st.Rough(), st.Smooth()])
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("names", [("at", "k"), ("k", "at"), ("radius", "gravity"), ("at", "mass")])
@@ -115,6 +117,7 @@ def test_upright_is_handed_to_exact_arithmetic() -> None:
         assert (grid == wanted).all()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("ends", [(0, 1), (-1, 1)])
 def test_a_map_over_the_lean_may_have_cells_exactly_upright(ends: tuple[float, float]) -> None:
     for certify_ in (False, True):
@@ -194,6 +197,7 @@ def test_the_filter_can_be_caught(monkeypatch: pytest.MonkeyPatch) -> None:
 # --- growth rates ---
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("disk", [st.Disk(k=0.25), st.Disk.hoop(), SI], ids=["disk", "hoop", "si"])
 @pytest.mark.parametrize("family", FAMILIES)
 def test_growth_rates_of_a_map_are_right_to_1e_13(family: str, disk: Any) -> None:
@@ -224,6 +228,7 @@ def test_growth_rates_of_a_map_are_right_to_1e_13(family: str, disk: Any) -> Non
     assert (found.abscissa_error <= np.abs(found.abscissa)).all()
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("count", [8, pytest.param(200, marks=pytest.mark.long)])
 @pytest.mark.parametrize("family", FAMILIES)
 def test_scattered_points_are_right_too(family: str, count: int) -> None:

@@ -388,6 +388,7 @@ def test_files_are_not_overwritten_unless_asked(tmp_path: Path) -> None:
     write_map(found, path, overwrite=True)
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("kind", ["empty", "text", "cut", "foreign", "missing", "folder"])
 def test_what_is_not_a_map_is_refused(tmp_path: Path, kind: str) -> None:
     path = tmp_path / "map.nc"

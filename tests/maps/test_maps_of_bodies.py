@@ -15,6 +15,7 @@ from stability.spectra.arguments import axis_of, prepare
 BODIES = (st.Torus(0.2), st.Spheroid(1.6))
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("law", ["smooth", "viscous", "rough"])
 @pytest.mark.parametrize("family", ["rolling", "spinning"])
 @pytest.mark.parametrize("body", BODIES, ids=lambda b: f"{b.name} {next(iter(b.shape.values()))}")
@@ -36,6 +37,7 @@ def test_an_upright_body_is_mapped_by_its_polynomial(body: st.Body, family: str,
         assert chart.abscissa.values[j, i] == pytest.approx(one.abscissa, rel=1e-9, abs=1e-12)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", ["smooth", "rough"])
 def test_the_root_of_a_square_is_read_on_one_side_of_zero(law: str) -> None:
     """At a pole the height of a spheroid is √(aspect²), which is the aspect itself."""

@@ -37,6 +37,7 @@ def built(rate: Any, other: Any) -> Any:
                      parameters=("p", "q"))  # fmt: skip
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", CASES)
 def test_each_verdict_is_that_of_the_member_which_a_straight_line_reaches(name: str) -> None:
     rate, other, start, guess, wide, high = CASES[name]

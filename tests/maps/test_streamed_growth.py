@@ -59,6 +59,7 @@ def both(family: Any, folder: Path, **words: Any) -> tuple[Any, Any]:
     return st.read_map(out), st.stability_map(family, **words, boundaries=False)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("family", "words"),
     [
@@ -127,6 +128,7 @@ def test_rows_longer_than_a_chunk(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert (off <= found.abscissa_error.values + whole.abscissa_error.values).all()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("kind", "own"), [("threads", True), ("processes", False)])
 def test_engines_write_the_same_bytes(kind: str, own: bool, tmp_path: Path) -> None:
     family, axes = (own_family(), OWN) if own else ("rolling", AXES)

@@ -42,6 +42,7 @@ def cells(
     return st.stability_map("tumbling", contact=law, body=body, boundaries=False, **axes)
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("turned", [False, True], ids=["", "turned"])
 @pytest.mark.parametrize("law", ["rough", "smooth"])
 @pytest.mark.parametrize("name", BODIES)
@@ -64,6 +65,7 @@ def test_loops_give_the_cells_of_numpy(
     assert (np.abs(loops.abscissa - plain.abscissa).values[there] <= bound[there]).all()
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", MADE)
 def test_certified_rates_lie_within_the_bounds(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     found = cells(name, "smooth", monkeypatch, 0)

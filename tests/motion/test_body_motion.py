@@ -36,6 +36,7 @@ def own_body(name: str, g: dict[str, float], **rest: Any) -> st.Body:
     return st.Body(heights[name], name=name, between=between, **rest)
 
 
+@pytest.mark.few(20)
 @pytest.mark.parametrize("law", ["smooth", "viscous", "linear-viscous", "rough"])
 @pytest.mark.parametrize("name", SMOOTH)
 @pytest.mark.parametrize("lean", [0.0, 1e-9, 0.4])
@@ -81,6 +82,7 @@ def _six(start: dict[str, list[float]]) -> tuple[np.ndarray, np.ndarray]:
     return np.array(six), frame
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "entry",
     [e for e in json.loads(STORED.read_text())["motions"]
@@ -133,6 +135,7 @@ SCENES = {
 }  # fmt: skip
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", ["viscous", "rough", "smooth"])
 @pytest.mark.parametrize("scene", SCENES)
 def test_motions_are_those_of_the_geometry_in_inertial_axes(scene: str, law: str) -> None:
@@ -234,6 +237,7 @@ def test_another_rim_ends_the_motion_of_a_thick_disk() -> None:
     assert falls.attrs["outcome"] == "flat"
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", ["viscous", "linear-viscous", "rough", "smooth"])
 def test_the_thin_body_moves_and_ends_as_the_disk(law: str) -> None:
     thin = st.Body(lambda theta: ca.sin(theta), axial=0.5, transverse=0.25, name="thin")

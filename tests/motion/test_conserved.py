@@ -47,6 +47,7 @@ def columns(run: Any) -> Any:
     return np.stack([run[name].values for name in STATES], axis=-1)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", ["rough", "smooth"])
 @pytest.mark.parametrize("method", [*TWO, "lsoda"])
 @pytest.mark.parametrize("share", [0.2, pytest.param(1.0, marks=pytest.mark.long)])
@@ -67,6 +68,7 @@ def test_states_and_pose_meet_the_quadrature(kind: str, method: str, share: floa
         assert np.abs(mine - pose).max() < allowed * max(1.0, np.abs(pose).max())
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("method", "last"), LONG)
 @pytest.mark.parametrize("k", [0.25, pytest.param(0.5, marks=pytest.mark.long)])
 def test_the_rough_disk_keeps_both_legendre_integrals(method: str, last: float, k: float) -> None:
@@ -79,6 +81,7 @@ def test_the_rough_disk_keeps_both_legendre_integrals(method: str, last: float, 
     assert np.ptp(six[:, 0]) > 0.1  # it moved
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("method", "last"), LONG)
 def test_the_smooth_disk_keeps_its_three_integrals(method: str, last: float) -> None:
     k = 0.3
@@ -93,6 +96,7 @@ def test_the_smooth_disk_keeps_its_three_integrals(method: str, last: float) -> 
     assert np.ptp(theta) > 0.1
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", ["rough", "smooth"])
 def test_the_nutation_period_is_that_of_the_quadrature(kind: str) -> None:
     case = reference.closed()[kind][0]

@@ -76,6 +76,7 @@ def test_samples_within_an_onset_slip_and_lie_on_the_cone() -> None:
     assert float(run.energy_error) < 1e-10
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "method", [pytest.param(m, marks=[pytest.mark.long] * (m == "idas")) for m in HERE]
 )

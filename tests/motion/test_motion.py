@@ -36,6 +36,7 @@ def outcome(run: Any) -> Outcome:
 # --- against the inertial formulation ---
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("method", [*TIGHT, "cvodes", "idas", "auto"])
 def test_reference_trajectories_are_met(method: str) -> None:
     # dop853, lsoda, heyoka and auto to 1e-9; the two of order five to 1e-8 at this tolerance
@@ -119,6 +120,7 @@ def of_neighbours(method: str, first: int, last: int) -> Any:
     return st.simulate(st.Disk(), st.Viscous(0.3), starts, times, method=method, tolerance=1e-11)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("method", ["dop853", "lsoda", "cvodes"])
 @pytest.mark.parametrize("some", [(16, 20), pytest.param((14, 24), marks=pytest.mark.long)])
 def test_routes_agree_on_outcomes_and_lift_off_times(method: str, some: tuple[int, int]) -> None:
@@ -294,6 +296,7 @@ def test_scaled_bodies_move_alike(
     assert run.theta_dot.attrs["units"] == ("1" if disk.dimensionless else "rad/s")
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "contact",
     [st.Smooth(), st.Viscous(0.4), st.LinearViscous(0.4), st.Rough(), st.Coulomb(0.3),
@@ -356,6 +359,7 @@ BOTH_SIDES = [
 """Family, law, k and a boundary: known, or to be asked for."""
 
 
+@pytest.mark.few(7)
 @pytest.mark.parametrize("side", [-1, 1])
 @pytest.mark.parametrize(
     ("family", "contact", "k", "boundary"), BOTH_SIDES,

@@ -49,6 +49,7 @@ def moments(resistance: tuple[st.Resistance, ...]) -> tuple[Any, ...]:
     return tuple(of(one) for one in resistance)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", ["viscous", "rough", "smooth"])
 @pytest.mark.parametrize("which", [(0, 1), (2,)], ids=["rolling and pivoting", "air"])
 @pytest.mark.parametrize("scene", BODIES)
@@ -86,6 +87,7 @@ def test_resisted_motions_are_those_of_the_geometry(scene: str, which: Any, law:
     assert float(run.dissipated[-1]) > 1e-3 * abs(true.energy[0])
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", [st.RollingResistance, st.PivotingResistance, st.AirTorque])
 def test_the_energy_lost_is_the_power_of_the_resistance_along_the_run(kind: Any) -> None:
     """Gauss points on pieces of the run; the power is written down again from the definition."""

@@ -55,6 +55,7 @@ def check(run: Any, case: Any) -> None:
         assert float(late) <= float(run.end_time_error)
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize("case", STORED, ids=lambda c: c["name"])
 def test_hard_launches_state_an_error_that_is_not_too_small(case: Any) -> None:
     run = asked(case, case["tolerance"], case["method"])
@@ -62,6 +63,7 @@ def test_hard_launches_state_an_error_that_is_not_too_small(case: Any) -> None:
     assert word(run) != "unresolved"
 
 
+@pytest.mark.few(2)
 @pytest.mark.filterwarnings("ignore::stability.StabilityWarning")  # the coarsest has no bound
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12])
 def test_a_stiff_launch_at_every_tolerance(tolerance: float) -> None:

@@ -24,6 +24,7 @@ def states(run: Any) -> Any:
     return np.stack([run[name].values for name in STATES], axis=-1)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("contact", "start"),
     [(st.Viscous(0.3), LAUNCH), (st.LinearViscous(0.3), LAUNCH), (st.Smooth(), LAUNCH),

@@ -85,6 +85,7 @@ def member_of(family: str, at: float | tuple[float, float], body: st.Body, law: 
 # --- proofs ---
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", PROOFS)
 def test_every_step_about_every_body_is_proved(name: str) -> None:
     theorem = PROOFS[name]()
@@ -117,6 +118,7 @@ MEMBERS: list[tuple[str, st.Body, float | tuple[float, float]]] = [
 ]  # fmt: skip
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize(
     ("family", "body", "member", "law"),
     [(*m, law) for m in MEMBERS for law in CONTACT if PAIRS.get(m[0], law) == law],
@@ -382,6 +384,7 @@ def rounded(kind: str, k: float, eps: float) -> st.Body:
                    shape={"eps": eps, "outer": outer}, name="coin")  # fmt: skip
 
 
+@pytest.mark.few(14)
 @pytest.mark.parametrize("shift", shifts(), ids=lambda s: f"{s.family}-{s.law}-{s.quantity}")
 def test_thresholds_of_a_rounded_coin_move_at_the_printed_rate(shift: Any) -> None:
     k = 0.3
@@ -447,6 +450,7 @@ def test_tumbling_of_a_rounded_coin_ends_at_the_limit_of_spinning(kind: str) -> 
     assert sp.simplify(found.condition.subs(M, found.limit)) == 0
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("k", [0.05, 0.2])
 def test_a_flat_coin_tumbles_stably_for_every_mu_where_there_is_no_limit(k: float) -> None:
     kind, theta = "h = sinθ + ε", 0.5  # cos²θ > k/((1-3k)(1+2k))

@@ -66,6 +66,7 @@ def drawn(rng: np.random.Generator) -> tuple[Ellipsoid, int, sp.Rational, sp.Rat
 # --- polynomials ---
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", ["viscous", "rough", "smooth"])
 def test_exact_jacobians_of_another_formulation_have_the_printed_polynomial(law: str) -> None:
     rng = np.random.default_rng(3)
@@ -180,6 +181,7 @@ def test_two_eigenvalues_are_on_the_right_beyond_the_threshold() -> None:
         seen += bool(size < 0)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", ["rough", "smooth"])
 def test_vertical_spin_is_neutral_exactly_where_the_theorem_says(law: str) -> None:
     rng = np.random.default_rng(8)
@@ -229,6 +231,7 @@ def test_rouths_sphere_has_the_value_of_the_benchmarks() -> None:
 # --- completeness ---
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("side", [1, -1])
 @pytest.mark.parametrize("law", ["viscous", "linear-viscous", "coulomb"])
 def test_no_other_steady_motion_is_found_at_a_pole(law: str, side: int) -> None:
@@ -284,6 +287,7 @@ def inclined(body: st.Body, theta: float) -> Mapping[str, float]:
             "c": c, "r": h * s + slope * c, "z": h * c - slope * s}  # fmt: skip
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("family", PAIRS)
 def test_circling_and_precession_turn_where_the_theorem_says(family: str) -> None:
     rng = np.random.default_rng(12)
