@@ -38,6 +38,7 @@ ROOT = "k = from_text(TEXT, 'doubled'); k.root(8.0)\n"
 HITS = ROOT + "s = k.root.stats; print(len(s.cache_hits), len(s.cache_misses))"
 
 
+@pytest.mark.long
 @needs_numba
 def test_a_second_process_compiles_nothing(tmp_path: Path) -> None:
     assert in_another_process(HITS, tmp_path) == "0 1"
@@ -46,6 +47,7 @@ def test_a_second_process_compiles_nothing(tmp_path: Path) -> None:
     assert in_another_process(edited, tmp_path) == "0 1"
 
 
+@pytest.mark.long
 @needs_numba
 def test_where_no_folder_can_be_written_each_process_compiles_in_memory(tmp_path: Path) -> None:
     blocked = tmp_path / "a_file"

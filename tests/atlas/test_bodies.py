@@ -29,11 +29,23 @@ STEMS = {
 """Maps of the two bodies."""
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def touched(_dataset: object, _title: str, target: Path) -> None:
+    """In place of pictures, which take most of the time: empty files of their names."""
+    for kind in ("png", "pdf"):
+        target.with_name(f"{target.name}.{kind}").touch()
+
+
+@pytest.fixture(
+    scope="module",
+    params=[False, pytest.param(True, marks=pytest.mark.long)],
+    ids=["without pictures", "whole"],
+)
+def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("bodies") / "atlas"
     told: list[tuple[int, int]] = []
     with pytest.MonkeyPatch.context() as patch:
+        if not request.param:
+            patch.setattr("stability.atlas.body_diagrams._save", touched)
         patch.setattr("stability.atlas.bodies.BODIES", {k: BODIES[k] for k in KEYS})
         page = atlas_of_bodies(
             out, resolution=12, workers=1, progress=lambda *pair: told.append(pair)
@@ -140,6 +152,7 @@ def test_maps_without_a_coefficient_are_those_of_single_spectra(
         assert found.verdict.values[j, i] == one.verdict.code
 
 
+@pytest.mark.long
 def test_an_egg_has_a_page_with_both_ends_and_planes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -189,6 +202,7 @@ def test_vertical_spin_changes_at_the_tippe_tops_limit_on_each_end(folder: Path)
             assert ((verdict == 1) == (found.omega_Z.values < square**0.5)).all()
 
 
+@pytest.mark.long
 def test_an_interrupted_atlas_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("stability.atlas.bodies.BODIES", {"eccentric": BODIES["eccentric"]})
     monkeypatch.setattr("stability.figures.diagram.plot_map", lambda *_, **__: None)

@@ -123,6 +123,7 @@ def contents(folder: Path) -> dict[str, bytes]:
     }
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not available(), reason="heyoka is not installed")
 def test_processes_give_the_same_bytes(tmp_path: Path) -> None:
     pytest.importorskip("zarr")

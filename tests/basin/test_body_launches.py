@@ -33,6 +33,7 @@ def jellett(moments: tuple[float, float], theta: Any, phi_dot: Any, omega3: Any)
     return transverse * phi_dot * np.sin(theta) ** 2 + axial * omega3 * (np.cos(theta) - OFFSET)
 
 
+@pytest.mark.long
 def test_ends_keep_jellett_s_integral(top: xarray.Dataset) -> None:
     """No force at the contact changes it: the start alone says which member is reached."""
     moments = tuple(map(float, st.EccentricSphere(OFFSET).moments()))

@@ -52,6 +52,7 @@ def judged(words: list[str], true: list[str]) -> Counter[str]:
     return kinds
 
 
+@pytest.mark.long
 def test_sides_of_a_coarse_border_are_confirmed() -> None:
     launches, words, true = sides(5, 0, 120.0)
     found = judged(words, true)

@@ -85,6 +85,7 @@ def test_progress_counts_the_launches_along_borders() -> None:
     assert first == 0 or 0.3 < (first - 42) / found.attrs["border_launches"] < 3
 
 
+@pytest.mark.long
 def test_while_borders_are_replaced_the_store_is_a_map_without_them(
     whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -166,6 +167,7 @@ def fine(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.skipif(sys.platform == "win32", reason="SIGKILL")
 @pytest.mark.parametrize(

@@ -38,6 +38,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform != "linux", reason="signals of Linux")
 def test_a_launch_that_ends_its_worker_is_said_and_the_others_end(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -141,6 +141,7 @@ def _time_to_rise(theta: float) -> float:
     return float(quad(lambda x: 1 / pace(x), theta, 1.2)[0])
 
 
+@pytest.mark.long
 def test_a_spinning_egg_rises_as_moffatt_and_shimomura_say() -> None:
     """Gyroscopic balance C n = A Omega cos theta and the Jellett constant A Omega h.
 

@@ -193,6 +193,7 @@ def test_hopf_points_are_those_of_the_same_slope(family: str) -> None:
         assert (a.at, a.crossing, a.push) == pytest.approx((b.at, b.crossing, b.push))
 
 
+@pytest.mark.long
 def test_hopf_says_what_it_scanned() -> None:
     with pytest.warns(st.StabilityWarning, match="scanned from 0.001 to 1.5707 at 50 points"):
         st.hopf("tumbling", contact=Same(0.9), disk=st.Disk(k=0.375), points=50)

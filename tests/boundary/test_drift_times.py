@@ -116,6 +116,7 @@ def test_a_spinning_egg_lies_down_in_finite_time_under_drag() -> None:
     assert (gaps[-1] < [0.04 * known[0], 0.1 * known[1]]).all()
 
 
+@pytest.mark.long
 def test_rolling_resistance_lets_it_lie_down_never() -> None:
     """Lying, it turns on the spot, where rolling resistance takes nothing: exponent 1."""
     body, mu, small = st.Spheroid(1.7), 0.1, 1e-3

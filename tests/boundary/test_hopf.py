@@ -237,6 +237,7 @@ def test_elliptic_a_motion_near_the_unstable_part_settles_as_far_beyond(
     assert (1 - ratio[0]) / (1 - ratio[1]) == pytest.approx(2, abs=0.4)  # first order in y
 
 
+@pytest.mark.long
 def test_hyperbolic_a_motion_leaves_the_unstable_part_and_settles_only_inside_the_cone() -> None:
     k, mu = 0.5, 1.0
     [point] = hopf("tumbling", disk=st.Disk(k=k), contact=st.Viscous(mu))

@@ -209,6 +209,7 @@ def test_bad_axes_get_one_sentence(
 HEN = ["--body", "egg", "--taper", "0.25", "--aspect", "1.4"]
 
 
+@pytest.mark.long
 def test_every_command_takes_an_egg(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -303,6 +304,7 @@ def test_numbers_of_a_users_quadrature_are_recorded_and_no_axes(
     assert "bulge is no axis of profile" in said
 
 
+@pytest.mark.long
 def test_a_launched_body_moves_as_in_the_library_and_is_filmed(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

@@ -399,6 +399,7 @@ def test_bad_maps_get_one_sentence_and_write_nothing(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.long
 def test_an_interrupted_map_is_gone_on_with(tmp_path: Path) -> None:
     words = ["map", "rolling", "--x", "at:0.5:3:2000", "--y", "mu:0.1:5:1500", "--out",
              str(tmp_path / "m.nc"), "--checkpoint", str(tmp_path / "kept")]  # fmt: skip
@@ -462,6 +463,7 @@ def test_a_bad_resolution_is_refused(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize(
     "words", [["map", "tumbling", "--x", "at:0.01:1.5:400", "--y", "mu:0.1:5:400"], ["atlas"]]

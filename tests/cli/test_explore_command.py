@@ -7,19 +7,20 @@ import pytest
 from command_line import output, refused
 
 
+@pytest.mark.few(1)
+@pytest.mark.parametrize("words", [
+    ["rolling", "--contact", "rough", "--k", "0.5", "--at", "0.8"],
+    ["rolling", "--body", "torus", "--tube", "0.2", "--mu", "0.3"],
+    ["--system", "examples/bicycle.py:upright", "--at", "5", "--parameter", "g=9.81"],
+])  # fmt: skip
 def test_a_page_is_written_for_the_disk_a_body_and_a_system(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    for words in (
-        ["rolling", "--contact", "rough", "--k", "0.5", "--at", "0.8"],
-        ["rolling", "--body", "torus", "--tube", "0.2", "--mu", "0.3"],
-        ["--system", "examples/bicycle.py:upright", "--at", "5", "--parameter", "g=9.81"],
-    ):
-        page = tmp_path / "page.html"
-        text = output(capsys, "explore", *words, "--out", str(page), "--overwrite", "--json")
-        said = json.loads(text)
-        assert said == {"page": str(page), "bytes": page.stat().st_size}
-        assert page.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    page = tmp_path / "page.html"
+    text = output(capsys, "explore", *words, "--out", str(page), "--overwrite", "--json")
+    said = json.loads(text)
+    assert said == {"page": str(page), "bytes": page.stat().st_size}
+    assert page.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
 
 
 @pytest.mark.few(9)

@@ -326,6 +326,7 @@ def test_the_cheapest_fine_model_is_named_where_it_is_not_taken() -> None:
     assert "c: full (5 times the time of steady)" in said
 
 
+@pytest.mark.long
 def test_a_subset_of_cases_and_methods_is_asked_and_shown(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -433,6 +434,7 @@ def test_an_interruption_names_its_folder_in_printable_characters(tmp_path: Path
     assert str(caught.value).isprintable()
 
 
+@pytest.mark.long
 def test_an_interrupted_report_is_gone_on_with(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "stability", "chart", "spectrum", "--out", str(tmp_path / "r")]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)

@@ -28,6 +28,7 @@ CASES = [
 ] + [("circling", "rough"), ("precession", "smooth")]
 
 
+@pytest.mark.long
 def test_derived_anew_the_stored_polynomials_are_the_same() -> None:
     stored = json.loads((files("stability.bodies.thin_disk") / "disk_polynomials.json").read_text())
     assert catalogue() == stored

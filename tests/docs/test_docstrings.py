@@ -92,12 +92,14 @@ def undocumented(value: type, text: str) -> list[str]:
     ]  # fmt: skip
 
 
+@pytest.mark.few(46)
 @pytest.mark.parametrize("name", st.__all__)
 def test_a_public_name_has_every_part_of_its_docstring(name: str) -> None:
     value, text = getattr(st, name), text_of(name)
     assert missing(value, text) == []
 
 
+@pytest.mark.few(40)
 @pytest.mark.parametrize("name", st.__all__)
 def test_a_docstring_has_the_form_of_numpydoc(name: str) -> None:
     value = getattr(st, name)
@@ -120,6 +122,7 @@ def test_a_check_that_is_not_asked_would_fail_somewhere(code: str) -> None:
     assert any(said[0] == code for errors in found for said in errors)
 
 
+@pytest.mark.few(78)
 @pytest.mark.parametrize("name", st.__all__)
 def test_a_source_names_what_exists_and_treats_the_name(name: str) -> None:
     """Each path, function of a test and module is there; a test names the module's own names."""

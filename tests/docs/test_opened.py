@@ -5,6 +5,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[2]
 SQUARE = (
     "data:image/svg+xml,<svg xmlns=%22http://www.w3.org/2000/svg%22 width=%2210%22 "
@@ -12,6 +14,7 @@ SQUARE = (
 )
 
 
+@pytest.mark.browser
 def test_each_fault_of_a_page_is_found(browser: Any, tmp_path: Path) -> None:
     sys.path.insert(0, str(ROOT / "docs"))
     try:

@@ -203,6 +203,7 @@ def test_any_value_gets_an_answer_or_one_sentence(value: Any) -> None:
     assert sum(map(bool, said)) > 8  # most arguments refuse it
 
 
+@pytest.mark.long
 def test_a_film_of_a_body_with_other_numbers_is_refused(tmp_path: Any) -> None:
     run = st.simulate(TOP, "rough", {"theta": 1.0}, np.linspace(0, 0.5, 9), pose=True)
     for other, words in (

@@ -255,6 +255,7 @@ def test_another_table_of_polynomials_is_refused(
         module._catalogue.cache_clear()
 
 
+@pytest.mark.long
 def test_deriving_writes_the_table_and_its_digest(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -139,6 +139,7 @@ def test_standard_output_leads_where_it_led_after_an_error(tmp_path: Path) -> No
     assert done.stderr == "stability: the output cannot be written: No space left on device.\n"
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="descriptors")
 def test_closed_streams_are_refused_before_anything_is_written(tmp_path: Path) -> None:
     words = [sys.executable, "-m", "stability", *MAP, "--out", "m.nc"]

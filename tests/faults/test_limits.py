@@ -31,6 +31,7 @@ def command(words: list[str], place: Path, **environment: str) -> tuple[int, str
     return done.returncode, done.stdout, done.stderr
 
 
+@pytest.mark.long
 def test_a_figure_is_the_same_whatever_the_users_settings_are(tmp_path: Path) -> None:
     assert command(PLOT, tmp_path)[::2] == (0, "")
     plain = (tmp_path / "m.png").read_bytes()

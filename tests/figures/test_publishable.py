@@ -265,6 +265,7 @@ def fonts(content: bytes) -> set[bytes]:
     return found
 
 
+@pytest.mark.long
 def test_a_pdf_holds_fonts_of_type_42_alone(quarter: Any, run: Any, tmp_path: Path) -> None:
     """Type 42 is TrueType: in a PDF a `Type0` font whose descendant is a `CIDFontType2`."""
     spectra = st.spectrum("rolling", at=np.linspace(1, 2, 20), contact=st.Viscous(0.3))

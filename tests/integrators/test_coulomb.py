@@ -61,6 +61,7 @@ def test_scenes_meet_the_inertial_formulation(name: str, method: str) -> None:
     assert (BY_CODE[int(run.outcome)] is Outcome.LIFT_OFF) == bool(lifts)
 
 
+@pytest.mark.long
 def test_backspin_on_an_upright_disk_is_exact() -> None:
     # straight on: slip 0.9 is braked by mu (1 + 1/(2k)) = 0.6 per unit time: it rolls from 1.5 on
     run = st.simulate(

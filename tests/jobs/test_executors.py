@@ -162,6 +162,7 @@ def test_each_thread_reads_one_copy_and_keeps_few() -> None:
     assert str(ask().system.rhs) == str(family.system.rhs)
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("small")
 def test_eight_threads_at_once_give_the_numbers_of_one() -> None:
     """Each new pool reads its own copies, and builds its own graphs, in eight threads at once."""
@@ -187,6 +188,7 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("stability.figures.locus.loci.plot_locus", lambda *_, **__: None)
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("undrawn")
 def test_the_atlas_is_the_same_by_an_executor(tmp_path: Path) -> None:
     told = Told()
@@ -252,6 +254,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
 @pytest.mark.parametrize(
     ("kind", "number"),

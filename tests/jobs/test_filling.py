@@ -175,6 +175,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.long
 @LINUX
 def test_a_worker_that_ends_while_it_writes_leaves_nothing(tmp_path: Path) -> None:
     """Two workers end in one chunk; its parts end none, and this process writes it."""
@@ -233,6 +234,7 @@ def test_the_users_executor_that_breaks_is_a_sentence_and_the_store_resumes(tmp_
     assert tree(tmp_path / "a.zarr") == undisturbed(tmp_path / "b.zarr")
 
 
+@pytest.mark.long
 def test_workers_that_end_again_and_again_are_no_loop(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -243,6 +245,7 @@ def test_workers_that_end_again_and_again_are_no_loop(
     assert soon(lambda: [str(p) for p in active_children()], 5.0) == []
 
 
+@pytest.mark.long
 def test_processes_that_do_not_start_are_a_sentence(tmp_path: Path) -> None:
     """A script without the guard starts itself again in each process."""
     (tmp_path / "script.py").write_text("import chunk_work as c\nc.run('processes', 0.0)\n")
@@ -338,6 +341,7 @@ def stored(folder: Path) -> set[str]:
     return {path.name[2:] for path in (folder / "outcome").glob("c.*")}
 
 
+@pytest.mark.long
 @LINUX
 @pytest.mark.parametrize(
     ("kind", "kills", "number"),

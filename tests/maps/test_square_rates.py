@@ -6,6 +6,7 @@ from fractions import Fraction
 from math import isqrt
 
 import numpy as np
+import pytest
 
 from stability.algebra.kernels import double_balls
 from stability.algebra.kernels.compiled import compiled, numba_found
@@ -86,9 +87,9 @@ def swept(c: np.ndarray, lead: np.ndarray, off: np.ndarray, slack: np.ndarray,
     return [*out, codes]
 
 
-def test_the_loops_hold_every_root_within_both_coefficients() -> None:
+@pytest.mark.parametrize("count", [60, pytest.param(700, marks=pytest.mark.long)])
+def test_the_loops_hold_every_root_within_both_coefficients(count: int) -> None:
     random = np.random.default_rng(7)
-    count = 700
     c, lead = (random.choice([-1, 1], count) * 10.0 ** random.uniform(-5, 5, count)
                for _ in range(2))  # fmt: skip
     off, slack = (np.abs(v) * 10.0 ** random.uniform(-17, 1, count) for v in (c, lead))

@@ -194,6 +194,7 @@ def _jellett(run: object, body: st.Body) -> np.ndarray:
     return found
 
 
+@pytest.mark.long
 def test_jelletts_integral_is_kept_while_a_tippe_top_turns_over() -> None:
     top = st.EccentricSphere(0.15, axial=0.4, transverse=0.42)
     start = {"theta": 0.05, "omega3": 5.0}

@@ -92,6 +92,7 @@ def test_a_run_into_d_zero_ends_without_contact_by_every_method(method: str) -> 
     assert "D" in str(run.evidence.values)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("quick", [True, pytest.param(False, marks=pytest.mark.long)])
 def test_near_d_zero_a_batch_is_its_launches(quick: bool) -> None:
     start = [1.037367615109367, -0.2099645361027279, 0.47017042240614987, 2.406940800413374, 0, 0]
@@ -210,6 +211,7 @@ def test_settings_of_the_wrong_kind_get_a_sentence() -> None:
             call()
 
 
+@pytest.mark.long
 def test_calls_from_several_threads_take_turns() -> None:
     # CasADi's objects are not for several threads at once: this once ended the process
     code = """

@@ -22,6 +22,7 @@ ROOT = Path(__file__).resolve().parents[2]
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.py"))
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda p: p.stem)
 def test_notebook_runs(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -81,6 +82,7 @@ def test_a_notebook_is_kept_with_its_output_and_small_pictures(path: Path) -> No
             assert len(image.convert("L").getcolors(256) or ()) > 16
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "page",
     ["README.md", *(f"docs/explanation/{name}.md" for name in ("tour", "compare", "scenes"))],
@@ -128,6 +130,7 @@ def test_the_towed_wheel_of_the_page_has_the_condition_derived_by_hand(
     assert "0.07 = 7/100" in space["same"].numbers
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("page", ["README.md", "docs/explanation/tour.md"])
 def test_commands_of_a_reader_in_the_root_run(
     page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -237,6 +240,7 @@ PRINTED = {
 """What each example must print, from closed forms."""
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize("name", PRINTED)
 def test_an_example_of_a_known_system_prints_the_known_numbers(
     name: str, capsys: pytest.CaptureFixture[str]

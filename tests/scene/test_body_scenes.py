@@ -28,6 +28,7 @@ SPUN = {"theta": 0.05, "omega3": 4.0}
 # --- the disk as any other body ---
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("law", [st.Viscous(0.3), st.LinearViscous(2.0), st.Rough(), st.Smooth()])
 @pytest.mark.parametrize(
     ("start", "horizon"),
@@ -72,6 +73,7 @@ def test_creep_and_drift_are_refused_to_a_body() -> None:
 # --- a body that passes a pole ---
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("horizon", "tolerance"), [(60.0, 1e-8), (130.0, 1e-6), (900.0, 1e-5), (3000.0, 1e-4)]
 )
@@ -90,6 +92,7 @@ def test_a_tippe_top_is_where_a_run_a_hundred_times_finer_is(
     assert (answer.value["final"]["axis_Z"] < -0.99) == (horizon > 500)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", ["viscous", "rough", "smooth"])
 def test_states_along_fixed_axes_are_those_of_the_geometry(law: str) -> None:
     of = shapes.spheroid(1.0, 1.2, 0.4, 0.488)
@@ -107,6 +110,7 @@ def test_states_along_fixed_axes_are_those_of_the_geometry(law: str) -> None:
     assert value["path"].omega_X.attrs["units"] == "1"
 
 
+@pytest.mark.long
 def test_the_largest_tilt_of_a_body_that_comes_near_a_pole() -> None:
     run_of: Any = {"start": {"theta": 0.9, "theta_dot": -1.0, "phi_dot": 0.05}, "contact": "rough"}
     scene = st.Scene(st.Spheroid(1.2), horizon=12.0, tolerance=1e-9, quantities="largest_tilt",
@@ -141,7 +145,7 @@ def test_a_start_near_vertical_spin_has_closed_forms() -> None:
 # --- random scenes ---
 
 
-@pytest.mark.parametrize("count", [40, pytest.param(300, marks=pytest.mark.long)])
+@pytest.mark.parametrize("count", [3, pytest.param(300, marks=pytest.mark.long)])
 def test_answers_of_three_bodies_keep_their_tolerance(count: int) -> None:
     wrong, models, claimed, bodies = [], Counter[str](), 0, Counter[str]()
     for number in range(count):
@@ -161,35 +165,39 @@ def test_answers_of_three_bodies_keep_their_tolerance(count: int) -> None:
     print(f"\n{claimed} of {count} answered; {dict(models)}; {dict(bodies)}")
     assert not wrong, wrong
     assert claimed > count / 2
-    assert {"linearised", "second-order"} & set(models) and len(models) >= 4
-    assert len(bodies) == 3
+    if count > 3:
+        assert {"linearised", "second-order"} & set(models) and len(models) >= 4
+        assert len(bodies) == 3
 
 
 # --- the rest of a scene ---
 
 
 @pytest.mark.filterwarnings("ignore::stability.StabilityWarning")  # beyond upright, of tumbling
-def test_linear_questions_are_those_of_spectrum_and_boundaries() -> None:
-    for body, family, at, where in (
-        (st.Torus(0.2), "rolling", 1.0, {}), (st.ThickDisk(0.2), "rolling", 3.0, {}),
-        (TOP, "vertical", 3.0, {"pole": 0}), (TOP, "vertical", 3.0, {"pole": "pi"}),
-        (st.Torus(0.2), "tumbling", 0.9, {}),
-    ):  # fmt: skip
-        start = st.launch(family, at=at, tilt=1e-3, body=body, **where)  # type: ignore[arg-type]
-        scene = st.Scene(
-            body=body, contact=st.Viscous(0.3), start=start, horizon=1.0,
-            quantities=("verdict", "growth_rate", "boundary"),
-        )  # fmt: skip
-        value = scene.answer().value
-        near = at if family != "tumbling" else float(start[0])
-        own: Any = {"body": body, "contact": st.Viscous(0.3)} | where
-        known = st.spectrum(family, at=near, **own)
-        assert value["verdict"] == known.verdict.word
-        assert value["growth_rate"] == pytest.approx(float(known.abscissa), abs=1e-4)
-        low, high = (near / 8, near * 8) if family != "tumbling" else (0.12, 3.1)
-        points = [p.value for p in st.boundaries(family, axis=("at", low, high, 9), **own)]
-        best = min(points, key=lambda v: abs(v - near), default=None)
-        assert value["boundary"] == (None if best is None else pytest.approx(best, rel=1e-9))
+@pytest.mark.few(1)
+@pytest.mark.parametrize(("body", "family", "at", "where"), [
+    (st.Torus(0.2), "rolling", 1.0, {}), (st.ThickDisk(0.2), "rolling", 3.0, {}),
+    (TOP, "vertical", 3.0, {"pole": 0}), (TOP, "vertical", 3.0, {"pole": "pi"}),
+    (st.Torus(0.2), "tumbling", 0.9, {}),
+])  # fmt: skip
+def test_linear_questions_are_those_of_spectrum_and_boundaries(
+    body: st.Body, family: str, at: float, where: dict[str, Any]
+) -> None:
+    start = st.launch(family, at=at, tilt=1e-3, body=body, **where)  # type: ignore[arg-type]
+    scene = st.Scene(
+        body=body, contact=st.Viscous(0.3), start=start, horizon=1.0,
+        quantities=("verdict", "growth_rate", "boundary"),
+    )  # fmt: skip
+    value = scene.answer().value
+    near = at if family != "tumbling" else float(start[0])
+    own: Any = {"body": body, "contact": st.Viscous(0.3)} | where
+    known = st.spectrum(family, at=near, **own)
+    assert value["verdict"] == known.verdict.word
+    assert value["growth_rate"] == pytest.approx(float(known.abscissa), abs=1e-4)
+    low, high = (near / 8, near * 8) if family != "tumbling" else (0.12, 3.1)
+    points = [p.value for p in st.boundaries(family, axis=("at", low, high, 9), **own)]
+    best = min(points, key=lambda v: abs(v - near), default=None)
+    assert value["boundary"] == (None if best is None else pytest.approx(best, rel=1e-9))
 
 
 def test_uncertain_numbers_of_a_body_move_an_answer_as_scenes_of_their_own() -> None:

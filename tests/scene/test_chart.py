@@ -236,6 +236,7 @@ def test_other_laws_have_the_friction_of_the_truth() -> None:
     ]  # fmt: skip
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("suffix", ["png", "pdf", "svg"])
 def test_a_plot_is_written_whole(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"chart.{suffix}"

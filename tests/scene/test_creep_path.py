@@ -42,6 +42,7 @@ def errors(law: type[Any], mu: float) -> tuple[list[float], list[float]]:
     return [float(relative(state - truth, truth)) for state in found], stated
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("law", [st.Viscous, st.LinearViscous])
 @pytest.mark.parametrize("order", ORDERS)
 def test_the_error_of_an_order_falls_with_friction(law: type[Any], order: int) -> None:

@@ -50,6 +50,7 @@ def truth(horizon: float) -> Any:
     return found.y[:, -1]
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("horizon", "tolerance"), [(7.0, 1e-2), (7.0, 1e-3), (10.0, 0.1)])
 def test_the_integrator_tightens_where_its_loose_neighbours_part(
     horizon: float, tolerance: float

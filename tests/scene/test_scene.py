@@ -243,6 +243,7 @@ def test_the_report_names_every_rung() -> None:
     assert sum(line.startswith("*") for line in text.splitlines()) == 1
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("size", "word"), [(1, "settled"), (30, "moving"), (300, "moving")])
 def test_a_model_at_rest_settles_what_is_proved_to_settle_alone(size: float, word: str) -> None:
     """At 30 the steady motion is within its error of the end, which is not within 1e-3 of it."""

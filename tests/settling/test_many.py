@@ -264,6 +264,7 @@ def _bump(theta: Any) -> Any:
     return 1 + 0.05 * ca.exp(-(ca.cos(theta) ** 2))
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("body", [
     st.EccentricSphere(0.15, axial=0.4, transverse=0.4), st.Body(_bump, axial=0.4, transverse=0.4),
 ])  # fmt: skip

@@ -35,6 +35,7 @@ def campaign(family: str, count: int, seed: int) -> tuple[int, int]:
     return wrong, undecided
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("family", FAMILIES)
 def test_no_verdict_is_wrong_or_undecided_at_random_points(family: str) -> None:
     assert campaign(family, 120, seed=21) == (0, 0)
@@ -58,6 +59,7 @@ BOUNDARIES = [
 ]  # fmt: skip
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize(("family", "k", "mu", "ends"), BOUNDARIES)
 def test_verdicts_beside_every_boundary_are_right_down_to_the_last_digits(
     family: str, k: float, mu: float, ends: tuple[float, float]

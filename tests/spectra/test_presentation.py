@@ -201,6 +201,7 @@ def test_a_single_spectrum_is_drawn_in_the_plane_with_its_verdict() -> None:
         st.spectrum("rolling", at=[[1.2, 1.8]], contact=LAW).plot()
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("at", "c", "markers", "scale"),
     [(25.0, -6.0, "^", "linear"), (25.0, 0.0, "D", "linear"), (-1.0, 0.0, "o^", "linear"),

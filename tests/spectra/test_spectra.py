@@ -92,6 +92,7 @@ def judge(family_name: str, count: int, seed: int) -> tuple[int, int]:
     return wrong, int((codes == CODES[Verdict.UNDECIDED]).sum())
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("family", ["rolling", "spinning", "tumbling"])
 def test_no_verdict_is_wrong_at_random_points(family: str) -> None:
     wrong, undecided = judge(family, 30, seed=3)
@@ -329,6 +330,7 @@ def test_rough_tumbling_at_the_branch_point_is_decided() -> None:
     assert found.verdict is Verdict.NEUTRAL
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("k", "mu"), [(0.25, 0.3), (0.5, 0.6), (0.25, 3.0)])
 def test_discs_hold_the_truth_up_to_the_branch_point_of_tumbling(k: float, mu: float) -> None:
     """The slope of phi_dot is 0/0 there; with too small a bound on it, verdicts came out wrong."""

@@ -59,6 +59,7 @@ def campaign(seeds: range, *, irrational: bool, points: int) -> tuple[list[str],
     return wrong, count
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("irrational", "systems"), [(False, 24), (True, 14)])
 def test_no_verdict_is_wrong_and_certified_decides_what_plain_decides(
     irrational: bool, systems: int

@@ -90,6 +90,7 @@ def wrong_claims(kind: str, seeds: range) -> tuple[list[str], Counter[str]]:
     return wrong, count
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", MAKERS)
 def test_no_claim_about_a_random_system_is_wrong(kind: str) -> None:
     wrong, count = wrong_claims(kind, range(14))
@@ -112,6 +113,7 @@ def test_no_planted_change_of_verdict_is_missed_or_invented() -> None:
     assert ends["complete"] > 20
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize(
     ("kind", "seed"),
     [

@@ -198,6 +198,7 @@ COVERED = [
 ]  # the bicycles have their own test
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("system", COVERED)
 def test_every_known_value_is_right_and_the_package_finds_all_its_digits(system: str) -> None:
     with mpmath.workdps(40):
@@ -235,6 +236,7 @@ SIDES = {
 """Verdicts below and above each threshold, by words of the quantity."""
 
 
+@pytest.mark.few(12)
 @pytest.mark.parametrize("system", SIDES)
 def test_both_sides_of_each_threshold_are_certified(system: str) -> None:
     seen = set()

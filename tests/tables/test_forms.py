@@ -79,6 +79,7 @@ LONG = [pytest.param(case, marks=pytest.mark.long) for case in ("theorems", "bod
 # --- CSV and JSON ---
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("case", EVERY)
 def test_csv_is_read_back_by_pandas(case: str) -> None:
     """Each number comes back in all its digits, below a header that names its unit."""
@@ -119,6 +120,7 @@ def test_units_are_those_of_the_disk_and_of_each_row() -> None:
     assert set(at[at.family == "rolling"].at_unit) == {"rad/s"}
 
 
+@pytest.mark.few(14)
 @pytest.mark.parametrize("case", EVERY)
 def test_json_says_what_each_column_holds(case: str) -> None:
     body = json.loads(made(case).to_json())
@@ -128,6 +130,7 @@ def test_json_says_what_each_column_holds(case: str) -> None:
     assert all(set(row) <= {c["name"] for c in body["columns"]} for row in body["rows"])
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("case", EVERY)
 def test_a_table_pickles_and_prints(case: str) -> None:
     table = made(case)

@@ -182,6 +182,7 @@ def test_a_wrong_known_value_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
 # --- the end of a spun disk ---
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", [LAWS[2], LAWS[5]], ids=lambda law: law.name)
 def test_a_spun_disk_comes_down_as_energy_says(law: Any) -> None:
     row = _row(law, 0.25)

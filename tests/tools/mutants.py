@@ -219,16 +219,19 @@ FIRST = 40
 
 
 def reached(out: Path) -> tuple[dict[int, set[str]], dict[str, float]]:
-    """The tests that execute each place, and the seconds of each test."""
+    """The tests that passed and execute each place, and the seconds of each test."""
     tests: dict[int, set[str]] = {}
     for line in (out / "hits.txt").read_text(encoding="utf-8").splitlines():
         number, test = line.split("\t")
         tests.setdefault(int(number), set()).add(test)
     seconds: dict[str, float] = {}
+    failed = set()
     for line in (out / "hits.txt.times").read_text(encoding="utf-8").splitlines():
-        took, _, test = line.split("\t")
+        took, outcome, test = line.split("\t")
         seconds[test] = seconds.get(test, 0.0) + float(took)
-    return tests, seconds
+        if outcome == "failed":
+            failed.add(test)
+    return {number: found - failed for number, found in tests.items()}, seconds
 
 
 def tried(tree: Path, record: dict[str, Any], tests: list[str], limit: float) -> dict[str, Any]:

@@ -138,6 +138,7 @@ def test_polynomials_have_the_eigenvalues_of_the_spectrum(
         assert np.abs(ours - root).min() < 1e-8 * np.abs(ours).max()
 
 
+@pytest.mark.long
 def test_conditions_are_those_of_the_roots() -> None:
     rng = np.random.default_rng(2)
     found = characteristic("spinning", "viscous")
@@ -315,14 +316,15 @@ def _energy(body: st.Body, theta: float) -> float:
     return float(v["h"] + square * turn / 2)
 
 
-def test_tumbling_has_its_static_boundary_where_energy_is_stationary() -> None:
+@pytest.mark.parametrize("whole", [False, pytest.param(True, marks=pytest.mark.long)])
+def test_tumbling_has_its_static_boundary_where_energy_is_stationary(whole: bool) -> None:
     body = st.Spheroid(1.5)
     slopes = [at(energy_slope(), numbers(body, t)) for t in (0.4, 1.1)]
     for slope, t in zip(slopes, (0.4, 1.1), strict=True):
         measured = (_energy(body, t + 1e-5) - _energy(body, t - 1e-5)) / 2e-5
         assert slope == pytest.approx(measured, rel=1e-6)
     turned = 0
-    for shape in (st.ThickDisk(0.5), st.ThickDisk(1.0), EGG, LOW, LEAN):
+    for shape in (st.ThickDisk(0.5), st.ThickDisk(1.0), EGG, LOW, LEAN)[: 5 if whole else 2]:
         low, high = shape.between
         for theta in np.linspace(low, high, 30)[2:-2]:
             try:
@@ -337,7 +339,7 @@ def test_tumbling_has_its_static_boundary_where_energy_is_stationary() -> None:
             positive = (np.abs(rest.imag) < 1e-9) & (rest.real > 1e-7)
             assert (sign_of < 0) == (int(positive.sum()) % 2 == 1)
             turned += sign_of < 0
-    assert turned > 3
+    assert turned > (3 if whole else 0)
 
 
 @pytest.mark.parametrize("law", ["rough", "smooth"])
