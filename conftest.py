@@ -32,7 +32,7 @@ SIGNALS = [n for n in ("SIGINT", "SIGALRM", "SIGTERM") if hasattr(signal, n)]
 
 def pytest_configure(config: pytest.Config) -> None:
     """Hear SIGINT, as the commands under test must: what runs in the background may ignore it."""
-    config.pluginmanager.register(Few())
+    config.pluginmanager.register(Tiers())
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
@@ -61,15 +61,17 @@ def _drawn(items: list[pytest.Item], count: int) -> list[pytest.Item]:
     return chosen
 
 
-class Few:
-    """Marks as long what `@pytest.mark.few(n)` leaves out, before pytest selects by marks."""
+class Tiers:
+    """Marks what opens a browser, and as long what `few(n)` leaves out, before pytest selects."""
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
         """Of each marked test, draw the cases that stay."""
         cases: dict[tuple[pytest.Item | None, str], list[pytest.Item]] = {}
         for item in items:
-            if item.get_closest_marker("few") and hasattr(item, "callspec"):
+            if "browser" in getattr(item, "fixturenames", ()):
+                item.add_marker(pytest.mark.browser)
+            if item.get_closest_marker("few") and not item.get_closest_marker("long"):
                 cases.setdefault((item.parent, item.originalname), []).append(item)
         for group in cases.values():
             count = group[0].get_closest_marker("few").args[0]
