@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 from chromium import Visit, visit
+from v8 import Engine
 
 import stability as st
 
@@ -17,7 +18,13 @@ def page_of_disk(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def disk(browser: Any, page_of_disk: Path) -> Iterator[Visit]:
-    """One page for every test that only asks it for numbers."""
+def disk(page_of_disk: Path) -> Engine:
+    """Its scripts, for every test that only asks for numbers."""
+    return Engine(page_of_disk)
+
+
+@pytest.fixture(scope="session")
+def opened_disk(browser: Any, page_of_disk: Path) -> Iterator[Visit]:
+    """The page itself."""
     with visit(browser, page_of_disk) as found:
         yield found

@@ -11,6 +11,7 @@ import pytest
 from chromium import Visit, visit
 from flint import arb, ctx
 from page_numbers import ASK, NEAR, POSE, SHARE_OF_BLUE
+from v8 import Engine
 
 import stability as st
 from stability.base.errors import NoMemberError, ParameterError
@@ -31,16 +32,35 @@ EIGENVALUES = 1e-9
 """Largest difference of eigenvalues over the largest modulus."""
 
 
-@pytest.fixture(scope="module", params=BODIES)
-def seen(
-    request: Any, browser: Any, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[tuple[str, Visit]]:
+@pytest.fixture(
+    scope="module",
+    params=[
+        "torus",
+        "spheroid",
+        *(pytest.param(n, marks=pytest.mark.long) for n in ("eccentric", "thick")),
+    ],
+)
+def written(request: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
     body, family, _, more = BODIES[request.param]
     path = tmp_path_factory.mktemp("page") / "body.html"
     st.explore(family, body=body, mu=0.3, certify=False, out=path, **more)
     assert Path(path).stat().st_size < 1_500_000
+    return request.param, path
+
+
+@pytest.fixture(scope="module")
+def asked(written: tuple[str, Path]) -> tuple[str, Engine]:
+    """Its scripts."""
+    name, path = written
+    return name, Engine(path)
+
+
+@pytest.fixture(scope="module")
+def seen(browser: Any, written: tuple[str, Path]) -> Iterator[tuple[str, Visit]]:
+    """The page itself."""
+    name, path = written
     with visit(browser, path) as found:
-        yield request.param, found
+        yield name, found
 
 
 def subjects(page: Any) -> list[dict[str, Any]]:
@@ -75,14 +95,15 @@ def physics(name: str, subject: dict[str, Any], q: list[float]) -> tuple[st.Body
     return body_with(name, given), contact
 
 
+@pytest.mark.parametrize("count", [4, pytest.param(POINTS, marks=pytest.mark.long)])
 def test_random_points_have_the_verdicts_and_eigenvalues_of_the_package(
-    seen: tuple[str, Visit],
+    asked: tuple[str, Engine], count: int
 ) -> None:
-    name, view = seen
+    name, view = asked
     generator, families = np.random.default_rng(SEED), set()
     words = set()
     for subject in subjects(view.page):
-        sets = points(name, subject, generator)
+        sets = points(name, subject, generator)[:count]
         [answers] = view.page.evaluate(ASK, [{"key": subject["key"], "points": sets.tolist()}])
         families.add(subject["call"]["family"])
         for q, one in zip(sets.tolist(), answers, strict=True):
@@ -110,9 +131,9 @@ def test_random_points_have_the_verdicts_and_eigenvalues_of_the_package(
     assert wanted is None or {"tumbling", wanted} <= families
 
 
-def test_bounds_of_the_signs_hold_in_balls(seen: tuple[str, Visit]) -> None:
+def test_bounds_of_the_signs_hold_in_balls(asked: tuple[str, Engine]) -> None:
     """The sign of each condition differs from that in balls by less than the page's bound."""
-    name, view = seen
+    name, view = asked
     if name != "torus":
         pytest.skip("one body is enough: the bound is of the number type")
     from stability.algebra.number_types import balls
@@ -160,17 +181,17 @@ def placed(body: st.Body, run: Any) -> np.ndarray:
     ], axis=1)  # fmt: skip
 
 
-def test_launches_end_and_move_as_in_python(seen: tuple[str, Visit]) -> None:
-    name, view = seen
+def test_launches_end_and_move_as_in_python(asked: tuple[str, Engine]) -> None:
+    name, view = asked
     generator, scenes = np.random.default_rng(SEED), []
     for subject in subjects(view.page):
         q = points(name, subject, generator)[0].tolist()
         q[0] = min(q[0], 3.0)
         scenes.append((subject, q, float(generator.uniform(0.02, 0.2))))
-    asked = [{"key": s["key"], "q": q, "tilt": tilt, "times": TIMES.tolist()}
-             for s, q, tilt in scenes]  # fmt: skip
+    runs = [{"key": s["key"], "q": q, "tilt": tilt, "times": TIMES.tolist()}
+            for s, q, tilt in scenes]  # fmt: skip
     compared = 0
-    for (subject, q, tilt), answer in zip(scenes, view.page.evaluate(RUN, asked), strict=True):
+    for (subject, q, tilt), answer in zip(scenes, view.page.evaluate(RUN, runs), strict=True):
         body, contact = physics(name, subject, q)
         try:
             start = st.launch(subject["call"]["family"], at=q[0], tilt=tilt, body=body,
@@ -198,10 +219,10 @@ def test_launches_end_and_move_as_in_python(seen: tuple[str, Visit]) -> None:
 
 
 def test_a_mode_starts_at_the_member_and_moves_the_contact_point_in_the_plane(
-    seen: tuple[str, Visit],
+    asked: tuple[str, Engine],
 ) -> None:
     """The path of the centre in a mode agrees with the linear motion: rates by differences."""
-    name, view = seen
+    name, view = asked
     for subject in subjects(view.page):
         found = view.page.evaluate(POSE, subject["key"])
         assert found["exists"], subject["key"]

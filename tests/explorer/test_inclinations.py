@@ -10,6 +10,7 @@ import pytest
 from chromium import Visit, visit
 from edged_body import edged, zeros
 from page_numbers import ASK
+from v8 import Engine
 
 import stability as st
 from stability.base.errors import ParameterError
@@ -22,30 +23,42 @@ STEADY = """([key, points]) => { const s = stabilityExplorer.view.subjects.get(k
 
 
 @pytest.fixture(scope="module", params=range(3))
-def seen(
-    request: Any, browser: Any, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[tuple[float, Visit]]:
+def written(request: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[float, Path]:
     """A page that begins at one of the three inclinations."""
     at = zeros(0.25)[request.param]
     path = tmp_path_factory.mktemp("page") / "edged.html"
     st.explore("rolling", body=edged(), contact="rough", at=0.3, theta=round(at, 3), certify=False,
                out=path)  # fmt: skip
+    return round(at, 3), path
+
+
+@pytest.fixture(scope="module")
+def asked(written: tuple[float, Path]) -> tuple[float, Engine]:
+    """Its scripts."""
+    theta, path = written
+    return theta, Engine(path)
+
+
+@pytest.fixture(scope="module")
+def seen(browser: Any, written: tuple[float, Path]) -> Iterator[tuple[float, Visit]]:
+    """The page itself."""
+    theta, path = written
     with visit(browser, path) as found:
-        yield round(at, 3), found
+        yield theta, found
         assert not found.said and not found.asked
 
 
-def points(view: Visit, bends: np.ndarray) -> list[list[float]]:
+def points(view: Visit | Engine, bends: np.ndarray) -> list[list[float]]:
     names = view.page.evaluate("stabilityExplorer.view.subjects.get('rolling rough').names")
     given = {"omega3": 0.3, "axial": 0.5, "transverse": 0.3}
     return [[given.get(n, bend) for n in names] for bend in bends.tolist()]
 
 
 def test_every_member_of_the_page_is_at_the_inclination_that_is_meant(
-    seen: tuple[float, Visit],
+    asked: tuple[float, Engine],
 ) -> None:
     """Over the whole slider; near its first value the page finds every one."""
-    theta, view = seen
+    theta, view = asked
     sets = points(view, ASKED)
     found = view.page.evaluate(STEADY, ["rolling rough", sets])
     there = 0
@@ -59,8 +72,8 @@ def test_every_member_of_the_page_is_at_the_inclination_that_is_meant(
     assert all(one is not None for one in near_first)
 
 
-def test_verdicts_are_those_of_that_inclination(seen: tuple[float, Visit]) -> None:
-    theta, view = seen
+def test_verdicts_are_those_of_that_inclination(asked: tuple[float, Engine]) -> None:
+    theta, view = asked
     sets = points(view, BENDS)
     [answers] = view.page.evaluate(ASK, [{"key": "rolling rough", "points": sets}])
     for bend, one in zip(BENDS.tolist(), answers, strict=True):

@@ -179,9 +179,9 @@ def test_the_switch_is_kept_by_link_picture_and_call(
         assert seen.page.evaluate("stabilityExplorer.view.state") == kept
 
 
-def test_a_page_without_mass_and_length_has_no_switch(disk: Visit) -> None:
-    assert disk.page.locator(".units").is_hidden()
-    assert not disk.page.evaluate("stabilityExplorer.view.state.si")
+def test_a_page_without_mass_and_length_has_no_switch(opened_disk: Visit) -> None:
+    assert opened_disk.page.locator(".units").is_hidden()
+    assert not opened_disk.page.evaluate("stabilityExplorer.view.state.si")
 
 
 def test_a_body_with_mass_and_length_has_si_units(browser: Any, tmp_path: Path) -> None:

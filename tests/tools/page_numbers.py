@@ -1,4 +1,9 @@
-"""What tests ask a page of the explorer in Chromium."""
+"""What tests ask a page of the explorer, in Chromium or in V8."""
+
+import re
+from typing import Any
+
+import numpy as np
 
 NEAR = 1e-6
 """Distance from a boundary, relative to the sizes of a condition's terms, that is left out."""
@@ -28,3 +33,22 @@ POSE = """(key) => {
   return {now: at(0), later: at(h), before: at(-h), h, exists: s.exists(q)};
 }"""
 """The place of a body at a member, and a little later and before."""
+
+
+def shader_signs(text: str, points: np.ndarray) -> np.ndarray:
+    """The least condition that the shader's function `look` finds, read in single precision."""
+    body = text.partition("vec3 look(")[2].partition("return vec3")[0]
+    head, _, lines = body.partition("{")
+    names = re.findall(r"float (\w+)", head)
+    single: Any = np.float32
+    space: dict[str, Any] = {
+        "min": np.minimum, "max": np.maximum, "pow": np.power, "inf": np.float32(np.inf),
+        **{n: getattr(np, n) for n in ("abs", "sin", "cos", "tan", "sqrt", "exp", "log")},
+    }  # fmt: skip
+    space |= dict(zip(names, points.T.astype(single), strict=True))
+    for line in re.findall(r"(?:float )?(\w+) = ([^;]+);", lines):
+        if line[0] == "growth":
+            continue
+        number = re.sub(r"(?<![\w.])(\d+\.\d*(?:e[+-]?\d+)?)", r"single(\1)", line[1])
+        space[line[0]] = eval(number, {"single": single, "__builtins__": {}}, space)  # noqa: S307
+    return np.broadcast_to(space["sign"], len(points))

@@ -10,7 +10,7 @@ import pytest
 
 
 def sized(name: str, small: Any, full: Any) -> pytest.MarkDecorator:
-    """A test with a small number of points in `make test`, and with all of them in `make test-long`."""
+    """One argument of a test: small in `make test`, full in `make test-long`."""
     values = [pytest.param(small, id="few"), pytest.param(full, id="all", marks=pytest.mark.long)]
     return pytest.mark.parametrize(name, values)
 

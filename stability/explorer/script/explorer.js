@@ -89,7 +89,7 @@ export function mount(root, data, library, link = null) {
 }
 
 /** The data, with each text that occurs twice put back in its places. */
-function whole({texts, data}) {
+export function whole({texts, data}) {
   const put = (value) => {
     if (Array.isArray(value)) return value.map(put);
     if (value === null || typeof value !== "object") return value;
