@@ -97,6 +97,7 @@ def test_few_halvings_say_why_nothing_is_marked() -> None:
     assert nowhere.sizes["border_block"] == 0
 
 
+@pytest.mark.long
 def test_a_map_of_a_flow_with_a_known_border_says_its_exponent(tmp_path: Path) -> None:
     found = st.basins(kicked(), **ROUGH, store=tmp_path / "a.zarr")
     low, high = found.attrs["border_exponent_interval"]

@@ -64,6 +64,7 @@ def test_sides_of_a_coarse_border_are_confirmed() -> None:
     assert len({w for w in words if w in SURE}) == 3
 
 
+@pytest.mark.long
 def test_sides_of_the_border_of_lift_off_near_rolling_are_confirmed() -> None:
     """Slow rolling falls: by t = 40 it has left the plane, or it has not."""
     _, words, true = sides(4, 1, 40.0, "rolling")

@@ -162,6 +162,7 @@ def test_fewer_levels_are_the_beginning_of_more() -> None:
     assert (deep.points[: few.asked] == shallow.points).all()
 
 
+@pytest.mark.long
 def test_a_known_result_is_resumed_to_the_same_result() -> None:
     whole = borders(snake, X, Y, levels=7)
     few = borders(snake, X, Y, levels=4)

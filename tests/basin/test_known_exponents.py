@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+import pytest
 from kicked_flow import DIMENSION, WIDE, kicked, side
 
 import stability as st
@@ -22,6 +23,7 @@ def test_a_kicked_flow_falls_on_the_side_of_the_sum() -> None:
     np.testing.assert_array_equal(below, side(points[away]) < 0)
 
 
+@pytest.mark.long
 def test_its_uncertainty_exponent_is_the_codimension_of_the_border() -> None:
     steps = 0.03 * float(WIDE) ** -np.linspace(0, 4, 9)  # whole periods of its structure
     found = st.uncertainty_exponent(labels(), [0, -2], [1, 2], steps, points=2500)

@@ -134,6 +134,7 @@ def test_the_border_of_a_damped_pendulum_is_its_separatrix() -> None:
 # --- exponents ---
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("nested", [True, False])
 @pytest.mark.parametrize(("alpha", "constant", "points"), [

@@ -180,6 +180,7 @@ def test_maps_are_those_of_the_same_slope() -> None:
     assert "exact polynomials" in known.attrs["method"]
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("family", ["spinning", "tumbling"])
 def test_hopf_points_are_those_of_the_same_slope(family: str) -> None:

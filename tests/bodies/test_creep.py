@@ -50,6 +50,7 @@ def truth(mu: float) -> Any:
     return four(run(Viscous(mu), 3.0, (*START, *slip), method="dop853", tolerance=1e-14))
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("order", range(4))
 def test_the_error_of_a_motion_falls_as_the_order_says(order: int) -> None:

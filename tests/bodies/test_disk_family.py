@@ -238,6 +238,7 @@ def test_the_atlas_draws_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     assert '<h2 id="edge-on">Edge-on</h2>\n<p>θ = π/2</p>' in page._html(pages, (), 8, draft=True)
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 def test_flutter_points_are_those_of_the_same_motion(family: str) -> None:
     disk, contact = st.Disk(k=0.375), st.Viscous(0.9)

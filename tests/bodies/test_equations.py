@@ -130,6 +130,7 @@ def test_rates_and_forces_satisfy_kanes_equations_identically(law: str) -> None:
     assert exact(law).rates[0] == THETA_DOT
 
 
+@pytest.mark.long
 def test_kanes_matrix_is_singular_only_where_the_determinant_is_zero() -> None:
     """So the solution of Kane's equations is unique: det = +- 2 k^2 D (k + 1 when rough)."""
     expected = {

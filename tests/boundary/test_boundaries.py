@@ -533,6 +533,7 @@ def test_an_undamped_family_that_is_scanned_is_decided_or_says_so() -> None:
     assert found == [] and found.complete and found.touching == ()
 
 
+@pytest.mark.long
 def test_a_scan_that_proves_nothing_says_so() -> None:
     """Two equal pendulums, undamped, coupled by nothing: double pairs that balls cannot part."""
     x, p = ca.SX.sym("x", 4), ca.SX.sym("p")

@@ -218,6 +218,7 @@ def ends_at(point: Any, family: str, k: float, mu: float, y: float, z: float, ti
     return states[:, 2 if family == "spinning" else 0] - point.at, states
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("family", "k", "mu"),
     [pytest.param("spinning", 0.25, 0.8, marks=pytest.mark.long), ("tumbling", 0.25, 1.5)],

@@ -107,6 +107,7 @@ def test_what_is_no_map_is_refused(given: dict, words: str) -> None:  # type: ig
         retrograde_map(**given)
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize(("mu", "backward"), [(100.0, False), (300.0, True)])
 def test_slip_hides_the_turn_of_a_hoop(mu: float, backward: bool) -> None:

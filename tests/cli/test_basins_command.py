@@ -111,6 +111,7 @@ def test_borders_are_refined_for_the_figure(
     assert 0.3 < cost["border_launches"] / true.border_launches < 3
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::ResourceWarning")
 def test_a_scheduler_in_one_word_writes_the_bytes_of_threads(
     capsys: pytest.CaptureFixture[str], tmp_path: Path

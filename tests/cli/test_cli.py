@@ -249,23 +249,13 @@ def test_python_m_stability_is_the_same_program() -> None:
     assert version == f"stability {__version__}\n"
 
 
-def test_a_reader_that_leaves_is_no_error() -> None:
-    words = [sys.executable, "-m", "stability", "table", "families"]
-    piped = subprocess.run(
-        f"{' '.join(words)} | head -1", shell=True, capture_output=True, text=True
-    )
-    assert piped.stderr == ""
-    assert "(recomputed)" in piped.stdout
-
-
 def test_a_terminal_without_unicode_is_no_obstacle() -> None:
     environment = dict(os.environ, PYTHONIOENCODING="ascii")
-    for words in (["table", "families"], ["spectrum", "rolling", "--at", "-1e0", "--mu", "1"]):
-        done = subprocess.run(
-            [sys.executable, "-m", "stability", *words], capture_output=True, env=environment
-        )
-        assert done.returncode == 0
-        assert done.stderr == b""
+    done = subprocess.run(
+        [sys.executable, "-m", "stability", "spectrum", "rolling", "--at", "-1e0", "--mu", "1"],
+        capture_output=True, env=environment,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, b"")
 
 
 def test_a_full_standard_output_is_said_so() -> None:

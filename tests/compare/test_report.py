@@ -109,6 +109,7 @@ def test_a_cell_that_cannot_be_read_gets_a_sentence(tmp_path: Path) -> None:
             report.report(tmp_path / "r", ["failures"])
 
 
+@pytest.mark.long
 def test_a_script_without_a_guard_gets_a_sentence(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text('import stability as st\nst.report("d", ["spectrum"])\n')
@@ -214,6 +215,7 @@ def small(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(catalogue, "MOTION_CASES", motion)
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("small")
 def test_a_report_holds_figures_numbers_and_a_page(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch

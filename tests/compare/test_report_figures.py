@@ -57,9 +57,16 @@ def cases() -> list[catalogue.Entry]:
     return catalogue.from_csv((EXAMPLE / "failures.csv").read_text())
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(
+    scope="module",
+    params=[False, pytest.param(True, marks=pytest.mark.long)],
+    ids=["some", "all"],
+)
 def figures(
-    spectrum: xarray.Dataset, motion: xarray.Dataset, cases: list[catalogue.Entry]
+    request: pytest.FixtureRequest,
+    spectrum: xarray.Dataset,
+    motion: xarray.Dataset,
+    cases: list[catalogue.Entry],
 ) -> dict[str, Figure]:
     """Every figure of the report but those of scenes."""
     names = list(catalogue.ROUTE_NAMES)
@@ -77,7 +84,8 @@ def figures(
         "ladder": lambda: report._ladder_figure(cases),
         "other": lambda: drawings.ladder_figure(names, own, [*range(-1, -16, -1)], share),
     }
-    return {name: make() for name, make in draw.items()}
+    few = ("verdict", "path", "linear", "ladder")
+    return {name: make() for name, make in draw.items() if request.param or name in few}
 
 
 def test_no_text_overlaps_leaves_the_figure_or_is_small(figures: dict[str, Figure]) -> None:

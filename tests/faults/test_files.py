@@ -155,7 +155,7 @@ def test_closed_streams_are_refused_before_anything_is_written(tmp_path: Path) -
 
 
 def test_a_reader_that_leaves_is_no_error(tmp_path: Path) -> None:
-    words = [sys.executable, "-m", "stability", "table", "families"]
+    words = [sys.executable, "-m", "stability", "spectrum", "spinning", "--at", "2", "--mu", "1"]
     process = subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert process.stdout is not None
     process.stdout.close()

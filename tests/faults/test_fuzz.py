@@ -31,8 +31,14 @@ ENVIRONMENTS: dict[str, dict[str, str | None]] = {
 """Settings of a process that have no say in the answer."""
 
 
-@pytest.mark.few(1)
-@pytest.mark.parametrize(("kind", "count"), [("calls", 90), ("commands", 35)])
+@pytest.mark.parametrize(
+    ("kind", "count"),
+    [
+        ("calls", 30),
+        ("commands", 15),
+        *(pytest.param(*c, marks=pytest.mark.long) for c in (("calls", 90), ("commands", 35))),
+    ],
+)
 def test_random_input_gets_an_answer_or_a_sentence(kind: str, count: int) -> None:
     found = campaign(kind, "suite", count)
     assert not found.faults, "\n".join(found.faults)

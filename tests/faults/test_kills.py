@@ -169,6 +169,7 @@ def test_an_interruption_within_hdf5_does_not_end_the_process(tmp_path: Path) ->
     assert left == 0
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @LINUX
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from stability.figures.retrograde import retrograde_caption
 SOME = np.linspace(0, 1, 9)
 
 
+@pytest.mark.long
 def test_the_map_can_be_printed_and_says_who_turns_back() -> None:
     chart = st.retrograde_map(SOME, SOME)
     figure = st.plot_retrograde(chart)

@@ -183,6 +183,7 @@ def test_a_real_lift_off_with_a_small_d_stays_one() -> None:
         assert 0.005 < closed()[1](*six, K, MU, 0.0)[0] < 0.01
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("quick", [True, pytest.param(False, marks=pytest.mark.long)])
 def test_where_d_alone_runs_to_zero_the_force_grows_without_bound_by_every_method(
     quick: bool,

@@ -116,6 +116,7 @@ def test_two_runs_at_once_write_the_same_and_share_the_work(tmp_path: Path) -> N
 # --- workers that end ---
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("deadly", "tries"),

@@ -329,6 +329,7 @@ except StabilityError as error:
 """
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of a process")
 def test_a_full_disk_is_a_sentence_and_the_store_resumes(tmp_path: Path) -> None:
     """No file may grow beyond some bytes: the small chunks at the edge fit, the others do not."""

@@ -165,6 +165,7 @@ def test_numbers_in_si_are_those_without_units() -> None:
     assert si.rho.values == pytest.approx(small * length * time)
 
 
+@pytest.mark.long
 def test_no_resistance_and_one_of_zero_change_nothing() -> None:
     start = {"theta": 1.2, "omega3": 1.0}
     plain = st.simulate(st.Torus(0.2), "rough", start, 5.0)

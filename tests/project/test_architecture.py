@@ -75,6 +75,7 @@ def test_the_picture_is_the_one_of_todays_imports(today: Any) -> None:
     )
 
 
+@pytest.mark.long
 def test_the_picture_can_be_drawn(tmp_path: Path, today: Any) -> None:
     house.main(tmp_path / "house.svg")
     assert house.recorded(tmp_path / "house.svg") == house.record(today)

@@ -22,6 +22,7 @@ def test_every_film_is_kept_and_small() -> None:
         assert f"films/{path.name}" in (ROOT / "docs" / "explanation" / "bodies.md").read_text()
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("name", MOVING)
 def test_a_film_is_that_of_its_command(name: str, tmp_path: Path) -> None:

@@ -101,6 +101,7 @@ def _run(page: str) -> dict[str, Any]:
     return space
 
 
+@pytest.mark.long
 def test_the_page_of_bodies_runs() -> None:
     _run("docs/explanation/bodies.md")
 

@@ -153,6 +153,7 @@ def test_a_manifold_that_is_left_is_not_taken(eps: float) -> None:
     assert rung.estimate > 100
 
 
+@pytest.mark.long
 def test_a_fast_departure_is_shown_by_verify() -> None:
     asked = scene(-1e-3, 1e-3)
     answer = asked.verify()

@@ -71,6 +71,7 @@ def misses(count: int, most: int, seed: int, share: float = 0.0) -> tuple[Any, A
     return np.array(off), np.array(plain)
 
 
+@pytest.mark.long
 def test_motions_of_tubes_end_within_the_stated_error_of_the_stated_limit() -> None:
     off, plain = misses(400, 12, 3, share=2e-3)  # beyond what a box proves
     assert len(off) == 12 and (off <= 1).all()

@@ -108,6 +108,7 @@ def test_no_verdict_is_wrong_at_many_random_points(family: str) -> None:
     assert wrong == 0
 
 
+@pytest.mark.long
 def test_the_naive_verdicts_are_wrong_where_ours_are_not() -> None:
     """The check can fail: the largest real part of the raw spectrum, as it is and cut at 1e-9."""
     wrong = 0

@@ -424,6 +424,7 @@ def test_the_solid_torus_moves_as_the_rounded_hoop() -> None:
         assert 3.4 < left[0] / left[1] < 4.8
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["h = sinθ + ε", "h = (1-ε) sinθ + ε"])
 def test_tumbling_of_a_rounded_coin_moves_at_the_printed_rate(kind: str) -> None:
     for k, theta in ((0.25, 1.2), (0.5, 1.0)):
@@ -452,6 +453,7 @@ def test_tumbling_of_a_rounded_coin_ends_at_the_limit_of_spinning(kind: str) -> 
     assert sp.simplify(found.condition.subs(M, found.limit)) == 0
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("k", [0.05, 0.2])
 def test_a_flat_coin_tumbles_stably_for_every_mu_where_there_is_no_limit(k: float) -> None:
@@ -537,6 +539,7 @@ def test_the_determinant_of_the_graph_vanishes_at_the_limit() -> None:
 # --- the table ---
 
 
+@pytest.mark.long
 def test_the_table_of_bodies_prints_every_statement(capsys: pytest.CaptureFixture[str]) -> None:
     from stability.cli.commands import main
 
