@@ -18,7 +18,7 @@ from stability.atlas.page import LOCUS_FRICTION as EVERY_FRICTION
 
 @pytest.fixture(
     scope="module",
-    params=[("hoop",), pytest.param(tuple(BODIES), marks=pytest.mark.long)],
+    params=[pytest.param(b, marks=pytest.mark.long) for b in (("hoop",), tuple(BODIES))],
     ids=["hoop", "all"],
 )
 def bodies(request: pytest.FixtureRequest) -> tuple[str, ...]:

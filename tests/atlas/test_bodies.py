@@ -29,23 +29,15 @@ STEMS = {
 """Maps of the two bodies."""
 
 
-def touched(_dataset: object, _title: str, target: Path) -> None:
-    """In place of pictures, which take most of the time: empty files of their names."""
-    for kind in ("png", "pdf"):
-        target.with_name(f"{target.name}.{kind}").touch()
-
-
 @pytest.fixture(
     scope="module",
-    params=[False, pytest.param(True, marks=pytest.mark.long)],
-    ids=["without pictures", "whole"],
+    params=[pytest.param(True, marks=pytest.mark.long)],
+    ids=["whole"],
 )
-def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("bodies") / "atlas"
     told: list[tuple[int, int]] = []
     with pytest.MonkeyPatch.context() as patch:
-        if not request.param:
-            patch.setattr("stability.atlas.body_diagrams._save", touched)
         patch.setattr("stability.atlas.bodies.BODIES", {k: BODIES[k] for k in KEYS})
         page = atlas_of_bodies(
             out, resolution=12, workers=1, progress=lambda *pair: told.append(pair)

@@ -174,6 +174,7 @@ def test_the_command_line_takes_it(family: str, capsys: pytest.CaptureFixture[st
     assert "lean names a member of tumbling" in capsys.readouterr().err
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 def test_tables_hold_it(family: str) -> None:
     [row] = [r for r in definition("families").rows() if r["family"] == family]

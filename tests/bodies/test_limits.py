@@ -59,6 +59,7 @@ def test_a_torus_becomes_the_hoop(family: str, at: float, law: str) -> None:
     assert order(SIZES, _largest(ring, hoop.eigenvalues)) == pytest.approx(theory, abs=0.02)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("solid", [True, False])
 def test_eigenvalues_of_a_torus_move_at_the_rate_of_the_closed_forms(solid: bool) -> None:
     """With I1 = 1/2, I3 = 1, h = 1 + b and h'' = -1, moments to first order in b.

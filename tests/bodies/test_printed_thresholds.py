@@ -144,6 +144,7 @@ def _secant(function: Callable[[Number], Number], near: Number, step: float) -> 
     return mp.findroot(function, (mp.mpf(near), mp.mpf(near) + mp.mpf(step)), tol=1e-40)
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("rounded", INCLINED)
 def test_tumbling_of_a_coin_turns_at_the_printed_mu(rounded: str) -> None:
@@ -165,6 +166,7 @@ def test_tumbling_of_a_coin_turns_at_the_printed_mu(rounded: str) -> None:
         assert found == ["stable", "unstable"], (k, theta)
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("aspect", "mu", "near"),
@@ -206,6 +208,7 @@ def _circling_surface(name: str, number: Number) -> oracle.ConvexBody:
     return surfaces.spheroid(one, number, 2 * one / 5, (1 + number**2) / 5)
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize(("name", "body", "numbers", "theta", "edges"), CIRCLES,
                          ids=[c[0] for c in CIRCLES])  # fmt: skip

@@ -50,6 +50,7 @@ def test_an_egg_has_the_moments_of_its_slices() -> None:
         assert egg.height_at(theta) == pytest.approx(depth, rel=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize(("taper", "aspect"), [(0.4, 1.3), (0.1, 3.0), (0.4, 2.0), (0.3, 0.4)])
 def test_a_series_has_the_error_that_is_asked_for(taper: float, aspect: float) -> None:

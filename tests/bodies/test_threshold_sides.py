@@ -228,7 +228,7 @@ NAMED: list[tuple[str, Any, st.Body, dict[str, Any]]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("name", "law", "body", "more"), NAMED,
                          ids=lambda v: getattr(v, "name", str(v)))  # fmt: skip
 def test_boundaries_of_named_bodies_have_two_sides(

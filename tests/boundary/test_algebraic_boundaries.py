@@ -224,6 +224,7 @@ def test_the_branch_of_the_family_decides_which_roots_count() -> None:
     assert found == [] and found.complete
 
 
+@pytest.mark.long
 def test_the_gap_between_two_folds_is_exact() -> None:
     family = solved(lambda u, p: (p - 1) * (p - 2) - u * u, lambda u, _: u - 1, 1.0,
                     positive=("u",))  # fmt: skip

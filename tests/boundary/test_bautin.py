@@ -190,6 +190,7 @@ def projected(table: Any, p: float) -> float:
     return float(total.real)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("seed", "least"), [(3, 1), *(pytest.param(k, 0, marks=pytest.mark.long) for k in range(4, 40))]
 )

@@ -77,6 +77,7 @@ def test_pieces_proved_in_doubles_hold_what_they_say(log: bool) -> None:
     assert len(found.single) > 0
 
 
+@pytest.mark.long
 def test_no_member_leaves_a_part_open() -> None:
     """Upright a torus has no tumbling member: that part of the axis stays open."""
     with pytest.warns(st.StabilityWarning):

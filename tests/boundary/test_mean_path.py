@@ -84,6 +84,7 @@ def test_integrated_motions_turn_back_where_the_map_says(
         assert angle == pytest.approx(chart.backward.item(), rel=0.15)
 
 
+@pytest.mark.long
 def test_the_map_does_not_depend_on_its_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     points = ([0.0, 0.7, 1.0], [0.0, 0.3, 1.0])
     chart = retrograde_map(*points)

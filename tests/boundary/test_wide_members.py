@@ -54,6 +54,7 @@ def test_a_wide_ball_holds_the_members_of_a_piece_and_little_else(
     assert float(2 * x.rad()) <= 4 * float(inside[-1] - inside[0])
 
 
+@pytest.mark.long
 def test_both_ends_of_the_oscillation_of_a_reactor_are_found_and_no_other() -> None:
     """On the branch x: det > 0, and the trace -(2 + β) + B x - x/(1 - x) vanishes twice."""
     trace = [mp.mpf(-14), mp.mpf(14 + 2 + 3 - 1), mp.mpf(-5)]  # times 1 - x

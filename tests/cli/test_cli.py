@@ -100,6 +100,7 @@ def test_map_writes_its_files_and_says_what_they_hold(
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a map.nc", "a map.png"]
 
 
+@pytest.mark.long
 def test_tables_are_headed_recomputed(capsys: pytest.CaptureFixture[str]) -> None:
     text = output(capsys, "table", "families")
     assert "(recomputed)" in text.splitlines()[0]

@@ -7,6 +7,7 @@ import pytest
 from command_line import output, refused
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("words", [
     ["rolling", "--contact", "rough", "--k", "0.5", "--at", "0.8"],

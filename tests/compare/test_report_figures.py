@@ -84,7 +84,7 @@ def figures(
         "ladder": lambda: report._ladder_figure(cases),
         "other": lambda: drawings.ladder_figure(names, own, [*range(-1, -16, -1)], share),
     }
-    few = ("verdict", "path", "linear", "ladder")
+    few = ("verdict", "linear")
     return {name: make() for name, make in draw.items() if request.param or name in few}
 
 
@@ -101,6 +101,7 @@ def elsewhere(data: xarray.Dataset, rng: np.random.Generator, *names: str) -> xa
                         (data[n].ndim - f.ndim))) for n, f in times.items()})  # fmt: skip
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize(
     "seed", [140, 157, 160, *(pytest.param(s, marks=pytest.mark.long) for s in range(200, 300))]

@@ -226,6 +226,7 @@ def test_tables_of_drift_and_hopf_are_printed(capsys: pytest.CaptureFixture[str]
     assert [r["kind"] for r in rows] == ["elliptic", "elliptic", "hyperbolic"]
 
 
+@pytest.mark.long
 def test_roots_and_factors_are_those_of_computer_algebra() -> None:
     from stability.derivation.friction_ranges import _irreducible, _real_roots
 

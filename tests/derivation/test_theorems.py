@@ -76,6 +76,7 @@ def test_a_theorem_with_a_wrong_threshold_is_not_proved(monkeypatch: pytest.Monk
     assert [s.claim[:6] for s in wrong.steps if not s.proved][0] == "a2 > 0"
 
 
+@pytest.mark.long
 def test_a_theorem_of_other_equations_is_not_proved(monkeypatch: pytest.MonkeyPatch) -> None:
     """A sign in the graph's condition is changed: the shape of tumbling's theorem is lost."""
     a, b, c = tumbling_theorem.coefficients()
@@ -383,7 +384,7 @@ def families_of(y: Array, k: Array, near: float = 1e-3) -> dict[str, int]:
     return counts | {"other": y.shape[1] - sum(counts.values())}
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", [n for n in FORCES if n != "none"])
 def test_no_other_steady_motion_is_found_under_several_laws(name: str) -> None:
     y, k = steady_roots(name, 100, 5)
@@ -594,6 +595,7 @@ def test_d_runs_to_zero_in_slip_exactly_where_stated() -> None:
 # --- the table ---
 
 
+@pytest.mark.long
 def test_the_table_lists_statements_steps_and_tests(capsys: pytest.CaptureFixture[str]) -> None:
     from stability.cli.commands import main
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import casadi as ca
 import numpy as np
 import pytest
+from programs import needed
 
 import stability as st
 from stability.cli.commands import main
@@ -15,9 +16,11 @@ STRICT = ["cc", "-O1", "-std=c99", "-Wall", "-Wextra", "-Wno-unused", "-Werror"]
 
 
 def run(code: object, folder: Path) -> subprocess.CompletedProcess[str]:
+    needed("gcc", "cc")
     return subprocess.run(code, shell=True, cwd=folder, capture_output=True, text=True)  # type: ignore[call-overload,no-any-return]
 
 
+@pytest.mark.outside
 @pytest.mark.few(2)
 @pytest.mark.parametrize("law", ["viscous", "rough", "smooth"])
 def test_the_example_compiles_and_agrees(law: str, tmp_path: Path) -> None:
@@ -29,6 +32,7 @@ def test_the_example_compiles_and_agrees(law: str, tmp_path: Path) -> None:
     assert done.stdout.startswith(f"disk_{law}: ")
 
 
+@pytest.mark.outside
 def test_the_example_sees_a_wrong_number(tmp_path: Path) -> None:
     code = st.c_code(st.disk_system("viscous"), tmp_path, name="disk")
     example = tmp_path / "example.c"
@@ -41,10 +45,12 @@ def test_the_example_sees_a_wrong_number(tmp_path: Path) -> None:
     assert done.returncode != 0
 
 
+@pytest.mark.outside
 def test_values_are_those_of_python_through_another_caller(tmp_path: Path) -> None:
     """The function called by ctypes at new points, against `System.rates` and `linearise`."""
     system = st.disk_system("viscous")
     st.c_code(system, tmp_path, name="disk")
+    needed("gcc", "cc")
     done = subprocess.run([*STRICT, "-shared", "-fPIC", "disk.c", "-lm", "-o", "disk.so"],
                           cwd=tmp_path, capture_output=True, text=True)  # fmt: skip
     assert done.returncode == 0, done.stderr
@@ -61,6 +67,7 @@ def test_values_are_those_of_python_through_another_caller(tmp_path: Path) -> No
         assert slopes.reshape(6, 6).T == pytest.approx(system.linearise(x, p), rel=1e-11, abs=1e-11)
 
 
+@pytest.mark.outside
 def test_any_function_becomes_code_with_dense_outputs(tmp_path: Path) -> None:
     a, b = ca.SX.sym("a", 2, 2), ca.SX.sym("b")
     f = ca.Function("mixed", [a, b], [ca.diag(a[0, :].T) * b, ca.sin(b)], ["a", "b"], ["m", "s"])
@@ -100,6 +107,7 @@ def test_two_calls_write_the_same_bytes(tmp_path: Path) -> None:
         assert file.read_bytes() == (tmp_path / "two" / file.name).read_bytes()
 
 
+@pytest.mark.outside
 def test_the_command_writes_code_of_a_system(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -13,6 +13,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from julia_reader import Reader, function_value
+from programs import needed
 from scipy.optimize import brentq
 
 import stability as st
@@ -65,8 +66,8 @@ class Compiled:
         [source] = folder.glob("*.c")
         [self.constants] = folder.glob("c.*")
         (folder / "auto_f2c.h").write_text(HEADER)
-        command = ["cc", "-O1", "-Wall", "-Wno-unused", "-Werror", "-I.", "-shared", "-fPIC",
-                   source.name, "-lm", "-o", "problem.so"]  # fmt: skip
+        words = "-O1 -Wall -Wno-unused -Werror -I. -shared -fPIC".split()
+        command = [needed("gcc", "cc"), *words, source.name, "-lm", "-o", "problem.so"]
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
         self.library = ctypes.CDLL(str(folder / "problem.so"))
@@ -118,6 +119,7 @@ def made(name: str, folder: Path) -> tuple[st.Family, dict[str, Any], Compiled]:
     return family, given, Compiled(folder)
 
 
+@pytest.mark.outside
 @pytest.mark.parametrize("name", CASES)
 def test_the_problem_has_the_members_and_their_eigenvalues(name: str, tmp_path: Path) -> None:
     """Newton on the compiled equations, against the family's members and its matrix by NumPy."""
@@ -145,6 +147,7 @@ def test_the_problem_has_the_members_and_their_eigenvalues(name: str, tmp_path: 
     assert names
 
 
+@pytest.mark.outside
 @pytest.mark.parametrize("name", CASES)
 def test_derivatives_are_those_of_the_rates(name: str, tmp_path: Path) -> None:
     """Exact derivatives against central differences, at states off the family."""
@@ -164,6 +167,7 @@ def test_derivatives_are_those_of_the_rates(name: str, tmp_path: Path) -> None:
             assert by_par[:, place - 1] == pytest.approx(slope, abs=1e-6)
 
 
+@pytest.mark.outside
 @pytest.mark.few(2)
 @pytest.mark.parametrize("name", ["spinning by phi_dot", "tumbling by theta", "oscillator"])
 def test_a_continuation_of_the_problem_meets_the_boundaries(name: str, tmp_path: Path) -> None:
@@ -316,7 +320,7 @@ def test_the_command_takes_the_numbers_of_a_body(
 # --- AUTO itself ---
 
 
-@pytest.mark.long
+@pytest.mark.outside
 @pytest.mark.parametrize(("name", "word"), [
     ("spinning by phi_dot", "flutter"), ("spinning by mu", "flutter"),
     ("tumbling by theta", "flutter"), ("oscillator", "flutter"),
@@ -324,8 +328,9 @@ def test_the_command_takes_the_numbers_of_a_body(
 def test_autos_hopf_points_are_the_boundaries(name: str, word: str, tmp_path: Path) -> None:
     folder = os.environ.get("AUTO_DIR", "/usr/lib/auto-07p")
     library = Path(folder) / "lib"
-    if not (library / "equilibrium.o").exists() or shutil.which("gfortran") is None:
-        pytest.skip("AUTO-07p or gfortran is not installed (Debian: auto-07p, gfortran)")
+    needed("gfortran", "gfortran")
+    if not (library / "equilibrium.o").exists():
+        pytest.skip("no AUTO-07p on this machine (Debian: auto-07p).")
     make, given = CASES[name]
     family = make()
     st.auto_input(family, tmp_path, name="problem", **given)

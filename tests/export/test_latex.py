@@ -1,7 +1,6 @@
 """LaTeX of systems and families: it closes, it compiles, and it reads back as the same numbers."""
 
 import re
-import shutil
 import subprocess
 from functools import cache
 from pathlib import Path
@@ -11,6 +10,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from latex_reader import balanced, displays, value
+from programs import needed
 
 import stability as st
 from stability.cli.commands import main
@@ -185,11 +185,10 @@ def test_the_command_writes_a_document(tmp_path: Path, capsys: pytest.CaptureFix
     assert "has no --axis" in capsys.readouterr().err
 
 
-@pytest.mark.long
+@pytest.mark.outside
 def test_documents_compile_without_overfull_lines(tmp_path: Path) -> None:
     """With amsmath and geometry alone, as texlive-latex-base has them."""
-    if shutil.which("pdflatex") is None:
-        pytest.fail("pdflatex is missing; install texlive-latex-base")
+    needed("texlive-latex-base", "pdflatex")
     bicycle = str(Path(__file__).parents[2] / "examples" / "bicycle.py:upright")
     assert (
         main(["export", "latex", "--system", bicycle, "--out", str(tmp_path / "bicycle.tex")]) == 0

@@ -2,16 +2,17 @@
 
 import json
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from programs import needed
 
 SCRIPT = """
 import json, os, sys
 from pathlib import Path
+from programs import needed
 import stability as st
 from stability.base.errors import FileError
 
@@ -65,9 +66,10 @@ def small_disk(folder: Path) -> list[str]:
 
 
 @pytest.mark.few(1)
-@pytest.mark.skipif(shutil.which("unshare") is None, reason="no disk can be mounted")
+@pytest.mark.outside
 @pytest.mark.parametrize("kind", ["basins", "stream_map"])
 def test_a_store_goes_on_after_a_full_disk(kind: str, tmp_path: Path) -> None:
+    needed("util-linux", "unshare")
     disk, other = tmp_path / "disk", tmp_path / "other"
     disk.mkdir()
     other.mkdir()

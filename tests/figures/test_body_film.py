@@ -111,6 +111,7 @@ def test_a_page_of_a_body_holds_the_states_of_the_run(run, tmp_path: Path) -> No
     assert np.shape(shape["mark"])[0] == len(shape["r"]) and data["radius"] == 2.0
 
 
+@pytest.mark.browser
 def test_a_browser_shows_the_angle_of_the_run(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
     browser = shutil.which("chromium") or shutil.which("google-chrome")
     if browser is None:

@@ -47,6 +47,7 @@ def test_every_route_stops_at_the_same_guard(method: str) -> None:
     assert len(path.states) == 1
 
 
+@pytest.mark.long
 def test_a_shallow_dip_of_the_normal_force_is_not_stepped_over() -> None:
     # a launch whose gn touches zero and comes back, found without any event detection: CVODES on
     # the bare equations, gn at 4001 samples, its lowest point by a parabola

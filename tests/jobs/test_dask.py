@@ -52,6 +52,7 @@ def test_a_scheduler_in_one_word_gives_the_same_store(tmp_path: Path) -> None:
     assert done(log).count(f"{harmed[0]}.{harmed[1]} 0 {LAYOUT.count(harmed)}") == 1
 
 
+@pytest.mark.long
 def test_a_scheduler_by_its_address_lives_on(address: str, tmp_path: Path) -> None:
     log = tmp_path / "log"
     for name in "ab":
@@ -76,6 +77,7 @@ def test_a_future_is_released_when_its_chunk_is_stored(address: str, tmp_path: P
     assert 0 < max(held) <= 2 * 2 + 2
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
 def test_a_killed_worker_of_a_scheduler_costs_its_chunk(address: str, tmp_path: Path) -> None:
     log, killed = tmp_path / "log", list[int]()

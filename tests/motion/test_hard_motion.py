@@ -244,6 +244,7 @@ def test_an_early_lift_off_does_not_depend_on_how_long_a_run_is_asked(last: floa
         assert float(run.end_time) == pytest.approx(5.080957e-4, abs=1e-8)
 
 
+@pytest.mark.long
 def test_a_launch_whose_neighbours_cannot_be_run_is_not_said_to_last() -> None:
     law = st.RegularisedCoulomb(5.753758471817282, 0.00028800461614589425)
     start = [1.0525640005202301, 0.6767085152932947, 0, 0, 0, -0.3436609788816844]

@@ -36,7 +36,7 @@ def outcome(run: Any) -> Outcome:
 # --- against the inertial formulation ---
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", [*TIGHT, "cvodes", "idas", "auto"])
 def test_reference_trajectories_are_met(method: str) -> None:
     # dop853, lsoda, heyoka and auto to 1e-9; the two of order five to 1e-8 at this tolerance
@@ -49,6 +49,7 @@ def test_reference_trajectories_are_met(method: str) -> None:
         assert np.abs(states(run) - np.array(case["states"])).max() < allowed
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", TIGHT[:2])
 def test_the_energy_account_closes_to_1e11_over_100(method: str) -> None:
     run = st.simulate(st.Disk(), st.Viscous(0.3), LAUNCH, 100.0, method=method, tolerance=1e-16)
@@ -120,7 +121,7 @@ def of_neighbours(method: str, first: int, last: int) -> Any:
     return st.simulate(st.Disk(), st.Viscous(0.3), starts, times, method=method, tolerance=1e-11)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", ["dop853", "lsoda", "cvodes"])
 @pytest.mark.parametrize("some", [(16, 20), pytest.param((14, 24), marks=pytest.mark.long)])
 def test_routes_agree_on_outcomes_and_lift_off_times(method: str, some: tuple[int, int]) -> None:

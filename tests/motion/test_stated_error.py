@@ -7,7 +7,6 @@ and no formula with the package; its source is told there.  Version 0.4 fails on
 import importlib.util
 import json
 import os
-import shutil
 import sys
 import warnings
 from pathlib import Path
@@ -90,11 +89,6 @@ def campaign() -> Any:
     return module
 
 
-needs_compiler = pytest.mark.skipif(
-    shutil.which("g++") is None, reason="g++ is not installed; the reference code needs it"
-)
-
-
 def test_a_verdict_of_the_campaign_can_be_each_of_its_words() -> None:
     verdict = campaign().verdict
     good = {
@@ -109,8 +103,7 @@ def test_a_verdict_of_the_campaign_can_be_each_of_its_words() -> None:
     assert verdict(good | {"truth": "lost"}) == "lost"
 
 
-@pytest.mark.long
-@needs_compiler
+@pytest.mark.outside
 def test_the_reference_meets_independent_trajectories(tmp_path: Path) -> None:
     module = campaign()
     reference = module.Reference(tmp_path)
@@ -123,8 +116,7 @@ def test_the_reference_meets_independent_trajectories(tmp_path: Path) -> None:
     reference.close()
 
 
-@pytest.mark.long
-@needs_compiler
+@pytest.mark.outside
 def test_the_reference_agrees_with_itself_in_two_formats(tmp_path: Path) -> None:
     module = campaign()
     reference = module.Reference(tmp_path, quadruple=True)
@@ -139,8 +131,7 @@ def test_the_reference_agrees_with_itself_in_two_formats(tmp_path: Path) -> None
     reference.close()
 
 
-@pytest.mark.long
-@needs_compiler
+@pytest.mark.outside
 def test_random_launches_state_no_error_that_is_too_small(tmp_path: Path) -> None:
     # STABILITY_LAUNCHES=30000 for all of them: hours
     module, seed = campaign(), 20261121

@@ -132,6 +132,7 @@ def _tilts(stem: str, times: Any, **changed: Any) -> Any:
     return np.abs(np.pi / 2 - run.theta.values)
 
 
+@pytest.mark.long
 def test_the_spun_coin_sways_ever_more_as_its_file_says() -> None:
     """The sway is the largest tilt in a quarter of a second, which is three of its periods."""
     about = np.linspace(-0.125, 0.125, 251)

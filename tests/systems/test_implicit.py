@@ -91,6 +91,7 @@ def test_bent_links_are_proved(n: int, pulled: bool, monkeypatch: pytest.MonkeyP
         assert np.abs(true - value).min() <= radius + 1e-15 * abs(value)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("n", [13, pytest.param(29, marks=pytest.mark.long)])
 def test_large_systems_at_a_shape_that_is_solved_for(n: int) -> None:
     """With 58 states the expanded graph lost too many digits to prove a member at all."""

@@ -31,6 +31,7 @@ def free(h: int) -> st.Family:
     return st.Family(system, "rest", at=("k",), held=dict.fromkeys(names, 0.0))
 
 
+@pytest.mark.long
 def test_a_dense_free_chain_of_thirty_states_is_proved() -> None:
     """Its place and its speed are two zeros in one Jordan block; the others by mpmath."""
     h, k, c = 15, 0.75, 0.0625

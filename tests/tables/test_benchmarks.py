@@ -236,7 +236,7 @@ SIDES = {
 """Verdicts below and above each threshold, by words of the quantity."""
 
 
-@pytest.mark.few(12)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("system", SIDES)
 def test_both_sides_of_each_threshold_are_certified(system: str) -> None:
     seen = set()

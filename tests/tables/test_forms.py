@@ -6,7 +6,6 @@ import io
 import json
 import pickle
 import re
-import shutil
 import subprocess
 from functools import cache
 from pathlib import Path
@@ -15,6 +14,7 @@ from typing import Any
 import casadi as ca
 import pandas as pd
 import pytest
+from programs import needed
 
 import stability as st
 from stability.bodies.round_body.shapes.named import NAMED
@@ -150,6 +150,7 @@ PACKAGES = "lmodern,amsmath,array,booktabs,longtable"
 
 def pages(text: str, folder: Path) -> str:
     """The log of pdflatex, for a document with lines of 345 pt."""
+    needed("texlive-latex-recommended, lmodern", "pdflatex")
     head = rf"\documentclass{{article}}\usepackage{{{PACKAGES}}}\begin{{document}}"
     (folder / "paper.tex").write_text(f"{head}\n{text}\n\\end{{document}}\n")
     command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "paper.tex"]
@@ -159,28 +160,14 @@ def pages(text: str, folder: Path) -> str:
     return (folder / "paper.log").read_text(errors="replace")
 
 
-def without_tex() -> bool:
-    """Whether pdflatex or one of the packages is missing."""
-    if shutil.which("pdflatex") is None:
-        return True
-    return any(subprocess.run(["kpsewhich", f"{name}.sty"], capture_output=True).returncode
-               for name in PACKAGES.split(","))  # fmt: skip
-
-
-needs_tex = pytest.mark.skipif(
-    without_tex(),
-    reason="no pdflatex with its packages (Debian: texlive-latex-recommended, lmodern)",
-)
-
-
-@needs_tex
+@pytest.mark.outside
 @pytest.mark.parametrize("case", [*EVERY, *LONG])
 def test_latex_compiles_without_overfull_lines(case: str, tmp_path: Path) -> None:
     log = pages(made(case).to_latex(), tmp_path)
     assert re.findall(r"(Overfull .*|Undefined .*|LaTeX Warning: Ref.*)", log) == []
 
 
-@needs_tex
+@pytest.mark.outside
 def test_long_units_of_a_users_system_leave_no_overfull_line(tmp_path: Path) -> None:
     x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
     rates = ca.vertcat(x[1], -ca.sin(x[0]) + c * (x[1] - x[1] ** 3))
@@ -193,7 +180,7 @@ def test_long_units_of_a_users_system_leave_no_overfull_line(tmp_path: Path) -> 
         assert re.findall(r"(Overfull .*|Undefined .*)", pages(text, tmp_path)) == []
 
 
-@needs_tex
+@pytest.mark.outside
 def test_the_log_shows_a_line_that_is_too_long(tmp_path: Path) -> None:
     text = made("drift").to_latex().replace("Spectrally", "Spectrally" * 20)
     assert "Overfull" in pages(text, tmp_path)

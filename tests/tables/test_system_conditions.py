@@ -2,7 +2,6 @@
 
 import json
 import re
-import shutil
 import subprocess
 from collections.abc import Callable
 from fractions import Fraction
@@ -13,6 +12,7 @@ import casadi as ca
 import pytest
 import sympy
 from matplotlib.mathtext import MathTextParser
+from programs import needed
 
 import stability as st
 from stability.cli.commands import main
@@ -114,7 +114,7 @@ def compile_latex(text: str, folder: Path) -> None:
     """Compile with the TeX that is there."""
     head = r"\documentclass{article}\usepackage{amsmath,booktabs}\begin{document}"
     (folder / "paper.tex").write_text(f"{head}\n{text}\n\\end{{document}}\n")
-    program = next(p for p in ("pdflatex", "tectonic", "xelatex") if shutil.which(p))
+    program = needed("texlive-latex-recommended", "pdflatex", "tectonic", "xelatex")
     options = [] if program == "tectonic" else ["-interaction=nonstopmode", "-halt-on-error"]
     subprocess.run([program, *options, "paper.tex"], cwd=folder, check=True, capture_output=True)
     assert (folder / "paper.pdf").stat().st_size > 1000
@@ -122,10 +122,7 @@ def compile_latex(text: str, folder: Path) -> None:
         assert re.findall("Overfull .*", (folder / "paper.log").read_text(errors="replace")) == []
 
 
-@pytest.mark.skipif(
-    not any(map(shutil.which, ("pdflatex", "tectonic", "xelatex"))),
-    reason="no TeX on this machine (pdflatex, tectonic, xelatex): the strict reader alone",
-)
+@pytest.mark.outside
 def test_latex_compiles(tmp_path: Path) -> None:
     compile_latex(latex(st.conditions(family(), positive=("mu",))), tmp_path)
 
@@ -211,13 +208,17 @@ def test_print_says_what_was_given_and_assumed_with_units() -> None:
     "lagrange_top.py:sleeping", "railway_wheelset.py:centred",
 ])  # fmt: skip
 def test_latex_of_the_examples_is_well_formed(
-    place: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+    place: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     text = printed(capsys, "--system", f"examples/{place}", "--latex", "--decimals")
     assert check_latex(text) > 2
     assert "disk" not in text
-    if any(map(shutil.which, ("pdflatex", "tectonic", "xelatex"))):
-        compile_latex(text, tmp_path)
+
+
+@pytest.mark.outside
+def test_latex_of_an_example_compiles(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    words = ("--system", "examples/watt_governor.py:running", "--latex", "--decimals")
+    compile_latex(printed(capsys, *words), tmp_path)
 
 
 @pytest.mark.parametrize(("words", "part"), [

@@ -118,7 +118,7 @@ MEMBERS: list[tuple[str, st.Body, float | tuple[float, float]]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("family", "body", "member", "law"),
     [(*m, law) for m in MEMBERS for law in CONTACT if PAIRS.get(m[0], law) == law],
@@ -316,6 +316,7 @@ def _energy(body: st.Body, theta: float) -> float:
     return float(v["h"] + square * turn / 2)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("whole", [False, pytest.param(True, marks=pytest.mark.long)])
 def test_tumbling_has_its_static_boundary_where_energy_is_stationary(whole: bool) -> None:
     body = st.Spheroid(1.5)
@@ -442,6 +443,7 @@ def test_tumbling_of_a_rounded_coin_moves_at_the_printed_rate(kind: str) -> None
         assert 3.4 < left[0] / left[1] < 4.8
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["h = sinθ + ε", "h = (1-ε) sinθ + ε"])
 def test_tumbling_of_a_rounded_coin_ends_at_the_limit_of_spinning(kind: str) -> None:
     """Upright, tumbling branches off spinning: its limit of mu² is M2, and moves as M2 does."""

@@ -66,6 +66,7 @@ def drawn(rng: np.random.Generator) -> tuple[Ellipsoid, int, sp.Rational, sp.Rat
 # --- polynomials ---
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("law", ["viscous", "rough", "smooth"])
 def test_exact_jacobians_of_another_formulation_have_the_printed_polynomial(law: str) -> None:
@@ -287,6 +288,7 @@ def inclined(body: st.Body, theta: float) -> Mapping[str, float]:
             "c": c, "r": h * s + slope * c, "z": h * c - slope * s}  # fmt: skip
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("family", PAIRS)
 def test_circling_and_precession_turn_where_the_theorem_says(family: str) -> None:
