@@ -86,7 +86,7 @@ test-outside: $(READY)
 
 # Campaigns of minutes: thousands of random points against ball arithmetic, large maps.
 test-long: $(READY)
-	$(BIN)/pytest -q -m "long and not (browser or outside)" tests $(ARGS)
+	$(BIN)/pytest -q -m "long and not (browser or outside)" $(ARGS)
 
 # The figures that the README quotes, measured here; ARGS=--large adds the large map.
 bench: $(READY)

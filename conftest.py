@@ -25,6 +25,8 @@ settings.register_profile(
     "any-machine", deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )
 settings.load_profile("any-machine")
+SLOW_EXAMPLES = "stability/derivation/bodies/"
+"""Its doctests derive what takes seconds."""
 BACKEND = ("backend", "backend_fallback", "interactive")
 """Settings of matplotlib that are settled when pyplot is first asked for."""
 SIGNALS = [n for n in ("SIGINT", "SIGALRM", "SIGTERM") if hasattr(signal, n)]
@@ -69,6 +71,8 @@ class Tiers:
         """Of each marked test, draw the cases that stay."""
         cases: dict[tuple[pytest.Item | None, str], list[pytest.Item]] = {}
         for item in items:
+            if item.nodeid.startswith(SLOW_EXAMPLES):
+                item.add_marker(pytest.mark.long)
             if "browser" in getattr(item, "fixturenames", ()):
                 item.add_marker(pytest.mark.browser)
             if item.get_closest_marker("few") and not item.get_closest_marker("long"):

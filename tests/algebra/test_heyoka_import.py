@@ -33,6 +33,7 @@ def _printed(code: str) -> str:
     return done.stdout
 
 
+@pytest.mark.long
 def test_a_motion_does_not_import_sympy() -> None:
     assert _printed(AFTER) == "False\n"
 
@@ -52,6 +53,7 @@ print("sympy" in sys.modules)
     assert _printed(code) == "False\n"
 
 
+@pytest.mark.long
 def test_heyoka_and_sympy_exchange_expressions_as_after_a_plain_import() -> None:
     lazily = "from stability.algebra.number_types import heyoka\nheyoka()\n" + EXCHANGE
     assert _printed(lazily) == _printed(EXCHANGE)

@@ -185,6 +185,7 @@ def test_a_function_that_is_not_read_is_refused_by_its_name(force: ca.SX, word: 
         st.spectrum(rest(-X - C * V - force), at=0.5)
 
 
+@pytest.mark.long
 def test_a_motion_under_an_angle_and_a_distance_is_that_of_scipy() -> None:
     from scipy.integrate import solve_ivp
 

@@ -210,6 +210,7 @@ def test_laws_are_equal_if_and_only_if_class_and_numbers_are(
     assert all(back == one and hash(back) == hash(one) for back in travelled(one))
 
 
+@pytest.mark.long
 @settings(max_examples=25, deadline=None)
 @given(some.lists(numbers, min_size=1, max_size=3), numbers, some.booleans())
 def test_a_spectrum_that_travelled_answers_the_same(at: Any, d: float, certify: bool) -> None:

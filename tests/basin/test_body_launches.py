@@ -66,6 +66,7 @@ def test_ends_keep_jellett_s_integral(top: xarray.Dataset) -> None:
         assert (top.member_error.values[mine] < 0.1).all()
 
 
+@pytest.mark.long
 def test_starts_lean_from_the_member(top: xarray.Dataset) -> None:
     start = top.start_state
     tilt, rate = np.meshgrid(top.tilt.values, top.omega_Z.values, indexing="ij")

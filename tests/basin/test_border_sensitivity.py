@@ -31,6 +31,7 @@ def inside(points: np.ndarray) -> np.ndarray:
     return np.asarray(np.hypot(points[:, 0], points[:, 1]) < 0.8)
 
 
+@pytest.mark.long
 def test_a_rough_border_is_marked_and_a_circle_is_not() -> None:
     rough, told = refined(lambda p: side(p) < 0, ("x", 0.03, 0.97, 12), ("y", -2, 2, 13), 6)
     low, high = told.attrs["border_exponent_interval"]
@@ -66,6 +67,7 @@ def test_a_strip_of_unfinished_launches_is_open_where_the_border_is_smooth() -> 
     assert "end is not known" not in known.attrs["border_exponent_note"]
 
 
+@pytest.mark.long
 def test_a_strip_along_a_rough_border_leaves_it_sensitive() -> None:
     _, told = refined(lambda p: around(side(p)), ("x", 0.03, 0.97, 12), ("y", -2, 2, 13), 6)
     assert (told.border_sensitive.values == 1).mean() > 0.8

@@ -35,6 +35,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.long
 def test_an_opened_store_has_the_borders_of_memory_and_draws_them(whole: Path) -> None:
     memory, opened = st.basins(**MAP, levels=3), xarray.open_zarr(whole)
     names = [str(n) for n in memory.variables if str(n).startswith("border_")]
@@ -53,6 +54,7 @@ def test_an_opened_store_has_the_borders_of_memory_and_draws_them(whole: Path) -
     assert "refined" not in basins_caption(opened.drop_vars(names))
 
 
+@pytest.mark.long
 def test_more_halvings_ask_only_what_is_new(
     whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -113,6 +113,7 @@ def test_no_launch_is_asked_twice_and_the_record_holds_them_all() -> None:
     assert (found.labels == snake(found.points)).all()
 
 
+@pytest.mark.long
 def test_cost_is_that_of_a_curve() -> None:
     cost = [borders(disc, X, Y, levels=n).asked for n in (6, 7, 8, 9, 10)]
     slope = np.diff(np.log2(cost))
@@ -154,6 +155,7 @@ def test_three_regions_meet_in_one_point() -> None:
     assert (np.abs(meeting[0] - (0.057, 0.123)) <= found.widths[-1]).all()
 
 
+@pytest.mark.long
 def test_fewer_levels_are_the_beginning_of_more() -> None:
     deep = Counted(snake)
     shallow = Counted(snake)
@@ -193,6 +195,7 @@ def test_chunks_change_nothing() -> None:
     assert (found.points == borders(snake, X, Y, levels=5).points).all()
 
 
+@pytest.mark.long
 def test_too_few_labels_leave_the_last_complete_level() -> None:
     cost = borders(snake, X, Y, levels=5).asked
     ask = Counted(snake)

@@ -14,6 +14,7 @@ def labels() -> Any:
                             horizon=26.0, check=False)  # fmt: skip
 
 
+@pytest.mark.long
 def test_a_kicked_flow_falls_on_the_side_of_the_sum() -> None:
     points = np.random.default_rng(3).uniform([0, -2], [1, 2], (2000, 2))
     away = np.abs(side(points)) > 2e-3  # the last time leaves the others open

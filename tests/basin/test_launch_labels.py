@@ -32,6 +32,7 @@ def turns(angle: float, rate: float) -> int:
 AXES = {"x": ("angle", -2.0, 2.0, 9), "y": ("rate", -3.5, 3.5, 9)}
 
 
+@pytest.mark.long
 def test_borders_of_a_map_separate_launches_that_end_apart() -> None:
     system, rests = pendulum()
     found = st.basins(system, held={"c": 0.3}, families=rests, horizon=120.0, levels=3, **AXES)

@@ -246,6 +246,7 @@ def test_smooth_borders_and_where_they_meet_are_not_sensitive() -> None:
         assert len(found.cells) > 1000
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize(("label", "x", "y"), [
     (newton, (-0.51, 0.5), (-0.51, 0.5)), (weierstrass(3, 1.5), (0, 1), (-3, 3)),
@@ -256,6 +257,7 @@ def test_fractal_borders_are_sensitive(
     assert sensitive(_map(label, x, y)).share > 0.85
 
 
+@pytest.mark.long
 def test_the_sensitive_part_of_a_border_is_marked_and_the_smooth_part_is_not() -> None:
     rough = weierstrass(3, 1.5)
 

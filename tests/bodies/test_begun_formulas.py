@@ -35,6 +35,7 @@ def formulas(name: str) -> tuple[ClosedForm, list[float], list[float]]:
     return found, *([MIDDLE[n] for n in names] for names in (family.at, family.parameters))
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", FAMILIES)
 def test_a_begun_formula_has_the_same_bounds(name: str) -> None:
     form, a, q = formulas(name)

@@ -38,7 +38,7 @@ def _scenes(seed: int, count: int, **chosen: Any) -> list[random_bodies.BodyScen
     return plain[:count]
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("name", HEIGHTS)
 def test_rates_and_forces_at_random_states(name: str, law: str) -> None:
@@ -62,7 +62,7 @@ def test_rates_and_forces_at_random_states(name: str, law: str) -> None:
             assert seen["energy"] == pytest.approx(frame.energy, rel=1e-13)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", [st.RollingResistance, st.PivotingResistance, st.AirTorque])
 @pytest.mark.parametrize("law", ["viscous", "rough"])
 def test_resistance_at_random_states(kind: type[st.Resistance], law: str) -> None:

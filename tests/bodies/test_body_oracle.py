@@ -96,7 +96,7 @@ def test_a_ball_slides_as_a_ball() -> None:
     )
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", BODIES)
 def test_doubles_agree_with_thirty_digits_at_any_yaw(name: str) -> None:
     for scene in scenes(11, 12, name=name):
@@ -181,6 +181,7 @@ def _tube(rim: float, tube: float) -> list[Arc]:
     return [bodies.circle(tube, rim), Arc(inner, -0.5, 0.5)]
 
 
+@pytest.mark.long
 def test_moments_by_quadrature_are_those_of_textbooks() -> None:
     """(I1/m, I3/m, centre), as in any handbook of mechanics."""
     r, a, h, c = 1.0, 0.25, 0.125, 1.5
@@ -205,6 +206,7 @@ def test_moments_of_a_half_ball_and_of_a_bowl() -> None:
     assert plain(bowl) == pytest.approx([5 / 12, 2 / 3, -1 / 2], rel=1e-14)
 
 
+@pytest.mark.long
 def test_moments_of_lens_and_superellipsoid() -> None:
     """A lens of two half balls is a ball; a superellipsoid's are Beta functions (Dirichlet)."""
     ball = bodies.solid(bodies.lens_arcs(1.3, math.pi / 2))
@@ -247,6 +249,7 @@ def test_every_scene_scales_with_its_units() -> None:
     assert slower == pytest.approx(rates(body, scene.law, scene.state) * length / c ** (power + 1))
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("alpha", "gamma"), [(0.3, 131 / 140), (0.15, 1.0), (0.5, 0.8), (0.4, 1.2)]

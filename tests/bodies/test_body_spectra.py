@@ -223,14 +223,15 @@ def _compare(place: Place, family: str) -> bool:
 @pytest.mark.few(1)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("name", HEIGHTS)
-def test_spectra_at_random_members_of_every_family(name: str, law: str) -> None:
+@pytest.mark.parametrize("members", [1, pytest.param(MEMBERS, marks=pytest.mark.long)])
+def test_spectra_at_random_members_of_every_family(name: str, law: str, members: int) -> None:
     """A family that the surface does not have is refused."""
     rng = np.random.default_rng(14)
     met = dict.fromkeys((*FAMILIES[name], *OWN.get(law, ())), 0)
     refused: set[str] = set()
     for place in _places(name, law, rng):
         for family in EVERY:
-            if met.get(family) == MEMBERS:
+            if met.get(family) == members:
                 continue
             if place.has(family):
                 assert family in met
@@ -240,9 +241,9 @@ def test_spectra_at_random_members_of_every_family(name: str, law: str) -> None:
                     record = _family(place, family)
                     record.member(_number(place, family), [*_numbers(place, record).values()])
                 refused.add(family)
-        if all(count == MEMBERS for count in met.values()):
+        if all(count == members for count in met.values()):
             break
-    assert set(met.values()) == {MEMBERS}, met
+    assert set(met.values()) == {members}, met
     assert set(EVERY) == refused | set(met)
 
 
@@ -274,6 +275,7 @@ def _shapes(numbers: dict[str, float]) -> tuple[st.Body, st.Body]:
     return free, fixed
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", ["viscous", "rough"])
 def test_an_exponent_may_be_a_number_of_the_shape(law: str) -> None:
     free, fixed = _shapes({"across": 1.0, "along": 0.9, "power": 3.0})
@@ -283,6 +285,7 @@ def test_an_exponent_may_be_a_number_of_the_shape(law: str) -> None:
     assert found.eigenvalues == pytest.approx(known.eigenvalues, abs=1e-12)
 
 
+@pytest.mark.long
 def test_a_shape_rolls_whose_neighbours_do_not() -> None:
     """Of shapes with numbers near these, some roll outside the range of the height."""
     free, fixed = _shapes({"across": 0.93, "along": 1.0, "power": 2.3})

@@ -46,7 +46,7 @@ def members(body: st.Body, family: st.Family, count: int = 12) -> tuple[np.ndarr
     return np.array(a).T, np.array([known[n] for n in family.parameters]).T.reshape(count, -1)
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("name", "law"), LAWS)
 @pytest.mark.parametrize(
     "body",
@@ -80,7 +80,7 @@ AXES = {"tumbling": ("theta", 0.9, 1.5, 41), "circling": ("theta", 0.4, 1.4, 41)
         "precession": ("theta", 0.4, 1.4, 41)}  # fmt: skip
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("name", "law"), [p for p in LAWS if p[1] != "linear-viscous"])
 def test_maps_by_formulas_have_the_verdicts_of_the_graph(
     name: str, law: str, monkeypatch: pytest.MonkeyPatch
@@ -215,6 +215,7 @@ def test_families_of_two_bodies_are_told_apart_without_a_comparison(
     assert [table[family] for family in families] == [0, 1]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("name", "law"), [("tumbling", "viscous"), ("precession", "smooth")])
 def test_conditions_by_waves_are_those_of_the_system(name: str, law: str) -> None:
     family = BODIES["egg"].family(name, law)

@@ -124,6 +124,7 @@ class Homeless(st.Contact):
     parameters: ClassVar[tuple[st.Parameter, ...]] = (st.Parameter("nu", "s/m"),)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("certify", [False, True])
 def test_a_lean_names_a_member(certify: bool) -> None:
     mine = st.spectrum("tumbling", contact=Weakening(0.97), lean=0.3, certify=certify)
@@ -137,7 +138,7 @@ def test_a_lean_names_a_member(certify: bool) -> None:
     assert [b.crossing for b in found] == [b.crossing for b in stored]
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("disk", DISKS.values(), ids=DISKS)
 @pytest.mark.parametrize(
     ("family", "axis", "at"),
@@ -200,6 +201,7 @@ def test_hopf_says_what_it_scanned() -> None:
         st.hopf("tumbling", contact=Same(0.9), disk=st.Disk(k=0.375), points=50)
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("method", ["auto", "dop853", "cvodes", "idas"])
 @pytest.mark.parametrize("disk", DISKS.values(), ids=DISKS)
 def test_motions_are_those_of_the_same_force(method: str, disk: st.Disk) -> None:

@@ -82,6 +82,7 @@ def eigenvalues(law: Any, family: str, at: float, mu: Any) -> list[Any]:
     return sorted((v for v in found if 1e-20 < abs(v) < mu / 100), key=lambda v: (v.imag, v.real))
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(("family", "at"), [("rolling", 1.3), ("spinning", 2.2), ("tumbling", 0.8)])
 @pytest.mark.parametrize("order", range(3))
 def test_eigenvalues_are_the_slow_ones_to_the_order(order: int, family: str, at: float) -> None:
@@ -98,7 +99,7 @@ def test_eigenvalues_are_the_slow_ones_to_the_order(order: int, family: str, at:
     assert slope == pytest.approx(order + 1, abs=1e-3), [mpmath.nstr(e, 5) for e in errors]
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("law", "family", "at"),
     [(Creep1, "rolling", 1.3), (Creep1, "rolling", 1.5), (Creep2, "spinning", 2.2),
@@ -113,6 +114,7 @@ def test_verdicts_are_those_of_the_viscous_disk(law: Any, family: str, at: float
     assert float(mine.abscissa) == pytest.approx(float(full.abscissa), rel=0.05)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", CREEP[1:])
 def test_a_motion_keeps_its_account_and_reports_its_slip(law: Any) -> None:
     motion = run(law(30.0), 5.0)
@@ -139,7 +141,7 @@ def test_units_do_not_matter() -> None:
     assert float(si.slip_x[-1]) == pytest.approx(speed * float(plain.slip_x[-1]), rel=1e-6)
 
 
-@pytest.mark.few(6)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("law", CREEP[1:])
 @pytest.mark.parametrize("mu", [3e2, 3e4, 3e6])
 def test_creep_ends_before_the_normal_force_does_and_claims_no_lift_off(

@@ -163,6 +163,7 @@ def determinant(rows: Sequence[Sequence[Any]]) -> Any:
     return value
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", LAWS)
 def test_the_smooth_and_rough_four_states_need_no_slip(law: str) -> None:
     """The four-state rates are those of the six-state form, and no slip enters them."""
@@ -174,6 +175,7 @@ def test_the_smooth_and_rough_four_states_need_no_slip(law: str) -> None:
         assert any(slope(value, 4) != 0 for value in graph.rates)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", LAWS)
 def test_energy_is_the_rigid_bodys_identically(law: str) -> None:
     """SymPy's RigidBody.kinetic_energy plus height; the smooth four-state disk's centre rests."""
@@ -200,6 +202,7 @@ def test_energy_falls_at_the_dissipated_power_identically(law: str) -> None:
     assert power == law_power[law]
 
 
+@pytest.mark.long
 def test_energy_falls_at_the_dissipated_power_in_sympys_own_calculus() -> None:
     """The same for the paper's law through `sympy_algebra` and sympy.diff, sin and cos replaced."""
     system = disk_system("viscous")
@@ -492,6 +495,7 @@ def test_viscous_motion_meets_the_inertial_frame_trajectory(number: int) -> None
 # --------------------------------------------------------------------------- the checks can fail
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", LAWS)
 def test_identity_check_sees_a_ninth_digit_of_k(law: str) -> None:
     """Kane's equations with k (1 + 1e-9) leave a remainder."""

@@ -19,6 +19,7 @@ def neutral(theta: float, bend: float, omega3: float) -> bool:
     return bool(bent * q + 0.5 * (0.5 + h * h) * (0.5 + h * h + h * bent * c * c) * omega3**2 > 0)
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("edge", "law"),

@@ -59,6 +59,7 @@ def test_a_torus_becomes_the_hoop(family: str, at: float, law: str) -> None:
     assert order(SIZES, _largest(ring, hoop.eigenvalues)) == pytest.approx(theory, abs=0.02)
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("solid", [True, False])
 def test_eigenvalues_of_a_torus_move_at_the_rate_of_the_closed_forms(solid: bool) -> None:
@@ -111,7 +112,7 @@ BALL = {
 """Eigenvalues of a ball in the frames of the families, less the structural zeros."""
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("family", "law"), BALL)
 @pytest.mark.parametrize("side", [1, -1], ids=["long", "flat"])
 def test_a_spheroid_becomes_the_ball(family: str, law: str, side: int) -> None:

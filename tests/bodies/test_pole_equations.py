@@ -26,7 +26,7 @@ def _frame(x: np.ndarray) -> tuple[np.ndarray, ...]:
     return along, across, c * along - s * up, s * along + c * up
 
 
-@pytest.mark.few(10)
+@pytest.mark.few(4)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("body", BODIES, ids=lambda b: b.name)
 def test_both_charts_have_the_same_rates_forces_and_energy(body: st.Body, law: str) -> None:
@@ -65,7 +65,7 @@ def test_both_charts_have_the_same_rates_forces_and_energy(body: st.Body, law: s
             assert mine[name] == pytest.approx(other[name], rel=1e-12, abs=1e-13), name
 
 
-@pytest.mark.few(10)
+@pytest.mark.few(4)
 @pytest.mark.parametrize("pole", [0, "pi"])
 @pytest.mark.parametrize("gamma", [0.85, 1.0, 1.15])
 @pytest.mark.parametrize("offset", [0.1, 0.3])
@@ -102,6 +102,7 @@ def test_tippe_top_turns_over_by_its_known_thresholds(
             assert near.verdict.word == ("stable" if (factor < 1) == (pole == 0) else "unstable")
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("mu", [0.3, 3.0, 30.0])
 @pytest.mark.parametrize("make", ["named", "own"])
 def test_a_tippe_top_in_si_turns_over_at_the_numbers_of_the_literature(

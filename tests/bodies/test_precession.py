@@ -29,6 +29,7 @@ def test_the_counterexample_to_three_families_is_a_member() -> None:
     assert float(np.ptp(run.theta.values)) < 1e-9
 
 
+@pytest.mark.long
 def test_the_spectrum_is_that_of_the_effective_potential() -> None:
     """With L·ẑ and omega3 kept the energy is (k + c²) θ̇²/2 + V(θ): frequency² = V''/(k + c²)."""
     th, ell, spin, rate = sp.symbols("theta ell omega rate", positive=True)

@@ -10,6 +10,7 @@ from scipy.integrate import quad
 import stability as st
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("aspect", [0.5, 1.0, 1.8])
 def test_a_spheroid_from_its_meridian_is_the_spheroid(aspect: float) -> None:

@@ -56,6 +56,7 @@ def tables_of_facts(folder: Path) -> Iterator[tuple[str, str]]:
                 yield path.relative_to(folder).as_posix(), str(keys[0])
 
 
+@pytest.mark.long
 def test_no_unit_symbol_or_name_is_stated_in_a_second_place() -> None:
     found = set(tables_of_facts(PACKAGE))
     own = "tables/benchmarks/"  # systems of their own, with their own units

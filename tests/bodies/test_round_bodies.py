@@ -51,6 +51,7 @@ def test_general_graph_meets_the_reference_motions(known: dict) -> None:  # type
     assert np.abs(found - true).max() < 1e-9
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("physical", [False, True])
 def test_general_graph_is_the_disks_at_random_states(law: str, physical: bool) -> None:

@@ -40,7 +40,7 @@ def _tumbles(body: st.Body, theta: float) -> tuple[float, float] | None:
     return (math.sqrt(square), math.sqrt(square) * s * z / r) if square > 0 else None
 
 
-@pytest.mark.few(6)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("body", BODIES, ids=lambda b: b.name)
 def test_tumbling_has_the_closed_form_and_is_steady(body: st.Body, law: str) -> None:
@@ -182,7 +182,7 @@ def _search(value: Residual, slope: Residual, starts: list[np.ndarray]) -> list[
     return found
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("body", EVERY, ids=lambda b: f"{b.name} {list(b.shape.values())[0]}")
 def test_no_other_steady_motion_is_found(body: st.Body, law: str) -> None:

@@ -51,7 +51,7 @@ BODIES = [torus(Fraction(1, 5)), torus(Fraction(1, 3)), spheroid(Fraction(1, 2))
 MU = (Fraction(3, 10), Fraction(3))
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("case", BODIES, ids=lambda c: c[0].name)
 def test_upright_rolling_and_spinning_turn_at_the_printed_thresholds(case: Upright) -> None:
     body, numbers, h, bend, i1, i3 = case
@@ -133,7 +133,7 @@ def test_a_tippe_top_turns_at_its_published_thresholds(offset: Fraction, across:
             assert words(family, root(square), numbers | {"mu": mu}) == expected
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("pole", [0, "pi"])
 @pytest.mark.parametrize(("h", "rho", "i1", "i3"), [
     (Fraction(4, 5), Fraction(1), HALF, HALF),
@@ -275,7 +275,7 @@ def test_leaning_rolling_turns_at_its_printed_thresholds(t: Fraction) -> None:
         assert words(family, root(square), numbers) == ["unstable", "neutral"], law
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("share", [Fraction(1, 4), HALF, Fraction(9, 10)])
 @pytest.mark.parametrize("rho", [Fraction(0), Fraction(1, 7)])
 def test_fast_spinning_flutters_from_its_second_limit(rho: Fraction, share: Fraction) -> None:
@@ -300,6 +300,7 @@ def exactly(expression: Any, values: Mapping[str, Fraction]) -> Fraction:
     return Fraction(int(found.p), int(found.q))
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("t", [Fraction(1), Fraction(9, 10)])
 def test_tumbling_turns_where_its_energy_is_stationary(t: Fraction) -> None:
     """The static boundary of a thick disk: E is computed from the height alone, to 60 digits."""

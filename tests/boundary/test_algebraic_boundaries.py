@@ -237,6 +237,7 @@ def test_the_gap_between_two_folds_is_exact() -> None:
     assert near(found[0], exact[0]) and near(found[1], exact[1])
 
 
+@pytest.mark.long
 def test_a_fold_behind_which_another_branch_is_found_stays_open() -> None:
     """U³ = u + p folds at p = ±2/(3√3); the guess 1.2 leaves its branch at the lower one."""
     family = solved(lambda u, p: p + u - u**3, lambda u, _: u - 3, 1.2)
@@ -347,11 +348,12 @@ def campaign(seeds: range) -> tuple[Counter[tuple[str, str]], list[str]]:
     return ends, wrong
 
 
-def test_random_planted_boundaries_are_all_found() -> None:
+@pytest.mark.parametrize("count", [5, pytest.param(15, marks=pytest.mark.long)])
+def test_random_planted_boundaries_are_all_found(count: int) -> None:
     """Only the families with a gap, where there is no member, are not complete."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", StabilityWarning)
-        ends, wrong = campaign(range(15))
+        ends, wrong = campaign(range(count))
     assert not wrong, "\n".join(wrong)
     assert set(ends) <= {(k, "complete") for k in ("turn", "root", "cubic", "hyperbola")} | {
         ("gap", "open")

@@ -245,7 +245,7 @@ def governor() -> st.Family:
     )  # fmt: skip
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("a", "b"), [(0.5, 0.7968357154), (0.25, 0.7795976849), (0.8, 0.8506928506)]
 )

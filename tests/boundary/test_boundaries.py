@@ -550,6 +550,7 @@ def test_a_scan_that_proves_nothing_says_so() -> None:
     assert "no verdict is proved at any of the 9 points" in piece.reason
 
 
+@pytest.mark.long
 def test_a_member_that_is_missing_within_a_scan_is_stated() -> None:
     """Y (p - y) = 0, y measured from -1: the branches cross at p = 0, with no isolated root."""
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p")

@@ -27,6 +27,7 @@ def test_the_slow_flow_derived_from_the_graph_is_that_of_an_independent_derivati
         assert sympy.simplify(mine - sympy.sympify(theirs[key], locals=NAMES)) == 0
 
 
+@pytest.mark.long
 def test_the_manifold_is_invariant_to_its_order() -> None:
     """The residual of the invariance equation is of the order of the tilt to the fourth."""
     found = derive_slow_flow()
@@ -115,6 +116,7 @@ def time_to_threshold(
     return crossing(times, states[:, 3], d.threshold), d.time
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("launch", [False, True])
 @pytest.mark.parametrize(("k", "mu"), [(0.25, 0.3), (0.5, 2.0)])
 def test_simulations_of_the_full_equations_cross_the_threshold_when_told(

@@ -289,6 +289,7 @@ def test_questions_without_such_a_boundary_are_refused(
         hopf(family, contact=law)
 
 
+@pytest.mark.long
 def test_beside_a_hyperbolic_point_a_motion_may_come_back_to_the_family_elsewhere() -> None:
     # 0.4 said that it leaves the line for good; the statement is local
     disk, mu = st.Disk(k=0.375), np.sqrt(0.8)

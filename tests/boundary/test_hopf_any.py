@@ -184,6 +184,7 @@ def governor(b: float = 0.5) -> st.Family:
     )  # fmt: skip
 
 
+@pytest.mark.few(2)
 @pytest.mark.filterwarnings("ignore::stability.StabilityWarning")
 @pytest.mark.parametrize(("a", "b"), [(0.5, 0.5), (0.5, 0.9), (0.25, 0.78), (0.25, 0.779)])
 def test_the_watt_governor_is_soft_or_hard_as_published(a: float, b: float) -> None:

@@ -40,6 +40,7 @@ def test_a_fold_of_other_motions_leaves_a_branch_complete(
         assert (slope < 0) == (name == "out")
 
 
+@pytest.mark.long
 def test_what_the_exact_search_leaves_open_is_searched_in_pieces(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -55,6 +55,7 @@ def holds(mid: float, rad: float, true: Any) -> bool:
         return bool(abs(true - arb(float(mid))) <= arb(float(rad)) + arb(2) ** -180)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", LINES)
 def test_coefficients_at_points_and_over_pieces_hold_the_true_ones(name: str) -> None:
     found, (low, high) = rounds(name), LINES[name][-1]
@@ -101,7 +102,7 @@ def test_a_solved_unknown_over_wide_parameters_holds_both_ends() -> None:
     assert ctx.prec == 53
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", LINES)
 def test_judged_pieces_are_clear_or_monotone_as_said(name: str) -> None:
     """At many points of each: no zero, a member, and one sign of the slope where that is said."""

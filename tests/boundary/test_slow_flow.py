@@ -13,7 +13,7 @@ DISK = st.Body(lambda t: ca.sin(t), axial=0.5, transverse=0.25, name="thin disk"
 KINDS = (st.RollingResistance, st.PivotingResistance, st.AirTorque)
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("body", [DISK, st.Spheroid(0.5), st.Torus(0.2)], ids=lambda b: b.name)
 @pytest.mark.parametrize("kind", KINDS, ids=lambda k: k.coefficient)
 def test_rates_are_those_of_the_energy(body: st.Body, kind: type[st.Resistance]) -> None:

@@ -102,6 +102,7 @@ def growth(v: Any) -> tuple[Any, Any]:
     return current, max(mp.re(e) for e in mp.eig(mp.matrix(rows), left=False, right=False))
 
 
+@pytest.mark.long
 def test_the_onset_of_firing_of_a_nerve_is_found_and_no_other() -> None:
     with mp.workdps(40):
         at = mp.findroot(lambda v: growth(v)[1], (5.2, 5.5), solver="anderson", tol=1e-30)
@@ -111,6 +112,7 @@ def test_the_onset_of_firing_of_a_nerve_is_found_and_no_other() -> None:
     assert [b.value for b in found] == pytest.approx([wanted], rel=1e-13)
 
 
+@pytest.mark.long
 def test_members_along_an_axis_are_followed_many_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each search from the anchor costs the same for one member as for a hundred."""
     counts: list[int] = []
@@ -125,6 +127,7 @@ def test_members_along_an_axis_are_followed_many_at_once(monkeypatch: pytest.Mon
     assert sum(counts) > 5 * len(counts)
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("error::RuntimeWarning")
 def test_conditions_of_a_reactor_warn_of_no_arithmetic() -> None:
     assert st.conditions(reactor()).rule

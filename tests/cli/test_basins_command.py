@@ -91,6 +91,7 @@ def test_a_dry_run_leaves_a_store_of_another_question_as_it_is(
     assert {p: p.read_bytes() for p in out.rglob("*") if p.is_file()} == before
 
 
+@pytest.mark.long
 def test_borders_are_refined_for_the_figure(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -155,6 +156,7 @@ def test_a_sample_has_its_distributions_and_its_seed(
         np.testing.assert_array_equal(found[name].values, true[name].values)
 
 
+@pytest.mark.long
 def test_bodies_systems_and_numbers_are_launched(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
@@ -336,6 +338,7 @@ def test_a_sample_may_name_the_member_by_at(tmp_path: Path) -> None:
     assert {"phi_dot", "tilt"} <= set(xarray.open_zarr(tmp_path / "a.zarr").coords)
 
 
+@pytest.mark.long
 def test_refined_borders_are_said_to_be_sensitive_or_not(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

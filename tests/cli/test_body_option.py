@@ -53,7 +53,7 @@ def spectrum(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, objec
     return found
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", NAMED)
 def test_every_named_body_has_the_spectrum_of_the_library(
     capsys: pytest.CaptureFixture[str], name: str

@@ -36,6 +36,7 @@ COMMANDS = {
 """Words of a command: works that it cites among others."""
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("words", COMMANDS)
 def test_the_object_of_a_command_says_what_to_cite(
     words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -57,6 +57,7 @@ def test_spectrum_prints_the_object_of_the_contract(capsys: pytest.CaptureFixtur
     assert found["abscissa"] == found["eigenvalues"][-1][0]
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize("contact", ["smooth", "viscous", "linear-viscous", "rough"])
 @pytest.mark.parametrize(
     ("family", "at"), [("rolling", "0.57735026918962584"), ("spinning", "2"), ("tumbling", "0.5")]
@@ -193,6 +194,7 @@ def test_numbers_of_ones_own_system_are_exact_as_they_are_written(
     assert text.startswith("own, rest, at a = 0.9 1/s², b = 0.3 m\nverdict     neutral")
 
 
+@pytest.mark.long
 def test_map_of_ones_own_system(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     import stability as st
 
@@ -250,6 +252,7 @@ def test_python_m_stability_is_the_same_program() -> None:
     assert version == f"stability {__version__}\n"
 
 
+@pytest.mark.long
 def test_a_terminal_without_unicode_is_no_obstacle() -> None:
     environment = dict(os.environ, PYTHONIOENCODING="ascii")
     done = subprocess.run(
@@ -259,6 +262,7 @@ def test_a_terminal_without_unicode_is_no_obstacle() -> None:
     assert (done.returncode, done.stderr) == (0, b"")
 
 
+@pytest.mark.long
 def test_a_full_standard_output_is_said_so() -> None:
     with open("/dev/full", "w") as full:
         done = subprocess.run(

@@ -157,6 +157,7 @@ def start_swing(place: str) -> list[str]:
             "--param", "c=0.4"]  # fmt: skip
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("name", ["swing", "rest"])
 def test_simulate_takes_ones_own_system_or_a_family_of_it(

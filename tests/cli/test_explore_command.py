@@ -24,7 +24,7 @@ def test_a_page_is_written_for_the_disk_a_body_and_a_system(
     assert page.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
 
 
-@pytest.mark.few(9)
+@pytest.mark.few(4)
 @pytest.mark.parametrize(
     ("words", "part"),
     [

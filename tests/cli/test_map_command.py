@@ -46,6 +46,7 @@ def test_what_needs_the_whole_map_is_refused_with_a_folder(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("route", ["memory", "verdicts", "growth"])
 def test_every_route_takes_a_scheduler_and_workers(
     route: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

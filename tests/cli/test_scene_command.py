@@ -72,7 +72,7 @@ def _same(found: Any, value: Any) -> bool:
     return bool(found is None and not math.isfinite(value)) or bool(found == value)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.stem)
 def test_an_example_prints_the_answer_of_python_in_both_forms(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, path: Path
@@ -356,6 +356,7 @@ def test_the_chart_is_written_next_to_the_motion_and_shows_the_models_of_python(
     assert "tolerance\n1e-05" in drawn
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("brief")
 def test_the_motion_and_the_chart_are_both_written_or_neither(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -309,7 +309,7 @@ def test_one_over_cosine_crashes_or_is_wrong_where_the_disk_is_upright() -> None
     }
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("route", [r for r in OWN if r.default])
 def test_no_default_route_misleads(route: type[Route]) -> None:
     for name, mark in marks(route()).items():
@@ -381,6 +381,7 @@ def test_truths_of_motions_keep_what_is_conserved() -> None:
         assert np.allclose(constants, constants[0], rtol=1e-11, atol=1e-11)
 
 
+@pytest.mark.long
 def test_truths_are_met_by_an_integrator_that_made_none_of_them() -> None:
     for name in ("gentle", "lift-off", "slow-drift", "near-flat-viscous", "spin-down"):
         it = scene(name)

@@ -282,6 +282,7 @@ def motion_data_of(path: Path) -> Any:
         return data.load()
 
 
+@pytest.mark.long
 def test_scenes_are_charted_and_the_page_says_which_model_answers(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

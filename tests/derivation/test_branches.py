@@ -132,6 +132,7 @@ def test_both_roots_of_two_parameter_families_are_admissible_from_a_stated_tilt_
     assert sp.simplify((c / a).subs({K: HALF, S: HALF})) > 0
 
 
+@pytest.mark.long
 def test_the_printed_ranges_hold_at_random_points() -> None:
     """Real and admissible exactly where it says so: 40 digits, hundreds of points."""
     rng = np.random.default_rng(31)

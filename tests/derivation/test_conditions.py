@@ -268,6 +268,7 @@ def read(text: str) -> Any:
     return sympy.sympify(text, locals=plain)
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("name", HAND)
 def test_what_decides_is_the_hand_formula(name: str) -> None:
     found, _ = CASES[name]()
@@ -435,7 +436,7 @@ def test_the_verdict_is_that_of_the_exact_matrix(name: str) -> None:
     assert min(words.values()) > 8, words
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", ["governor", "lorenz", "three bodies", "bicycle", "jeffcott"])
 def test_the_verdict_is_that_of_certified_spectra(name: str) -> None:
     chance = random.Random(name)

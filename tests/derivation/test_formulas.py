@@ -86,6 +86,7 @@ def decided(family: str, law: str, k: float, mu: float, at: float) -> Verdict:
     return verdict(asked, {n: float(v) for n, v in asked.values.items()})
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "k", ["all", "0.34", *(pytest.param(k, marks=pytest.mark.long) for k in SEVERAL[3:])]
 )
@@ -118,6 +119,7 @@ def test_ranges_of_spinning_hold_wherever_they_are_probed(k: str) -> None:
                 assert below is Verdict.UNSTABLE
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("k", "probes"),
     [("0.25", 12), ("0.34", 12), *(pytest.param(k, 50, marks=pytest.mark.long) for k in SEVERAL)],

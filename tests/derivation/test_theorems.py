@@ -478,6 +478,7 @@ def least_slip(nutation: float, seed: int, starts: int = 60) -> float:
     return float(best.min())
 
 
+@pytest.mark.long
 def test_no_slip_on_an_interval_without_rest_is_found() -> None:
     """The least slip is found where the disk passes upright with θ̇² = sinθ/(1 + k)."""
     assert least_slip(0.5, 9) > 1e-4
@@ -543,6 +544,7 @@ def continuations_from_rest(x: Array, k: Array, mu: Array) -> tuple[Array, Array
     return roots + (psi[:, 0] < 0), normal > 0
 
 
+@pytest.mark.long
 def test_the_number_of_continuations_from_rest_is_as_stated() -> None:
     rng = np.random.default_rng(13)
     n = 500

@@ -113,6 +113,7 @@ def test_a_docstring_has_the_form_of_numpydoc(name: str) -> None:
     assert [(code, said) for code, said in found["errors"] if code not in left] == []
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("code", NOT_ASKED)
 def test_a_check_that_is_not_asked_would_fail_somewhere(code: str) -> None:
     """So that none stays off without need."""

@@ -181,6 +181,7 @@ def placed(body: st.Body, run: Any) -> np.ndarray:
     ], axis=1)  # fmt: skip
 
 
+@pytest.mark.few(1)
 def test_launches_end_and_move_as_in_python(asked: tuple[str, Engine]) -> None:
     name, view = asked
     generator, scenes = np.random.default_rng(SEED), []

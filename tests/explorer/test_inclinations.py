@@ -72,6 +72,7 @@ def test_every_member_of_the_page_is_at_the_inclination_that_is_meant(
     assert all(one is not None for one in near_first)
 
 
+@pytest.mark.few(1)
 def test_verdicts_are_those_of_that_inclination(asked: tuple[float, Engine]) -> None:
     theta, view = asked
     sets = points(view, BENDS)

@@ -198,6 +198,7 @@ def test_a_continuation_of_the_problem_meets_the_boundaries(name: str, tmp_path:
     assert edges
 
 
+@pytest.mark.long
 def test_julias_lines_have_the_same_values(tmp_path: Path) -> None:
     """The functions of the Julia file, read by Julia's grammar, against the compiled C."""
     for name in CASES:

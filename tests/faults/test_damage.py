@@ -155,6 +155,7 @@ def test_a_damaged_file_reads_to_the_right_numbers_or_is_refused(
             assert judged(sample, bytes(content), tmp_path / "flip.nc")[0] == "refused"
 
 
+@pytest.mark.long
 def test_a_file_that_lost_its_checksum_is_refused(
     samples: dict[str, Sample], tmp_path: Path
 ) -> None:
@@ -171,6 +172,7 @@ def plain(dataset: Any, path: Path) -> Path:
     return path
 
 
+@pytest.mark.long
 def test_files_of_earlier_versions_are_read(tmp_path: Path) -> None:
     a_map = st.stability_map("rolling", **AXES)
     a_run = st.simulate(st.Disk(), st.Viscous(0.3), {"theta": 1.4}, [0.5, 1.0])
@@ -178,6 +180,7 @@ def test_files_of_earlier_versions_are_read(tmp_path: Path) -> None:
     assert st.read_motion(plain(a_run, tmp_path / "run.nc")).identical(a_run)
 
 
+@pytest.mark.long
 def test_a_flag_without_a_meaning_is_refused_in_an_old_file(tmp_path: Path) -> None:
     found = st.stability_map("rolling", **AXES)
     found.verdict[3, 4] = 77
@@ -185,7 +188,7 @@ def test_a_flag_without_a_meaning_is_refused_in_an_old_file(tmp_path: Path) -> N
         st.read_map(plain(found, tmp_path / "map.nc"))
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("with_checksum", [False, True])
 @pytest.mark.parametrize("kind", BOMBS)
 def test_a_small_file_that_declares_gigabytes_is_refused(

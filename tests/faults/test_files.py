@@ -119,6 +119,7 @@ def test_a_full_disk_leaves_nothing_half_written(
     assert left == []
 
 
+@pytest.mark.long
 def test_standard_output_leads_where_it_led_after_an_error(tmp_path: Path) -> None:
     code = (
         "import os, sys\n"
@@ -183,6 +184,7 @@ def test_json_is_strict(words: tuple[str, ...], capsys: pytest.CaptureFixture[st
         json.loads(capsys.readouterr().out, parse_constant=no_constant)
 
 
+@pytest.mark.long
 def test_a_number_without_bound_is_null(capsys: pytest.CaptureFixture[str]) -> None:
     import numpy as np
 

@@ -116,7 +116,7 @@ def test_a_worker_ends_with_its_parent(system: str, tmp_path: Path) -> None:
     assert soon(there, 30.0) == []
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @LINUX
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_to_the_group_leaves_the_helper_of_multiprocessing_alone(number: int) -> None:
@@ -139,6 +139,7 @@ def test_a_signal_to_the_group_leaves_the_helper_of_multiprocessing_alone(number
     assert (done.stdout.split(), done.stderr) == (["1", "True", "True"], "")
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no timer here")
 def test_an_interruption_within_hdf5_does_not_end_the_process(tmp_path: Path) -> None:
     """A stream that is interrupted at any moment leaves nothing, and the process goes on."""

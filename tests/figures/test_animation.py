@@ -188,6 +188,7 @@ def test_without_ffmpeg_a_sentence_says_what_to_install(
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
 def test_a_page_holds_the_motion_and_loads_nothing(law: Contact, tmp_path: Path) -> None:
     run = launch(law, st.Disk(k=0.4, mass=0.2, radius=0.3, gravity=9.81))

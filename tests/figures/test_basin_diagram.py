@@ -142,6 +142,7 @@ def test_the_strip_has_the_proved_thresholds(found: xarray.Dataset) -> None:
     assert [t.get_text() for t in above.texts] == ["unstable", "stable"]
 
 
+@pytest.mark.long
 def test_a_user_draws_on_axes_of_their_own(found: xarray.Dataset) -> None:
     figure = Figure(figsize=(7, 3.2), layout="constrained")
     left, right = figure.subplots(1, 2)

@@ -136,6 +136,7 @@ def test_flat_ends_are_closed_and_marked_by_a_wedge() -> None:
     assert egg.mark[-1].all() and len(egg.r) == len(meridian(st.Spheroid(1.4))[0])
 
 
+@pytest.mark.long
 def test_every_frame_of_a_thick_disk_is_drawn(tmp_path: Path) -> None:
     """In some, the eye looks along a flat end, and the wedge is a line."""
     body = st.ThickDisk(0.5)

@@ -59,6 +59,7 @@ def test_a_locus_of_the_disk_has_its_units() -> None:
             r"axial angular velocity $\omega_3$  [rad/s]"} <= set(texts(locus(found)))  # fmt: skip
 
 
+@pytest.mark.long
 def test_a_locus_is_drawn_against_what_was_swept() -> None:
     sweep = np.linspace(-1, 1, 9)
     figure = locus(st.spectrum(pendulum(UNITS), at=1.0, c=sweep, **{"x y": 0.0}))
@@ -82,6 +83,7 @@ def test_a_circle_lies_on_the_threshold_that_is_given() -> None:
     assert list(ring.get_xdata()) == [2**0.5]
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("sweep", "scale"), [
     (np.geomspace(0.1, 50, 9), "log"), (np.linspace(0.1, 50, 9), "linear"), ([0.1, 50], "linear"),
 ])  # fmt: skip
@@ -202,6 +204,7 @@ def test_an_axis_with_a_space_keeps_its_logarithm() -> None:
     assert axes.get_ylabel() == "x y  [mm]"
 
 
+@pytest.mark.long
 def test_a_dollar_in_a_name_is_drawn_as_it_is() -> None:
     x, p = ca.SX.sym("x"), ca.SX.sym("p", 2)
     system = st.System("$", x, p, (p[0] - p[1]) * x, states=("$n$",), parameters=("$a$", "b_{"))
@@ -213,6 +216,7 @@ def test_a_dollar_in_a_name_is_drawn_as_it_is() -> None:
     assert r"\$a\$" in texts(figure) and r"1: \$n\$" in texts(figure)
 
 
+@pytest.mark.long
 def test_the_legend_lists_no_boundary_of_one_point() -> None:
     """Tumbling meets spinning at upright, where an eigenvalue is zero: one point on the frame."""
     hoop = st.stability_map(

@@ -58,6 +58,7 @@ def pictures(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Figure]:
     return found
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("count", [4, pytest.param(33, marks=pytest.mark.long)])
 def test_no_text_of_the_atlas_overlaps_or_is_too_small(
     pictures: dict[str, Figure], count: int
@@ -109,6 +110,7 @@ def quarter() -> Any:
     )
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize(("width", "fontsize"), [(None, None), (3.35, 7), (5.0, 10), (7.0, 12)])
 def test_texts_keep_clear_at_any_size(quarter: Any, coin: Any, width: Any, fontsize: Any) -> None:
@@ -176,6 +178,7 @@ def test_no_two_modes_of_a_locus_share_a_name(pictures: dict[str, Figure]) -> No
             assert len(modes) >= 2 and len(set(modes)) == len(modes), name
 
 
+@pytest.mark.long
 def test_many_parameters_of_a_system_keep_within_the_figure() -> None:
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 9)
     names = ("k", "c", *(f"length of part {i}" for i in range(7)))
@@ -195,6 +198,7 @@ def test_many_parameters_of_a_system_keep_within_the_figure() -> None:
 # --- axes of a user ---
 
 
+@pytest.mark.long
 def test_a_user_gives_axes(run: Any, quarter: Any) -> None:
     spectra = st.spectrum("rolling", at=np.linspace(1, 2, 20), contact=st.Viscous(0.3))
     figure = Figure(figsize=(9, 8), layout="constrained")
@@ -314,6 +318,7 @@ def shades(figure: Figure) -> Iterator[tuple[int, float]]:
             yield middle, float(tile.max() - tile.min())
 
 
+@pytest.mark.long
 def test_growth_is_hatched_in_grey_on_every_shade_and_decay_is_not() -> None:
     found = st.stability_map("rolling", x=("at", 0.5, 2.5, 60), y=("mu", 0.01, 100, 60, "log"))
     figure = st.plot_map(found)

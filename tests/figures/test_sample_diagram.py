@@ -45,6 +45,7 @@ def test_nothing_keeps_it_from_being_printed(found: xarray.Dataset) -> None:
     assert faults(st.plot_basins(found, width=6.9, fontsize=9)) == []
 
 
+@pytest.mark.long
 def test_every_launch_has_a_mark_at_its_numbers(found: xarray.Dataset) -> None:
     figure = st.plot_basins(found)
     assert np.array_equal(points(figure), ordered(found.phi_dot, found.tilt))
@@ -116,6 +117,7 @@ def _is_text(artist: Any) -> bool:
     return hasattr(artist, "get_text") and not hasattr(artist, "get_texts")
 
 
+@pytest.mark.long
 def test_every_end_has_a_mark_of_its_own(found: xarray.Dataset) -> None:
     every = found.copy(deep=True)
     codes = every.outcome.values

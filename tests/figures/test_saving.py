@@ -10,6 +10,7 @@ import stability as st
 from stability.figures.canvas import save
 
 
+@pytest.mark.long
 def test_a_figure_is_laid_out_once_and_drawn_once_a_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -37,6 +38,7 @@ def test_a_figure_is_laid_out_once_and_drawn_once_a_file(
     assert (figure.get_layout_engine(), figure.dpi, figure.canvas) == (engine, before, canvas)
 
 
+@pytest.mark.long
 def test_a_saved_figure_has_the_places_that_matplotlib_gives_it(tmp_path: Path) -> None:
     """The second file has the layout of the first, and that of `savefig`, to a dot."""
     found = st.spectrum("spinning", at=[1.0, 2.0, 3.0], contact=st.Viscous(0.3))

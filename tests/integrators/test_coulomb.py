@@ -35,7 +35,7 @@ def events(case: dict[str, Any]) -> list[tuple[str, float]]:
     return found
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", SCENES)
 @pytest.mark.parametrize("method", ["auto", pytest.param("dop853", marks=pytest.mark.long)])
 def test_scenes_meet_the_inertial_formulation(name: str, method: str) -> None:
@@ -161,6 +161,7 @@ def test_every_radial_direction_is_found() -> None:
         assert np.abs(slip_acceleration(four, k, mu, found)[1]).max() < 1e-9
 
 
+@pytest.mark.long
 def test_below_the_threshold_there_is_exactly_one_way_on() -> None:
     # theorem of docs/explanation/dry-friction.md for mu < 2√(k(k+1)) and a contact that is pressed
     rng = np.random.default_rng(6)

@@ -170,6 +170,7 @@ def test_an_open_set_of_starts_ends_so_and_not_all_its_neighbours(count: int, le
     assert found["moving"] >= least
 
 
+@pytest.mark.long
 def test_a_real_lift_off_with_a_small_d_stays_one() -> None:
     x = np.array([1.01908, 0.11646887712150475, 0.5773447867225326, 2.067745929933388,
                   0.18242974825821903, -0.005761796842540787])  # fmt: skip

@@ -25,6 +25,7 @@ def word(run: Any) -> str:
     return BY_CODE[int(run.outcome)].word
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("method", ["heyoka", "dop853", "lsoda", "cvodes"])
 def test_a_run_ends_when_its_computing_time_is_spent(method: str) -> None:
     run = st.simulate(st.Disk(), st.Viscous(0.3), FAST, 10.0, method=method, max_seconds=0.2)
@@ -41,6 +42,7 @@ def test_dry_friction_has_a_budget_too() -> None:
     assert "more than 0.2 s of computing" in str(run.evidence.values)
 
 
+@pytest.mark.long
 def test_a_budget_is_of_the_thread_and_of_no_other() -> None:
     budget = Budget(1e6)
     assert budget(None)
@@ -144,6 +146,7 @@ def test_the_neighbours_of_a_launch_share_one_budget(monkeypatch: pytest.MonkeyP
     assert given == pytest.approx([1.0, 1.0, 0.6, 0.2])
 
 
+@pytest.mark.long
 def test_a_neighbour_without_time_leaves_the_launch_undetermined(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -64,6 +64,7 @@ def test_a_scheduler_by_its_address_lives_on(address: str, tmp_path: Path) -> No
     assert len(done(log)) == 30
 
 
+@pytest.mark.long
 def test_a_future_is_released_when_its_chunk_is_stored(address: str, tmp_path: Path) -> None:
     held: list[int] = []
     with Client(address, set_as_default=False) as client:

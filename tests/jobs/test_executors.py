@@ -89,7 +89,7 @@ class Told(list[tuple[int, int]]):
         return self == sorted(self) and self[-1] == (total, total)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.usefixtures("small")
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_map_is_the_same_by_every_executor(kind: str, pools: dict[str, Executor]) -> None:

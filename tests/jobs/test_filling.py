@@ -219,6 +219,7 @@ def test_a_worker_killed_from_outside_costs_its_chunk(tmp_path: Path) -> None:
     assert tree(tmp_path / "a.zarr") == undisturbed(tmp_path / "b.zarr")
 
 
+@pytest.mark.long
 def test_the_users_executor_that_breaks_is_a_sentence_and_the_store_resumes(tmp_path: Path) -> None:
     log = tmp_path / "log"
     work = Logged(str(log), 0.02, deadly=(70,), spare=str(tmp_path / "spare"))

@@ -55,6 +55,7 @@ def test_results_keep_the_order_of_the_keys(own: Any) -> None:
     assert seen == [(i, 12) for i in range(1, 13)]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("workers", [1, 2, 3])
 def test_few_pieces_are_in_flight(workers: int) -> None:
     begun: list[int] = []

@@ -131,6 +131,7 @@ def test_a_map_over_the_lean_may_have_cells_exactly_upright(ends: tuple[float, f
         assert found.sizes["boundary_point"] > 0
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("x", "y"),
     [(("at", 1, 1e300, 5), ("mu", 0.1, 2, 5)), (("at", 1, 4, 5), ("mu", 1e-300, 1e300, 7, "log")),
@@ -198,7 +199,7 @@ def test_the_filter_can_be_caught(monkeypatch: pytest.MonkeyPatch) -> None:
 # --- growth rates ---
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("disk", [st.Disk(k=0.25), st.Disk.hoop(), SI], ids=["disk", "hoop", "si"])
 @pytest.mark.parametrize("family", FAMILIES)
 def test_growth_rates_of_a_map_are_right_to_1e_13(family: str, disk: Any) -> None:
@@ -229,7 +230,7 @@ def test_growth_rates_of_a_map_are_right_to_1e_13(family: str, disk: Any) -> Non
     assert (found.abscissa_error <= np.abs(found.abscissa)).all()
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("count", [8, pytest.param(200, marks=pytest.mark.long)])
 @pytest.mark.parametrize("family", FAMILIES)
 def test_scattered_points_are_right_too(family: str, count: int) -> None:

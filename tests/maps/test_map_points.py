@@ -98,6 +98,7 @@ def test_a_map_without_points_has_none_and_its_figure_marks_those_that_it_has(da
     assert (line.get_xdata()[0], line.get_ydata()[0]) == (0.0625, 0.25)
 
 
+@pytest.mark.long
 def test_the_command_finds_marks_and_lists_points(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

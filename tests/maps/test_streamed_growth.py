@@ -128,6 +128,7 @@ def test_rows_longer_than_a_chunk(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert (off <= found.abscissa_error.values + whole.abscissa_error.values).all()
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize(("kind", "own"), [("threads", True), ("processes", False)])
 def test_engines_write_the_same_bytes(kind: str, own: bool, tmp_path: Path) -> None:
@@ -163,6 +164,7 @@ st.stream_map("rolling", x=("at", 0.3, 3.2, 40), y=("mu", 0.1, 5, 30), growth=Tr
 """
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="SIGKILL")
 def test_a_killed_stream_is_continued_to_the_same_bytes(tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, "-c", VICTIM, str(tmp_path / "a.zarr")], check=False,

@@ -36,7 +36,7 @@ def own_body(name: str, g: dict[str, float], **rest: Any) -> st.Body:
     return st.Body(heights[name], name=name, between=between, **rest)
 
 
-@pytest.mark.few(20)
+@pytest.mark.few(7)
 @pytest.mark.parametrize("law", ["smooth", "viscous", "linear-viscous", "rough"])
 @pytest.mark.parametrize("name", SMOOTH)
 @pytest.mark.parametrize("lean", [0.0, 1e-9, 0.4])
@@ -255,6 +255,7 @@ def test_the_thin_body_moves_and_ends_as_the_disk(law: str) -> None:
             assert np.abs(run[name].values - known[name].values).max() < 1e-6 * scale, name
 
 
+@pytest.mark.long
 def test_settled_motions_of_a_body_stay_where_they_are_said_to_converge() -> None:
     flat = st.Spheroid(0.5)
     run = st.simulate(flat, st.Viscous(0.3), {"theta": 1.3, "phi_dot": 0.5}, 600.0)

@@ -26,6 +26,7 @@ def states(run: Any) -> Any:
     return np.stack([run[name].values for name in STATES], axis=-1)
 
 
+@pytest.mark.long
 def test_dry_motions_do_not_depend_on_how_many_samples_are_asked() -> None:
     start = [2.0093469918125275, 0.11927949030651858, -0.5571632300902981, 0.7718031625756856, 0, 0]
     runs = [
@@ -138,6 +139,7 @@ def test_steps_are_bounded_by_every_method(method: str) -> None:
     assert np.isfinite(states(run)).all()
 
 
+@pytest.mark.long
 def test_an_interrupt_reaches_the_user_while_cvodes_runs() -> None:
     code = """
 import os, signal, threading, time
@@ -187,6 +189,7 @@ def test_a_run_whose_account_fails_has_no_outcome(monkeypatch: pytest.MonkeyPatc
     assert "energy account fails" in str(run.evidence.values)
 
 
+@pytest.mark.long
 def test_nothing_but_the_answer_is_printed(capfd: pytest.CaptureFixture[str]) -> None:
     for method in HERE:
         st.simulate(DISK, st.Viscous(3.0), [1.0, 0, 5.0, -5.0, 0, 0], 3.0, method=method)
@@ -233,6 +236,7 @@ print(many == [ask(job) for job in jobs])
     assert done.stdout == "True\n", done.stderr[-300:]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("last", [5.0, 50.0, pytest.param(400.0, marks=pytest.mark.long)])
 def test_an_early_lift_off_does_not_depend_on_how_long_a_run_is_asked(last: float) -> None:
     # CVODES once looked at its guards 200 times a run of any length, and saw the next one

@@ -54,7 +54,7 @@ def check(run: Any, case: Any) -> None:
         assert float(late) <= float(run.end_time_error)
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("case", STORED, ids=lambda c: c["name"])
 def test_hard_launches_state_an_error_that_is_not_too_small(case: Any) -> None:
     run = asked(case, case["tolerance"], case["method"])
@@ -62,7 +62,7 @@ def test_hard_launches_state_an_error_that_is_not_too_small(case: Any) -> None:
     assert word(run) != "unresolved"
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.filterwarnings("ignore::stability.StabilityWarning")  # the coarsest has no bound
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12])
 def test_a_stiff_launch_at_every_tolerance(tolerance: float) -> None:
@@ -164,6 +164,7 @@ def test_a_final_state_without_a_bound_of_its_error_is_told_with_a_remedy() -> N
         st.simulate(lorenz, {"r": [0.5, 28.0, 29.0]}, start, 60.0)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", ["lsoda", "dop853", "cvodes"])
 def test_every_integrator_tells_of_an_error_without_a_bound(method: str) -> None:
     """A loose run at a launch whose neighbours part: a sentence, by any library."""

@@ -24,6 +24,7 @@ def outcome(run: Any) -> str:
 # --- closed forms ---
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("method", METHODS)
 def test_a_pendulum_follows_jacobis_functions(method: str) -> None:
     g, amplitude = 9.81, 2.5

@@ -24,6 +24,7 @@ def states(run: Any) -> Any:
     return np.stack([run[name].values for name in STATES], axis=-1)
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("contact", "start"),
@@ -216,6 +217,7 @@ def test_other_files_are_refused_in_one_sentence(tmp_path: Path) -> None:
     assert sorted(p.name for p in tmp_path.iterdir()) == ["map.nc", "run.nc", "text.nc"]
 
 
+@pytest.mark.long
 def test_every_launch_keeps_its_start_also_without_a_sample_at_time_0(tmp_path: Path) -> None:
     disk = st.Disk(mass=0.3, radius=0.2, k=0.25, gravity=9.81)
     names = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")

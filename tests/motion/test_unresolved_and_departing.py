@@ -100,6 +100,7 @@ def test_no_departure_is_told_where_the_error_hides_it() -> None:
 # --- runs that give up ---
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("method", METHODS)
 def test_an_overflow_is_told_in_words_with_a_remedy(method: str) -> None:
@@ -122,7 +123,7 @@ def test_a_limit_of_steps_is_told_in_words_with_a_remedy(method: str) -> None:
     assert float(run.final_error) == math.inf
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", ["auto", "dop853", "radau", "cvodes"])
 def test_a_pole_in_time_is_told_in_words_and_no_limit_is_blamed(method: str) -> None:
     """ẋ = x² reaches infinity at 1, and ẋ = -1/x has no value from 1/2 on."""
@@ -136,6 +137,7 @@ def test_a_pole_in_time_is_told_in_words_and_no_limit_is_blamed(method: str) -> 
         assert float(run.end_time) == pytest.approx(end, abs=1e-5)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", ["auto", "dop853"])
 def test_a_launch_that_overflows_spoils_no_other_of_its_batch(method: str) -> None:
     system, rest = growing()

@@ -41,6 +41,7 @@ def test_a_film_is_that_of_its_command(name: str, tmp_path: Path) -> None:
         assert moved.mean() > 5e-3  # a test that compares a still picture would show nothing
 
 
+@pytest.mark.long
 def test_the_ring_of_the_film_moves_as_by_hand_and_turns_back() -> None:
     start, times = FILMS["turning_start"](FILMS["RING"]), np.linspace(0.0, 60.0, 601)
     run = FILMS["rolled"](FILMS["RING"], start, times, FILMS["ROLLING"])

@@ -132,6 +132,7 @@ def test_the_towed_wheel_of_the_page_has_the_condition_derived_by_hand(
     assert "0.07 = 7/100" in space["same"].numbers
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("page", ["README.md", "docs/explanation/tour.md"])
 def test_commands_of_a_reader_in_the_root_run(

@@ -186,6 +186,7 @@ def test_no_long_decimal_is_typed_into_the_package() -> None:
                 assert not re.search(r"\d\.\d{11,}", repr(node.value)), path.name
 
 
+@pytest.mark.long
 def test_the_word_list_finds_its_words() -> None:
     sys.path.insert(0, str(PACKAGE.parent / "docs"))
     try:

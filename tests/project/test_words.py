@@ -10,7 +10,7 @@ ROOT = Path(__file__).resolve().parents[2]
 WORDS: dict[str, Any] = runpy.run_path(str(ROOT / "docs" / "words.py"))
 
 
-@pytest.mark.few(12)
+@pytest.mark.few(5)
 @pytest.mark.parametrize("name", [
     "README.md", "CHANGELOG.md", "CONTRIBUTING.md", "CODE_OF_CONDUCT.md", "Makefile",
     "CITATION.cff", "pyproject.toml", "conda-recipe/meta.yaml", "paper/paper.md",
@@ -35,5 +35,6 @@ def test_every_word_of_the_list_is_found_with_its_line() -> None:
         assert WORDS["found"](f"a {word.title()}, b") == [(1, word)]
 
 
+@pytest.mark.long
 def test_no_file_has_a_word_of_the_list(capsys: pytest.CaptureFixture[str]) -> None:
     assert WORDS["main"]() == 0, capsys.readouterr().out

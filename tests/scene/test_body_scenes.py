@@ -128,6 +128,7 @@ def test_the_largest_tilt_of_a_body_that_comes_near_a_pole() -> None:
     )
 
 
+@pytest.mark.long
 def test_a_start_near_vertical_spin_has_closed_forms() -> None:
     errors = []
     for tilt in (4e-3, 2e-3):
@@ -218,6 +219,7 @@ def test_uncertain_numbers_of_a_body_move_an_answer_as_scenes_of_their_own() -> 
         st.Scene(body=st.Torus(0.2), **given, uncertain={"mass": 0.1})
 
 
+@pytest.mark.long
 def test_several_laws_of_a_body_and_its_chart() -> None:
     laws = {"viscous": st.Viscous(0.3), "rough": st.Rough()}
     start = {"theta": 0.4, "omega3": 3.0}

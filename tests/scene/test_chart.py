@@ -54,6 +54,7 @@ def row(dataset: xarray.Dataset, name: str, kind: str = "") -> xarray.Dataset:
     return dataset.isel(model=int(i))
 
 
+@pytest.mark.long
 def test_a_relative_width_is_told_in_percent(stiff: xarray.Dataset) -> None:
     assert stiff.attrs["uncertain"] == "mu ± 20 %"
 
@@ -236,7 +237,7 @@ def test_other_laws_have_the_friction_of_the_truth() -> None:
     ]  # fmt: skip
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("suffix", ["png", "pdf", "svg"])
 def test_a_plot_is_written_whole(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"chart.{suffix}"

@@ -50,7 +50,7 @@ def truth(horizon: float) -> Any:
     return found.y[:, -1]
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("horizon", "tolerance"), [(7.0, 1e-2), (7.0, 1e-3), (10.0, 0.1)])
 def test_the_integrator_tightens_where_its_loose_neighbours_part(
     horizon: float, tolerance: float
@@ -69,6 +69,7 @@ def test_where_no_tightening_helps_the_answer_holds_for_less_than_the_horizon() 
     assert f"the answer holds until {answer.until:.4g} s" in answer.sentence
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("horizon", [11.5, 12.0, 12.6])
 def test_an_answer_without_a_bound_is_not_said_to_hold_to_the_horizon(horizon: float) -> None:
     """Near the last horizon that is answered, the finest runs agree and their neighbours part."""

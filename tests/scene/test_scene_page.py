@@ -159,6 +159,7 @@ def test_creep_is_skipped_where_the_full_model_is_expected_to_be_faster() -> Non
     assert rungs["creep"].price > price_of_full(soft._problem(soft.contact))
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("start", "law", "horizon", "reason"), [
     ({"theta": 0.8, "omega3": 1.5}, st.Viscous(0.3), 5.0, "the nearest steady motion"),
     ({"theta": 1.5707, "omega3": 1.0}, st.Viscous(0.3), 400.0, "grows e^"),
@@ -257,6 +258,7 @@ def test_the_spread_is_that_of_separate_scenes() -> None:
     assert not loose.wasted
 
 
+@pytest.mark.long
 def test_a_move_is_known_to_twice_the_tolerance() -> None:
     for tolerance, model in ((1e-3, "rough"), (1e-6, "creep-2")):
         asked = st.Scene(contact=st.Viscous(1e3), start={"theta": 1.3, "omega3": 2.0}, horizon=20.0,

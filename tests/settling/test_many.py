@@ -167,6 +167,7 @@ def test_the_reach_is_that_of_the_test_in_flint(family: str, size: float) -> Non
     assert DiskSettling(st.Viscous).many(six, p, WITHIN).settled.proved.all()
 
 
+@pytest.mark.few(1)
 @pytest.mark.skipif(find_spec("numba") is None, reason="no numba")
 @pytest.mark.parametrize("shared", [False, True])
 def test_without_numba_the_same_launches_are_proved_with_the_same_bounds(shared: bool) -> None:

@@ -296,6 +296,7 @@ def system_rates(system: Any, state: Any) -> Any:
     return np.asarray(system.rates(np.asarray(state), np.zeros(0)))
 
 
+@pytest.mark.long
 def test_a_tube_is_the_same_in_any_company() -> None:
     rng = np.random.default_rng(1)
     y = np.round(rng.uniform(0.2, 1.5, 300) / STEP) * STEP

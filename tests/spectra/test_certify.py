@@ -59,7 +59,7 @@ BOUNDARIES = [
 ]  # fmt: skip
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("family", "k", "mu", "ends"), BOUNDARIES)
 def test_verdicts_beside_every_boundary_are_right_down_to_the_last_digits(
     family: str, k: float, mu: float, ends: tuple[float, float]
@@ -92,6 +92,7 @@ def test_the_hoop_nearly_flat_is_truly_unstable() -> None:
 # --- eigenvalues ---
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(
     ("family", "at", "k", "mu"),
     [
@@ -166,6 +167,7 @@ def test_boundaries_are_met_in_si_units_too() -> None:
 SCALES = (s.floats(-3, 3), s.floats(-2, 2), s.floats(-2, 2), s.floats(0.02, 0.5), s.floats(-2, 2))
 
 
+@pytest.mark.long
 @given(*SCALES)
 @settings(max_examples=8, deadline=None)
 def test_si_units_and_dimensionless_numbers_are_certified_alike(
@@ -317,6 +319,7 @@ def test_circling_is_certified() -> None:
     assert np.abs(found.eigenvalues - plain.eigenvalues).max() < 1e-14
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("family", "at", "k", "mu"),
     [("spinning", 13.231696706442328, 0.5, 1.2898585826377468e-09), ("rolling", 30.0, 0.3, 1e-7),

@@ -155,6 +155,7 @@ def test_an_axis_has_the_name_of_the_one_quantity_along_it(given: Any, dims: Any
         assert np.array_equal(data[name].squeeze(), np.squeeze(value))
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("certify", [False, True])
 @pytest.mark.parametrize("at", [1.8, [1.2, 1.8]])
 def test_a_dataset_survives_a_file(tmp_path: Path, at: Any, certify: bool) -> None:

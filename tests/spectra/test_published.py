@@ -73,6 +73,7 @@ def test_circling_of_le_saux_leine_and_glocker_2005() -> None:
     assert found.verdict.word in ("neutral", "unstable")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("k", [0.25, pytest.param(0.5, marks=pytest.mark.long)])
 def test_rough_motions_keep_both_legendre_integrals(k: float) -> None:
     """ω₃ = C₁ P_ν(cosθ) + C₂ P_ν(-cosθ), ν(ν+1) = -2/(2k+1): dω₃/dt from the graph fits.

@@ -133,6 +133,7 @@ BOUNDARIES = [
 ]  # fmt: skip
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize(("family", "k", "mu", "ends"), BOUNDARIES)
 def test_verdicts_beside_every_boundary_are_right_or_undecided(
     family: str, k: float, mu: float, ends: tuple[float, float]
@@ -350,6 +351,7 @@ def test_discs_hold_the_truth_up_to_the_branch_point_of_tumbling(k: float, mu: f
         assert found.verdict in (right, Verdict.UNDECIDED)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("size", [1, 2, 3, 5, 8])
 def test_the_bound_on_a_null_vector_holds_the_exact_one(size: int) -> None:
     """Exactly singular matrices of rationals, known to within a stated error, by elimination."""

@@ -45,7 +45,7 @@ KNOWN: dict[str, tuple[Rates, str, dict[str, float], list[tuple[float, ...]]]] =
 }  # fmt: skip
 
 
-@pytest.mark.few(6)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", KNOWN)
 def test_a_member_is_found_without_a_guess_and_from_poor_ones(name: str) -> None:
     rates, states, values, known = KNOWN[name]

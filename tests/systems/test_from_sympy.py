@@ -58,7 +58,7 @@ SLOW = [
 ]  # fmt: skip
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("module", "test"), QUICK, ids=lambda v: v.removeprefix("test_"))
 def test_a_model_of_sympys_tests_has_sympys_linearisation(module: str, test: str) -> None:
     for model in harvested(module, test)[:2]:

@@ -77,6 +77,7 @@ def true_values(n: int, k: float, c: float, *, pulled: bool) -> np.ndarray:
         return np.array([complex(v) for v in mpmath.eig(whole, left=False, right=False)])
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("pulled", [False, True])
 @pytest.mark.parametrize("n", [3, 6])

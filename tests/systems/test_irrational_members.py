@@ -77,7 +77,7 @@ def pairs(k: Any, joined: float, damping: float = 0.0, twist: float = 0.0) -> ca
     )  # fmt: skip
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("joined", [0.0, 1.0], ids=["semisimple", "Jordan"])
 @pytest.mark.parametrize("name", MEMBERS)
 def test_a_double_pair_on_the_axis_is_neutral(name: str, joined: float) -> None:
@@ -95,7 +95,7 @@ def test_a_double_pair_on_the_axis_is_neutral(name: str, joined: float) -> None:
     assert st.spectrum(family, **values).verdict is Verdict.NEUTRAL  # it certifies by itself
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("damping", "twist", "wanted"),
     [(1e-12, 0.0, Verdict.STABLE), (-1e-12, 0.0, Verdict.UNSTABLE), (0.0, 1e-12, Verdict.UNSTABLE),
@@ -131,6 +131,7 @@ def test_pairs_that_coincide_by_the_equations_alone(joined: float) -> None:
     assert (found.eigenvalues.real[~near] < -0.1).all()
 
 
+@pytest.mark.long
 def test_pairs_whose_equality_nothing_proves_stay_undecided() -> None:
     """Exp(2u) = p² where exp u = p, but the rule of the exponential is not among the relations."""
     x, p = ca.SX.sym("x", 5), ca.SX.sym("p")
@@ -156,7 +157,7 @@ def test_a_zero_that_only_the_equations_prove_is_not_taken_for_a_boundary() -> N
     )  # fmt: skip
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", range(12))
 def test_what_stands_next_to_the_pairs_decides(seed: int) -> None:
     """The rest is a random block of the member's u: mpmath has its eigenvalues to 50 digits."""

@@ -58,6 +58,7 @@ def test_a_chain_of_sixty_states_is_proved() -> None:
     assert found.abscissa == pytest.approx(true.real.max(), rel=1e-12)
 
 
+@pytest.mark.long
 def test_an_irrational_chain_of_sixty_states_is_proved() -> None:
     """Springs with the force sin(s + 0.3) - sin 0.3: stiffness k cos 0.3, no rational number."""
     system = chain(30, lambda s: ca.sin(s + 0.3) - np.sin(0.3), damped=True)

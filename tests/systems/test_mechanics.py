@@ -216,6 +216,7 @@ def rolling_disk(**options: Any) -> st.System:
     )  # fmt: skip
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("options", [{}, {"independent": ("dphi", "dtheta", "dpsi")}])
 def test_a_rolling_disk_is_that_of_sympys_kane_method(options: dict[str, Any]) -> None:
     k = 0.3

@@ -121,6 +121,7 @@ def benchmark(speed: float) -> Any:
         return np.array(sorted(map(complex, roots), key=lambda r: (round(r.real, 9), r.imag)))
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("speed", "word"), [(3.0, "unstable"), (5.0, "stable"), (8.0, "unstable")])
 def test_running_straight_has_the_spectrum_of_the_linear_benchmark(speed: float, word: str) -> None:
     """Three more zeros: the speed, and the heights of the two contacts."""

@@ -75,6 +75,7 @@ def test_points_of_one_request_leave_out_the_same_number() -> None:
     assert [v.word for v in st.spectrum(rest, at=[2.0, 1.0]).verdict] == ["stable", "stable"]
 
 
+@pytest.mark.long
 def test_a_map_keeps_them_too() -> None:
     system = _system("kink", "yz", lambda x, p: ((ca.fabs(p[0]) - p[0]) * x[0], -p[1] * x[1]), "pq")
     rest = st.Family(system, "rest", at=("p",), held={"y": 0.0, "z": 0.0})
@@ -376,6 +377,7 @@ def test_the_command_line_can_forbid_it(capsys: pytest.CaptureFixture[str]) -> N
     assert words == [("stable", True), ("undecided", False), ("stable", True)]
 
 
+@pytest.mark.long
 def test_boundaries_keep_to_the_zeros_of_each_member() -> None:
     """|p| - p - 1/2 changes its sign at p = -1/4; for p > 0 it is constant."""
     system = _system("kink", "yz", lambda x, p: ((ca.fabs(p[0]) - p[0] - p[1]) * x[0], -x[1]), "pq")

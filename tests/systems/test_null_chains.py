@@ -54,6 +54,7 @@ def test_a_dense_free_chain_of_thirty_states_is_proved() -> None:
         assert np.abs(true - value).min() <= radius + 1e-15 * abs(value)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("seed", range(6))
 def test_planted_chains_are_counted(seed: int) -> None:
     """S diag(J, B(k)) S⁻¹ with a nilpotent J: as many zeros as the polynomial has."""

@@ -236,7 +236,7 @@ SIDES = {
 """Verdicts below and above each threshold, by words of the quantity."""
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("system", SIDES)
 def test_both_sides_of_each_threshold_are_certified(system: str) -> None:
     seen = set()
@@ -248,6 +248,7 @@ def test_both_sides_of_each_threshold_are_certified(system: str) -> None:
     assert seen == set(SIDES[system])
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("middle", "neutral"), [
     ("-.500001", False), ("-.499999", True), ("2.249999", True), ("2.250001", False),
 ])  # fmt: skip
@@ -427,6 +428,7 @@ def test_a_wrong_or_missing_value_is_said_to_be_so() -> None:
     assert typo.status == "agrees to all digits of 1.251; the last published digits are not right"
 
 
+@pytest.mark.long
 def test_the_command_prints_rows_and_writes_json(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

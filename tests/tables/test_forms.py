@@ -79,7 +79,7 @@ LONG = [pytest.param(case, marks=pytest.mark.long) for case in ("theorems", "bod
 # --- CSV and JSON ---
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("case", EVERY)
 def test_csv_is_read_back_by_pandas(case: str) -> None:
     """Each number comes back in all its digits, below a header that names its unit."""
@@ -103,6 +103,7 @@ def test_csv_is_read_back_by_pandas(case: str) -> None:
     assert list(table.to_pandas().columns) == list(frame.columns)
 
 
+@pytest.mark.long
 def test_units_are_those_of_the_disk_and_of_each_row() -> None:
     """Time in seconds of a coin is √(R/g) times the number without dimension."""
     plain, coin = (
@@ -120,7 +121,7 @@ def test_units_are_those_of_the_disk_and_of_each_row() -> None:
     assert set(at[at.family == "rolling"].at_unit) == {"rad/s"}
 
 
-@pytest.mark.few(14)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("case", EVERY)
 def test_json_says_what_each_column_holds(case: str) -> None:
     body = json.loads(made(case).to_json())
@@ -130,7 +131,7 @@ def test_json_says_what_each_column_holds(case: str) -> None:
     assert all(set(row) <= {c["name"] for c in body["columns"]} for row in body["rows"])
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("case", EVERY)
 def test_a_table_pickles_and_prints(case: str) -> None:
     table = made(case)

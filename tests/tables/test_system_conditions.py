@@ -202,7 +202,7 @@ def test_print_says_what_was_given_and_assumed_with_units() -> None:
     assert body["given"] == {"trail": "7/100", "k": str(Fraction(0.3))}
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("place", [
     "bicycle.py:upright", "watt_governor.py:running", "triangular_points.py:triangle",
     "lagrange_top.py:sleeping", "railway_wheelset.py:centred",

@@ -23,6 +23,7 @@ import inspect
 import os
 import sys
 import tempfile
+import threading
 from contextlib import suppress
 from functools import cache
 from importlib.util import find_spec
@@ -30,6 +31,8 @@ from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
+_PARSING = threading.Lock()
+"""CPython 3.11 counts the depth of a tree for all threads together, and raises a SystemError."""
 STAMP = 1_000_000_000
 """Time stamp of every written text; some versions of Numba take another stamp for an edit."""
 
@@ -80,7 +83,9 @@ def code(*modules: ModuleType) -> str:
     """
     body: list[ast.stmt] = []
     for module in modules:
-        for node in ast.parse(inspect.getsource(module)).body:
+        with _PARSING:
+            tree = ast.parse(inspect.getsource(module))
+        for node in tree.body:
             local = isinstance(node, ast.ImportFrom) and (node.level or node.module == "__future__")
             text = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
             if not (local or text):

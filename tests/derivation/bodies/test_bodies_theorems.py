@@ -85,6 +85,7 @@ def member_of(family: str, at: float | tuple[float, float], body: st.Body, law: 
 # --- proofs ---
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("name", PROOFS)
 def test_every_step_about_every_body_is_proved(name: str) -> None:
@@ -118,7 +119,7 @@ MEMBERS: list[tuple[str, st.Body, float | tuple[float, float]]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("family", "body", "member", "law"),
     [(*m, law) for m in MEMBERS for law in CONTACT if PAIRS.get(m[0], law) == law],
@@ -257,6 +258,7 @@ def test_a_wrong_limit_would_be_refuted() -> None:
     assert _member(*body, m2 * 0.99, q1 * (1 + 1e-6)) == "stable"
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("aspect", [1.2, 2.0, 3.0])
 def test_a_lying_spheroid_rises_above_the_same_number(aspect: float) -> None:
     for mu in (0.05, 0.7):
@@ -387,7 +389,7 @@ def rounded(kind: str, k: float, eps: float) -> st.Body:
                    shape={"eps": eps, "outer": outer}, name="coin")  # fmt: skip
 
 
-@pytest.mark.few(14)
+@pytest.mark.few(6)
 @pytest.mark.parametrize("shift", shifts(), ids=lambda s: f"{s.family}-{s.law}-{s.quantity}")
 def test_thresholds_of_a_rounded_coin_move_at_the_printed_rate(shift: Any) -> None:
     k = 0.3
@@ -470,6 +472,7 @@ def test_a_flat_coin_tumbles_stably_for_every_mu_where_there_is_no_limit(k: floa
 # --- Painlevé ---
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     "body",
     [st.Torus(0.1), st.Torus(0.4, solid=False), st.Spheroid(0.5), st.Spheroid(1.8),
@@ -494,6 +497,7 @@ def test_painleve_limits_are_the_least_values(body: st.Body) -> None:
     assert (found.high - found.low) < 1e-12 * found.high
 
 
+@pytest.mark.long
 def test_painleve_limits_of_disks_are_in_closed_form() -> None:
     for k in (0.25, 0.5):
         body = st.Body(lambda t: ca.sin(t), axial=2 * k, transverse=k)

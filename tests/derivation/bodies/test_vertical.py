@@ -88,6 +88,7 @@ def test_exact_jacobians_of_another_formulation_have_the_printed_polynomial(law:
     assert seen == {1, -1}
 
 
+@pytest.mark.long
 def test_bilharz_counts_the_roots_on_the_right() -> None:
     rng = np.random.default_rng(4)
     nu, counts = sp.Symbol("nu"), set()
@@ -167,6 +168,7 @@ def test_a_wrong_threshold_would_be_refuted() -> None:
     )
 
 
+@pytest.mark.long
 def test_two_eigenvalues_are_on_the_right_beyond_the_threshold() -> None:
     rng = np.random.default_rng(9)
     seen = 0
@@ -182,6 +184,7 @@ def test_two_eigenvalues_are_on_the_right_beyond_the_threshold() -> None:
         seen += bool(size < 0)
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("law", ["rough", "smooth"])
 def test_vertical_spin_is_neutral_exactly_where_the_theorem_says(law: str) -> None:
@@ -232,7 +235,7 @@ def test_rouths_sphere_has_the_value_of_the_benchmarks() -> None:
 # --- completeness ---
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("side", [1, -1])
 @pytest.mark.parametrize("law", ["viscous", "linear-viscous", "coulomb"])
 def test_no_other_steady_motion_is_found_at_a_pole(law: str, side: int) -> None:
