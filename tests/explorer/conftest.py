@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 from chromium import Visit, visit
-from v8 import Engine
+from node import Engine
 
 import stability as st
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from chromium import Visit, visit
 from flint import arb, ctx
+from node import Engine
 from page_numbers import ASK, NEAR, POSE, SHARE_OF_BLUE
-from v8 import Engine
 
 import stability as st
 from stability.base.errors import NoMemberError, ParameterError

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from chromium import Visit, visit
 from edged_body import edged, zeros
+from node import Engine
 from page_numbers import ASK
-from v8 import Engine
 
 import stability as st
 from stability.base.errors import ParameterError

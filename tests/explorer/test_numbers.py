@@ -8,9 +8,9 @@ import casadi as ca
 import numpy as np
 import pytest
 import reference
+from node import Engine
 from page_numbers import ASK, NEAR, shader_signs
 from towed_wheel import GIVEN, towed_wheel
-from v8 import Engine
 
 import stability as st
 from stability.bodies.thin_disk.disk_equations import STATES

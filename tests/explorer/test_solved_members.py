@@ -9,8 +9,8 @@ import casadi as ca
 import numpy as np
 import pytest
 from chromium import WITHOUT_WEBGL, Visit, visit
+from node import Engine
 from page_numbers import ASK
-from v8 import Engine
 
 import stability as st
 from stability.base.errors import NoMemberError

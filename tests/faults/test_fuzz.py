@@ -33,11 +33,7 @@ ENVIRONMENTS: dict[str, dict[str, str | None]] = {
 
 @pytest.mark.parametrize(
     ("kind", "count"),
-    [
-        ("calls", 30),
-        ("commands", 15),
-        *(pytest.param(*c, marks=pytest.mark.long) for c in (("calls", 90), ("commands", 35))),
-    ],
+    [("calls", 30), ("commands", 35), pytest.param("calls", 90, marks=pytest.mark.long)],
 )
 def test_random_input_gets_an_answer_or_a_sentence(kind: str, count: int) -> None:
     found = campaign(kind, "suite", count)

@@ -1,4 +1,4 @@
-"""What tests ask a page of the explorer, in Chromium or in V8."""
+"""What tests ask a page of the explorer, in Chromium or in Node."""
 
 import re
 from typing import Any
