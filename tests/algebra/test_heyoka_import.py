@@ -59,6 +59,7 @@ def test_heyoka_and_sympy_exchange_expressions_as_after_a_plain_import() -> None
     assert _printed(lazily) == _printed(EXCHANGE)
 
 
+@pytest.mark.long
 def test_a_thread_of_the_caller_keeps_the_plain_import() -> None:
     code = """
 import sys, threading

@@ -141,7 +141,7 @@ def test_what_has_no_citation_is_no_dataset_and_no_record_that_is_cited() -> Non
             assert name == "citation" or not any(kind in returned.split(".") for kind in kinds)
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", sorted(RESULTS))
 def test_a_result_says_what_to_cite(name: str, tmp_path: Path) -> None:
     make, among = RESULTS[name]

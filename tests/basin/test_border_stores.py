@@ -77,6 +77,7 @@ def test_more_halvings_ask_only_what_is_new(
     assert sum(asked) == more.attrs["border_launches"]
 
 
+@pytest.mark.long
 def test_progress_counts_the_launches_along_borders() -> None:
     told: list[tuple[int, int]] = []
     found = st.basins(**MAP, levels=3, progress=lambda done, total: told.append((done, total)))

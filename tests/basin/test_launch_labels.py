@@ -68,6 +68,7 @@ def middle_area(c: float, wide: float, high: float) -> float:
     return float(2 * wide * weights @ rates)
 
 
+@pytest.mark.long
 def test_shares_of_random_launches_hold_the_area_between_the_separatrices() -> None:
     system, rests = pendulum()
     spread = {"angle": st.Uniform(-2, 2), "rate": st.Uniform(-3.5, 3.5)}
@@ -89,6 +90,7 @@ def test_shares_of_random_launches_hold_the_area_between_the_separatrices() -> N
     assert (again.family.values == some.family.values[:200]).all()
 
 
+@pytest.mark.long
 def test_a_smooth_border_has_the_exponent_one() -> None:
     system, rests = pendulum()
     ends = st.launch_labels(system, varied=("angle", "rate"), held={"c": 0.3}, families=rests,

@@ -180,6 +180,7 @@ def test_smooth_borders_have_exponent_one(label: Label) -> None:
     assert boxes.interval[1] - boxes.interval[0] < 0.15
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize(("wide", "high"), [(3, 1.5), (2, 1.5)])
 def test_a_weierstrass_border_has_its_dimension_by_both_routes(wide: int, high: float) -> None:

@@ -18,6 +18,7 @@ OWN = st.Body(lambda _, tube: tube, axial=0.4, transverse=0.4, shape={"tube": 1.
 # --- families as objects ---
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("law", LAWS)
 def test_a_family_of_a_body_is_that_of_the_calls_by_name(law: str) -> None:
     body = st.Torus(0.2)
@@ -82,6 +83,7 @@ def test_a_name_where_a_family_is_needed_is_led_to_the_bodys() -> None:
 # --- quantities ---
 
 
+@pytest.mark.few(7)
 @pytest.mark.parametrize("body", BODIES, ids=lambda b: b.name)
 @pytest.mark.parametrize("law", ["smooth", "viscous", "rough"])
 def test_every_number_of_a_body_has_a_quantity_and_its_unit(body: st.Body, law: str) -> None:

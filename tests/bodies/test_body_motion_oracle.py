@@ -55,7 +55,7 @@ def test_a_quaternion_is_read_back() -> None:
         assert rotation(quaternion(rotation(q))) == pytest.approx(rotation(q), abs=1e-15)
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", BODIES)
 def test_energy_falls_by_the_power_of_the_contact(name: str) -> None:
     rng = np.random.default_rng(12)
@@ -87,7 +87,7 @@ def test_moments_take_the_power_that_they_say() -> None:
     assert np.abs(free.spin - motion.spin).max() > 1e-3
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", ["smooth", "viscous", "linear-viscous", "coulomb"])
 def test_jelletts_integral_is_kept_for_a_sphere(law: str) -> None:
     """J. H. Jellett, Treatise on the theory of friction (1872); another body does not keep it."""

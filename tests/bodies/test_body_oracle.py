@@ -152,6 +152,7 @@ def test_meridian_and_equation_give_the_same_contact(name: str) -> None:
             assert np.abs((da - db) @ across).max() <= 1e-10
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", BODIES)
 def test_the_contact_is_the_lowest_point_and_its_slope_is_right(name: str) -> None:
     for scene in scenes(8, 4, name=name):
@@ -197,6 +198,7 @@ def test_moments_by_quadrature_are_those_of_textbooks() -> None:
         assert plain(found) == pytest.approx(plain(expected), rel=1e-14, abs=1e-14)
 
 
+@pytest.mark.long
 def test_moments_of_a_half_ball_and_of_a_bowl() -> None:
     """Half ball: centre 3/8, I3 2/5, I1 83/320 about the centre; bowl: 1/2, 2/3, 5/12."""
     quarter = math.pi / 2

@@ -65,6 +65,7 @@ class Boastful(Same):
     conservative: ClassVar[bool] = True
 
 
+@pytest.mark.few(8)
 @pytest.mark.parametrize("disk", DISKS.values(), ids=DISKS)
 @pytest.mark.parametrize(("family", "at"), FAMILIES)
 @pytest.mark.parametrize("certify", [False, True])
@@ -201,7 +202,7 @@ def test_hopf_says_what_it_scanned() -> None:
         st.hopf("tumbling", contact=Same(0.9), disk=st.Disk(k=0.375), points=50)
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("method", ["auto", "dop853", "cvodes", "idas"])
 @pytest.mark.parametrize("disk", DISKS.values(), ids=DISKS)
 def test_motions_are_those_of_the_same_force(method: str, disk: st.Disk) -> None:

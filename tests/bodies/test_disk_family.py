@@ -223,6 +223,7 @@ def test_figures_mark_the_member_that_was_settled_on(family: str) -> None:
     )
 
 
+@pytest.mark.long
 def test_the_atlas_draws_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from stability.atlas import build, page
 

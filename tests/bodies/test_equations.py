@@ -175,6 +175,7 @@ def test_the_smooth_and_rough_four_states_need_no_slip(law: str) -> None:
         assert any(slope(value, 4) != 0 for value in graph.rates)
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("law", LAWS)
 def test_energy_is_the_rigid_bodys_identically(law: str) -> None:
@@ -186,6 +187,7 @@ def test_energy_is_the_rigid_bodys_identically(law: str) -> None:
     assert graph.seen["energy"] == [kane_system(law).energy(*at)]
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("law", LAWS)
 def test_energy_falls_at_the_dissipated_power_identically(law: str) -> None:
     """dE/dt + P = 0 as rational functions, P the power of the contact force on the slip."""
@@ -345,6 +347,7 @@ def deviations(law: str, oracle: str, stretch_k: float = 0.0) -> dict[str, float
 BOUND = 1e-12
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("oracle", ORACLES)
 @pytest.mark.parametrize("law", LAWS)
 def test_rates_forces_and_energy_agree_with_the_oracle(law: str, oracle: str) -> None:
@@ -374,7 +377,7 @@ def test_six_rates_of_the_oracles_keep_the_law(law: str, oracle: str) -> None:
 UNIT = st.floats(-3.0, 3.0, allow_subnormal=False)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", LAWS)
 @settings(derandomize=True, max_examples=100, deadline=None)
 @given(
@@ -517,6 +520,7 @@ def test_jacobian_check_sees_an_eighth_digit_of_k(law: str) -> None:
     assert jacobian_gap(law, "kane", sample(law), stretch_k=1e-7) > 1e-9
 
 
+@pytest.mark.long
 def test_motion_check_sees_an_eighth_digit_of_k() -> None:
     """A stored motion with k (1 + 1e-8) is missed by more than 1e-9."""
     assert meet(MOTIONS[0], stretch_k=1e-8) > 1e-9

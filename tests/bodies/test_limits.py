@@ -40,7 +40,7 @@ def _largest(found: Spectrum, limit: Sequence[complex]) -> list[float]:
 # --- a ring with a thin tube is a thin hoop ---
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize(("family", "at"), [("rolling", 2.3), ("rolling", 0.2), ("spinning", 2.6),
                                             ("tumbling", 0.7), ("tumbling", 1.2)])  # fmt: skip

@@ -26,7 +26,7 @@ def _frame(x: np.ndarray) -> tuple[np.ndarray, ...]:
     return along, across, c * along - s * up, s * along + c * up
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("body", BODIES, ids=lambda b: b.name)
 def test_both_charts_have_the_same_rates_forces_and_energy(body: st.Body, law: str) -> None:

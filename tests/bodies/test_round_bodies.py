@@ -18,6 +18,7 @@ def thin_disk(k: float) -> st.Body:
     return st.Body(lambda theta: ca.sin(theta), axial=2 * k, transverse=k, name="thin disk")
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize(
     "known", reference.spectra(), ids=lambda s: f"{s['family']}-{s['k']}-{s['mu']}"
 )

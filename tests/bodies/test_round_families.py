@@ -182,6 +182,7 @@ def _search(value: Residual, slope: Residual, starts: list[np.ndarray]) -> list[
     return found
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("body", EVERY, ids=lambda b: f"{b.name} {list(b.shape.values())[0]}")
@@ -249,7 +250,7 @@ def _at_pole(body: st.Body, law: str, y: np.ndarray, slips: int) -> str | None:
     return _kind(body, law, (math.acos(axis[2]), float(y[-1]), float(omega @ axis)), slip)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("body", "theta"),
     [

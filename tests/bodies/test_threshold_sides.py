@@ -109,6 +109,7 @@ def test_spinning_with_friction_turns_at_its_three_limits(
         assert one.verdict.word == "unstable"
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("aspect", [Fraction(6, 5), Fraction(2), Fraction(5, 6), HALF])
 def test_a_lying_spheroid_turns_at_five(aspect: Fraction) -> None:
     body, numbers, *_ = spheroid(aspect)
@@ -133,7 +134,7 @@ def test_a_tippe_top_turns_at_its_published_thresholds(offset: Fraction, across:
             assert words(family, root(square), numbers | {"mu": mu}) == expected
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("pole", [0, "pi"])
 @pytest.mark.parametrize(("h", "rho", "i1", "i3"), [
     (Fraction(4, 5), Fraction(1), HALF, HALF),

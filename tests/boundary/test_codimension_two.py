@@ -81,7 +81,7 @@ PLANTED = [
 ]
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("make", "kind", "frequencies", "x", "y"), PLANTED)
 def test_a_planted_point_is_found_over_q(
     make: Any, kind: PointKind, frequencies: Any, x: str, y: str
@@ -99,7 +99,7 @@ def test_a_planted_point_is_found_over_q(
     assert listed(near) == [] and near.complete
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("make", "kind", "frequencies", "x", "y"), PLANTED)
 def test_a_planted_point_is_found_in_boxes(
     make: Any, kind: PointKind, frequencies: Any, x: str, y: str

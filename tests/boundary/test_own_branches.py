@@ -25,7 +25,7 @@ def skew_bead() -> dict[str, st.Family]:
             for n, (a, w) in guesses.items()}  # fmt: skip
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", ["out", "in"])
 @pytest.mark.parametrize("ends", [(0.5, 10), (6.7, 10), (0.5, 6)])
 def test_a_fold_of_other_motions_leaves_a_branch_complete(

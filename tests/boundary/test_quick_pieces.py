@@ -102,6 +102,7 @@ def test_a_solved_unknown_over_wide_parameters_holds_both_ends() -> None:
     assert ctx.prec == 53
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("name", LINES)
 def test_judged_pieces_are_clear_or_monotone_as_said(name: str) -> None:

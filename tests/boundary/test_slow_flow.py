@@ -43,7 +43,7 @@ def test_rates_are_those_of_the_energy(body: st.Body, kind: type[st.Resistance])
         assert flow.rate(at) == pytest.approx(-lost / gain, rel=1e-8, abs=1e-15)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("family", "at", "kind"),
     [("rolling", 3.0, st.RollingResistance), ("tumbling", 0.7, st.AirTorque),

@@ -37,6 +37,7 @@ def converted(d: float) -> Any:
         return mp.findroot(lambda x: burning(x) - d, (0.001, 0.999), solver="anderson")
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(
     ("middle", "half"), [(0.5, 0.004), (0.9, 0.01), (0.138, 0.001), (0.05, 0.005)]
 )

@@ -137,6 +137,7 @@ def launches_of(capsys: pytest.CaptureFixture[str], tmp_path: Path, *words: str)
     return xarray.open_zarr(out)
 
 
+@pytest.mark.long
 def test_a_sample_has_its_distributions_and_its_seed(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

@@ -53,6 +53,7 @@ def spectrum(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, objec
     return found
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("name", NAMED)
 def test_every_named_body_has_the_spectrum_of_the_library(
@@ -258,6 +259,7 @@ def test_every_command_takes_an_egg(
     assert scene.answer().model == found["model"]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("axis", ["taper", "aspect"])
 def test_a_number_of_a_quadrature_is_no_axis(capsys: pytest.CaptureFixture[str], axis: str) -> None:
     axis_of = f"{axis}:0.1:0.3:4"
@@ -291,6 +293,7 @@ def oval(bulge=0.1):
 """
 
 
+@pytest.mark.long
 def test_numbers_of_a_users_quadrature_are_recorded_and_no_axes(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -351,6 +354,7 @@ def test_a_launch_that_is_not_accepted_gets_one_sentence(
     assert said in refused(capsys, "simulate", *words, *launch)
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("file")
 def test_the_command_prints_painleves_limit_of_a_body(capsys: pytest.CaptureFixture[str]) -> None:
     def limit(*words: str) -> list[dict[str, float]]:

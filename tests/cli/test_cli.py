@@ -57,7 +57,7 @@ def test_spectrum_prints_the_object_of_the_contract(capsys: pytest.CaptureFixtur
     assert found["abscissa"] == found["eigenvalues"][-1][0]
 
 
-@pytest.mark.few(6)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("contact", ["smooth", "viscous", "linear-viscous", "rough"])
 @pytest.mark.parametrize(
     ("family", "at"), [("rolling", "0.57735026918962584"), ("spinning", "2"), ("tumbling", "0.5")]
@@ -209,6 +209,7 @@ def test_map_of_ones_own_system(capsys: pytest.CaptureFixture[str], tmp_path: Pa
     assert (st.read_map(streamed).verdict.values == dataset.verdict.values).all()
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize(("words", "part"), [
     (["spectrum", "--at", "5"], "FAMILY is missing"),
     (["spectrum", UPRIGHT, "--at", "5"], "give --system examples/bicycle.py:upright instead"),

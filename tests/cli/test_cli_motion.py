@@ -30,6 +30,7 @@ def test_simulate_prints_the_object_of_the_contract(capsys: pytest.CaptureFixtur
     assert np.abs(final - np.array(case["states"][-1])).max() < 1e-9
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(
     ("words", "outcome"),
     [

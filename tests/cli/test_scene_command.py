@@ -104,7 +104,7 @@ def _simulated(scene: st.Scene, law: Any) -> Any:
     return st.simulate(scene.disk, law, scene.start, scene.horizon, tolerance=1e-12, check=False)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.stem)
 def test_an_example_is_answered_as_simulate_does_within_its_tolerance(path: Path) -> None:
     scene, found = st.Scene.from_toml(path), example(path.stem)
@@ -335,6 +335,7 @@ def brief(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("stability.scene.chart.BUDGET", 0.0)
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("brief")
 def test_the_chart_is_written_next_to_the_motion_and_shows_the_models_of_python(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -84,6 +84,7 @@ def on_screen(monkeypatch: pytest.MonkeyPatch) -> Terminal:
     return stream
 
 
+@pytest.mark.long
 def test_a_bar_moves_while_no_piece_of_work_ends(monkeypatch: pytest.MonkeyPatch) -> None:
     screen = on_screen(monkeypatch)
     with progress_bar("figures", after=0.0) as progress:

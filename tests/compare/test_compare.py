@@ -149,7 +149,7 @@ def test_every_class_has_points_of_more_than_one_verdict_or_is_hard_otherwise() 
 # --- routes ---
 
 
-@pytest.mark.few(8)
+@pytest.mark.few(4)
 @pytest.mark.parametrize("name", list(spectral.ROUTES))
 def test_every_route_is_right_in_the_open_field(name: str) -> None:
     if name == "sympy-solved":  # 0/0 upright, which is what it is there to show
@@ -331,6 +331,7 @@ class Shaped(AutomaticJacobian):
         return self.change(super().answer(points))  # type: ignore[no-any-return]
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("change", [
     lambda a: routes.Answer(a.codes[:0], a.eigenvalues, a.abscissa),
     lambda a: routes.Answer(a.codes[:1], a.eigenvalues, a.abscissa),

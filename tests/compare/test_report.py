@@ -381,6 +381,7 @@ def test_names_of_a_subset_are_refused_with_those_known(
     assert not (tmp_path / "r").exists()
 
 
+@pytest.mark.few(1)
 @pytest.mark.usefixtures("small")
 @pytest.mark.parametrize("name", ["spectrum", "motion", "scenes", "failures"])
 def test_a_part_of_which_no_cell_has_ended_has_a_page(name: str, tmp_path: Path) -> None:

@@ -102,7 +102,7 @@ def test_a_plane_of_symmetry_is_kept() -> None:
     assert float(run.end_time_error) < 1e-6
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", [n for n, s in scenes().items() if s.law == "coulomb"])
 def test_dry_friction_is_checked_too(name: str) -> None:
     it = scene(name)

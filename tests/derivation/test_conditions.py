@@ -417,7 +417,7 @@ ALGEBRAIC = ("governor", "three bodies")
 """Members with irrational numbers; other tests have these."""
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", [n for n in CASES if n not in ALGEBRAIC])
 def test_the_verdict_is_that_of_the_exact_matrix(name: str) -> None:
     chance = random.Random(name)
@@ -480,6 +480,7 @@ def test_a_point_on_the_boundary_is_exactly_neutral() -> None:
 # --- statuses, proofs, witnesses ---
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("name", CASES)
 def test_every_status_holds_at_random_points_and_witnesses(name: str) -> None:
     chance = random.Random(5)

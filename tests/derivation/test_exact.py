@@ -88,6 +88,7 @@ def test_an_independent_derivation_finds_the_same_flutter_condition(family: str)
     assert ratio.is_number and ratio > 0
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize(("family", "law"), CASES)
 def test_every_condition_decides_as_the_roots_do(family: str, law: str) -> None:
     """Signs of the few conditions kept against numpy's roots of the whole polynomial."""

@@ -86,6 +86,7 @@ def decided(family: str, law: str, k: float, mu: float, at: float) -> Verdict:
     return verdict(asked, {n: float(v) for n, v in asked.values.items()})
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize(
     "k", ["all", "0.34", *(pytest.param(k, marks=pytest.mark.long) for k in SEVERAL[3:])]
@@ -119,6 +120,7 @@ def test_ranges_of_spinning_hold_wherever_they_are_probed(k: str) -> None:
                 assert below is Verdict.UNSTABLE
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("k", "probes"),
@@ -166,6 +168,7 @@ def test_every_plain_statement_survives_extreme_points(law: str, k: float) -> No
             assert decided("tumbling", law, k, 1.0, theta) is Verdict.NEUTRAL
 
 
+@pytest.mark.long
 def test_limits_are_those_of_the_verdicts() -> None:
     for family in ("spinning", "tumbling"):
         limits = formulas(family, "viscous").limits

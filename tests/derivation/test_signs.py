@@ -214,6 +214,7 @@ def compare(seeds: range) -> set[str]:
     return words  # the family of seed 5 is too large for its determinants: Routh's array decides
 
 
+@pytest.mark.long
 def test_random_families_have_the_verdicts_of_certified_spectra() -> None:
     assert compare(range(3, 7)) >= {"stable", "unstable"}
 

@@ -289,7 +289,7 @@ COSINES = [Fraction(1, 10**8), Fraction(1, 10**3), Fraction(1, 20), Fraction(1, 
            Fraction(9999, 10**4)]  # fmt: skip
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("k", "shape"),
     [(Fraction(1, 50), "falls"), (Fraction(1, 4), "falls"), (Fraction(3, 10), "falls"),

@@ -36,17 +36,19 @@ def fences(text: str) -> list[tuple[str, str]]:
     return [(language, body) for _, language, body in found]
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.relative_to(DOCS).as_posix())
-def test_every_block_is_of_a_kind_that_the_build_runs(page: Path) -> None:
-    text = page.read_text(encoding="utf-8")
-    for language, _ in fences(text):
-        assert language in (*RUN, *NOT_CODE), (page, language)
-        assert language != "python" or text.startswith("#")  # `notebooks.executed` takes it
+def test_every_block_of_every_page_is_run_by_the_build_or_says_why_not() -> None:
+    assert len(PAGES) > 30
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        for language, _ in fences(text):
+            assert language in (*RUN, *NOT_CODE), (page, language)
+            assert language != "python" or text.startswith("#")  # `notebooks.executed` takes it
+        commands_are_run_or_say_why_not(page, text)
+        lines_that_it_edits_are_there(page, text)
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.relative_to(DOCS).as_posix())
-def test_commands_are_run_or_say_why_not(page: Path) -> None:
-    shell, text = part("blocks"), page.read_text(encoding="utf-8")
+def commands_are_run_or_say_why_not(page: Path, text: str) -> None:
+    shell = part("blocks")
     blocks = shell.BLOCK.findall(text)
     assert len(blocks) == sum(language == "sh" for language, _ in fences(text))
     assert text.count("<!-- run with") + text.count("<!-- not run:") == sum(
@@ -54,9 +56,9 @@ def test_commands_are_run_or_say_why_not(page: Path) -> None:
     )  # each stands just above a block
     for kind, words, body in blocks:
         if kind == "run with ":
-            assert shell.changed(body, words) != body
+            assert shell.changed(body, words) != body, page
         elif kind:
-            assert len(words) > 10
+            assert len(words) > 10, page
 
 
 def test_words_that_are_not_in_the_commands_are_refused() -> None:
@@ -66,9 +68,7 @@ def test_words_that_are_not_in_the_commands_are_refused() -> None:
         shell.changed("a 100", "200 -> 2")
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.relative_to(DOCS).as_posix())
-def test_a_line_that_a_page_edits_is_in_the_package_or_on_the_page(page: Path) -> None:
-    text = page.read_text(encoding="utf-8")
+def lines_that_it_edits_are_there(page: Path, text: str) -> None:
     for name, after in re.findall(r"^```\{edit\} (\S+)\n:after: '(.*)'$", text, re.MULTILINE):
         known = (ROOT / name).read_text(encoding="utf-8") if (ROOT / name).is_file() else text
         assert after in known, (page, name, after)

@@ -139,6 +139,7 @@ def test_a_missing_widget_library_is_one_sentence(monkeypatch: pytest.MonkeyPatc
         st.explore(certify=False)
 
 
+@pytest.mark.long
 def test_a_body_has_its_numbers_as_sliders(tmp_path: Path) -> None:
     path = st.explore("rolling", body=st.Torus(0.2), mu=0.3, certify=False,
                       out=tmp_path / "tyre.html")  # fmt: skip

@@ -221,6 +221,7 @@ def test_members_next_to_each_other_are_those_of_the_package(
     assert np.isnan(quick[~there]).all() or name == "cusp"  # there another branch is met
 
 
+@pytest.mark.few(1)
 def test_the_boundary_of_the_governor_is_that_of_its_theory(
     asked: tuple[str, st.Family, Engine],
 ) -> None:

@@ -94,6 +94,7 @@ def test_equations_and_jacobian_read_back_as_the_graph(name: str) -> None:
             assert found.get(left, 0.0) == pytest.approx(slopes[i, j], rel=1e-10, abs=1e-11)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", FAMILIES)
 def test_the_polynomial_that_is_printed_has_the_eigenvalues_of_the_family(name: str) -> None:
     """Coefficients read back, their roots against LAPACK's eigenvalues of the family's matrix."""

@@ -188,6 +188,7 @@ def test_a_flag_without_a_meaning_is_refused_in_an_old_file(tmp_path: Path) -> N
         st.read_map(plain(found, tmp_path / "map.nc"))
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("with_checksum", [False, True])
 @pytest.mark.parametrize("kind", BOMBS)

@@ -88,6 +88,7 @@ def test_a_signal_waits_until_every_file_has_its_name(
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a", "b"]
 
 
+@pytest.mark.few(1)
 @pytest.mark.skipif(sys.platform == "win32", reason="processes without parents")
 @pytest.mark.parametrize("system", ["linux", "another"])
 def test_a_worker_ends_with_its_parent(system: str, tmp_path: Path) -> None:

@@ -215,6 +215,7 @@ def test_words_in_the_data_cannot_end_the_script_of_a_page(tmp_path: Path) -> No
     assert shared(path)["title"] == evil
 
 
+@pytest.mark.long
 def test_a_page_thins_a_long_motion_evenly(tmp_path: Path) -> None:
     run = launch(st.Coulomb(0.2), last=1.0, count=animation.MOST_SAMPLES + 5)
     data = shared(animate(run, tmp_path / "a.html"))

@@ -25,6 +25,7 @@ def chart() -> object:
     )
 
 
+@pytest.mark.long
 def test_a_map_has_symbols_units_and_the_body(chart: object, tmp_path: Path) -> None:
     target = tmp_path / "torus.nc"
     st.write_map(chart, target)

@@ -83,7 +83,7 @@ def test_a_circle_lies_on_the_threshold_that_is_given() -> None:
     assert list(ring.get_xdata()) == [2**0.5]
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("sweep", "scale"), [
     (np.geomspace(0.1, 50, 9), "log"), (np.linspace(0.1, 50, 9), "linear"), ([0.1, 50], "linear"),
 ])  # fmt: skip

@@ -62,6 +62,7 @@ def uprights(axes: Any) -> list[float]:
     return sorted(float(x[0]) for x in drawn if len(x) == 2 and x[0] == x[1])
 
 
+@pytest.mark.long
 def test_the_lines_over_time_are_the_series_of_the_dataset(dry: xarray.Dataset) -> None:
     panels = states(dry).axes
     shown = {0: ["theta"], 1: ["theta_dot", "phi_dot", "omega3"], 2: ["slip_x", "slip_y"],
@@ -217,6 +218,7 @@ def test_what_is_no_motion_is_refused(draw: Callable[[Any], Any], dry: xarray.Da
         draw(xarray.Dataset({"time": [0.0, 1.0]}))
 
 
+@pytest.mark.long
 def test_paths_without_a_pose_are_refused_and_left_out_of_the_page(dry: xarray.Dataset) -> None:
     bare = dry.drop_vars(["centre_x", "centre_y", "contact_x", "contact_y"])
     with pytest.raises(ParameterError, match="pose=True"):

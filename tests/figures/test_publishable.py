@@ -88,6 +88,7 @@ def test_no_text_of_a_motion_overlaps_or_is_too_small(run: Any, coin: Any, show:
     assert faults(st.plot_motion(coin, show=show)) == []
 
 
+@pytest.mark.long
 def test_a_whole_motion_is_readable_in_a_column(run: Any) -> None:
     figure = st.plot_motion(run, width=COLUMN)
     assert faults(figure, COLUMN) == []
@@ -119,6 +120,7 @@ def test_texts_keep_clear_at_any_size(quarter: Any, coin: Any, width: Any, fonts
     assert st.plot_motion(coin, show="paths", **size).get_figwidth() == (width or 3.39)
 
 
+@pytest.mark.long
 def test_a_certified_map_shows_its_boxes_and_its_strip() -> None:
     found = st.stability_map(
         "spinning", x=("at", 1, 4, 24), y=("mu", 0.1, 2, 18), certify=True, levels=5
@@ -211,6 +213,7 @@ def test_a_user_gives_axes(run: Any, quarter: Any) -> None:
     assert lone.get_xlabel().startswith("axial")
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("layout", ["tight", "constrained"])
 def test_maps_on_neighbouring_axes_leave_room_for_each_other(quarter: Any, layout: Any) -> None:

@@ -27,6 +27,7 @@ def test_the_map_can_be_printed_and_says_who_turns_back() -> None:
     assert "turns back" not in {t.get_text() for t, _ in drawn(st.plot_retrograde(fast))}
 
 
+@pytest.mark.long
 def test_other_data_are_refused() -> None:
     with pytest.raises(st.StabilityError, match="give what retrograde_map returns"):
         st.plot_retrograde(3)  # type: ignore[arg-type]

@@ -95,6 +95,7 @@ def test_the_legend_has_each_fraction_with_wilson_s_interval(found: xarray.Datas
         "phi_dot, tilt, k, shown over phi_dot and tilt." in caption  # fmt: skip
 
 
+@pytest.mark.long
 def test_one_number_is_drawn_over_the_time_of_the_end() -> None:
     one = st.basins(contact="viscous", mu=0.3, count=40, horizon=30.0,
                     distribution={"theta": st.Uniform(0.3, 1)})  # fmt: skip
@@ -103,6 +104,7 @@ def test_one_number_is_drawn_over_the_time_of_the_end() -> None:
     assert faults(figure) == []
 
 
+@pytest.mark.long
 def test_a_large_sample_is_drawn_in_part_and_says_so(found: xarray.Dataset) -> None:
     many = xarray.concat([found] * 12, "launch", combine_attrs="override")
     figure = st.plot_basins(many)

@@ -10,7 +10,6 @@ import stability as st
 from stability.figures.canvas import save
 
 
-@pytest.mark.long
 def test_a_figure_is_laid_out_once_and_drawn_once_a_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

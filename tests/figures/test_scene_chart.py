@@ -180,7 +180,7 @@ def test_a_chart_without_any_error_can_be_drawn() -> None:
     assert not any(isinstance(c, Collection) for c in found.axes[0].collections)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("suffix", ["png", "pdf", "svg"])
 def test_the_figure_can_be_saved_with_its_fonts(
     suffix: str, figure: Figure, tmp_path: Path

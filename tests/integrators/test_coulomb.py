@@ -76,7 +76,7 @@ def test_backspin_on_an_upright_disk_is_exact() -> None:
     assert float(run.dissipated[-1]) == pytest.approx(0.2 * 0.9 * 1.5 / 2, abs=1e-12)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("name", "order"),
     [("slides_throughout", 2.0), ("slides_then_sticks", 1.0), ("starts_stuck_then_slips", 0.8)],
@@ -249,6 +249,7 @@ def test_ways_on_by_the_force_are_those_by_the_direction() -> None:
         assert sorted(ways.directions) == pytest.approx(sorted(angles), abs=1e-8)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("draws", [400, pytest.param(2000, marks=pytest.mark.long)])
 def test_the_number_of_ways_that_keep_contact_is_odd_if_pressed_and_even_if_not(
     draws: int,

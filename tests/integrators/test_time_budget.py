@@ -25,7 +25,7 @@ def word(run: Any) -> str:
     return BY_CODE[int(run.outcome)].word
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", ["heyoka", "dop853", "lsoda", "cvodes"])
 def test_a_run_ends_when_its_computing_time_is_spent(method: str) -> None:
     run = st.simulate(st.Disk(), st.Viscous(0.3), FAST, 10.0, method=method, max_seconds=0.2)

@@ -187,6 +187,7 @@ def test_a_worker_that_ends_while_it_writes_leaves_nothing(tmp_path: Path) -> No
     assert tree(tmp_path / "a.zarr") == undisturbed(tmp_path / "b.zarr")
 
 
+@pytest.mark.long
 def test_a_worker_that_ends_once_costs_one_execution(tmp_path: Path) -> None:
     log = tmp_path / "log"
     work = Logged(str(log), deadly=(37,), spare=str(tmp_path / "spare"))

@@ -52,7 +52,7 @@ def tile(asked: Any, family: str, columns: int = 150, rows: int = 40) -> dict[st
                                  second: np.geomspace(low, high, rows)[:, None]}  # fmt: skip
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @needs_numba
 @pytest.mark.parametrize(("family", "law"), CASES, ids=names)
 def test_loops_and_numpy_agree_within_their_bounds(family: str, law: Any) -> None:

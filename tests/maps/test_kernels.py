@@ -319,6 +319,7 @@ def test_corrections_of_factors_converge_quadratically() -> None:
 # --- boxes ---
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(
     ("family", "x", "y", "law"),
     [

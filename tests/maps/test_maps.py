@@ -26,7 +26,7 @@ def maps() -> dict[str, xarray.Dataset]:
     }
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("family", AXES)
 def test_cells_agree_with_spectra_asked_one_by_one(
     maps: dict[str, xarray.Dataset], family: str
@@ -389,7 +389,7 @@ def test_files_are_not_overwritten_unless_asked(tmp_path: Path) -> None:
     write_map(found, path, overwrite=True)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", ["empty", "text", "cut", "foreign", "missing", "folder"])
 def test_what_is_not_a_map_is_refused(tmp_path: Path, kind: str) -> None:
     path = tmp_path / "map.nc"

@@ -15,7 +15,7 @@ from stability.spectra.arguments import axis_of, prepare
 BODIES = (st.Torus(0.2), st.Spheroid(1.6))
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", ["smooth", "viscous", "rough"])
 @pytest.mark.parametrize("family", ["rolling", "spinning"])
 @pytest.mark.parametrize("body", BODIES, ids=lambda b: f"{b.name} {next(iter(b.shape.values()))}")

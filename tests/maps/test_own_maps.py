@@ -399,7 +399,7 @@ def test_a_small_map_takes_no_polynomial() -> None:
     assert cells_module.LEAST > 100
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("count", [5, 41])
 @pytest.mark.parametrize(
     ("stiffness", "fixed", "solved"),

@@ -23,7 +23,7 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("stability.maps.stream.BAND", 120)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", ["own", "threads", "processes", "distributed"])
 def test_a_folder_holds_the_verdicts_of_the_file(kind: str, tmp_path: Path) -> None:
     file = st.read_map(st.stream_map("tumbling", **AXES, out=tmp_path / "a.nc"))

@@ -90,6 +90,7 @@ def test_the_disks_verdicts_have_the_flags_of_its_map(tmp_path: Path) -> None:
     assert found.verdict.attrs["flag_meanings"] == whole.verdict.attrs["flag_meanings"]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("open_", [False, True], ids=["usual", "open"])
 def test_an_own_family_is_completed_chunk_by_chunk(
     open_: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

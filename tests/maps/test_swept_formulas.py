@@ -42,7 +42,7 @@ def cells(
     return st.stability_map("tumbling", contact=law, body=body, boundaries=False, **axes)
 
 
-@pytest.mark.few(4)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("turned", [False, True], ids=["", "turned"])
 @pytest.mark.parametrize("law", ["rough", "smooth"])
 @pytest.mark.parametrize("name", BODIES)

@@ -36,7 +36,7 @@ def own_body(name: str, g: dict[str, float], **rest: Any) -> st.Body:
     return st.Body(heights[name], name=name, between=between, **rest)
 
 
-@pytest.mark.few(7)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("law", ["smooth", "viscous", "linear-viscous", "rough"])
 @pytest.mark.parametrize("name", SMOOTH)
 @pytest.mark.parametrize("lean", [0.0, 1e-9, 0.4])

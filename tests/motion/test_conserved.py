@@ -111,6 +111,7 @@ def test_the_nutation_period_is_that_of_the_quadrature(kind: str) -> None:
     assert np.abs(advance - float(case["phi_advance"])).max() < 1e-10
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("method", ["heyoka", "dop853"])
 def test_the_order_of_convergence_shows(method: str) -> None:
     # the error of a run falls with the tolerance, over six decades of it

@@ -104,6 +104,7 @@ def attached(starts: Any, mu: float) -> Any:
     return starts[seen["normal_force"] > 0]
 
 
+@pytest.mark.long
 def test_neighbours_of_the_reference_launch_all_end_as_outcomes() -> None:
     starts = attached(neighbours(128), 0.3)
     run = st.simulate(st.Disk(), st.Viscous(0.3), starts, np.linspace(0, 100, 51))

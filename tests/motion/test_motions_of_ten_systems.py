@@ -8,7 +8,7 @@ from ten_systems import KNOWN, Known
 import stability as st
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("known", KNOWN, ids=lambda k: k.name)
 def test_a_motion_ends_where_scipys_does(known: Known) -> None:
     values = list(known.parameters.values())

@@ -62,6 +62,7 @@ def test_hard_launches_state_an_error_that_is_not_too_small(case: Any) -> None:
     assert word(run) != "unresolved"
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.filterwarnings("ignore::stability.StabilityWarning")  # the coarsest has no bound
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12])
@@ -70,6 +71,7 @@ def test_a_stiff_launch_at_every_tolerance(tolerance: float) -> None:
         check(asked(case, tolerance, "auto"), case)
 
 
+@pytest.mark.long
 def test_a_fine_stiff_launch_is_answered_and_its_error_is_not_large() -> None:
     for case in STORED[:2]:
         run = asked(case, 1e-9, "auto")

@@ -375,6 +375,7 @@ def test_the_first_of_many_brief_dips_ends_the_run(method: str) -> None:
     assert float(run.end_time) == pytest.approx(math.acos(-0.999) / 30, abs=1e-8)
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("method", ["dop853", "lsoda", "radau", "bdf", "cvodes"])
 def test_a_condition_without_value_beyond_its_zero_ends_the_run(method: str) -> None:
     s = bare(lambda x: (x[1], -x[0]), "q", "v", watched=lambda x: ca.sqrt(x[0] + 0.5))

@@ -197,6 +197,7 @@ def test_a_run_that_ends_before_its_first_sample_reports_the_end() -> None:
     assert np.array_equal(run.event_state.values[0], states(run)[-1])
 
 
+@pytest.mark.long
 def test_other_files_are_refused_in_one_sentence(tmp_path: Path) -> None:
     m = st.stability_map("rolling", x=("at", 1, 2, 3), y=("mu", 1, 2, 3))
     a_map = st.write_map(m, tmp_path / "map.nc")

@@ -108,6 +108,7 @@ def test_the_page_of_bodies_runs() -> None:
     _run("docs/explanation/bodies.md")
 
 
+@pytest.mark.long
 def test_the_towed_wheel_of_the_page_has_the_condition_derived_by_hand(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -244,7 +245,7 @@ PRINTED = {
 """What each example must print, from closed forms."""
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", PRINTED)
 def test_an_example_of_a_known_system_prints_the_known_numbers(
     name: str, capsys: pytest.CaptureFixture[str]

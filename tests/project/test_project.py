@@ -59,6 +59,7 @@ def test_every_public_name_loads_and_is_documented() -> None:
         stability.nothing  # noqa: B018
 
 
+@pytest.mark.long
 def test_the_function_spectrum_is_not_hidden_by_a_module() -> None:
     code = "import stability.spectra.spectrum, stability as st; print(callable(st.spectrum))"
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -10,7 +10,7 @@ ROOT = Path(__file__).resolve().parents[2]
 WORDS: dict[str, Any] = runpy.run_path(str(ROOT / "docs" / "words.py"))
 
 
-@pytest.mark.few(5)
+@pytest.mark.few(3)
 @pytest.mark.parametrize("name", [
     "README.md", "CHANGELOG.md", "CONTRIBUTING.md", "CODE_OF_CONDUCT.md", "Makefile",
     "CITATION.cff", "pyproject.toml", "conda-recipe/meta.yaml", "paper/paper.md",

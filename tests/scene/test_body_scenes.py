@@ -28,7 +28,7 @@ SPUN = {"theta": 0.05, "omega3": 4.0}
 # --- the disk as any other body ---
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", [st.Viscous(0.3), st.LinearViscous(2.0), st.Rough(), st.Smooth()])
 @pytest.mark.parametrize(
     ("start", "horizon"),

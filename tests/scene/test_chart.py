@@ -59,6 +59,7 @@ def test_a_relative_width_is_told_in_percent(stiff: xarray.Dataset) -> None:
     assert stiff.attrs["uncertain"] == "mu ± 20 %"
 
 
+@pytest.mark.long
 def test_the_true_error_of_the_choice_is_that_of_verify(stiff: xarray.Dataset) -> None:
     told = STIFF.verify()
     assert stiff.model.values[stiff.chosen.values].tolist() == [told.model] == ["creep-1"]

@@ -80,6 +80,7 @@ def test_every_rung_and_quantity_is_on_the_page() -> None:
     assert {row[0] for row in table("| name | what it is |")} == set(QUESTIONS)
 
 
+@pytest.mark.long
 def test_the_errors_of_the_chart_are_those_of_the_page(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("stability.scene.chart.LEAST", 1)  # its times are not looked at
     monkeypatch.setattr("stability.scene.chart.BUDGET", 0.0)

@@ -117,6 +117,7 @@ def test_sensitivities_are_the_derivatives_of_the_full_model() -> None:
         assert np.abs(mine - theirs).max() <= 1e-6 * np.abs(theirs).max()
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize(("tolerance", "model"), [(1e-6, "creep-1"), (1e-3, "rough")])
 def test_a_stiff_path_has_the_sensitivities_of_the_full_model(tolerance: float, model: str) -> None:

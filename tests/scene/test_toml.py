@@ -152,6 +152,7 @@ def test_the_spun_coin_sways_ever_more_as_its_file_says() -> None:
     assert 20 < longer.until < 30
 
 
+@pytest.mark.long
 def test_the_disk_near_the_threshold_lifts_off_on_both_sides_of_it() -> None:
     scene = _example("near-threshold-roll")
     for at, end in ((1.384, 45.2), (1.414, 56.2), (1.444, 70.4)):
@@ -167,6 +168,7 @@ def test_the_disk_near_the_threshold_lifts_off_on_both_sides_of_it() -> None:
         assert float(point.value) == pytest.approx(value, rel=1e-12)
 
 
+@pytest.mark.long
 def test_the_other_changes_that_the_files_propose_do_what_they_say() -> None:
     raised = _example("hoop-on-a-rough-floor", raise_tolerance=True).answer()
     assert raised.model == "creep-1"

@@ -167,6 +167,7 @@ def test_the_reach_is_that_of_the_test_in_flint(family: str, size: float) -> Non
     assert DiskSettling(st.Viscous).many(six, p, WITHIN).settled.proved.all()
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.skipif(find_spec("numba") is None, reason="no numba")
 @pytest.mark.parametrize("shared", [False, True])
@@ -247,6 +248,7 @@ def bare(rhs: Any, *names: str, parameters: tuple[str, ...] = ()) -> st.System:
     return st.System("bare", x, p, rates, states=names, parameters=parameters)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("pull", [ca.sin, lambda q: ca.exp(q) - 1])
 def test_a_system_of_ones_own_agrees_with_the_single_test(pull: Any) -> None:
     # exp has no kernel: those launches are tested one by one in flint's balls

@@ -179,6 +179,7 @@ def test_plot_draws_the_loci() -> None:
     assert top.get_title() == "here" and "growth rate" in top.get_ylabel()
 
 
+@pytest.mark.long
 def test_a_single_spectrum_is_drawn_in_the_plane_with_its_verdict() -> None:
     spectrum = st.spectrum("rolling", at=1.8, contact=LAW)
     figure = spectrum.plot()
@@ -202,7 +203,7 @@ def test_a_single_spectrum_is_drawn_in_the_plane_with_its_verdict() -> None:
         st.spectrum("rolling", at=[[1.2, 1.8]], contact=LAW).plot()
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("at", "c", "markers", "scale"),
     [(25.0, -6.0, "^", "linear"), (25.0, 0.0, "D", "linear"), (-1.0, 0.0, "o^", "linear"),
@@ -275,6 +276,7 @@ def test_every_function_that_takes_a_law_is_called_here() -> None:
     assert takes == {*CALLS, "conditions", "explore", "latex", "slow_flow", "table"}
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize("name", CALLS)
 def test_a_law_by_name_or_class_gives_what_the_law_gives(name: str, tmp_path: Path) -> None:
     def result(**law: Any) -> Any:

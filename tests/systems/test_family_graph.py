@@ -37,6 +37,7 @@ def tenths(x: ca.SX) -> ca.SX:
     return sum((part / whole for part in parts[1:]), parts[0] / whole)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("make", [
     lambda x, p: p * tenths(x) - p,
     lambda x, p: ca.sqrt(TWO(x)) ** 2 - TWO(x) + 0 * p,

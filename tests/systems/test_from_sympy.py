@@ -199,6 +199,7 @@ def test_the_threshold_of_the_rolling_disc(capsys: pytest.CaptureFixture[str]) -
     assert st.spectrum(family, at=0.5, m=1.0, r=1.0, g=0.75, certify=True).verdict.word == "neutral"
 
 
+@pytest.mark.long
 def test_a_mechanics_system_is_read_through_its_method() -> None:
     """The cart with a pendulum of test_system_class.py, by Kane and by Lagrange, constrained."""
     g, l, mc, mp, k = symbols("g l mc mp k")  # noqa: E741

@@ -104,6 +104,7 @@ def test_large_systems_at_a_shape_that_is_solved_for(n: int) -> None:
     assert found.abscissa == pytest.approx(true.real.max(), rel=1e-9)
 
 
+@pytest.mark.long
 def test_no_kernel_runs_an_implicit_form(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(family_graph, "LARGE", 0)
     monkeypatch.setattr(program, "LONGER", 0)  # every other list is long now

@@ -77,6 +77,7 @@ def pairs(k: Any, joined: float, damping: float = 0.0, twist: float = 0.0) -> ca
     )  # fmt: skip
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("joined", [0.0, 1.0], ids=["semisimple", "Jordan"])
 @pytest.mark.parametrize("name", MEMBERS)

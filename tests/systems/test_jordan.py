@@ -41,7 +41,7 @@ def test_semisimple_zeros_are_not_said_to_grow() -> None:
     assert found.nonlinear is LINEAR
 
 
-@pytest.mark.few(12)
+@pytest.mark.few(6)
 @pytest.mark.parametrize("seed", range(40))
 def test_random_systems_with_planted_blocks_against_exact_ranks(seed: int) -> None:
     """The rank by SymPy over Q and the growth of expm decide; integers, so nothing is rounded."""

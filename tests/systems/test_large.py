@@ -47,6 +47,7 @@ def true_values(n: int, k: float, c: float) -> np.ndarray:
     return np.array(found)
 
 
+@pytest.mark.long
 def test_a_chain_of_sixty_states_is_proved() -> None:
     """Hardening springs, in the example's words; rational arithmetic."""
     space = runpy.run_path(str(ROOT / "examples" / "long_chain.py"))

@@ -52,6 +52,7 @@ def published_state() -> tuple[Any, Any]:
     return np.array([*turned, -g["psif"], 0.0, 0.0]), SIGNS * rates
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("pivots", [False, True])
 def test_the_nine_published_accelerations(pivots: bool) -> None:
     b = bicycle()

@@ -341,6 +341,7 @@ def test_an_even_polynomial_that_is_not_even_elsewhere_is_not_taken_as_even(way)
         assert st.spectrum(rest, at=1.0, **way).verdict is Verdict.NEUTRAL
 
 
+@pytest.mark.few(7)
 @pytest.mark.parametrize("name", ["sin", "cos", "tan", "exp", "log", "sqrt", "asin", "acos",
                                   "atan", "sinh", "cosh", "tanh", "fabs"])  # fmt: skip
 def test_errors_hold_to_every_order(name: str) -> None:

@@ -31,6 +31,7 @@ def true_values(g: float, c: float, torque: float) -> list[complex]:
         return [complex(r) for r in roots]
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize("torque", [0.0, 0.5, 3.0, -8.0])
 @pytest.mark.parametrize("c", [-0.3, 0.2, 9.0])
 def test_the_discs_hold_the_true_eigenvalues(torque: float, c: float) -> None:

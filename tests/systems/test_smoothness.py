@@ -119,7 +119,7 @@ def _leaves_its_domain(force: ca.SX) -> bool:
     return bool(np.isnan(np.asarray(found)).any())
 
 
-@pytest.mark.few(19)
+@pytest.mark.few(7)
 @pytest.mark.parametrize(("force", "fine"), [
     (X**1.5, False), ((2 * X + V) ** 2.5, False), (X ** (C + 1), False), (ca.sqrt(X) * X, False),
     (ca.fabs(X) ** 1.5, True), ((X**2 + V**2) ** 1.5, True), ((1 + X) ** 1.5 - 1, True),

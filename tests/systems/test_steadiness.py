@@ -28,7 +28,7 @@ def family(rate: Any, guess: float) -> Any:
                      equations=("y",))  # fmt: skip
 
 
-@pytest.mark.few(12)
+@pytest.mark.few(4)
 @pytest.mark.parametrize("name", AT_ZERO)
 @pytest.mark.parametrize("guess", [0.0, 1e-300, 1e-9, 1e-3, 0.1, -0.2])
 def test_an_equilibrium_at_zero_is_met_from_a_guess_beside_it(name: str, guess: float) -> None:

@@ -50,7 +50,7 @@ CASES = [
 ]  # fmt: skip
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("family", "law", "zeros"), CASES)
 def test_structural_zeros_are_the_exact_multiplicity_of_lambda(
     family: str, law: str, zeros: int

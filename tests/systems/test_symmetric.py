@@ -57,7 +57,7 @@ def test_the_critical_mass_is_that_of_routh() -> None:
     assert float(ROUTH) == 0.038520896504551397  # published: .0385208965…
 
 
-@pytest.mark.few(15)
+@pytest.mark.few(6)
 @pytest.mark.parametrize("name", THRESHOLDS)
 @pytest.mark.parametrize("far", [1e-12, 1e-3])
 def test_verdicts_on_both_sides_of_a_threshold(name: str, far: float) -> None:

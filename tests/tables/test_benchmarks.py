@@ -198,7 +198,7 @@ COVERED = [
 ]  # the bicycles have their own test
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("system", COVERED)
 def test_every_known_value_is_right_and_the_package_finds_all_its_digits(system: str) -> None:
     with mpmath.workdps(40):
@@ -376,6 +376,7 @@ def test_the_triangular_points_are_decided() -> None:
     assert (row.below, row.above) == ("neutral", "unstable")
 
 
+@pytest.mark.long
 def test_the_tippe_top_flutters_at_one_spin_for_every_friction() -> None:
     """The linear tippe top by hand, in complex numbers: at the threshold the contact does not slip.
 

@@ -121,7 +121,7 @@ def test_units_are_those_of_the_disk_and_of_each_row() -> None:
     assert set(at[at.family == "rolling"].at_unit) == {"rad/s"}
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("case", EVERY)
 def test_json_says_what_each_column_holds(case: str) -> None:
     body = json.loads(made(case).to_json())
@@ -131,6 +131,7 @@ def test_json_says_what_each_column_holds(case: str) -> None:
     assert all(set(row) <= {c["name"] for c in body["columns"]} for row in body["rows"])
 
 
+@pytest.mark.long
 @pytest.mark.few(1)
 @pytest.mark.parametrize("case", EVERY)
 def test_a_table_pickles_and_prints(case: str) -> None:
@@ -187,6 +188,7 @@ def test_the_log_shows_a_line_that_is_too_long(tmp_path: Path) -> None:
     assert "Overfull" in pages(text, tmp_path)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("case", [*EVERY, *LONG])
 def test_every_table_has_rules_and_defines_its_symbols(case: str) -> None:
     text = made(case).to_latex()

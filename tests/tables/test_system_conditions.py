@@ -221,6 +221,7 @@ def test_latex_of_an_example_compiles(capsys: pytest.CaptureFixture[str], tmp_pa
     compile_latex(printed(capsys, *words), tmp_path)
 
 
+@pytest.mark.few(6)
 @pytest.mark.parametrize(("words", "part"), [
     (("families", "--system", BICYCLE), "--system belongs"),
     (("conditions", "--system", "examples/bicycle.py"), "module:family"),

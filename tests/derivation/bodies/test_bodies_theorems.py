@@ -159,6 +159,7 @@ def test_conditions_are_those_of_the_roots() -> None:
 # --- rolling and spinning ---
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize(
     ("body", "law"),
     [(st.Torus(0.2), law) for law in CONTACT]
