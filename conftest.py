@@ -131,6 +131,8 @@ def _state() -> dict[str, Any]:
     if "matplotlib" in sys.modules:
         known = dict(dict.items(sys.modules["matplotlib"].rcParams))
         state["rcParams"] = {k: v for k, v in known.items() if k not in BACKEND}
+    if "mpmath" in sys.modules:
+        state["precision of mpmath"] = sys.modules["mpmath"].mp.prec
     if "flint" in sys.modules:
         state["precision of balls"] = sys.modules["flint"].ctx.prec
     return state

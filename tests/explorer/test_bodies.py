@@ -36,8 +36,7 @@ EIGENVALUES = 1e-9
     scope="module",
     params=[
         "torus",
-        "spheroid",
-        *(pytest.param(n, marks=pytest.mark.long) for n in ("eccentric", "thick")),
+        *(pytest.param(n, marks=pytest.mark.long) for n in ("spheroid", "eccentric", "thick")),
     ],
 )
 def written(request: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:

@@ -22,7 +22,9 @@ STEADY = """([key, points]) => { const s = stabilityExplorer.view.subjects.get(k
   return points.map((q) => (s.exists(q) ? s.steady(q)[0] : null)); }"""
 
 
-@pytest.fixture(scope="module", params=range(3))
+@pytest.fixture(
+    scope="module", params=[1, *(pytest.param(i, marks=pytest.mark.long) for i in (0, 2))]
+)
 def written(request: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[float, Path]:
     """A page that begins at one of the three inclinations."""
     at = zeros(0.25)[request.param]

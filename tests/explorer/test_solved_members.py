@@ -77,7 +77,10 @@ FAMILIES: dict[str, tuple[Any, dict[str, float], dict[str, tuple[float, float]]]
 Written = tuple[str, st.Family, Path]
 
 
-@pytest.fixture(scope="module", params=FAMILIES)
+MORE = [pytest.param(name, marks=pytest.mark.long) for name in ("bead", "cusp")]
+
+
+@pytest.fixture(scope="module", params=["governor", "fold", *MORE])
 def written(request: Any, tmp_path_factory: pytest.TempPathFactory) -> Written:
     make, values, ranges = FAMILIES[request.param]
     family, given = make(), dict(values)

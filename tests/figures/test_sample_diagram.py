@@ -39,6 +39,7 @@ def ordered(x: Any, y: Any) -> np.ndarray[Any, Any]:
     return every[np.lexsort(every.T)]
 
 
+@pytest.mark.long
 def test_nothing_keeps_it_from_being_printed(found: xarray.Dataset) -> None:
     assert faults(st.plot_basins(found, title="a sample near spinning")) == []
     assert faults(st.plot_basins(found, x="k", y="end_time")) == []

@@ -145,15 +145,14 @@ def test_lift_off_ends_the_run_at_zero_normal_force() -> None:
 
 def test_a_disk_let_go_falls_flat() -> None:
     # smooth: the centre falls straight down; θ̈ from energy, time by quadrature
-    from mpmath import cos, mp, mpf, quad, sin, sqrt
-
-    mp.dps = 30
+    from mpmath import cos, mpf, quad, sin, sqrt, workdps
 
     def rate(u: Any) -> Any:  # with theta = 1 - u²; sin 1 - sin theta = 2 cos(1 - u²/2) sin(u²/2)
         drop = 2 * cos(1 - u * u / 2) * sin(u * u / 2)
         return 2 * u * sqrt((cos(1 - u * u) ** 2 + mpf(1) / 4) / (2 * drop))
 
-    expected = quad(rate, [0, sqrt(1 - mpf("1e-6"))])
+    with workdps(30):
+        expected = quad(rate, [0, sqrt(1 - mpf("1e-6"))])
     run = st.simulate(st.Disk(), st.Smooth(), {"theta": 1.0}, 10.0, tolerance=1e-13)
     assert outcome(run) is Outcome.FLAT
     assert float(run.end_time) == pytest.approx(float(expected), abs=1e-9)
