@@ -6,7 +6,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
-from chromium import visit
+from node import Engine
+from own_families import spring
+from page_numbers import OPEN, VERDICT
 from towed_wheel import GIVEN, towed_wheel
 
 import stability as st
@@ -24,30 +26,29 @@ def pumped() -> st.Family:
 
 
 CASES: dict[str, tuple[Any, dict[str, Any]]] = {
+    "spring": (spring, {"at": 9.81, "k": 40.0, "c": 0.3}),
     "closed form": (towed_wheel, {"at": 0.3, **GIVEN}),
     "solved for": (pumped, {"at": 1.6, "loss": 0.3}),
 }
+SLOWER = [pytest.param(name, marks=pytest.mark.long) for name in ("closed form", "solved for")]
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", ["spring", *SLOWER])
 def test_the_calls_give_the_verdict_the_map_and_the_launch_of_the_page(
-    browser: Any, tmp_path: Path, name: str
+    tmp_path: Path, name: str
 ) -> None:
     make, given = CASES[name]
     family = make()
-    path = st.explore(family, certify=False, out=tmp_path / "own.html", **given)
-    with visit(browser, path) as seen:
-        page = seen.page
-        page.evaluate("stabilityExplorer.view.set({kick: 1, tilt: 0.05, until: 30})")
-        page.wait_for_function("!stabilityExplorer.motion.waits")
-        page.evaluate("document.querySelector('button[title^=\"Show the Python\"]').click()")
-        code = page.locator("pre").inner_text()
-        final = page.evaluate("stabilityExplorer.motion.launch.final")
-        outcome = page.evaluate("stabilityExplorer.motion.launch.outcome")
-        badge = page.locator(".badge").inner_text().split()[-1]
+    page = Engine(st.explore(family, certify=False, out=tmp_path / "own.html", **given))
+    page.evaluate("stabilityExplorer.view.set({kick: 1, tilt: 0.05, until: 30})")
+    page.evaluate("stabilityExplorer.motion.run()")
+    code = page.evaluate("stabilityExplorer.python()")
+    final = page.evaluate("stabilityExplorer.motion.launch.final")
+    outcome = page.evaluate("stabilityExplorer.motion.launch.outcome")
+    verdict = page.evaluate(VERDICT)
     space: dict[str, Any] = {"family": family}
     exec(code.replace(", 300)", ", 12)").replace(", 200)", ", 9)"), space)  # noqa: S102
-    assert space["point"].verdict.word == badge
+    assert space["point"].verdict.word == verdict
     run = space["motion"]
     assert run.attrs["outcome"] in (outcome, "settled")
     ours = np.array([run[n].values[-1] for n in family.system.states])
@@ -59,10 +60,10 @@ def test_the_calls_give_the_verdict_the_map_and_the_launch_of_the_page(
     assert steady == pytest.approx(np.ravel(known)[: len(ours)], abs=1e-9)
 
 
-def test_without_a_member_the_calls_speak_of_no_launch(browser: Any, tmp_path: Path) -> None:
+@pytest.mark.long
+def test_without_a_member_the_calls_speak_of_no_launch(tmp_path: Path) -> None:
     """Below turn = 1 the pendulum hangs straight: the page prints nothing that is not there."""
-    path = st.explore(pumped(), certify=False, out=tmp_path / "own.html", at=1.6, loss=0.3)
-    with visit(browser, path, "#show=inclined&turn=0.5&loss=0.3") as seen:
-        assert seen.page.locator(".badge").inner_text().endswith("no member")
-        seen.page.evaluate("document.querySelector('button[title^=\"Show the Python\"]').click()")
-        assert "motion" not in seen.page.locator("pre").inner_text()
+    page = Engine(st.explore(pumped(), certify=False, out=tmp_path / "own.html", at=1.6, loss=0.3))
+    page.evaluate(OPEN, "#show=inclined&turn=0.5&loss=0.3")
+    assert page.evaluate(VERDICT) == "absent"
+    assert "motion" not in page.evaluate("stabilityExplorer.python()")

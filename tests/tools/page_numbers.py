@@ -13,6 +13,13 @@ ASK = """(sets) => sets.map(({key, points}) => points.map((q) => {
   return {verdict, near, values: subject.eigenvalues(q)};
 }))"""
 """Verdict, nearness to a boundary and eigenvalues at points of some subjects."""
+VERDICT = """() => {
+  const {view} = stabilityExplorer;
+  return view.subject.judge(view.point()).verdict;
+}"""
+"""The verdict at the point that is shown; `absent` where the page says `no member`."""
+OPEN = "(link) => { const {view} = stabilityExplorer; view.set(view.read(link)); }"
+"""Take over what a link says."""
 SHARE_OF_BLUE = """(c) => {
   const copy = document.createElement("canvas"), pen = copy.getContext("2d");
   copy.width = 80;

@@ -71,7 +71,7 @@ export class Conditions {
 }
 
 /** The characteristic polynomial with its numbers, as HTML; every factor with leading coefficient 1. */
-function polynomialText(subject, q) {
+export function polynomialText(subject, q) {
   const flat = subject.formula.coefficients(q), factors = subject.zeros ? [power(subject.zeros)] : [];
   let start = 0;
   for (const degree of subject.degrees) {
