@@ -109,12 +109,9 @@ def test_a_float_has_no_bound_beside_it_and_blank_is_explained(seen: tuple[float
     assert "Blank: no member found." in view.page.locator("body").inner_text()
 
 
-def test_the_python_call_names_the_inclination(seen: tuple[float, Visit]) -> None:
-    theta, view = seen
-    view.page.evaluate(
-        "stabilityExplorer.exports.python.hidden = false; stabilityExplorer.exports.fill()"
-    )
-    assert view.page.locator("pre").inner_text().count(f"theta={theta:g}") == 3
+def test_the_python_call_names_the_inclination(asked: tuple[float, Engine]) -> None:
+    theta, view = asked
+    assert view.evaluate("stabilityExplorer.python()").count(f"theta={theta:g}") == 3
 
 
 def test_theta_without_a_body_or_for_another_family_is_one_sentence(tmp_path: Path) -> None:

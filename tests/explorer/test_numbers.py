@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import reference
 from node import Engine
-from page_numbers import ASK, NEAR, shader_signs
+from page_numbers import ASK, NEAR, OPEN, shader_signs
 from towed_wheel import GIVEN, towed_wheel
 
 import stability as st
@@ -120,11 +120,11 @@ def test_motions_are_those_of_the_inertial_formulation(disk: Engine) -> None:
         assert found == pytest.approx(np.array(motion["states"]), abs=1e-9)
 
 
-def launches() -> list[tuple[str, str, list[float], float, float]]:
+def launches(count: int) -> list[tuple[str, str, list[float], float, float]]:
     """(family, law, point, tilt, time): random ones, and some that fall flat or lift off."""
     generator, found = np.random.default_rng(SEED), []
     pairs = [(f, law) for f in FAMILIES for law in LAWS]
-    for family, law in pairs * (LAUNCHES // len(pairs)):
+    for family, law in pairs * (count // len(pairs)):
         point = drawn(generator, family, law, 1)[0]
         point[0] = min(point[0], 4.0)
         if LAWS[law]:
@@ -138,8 +138,9 @@ def launches() -> list[tuple[str, str, list[float], float, float]]:
     ]  # fmt: skip
 
 
-def test_launches_end_as_in_python(disk: Engine) -> None:
-    scenes = launches()
+@pytest.mark.parametrize("count", [12, pytest.param(LAUNCHES, marks=pytest.mark.long)])
+def test_launches_end_as_in_python(disk: Engine, count: int) -> None:
+    scenes = launches(count)
     times = np.linspace(0.0, 15.0, 31)
     asked = [{"key": f"{f} {law}", "q": q, "start": None, "tilt": tilt, "times": times.tolist()}
              for f, law, q, tilt, _ in scenes]  # fmt: skip
@@ -266,3 +267,59 @@ def test_a_family_of_ones_own_has_the_numbers_of_the_package(tmp_path: Path) -> 
         gaps = np.abs(found[:, None] - values[None, :])
         assert gaps.min(axis=1).max() < 1e-9 * np.abs(values).max()
     assert {v.word for v in known.verdict} == {"stable", "unstable"}
+
+
+def test_paths_of_eigenvalues_have_no_jumps(page_of_disk: Path) -> None:
+    """A pair that turns real leaves the imaginary axis at a right angle, not along a chord."""
+    page = Engine(page_of_disk)
+    page.evaluate(OPEN, "#show=rolling-smooth&at=0.5&k=0.25")
+    paths = page.evaluate("stabilityExplorer.plane.paths(2, 2, 1)")
+    # λ² is real: every point lies on one of the axes, and steps are short
+    apart = [abs(complex(*a) - complex(*b)) for path in paths
+             for a, b in zip(path, path[1:], strict=False)
+             if max(map(abs, (*a, *b))) < 2]  # fmt: skip
+    assert len(apart) > 100 and max(apart) < 0.2
+
+
+def test_the_text_of_the_polynomial_and_of_the_conditions_has_the_numbers(disk: Engine) -> None:
+    """The printed coefficients are those of the eigenvalues of the package, to four digits."""
+    generator = np.random.default_rng(SEED)
+    for family in FAMILIES:
+        for law in LAWS:
+            [q] = drawn(generator, family, law, 1)
+            text, filled = disk.evaluate(TEXTS, [f"{family} {law}", q.tolist()])
+            found = printed_polynomial(text)
+            known = np.poly(np.asarray(spectrum(family, law, q[None]).eigenvalues)[0]).real
+            assert len(found) == len(known)
+            assert found == pytest.approx(known, rel=5.1e-4, abs=1e-9 * np.abs(known).max())
+            assert not any(re.search(r"[{}]|undefined|NaN", one) for one in filled), filled
+
+
+TEXTS = """([key, q]) => {
+  const {view, polynomial, conditions} = stabilityExplorer, subject = view.subjects.get(key);
+  const values = Object.fromEntries(subject.names.map((n, i) => [n, q[i]]));
+  const shown = {subject, state: {values}, point: () => q}, filled = conditions.filled;
+  const rows = subject.conditionsAt(q).filter((row) => row.filled);
+  return [polynomial(subject, q), rows.map((row) => filled.call({view: shown}, row))];
+}"""
+"""The characteristic polynomial and the conditions as text, with the numbers of a point."""
+
+
+def printed_polynomial(text: str) -> np.ndarray:
+    """The coefficients of the product of printed factors, the highest power first."""
+    plain = text.replace("<i>λ</i>", "x").replace("−", "-")
+    plain = re.sub(r"<sup>(\d+)</sup>", r"^\1", plain)
+    plain = re.sub(r"·10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)", lambda m: "e" + m[1].translate(RAISED), plain)
+    product = np.poly1d([1.0])
+    for factor in re.findall(r"\(([^)]*)\)", plain) or [plain]:
+        terms = re.findall(r"([+-]?) ?([\d.]+(?:e-?\d+)?)? ?(x(?:\^(\d+))?)?", factor)
+        one: dict[int, float] = {}
+        for sign, size, letter, power in terms:
+            if size or letter:
+                degree = int(power or 1) if letter else 0
+                one[degree] = float(f"{sign}{size or 1}")
+        product *= np.poly1d([one.get(n, 0.0) for n in range(max(one), -1, -1)])
+    return np.asarray(product.coeffs)
+
+
+RAISED = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")

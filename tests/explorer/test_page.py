@@ -156,19 +156,6 @@ def test_a_logarithmic_axis_is_drawn_linked_and_asked_of_python(
         quiet(seen)
 
 
-def test_paths_of_eigenvalues_have_no_jumps(browser: Any, page_of_disk: Path) -> None:
-    """A pair that turns real leaves the imaginary axis at a right angle, not along a chord."""
-    with visit(browser, page_of_disk, "#show=rolling-smooth&at=0.5&k=0.25") as seen:
-        rest(seen)
-        paths = seen.page.evaluate("stabilityExplorer.plane.paths(2, 2, 1)")
-        # λ² is real: every point lies on one of the axes, and steps are short
-        apart = [abs(complex(*a) - complex(*b)) for path in paths
-                 for a, b in zip(path, path[1:], strict=False)
-                 if max(map(abs, (*a, *b))) < 2]  # fmt: skip
-        assert len(apart) > 100 and max(apart) < 0.2
-        quiet(seen)
-
-
 WARMEST = """(c, place) => {
   const copy = document.createElement("canvas"), pen = copy.getContext("2d");
   copy.width = 100;

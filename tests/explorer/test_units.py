@@ -1,4 +1,4 @@
-"""SI units in the page: numbers, axes, link, exports and calls of a body with mass and length."""
+"""SI units on the page of a coin: numbers, axes, launch, typing, switch, link and exports."""
 
 import math
 import re
@@ -16,7 +16,6 @@ import stability as st
 COIN = st.Disk.named("quarter")
 RATE = math.sqrt(9.81 / 0.01213)
 """√(g/R) of the coin, by hand [1/s]."""
-BODY = {"aspect": 0.7, "mass": 0.1, "gravity": 9.81, "length": 0.04}
 SAME = 1e-9
 """Largest difference of eigenvalues over the largest modulus."""
 REST = """async () => {
@@ -104,27 +103,6 @@ def test_the_ticks_of_an_axis_stand_at_their_values(coin: Visit) -> None:
     assert "[rad/s]" in titles and "[s/m]" in titles and "[1/s]" in titles
 
 
-@pytest.mark.parametrize("law", ["smooth", "viscous", "linear-viscous", "rough"])
-@pytest.mark.parametrize("family", ["rolling", "spinning", "tumbling"])
-def test_the_calls_give_the_eigenvalues_and_the_verdict_of_the_page(
-    coin: Visit, family: str, law: str
-) -> None:
-    page = coin.page
-    page.evaluate("(key) => stabilityExplorer.view.choose(key)", f"{family} {law}")
-    space = called(page)
-    assert "mass=0.00567, radius=0.01213, gravity=9.81" in space["code"]
-    assert apart(eigenvalues(page), np.asarray(space["point"].eigenvalues)) < SAME
-    assert page.locator(".badge").inner_text().split()[-1] == space["point"].verdict.word
-    low, high = page.evaluate(
-        "(() => { const {view} = stabilityExplorer, q = view.subject.quantity[view.state.x];"
-        "const {size} = view.shown(q), [a, b] = view.state.ranges[q.name];"
-        "return [a * size, b * size]; })()"
-    )
-    values = space["diagram"]["at"].values
-    assert (values[0], values[-1]) == pytest.approx((low, high), rel=1e-12)
-    assert space["diagram"].abscissa.attrs["units"] == "1/s"
-
-
 def test_a_launch_is_told_in_seconds_joules_and_newtons(coin: Visit) -> None:
     page = coin.page
     page.evaluate("stabilityExplorer.view.move({at: 1.4066})")
@@ -182,20 +160,3 @@ def test_the_switch_is_kept_by_link_picture_and_call(
 def test_a_page_without_mass_and_length_has_no_switch(opened_disk: Visit) -> None:
     assert opened_disk.page.locator(".units").is_hidden()
     assert not opened_disk.page.evaluate("stabilityExplorer.view.state.si")
-
-
-def test_a_body_with_mass_and_length_has_si_units(browser: Any, tmp_path: Path) -> None:
-    body = st.Spheroid(**BODY)
-    path = st.explore("vertical", body=body, at=30.0, mu=1.0, certify=False,
-                      out=tmp_path / "body.html")  # fmt: skip
-    with visit(browser, path) as seen:
-        page = seen.page
-        for key in ("vertical viscous", "tumbling rough"):
-            page.evaluate("(key) => stabilityExplorer.view.choose(key)", key)
-            space = called(page)
-            assert "mass=0.1, length=0.04, gravity=9.81" in space["code"]
-            assert apart(eigenvalues(page), np.asarray(space["point"].eigenvalues)) < SAME
-            assert page.locator(".badge").inner_text().split()[-1] == space["point"].verdict.word
-            run = space["motion"]
-            assert run.end_time.attrs["units"] == "s" and float(run.end_time) > 0
-        assert not seen.said
