@@ -9,7 +9,7 @@ extrapolated midpoint rule (Hairer, Norsett & Wanner, Solving ODEs I, II.9).
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -88,7 +88,7 @@ def derivative(body: ConvexBody, law: Law) -> Callable[[Array], Array]:
         pose = pose_of(body, values)
         response = respond(pose, law)
         scalar, part = values[3], values[4:7]
-        turn = [-(pose.spin @ part), *(scalar * pose.spin + cross(pose.spin, part))]
+        turn = [-(pose.spin @ part), *(pose.spin * scalar + cross(pose.spin, part))]
         moving = [pose.velocity, vector(*turn) / 2, response.acceleration, response.spin_rate]
         return np.concatenate([*moving, [response.power]])
 
@@ -151,7 +151,7 @@ def standing(body: ConvexBody, spin: Any, slip: Any = (0, 0), axis: Any = (0, 0,
     turning = vector(*spin) + 0 * third
     still = posed(body, 0 * third, attitude, 0 * third, turning)
     velocity = vector(*slip, 0 * third[0]) - cross(turning, still.arm)
-    return posed(body, -still.arm[2] * UP, attitude, velocity, turning)
+    return replace(still, centre=UP * -still.arm[2], velocity=velocity)
 
 
 def extrapolated(
@@ -168,10 +168,10 @@ def extrapolated(
         for row in range(1, order + 1):
             parts = 2 * row
             h = step / parts
-            before, now = values, values + h * first
+            before, now = values, values + first * h
             for _ in range(parts - 1):
-                before, now = now, before + 2 * h * rates(now)
-            table = [(before + now + h * rates(now)) / 2]
+                before, now = now, before + rates(now) * (2 * h)
+            table = [(before + now + rates(now) * h) / 2]
             for j, coarse in enumerate(last):
                 ratio = (parts * parts * 1) - 4 * (row - 1 - j) ** 2
                 gain = (table[j] - coarse) * 4 * (row - 1 - j) ** 2 / ratio

@@ -92,35 +92,48 @@ class Profile:
 def _lowest(arc: Arc, s: Any, c: Any) -> tuple[Any, Any, Any, Any]:
     """Lowest point of one arc; its height z c - r s has at most one minimum there."""
     zero = 0 * s
-
-    def slope(u: Any) -> tuple[Any, Any, Jet, Jet]:
-        r, z = arc.at(u)
-        return z.x * c - r.x * s, z.xx * c - r.xx * s, r, z
-
-    low, high = arc.start + zero, arc.end + zero
-    for end, sign in ((low, 1), (high, -1)):
-        value, _, r, z = slope(end)
+    ends = arc.start + zero, arc.end + zero
+    for end, sign in zip(ends, (1, -1), strict=True):
+        value, _, r, z = _slope(arc, end, s, c)
         if sign * value >= 0:
             return r.v, z.v, zero, zero
-    for _ in range(9):
+    if isinstance(zero, float):
+        u = _tangency(arc, ends, s, c)
+    else:  # from the root in doubles, where there is one
+        doubles = tuple(map(float, ends))
+        inside = all(sign * _slope(arc, end, float(s), float(c))[0] < 0
+                     for end, sign in zip(doubles, (1, -1), strict=True))  # fmt: skip
+        start = _tangency(arc, doubles, float(s), float(c)) + zero if inside else None
+        u = _tangency(arc, ends, s, c, start)
+    value, bend, _, _ = _slope(arc, u, s, c)
+    _, bend, r, z = _slope(arc, u - value / bend, s, c)
+    u_theta = (r.x * c + z.x * s) / bend
+    return r.v, z.v, r.x * u_theta, z.x * u_theta
+
+
+def _slope(arc: Arc, u: Any, s: Any, c: Any) -> tuple[Any, Any, Jet, Jet]:
+    """Two derivatives of the height z c - r s in u, and the point."""
+    r, z = arc.at(u)
+    return z.x * c - r.x * s, z.xx * c - r.xx * s, r, z
+
+
+def _tangency(arc: Arc, ends: tuple[Any, Any], s: Any, c: Any, start: Any = None) -> Any:
+    """Where the slope of the height vanishes, by Newton's method within bisection."""
+    (low, high), u = ends, start
+    for _ in range(9 if start is None else 0):
         # not the middle: a symmetric curve may be less smooth there
         u = low + (high - low) * 7 / 16
-        low, high = (u, high) if slope(u)[0] < 0 else (low, u)
-    near = math.sqrt(epsilon(np.array([zero]))) * float(high - low)
+        low, high = (u, high) if _slope(arc, u, s, c)[0] < 0 else (low, u)
+    near = math.sqrt(epsilon(np.array([0 * s]))) * float(high - low)
     for _ in range(300):
-        value, bend, _, _ = slope(u)
+        value, bend, _, _ = _slope(arc, u, s, c)
         low, high = (u, high) if value < 0 else (low, u)
         new = u - value / bend if bend > 0 else low
         new = new if low <= new <= high else (low + high) / 2
         close, u = abs(new - u) <= near, new
         if close:
-            break
-    else:
-        raise ArithmeticError("no tangency is found on the arc")
-    value, bend, _, _ = slope(u)
-    _, bend, r, z = slope(u - value / bend)
-    u_theta = (r.x * c + z.x * s) / bend
-    return r.v, z.v, r.x * u_theta, z.x * u_theta
+            return u
+    raise ArithmeticError("no tangency is found on the arc")
 
 
 @dataclass(frozen=True)
@@ -154,7 +167,7 @@ class Implicit:
 
         def residual(unknown: Array) -> tuple[Array, Array]:
             value, gradient, hessian = self.derivatives(unknown[:3])
-            left = np.append(gradient + unknown[3] * up, value)
+            left = np.append(gradient + up * unknown[3], value)
             return left, self._bordered(gradient, hessian, up)
 
         if up.dtype == object:
@@ -165,7 +178,7 @@ class Implicit:
         unknown = newton(residual, start)
         _, gradient, hessian = self.derivatives(unknown[:3])
         right = np.zeros((4, 3), dtype=up.dtype)
-        right[:3] = -unknown[3] * np.eye(3, dtype=int)
+        right[:3] = np.eye(3, dtype=int) * -unknown[3]
         return unknown[:3], solve(self._bordered(gradient, hessian, up), right)[:3]
 
     def _solved(self, up: Array) -> tuple[Array, float]:

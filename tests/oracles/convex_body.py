@@ -19,7 +19,7 @@ S. Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) 204.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import mpmath as mp
@@ -90,8 +90,8 @@ class Pose:
     def inertia(self) -> Array:
         """Tensor of inertia."""
         body = self.body
-        return body.transverse * EYE + (body.axial - body.transverse) * np.outer(
-            self.axis, self.axis
+        return EYE * body.transverse + np.outer(self.axis, self.axis) * (
+            body.axial - body.transverse
         )
 
     @property
@@ -127,11 +127,11 @@ class Law:
         """Force at the contact without and per normal force, against the slip (horizontal)."""
         none = 0 * slip
         if self.name == "viscous":
-            return none, self.coefficient * slip
+            return none, slip * self.coefficient
         if self.name == "linear-viscous":
-            return self.coefficient * slip, none
+            return slip * self.coefficient, none
         if self.name == "coulomb":
-            return none, self.coefficient * slip / norm(slip)
+            return none, slip * self.coefficient / norm(slip)
         return none, none
 
 
@@ -181,7 +181,7 @@ def respond(pose: Pose, law: Law) -> Response:
     push = crossing(arm)
     push[:, 2] += fixed[1]
     swing = cross(pose.spin, pose.arm_rate)
-    newton = np.hstack([body.mass * one, zero, -one])
+    newton = np.hstack([one * body.mass, zero, -one])
     euler = np.hstack([zero, pose.inertia, -push])
     contact = np.hstack([one, -crossing(arm), zero])
     right = np.concatenate([
@@ -195,7 +195,7 @@ def respond(pose: Pose, law: Law) -> Response:
         right[6:8] = -always
     solved = solve(np.vstack([newton, euler, contact]), right)
     force, spin_rate = solved[6:], solved[3:6]
-    moment = fixed[0] + force[2] * fixed[1]
+    moment = fixed[0] + fixed[1] * force[2]
     return Response(
         acceleration=solved[:3],
         spin_rate=spin_rate,
@@ -226,14 +226,14 @@ def pose_at(body: ConvexBody, state: Array, azimuth: Any = 0, turn: Any = 0) -> 
     theta, theta_dot, phi_dot, omega3, slip_x, slip_y = state
     x = vector(cos(azimuth), sin(azimuth), 0 * theta)
     y = vector(-sin(azimuth), cos(azimuth), 0 * theta)
-    axis = sin(theta) * x + cos(theta) * UP
-    side = cos(theta) * x - sin(theta) * UP
-    spin = -phi_dot * sin(theta) * side + theta_dot * y + omega3 * axis
-    first = cos(turn) * side + sin(turn) * y
+    axis = x * sin(theta) + UP * cos(theta)
+    side = x * cos(theta) - UP * sin(theta)
+    spin = side * -phi_dot * sin(theta) + y * theta_dot + axis * omega3
+    first = side * cos(turn) + y * sin(turn)
     attitude = np.column_stack([first, cross(axis, first), axis])
     still = posed(body, 0 * axis, attitude, 0 * axis, spin)
-    velocity = slip_x * x + slip_y * y - cross(spin, still.arm)
-    return posed(body, -still.arm[2] * UP, attitude, velocity, spin)
+    velocity = x * slip_x + y * slip_y - cross(spin, still.arm)
+    return replace(still, centre=UP * -still.arm[2], velocity=velocity)
 
 
 def state_of(pose: Pose) -> Array:
@@ -261,9 +261,9 @@ def rates_of(pose: Pose, response: Response) -> Array:
     """
     x, y, axis, tilt = _frame(pose)
     theta_dot, phi_dot = state_of(pose)[1:3]
-    frame = phi_dot * UP + theta_dot * y
+    frame = UP * phi_dot + y * theta_dot
     seen = response.spin_rate - cross(frame, pose.spin)
-    slip = response.slip_rate - cross(phi_dot * UP + 0 * axis, pose.slip)
+    slip = response.slip_rate - cross(UP * phi_dot + 0 * axis, pose.slip)
     side = -(seen @ cross(y, axis))
     return vector(
         theta_dot, seen @ y, (side - phi_dot * theta_dot * axis[2]) / tilt, seen @ axis,
@@ -301,7 +301,7 @@ def axis_pose(body: ConvexBody, values: Array, side: int = 1) -> Pose:
     spin = values[2:5]
     still = posed(body, 0 * axis, attitude, 0 * axis, spin)
     velocity = vector(*values[5:7], 0 * lean[0]) - cross(spin, still.arm)
-    return posed(body, -still.arm[2] * UP, attitude, velocity, spin)
+    return replace(still, centre=UP * -still.arm[2], velocity=velocity)
 
 
 def axis_rates(body: ConvexBody, law: Law, values: Any, side: int = 1) -> Array:

@@ -3,6 +3,8 @@
 A vector is a NumPy array, of doubles or of mpmath numbers (dtype object).  The functions below read
 the type from their argument, so one formula serves both.  A `Jet` holds a value with its first and
 second partial derivatives in two variables: geometry is written once, and differentiated exactly.
+
+An array stands left of a number: mpmath would try to read what stands right of its own, as text.
 """
 
 from __future__ import annotations
@@ -164,10 +166,18 @@ def solve(matrix: Array, right: Array) -> Array:
     """Solution of linear equations; `right` a vector or a matrix of columns."""
     if matrix.dtype != object and right.dtype != object:
         return np.linalg.solve(matrix, right)
-    left = mp.matrix(matrix.tolist())
-    columns = right.reshape(len(right), -1)
-    solved = [list(mp.lu_solve(left, mp.matrix(column.tolist()))) for column in columns.T]
-    return np.array(solved, dtype=object).T.reshape(right.shape)
+    size, both = len(matrix), np.hstack([matrix, right.reshape(len(right), -1)])
+    rows = [[mp.mpmathify(e) for e in row] for row in both.tolist()]
+    for k in range(size):  # elimination in lists of numbers: mp.lu_solve takes three times as long
+        pivot = max(range(k, size), key=lambda i: abs(rows[i][k]))
+        rows[k], rows[pivot] = rows[pivot], rows[k]
+        row = rows[k] = [e / rows[k][k] for e in rows[k]]
+        for i in range(size):
+            if i != k and (factor := rows[i][k]):
+                rows[i] = [
+                    e - factor * top if top else e for e, top in zip(rows[i], row, strict=True)
+                ]
+    return np.array([row[size:] for row in rows], dtype=object).reshape(right.shape)
 
 
 def newton(residual: Callable[[Array], tuple[Array, Array]], start: Array) -> Array:
