@@ -195,7 +195,11 @@ WALK = """(points) => {
     found.push(...way.map((q, i) => [exact[i], [...s.solved(q)]]));
     s.hurry(false);
   }
-  const {diagram, view} = stabilityExplorer, said = [], hurry = s.hurry;
+  return [found, s.finder.hasty];
+}"""
+"""Members along lines between points, each by itself and each next to the one before."""
+MOVED = """() => {
+  const {diagram, view} = stabilityExplorer, said = [], [s] = view.subjects.values(), {hurry} = s;
   s.hurry = (on) => { said.push(on); hurry.call(s, on); };
   view.moving = true;
   diagram.renewal.content = "";
@@ -203,35 +207,61 @@ WALK = """(points) => {
   view.moving = false;
   diagram.draw();
   delete s.hurry;
-  return [found, said, s.finder.hasty];
+  return [said, s.finder.hasty];
 }"""
-"""Members along lines between points, each by itself and each next to the one before."""
+"""What a picture in motion, and then one at rest, say of the search."""
 
 
 def test_members_next_to_each_other_are_those_of_the_package(
-    seen: tuple[str, st.Family, Visit],
+    asked: tuple[str, st.Family, Engine],
 ) -> None:
-    """While a picture moves, members are sought from those next to them, if all are there."""
-    name, family, view = seen
-    found, hurried, hasty = view.page.evaluate(WALK, points(name, family)[:12].tolist())
+    name, family, view = asked
+    found, hasty = view.evaluate(WALK, points(name, family)[:12].tolist())
     edge = name in ("fold", "cusp")
-    assert hurried == [not edge, False, False, False] and not hasty
     exact, quick = (np.array(column) for column in zip(*found, strict=True))
     there = np.isfinite(exact).all(axis=1)
-    assert there.sum() > 30
+    assert there.sum() > 30 and not hasty
     assert quick[there] == pytest.approx(exact[there], abs=1e-6)
     assert there.all() != edge
     assert np.isnan(quick[~there]).all() or name == "cusp"  # there another branch is met
 
 
-@pytest.mark.few(1)
+def test_members_are_sought_from_those_next_to_them_while_a_picture_moves(
+    seen: tuple[str, st.Family, Visit],
+) -> None:
+    """But only if all are there."""
+    name, _, view = seen
+    said, hasty = view.page.evaluate(MOVED)
+    assert said == [name not in ("fold", "cusp"), False, False, False] and not hasty
+
+
+@pytest.mark.parametrize("written", ["fold"], indirect=True)
+def test_beyond_the_fold_the_scripts_have_no_member(asked: tuple[str, st.Family, Engine]) -> None:
+    _, _, view = asked
+    there, beyond = view.evaluate(BEYOND)
+    assert there["verdict"] != "absent" and there["outcome"] != "absent" and there["shown"] >= 2
+    assert "motion" in there["code"] and beyond["verdict"] == beyond["outcome"] == "absent"
+    assert "motion" not in beyond["code"] and beyond["polynomial"].startswith("none")
+
+
+BEYOND = """() => [2, -0.5].map((p) => {
+  const {view, motion, python, polynomial} = stabilityExplorer, {values} = view.state;
+  view.set({values: {...values, p}});
+  motion.run();
+  const {launch} = motion, q = view.point(), {verdict} = view.subject.judge(q);
+  const answer = {verdict, outcome: launch.outcome, shown: launch.times.length,
+    code: python(), polynomial: polynomial(view.subject, q)};
+  view.set({values});
+  return answer;
+})"""
+
+
+@pytest.mark.parametrize("written", ["governor"], indirect=True)
 def test_the_boundary_of_the_governor_is_that_of_its_theory(
     asked: tuple[str, st.Family, Engine],
 ) -> None:
     """L. S. Pontryagin: stable where e > 2 a b^(3/2)."""
-    name, _, view = asked
-    if name != "governor":
-        pytest.skip("the others have no flutter inside their ranges")
+    _, _, view = asked
     curves = view.page.evaluate(
         "stabilityExplorer.diagram.curves.filter((c) => c.kind === 'flutter').map((c) => c.points)"
     )
