@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import reference
 from node import Engine
-from page_numbers import ASK, NEAR, OPEN, shader_signs
+from page_numbers import ASK, LOOKED, NEAR, OPEN, SINGLE
 from towed_wheel import GIVEN, towed_wheel
 
 import stability as st
@@ -188,27 +188,37 @@ def test_modes_are_eigenvectors_of_the_linearised_equations(disk: Engine) -> Non
             assert np.abs(ours).max() == pytest.approx(1.0)
 
 
-def test_the_text_of_the_shader_has_the_signs_of_the_verdicts(disk: Engine) -> None:
-    """Its lines, read in single precision, next to the certified verdicts."""
+def test_the_text_of_the_shader_is_whole(disk: Engine) -> None:
+    for family in FAMILIES:
+        for law in LAWS:
+            for packed in (False, True):
+                text = disk.evaluate(
+                    "([key, packed]) => { const {shader, view} = stabilityExplorer;"
+                    "return shader(view.subjects.get(key), packed); }",
+                    [f"{family} {law}", packed],
+                )
+                assert text.startswith("#version 300 es") and text.count("{") == text.count("}")
+                assert not re.search(r"undefined|NaN|UNKNOWNS|ARGUMENTS|DOMAIN|RESULT", text)
+
+
+def test_the_lines_of_the_shader_give_the_verdicts_and_growth_rates(disk: Engine) -> None:
+    """In single precision, next to the certified verdicts and the eigenvalues."""
     generator, seen = np.random.default_rng(SEED), set()
     for family in FAMILIES:
         for law in LAWS:
             points = drawn(generator, family, law, 40)
-            verdicts = spectrum(family, law, points).verdict
-            key = f"{family} {law}"
-            for packed in (False, True):
-                text = disk.evaluate(
-                    "([key, packed]) => { const {shader, view} = stabilityExplorer;"
-                    "return shader(view.subjects.get(key), packed); }", [key, packed],
-                )  # fmt: skip
-                assert text.startswith("#version 300 es") and text.count("{") == text.count("}")
-                assert not re.search(r"undefined|NaN|UNKNOWNS|ARGUMENTS|DOMAIN|RESULT", text)
-            for point, verdict, sign in zip(
-                points, verdicts, shader_signs(text, points), strict=True
+            known, key = spectrum(family, law, points), f"{family} {law}"
+            answers = disk.evaluate(LOOKED, [key, points.tolist()])
+            for point, verdict, values, one in zip(
+                points, known.verdict, known.eigenvalues, answers, strict=True
             ):
+                growth, sign, member = one["found"]
                 if abs(sign) > 1e-4:  # beyond what single precision can be off by
                     assert (sign > 0) == (verdict.word in ("stable", "neutral")), (key, point)
                     seen.add((family, verdict.word))
+                off = abs(growth - values.real.max())
+                assert off < SINGLE * np.abs(values).max(), (key, point)
+                assert member > 0
     assert {word for _, word in seen} == {"stable", "unstable", "neutral"}
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from chromium import WITHOUT_WEBGL, Visit, visit
 from node import Engine
-from page_numbers import ASK
+from page_numbers import ASK, LOOKED, SINGLE
 
 import stability as st
 from stability.base.errors import NoMemberError
@@ -147,6 +147,26 @@ def test_random_points_have_the_members_verdicts_and_eigenvalues_of_the_package(
         words.add(word)
     sheet = name in ("fold", "cusp")
     assert (len(words) > 1) != sheet and (absent > count // 15) == sheet
+
+
+def test_the_lines_of_the_shader_give_the_growth_rates_at_members(
+    asked: tuple[str, st.Family, Engine],
+) -> None:
+    """In single precision, next to the scripts in double precision; no member, no colour."""
+    name, family, view = asked
+    answers = view.evaluate(LOOKED, [family.name, points(name, family).tolist()])
+    clear = 0
+    for one in answers:
+        growth, sign, member = one["found"]
+        if one["verdict"] == "absent":
+            assert not member > 0
+            continue
+        assert member > 0
+        assert abs(growth - one["growth"]) < SINGLE * one["size"]
+        if abs(sign) > 1e-4:  # beyond what single precision can be off by
+            assert (sign > 0) == (one["verdict"] == "stable")
+            clear += 1
+    assert clear > 0.5 * len(answers)
 
 
 def test_the_shader_draws_the_members_that_exist_with_their_verdicts(

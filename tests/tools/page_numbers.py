@@ -1,10 +1,5 @@
 """What tests ask a page of the explorer, in Chromium or in Node."""
 
-import re
-from typing import Any
-
-import numpy as np
-
 NEAR = 1e-6
 """Distance from a boundary, relative to the sizes of a condition's terms, that is left out."""
 ASK = """(sets) => sets.map(({key, points}) => points.map((q) => {
@@ -40,22 +35,24 @@ POSE = """(key) => {
   return {now: at(0), later: at(h), before: at(-h), h, exists: s.exists(q)};
 }"""
 """The place of a body at a member, and a little later and before."""
+LOOKED = r"""([key, points]) => {
+  const s = stabilityExplorer.view.subjects.get(key), single = Math.fround;
+  const text = s.shader
+    .replace(/\b(?:float|bool|vec3) (\w+)\((.*?)\) {/g,
+      (_, name, given) => `function ${name}(${given.replace(/float /g, "")}) {`)
+    .replace(/^float low/gm, "let low").replace(/\(int n/g, "(let n")
+    .replace(/^(float )?(\w+) ([*/]?)= (.+);$/gm, (_, own, name, by, value) =>
+      `${own ? "let " : ""}${name} = single(${by ? `${name} ${by} (${value})` : value});`)
+    .replace(/return vec3\((.*)\);/, "return [$1];");
+  const names = ["abs", "min", "max", "pow", "sin", "cos", "tan", "sqrt", "exp", "log"];
+  const look = new Function("single", `{${names}}`, `${text}\nreturn look;`)(single, Math);
+  const size = (q) => Math.max(...s.eigenvalues(q).map((z) => Math.hypot(...z)));
+  return points.map((q) => ({found: look(...s.full(q).map(single)),
+    growth: s.growth(q), verdict: s.judge(q).verdict, size: size(q)}));
+}"""
+"""Growth rate, least condition and least of members by the shader's lines, in single precision.
 
-
-def shader_signs(text: str, points: np.ndarray) -> np.ndarray:
-    """The least condition that the shader's function `look` finds, read in single precision."""
-    body = text.partition("vec3 look(")[2].partition("return vec3")[0]
-    head, _, lines = body.partition("{")
-    names = re.findall(r"float (\w+)", head)
-    single: Any = np.float32
-    space: dict[str, Any] = {
-        "min": np.minimum, "max": np.maximum, "pow": np.power, "inf": np.float32(np.inf),
-        **{n: getattr(np, n) for n in ("abs", "sin", "cos", "tan", "sqrt", "exp", "log")},
-    }  # fmt: skip
-    space |= dict(zip(names, points.T.astype(single), strict=True))
-    for line in re.findall(r"(?:float )?(\w+) = ([^;]+);", lines):
-        if line[0] == "growth":
-            continue
-        number = re.sub(r"(?<![\w.])(\d+\.\d*(?:e[+-]?\d+)?)", r"single(\1)", line[1])
-        space[line[0]] = eval(number, {"single": single, "__builtins__": {}}, space)  # noqa: S307
-    return np.broadcast_to(space["sign"], len(points))
+Next to them growth rate, verdict and largest modulus by the page's scripts in double precision.
+"""
+SINGLE = 1e-4
+"""Largest error of a growth rate in single precision over the largest modulus."""
