@@ -157,9 +157,7 @@ class Reference:
 
     def close(self) -> None:
         """End the process."""
-        assert self.process.stdin is not None
-        self.process.stdin.close()
-        self.process.wait()
+        self.process.communicate()
 
 
 def distance(a: Any, b: Any) -> float:

@@ -12,7 +12,6 @@ from programs import needed
 SCRIPT = """
 import json, os, sys
 from pathlib import Path
-from programs import needed
 import stability as st
 from stability.base.errors import FileError
 
