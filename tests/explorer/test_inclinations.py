@@ -85,6 +85,16 @@ def test_verdicts_are_those_of_that_inclination(asked: tuple[float, Engine]) -> 
         assert one["verdict"] == known.verdict.word, bend
 
 
+def test_where_another_inclination_is_met_there_is_no_member(asked: tuple[float, Engine]) -> None:
+    theta, view = asked
+    sets = points(view, ASKED)
+    found = view.evaluate(STEADY, ["rolling rough", sets])
+    lost = [q for q, one in zip(sets, found, strict=True) if one is None]
+    assert bool(lost) == (theta < 1.6)
+    [answers] = view.evaluate(ASK, [{"key": "rolling rough", "points": lost}])
+    assert all(one["verdict"] == "absent" for one in answers)
+
+
 def test_where_another_inclination_is_met_the_page_says_that_it_is_not_sure(
     seen: tuple[float, Visit],
 ) -> None:
