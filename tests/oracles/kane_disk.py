@@ -140,7 +140,7 @@ def kane_system(law: str) -> KaneSystem:
     last |= {sp.sin(theta): s, sp.cos(theta): c, sp.sin(phi): sin_phi, sp.cos(phi): cos_phi}
 
     def bare(expression: Any) -> Any:
-        return sp.sympify(expression).subs(first).subs(q_dot).subs(last)
+        return sp.sympify(expression).xreplace(first).xreplace(q_dot).xreplace(last)
 
     # speeds of the state: u4, u5 from the slip, linear with a rotation by phi as matrix
     planar = sp.Matrix([bare(e) for e in slips])
@@ -161,11 +161,11 @@ def kane_system(law: str) -> KaneSystem:
 
     def compiled(expressions: Any, more: Sequence[sp.Symbol] = ()) -> Callable[..., Any]:
         if isinstance(expressions, sp.MatrixBase):
-            expressions = expressions.subs(speeds).tolist()
+            expressions = expressions.xreplace(speeds).tolist()
         elif isinstance(expressions, list):
-            expressions = [e.subs(speeds) for e in expressions]
+            expressions = [e.xreplace(speeds) for e in expressions]
         else:
-            expressions = expressions.subs(speeds)
+            expressions = expressions.xreplace(speeds)
         function: Callable[..., Any] = sp.lambdify([*point, *more], expressions, modules="math")
         return function
 
