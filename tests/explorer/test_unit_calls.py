@@ -85,7 +85,7 @@ def test_the_numbers_that_were_given_are_those_of_the_page(coin: Engine) -> None
     assert apart(eigenvalues(coin), np.asarray(known.eigenvalues)) < SAME
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", ["smooth", "viscous", "linear-viscous", "rough"])
 @pytest.mark.parametrize("family", ["rolling", "spinning", "tumbling"])
 def test_the_calls_give_the_eigenvalues_and_the_verdict_of_the_page(
