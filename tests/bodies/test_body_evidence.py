@@ -38,11 +38,12 @@ def _scenes(seed: int, count: int, **chosen: Any) -> list[random_bodies.BodyScen
     return plain[:count]
 
 
-@pytest.mark.few(1)
+@pytest.mark.few(8)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("name", HEIGHTS)
-def test_rates_and_forces_at_random_states(name: str, law: str) -> None:
-    for scene in _scenes(11, 12, name=name, law=law):
+@pytest.mark.parametrize("count", [2, pytest.param(12, marks=pytest.mark.long)])
+def test_rates_and_forces_at_random_states(name: str, law: str, count: int) -> None:
+    for scene in _scenes(11, count, name=name, law=law):
         theta = float(scene.state[0])
         if law == "smooth":
             scene.state[4:] = 0
@@ -62,10 +63,11 @@ def test_rates_and_forces_at_random_states(name: str, law: str) -> None:
             assert seen["energy"] == pytest.approx(frame.energy, rel=1e-13)
 
 
-@pytest.mark.few(1)
+@pytest.mark.few(3)
+@pytest.mark.parametrize("count", [4, pytest.param(15, marks=pytest.mark.long)])
 @pytest.mark.parametrize("kind", [st.RollingResistance, st.PivotingResistance, st.AirTorque])
 @pytest.mark.parametrize("law", ["viscous", "rough"])
-def test_resistance_at_random_states(kind: type[st.Resistance], law: str) -> None:
+def test_resistance_at_random_states(kind: type[st.Resistance], law: str, count: int) -> None:
     """The oracle takes moments M0 + N M1 along fixed axes."""
 
     def moment(pose: oracle.Pose) -> tuple[np.ndarray, np.ndarray]:
@@ -73,7 +75,7 @@ def test_resistance_at_random_states(kind: type[st.Resistance], law: str) -> Non
         flat = w * [1, 1, 0] if kind is st.RollingResistance else w * [0, 0, 1]
         return (-0.05 * w, none) if kind is st.AirTorque else (none, -0.05 * flat)
 
-    for scene in _scenes(12, 15, law=law):
+    for scene in _scenes(12, count, law=law):
         loaded = oracle.Law(scene.law.name, scene.law.coefficient, (moment,))
         system, p = _system(scene, float(scene.state[0]), (kind,))
         x = scene.state[: len(system.states)]
@@ -83,11 +85,12 @@ def test_resistance_at_random_states(kind: type[st.Resistance], law: str) -> Non
         assert system.observe(x, p)["power"] == pytest.approx(power, rel=1e-11, abs=1e-13)
 
 
-@pytest.mark.few(1)
+@pytest.mark.few(8)
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("name", HEIGHTS)
-def test_jacobians_at_random_states(name: str, law: str) -> None:
-    for scene in _scenes(13, 4, name=name, law=law):
+@pytest.mark.parametrize("count", [1, pytest.param(4, marks=pytest.mark.long)])
+def test_jacobians_at_random_states(name: str, law: str, count: int) -> None:
+    for scene in _scenes(13, count, name=name, law=law):
         if law == "smooth":
             scene.state[4:] = 0
         system, p = _system(scene, float(scene.state[0]))

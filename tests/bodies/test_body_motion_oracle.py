@@ -17,10 +17,15 @@ from random_bodies import BODIES, random_scene
 from scipy.integrate import quad
 
 STORED = stored()
+QUICK = ("thick disk", "spheroid, through 0", "tippe top, through pi")
+"""Motions that stay in the fast tests."""
 
 
-@pytest.mark.few(1)
-@pytest.mark.parametrize(("reference", "entry"), STORED, ids=[r.name for r, _ in STORED])
+@pytest.mark.parametrize(
+    ("reference", "entry"),
+    [pytest.param(r, e, id=r.name, marks=() if r.name in QUICK else pytest.mark.long)
+     for r, e in STORED],
+)  # fmt: skip
 def test_two_integrators_give_the_same_motion(reference: Reference, entry: dict[str, Any]) -> None:
     """DOP853 in doubles, and extrapolation with 25 digits; five of these cross a pole.
 
