@@ -200,7 +200,7 @@ BAD: dict[str, EigenSolver] = {
 }
 
 
-@pytest.mark.few(7)
+@pytest.mark.few(9)
 @pytest.mark.parametrize("name", BAD)
 @pytest.mark.parametrize("contact", [st.Viscous(0.3), st.LinearViscous(2.0), st.Rough()])
 def test_a_bad_backend_gives_wide_errors_and_no_wrong_verdict(name: str, contact: Any) -> None:

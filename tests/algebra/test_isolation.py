@@ -32,7 +32,7 @@ def sizes() -> list[tuple[str, list[fmpq]]]:
     ]
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(5)
 @pytest.mark.parametrize("roots", [r for _, r in sizes()], ids=[n for n, _ in sizes()])
 @pytest.mark.parametrize("bits", [64, 1200])
 def test_roots_that_are_put_in_are_found(roots: list[fmpq], bits: int) -> None:
