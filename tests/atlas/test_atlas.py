@@ -11,19 +11,34 @@ import xarray
 
 import stability as st
 from stability.atlas.build import COLUMNS, atlas, zeros_of_rates
-from stability.atlas.launches import LAUNCHED
+from stability.atlas.launches import LAUNCHED, TIME
 from stability.atlas.page import BODIES, drawn
 from stability.atlas.page import LOCUS_FRICTION as EVERY_FRICTION
 
 
 @pytest.fixture(
     scope="module",
-    params=[pytest.param(b, marks=pytest.mark.long) for b in (("hoop",), tuple(BODIES))],
-    ids=["hoop", "all"],
+    params=["undrawn", *[pytest.param(n, marks=pytest.mark.long) for n in ("hoop", "all")]],
 )
-def bodies(request: pytest.FixtureRequest) -> tuple[str, ...]:
-    chosen: tuple[str, ...] = request.param
-    return chosen
+def kind(request: pytest.FixtureRequest) -> str:
+    """One body without its figures, one body, or all."""
+    return str(request.param)
+
+
+@pytest.fixture(scope="module")
+def bodies(kind: str) -> tuple[str, ...]:
+    return tuple(BODIES) if kind == "all" else ("hoop",)
+
+
+@pytest.fixture(scope="module")
+def resolution(kind: str) -> int:
+    return 8 if kind == "undrawn" else 16
+
+
+@pytest.fixture(scope="module")
+def launched(kind: str) -> tuple[tuple[str, ...], float]:
+    """Families near which launches start, and the last time."""
+    return (LAUNCHED[:1], 20.0) if kind == "undrawn" else (LAUNCHED, TIME)
 
 
 def frictions(bodies: tuple[str, ...]) -> tuple[float, ...]:
@@ -32,7 +47,10 @@ def frictions(bodies: tuple[str, ...]) -> tuple[float, ...]:
 
 
 @pytest.fixture(scope="module")
-def folder(bodies: tuple[str, ...], tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(
+    kind: str, bodies: tuple[str, ...], resolution: int,
+    launched: tuple[tuple[str, ...], float], tmp_path_factory: pytest.TempPathFactory,
+) -> Path:  # fmt: skip
     out = tmp_path_factory.mktemp("atlas") / "atlas"
     told: list[tuple[int, int]] = []
     with pytest.MonkeyPatch.context() as patch:
@@ -40,9 +58,12 @@ def folder(bodies: tuple[str, ...], tmp_path_factory: pytest.TempPathFactory) ->
             of = {name: BODIES[name] for name in bodies}
             patch.setattr(f"stability.atlas.{module}.BODIES", of)
         patch.setattr("stability.atlas.build.LOCUS_FRICTION", frictions(bodies))
-        page = atlas(
-            out, resolution=16, draft=False, workers=1, progress=lambda *pair: told.append(pair)
-        )
+        patch.setattr("stability.atlas.launches.LAUNCHED", launched[0])
+        patch.setattr("stability.atlas.launches.TIME", launched[1])
+        if kind == "undrawn":
+            undraw(patch)
+        page = atlas(out, resolution=resolution, draft=False, workers=1,
+                     progress=lambda *pair: told.append(pair))  # fmt: skip
     assert page == out / "index.html"
     figures = 3 * len(bodies) * (1 + len(frictions(bodies))) + 1  # launches are one piece of work
     assert told[0] == (0, figures)
@@ -51,7 +72,7 @@ def folder(bodies: tuple[str, ...], tmp_path_factory: pytest.TempPathFactory) ->
 
 
 def test_it_has_every_diagram_locus_map_and_the_boundaries(
-    folder: Path, bodies: tuple[str, ...]
+    folder: Path, bodies: tuple[str, ...], launched: tuple[tuple[str, ...], float]
 ) -> None:
     expected = {"index.html", "boundaries.csv"}
     for body in bodies:
@@ -61,15 +82,16 @@ def test_it_has_every_diagram_locus_map_and_the_boundaries(
             of = frictions(bodies)
             stems += [f"locus-{family}-{body}-mu{m:g}".replace(".", "_") for m in of]
             expected |= {f"{s}.{kind}" for s in stems for kind in ("png", "pdf")}
-        expected |= {f"basins-{f}-{body}.{kind}" for f in LAUNCHED for kind in ("png", "nc")}
+        expected |= {f"basins-{f}-{body}.{kind}" for f in launched[0] for kind in ("png", "nc")}
     assert {p.name for p in folder.iterdir()} == expected
     assert all(p.stat().st_size > 500 for p in folder.iterdir())
 
 
 def test_the_page_points_only_at_what_is_there_and_says_what_was_computed(
-    folder: Path, bodies: tuple[str, ...]
-) -> None:
-    count = (3 * (1 + len(frictions(bodies))) + len(LAUNCHED)) * len(bodies)
+    folder: Path, bodies: tuple[str, ...], resolution: int,
+    launched: tuple[tuple[str, ...], float],
+) -> None:  # fmt: skip
+    count = (3 * (1 + len(frictions(bodies))) + len(launched[0])) * len(bodies)
     page = (folder / "index.html").read_text()
     links = re.findall(r'(?:src|href)="([^"#]+)"', page)
     assert len(links) > 2 * count
@@ -78,7 +100,7 @@ def test_the_page_points_only_at_what_is_there_and_says_what_was_computed(
     assert len(images) == len(set(images)) == count
     captions = re.findall(r"<figcaption>(.*?)</figcaption>", page, re.DOTALL)
     assert len(captions) == count
-    ends = captions[-len(LAUNCHED) * len(bodies) :]
+    ends = captions[-len(launched[0]) * len(bodies) :]
     for caption in captions[: -len(ends)]:
         assert "structural zero" in caption  # of which the spectrum is free
         assert "√(g/R)" in caption
@@ -86,25 +108,27 @@ def test_the_page_points_only_at_what_is_there_and_says_what_was_computed(
         assert "Ends of 24 launches" in caption
         assert "Strip: linear verdict" in caption
     assert "recomputed" in page
-    assert "16 × 12 points" in captions[0]
+    assert f"{resolution} × {3 * resolution // 4} points" in captions[0]
 
 
-def test_maps_behind_the_figures_can_be_read(folder: Path) -> None:
+def test_maps_behind_the_figures_can_be_read(folder: Path, resolution: int) -> None:
     for path in folder.glob("*.nc"):
         if path.name.startswith("basins"):
             continue
         found = st.read_map(path)
-        assert found.abscissa.shape == (12, 16)
+        assert found.abscissa.shape == (3 * resolution // 4, resolution)
         assert np.isfinite(found.abscissa.values).all()
 
 
-def test_launches_behind_the_figures_are_those_of_the_function(folder: Path) -> None:
+def test_launches_behind_the_figures_are_those_of_the_function(
+    folder: Path, launched: tuple[tuple[str, ...], float]
+) -> None:
     paths = sorted(folder.glob("basins-*-hoop.nc"))
-    assert len(paths) == len(LAUNCHED)
+    assert len(paths) == len(launched[0])
     for path in paths:
         family = path.name.split("-")[1]
         found = xarray.open_dataset(path, engine="h5netcdf")
-        true = st.basins(st.Disk.hoop(), "viscous", mu=0.3, family=family, horizon=200.0,
+        true = st.basins(st.Disk.hoop(), "viscous", mu=0.3, family=family, horizon=launched[1],
                          x=("at", 0.1, 3.0, 6), y=("tilt", 0.01, 1.2, 4))  # fmt: skip
         for name in ("outcome", "family", "linear_verdict"):
             np.testing.assert_array_equal(found[name].values, true[name].values)
@@ -126,22 +150,27 @@ def test_boundaries_are_those_of_the_maps_and_the_limit_laws(folder: Path) -> No
         assert float(row["at"]) ** 2 == pytest.approx(1 / (2 * float(row["k"])), rel=1e-13)
 
 
-@pytest.fixture
-def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Files in place of figures, of one body, for tests that are about files."""
-    for module in ("build", "launches"):
-        monkeypatch.setattr(f"stability.atlas.{module}.BODIES", {"disk": BODIES["disk"]})
+def undraw(patch: pytest.MonkeyPatch) -> None:
+    """Files in place of figures, for tests that are about files and numbers."""
 
     def save(figure: None, stem: Path, formats: tuple[str, ...]) -> list[Path]:
         paths = [stem.parent / (stem.name + suffix) for suffix in formats]
         for path in paths:
-            path.write_text(str(figure))
+            path.write_text(f"{figure} of {stem.name}\n" * 40)
         return paths
 
-    monkeypatch.setattr("stability.figures.canvas.save", save)
-    monkeypatch.setattr("stability.figures.diagram.plot_map", lambda *_, **__: None)
-    monkeypatch.setattr("stability.figures.locus.loci.plot_locus", lambda *_, **__: None)
-    monkeypatch.setattr("stability.figures.basin.basins.plot_basins", lambda *_, **__: None)
+    patch.setattr("stability.figures.canvas.save", save)
+    patch.setattr("stability.figures.diagram.plot_map", lambda *_, **__: None)
+    patch.setattr("stability.figures.locus.loci.plot_locus", lambda *_, **__: None)
+    patch.setattr("stability.figures.basin.basins.plot_basins", lambda *_, **__: None)
+
+
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An atlas of one body, without its figures."""
+    for module in ("build", "launches"):
+        monkeypatch.setattr(f"stability.atlas.{module}.BODIES", {"disk": BODIES["disk"]})
+    undraw(monkeypatch)
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -158,26 +187,27 @@ def test_force_replaces_its_own_files_and_leaves_others(folder: Path, tmp_path: 
     assert [p.name for p in tmp_path.iterdir()] == ["atlas"]
 
 
-@pytest.mark.few(1)
 @pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize(
-    ("resolution", "draft", "command"),
-    [(8, None, "--resolution 8"), (100, True, "--resolution 100 --draft"),
-     (100, None, "--resolution 100"), (8, False, "--resolution 8 --no-draft")],
+    ("points", "draft", "command"),
+    [(8, None, "--resolution 8")]
+    + [pytest.param(*case, marks=pytest.mark.long) for case in (
+        (100, True, "--resolution 100 --draft"), (100, None, "--resolution 100"),
+        (8, False, "--resolution 8 --no-draft"))],
 )  # fmt: skip
 def test_a_draft_has_every_diagram_and_says_what_it_leaves_out(
-    tmp_path: Path, resolution: int, draft: bool | None, command: str
+    tmp_path: Path, points: int, draft: bool | None, command: str
 ) -> None:
     out = tmp_path / "atlas"
-    page = atlas(out, resolution=resolution, draft=draft, workers=1).read_text()
+    page = atlas(out, resolution=points, draft=draft, workers=1).read_text()
     diagrams = {f"{family}-disk.png" for family in drawn()}
     made = {p.name for p in out.iterdir()}
     links = set(re.findall(r'(?:src|href)="([^"#]+)"', page))
     assert made == links | {"index.html"}
     assert diagrams <= made
     assert f"Made by <code>stability atlas {command}</code>" in page
-    short = draft or (draft is None and resolution < 100)
-    assert short == (f"--resolution {resolution} --no-draft</code> adds" in page)
+    short = draft or (draft is None and points < 100)
+    assert short == (f"--resolution {points} --no-draft</code> adds" in page)
     assert short == ({n for n in made if n.endswith((".png", ".pdf"))} == diagrams)
 
 
