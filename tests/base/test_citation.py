@@ -37,7 +37,7 @@ def spring() -> st.System:
 
 
 @pytest.mark.parametrize(("method", "more"), [
-    ("heyoka", ["heyoka"]),
+    pytest.param("heyoka", ["heyoka"], marks=pytest.mark.long),  # it compiles
     ("dop853", ["scipy", "hairer1993"]),
     ("lsoda", ["scipy", "petzold1983"]),
     ("radau", ["scipy", "hairer1996"]),
@@ -224,7 +224,6 @@ def test_a_work_of_a_later_version_is_named() -> None:
         st.citation(run)
 
 
-@pytest.mark.long
 def test_the_command_cites_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run = st.simulate(st.Disk(), st.Viscous(0.3), START, 1.0, method="dop853")
     path = st.write_motion(run, tmp_path / "run.nc")

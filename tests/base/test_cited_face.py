@@ -141,7 +141,6 @@ def test_what_has_no_citation_is_no_dataset_and_no_record_that_is_cited() -> Non
             assert name == "citation" or not any(kind in returned.split(".") for kind in kinds)
 
 
-@pytest.mark.few(1)
 @pytest.mark.parametrize("name", sorted(RESULTS))
 def test_a_result_says_what_to_cite(name: str, tmp_path: Path) -> None:
     make, among = RESULTS[name]
@@ -161,8 +160,11 @@ TABLES: dict[str, tuple[dict[str, Any], list[str]]] = {
 }  # fmt: skip
 
 
-@pytest.mark.few(1)
-@pytest.mark.parametrize("name", TABLES)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=pytest.mark.long if n in ("conditions", "families") else ())
+     for n in TABLES],
+)  # fmt: skip
 def test_a_table_cites_what_its_rows_are_from(name: str) -> None:
     options, among = TABLES[name]
     found = [work.key for work in st.citation(st.table(name, **options)).works]

@@ -168,7 +168,6 @@ def travelled(value: Any) -> list[Any]:
     return [*copies, copy.deepcopy(value), copy.copy(value)]
 
 
-@pytest.mark.few(25)
 @pytest.mark.parametrize("name", RECORDS)
 def test_a_record_travels_and_equals_what_was_made_alike(name: str) -> None:
     one, alike, other = made(name, 0.3), made(name, 0.3, 1), made(name, 0.4)
@@ -210,10 +209,13 @@ def test_laws_are_equal_if_and_only_if_class_and_numbers_are(
     assert all(back == one and hash(back) == hash(one) for back in travelled(one))
 
 
-@pytest.mark.long
-@settings(max_examples=25, deadline=None)
+@pytest.mark.parametrize("examples", [4, pytest.param(25, marks=pytest.mark.long)])
+def test_a_spectrum_that_travelled_answers_the_same(examples: int) -> None:
+    settings(max_examples=examples, deadline=None)(_answers_the_same)()
+
+
 @given(some.lists(numbers, min_size=1, max_size=3), numbers, some.booleans())
-def test_a_spectrum_that_travelled_answers_the_same(at: Any, d: float, certify: bool) -> None:
+def _answers_the_same(at: Any, d: float, certify: bool) -> None:
     spectrum = st.spectrum(hanging(), at=at, d=d, certify=certify)
     for back in travelled(spectrum):
         assert back == spectrum and np.array_equal(back.modes.vectors, spectrum.modes.vectors)
