@@ -46,7 +46,7 @@ def members(body: st.Body, family: st.Family, count: int = 12) -> tuple[np.ndarr
     return np.array(a).T, np.array([known[n] for n in family.parameters]).T.reshape(count, -1)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(6)
 @pytest.mark.parametrize(("name", "law"), LAWS)
 @pytest.mark.parametrize(
     "body",

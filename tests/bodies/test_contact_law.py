@@ -183,7 +183,6 @@ def test_maps_are_those_of_the_same_slope() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize("family", ["spinning", "tumbling"])
 def test_hopf_points_are_those_of_the_same_slope(family: str) -> None:
     disk, mu = st.Disk(k=0.375), 0.9

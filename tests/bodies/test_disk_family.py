@@ -175,7 +175,6 @@ def test_the_command_line_takes_it(family: str, capsys: pytest.CaptureFixture[st
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 def test_tables_hold_it(family: str) -> None:
     [row] = [r for r in definition("families").rows() if r["family"] == family]
     assert (row["at"], row["motion"]) == ("phi_dot", FAMILIES[family].motion)
@@ -241,7 +240,6 @@ def test_the_atlas_draws_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 def test_flutter_points_are_those_of_the_same_motion(family: str) -> None:
     disk, contact = st.Disk(k=0.375), st.Viscous(0.9)
     mine = st.hopf(family, contact=contact, disk=disk)

@@ -20,7 +20,6 @@ def neutral(theta: float, bend: float, omega3: float) -> bool:
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("edge", "law"),
     [(1e-4, Rough()), (9e-4, Rough()), (1e-2, st.Smooth()), (9e-4, Viscous(0.3))],

@@ -10,6 +10,7 @@ import stability as st
 
 SIZES = 2.0 ** -np.arange(7, 14)
 """Tubes, or aspects less 1, in which an order is fitted."""
+FEW = SIZES[::3]
 MU = 0.4
 LAWS = {"viscous": st.Viscous(MU), "linear-viscous": st.LinearViscous(MU), "rough": st.Rough(),
         "smooth": st.Smooth()}  # fmt: skip
@@ -33,18 +34,25 @@ def order(sizes: np.ndarray, gaps: Sequence[float]) -> float:
     return float(np.polyfit(np.log(sizes), np.log(gaps), 1)[0])
 
 
-def _largest(found: Spectrum, limit: Sequence[complex]) -> list[float]:
-    return [float(np.abs(_moved(found, limit, size)).max()) for size in SIZES]
+def _order(found: Spectrum, limit: Sequence[complex], sizes: np.ndarray) -> float:
+    """At which the largest distance to the limit falls."""
+    return order(sizes, [float(np.abs(_moved(found, limit, size)).max()) for size in sizes])
 
 
 # --- a ring with a thin tube is a thin hoop ---
 
 
-@pytest.mark.few(1)
-@pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize(("family", "at"), [("rolling", 2.3), ("rolling", 0.2), ("spinning", 2.6),
-                                            ("tumbling", 0.7), ("tumbling", 1.2)])  # fmt: skip
-def test_a_torus_becomes_the_hoop(family: str, at: float, law: str) -> None:
+HOOP = [("rolling", 2.3), ("rolling", 0.2), ("spinning", 2.6), ("tumbling", 0.7),
+        ("tumbling", 1.2)]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("family", "at", "law", "sizes"),
+    [("rolling", 2.3, "viscous", FEW), ("rolling", 0.2, "rough", FEW),
+     ("spinning", 2.6, "linear-viscous", FEW), ("tumbling", 1.2, "smooth", FEW)]
+    + [pytest.param(*where, law, SIZES, marks=pytest.mark.long) for where in HOOP for law in LAWS],
+)  # fmt: skip
+def test_a_torus_becomes_the_hoop(family: str, at: float, law: str, sizes: np.ndarray) -> None:
     """A height sin θ + b, and moments that change with b²: first order, where h itself stands.
 
     Without friction upright motions hold h'' and moments alone: second order.
@@ -56,11 +64,10 @@ def test_a_torus_becomes_the_hoop(family: str, at: float, law: str) -> None:
 
     hoop = st.spectrum(family, at=at, disk=st.Disk(k=0.5), contact=LAWS[law])
     theory = 2 if law == "smooth" and family != "tumbling" else 1
-    assert order(SIZES, _largest(ring, hoop.eigenvalues)) == pytest.approx(theory, abs=0.02)
+    assert _order(ring, hoop.eigenvalues, sizes) == pytest.approx(theory, abs=0.02)
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize("solid", [True, False])
 def test_eigenvalues_of_a_torus_move_at_the_rate_of_the_closed_forms(solid: bool) -> None:
     """With I1 = 1/2, I3 = 1, h = 1 + b and h'' = -1, moments to first order in b.
@@ -112,16 +119,19 @@ BALL = {
 """Eigenvalues of a ball in the frames of the families, less the structural zeros."""
 
 
-@pytest.mark.few(1)
-@pytest.mark.parametrize(("family", "law"), BALL)
-@pytest.mark.parametrize("side", [1, -1], ids=["long", "flat"])
-def test_a_spheroid_becomes_the_ball(family: str, law: str, side: int) -> None:
+@pytest.mark.parametrize(
+    ("family", "law", "side", "sizes"),
+    [("rolling", "viscous", 1, FEW), ("vertical", "viscous", -1, FEW),
+     ("spinning", "rough", -1, FEW), ("tumbling", "smooth", 1, FEW)]
+    + [pytest.param(*where, side, SIZES, marks=pytest.mark.long)
+       for where in BALL for side in (1, -1)],
+)  # fmt: skip
+def test_a_spheroid_becomes_the_ball(family: str, law: str, side: int, sizes: np.ndarray) -> None:
     def spheroid(size: float) -> np.ndarray:
         body, at = st.Spheroid(1 + side * size), 0.9 if family == "tumbling" else RATE
         return st.spectrum(family, at=at, body=body, contact=LAWS[law]).eigenvalues
 
-    limit = BALL[family, law]
-    assert order(SIZES, _largest(spheroid, limit)) == pytest.approx(1, abs=0.02)
+    assert _order(spheroid, BALL[family, law], sizes) == pytest.approx(1, abs=0.02)
 
 
 @pytest.mark.parametrize("law", ["rough", "smooth"])

@@ -145,7 +145,6 @@ def _secant(function: Callable[[Number], Number], near: Number, step: float) -> 
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize("rounded", INCLINED)
 def test_tumbling_of_a_coin_turns_at_the_printed_mu(rounded: str) -> None:
     """At ε = 0; the printed digits are those of the surface, and mu² is certified on both sides."""
@@ -167,7 +166,6 @@ def test_tumbling_of_a_coin_turns_at_the_printed_mu(rounded: str) -> None:
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("aspect", "mu", "near"),
     [(Fraction(13, 10), Fraction(1), 2.0), (Fraction(17, 10), Fraction(1), 1.93),
@@ -209,7 +207,6 @@ def _circling_surface(name: str, number: Number) -> oracle.ConvexBody:
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize(("name", "body", "numbers", "theta", "edges"), CIRCLES,
                          ids=[c[0] for c in CIRCLES])  # fmt: skip
 def test_circling_turns_where_its_square_of_frequency_vanishes(

@@ -11,7 +11,6 @@ import stability as st
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize("aspect", [0.5, 1.0, 1.8])
 def test_a_spheroid_from_its_meridian_is_the_spheroid(aspect: float) -> None:
     body = st.from_profile(lambda u: (np.sin(u), -aspect * np.cos(u)))
@@ -52,7 +51,6 @@ def test_an_egg_has_the_moments_of_its_slices() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize(("taper", "aspect"), [(0.4, 1.3), (0.1, 3.0), (0.4, 2.0), (0.3, 0.4)])
 def test_a_series_has_the_error_that_is_asked_for(taper: float, aspect: float) -> None:
     """Next to a pole too, where the contact point lies between the pole and the next sample.

@@ -229,9 +229,18 @@ NAMED: list[tuple[str, Any, st.Body, dict[str, Any]]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.few(1)
-@pytest.mark.parametrize(("name", "law", "body", "more"), NAMED,
-                         ids=lambda v: getattr(v, "name", str(v)))  # fmt: skip
+QUICK = {("rolling", "viscous", "torus"), ("spinning", "smooth", "spheroid"),
+         ("vertical", "viscous", "eccentric sphere"), ("circling", "rough", "torus"),
+         ("precession", "smooth", "thick disk"), ("tumbling", "viscous", "thin disk")}  # fmt: skip
+"""One case of each family stays in the fast tests."""
+
+
+@pytest.mark.parametrize(
+    ("name", "law", "body", "more"),
+    [pytest.param(*case, marks=() if (*case[:2], case[2].name) in QUICK else pytest.mark.long)
+     for case in NAMED],
+    ids=lambda v: getattr(v, "name", str(v)),
+)  # fmt: skip
 def test_boundaries_of_named_bodies_have_two_sides(
     name: str, law: str, body: st.Body, more: dict[str, Any]
 ) -> None:
@@ -276,7 +285,7 @@ def test_leaning_rolling_turns_at_its_printed_thresholds(t: Fraction) -> None:
         assert words(family, root(square), numbers) == ["unstable", "neutral"], law
 
 
-@pytest.mark.few(1)
+@pytest.mark.long  # the flutter polynomial takes two seconds; its two limits are above
 @pytest.mark.parametrize("share", [Fraction(1, 4), HALF, Fraction(9, 10)])
 @pytest.mark.parametrize("rho", [Fraction(0), Fraction(1, 7)])
 def test_fast_spinning_flutters_from_its_second_limit(rho: Fraction, share: Fraction) -> None:
