@@ -108,7 +108,7 @@ def test_maps_by_formulas_have_the_verdicts_of_the_graph(
 
 @pytest.mark.few(2)
 @pytest.mark.parametrize("law", ["viscous", "linear-viscous", "rough", "smooth"])
-@pytest.mark.parametrize("name", ["thick disk", "egg", "si"])
+@pytest.mark.parametrize("name", ["thick disk", pytest.param("egg", marks=pytest.mark.long), "si"])
 def test_leaning_rolling_has_the_eigenvalues_of_the_jacobian(name: str, law: str) -> None:
     """θ is solved for inside the formulas, in arrays, balls and series alike."""
     body = BODIES[name] if name != "si" else st.ThickDisk(0.15, mass=2.0, gravity=9.81, length=0.3)

@@ -113,8 +113,7 @@ def test_verdicts_are_those_of_the_viscous_disk(law: Any, family: str, at: float
     assert float(mine.abscissa) == pytest.approx(float(full.abscissa), rel=0.05)
 
 
-@pytest.mark.few(2)
-@pytest.mark.parametrize("law", CREEP[1:])
+@pytest.mark.parametrize("law", [Creep1, Creep2, pytest.param(Creep3, marks=pytest.mark.long)])
 def test_a_motion_keeps_its_account_and_reports_its_slip(law: Any) -> None:
     motion = run(law(30.0), 5.0)
     assert float(motion.energy_error) < 1e-9

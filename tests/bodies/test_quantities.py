@@ -92,10 +92,12 @@ def _size(words: str, sizes: dict[str, float]) -> float:
     return float(eval(code, {"sqrt": math.sqrt}, sizes))
 
 
-@pytest.mark.parametrize("kind", [k for k in Kind if k.words])
-def test_both_units_of_a_kind_have_one_dimension(kind: Kind) -> None:
+def test_both_units_of_a_kind_have_one_dimension() -> None:
     scales = {"m": LINK["kg"], "R": LINK["m"], "g": LINK["m"] / LINK["s"] ** 2}
-    assert _size(kind.words, scales) == pytest.approx(_size(kind.si, LINK), rel=1e-12)
+    kinds = [kind for kind in Kind if kind.words]
+    assert len(kinds) > 10
+    for kind in kinds:
+        assert _size(kind.words, scales) == pytest.approx(_size(kind.si, LINK), rel=1e-12), kind
 
 
 def test_a_series_is_its_dimensionless_numbers_times_the_unit_in_words() -> None:
