@@ -111,13 +111,21 @@ def needed(folder: Path, folders: Sequence[str]) -> tuple[str, ...]:
 
 def modules(tree: ast.AST, package: tuple[str, ...]) -> Iterable[tuple[str, ...]]:
     """Full names of what a file imports, as parts; `package` is the file's own."""
-    for node in ast.walk(tree):
+    for node in statements(tree):
         if isinstance(node, ast.Import):
             yield from (tuple(alias.name.split(".")) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             base = package[: len(package) - node.level + 1] if node.level else ()
             stem = (*base, *(node.module or "").split(".")) if node.module else base
             yield from ((*stem, alias.name) for alias in node.names)
+
+
+def statements(node: ast.AST) -> Iterable[ast.AST]:
+    """All statements below a node; expressions, which are most of a tree, are not entered."""
+    for part in ("body", "orelse", "finalbody", "handlers", "cases"):
+        for child in getattr(node, part, ()):
+            yield child
+            yield from statements(child)
 
 
 def first_sentence(path: Path) -> str:

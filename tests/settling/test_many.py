@@ -101,7 +101,7 @@ def every_proof_is_true(count: int, seed: int) -> None:
 
 
 def test_every_proof_of_the_kernel_is_one_of_flint_or_of_an_independent_motion() -> None:
-    every_proof_is_true(3000, 1)
+    every_proof_is_true(1000, 1)
 
 
 @pytest.mark.long
@@ -119,7 +119,7 @@ def test_two_hundred_proved_motions_end_within_the_stated_error() -> None:
 
 
 def test_the_kernel_proves_what_flint_proves() -> None:
-    _, six, p = launches(600, 2)
+    _, six, p = launches(200, 2)
     found = DiskSettling(st.Viscous).many(six, p, WITHIN)
     ours, theirs, bounds = [], [], found.settled
     for i in range(len(six)):
@@ -134,7 +134,7 @@ def test_the_kernel_proves_what_flint_proves() -> None:
             assert bounds.error[i] >= 0.9 * exact.error
             assert bounds.rate[i] <= 1.1 * exact.rate
             assert abs(bounds.limit[i, 0] - exact.limit[0]) <= bounds.error[i] + exact.error
-    assert sum(theirs) > 200
+    assert sum(theirs) > 60
     assert ours == theirs
 
 
@@ -356,7 +356,7 @@ def test_a_member_that_is_not_known_exactly_exists_within_the_error() -> None:
     assert (inside > 0).all()
     assert (off[some] < (pull[some] + np.sqrt(inside)) / 2).all()
     assert ((pull[some] - np.sqrt(inside)) / 2 <= found.error[some]).all()
-    for i in range(2000):
+    for i in range(400):
         alone = attraction(around, [pull[i], push[i]], [], [arb(float(off[i]))])
         assert some[i] <= (alone is not None)
 

@@ -92,12 +92,11 @@ def judge(family_name: str, count: int, seed: int) -> tuple[int, int]:
     return wrong, int((codes == CODES[Verdict.UNDECIDED]).sum())
 
 
-@pytest.mark.few(2)
 @pytest.mark.parametrize("family", ["rolling", "spinning", "tumbling"])
 def test_no_verdict_is_wrong_at_random_points(family: str) -> None:
-    wrong, undecided = judge(family, 30, seed=3)
+    wrong, undecided = judge(family, 12, seed=3)
     assert wrong == 0
-    assert undecided <= 15  # most of this box is far outside what double precision resolves
+    assert undecided <= 6  # most of this box is far outside what double precision resolves
 
 
 @pytest.mark.long

@@ -229,7 +229,7 @@ def _member(rho: float, axial: float, transverse: float, m: float, q: float) -> 
 def test_spinning_is_stable_exactly_where_the_theorem_says() -> None:
     rng = np.random.default_rng(11)
     near, kinds = 1e-6, {"flat": 0, "round": 0}
-    for _ in range(12):
+    for _ in range(5):
         axial, rho = rng.uniform(0.1, 1.2), rng.choice([0.0, rng.uniform(0, 0.5)])
         transverse = axial * max(rng.uniform(0.5, 1.4), rho + 0.05)
         body = (float(rho), float(axial), float(transverse))
