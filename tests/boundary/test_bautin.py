@@ -104,12 +104,12 @@ def crossings(table: Any, size: int) -> list[tuple[float, float]]:
 
 
 @pytest.mark.parametrize(
-    ("seed", "least"), [(6, 1), *(pytest.param(k, 0, marks=pytest.mark.long) for k in range(7, 30))]
+    ("seed", "least"), [(6, 1), *(pytest.param(k, 0, marks=pytest.mark.long) for k in range(7, 50))]
 )
 def test_random_planar_families_have_the_points_of_the_closed_form(seed: int, least: int) -> None:
     rng = np.random.default_rng(seed)
     count = 0
-    for _ in range(4):
+    for _ in range(2):
         table = rng.integers(-4, 5, (18, 3))
         table[3, 2] = 1 - table[0, 2]  # the trace contains q
         found = searched(at_rest("uv", planar_rates(table)), (-3, 3), (-3, 3))

@@ -307,7 +307,7 @@ def test_points_are_marked_listed_and_written(
     from stability.cli.commands import main
     from stability.figures.diagram import caption, diagram
 
-    axes = {"x": ("p", -1, 1.1, 7), "y": ("q", -1, 1.2, 7)}
+    axes = {"x": ("p", -1, 1.1, 4), "y": ("q", -1, 1.2, 4)}
     family = zero_and_pair(lambda v: v, lambda v: v)
     dataset = st.stability_map(family, **axes)
     found = st.codimension_two(family, **axes)

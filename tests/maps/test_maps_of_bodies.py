@@ -106,7 +106,7 @@ def test_no_polynomial_where_a_condition_fails_or_is_not_exact(condition: st.Con
 
 def test_a_body_is_streamed_by_its_polynomial(tmp_path: Path) -> None:
     target = tmp_path / "torus.nc"
-    axes = {"x": ("phi_dot", 0.5, 5, 50), "y": ("mu", 0.05, 2, 40)}
+    axes = {"x": ("phi_dot", 0.5, 5, 16), "y": ("mu", 0.05, 2, 12)}
     st.stream_map("spinning", **axes, out=target, body=st.Torus(0.2))
     whole = st.stability_map("spinning", **axes, body=st.Torus(0.2))
     assert (st.read_map(target).verdict.values == whole.verdict.values).all()

@@ -37,14 +37,14 @@ def built(rate: Any, other: Any) -> Any:
                      parameters=("p", "q"))  # fmt: skip
 
 
-@pytest.mark.few(1)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("name", CASES)
 def test_each_verdict_is_that_of_the_member_which_a_straight_line_reaches(name: str) -> None:
     rate, other, start, guess, wide, high = CASES[name]
     family = built(rate, other).steady(
         ("p", "q"), held={"y": 0.0}, guess={"x": guess, "p": start[0], "q": start[1]}
     )
-    found = st.stability_map(family, x=("p", -wide, wide, 12), y=("q", -high / 2, high, 7))
+    found = st.stability_map(family, x=("p", -wide, wide, 8), y=("q", -high / 2, high, 4))
     sheets = Sheets(sp.expand(rate))
     rates = sp.lambdify((X, P, Q), [sp.diff(rate, X), other], "mpmath")
     kinds = set()
