@@ -43,7 +43,7 @@ def test_a_task_that_fails_takes_no_other_with_it(tmp_path: Path) -> None:
 
     group = tasks(
         ("good", operator.add, (1, 2)), ("raises", operator.truediv, (1, 0)),
-        ("dies", os._exit, (3,)), ("refuses", spectral.route, ("nonsense",)),
+        ("dies", os._exit, (3,)), ("refuses", st.Viscous, (-1.0,)),
         ("after", operator.mul, (6, 7)),
     )  # fmt: skip
     group.insert(3, Task("sleeps", time.sleep, (60,), 0.3))
@@ -55,7 +55,7 @@ def test_a_task_that_fails_takes_no_other_with_it(tmp_path: Path) -> None:
     assert (cells["good"].value, cells["after"].value) == (3, 42)
     assert cells["raises"].message == "ZeroDivisionError: division by zero"
     assert cells["dies"].message == "its process ended with code 3"
-    assert "known are forward" in cells["refuses"].message
+    assert "mu is -1" in cells["refuses"].message
 
 
 def test_finished_cells_are_kept_and_not_done_again(tmp_path: Path) -> None:
@@ -147,7 +147,7 @@ def test_a_journal_of_other_sources_is_begun_anew(
 
 
 def test_groups_run_side_by_side_and_progress_is_told(tmp_path: Path) -> None:
-    groups = [[Task(str(i), time.sleep, (0.2,))] for i in range(4)]
+    groups = [[Task(str(i), time.sleep, (0.02,))] for i in range(4)]
     seen: list[tuple[int, int]] = []
     run(groups, Journal(tmp_path / "a"), workers=2, progress=lambda d, t: seen.append((d, t)))
     assert seen[-1] == (4, 4)
@@ -396,10 +396,22 @@ def test_a_part_of_which_no_cell_has_ended_has_a_page(name: str, tmp_path: Path)
 
 
 @pytest.mark.usefixtures("small")
-def test_a_part_alone_makes_a_page_of_that_part(tmp_path: Path) -> None:
+def test_a_part_alone_makes_a_page_of_that_part(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(catalogue, "ROUTE_NAMES", ("ad-raw", "spectrum"))
+    monkeypatch.setattr(catalogue, "DRIVER_NAMES", ("rk4", "simulate"))
+    asked = ("two structural zeros", "non-steady operating point")
+    monkeypatch.setattr(catalogue, "CASES", {n: catalogue.CASES[n] for n in asked})
     page = st.report(tmp_path / "r", ["failures"])
     text = page.read_text()
     assert "Where methods fail" in text and "Work against precision" not in text
+    rows = list(csv.DictReader((tmp_path / "r" / "failures.csv").read_text().splitlines()))
+    marks = {(r["case"], r["method"]): r["mark"] for r in rows}
+    assert marks["two structural zeros", "ad-raw"] == "wrong"
+    assert marks["two structural zeros", "spectrum"] == "right"
+    assert marks["non-steady operating point", "spectrum"] == "refused"
+    assert marks["slides, then sticks", "simulate"] == "right"
 
 
 def test_bad_input_gets_one_sentence(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
