@@ -118,34 +118,41 @@ def test_motions_meet_those_of_18_digits_through_the_poles(entry: dict[str, Any]
 
 SCENES = {
     "torus": (
-        shapes.torus(1.0, 0.2, 1.03, 0.525), st.Torus(0.2), (1.3, 0.1, 0.4, 1.2, 0.1, -0.2), 8.0,
+        shapes.torus(1.0, 0.2, 1.03, 0.525), st.Torus(0.2), (1.3, 0.1, 0.4, 1.2, 0.1, -0.2),
+        (0.6, 8.0),
     ),
     "thick disk in SI": (
         shapes.thick_disk(0.3, 0.03, 0.09, 0.0456, 2.0, 9.81),
-        st.ThickDisk(0.2, mass=2.0, gravity=9.81, length=0.3), (1.2, 0.5, 2.0, 5.0, 0.1, 0.0), 1.5,
+        st.ThickDisk(0.2, mass=2.0, gravity=9.81, length=0.3), (1.2, 0.5, 2.0, 5.0, 0.1, 0.0),
+        (0.2, 1.5),
     ),
     "through both poles": (
         shapes.spheroid(1.0, 1.2, 0.4, 0.488), st.Spheroid(1.2), (0.8, -1.2, 0.0, 0.0, 0.1, 0.0),
-        12.0,
+        (2.0, 12.0),
     ),
     "tippe top": (
         shapes.eccentric_sphere(0.15, 0.4, 0.4),
-        st.EccentricSphere(0.15, axial=0.4, transverse=0.4), (0.3, 0.0, 0.0, 4.0, 0.0, 0.0), 15.0,
+        st.EccentricSphere(0.15, axial=0.4, transverse=0.4), (0.3, 0.0, 0.0, 4.0, 0.0, 0.0),
+        (0.8, 15.0),
     ),
 }  # fmt: skip
 
 
-@pytest.mark.few(1)
+@pytest.mark.few(4)
 @pytest.mark.parametrize("law", ["viscous", "rough", "smooth"])
 @pytest.mark.parametrize("scene", SCENES)
-def test_motions_are_those_of_the_geometry_in_inertial_axes(scene: str, law: str) -> None:
-    of, body, start, last = SCENES[scene]
+@pytest.mark.parametrize("long", [False, pytest.param(True, marks=pytest.mark.long)])
+def test_motions_are_those_of_the_geometry_in_inertial_axes(
+    scene: str, law: str, long: bool
+) -> None:
+    of, body, start, ends = SCENES[scene]
+    last = ends[long]
     six = np.array(start)
     if law == "rough":
         six[4:] = 0
     mu = 0.3 if law == "viscous" else 0.0
     contact = st.Viscous(mu) if mu else law
-    times = np.linspace(0.0, last, 13)
+    times = np.linspace(0.0, last, 13 if long else 4)
     run = st.simulate(body, contact, six, times, pose=True, tolerance=1e-15, check=False)
     assert run.attrs["outcome"] in ("moving", "settled")
     true = move(of, Law(law, mu), pose_at(of, six), times)
@@ -173,7 +180,8 @@ def test_motions_are_those_of_the_geometry_in_inertial_axes(scene: str, law: str
     assert np.abs(heading * s[:, None] - true.axis[:, :2])[tilted].max() < 1e-9 * scale
     if scene == "through both poles":
         # it turns over again and again in a plane, so that its axis passes vertical
-        assert up.max() > 0.9 and up.min() < -0.9
+        assert up.max() > 0.9 and up.min() < -0.9 or not long
+        assert true.axis[0, 0] * true.axis[-1, 0] < 0 or long
     if "axis_z" in run:
         axis = np.array([run.axis_x, run.axis_y, run.axis_z]).T
         assert np.abs(axis - true.axis).max() < 1e-9 * scale
@@ -194,11 +202,11 @@ def _jellett(run: object, body: st.Body) -> np.ndarray:
     return found
 
 
-@pytest.mark.long
-def test_jelletts_integral_is_kept_while_a_tippe_top_turns_over() -> None:
+@pytest.mark.parametrize("last", [400.0, pytest.param(1500.0, marks=pytest.mark.long)])
+def test_jelletts_integral_is_kept_while_a_tippe_top_turns_over(last: float) -> None:
     top = st.EccentricSphere(0.15, axial=0.4, transverse=0.42)
     start = {"theta": 0.05, "omega3": 5.0}
-    run = st.simulate(top, st.Viscous(0.3), start, 1500.0, tolerance=1e-15)
+    run = st.simulate(top, st.Viscous(0.3), start, last, tolerance=1e-15)
     assert run.theta[0] < 0.06 and run.theta[-1] > 3.1
     kept = _jellett(run, top)
     assert np.abs(kept - kept[0]).max() < 1e-11 * abs(kept[0])
@@ -220,7 +228,8 @@ def test_a_tippe_top_settles_on_its_other_pole() -> None:
 
 def test_a_start_on_a_pole_and_a_passage_through_it_are_motions() -> None:
     egg = st.Spheroid(1.3)
-    run = st.simulate(egg, st.Rough(), {"theta": 0.0, "theta_dot": 1.1}, 20.0)
+    start = {"theta": 0.0, "theta_dot": 1.1}
+    run = st.simulate(egg, st.Rough(), start, 20.0, method="dop853", tolerance=1e-11)
     assert run.attrs["outcome"] == "moving"
     assert float(run.axis_z.min()) < -0.99 and float(run.energy_error) < 1e-9
     assert float(np.abs(run.axis_y).max()) < 1e-12  # it keeps its plane
@@ -234,19 +243,23 @@ def test_another_rim_ends_the_motion_of_a_thick_disk() -> None:
     assert run.attrs["outcome"] == "domain-end"
     assert float(run.theta[-1]) == pytest.approx(math.pi / 2, abs=1e-9)
     assert "another rim" in str(run.evidence.values)
-    falls = st.simulate(st.ThickDisk(0.2), st.Rough(), {"theta": 0.3}, 30.0)
+    falls = st.simulate(st.ThickDisk(0.2), st.Rough(), {"theta": 0.3}, 30.0, check=False)
     assert falls.attrs["outcome"] == "flat"
 
 
-@pytest.mark.few(1)
 @pytest.mark.parametrize("law", ["viscous", "linear-viscous", "rough", "smooth"])
-def test_the_thin_body_moves_and_ends_as_the_disk(law: str) -> None:
+@pytest.mark.parametrize("last", [4.0, pytest.param(40.0, marks=pytest.mark.long)])
+def test_the_thin_body_moves_and_ends_as_the_disk(law: str, last: float) -> None:
     thin = st.Body(lambda theta: ca.sin(theta), axial=0.5, transverse=0.25, name="thin")
     contact = LAWS[law](0.3) if LAWS[law].parameters else LAWS[law]()
-    for six in ([1.5, 0, 2.5, 0, 0, 0], [1.2, 0, 0.1, 0.2, 0, 0], [1.4, 0.1, 0.3, 1.0, 0, 0]):
-        options = dict(pose=True, tolerance=1e-12, check=False)
-        known = st.simulate(st.Disk(), contact, six, 40.0, **options)
-        run = st.simulate(thin, contact, six, 40.0, **options)
+    launches = [[1.4, 0.1, 0.3, 1.0, 0, 0], [1.2, 0, 0.1, 0.2, 0, 0], [1.5, 0, 2.5, 0, 0, 0]]
+    for six in launches[: 2 if last < 40 else 3]:
+        # dop853 compiles nothing
+        options: Any = dict(
+            pose=True, tolerance=1e-12, check=False, method="auto" if last == 40 else "dop853"
+        )
+        known = st.simulate(st.Disk(), contact, six, last, **options)
+        run = st.simulate(thin, contact, six, last, **options)
         assert run.attrs["outcome"] == known.attrs["outcome"]
         assert str(run.nearest_family.values) == str(known.nearest_family.values)
         assert float(run.end_time) == pytest.approx(float(known.end_time), rel=1e-9)

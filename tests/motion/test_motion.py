@@ -36,23 +36,29 @@ def outcome(run: Any) -> Outcome:
 # --- against the inertial formulation ---
 
 
-@pytest.mark.few(1)
+@pytest.mark.few(6)
 @pytest.mark.parametrize("method", [*TIGHT, "cvodes", "idas", "auto"])
-def test_reference_trajectories_are_met(method: str) -> None:
+@pytest.mark.parametrize("number", range(5))
+@pytest.mark.parametrize("count", [2, pytest.param(3, marks=pytest.mark.long)])
+def test_reference_trajectories_are_met(method: str, number: int, count: int) -> None:
     # dop853, lsoda, heyoka and auto to 1e-9; the two of order five to 1e-8 at this tolerance
     allowed = 1e-8 if method in ("cvodes", "idas") else 1e-9
-    for case in reference.trajectories():
-        run = st.simulate(
-            st.Disk(k=case["k"]), st.Viscous(case["mu"]), case["start"], case["times"],
-            method=method, tolerance=1e-12,
-        )  # fmt: skip
-        assert np.abs(states(run) - np.array(case["states"])).max() < allowed
+    case = reference.trajectories()[number]
+    run = st.simulate(
+        st.Disk(k=case["k"]), st.Viscous(case["mu"]), case["start"], case["times"][:count],
+        method=method, tolerance=1e-12,
+    )  # fmt: skip
+    assert np.abs(states(run) - np.array(case["states"])[:count]).max() < allowed
 
 
-@pytest.mark.few(1)
-@pytest.mark.parametrize("method", TIGHT[:2])
-def test_the_energy_account_closes_to_1e11_over_100(method: str) -> None:
-    run = st.simulate(st.Disk(), st.Viscous(0.3), LAUNCH, 100.0, method=method, tolerance=1e-16)
+@pytest.mark.parametrize(
+    ("method", "last"),
+    [("heyoka", 100.0), ("dop853", 8.0), pytest.param("dop853", 100.0, marks=pytest.mark.long)],
+)
+def test_the_energy_account_closes_to_1e11_over_100(method: str, last: float) -> None:
+    if method == "heyoka" and not taylor.available():
+        pytest.skip("heyoka is an extra")
+    run = st.simulate(st.Disk(), st.Viscous(0.3), LAUNCH, last, method=method, tolerance=1e-16)
     assert float(run.energy_error) < 1e-11
     assert float(run.dissipated[-1]) > 0.1  # there was something to account for
 
@@ -117,15 +123,16 @@ def test_neighbours_of_the_reference_launch_all_end_as_outcomes() -> None:
 
 
 @lru_cache
-def of_neighbours(method: str, first: int, last: int) -> Any:
-    starts, times = attached(neighbours(24), 0.3)[first:last], np.linspace(0, 20, 21)
+def of_neighbours(method: str, first: int, last: int, until: int) -> Any:
+    starts, times = attached(neighbours(24), 0.3)[first:last], np.linspace(0, until, until + 1)
     return st.simulate(st.Disk(), st.Viscous(0.3), starts, times, method=method, tolerance=1e-11)
 
 
-@pytest.mark.few(1)
 @pytest.mark.parametrize("method", ["dop853", "lsoda", "cvodes"])
-@pytest.mark.parametrize("some", [(16, 20), pytest.param((14, 24), marks=pytest.mark.long)])
-def test_routes_agree_on_outcomes_and_lift_off_times(method: str, some: tuple[int, int]) -> None:
+@pytest.mark.parametrize("some", [(18, 20, 6), pytest.param((14, 24, 20), marks=pytest.mark.long)])
+def test_routes_agree_on_outcomes_and_lift_off_times(
+    method: str, some: tuple[int, int, int]
+) -> None:
     runs = [of_neighbours(m, *some) for m in (method, "idas")]
     assert (runs[0].outcome == runs[1].outcome).all()
     assert np.allclose(runs[0].end_time, runs[1].end_time, rtol=0, atol=1e-6)
@@ -135,7 +142,9 @@ def test_routes_agree_on_outcomes_and_lift_off_times(method: str, some: tuple[in
 def test_lift_off_ends_the_run_at_zero_normal_force() -> None:
     start = [1.0, 0.0, 5.0, -5.0, 0.0, 0.0]
     for method in ("dop853", "lsoda", "cvodes", "idas"):
-        run = st.simulate(st.Disk(), st.Viscous(3.0), start, 3.0, method=method, tolerance=1e-11)
+        run = st.simulate(
+            st.Disk(), st.Viscous(3.0), start, 3.0, method=method, tolerance=1e-11, check=False
+        )
         assert outcome(run) is Outcome.LIFT_OFF
         assert abs(float(run.normal_force[-1])) < 1e-8
         assert float(run.time[-1]) == float(run.end_time) == pytest.approx(0.1302615, abs=1e-6)
@@ -230,7 +239,7 @@ def launched(start: Any, k: float, mu: float, times: Any, **options: Any) -> Any
 
 
 @given(START, INERTIA, FRICTION)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 def test_energy_never_rises_and_contact_is_pressed(start: Any, k: float, mu: float) -> None:
     run = launched(start, k, mu, np.linspace(0, 8, 81))
     if run is None:
@@ -247,7 +256,7 @@ def test_energy_never_rises_and_contact_is_pressed(start: Any, k: float, mu: flo
 
 
 @given(START, INERTIA, FRICTION)
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 def test_the_other_end_of_the_axis_tells_the_same_motion(start: Any, k: float, mu: float) -> None:
     theta, theta_dot, phi_dot, omega3, vx, vy = start
     mirrored = (math.pi - theta, -theta_dot, phi_dot, -omega3, -vx, -vy)
@@ -267,7 +276,7 @@ def test_the_other_end_of_the_axis_tells_the_same_motion(start: Any, k: float, m
 
 
 @given(START, INERTIA, FRICTION)
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 def test_restarting_in_the_middle_equals_going_through(start: Any, k: float, mu: float) -> None:
     whole = launched(start, k, mu, [0.7, 1.4], tolerance=1e-12)
     if whole is None or len(whole.time) < 2 or outcome(whole) is not Outcome.MOVING:
@@ -277,7 +286,7 @@ def test_restarting_in_the_middle_equals_going_through(start: Any, k: float, mu:
 
 
 @given(START, some.floats(0.01, 10), some.floats(0.01, 3), some.floats(1, 30), some.floats(-1, 1))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 def test_scaled_bodies_move_alike(
     start: Any, mass: float, radius: float, gravity: float, decade: float
 ) -> None:

@@ -24,18 +24,18 @@ def states(run: Any) -> Any:
     return np.stack([run[name].values for name in STATES], axis=-1)
 
 
-@pytest.mark.long
-@pytest.mark.few(1)
+@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("contact", "start"),
     [(st.Viscous(0.3), LAUNCH), (st.LinearViscous(0.3), LAUNCH), (st.Smooth(), LAUNCH),
      (st.Rough(), LAUNCH), (st.Coulomb(0.15), DRY), (st.RegularisedCoulomb(0.15, 1e-3), DRY)],
 )  # fmt: skip
-@pytest.mark.parametrize(("last", "count"), [(2, 9), pytest.param(8, 33, marks=pytest.mark.long)])
+@pytest.mark.parametrize(("last", "count"), [(1, 3), pytest.param(8, 33, marks=pytest.mark.long)])
 def test_every_law_comes_back_whole_from_a_file(
     contact: Any, start: Any, last: float, count: int, tmp_path: Path
 ) -> None:
-    run = st.simulate(st.Disk(k=0.3), contact, start, np.linspace(0, last, count), pose=True)
+    times, method = np.linspace(0, last, count), "auto" if last > 1 else "dop853"
+    run = st.simulate(st.Disk(k=0.3), contact, start, times, pose=last > 1, method=method)
     back = st.read_motion(st.write_motion(run, tmp_path / "run.nc"))
     assert back.identical(run)
     assert is_finite(back)
@@ -43,8 +43,9 @@ def test_every_law_comes_back_whole_from_a_file(
         if "time" in variable.dims and name != "mode":
             assert variable.attrs["units"]
             assert variable.attrs["long_name"]
-    with xarray.open_dataset(tmp_path / "run.nc") as plain:  # any NetCDF reader will do
-        assert plain.attrs["contact"] == contact.name
+    if last > 1 or contact.name == "coulomb":
+        with xarray.open_dataset(tmp_path / "run.nc") as plain:  # any NetCDF reader will do
+            assert plain.attrs["contact"] == contact.name
 
 
 def test_the_provenance_says_how() -> None:
@@ -124,7 +125,7 @@ def test_without_the_direct_constructor_the_public_one_is_taken(
 
 def test_a_batch_is_its_launches_one_by_one() -> None:
     rng = np.random.default_rng(2)
-    starts = np.array(LAUNCH) + rng.uniform(-0.25, 0.25, (23, 6))
+    starts = np.array(LAUNCH) + rng.uniform(-0.25, 0.25, (12, 6))
     keep = [
         s for s in starts
         if st.disk_system("viscous").observe(s, [0.25, 0.3])["normal_force"] > 0
@@ -197,9 +198,8 @@ def test_a_run_that_ends_before_its_first_sample_reports_the_end() -> None:
     assert np.array_equal(run.event_state.values[0], states(run)[-1])
 
 
-@pytest.mark.long
 def test_other_files_are_refused_in_one_sentence(tmp_path: Path) -> None:
-    m = st.stability_map("rolling", x=("at", 1, 2, 3), y=("mu", 1, 2, 3))
+    m = st.stability_map("rolling", x=("at", 1, 2, 2), y=("mu", 1, 2, 2))
     a_map = st.write_map(m, tmp_path / "map.nc")
     run = st.simulate(st.Disk(), st.Viscous(0.3), LAUNCH, 1.0)
     a_run = st.write_motion(run, tmp_path / "run.nc")
@@ -218,8 +218,10 @@ def test_other_files_are_refused_in_one_sentence(tmp_path: Path) -> None:
     assert sorted(p.name for p in tmp_path.iterdir()) == ["map.nc", "run.nc", "text.nc"]
 
 
-@pytest.mark.long
-def test_every_launch_keeps_its_start_also_without_a_sample_at_time_0(tmp_path: Path) -> None:
+@pytest.mark.parametrize("filed", [False, pytest.param(True, marks=pytest.mark.long)])
+def test_every_launch_keeps_its_start_also_without_a_sample_at_time_0(
+    filed: bool, tmp_path: Path
+) -> None:
     disk = st.Disk(mass=0.3, radius=0.2, k=0.25, gravity=9.81)
     names = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
     given = {"theta": [[1.4], [1.5]], "omega3": [10.0, 12.0, 14.0], "slip_x": 0.3}
@@ -232,8 +234,9 @@ def test_every_launch_keeps_its_start_also_without_a_sample_at_time_0(tmp_path: 
         expected = np.broadcast_to(np.asarray(given.get(name, 0.0)), (2, 3))
         assert np.allclose(values, expected, rtol=1e-15, atol=0), name
     assert "start_state" in many.coords
-    read = st.read_motion(st.write_motion(many, tmp_path / "many.nc"))
-    assert "start_state" in read.coords and read.start_state.identical(found)
+    if filed:
+        read = st.read_motion(st.write_motion(many, tmp_path / "many.nc"))
+        assert "start_state" in read.coords and read.start_state.identical(found)
     one = st.simulate(disk, st.Viscous(0.3), {"theta": 1.4, "omega3": 10.0, "slip_x": 0.3}, 1.0)
     assert np.array_equal(one.start_state, found[0, 0])
     again = st.simulate(disk, st.Viscous(0.3), found.values, [0.5, 1.0])

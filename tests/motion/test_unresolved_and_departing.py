@@ -100,9 +100,11 @@ def test_no_departure_is_told_where_the_error_hides_it() -> None:
 # --- runs that give up ---
 
 
-@pytest.mark.long
-@pytest.mark.few(1)
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(
+    "method",
+    [pytest.param(m, marks=[pytest.mark.long] * (m in ("auto", "radau", "bdf", "cvodes")))
+     for m in METHODS],
+)  # fmt: skip
 def test_an_overflow_is_told_in_words_with_a_remedy(method: str) -> None:
     system, rest = growing()
     run = st.simulate(system, {"c": 1.0}, {"x": 1.0}, 1000.0, families=rest, method=method)
