@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray
-from command_line import output, refused
+from command_line import interrupted, output, refused
 from PIL import Image
 
 import stability as st
@@ -244,42 +244,40 @@ def test_bad_input_gets_one_sentence(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_interrupted_run_keeps_all_and_says_how_to_go_on(tmp_path: Path) -> None:
-    words = [
-        "basins",
-        "--family",
-        "spinning",
-        "--x",
-        "at:0.5:3:60",
-        "--y",
-        "tilt:0.1:0.5:400",
-        "--mu",
-        "0.3",
-        "--time",
-        "30",
-        "--chunk",
-        "100",
-        "--workers",
-        "2",
-        "--out",
-        "a.zarr",
-    ]
-    run = subprocess.Popen([sys.executable, "-m", "stability", *words], cwd=tmp_path, text=True,
-                           stdout=subprocess.PIPE, stderr=subprocess.PIPE)  # fmt: skip
+MANY = ("basins", "--family", "spinning", "--x", "at:0.5:3:60", "--y", "tilt:0.1:0.5:400", "--mu",
+        "0.3", "--time", "30", "--chunk", "100", "--workers", "2", "--out", "a.zarr")  # fmt: skip
+
+
+def _kept_and_said(folder: Path, code: int | None, out: str, err: str) -> None:
+    assert (code, out) == (130, "")
+    last = err.strip().splitlines()[-1]
+    where = r".* kept in .*a\.zarr: give the same command again"
+    told = re.search(r"interrupted; (\d+) of 24000 " + where, last)
+    assert told
+    kept = len(list((folder / "a.zarr" / "outcome").glob("c.*")))
+    assert 0 < kept < 240
+    assert int(told[1]) == 100 * kept  # those that ended while it stopped, too
+
+
+def test_an_interrupted_run_keeps_all_and_says_how_to_go_on(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     chunks = tmp_path / "a.zarr" / "outcome"
-    while run.poll() is None and not list(chunks.glob("c.*")):
+    code = interrupted(lambda: list(chunks.glob("c.*")), *MANY)
+    said = capsys.readouterr()
+    _kept_and_said(tmp_path, code, said.out, said.err)
+
+
+@pytest.mark.long
+def test_an_interrupted_process_keeps_all_and_says_how_to_go_on(tmp_path: Path) -> None:
+    run = subprocess.Popen([sys.executable, "-m", "stability", *MANY], cwd=tmp_path, text=True,
+                           stdout=subprocess.PIPE, stderr=subprocess.PIPE)  # fmt: skip
+    while run.poll() is None and not list((tmp_path / "a.zarr" / "outcome").glob("c.*")):
         time.sleep(0.05)
     run.send_signal(signal.SIGINT)
     out, err = run.communicate(timeout=60)
-    assert run.returncode == 130
-    assert out == ""
-    last = err.strip().splitlines()[-1]
-    assert re.search(r"interrupted; \d+ of 24000 .* kept in .*a\.zarr: give the same command again",
-                     last)  # fmt: skip
-    kept = len(list(chunks.glob("c.*")))
-    assert 0 < kept < 240
-    told = int(re.search(r"interrupted; (\d+) of", last)[1])  # type: ignore[index]
-    assert told == 100 * kept  # those that ended while it stopped, too
+    _kept_and_said(tmp_path, run.returncode, out, err)
 
 
 def test_the_time_left_is_that_of_the_launches_that_are_left(

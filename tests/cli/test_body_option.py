@@ -54,7 +54,6 @@ def spectrum(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, objec
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize("name", NAMED)
 def test_every_named_body_has_the_spectrum_of_the_library(
     capsys: pytest.CaptureFixture[str], name: str

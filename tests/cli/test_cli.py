@@ -6,7 +6,9 @@ import signal
 import subprocess
 import sys
 import time
+from argparse import ArgumentParser
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -112,7 +114,12 @@ def test_tables_are_headed_recomputed(capsys: pytest.CaptureFixture[str]) -> Non
     assert "0 outside" in text
 
 
-def test_table_of_conditions_has_the_known_thresholds(capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize("derived", [False, pytest.param(True, marks=pytest.mark.long)])
+def test_table_of_conditions_has_the_known_thresholds(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, derived: bool
+) -> None:
+    if not derived:  # without the formulas, which take seconds
+        monkeypatch.setattr("stability.derivation.formulas.rows", lambda *_: [])
     words = ["table", "conditions", "--k", "0.25", "--mu", "0.3,3", "--json"]
     rows = json.loads(output(capsys, *words))["rows"]
     at = {(r["family"], r["contact"], r["mu"]): r["at"] for r in rows}
@@ -125,6 +132,14 @@ def test_table_of_conditions_has_the_known_thresholds(capsys: pytest.CaptureFixt
         assert {row["below"], row["above"]} <= {"stable", "unstable", "neutral"}
 
 
+@cache
+def whole_parser() -> ArgumentParser:
+    """The parser of every command."""
+    from stability.cli.commands import _parser
+
+    return _parser()
+
+
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_has_help_with_an_example_that_parses(
     capsys: pytest.CaptureFixture[str], command: str
@@ -135,10 +150,8 @@ def test_every_command_has_help_with_an_example_that_parses(
     text = " ".join(capsys.readouterr().out.split())
     examples = text.split("example: stability ")[1:]
     assert len(examples) >= (2 if command in OWN else 1)
-    from stability.cli.commands import _parser
-
     for example in examples:
-        assert _parser().parse_args(example.rstrip("; ").split()).run
+        assert whole_parser().parse_args(example.rstrip("; ").split()).run
 
 
 def test_help_of_table_names_every_table_and_what_each_axis_belongs_to(
@@ -247,10 +260,15 @@ def test_python_m_stability_is_the_same_program() -> None:
     assert done.returncode == 0
     assert done.stderr == ""
     assert "verdict     stable" in done.stdout
-    version = run("--version").stdout
+
+
+def test_the_version_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
     from stability.base.version import __version__
 
-    assert version == f"stability {__version__}\n"
+    with pytest.raises(SystemExit) as stop:
+        main(["--version"])
+    assert stop.value.code == 0
+    assert capsys.readouterr().out == f"stability {__version__}\n"
 
 
 @pytest.mark.long
@@ -459,8 +477,25 @@ def test_a_bad_resolution_is_refused(
     assert list(tmp_path.iterdir()) == []
 
 
+def test_an_interruption_leaves_nothing(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ctrl-C while the picture is half written, and the map wholly."""
+
+    def half(_: object, draft: Path) -> None:
+        draft.write_text("half")
+        os.kill(os.getpid(), signal.SIGINT)
+
+    monkeypatch.setattr("stability.figures.canvas.save_figure", half)
+    code = main([*MAP, "--out", str(tmp_path / "m.nc"), "--plot", str(tmp_path / "m.png")])
+    errors = capsys.readouterr().err
+    assert code == 130
+    assert "interrupted; nothing was written" in errors
+    assert "Traceback" not in errors
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "words", [["map", "tumbling", "--x", "at:0.01:1.5:400", "--y", "mu:0.1:5:400"], ["atlas"]]
 )

@@ -6,12 +6,12 @@ from pathlib import Path
 import pytest
 from command_line import output, refused
 
+LONG = pytest.mark.long
 
-@pytest.mark.long
-@pytest.mark.few(1)
+
 @pytest.mark.parametrize("words", [
-    ["rolling", "--contact", "rough", "--k", "0.5", "--at", "0.8"],
-    ["rolling", "--body", "torus", "--tube", "0.2", "--mu", "0.3"],
+    pytest.param(["rolling", "--contact", "rough", "--k", "0.5", "--at", "0.8"], marks=LONG),
+    pytest.param(["rolling", "--body", "torus", "--tube", "0.2", "--mu", "0.3"], marks=LONG),
     ["--system", "examples/bicycle.py:upright", "--at", "5", "--parameter", "g=9.81"],
 ])  # fmt: skip
 def test_a_page_is_written_for_the_disk_a_body_and_a_system(

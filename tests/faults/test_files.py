@@ -16,6 +16,7 @@ from stability.storage.json_text import json_text
 MAP = ("map", "rolling", "--x", "at:1:2:5", "--y", "mu:0.1:1:4")
 RUN = ("simulate", "--theta", "1.4", "--mu", "0.3", "--time", "1")
 STREAM = ("map", "tumbling", "--x", "at:0.05:1.5:900", "--y", "mu:0.1:5:900", "--verdict-only")
+SMALL = ("map", "tumbling", "--x", "at:0.05:1.5:90", "--y", "mu:0.1:5:90", "--verdict-only")
 
 
 def program(*words: str, cwd: Path, before: str = "", **options: Any) -> Any:
@@ -57,9 +58,6 @@ def test_endings_are_refused_in_python_too(tmp_path: Path) -> None:
     assert st.read_map(st.write_map(found, tmp_path / "map")).identical(found)
 
 
-LONG = pytest.mark.long
-
-
 @pytest.mark.few(28)
 @pytest.mark.parametrize("option", ["--out", "--plot", "--film", "--checkpoint", "folder"])
 @pytest.mark.parametrize(
@@ -91,7 +89,31 @@ def test_a_name_that_cannot_be_written_gets_one_sentence(
     assert sorted(os.listdir()) == before
 
 
-@pytest.mark.few(2)
+@pytest.mark.skipif(sys.platform == "win32", reason="limits of a process")
+@pytest.mark.parametrize(
+    ("words", "size"),
+    [((*MAP, "--out", "m.nc", "--plot", "m.png"), 60_000), ((*SMALL, "--out", "m.nc"), 4_000),
+     ((*MAP, "--out", "m.nc", "--checkpoint", "kept"), 1_500)],
+    ids=["map", "stream", "checkpoint"],
+)  # fmt: skip
+def test_a_full_disk_leaves_nothing(
+    words: tuple[str, ...], size: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    """The system lets no file grow beyond some bytes, which looks like a full disk."""
+    import resource
+
+    monkeypatch.chdir(tmp_path)
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        code = main(list(words))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    _refused_and_nothing_left(code, capsys.readouterr().err, tmp_path)
+
+
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of a process")
 @pytest.mark.parametrize(
     ("words", "size"),
@@ -99,23 +121,26 @@ def test_a_name_that_cannot_be_written_gets_one_sentence(
         ((*MAP, "--out", "m.nc", "--plot", "m.png"), 60_000),
         ((*STREAM, "--out", "m.nc"), 10_000),
         ((*MAP, "--out", "m.nc", "--checkpoint", "kept"), 1_500),
-        pytest.param((*RUN, "--out", "r.nc", "--film", "r.html"), 60_000, marks=LONG),
-        pytest.param((*RUN, "--out", "r.nc", "--film", "r.gif"), 60_000, marks=LONG),
-        pytest.param((*RUN, "--out", "r.nc", "--film", "r.mp4"), 60_000, marks=LONG),
-        pytest.param((*RUN, "--out", "r.nc", "--plot", "r.pdf"), 20_000, marks=LONG),
+        ((*RUN, "--out", "r.nc", "--film", "r.html"), 60_000),
+        ((*RUN, "--out", "r.nc", "--film", "r.gif"), 60_000),
+        ((*RUN, "--out", "r.nc", "--film", "r.mp4"), 60_000),
+        ((*RUN, "--out", "r.nc", "--plot", "r.pdf"), 20_000),
     ],
     ids=["map", "stream", "checkpoint", "html", "gif", "mp4", "pdf"],
 )  # fmt: skip
-def test_a_full_disk_leaves_nothing_half_written(
+def test_a_full_disk_under_a_process_leaves_nothing(
     words: tuple[str, ...], size: int, tmp_path: Path
 ) -> None:
-    """The system lets no file grow beyond some bytes, which looks like a full disk."""
     limit = f"import resource; resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size}))"
     done = program(*words, cwd=tmp_path, before=limit)
-    assert done.returncode == 2, done.stderr
-    assert done.stderr.count("\n") == 1
-    assert "Traceback" not in done.stderr
-    left = [p for p in tmp_path.rglob("*") if p.is_file() and p.parent.name != "kept"]
+    _refused_and_nothing_left(done.returncode, done.stderr, tmp_path)
+
+
+def _refused_and_nothing_left(code: int, said: str, folder: Path) -> None:
+    assert code == 2, said
+    assert said.count("\n") == 1
+    assert "Traceback" not in said
+    left = [p for p in folder.rglob("*") if p.is_file() and p.parent.name != "kept"]
     assert left == []
 
 
@@ -156,7 +181,7 @@ def test_closed_streams_are_refused_before_anything_is_written(tmp_path: Path) -
 
 
 def test_a_reader_that_leaves_is_no_error(tmp_path: Path) -> None:
-    words = [sys.executable, "-m", "stability", "spectrum", "spinning", "--at", "2", "--mu", "1"]
+    words = [sys.executable, "-m", "stability", "cite"]
     process = subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert process.stdout is not None
     process.stdout.close()
