@@ -95,13 +95,13 @@ def every_proof_is_true(count: int, seed: int) -> None:
     proved = np.flatnonzero(found.settled.proved)
     assert len(proved) > 0.35 * count
     alone = np.array([i for i in proved if one(six[i], p[i]) is None], dtype=int)
-    assert len(alone) < 0.01 * count
+    assert len(alone) <= 0.01 * count
     if len(alone):
         assert converges(found, six, p, alone).all()
 
 
 def test_every_proof_of_the_kernel_is_one_of_flint_or_of_an_independent_motion() -> None:
-    every_proof_is_true(1000, 1)
+    every_proof_is_true(200, 1)
 
 
 @pytest.mark.long
@@ -118,8 +118,9 @@ def test_two_hundred_proved_motions_end_within_the_stated_error() -> None:
     assert converges(found, six, p, some[:200]).all()
 
 
-def test_the_kernel_proves_what_flint_proves() -> None:
-    _, six, p = launches(200, 2)
+@pytest.mark.parametrize("count", [60, pytest.param(200, marks=pytest.mark.long)])
+def test_the_kernel_proves_what_flint_proves(count: int) -> None:
+    _, six, p = launches(count, 2)
     found = DiskSettling(st.Viscous).many(six, p, WITHIN)
     ours, theirs, bounds = [], [], found.settled
     for i in range(len(six)):
@@ -134,12 +135,12 @@ def test_the_kernel_proves_what_flint_proves() -> None:
             assert bounds.error[i] >= 0.9 * exact.error
             assert bounds.rate[i] <= 1.1 * exact.rate
             assert abs(bounds.limit[i, 0] - exact.limit[0]) <= bounds.error[i] + exact.error
-    assert sum(theirs) > 60
+    assert sum(theirs) > 0.3 * count
     assert ours == theirs
 
 
 @pytest.mark.parametrize(
-    ("count", "followed"), [(300, 3), pytest.param(3000, 16, marks=pytest.mark.long)]
+    ("count", "followed"), [(300, 2), pytest.param(3000, 16, marks=pytest.mark.long)]
 )
 def test_proved_motions_end_within_the_stated_error_of_the_stated_limit(
     count: int, followed: int
@@ -149,6 +150,8 @@ def test_proved_motions_end_within_the_stated_error_of_the_stated_limit(
     wide = found.settled.error > 1e-7  # above the errors of the integration
     fast = np.flatnonzero(found.settled.proved & (found.settled.rate > 0.12) & wide)
     assert len(fast) >= followed
+    if followed < 16:  # the fastest are the shortest
+        fast = fast[np.argsort(-found.settled.rate[fast])]
     assert converges(found, six, p, fast[:followed]).all()
 
 
@@ -167,30 +170,34 @@ def test_the_reach_is_that_of_the_test_in_flint(family: str, size: float) -> Non
     assert DiskSettling(st.Viscous).many(six, p, WITHIN).settled.proved.all()
 
 
-@pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.skipif(find_spec("numba") is None, reason="no numba")
 @pytest.mark.parametrize("shared", [False, True])
-def test_without_numba_the_same_launches_are_proved_with_the_same_bounds(shared: bool) -> None:
-    _, six, p = launches(5000, 4)
+@pytest.mark.parametrize("count", [12, pytest.param(5000, marks=pytest.mark.long)])
+def test_without_numba_the_same_launches_are_proved_with_the_same_bounds(
+    shared: bool, count: int
+) -> None:
+    _, six, p = launches(count, 4)
     p = np.array([0.25, 0.3]) if shared else p
     both = [DiskSettling(st.Viscous).many(six, p, WITHIN, plain=v).settled for v in (False, True)]
-    assert both[0].proved.sum() > 400
+    assert both[0].proved.sum() > 0.08 * count
     for name in ("proved", "limit", "error", "rate", "reach"):
         assert np.array_equal(*(getattr(v, name) for v in both), equal_nan=True), name
 
 
-def test_shared_bases_prove_what_own_bases_prove(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("count", [400, pytest.param(4000, marks=pytest.mark.long)])
+def test_shared_bases_prove_what_own_bases_prove(
+    count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     rng = np.random.default_rng(5)
-    six = np.zeros((4000, 6))
-    six[:, 0] = rng.uniform(0.6, 0.8, 4000)
+    six = np.zeros((count, 6))
+    six[:, 0] = rng.uniform(0.6, 0.8, count)
     six[:, 2] = 1 / np.sqrt(0.25 * np.sin(six[:, 0]))
     six += rng.normal(size=six.shape) * 1e-4
     p = np.array([0.25, 0.3])
     shared = DiskSettling(st.Viscous).many(six, p, WITHIN).settled.proved
     monkeypatch.setattr(kernel, "STEP", 2.0**-40)
     own = DiskSettling(st.Viscous).many(six, p, WITHIN).settled.proved
-    assert own.sum() > 1000
+    assert own.sum() > count / 4
     assert not (own & ~shared).any()
 
 
@@ -231,8 +238,9 @@ def test_unstable_members_and_boundaries_prove_nothing() -> None:
 
 
 @pytest.mark.parametrize("law", [st.LinearViscous, st.RegularisedCoulomb])
-def test_other_laws_agree_with_flint(law: Any) -> None:
-    _, six, p = launches(300, 7, -4.0)
+@pytest.mark.parametrize("count", [60, pytest.param(300, marks=pytest.mark.long)])
+def test_other_laws_agree_with_flint(law: Any, count: int) -> None:
+    _, six, p = launches(count, 7, -4.0)
     if law is st.RegularisedCoulomb:
         p = np.column_stack([p, np.full(len(p), 0.05)])
     found = DiskSettling(law).many(six, p, WITHIN)
@@ -259,12 +267,12 @@ def test_a_system_of_ones_own_agrees_with_the_single_test(pull: Any) -> None:
     ]
     settling = SystemSettling(tuple(families[: 2 if pull is ca.sin else 1]))
     rng = np.random.default_rng(8)
-    states = rng.normal(size=(200, 2)) * 10 ** rng.uniform(-6, 0.3, (200, 1))
-    p = rng.uniform(0.2, 1.5, (200, 1))
+    states = rng.normal(size=(60, 2)) * 10 ** rng.uniform(-6, 0.3, (60, 1))
+    p = rng.uniform(0.2, 1.5, (60, 1))
     found = settling.many(states, p, 0.5)
     single = [settling.nearest(s, q, 0.5) for s, q in zip(states, p, strict=True)]
     assert [found.names[i] for i in found.family] == [n.family for n in single]
-    assert sum(n.settled for n in single) > 60
+    assert sum(n.settled for n in single) > 18
     assert [n.settled for n in single] == found.settled.proved.tolist()
 
 
@@ -282,9 +290,9 @@ def test_a_body_agrees_with_the_single_test(body: Any) -> None:
     own = {"mu": 0.3, "axial": 0.4, "transverse": 0.4, "offset": 0.15}
     p = np.array([own[n] for n in settling.lines[0].system.parameters])
     rng = np.random.default_rng(14)
-    six = np.zeros((60, 6))
-    six[:30, 0], six[:30, 3] = math.pi - 1e-5 * rng.random(30), rng.uniform(-4, 4, 30)
-    six[30:, 0], six[30:, 2] = RIGHT + 1e-5, rng.uniform(1, 5, 30)
+    six = np.zeros((24, 6))
+    six[:12, 0], six[:12, 3] = math.pi - 1e-5 * rng.random(12), rng.uniform(-4, 4, 12)
+    six[12:, 0], six[12:, 2] = RIGHT + 1e-5, rng.uniform(1, 5, 12)
     found = settling.many(six, p, WITHIN)
     single = [settling.nearest(s, p, WITHIN) for s in six]
     assert [found.names[i] for i in found.family] == [n.family for n in single]
@@ -328,7 +336,12 @@ def test_a_basin_is_never_claimed_beyond_its_known_border() -> None:
     assert found.settled.proved[np.abs(share[:, 0]) < 0.2].all()  # well within
 
 
-def test_a_member_that_is_not_known_exactly_exists_within_the_error() -> None:
+@pytest.mark.parametrize(
+    ("count", "singly"), [(2000, 40), pytest.param(20_000, 400, marks=pytest.mark.long)]
+)
+def test_a_member_that_is_not_known_exactly_exists_within_the_error(
+    count: int, singly: int
+) -> None:
     """ė = d - c e + e² with 4 d < c²: the lower root attracts from below the upper one."""
     given, e = ca.SX.sym("given", 2), ca.SX.sym("e")
     c, d = given[0], given[1]
@@ -342,21 +355,21 @@ def test_a_member_that_is_not_known_exactly_exists_within_the_error() -> None:
         0, 1, program(ca.jacobian(g, e)), program(ca.SX(1)), program(ca.substitute(g, e, 0))
     )
     rng = np.random.default_rng(13)
-    pull = rng.uniform(0.5, 2, 20_000)
-    push = pull**2 / 4 * 10 ** rng.uniform(-3, 0.3, 20_000)
-    off = rng.uniform(-1, 1.5, 20_000) * pull
-    none = np.zeros((20_000, 0))
+    pull = rng.uniform(0.5, 2, count)
+    push = pull**2 / 4 * 10 ** rng.uniform(-3, 0.3, count)
+    off = rng.uniform(-1, 1.5, count) * pull
+    none = np.zeros((count, 0))
     found = settled_many(
         around, Balls(none, none), np.column_stack([pull, push]),
         Balls(off[:, None], 0 * off[:, None]),
     )  # fmt: skip
     some = found.proved
-    assert 1000 < some.sum() < 19_000
+    assert 0.05 * count < some.sum() < 0.95 * count
     inside = pull[some] ** 2 - 4 * push[some]
     assert (inside > 0).all()
     assert (off[some] < (pull[some] + np.sqrt(inside)) / 2).all()
     assert ((pull[some] - np.sqrt(inside)) / 2 <= found.error[some]).all()
-    for i in range(400):
+    for i in range(singly):
         alone = attraction(around, [pull[i], push[i]], [], [arb(float(off[i]))])
         assert some[i] <= (alone is not None)
 
@@ -408,7 +421,7 @@ def test_a_bound_left_out_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     exec(source.replace(right, "s = s - 9.0 * both"), broken)
     monkeypatch.setattr(kernel, "compiled", lambda *_, **__: SimpleNamespace(**broken))
     with pytest.raises(AssertionError):
-        every_proof_is_true(1000, 1)
+        every_proof_is_true(200, 1)
 
 
 def test_a_bad_basis_proves_nothing_wrong(monkeypatch: pytest.MonkeyPatch) -> None:

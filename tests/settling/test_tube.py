@@ -181,14 +181,14 @@ def test_tubes_reach_many_times_farther_than_boxes() -> None:
 
 
 def test_one_state_and_many_are_told_the_same() -> None:
-    six, p = launches(400, 5)
+    six, p = launches(60, 5)
     found = DiskSettling(st.Viscous).many(six, p, 0.05)
     proved = 0
-    for i in range(0, 400, 4):
+    for i in range(0, 60, 2):
         near = nearest(six[i], st.Viscous, p[i], 0.05)
         assert near.settled == bool(found.settled.proved[i])
         proved += near.settled
-    assert 20 < proved < 90
+    assert 6 < proved < 27
 
 
 def test_a_launch_is_told_the_same_in_any_company() -> None:
@@ -243,19 +243,21 @@ def test_members_that_are_unstable_or_about_to_lift_off_have_no_tube() -> None:
     assert told[0] and not told[2:].any()
 
 
-def test_a_body_in_a_tube_comes_to_the_member_that_is_told() -> None:
+@pytest.mark.parametrize("count", [3, pytest.param(8, marks=pytest.mark.long)])
+def test_a_body_in_a_tube_comes_to_the_member_that_is_told(count: int) -> None:
     """A ball with its heavier side below spins slowly: run on, it is nearer to that member."""
     body, law = st.EccentricSphere(0.15, axial=0.4, transverse=0.4), st.Viscous(0.3)
     settling = body_settling(body, st.Viscous, tuple(law.given))
     p = np.array([0.15, 0.4, 0.4, 0.3])
     rng = np.random.default_rng(15)
-    six = np.zeros((8, 6))
-    six[:, 0], six[:, 3] = rng.uniform(5e-3, 2e-2, 8), rng.uniform(-0.9, 0.9, 8)
+    six = np.zeros((count, 6))
+    six[:, 0], six[:, 3] = rng.uniform(5e-3, 2e-2, count), rng.uniform(-0.9, 0.9, count)
     first = settling.many(six, p, 0.05)
     some = np.flatnonzero(first.settled.proved)
-    assert len(some) >= 4
+    assert len(some) >= count / 2
     for i in some:
-        run = st.simulate(body, law, six[i], 10 / first.settled.rate[i])
+        last = 10 / first.settled.rate[i]
+        run = st.simulate(body, law, six[i], last, check=count > 3)
         names = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
         end = np.array([float(run[n][-1]) for n in names])
         then = settling.many(end[None], p, 0.05)
