@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import gc
 import locale
 import os
 import random
@@ -112,6 +113,12 @@ def pytest_runtest_makereport(item: pytest.Item) -> Any:
     if report.skipped and item.config.getoption("--no-skips"):
         report.outcome, report.longrepr = "failed", f"skipped: {report.longrepr[-1]}"
     return report
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_finish() -> None:
+    """Spare the collector of garbage the half million objects of what was imported."""
+    gc.freeze()
 
 
 def _state() -> dict[str, Any]:

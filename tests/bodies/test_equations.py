@@ -371,7 +371,7 @@ UNIT = st.floats(-3.0, 3.0, allow_subnormal=False)
 
 
 @pytest.mark.parametrize("law", ["rough", pytest.param("viscous", marks=pytest.mark.long), *LONG])
-@settings(derandomize=True, max_examples=100, deadline=None)
+@settings(derandomize=True, max_examples=40, deadline=None)
 @given(
     theta=st.one_of(st.just(np.pi / 2), st.floats(0.06, np.pi - 0.06)),
     speeds=st.tuples(UNIT, UNIT, UNIT, UNIT, UNIT),

@@ -68,8 +68,8 @@ def test_torus(solid: bool) -> None:
             r = 1 + part * np.cos(u)
             return r * part
 
-        parts = np.linspace(0, tube, 2001)[1:] - tube / 4000 if solid else np.array([tube])
-        u = np.linspace(0, 2 * np.pi, 801)[:-1]
+        parts = np.linspace(0, tube, 1001)[1:] - tube / 2000 if solid else np.array([tube])
+        u = np.linspace(0, 2 * np.pi, 201)[:-1]
         p, v = np.meshgrid(parts, u)
         share = ring(p, v)
         r, z = 1 + p * np.cos(v), p * np.sin(v)

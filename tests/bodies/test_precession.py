@@ -145,7 +145,7 @@ def test_its_boundaries_are_the_two_branches_along_either_axis() -> None:
 
     rng = np.random.default_rng(3)
     seen = set()
-    for _ in range(40):
+    for _ in range(12):
         theta, k = rng.uniform(0.4, 2.7), rng.uniform(0.05, 0.5)
         disk = st.Disk(k=k)
         found = st.boundaries(

@@ -48,14 +48,17 @@ def characteristic(family: str, law: str, point: dict[str, Any]) -> list[Any]:
     return [c / product[-1] for c in product]
 
 
+@pytest.mark.parametrize("count", [1, pytest.param(4, marks=pytest.mark.long)])
 @pytest.mark.parametrize(
     ("family", "law"), [c for c in CASES if c[0] not in ("circling", "precession")]
 )
-def test_the_polynomial_is_that_of_the_jacobian_at_60_digits(family: str, law: str) -> None:
+def test_the_polynomial_is_that_of_the_jacobian_at_60_digits(
+    family: str, law: str, count: int
+) -> None:
     random = np.random.default_rng(4)
     resolved = st.disk_family(family, law)
     with mpmath.workdps(60):
-        for _ in range(4):
+        for _ in range(count):
             k, mu, at = random.uniform(0.05, 0.5), random.uniform(0.1, 3), random.uniform(0.2, 1.5)
             q = [k, mu][: len(resolved.parameters)]
             matrix = truth_matrix(resolved, at, q)
@@ -166,15 +169,17 @@ def test_conditions_that_were_dropped_hold_wherever_the_kept_ones_do(
                 assert all(f(*point) > -1e-9 for f in every)
 
 
+@pytest.mark.parametrize("examples", [25, pytest.param(200, marks=pytest.mark.long)])
+def test_horner_schemes_give_the_sum_of_the_terms(examples: int) -> None:
+    settings(max_examples=examples, deadline=None)(horner_and_sum)()
+
+
 @given(
     s.lists(s.tuples(s.integers(-9, 9), s.tuples(s.integers(0, 3), s.integers(0, 2))),
             max_size=8),
     s.fractions(-3, 3), s.fractions(-3, 3),
 )  # fmt: skip
-@settings(max_examples=100, deadline=None)
-def test_horner_schemes_give_the_sum_of_the_terms(
-    terms: list[tuple[int, tuple[int, int]]], x: Fraction, y: Fraction
-) -> None:
+def horner_and_sum(terms: list[tuple[int, tuple[int, int]]], x: Fraction, y: Fraction) -> None:
     polynomial = Polynomial(("x", "y"), tuple(terms))
     plain = sum((c * x ** e[0] * y ** e[1] for c, e in terms), Fraction(0))
     assert polynomial(x, y) == plain
@@ -186,7 +191,8 @@ def test_horner_schemes_give_the_sum_of_the_terms(
     assert polynomial.derivative("x")(x, y) == slope
 
 
-def test_rounding_counts_bound_the_error_of_both_parts() -> None:
+@pytest.mark.parametrize("points", [15, pytest.param(50, marks=pytest.mark.long)])
+def test_rounding_counts_bound_the_error_of_both_parts(points: int) -> None:
     """P⁺ and P⁻ in doubles against exact rationals: within the counted roundings, not idle."""
     random = np.random.default_rng(8)
     worst = 0.0
@@ -194,7 +200,7 @@ def test_rounding_counts_bound_the_error_of_both_parts() -> None:
         for _, polynomial in exact_polynomial(family, law).conditions:
             for part in polynomial.parts:
                 count = part.roundings(dict.fromkeys(part.variables, 0))
-                for _ in range(50):
+                for _ in range(points):
                     point = [float(v) for v in 10 ** random.uniform(-3, 3, len(part.variables))]
                     truth = Fraction(part(*[Fraction(v) for v in point]))
                     if truth:

@@ -63,10 +63,11 @@ def random_domain(chance: random.Random) -> Domain:
     return domain
 
 
-def test_what_is_proved_positive_is_positive_everywhere_in_its_domain() -> None:
+@pytest.mark.parametrize("count", [400, pytest.param(1500, marks=pytest.mark.long)])
+def test_what_is_proved_positive_is_positive_everywhere_in_its_domain(count: int) -> None:
     chance = random.Random(7)
     proved = 0
-    for _ in range(1500):
+    for _ in range(count):
         domain = random_domain(chance)
         poly = random_poly(chance)
         if poly == 0 or not domain.positive(poly):
@@ -75,7 +76,7 @@ def test_what_is_proved_positive_is_positive_everywhere_in_its_domain() -> None:
         for _ in range(40):
             point = {i: inside(domain.bounds.get(i, Bounds()), chance) for i in range(3)}
             assert evaluate(poly, point) > 0, (poly, domain.bounds, point)
-    assert proved > 200
+    assert 15 * proved > 2 * count
 
 
 @pytest.mark.parametrize(("poly", "low", "high", "closed", "holds"), [
@@ -100,10 +101,11 @@ def test_bounds_that_are_allowed_count(
     assert bool(domain.positive(poly)) is holds
 
 
-def test_what_follows_from_a_condition_is_positive_where_it_is() -> None:
+@pytest.mark.parametrize("count", [250, pytest.param(700, marks=pytest.mark.long)])
+def test_what_follows_from_a_condition_is_positive_where_it_is(count: int) -> None:
     chance = random.Random(9)
     found = 0
-    for _ in range(700):
+    for _ in range(count):
         domain, poly = random_domain(chance), random_poly(chance)
         given = Z * (random_poly(chance) * 0 + X**2 + 1) - random_poly(chance)
         if poly.is_constant() or not (proof := domain.implied(poly, given, "given")):
@@ -114,7 +116,7 @@ def test_what_follows_from_a_condition_is_positive_where_it_is() -> None:
             point = {i: inside(domain.bounds.get(i, Bounds()), chance) for i in range(3)}
             if evaluate(given, point) > 0:
                 assert evaluate(poly, point) > 0
-    assert found > 15
+    assert 50 * found > count
 
 
 def test_a_square_and_a_product_tell_the_sign_of_what_is_left() -> None:
@@ -143,9 +145,9 @@ def test_determinants_and_subdiscriminants_are_those_of_sympy() -> None:
     assert sympy.expand(last - a**6 * disc) == 0
 
 
-@pytest.mark.few(2)
+@pytest.mark.parametrize("count", [40, pytest.param(80, marks=pytest.mark.long)])
 @pytest.mark.parametrize("order", [2, 3, 4])
-def test_even_polynomials_are_neutral_where_every_square_is_real_and_negative(order: int) -> None:
+def test_even_polynomials_are_neutral_where_every_square_is_real_and_negative(order: int, count: int) -> None:
     """z⁽²ᵐ⁾ + a z⁽²ᵐ⁻²⁾ + …: Sturm's count of SymPy for the roots λ²."""
     x, p = ca.SX.sym("x", 2 * order), ca.SX.sym("p", order)
     chain = [*ca.vertsplit(x)[1:], -sum((p[i] * x[2 * i] for i in range(order)), ca.SX(0))]
@@ -156,7 +158,7 @@ def test_even_polynomials_are_neutral_where_every_square_is_real_and_negative(or
     y = sympy.Symbol("y")
     chance = random.Random(order)
     words = []
-    for _ in range(80):
+    for _ in range(count):
         roots = [-F(chance.randrange(1, 30), 7) for _ in range(order)]
         exact = sympy.Poly(sympy.prod([y - sympy.Rational(r.numerator, r.denominator)
                                        for r in roots]), y)  # fmt: skip
@@ -169,7 +171,7 @@ def test_even_polynomials_are_neutral_where_every_square_is_real_and_negative(or
         expected = "neutral" if negative == distinct.degree() or zero else "unstable"
         words.append(found.decide(dict(zip(names, values, strict=True))).word)
         assert words[-1] == expected, exact
-    assert min(words.count("neutral"), words.count("unstable")) > 15
+    assert 6 * min(words.count("neutral"), words.count("unstable")) > count
 
 
 # --- random families against certified spectra ---
@@ -214,9 +216,9 @@ def compare(seeds: range) -> set[str]:
     return words  # the family of seed 5 is too large for its determinants: Routh's array decides
 
 
-@pytest.mark.long
-def test_random_families_have_the_verdicts_of_certified_spectra() -> None:
-    assert compare(range(3, 7)) >= {"stable", "unstable"}
+@pytest.mark.parametrize("seeds", [range(3, 4), pytest.param(range(3, 7), marks=pytest.mark.long)])
+def test_random_families_have_the_verdicts_of_certified_spectra(seeds: range) -> None:
+    assert compare(seeds) >= {"stable", "unstable"}
 
 
 @pytest.mark.long
@@ -241,7 +243,7 @@ def test_squares_outweigh_negative_terms_exactly_up_to_their_product() -> None:
     assert free_domain().positive((X - Y) ** 2 + (Y - Z) ** 2 + one) is None  # needs shares of y²
 
 
-@pytest.mark.parametrize("count", [600, pytest.param(4000, marks=pytest.mark.long)])
+@pytest.mark.parametrize("count", [400, pytest.param(4000, marks=pytest.mark.long)])
 def test_a_proof_by_squares_is_never_wrong_at_random_points(count: int) -> None:
     chance, proved = random.Random(5), 0
     for _ in range(count):

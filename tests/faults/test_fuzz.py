@@ -33,7 +33,7 @@ ENVIRONMENTS: dict[str, dict[str, str | None]] = {
 
 @pytest.mark.parametrize(
     ("kind", "count"),
-    [("calls", 7), ("commands", 14), pytest.param("calls", 90, marks=pytest.mark.long)],
+    [("calls", 7), ("commands", 20), pytest.param("calls", 90, marks=pytest.mark.long)],
 )
 def test_random_input_gets_an_answer_or_a_sentence(kind: str, count: int) -> None:
     found = campaign(kind, "suite", count)

@@ -28,7 +28,7 @@ SPUN = {"theta": 0.05, "omega3": 4.0}
 # --- the disk as any other body ---
 
 
-@pytest.mark.few(1)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("law", [st.Viscous(0.3), st.LinearViscous(2.0), st.Rough(), st.Smooth()])
 @pytest.mark.parametrize(
     ("start", "horizon"),
@@ -92,49 +92,58 @@ def test_a_tippe_top_is_where_a_run_a_hundred_times_finer_is(
     assert (answer.value["final"]["axis_Z"] < -0.99) == (horizon > 500)
 
 
-@pytest.mark.few(1)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("law", ["viscous", "rough", "smooth"])
-def test_states_along_fixed_axes_are_those_of_the_geometry(law: str) -> None:
+@pytest.mark.parametrize(
+    ("horizon", "every"), [(1.5, 100), pytest.param(6.0, 40, marks=pytest.mark.long)]
+)
+def test_states_along_fixed_axes_are_those_of_the_geometry(
+    law: str, horizon: float, every: int
+) -> None:
     of = shapes.spheroid(1.0, 1.2, 0.4, 0.488)
     six = np.array([0.8, -1.2, 0.3, 0.2, 0.0, 0.0])
     mu = 0.3 if law == "viscous" else 0.0
     contact = st.Viscous(mu) if mu else law
-    scene = st.Scene(st.Spheroid(1.2), contact, six, 6.0, 1e-8, ("final", "path"))
+    scene = st.Scene(st.Spheroid(1.2), contact, six, horizon, 1e-8, ("final", "path"))
     value = scene.answer().value
-    times = np.append(0.0, value["path"].time.values[40::40])
+    times = np.append(0.0, value["path"].time.values[every::every])
     true = move(of, Law(law, mu), pose_at(of, six), times)
     last = np.concatenate([true.axis[-1], true.spin[-1], true.slip[-1, :2]])
     assert far(np.array(list(value["final"].values())), last) <= 1e-8
     axis = np.stack([value["path"][f"axis_{n}"].values for n in "XYZ"], -1)
-    assert np.abs(axis[40::40] - true.axis[1:]).max() <= 1e-8
+    assert np.abs(axis[every::every] - true.axis[1:]).max() <= 1e-8
     assert value["path"].omega_X.attrs["units"] == "1"
 
 
-@pytest.mark.long
-def test_the_largest_tilt_of_a_body_that_comes_near_a_pole() -> None:
+@pytest.mark.parametrize(
+    ("horizon", "count"), [(3.5, 2001), pytest.param(12.0, 200_001, marks=pytest.mark.long)]
+)
+def test_the_largest_tilt_of_a_body_that_comes_near_a_pole(horizon: float, count: int) -> None:
     run_of: Any = {"start": {"theta": 0.9, "theta_dot": -1.0, "phi_dot": 0.05}, "contact": "rough"}
-    scene = st.Scene(st.Spheroid(1.2), horizon=12.0, tolerance=1e-9, quantities="largest_tilt",
+    scene = st.Scene(st.Spheroid(1.2), horizon=horizon, tolerance=1e-9, quantities="largest_tilt",
                      **run_of)  # fmt: skip
     found = scene.answer()
-    fine = truth(scene, np.linspace(0, 12, 200_001))
+    fine = truth(scene, np.linspace(0, horizon, count))
     tilt = np.abs(np.pi / 2 - fine.theta.values)
     assert tilt.max() > 1.5
     assert 0 <= found.value - tilt.max() + 1e-9
-    assert found.value == pytest.approx(float(tilt.max()), abs=1e-6)
+    near = 1e-6 if count > 10_000 else 1e-4
+    assert found.value == pytest.approx(float(tilt.max()), abs=near)
     at = int(tilt.argmax())
-    finer = truth(scene, np.linspace(fine.time.values[at - 1], fine.time.values[at + 1], 20_001))
+    finer = truth(
+        scene, np.linspace(fine.time.values[at - 1], fine.time.values[at + 1], count // 10)
+    )
     assert found.value == pytest.approx(
         float(np.abs(np.pi / 2 - finer.theta.values).max()), abs=2e-9
     )
 
 
-@pytest.mark.long
 def test_a_start_near_vertical_spin_has_closed_forms() -> None:
     errors = []
     for tilt in (4e-3, 2e-3):
         start = st.launch("vertical", at=0.3, tilt=tilt, body=TOP)
-        scene = st.Scene(TOP, st.Viscous(0.3), start, 10.0, 1e-9)
-        run = st.simulate(TOP, st.Viscous(0.3), start, [10.0], tolerance=1e-15, check=False)
+        scene = st.Scene(TOP, st.Viscous(0.3), start, 5.0, 1e-9)
+        run = st.simulate(TOP, st.Viscous(0.3), start, [5.0], tolerance=1e-15, check=False)
         errors.append([
             far(np.array(list(scene.answer(only=rung).value.values())), columns(run)[-1])
             for rung in ("steady", "linearised", "second-order")
@@ -219,15 +228,17 @@ def test_uncertain_numbers_of_a_body_move_an_answer_as_scenes_of_their_own() -> 
         st.Scene(body=st.Torus(0.2), **given, uncertain={"mass": 0.1})
 
 
-@pytest.mark.long
-def test_several_laws_of_a_body_and_its_chart() -> None:
+@pytest.mark.parametrize("charted", [False, pytest.param(True, marks=pytest.mark.long)])
+def test_several_laws_of_a_body_and_its_chart(charted: bool) -> None:
     laws = {"viscous": st.Viscous(0.3), "rough": st.Rough()}
     start = {"theta": 0.4, "omega3": 3.0}
-    answer = st.Scene(TOP, laws, start, 5.0, 1e-5).answer()
+    answer = st.Scene(TOP, laws, start, 2.0, 1e-5).answer()
     one, other = (answer.value[n] for n in laws)
     shared = [n for n in one if not n.startswith("slip")]
     apart = far(*(np.array([v[n] for n in shared]) for v in (other, one)))
     assert answer.apart == pytest.approx(apart, rel=1e-6)
+    if not charted:
+        return
     from stability.scene.chart import chart
 
     data = chart(st.Scene(TOP, st.Viscous(0.3), start, 2.0, 1e-5), laws={"rough": st.Rough()})

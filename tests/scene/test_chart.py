@@ -18,7 +18,7 @@ from stability.scene.rungs.reduced import ReducedModel
 from stability.scene.rungs.track import Finish, Track
 
 STIFF = st.Scene(
-    contact=st.Viscous(3000.0), start={"theta": 1.3, "omega3": 2.0}, horizon=20.0, tolerance=1e-6,
+    contact=st.Viscous(3000.0), start={"theta": 1.3, "omega3": 2.0}, horizon=8.0, tolerance=1e-6,
     uncertain={"mu": 0.2},
 )  # fmt: skip
 ROLLING = st.Scene(
@@ -54,12 +54,10 @@ def row(dataset: xarray.Dataset, name: str, kind: str = "") -> xarray.Dataset:
     return dataset.isel(model=int(i))
 
 
-@pytest.mark.long
 def test_a_relative_width_is_told_in_percent(stiff: xarray.Dataset) -> None:
     assert stiff.attrs["uncertain"] == "mu ± 20 %"
 
 
-@pytest.mark.long
 def test_the_true_error_of_the_choice_is_that_of_verify(stiff: xarray.Dataset) -> None:
     told = STIFF.verify()
     assert stiff.model.values[stiff.chosen.values].tolist() == [told.model] == ["creep-1"]
