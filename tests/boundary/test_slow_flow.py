@@ -116,6 +116,15 @@ def test_a_system_of_ones_own_drifts_too() -> None:
         flow.time(2.0, 1.0)
 
 
+def test_a_number_of_the_system_that_is_missing_is_named() -> None:
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
+    cart = st.System("cart", x, p, ca.vertcat(x[1], -p[0] * x[1] + p[1]), states=("q", "v"),
+                     parameters=("drag", "c"))  # fmt: skip
+    rest = st.Family(cart, "rest", at=("q",), held={"v": 0.0})
+    with pytest.raises(st.StabilityError, match="drag of rest is missing"):
+        st.slow_flow(rest, small="c", c=0.1)
+
+
 @pytest.mark.parametrize(
     ("given", "words"),
     [

@@ -461,7 +461,7 @@ GOOD: dict[str, Any] = {
         ({"times": math.nan}, "times is nan"),
         ({"times": [0.0]}, "times end at 0"),
         ({"times": [-1.0, 1.0]}, "times begin at -1"),
-        ({"times": [1.0, 0.5]}, "times go from 1 to 0.5"),
+        ({"times": [0.0, 2.0, 1.0, 3.0]}, "times go from 2 to 1"),
         ({"times": [1.0, 1.0]}, "times go from 1 to 1"),
         ({"times": []}, "empty"),
         ({"times": [[1.0, 2.0]]}, "times has shape (1, 2)"),
