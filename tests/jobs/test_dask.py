@@ -41,14 +41,14 @@ def test_a_scheduler_in_one_word_gives_the_same_store(tmp_path: Path) -> None:
     log = tmp_path / "log"
     with engine("local", 2) as (executor, workers):
         assert workers == 2
-        found = fill(store(tmp_path / "a.zarr"), Logged(str(log), deadly=(9,)), blank=blank,
+        found = fill(store(tmp_path / "a.zarr"), Logged(str(log), deadly=(89,)), blank=blank,
                      executor=executor, workers=workers, tries=1)  # fmt: skip
-    assert found.lost == (9,)
-    others_kept(tmp_path / "a.zarr", {9})
+    assert found.lost == (89,)
+    others_kept(tmp_path / "a.zarr", {89})
     assert {line.split()[0] for line in done(log)} == {f"{i}.{j}" for i, j in LAYOUT.blocks()}
-    assert 3 <= found.ended <= 5
+    assert 2 <= found.ended <= 3
     # a scheduler sends a chunk that ends its worker to another one, unless it is told not to
-    [harmed] = [b for b in LAYOUT.blocks() if 9 in cells(b)]
+    [harmed] = [b for b in LAYOUT.blocks() if 89 in cells(b)]
     assert done(log).count(f"{harmed[0]}.{harmed[1]} 0 {LAYOUT.count(harmed)}") == 1
 
 

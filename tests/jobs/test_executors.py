@@ -28,7 +28,7 @@ from stability.atlas.build import atlas
 from stability.atlas.page import BODIES, drawn
 from stability.jobs.shared import shared
 
-AXES: dict[str, Any] = {"x": ("at", 0.05, 1.5, 40), "y": ("mu", 0.1, 5, 30)}
+AXES: dict[str, Any] = {"x": ("at", 0.05, 1.5, 15), "y": ("mu", 0.1, 5, 12)}
 KINDS = ("threads", "processes", "distributed")
 RANDOM = np.random.default_rng(20261122)
 STARTS = np.array([1.4, 0, 0, 1.2, 0, 0]) + RANDOM.uniform(-0.05, 0.05, (9, 6)) * [
@@ -46,7 +46,7 @@ def pools() -> Iterator[dict[str, Executor]]:
         enter = stack.enter_context
         yield {
             "threads": enter(ThreadPoolExecutor(8)),
-            "processes": enter(ProcessPoolExecutor(2, get_context("spawn"))),
+            "processes": enter(ProcessPoolExecutor(1, get_context("spawn"))),
             "distributed": enter(Distributed()),
         }
 
@@ -54,9 +54,9 @@ def pools() -> Iterator[dict[str, Executor]]:
 @pytest.fixture
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
     """Many pieces to a map."""
-    monkeypatch.setattr("stability.maps.cells.BAND", 120)
-    monkeypatch.setattr("stability.maps.cells.CHUNK", 50)
-    monkeypatch.setattr("stability.maps.stream.BAND", 120)
+    monkeypatch.setattr("stability.maps.cells.BAND", 30)
+    monkeypatch.setattr("stability.maps.cells.CHUNK", 13)
+    monkeypatch.setattr("stability.maps.stream.BAND", 30)
 
 
 def pendulum() -> st.Family:
@@ -70,7 +70,7 @@ def pendulum() -> st.Family:
 
 
 def leaning(**how: Any) -> xarray.Dataset:
-    axes: dict[str, Any] = {"x": ("torque", 0.1, 0.9, 30), "y": ("drag", 0.01, 2, 25)}
+    axes: dict[str, Any] = {"x": ("torque", 0.1, 0.9, 10), "y": ("drag", 0.01, 2, 8)}
     return st.stability_map(pendulum(), **axes, gravity=1.0, modes=True, **how)
 
 
@@ -98,7 +98,7 @@ def test_a_map_is_the_same_by_every_executor(kind: str, pools: dict[str, Executo
     found = st.stability_map("tumbling", **AXES, **how, progress=told, boundaries=False)
     own = st.stability_map("tumbling", **AXES, boundaries=False)
     assert found.drop_attrs().identical(own.drop_attrs())
-    assert told.rises_to(1200)
+    assert told.rises_to(180)
     assert leaning(**how).drop_attrs().identical(leaning().drop_attrs())
 
 
@@ -115,7 +115,7 @@ def test_a_stream_is_the_same_by_every_executor(
     ]  # fmt: skip
     found, own = (st.read_map(file).drop_attrs() for file in files)
     assert found.identical(own)
-    assert told.rises_to(1200)
+    assert told.rises_to(180)
 
 
 @pytest.mark.few(1)
@@ -258,9 +258,8 @@ if __name__ == "__main__":
 @pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
 @pytest.mark.parametrize(
     ("kind", "number"),
-    [("spawn", signal.SIGKILL), pytest.param("", signal.SIGINT, marks=pytest.mark.long),
-     pytest.param("spawn", signal.SIGINT, marks=pytest.mark.long),
-     pytest.param("fork", signal.SIGKILL, marks=pytest.mark.long)],
+    [("spawn", signal.SIGKILL), ("", signal.SIGINT), ("spawn", signal.SIGINT),
+     ("fork", signal.SIGKILL)],
 )  # fmt: skip
 def test_an_interrupted_map_leaves_no_process_and_is_resumed(
     kind: str, number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

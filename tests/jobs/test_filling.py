@@ -9,7 +9,8 @@ import threading
 import time
 import uuid
 from collections.abc import Callable
-from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager, nullcontext, suppress
 from functools import partial
 from multiprocessing import active_children, get_context
@@ -51,10 +52,13 @@ POOLS: dict[str, Callable[[], AbstractContextManager[Executor | None]]] = {
     "pool": lambda: ProcessPoolExecutor(2, get_context("spawn")),
     "distributed": Distributed,
 }
+STARTED = ("processes", "pool")
+"""Those that take a second to start; the fast suite has the first where workers are killed."""
 
 
-@pytest.mark.few(1)
-@pytest.mark.parametrize("kind", POOLS)
+@pytest.mark.parametrize(
+    "kind", [pytest.param(k, marks=pytest.mark.long if k in STARTED else ()) for k in POOLS]
+)
 def test_a_store_is_the_same_by_every_executor(kind: str, tmp_path: Path) -> None:
     kept, log, told = store(tmp_path / "a.zarr"), tmp_path / "log", []
     with POOLS[kind]() as pool:
@@ -95,7 +99,7 @@ def test_two_runs_at_once_write_the_same_and_share_the_work(tmp_path: Path) -> N
     log = tmp_path / "log"
     both = [store(tmp_path / "a.zarr") for _ in range(2)]
     runs = [
-        threading.Thread(target=fill, args=(kept, Logged(str(log), 0.02)),
+        threading.Thread(target=fill, args=(kept, Logged(str(log), 0.01)),
                          kwargs={"blank": blank, "own": own, "workers": 1})
         for kept, own in zip(both, (here, threads), strict=True)
     ]  # fmt: skip
@@ -117,7 +121,6 @@ def test_two_runs_at_once_write_the_same_and_share_the_work(tmp_path: Path) -> N
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("deadly", "tries"),
     [((37,), 1), ((37,), 2), ((37,), 3), ((0, 1, 89), 2), ((44, 45, 46, 47, 54, 55, 56, 57), 1)],
@@ -149,7 +152,7 @@ def test_chunks_of_one_cell_in_memory(tmp_path: Path) -> None:
     layout = Layout(("y", "x"), (2, 3), (1, 1))
     kept = Memory(layout, VARIABLES)
     work = Logged(str(tmp_path / "log"), deadly=(4,), layout=layout)
-    found = fill(kept, work, blank=blank, own=processes, workers=2)
+    found = fill(kept, work, blank=blank, own=processes, workers=1)
     assert (found.lost, found.ended) == ((4,), 2)
     assert kept.dataset().outcome.values.ravel().tolist() == [0, 1, 2, 3, 9, 0]
 
@@ -204,14 +207,14 @@ def test_a_worker_killed_from_outside_costs_its_chunk(tmp_path: Path) -> None:
 
     def kill() -> None:
         soon(lambda: [] if len(done(log)) > 4 else ["few"], 60.0)
-        time.sleep(chosen.uniform(0.0, 0.1))
+        time.sleep(chosen.uniform(0.0, 0.05))
         workers = sorted(set(active_children()) - before, key=lambda p: p.pid or 0)
         workers[0].kill()
 
     killer = threading.Thread(target=kill)
     killer.start()
     with processes(2) as pool:
-        found = fill(store(tmp_path / "a.zarr"), Logged(str(log), 0.1), blank=blank, executor=pool,
+        found = fill(store(tmp_path / "a.zarr"), Logged(str(log), 0.05), blank=blank, executor=pool,
                      workers=2)  # fmt: skip
     killer.join()
     assert found.lost == ()
@@ -246,6 +249,24 @@ def test_workers_that_end_again_and_again_are_no_loop(
     with pytest.raises(st.StabilityError, match="workers ended 5 times, which is too often"):
         fill(store(tmp_path / "a.zarr"), work, blank=blank, own=processes, workers=2)
     assert soon(lambda: [str(p) for p in active_children()], 5.0) == []
+
+
+class NeverStarted(ThreadPoolExecutor):
+    """As of processes that end while they start."""
+
+    def submit(self, *_: Any, **__: Any) -> Any:
+        future: Future[Any] = Future()
+        future.set_exception(BrokenProcessPool("ended abruptly"))
+        return future
+
+
+def test_an_executor_that_does_not_start_is_a_sentence(tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    with NeverStarted(1) as pool:
+        with pytest.raises(st.StabilityError, match=r"or did not start \(a script needs `if __nam"):
+            fill(store(tmp_path / "a.zarr"), Logged(str(log)), blank=blank, executor=pool)
+    assert done(log) == []
+    assert store(tmp_path / "a.zarr").missing() == LAYOUT.blocks()
 
 
 @pytest.mark.long
@@ -344,17 +365,36 @@ def stored(folder: Path) -> set[str]:
     return {path.name[2:] for path in (folder / "outcome").glob("c.*")}
 
 
+@LINUX
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+def test_a_killed_driver_of_its_own_work_is_resumed(tmp_path: Path) -> None:
+    log, kept = tmp_path / "log", store(tmp_path / "a.zarr")
+    driver = get_context("fork").Process(
+        target=fill, args=(kept, Logged(str(log), 0.02)), kwargs={"blank": blank, "own": here}
+    )
+    driver.start()
+    soon(lambda: [] if len(done(log)) > 4 else ["few"], 60.0)
+    driver.kill()
+    driver.join(60.0)
+    assert driver.exitcode == -signal.SIGKILL
+    there, before = stored(tmp_path / "a.zarr"), done(log)
+    assert 3 < len(there) < 15
+    fill(store(tmp_path / "a.zarr"), Logged(str(log)), blank=blank, own=here)
+    new = {line.split()[0] for line in done(log)[len(before) :]}
+    assert new == {f"{i}.{j}" for i, j in LAYOUT.blocks()} - there
+    assert tree(tmp_path / "a.zarr") == undisturbed(tmp_path / "b.zarr")
+
+
 @pytest.mark.long
 @LINUX
 @pytest.mark.parametrize(
     ("kind", "kills", "number"),
     [
-        ("processes", 1, signal.SIGKILL),
-        pytest.param("processes", 10, signal.SIGKILL, marks=pytest.mark.long),
-        pytest.param("threads", 10, signal.SIGKILL, marks=pytest.mark.long),
-        pytest.param("dask", 10, signal.SIGKILL, marks=pytest.mark.long),
-        pytest.param("processes", 5, signal.SIGINT, marks=pytest.mark.long),
-        pytest.param("dask", 5, signal.SIGINT, marks=pytest.mark.long),
+        ("processes", 10, signal.SIGKILL),
+        ("threads", 10, signal.SIGKILL),
+        ("dask", 10, signal.SIGKILL),
+        ("processes", 5, signal.SIGINT),
+        ("dask", 5, signal.SIGINT),
     ],
 )
 def test_a_killed_driver_is_resumed(kind: str, kills: int, number: int, tmp_path: Path) -> None:

@@ -132,7 +132,7 @@ def test_a_worker_that_dies_gets_one_sentence() -> None:
     with pytest.raises(st.StabilityError, match="a worker was ended from outside") as caught:
         run(own=processes)
     assert str(caught.value).endswith(".")
-    with ProcessPoolExecutor(2, get_context("spawn")) as pool:
+    with ProcessPoolExecutor(1, get_context("spawn")) as pool:
         with pytest.raises(st.StabilityError, match="a worker was ended from outside"):
             run(executor=pool)
 
@@ -154,8 +154,10 @@ def test_an_executor_that_takes_nothing_gets_one_sentence() -> None:
         list(ordered([1], squares, executor=pool))
 
 
-@pytest.mark.few(2)
-@pytest.mark.parametrize("kind", ["threads", "here", "processes", "distributed"])
+@pytest.mark.parametrize(
+    "kind",
+    ["threads", "here", "distributed", pytest.param("processes", marks=pytest.mark.long)],
+)
 def test_an_interruption_at_any_moment_leaves_what_was_finished(kind: str) -> None:
     chosen = random.Random(20261122)
     for _ in range(1 if kind == "processes" else 6):

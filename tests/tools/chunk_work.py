@@ -108,11 +108,16 @@ def tree(folder: Path) -> dict[str, str]:
 
 
 def undisturbed(path: Path) -> dict[str, str]:
-    """Files of a store that one thread fills from end to end."""
+    """Files of a store that one thread fills from end to end, once in a process."""
     from stability.jobs.pipeline import here
 
-    fill(store(path), Logged(os.devnull), blank=blank, own=here)
-    return tree(path)
+    if not _ALONE:
+        fill(store(path), Logged(os.devnull), blank=blank, own=here)
+        _ALONE.update(tree(path))
+    return dict(_ALONE)
+
+
+_ALONE: dict[str, str] = {}
 
 
 def others_kept(path: Path, lost: set[int]) -> None:
