@@ -147,7 +147,9 @@ def test_determinants_and_subdiscriminants_are_those_of_sympy() -> None:
 
 @pytest.mark.parametrize("count", [40, pytest.param(80, marks=pytest.mark.long)])
 @pytest.mark.parametrize("order", [2, 3, 4])
-def test_even_polynomials_are_neutral_where_every_square_is_real_and_negative(order: int, count: int) -> None:
+def test_even_polynomials_are_neutral_where_every_square_is_real_and_negative(
+    order: int, count: int
+) -> None:
     """z⁽²ᵐ⁾ + a z⁽²ᵐ⁻²⁾ + …: Sturm's count of SymPy for the roots λ²."""
     x, p = ca.SX.sym("x", 2 * order), ca.SX.sym("p", order)
     chain = [*ca.vertsplit(x)[1:], -sum((p[i] * x[2 * i] for i in range(order)), ca.SX(0))]
