@@ -75,13 +75,13 @@ def _without_field(around: Surroundings) -> Surroundings:
     return replace(around, field=None)
 
 
-def converges(found: Any, six: Any, p: Any, some: Any) -> Any:
-    """Whether each motion ends within its stated error of its stated limit."""
+def converges(found: Any, six: Any, p: Any, some: Any, lives: float = 12) -> Any:
+    """Whether each motion ends within its stated error of its stated limit, after some e-folds."""
     good = []
     rate = found.settled.rate
     order = some[np.argsort(rate[some])]
     for part in np.array_split(order, math.ceil(len(order) / 12)):  # of nearly equal rates
-        there = final(six[part], p[part], 12 / rate[part].min())
+        there = final(six[part], p[part], lives / rate[part].min())
         for i, state in zip(part, there, strict=True):
             at, e = deviation(state, float(p[i, 0]), found.names[found.family[i]])
             room = found.settled.error[i] + 3 * np.linalg.norm(e) + 1e-8
@@ -140,7 +140,7 @@ def test_the_kernel_proves_what_flint_proves(count: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("count", "followed"), [(300, 2), pytest.param(3000, 16, marks=pytest.mark.long)]
+    ("count", "followed"), [(300, 1), pytest.param(3000, 16, marks=pytest.mark.long)]
 )
 def test_proved_motions_end_within_the_stated_error_of_the_stated_limit(
     count: int, followed: int
@@ -152,7 +152,7 @@ def test_proved_motions_end_within_the_stated_error_of_the_stated_limit(
     assert len(fast) >= followed
     if followed < 16:  # the fastest are the shortest
         fast = fast[np.argsort(-found.settled.rate[fast])]
-    assert converges(found, six, p, fast[:followed]).all()
+    assert converges(found, six, p, fast[:followed], 8 if followed < 16 else 12).all()
 
 
 @pytest.mark.parametrize(("family", "size"), [("spinning", 5.4e-4), ("tumbling", 3.1e-4)])
