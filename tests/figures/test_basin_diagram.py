@@ -40,6 +40,11 @@ def every(found: xarray.Dataset) -> xarray.Dataset:
     return dataset
 
 
+@pytest.fixture(scope="module")
+def plain(found: xarray.Dataset) -> Figure:
+    return st.plot_basins(found)
+
+
 def mesh(figure: Figure) -> Any:
     [main] = [a for a in figure.axes if a.get_ylabel().startswith("tilt")]
     return next(c for c in main.collections if isinstance(c, QuadMesh))
@@ -47,8 +52,7 @@ def mesh(figure: Figure) -> Any:
 
 def test_nothing_keeps_it_from_being_printed(found: xarray.Dataset, every: xarray.Dataset) -> None:
     assert faults(st.plot_basins(found, title="launches near spinning: hoop")) == []
-    assert faults(st.plot_basins(every)) == []
-    assert faults(st.plot_basins(found, width=6.9, fontsize=9)) == []
+    assert faults(st.plot_basins(every, width=6.9, fontsize=9)) == []
     quarter = st.basins(st.Disk.named("quarter"), "viscous", mu=0.3, horizon=0.3,
                         x=("omega3", 1, 90, 5, "log"), y=("theta", 0.3, 1.5, 4))  # fmt: skip
     figure = st.plot_basins(quarter)
@@ -59,8 +63,16 @@ def test_nothing_keeps_it_from_being_printed(found: xarray.Dataset, every: xarra
     assert figure.axes[0].get_xscale() == "log"
 
 
-def test_each_launch_has_the_colour_of_its_end_and_its_member(found: xarray.Dataset) -> None:
-    drawn = np.asarray(mesh(st.plot_basins(found)).get_array()).reshape(*found.outcome.shape, 3)
+@pytest.mark.long
+def test_nor_at_the_other_size(found: xarray.Dataset, every: xarray.Dataset) -> None:
+    assert faults(st.plot_basins(every)) == []
+    assert faults(st.plot_basins(found, width=6.9, fontsize=9)) == []
+
+
+def test_each_launch_has_the_colour_of_its_end_and_its_member(
+    found: xarray.Dataset, plain: Figure
+) -> None:
+    drawn = np.asarray(mesh(plain).get_array()).reshape(*found.outcome.shape, 3)
     moving = found.outcome.values == Outcome.MOVING.code
     colours = drawn[moving]
     np.testing.assert_allclose(
@@ -133,8 +145,8 @@ def test_refined_borders_are_drawn_where_the_dataset_holds_them(found: xarray.Da
     assert "edges between cells" in basins_caption(found)
 
 
-def test_the_strip_has_the_proved_thresholds(found: xarray.Dataset) -> None:
-    above = st.plot_basins(found).axes[0]
+def test_the_strip_has_the_proved_thresholds(plain: Figure) -> None:
+    above = plain.axes[0]
     [line] = [li for li in above.lines if len(li.get_xdata()) == 2]
     true = st.boundaries("spinning", axis=("at", 0.1, 3, 5), disk=st.Disk.hoop(),
                          contact=st.Viscous(0.3))  # fmt: skip

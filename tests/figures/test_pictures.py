@@ -25,7 +25,7 @@ FIGURES: tuple[Callable[[xarray.Dataset], Figure], ...] = (states, paths, energy
 
 @pytest.fixture(scope="module")
 def dry() -> xarray.Dataset:
-    times = np.linspace(0, 10, 501)
+    times = np.linspace(0, 10, 201)
     return st.simulate(st.Disk(k=0.3), st.Coulomb(0.15), DRY, times, pose=True)
 
 
@@ -40,7 +40,7 @@ def several() -> xarray.Dataset:
     """Neither stays: the first lifts off, the second sticks and slips."""
     disk = st.Disk(k=np.array([0.25, 0.3]))
     law = st.Coulomb(np.array([0.05, 0.15]))
-    return st.simulate(disk, law, np.array([LIFTS, DRY]), np.linspace(0, 10, 501), pose=True)
+    return st.simulate(disk, law, np.array([LIFTS, DRY]), np.linspace(0, 10, 201), pose=True)
 
 
 def lines(axes: Any) -> dict[str, Any]:
@@ -192,7 +192,7 @@ def test_a_slice_that_lasts_shows_its_own_events(several: xarray.Dataset) -> Non
 def test_a_slice_without_events_does_not_show_those_of_its_neighbour() -> None:
     """The log has one owner, and it is the other launch."""
     start = np.array([LIFTS, [1.5, 0, 0.1, 0.2, 1.0, 0.5]])
-    runs = st.simulate(st.Disk(), st.Coulomb(0.05), start, np.linspace(0, 3, 151))
+    runs = st.simulate(st.Disk(), st.Coulomb(0.05), start, np.linspace(0, 1.5, 31))
     assert set(runs.event_launch.values) == {0}
     figure = states(runs.isel(launch=1))
     assert words(figure) == [] and uprights(figure.axes[0]) == []

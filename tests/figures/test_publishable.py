@@ -23,7 +23,7 @@ from stability.base.errors import ParameterError
 from stability.figures.canvas import COLUMN, save_figure
 from stability.figures.diagram import Strip
 from stability.figures.shading import DIVERGING, linear_part
-from stability.figures.styled_figure import signed_ticks
+from stability.figures.styled_figure import StyledFigure, signed_ticks
 
 
 def test_the_measure_finds_what_overlaps_and_what_is_small() -> None:
@@ -81,11 +81,17 @@ def coin() -> Any:
     return st.simulate(st.Disk.named("quarter"), st.Viscous(0.3), start, 0.5, pose=True)
 
 
-@pytest.mark.few(1)
-@pytest.mark.parametrize("show", [None, "states", "paths", "energy"])
-def test_no_text_of_a_motion_overlaps_or_is_too_small(run: Any, coin: Any, show: Any) -> None:
-    assert faults(st.plot_motion(run, show=show)) == []
-    assert faults(st.plot_motion(coin, show=show)) == []
+@pytest.mark.parametrize(
+    ("which", "show"),
+    [("run", "states"), ("coin", "paths"), ("run", "energy")]
+    + [pytest.param(which, show, marks=pytest.mark.long)
+       for which, show in (("run", None), ("run", "paths"), ("coin", None), ("coin", "states"),
+                           ("coin", "energy"))],
+)  # fmt: skip
+def test_no_text_of_a_motion_overlaps_or_is_too_small(
+    run: Any, coin: Any, which: str, show: Any
+) -> None:
+    assert faults(st.plot_motion({"run": run, "coin": coin}[which], show=show)) == []
 
 
 @pytest.mark.long
@@ -101,23 +107,30 @@ def test_a_whole_motion_is_readable_in_a_column(run: Any) -> None:
 @pytest.fixture(scope="module")
 def quarter() -> Any:
     return st.stability_map(
-        "spinning", x=("at", 40, 200, 24), y=("mu", 0.05, 3, 18), disk=st.Disk.named("quarter")
+        "spinning", x=("at", 40, 200, 10), y=("mu", 0.05, 3, 8), disk=st.Disk.named("quarter")
     )
 
 
+def test_texts_of_a_map_keep_clear_at_another_size(quarter: Any) -> None:
+    _clear_at([st.plot_map(quarter, width=5.0, fontsize=10)], 5.0, 10)
+
+
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize(("width", "fontsize"), [(None, None), (3.35, 7), (5.0, 10), (7.0, 12)])
 def test_texts_keep_clear_at_any_size(quarter: Any, coin: Any, width: Any, fontsize: Any) -> None:
     size: dict[str, Any] = {"width": width, "fontsize": fontsize}
     spectra = st.spectrum("spinning", at=np.linspace(40, 200, 50), disk=st.Disk.named("quarter"),
                           contact=st.Viscous(0.3))  # fmt: skip
-    for figure in (st.plot_map(quarter, **size), st.plot_locus(spectra, **size)):
+    _clear_at([st.plot_map(quarter, **size), st.plot_locus(spectra, **size)], width, fontsize)
+    assert st.plot_motion(coin, show="paths", **size).get_figwidth() == (width or 3.39)
+
+
+def _clear_at(figures: list[Figure], width: float | None, fontsize: float | None) -> None:
+    for figure in figures:
         assert faults(figure) == []
         assert figure.get_figwidth() == (width or 3.39)
         sizes = {t.get_fontsize() for t, _ in drawn(figure)}
         assert min(sizes) == (fontsize or 7.5) - 1
-    assert st.plot_motion(coin, show="paths", **size).get_figwidth() == (width or 3.39)
 
 
 @pytest.mark.long
@@ -214,7 +227,6 @@ def test_a_user_gives_axes(run: Any, quarter: Any) -> None:
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize("layout", ["tight", "constrained"])
 def test_maps_on_neighbouring_axes_leave_room_for_each_other(quarter: Any, layout: Any) -> None:
     figure = Figure(figsize=(6.7, 3), layout=layout)
@@ -271,12 +283,25 @@ def fonts(content: bytes) -> set[bytes]:
     return found
 
 
-@pytest.mark.long
-def test_a_pdf_holds_fonts_of_type_42_alone(quarter: Any, run: Any, tmp_path: Path) -> None:
-    """Type 42 is TrueType: in a PDF a `Type0` font whose descendant is a `CIDFontType2`."""
+def _of_words(*_: Any) -> list[Figure]:
+    figure = StyledFigure()
+    figure.text(0.5, 0.5, "x")
+    return [figure]
+
+
+def _of_every_kind(quarter: Any, run: Any) -> list[Figure]:
     spectra = st.spectrum("rolling", at=np.linspace(1, 2, 20), contact=st.Viscous(0.3))
-    figures = [st.plot_map(quarter), spectra.plot(), st.plot_motion(run)]
-    for i, figure in enumerate(figures):
+    return [st.plot_map(quarter), spectra.plot(), st.plot_motion(run)]
+
+
+@pytest.mark.parametrize(
+    "figures", [_of_words, pytest.param(_of_every_kind, marks=pytest.mark.long)]
+)
+def test_a_pdf_holds_fonts_of_type_42_alone(
+    quarter: Any, run: Any, tmp_path: Path, figures: Callable[..., list[Figure]]
+) -> None:
+    """Type 42 is TrueType: in a PDF a `Type0` font whose descendant is a `CIDFontType2`."""
+    for i, figure in enumerate(figures(quarter, run)):
         save_figure(figure, tmp_path / f"{i}.pdf")
         figure.savefig(tmp_path / f"own-{i}.pdf")  # as a user saves it
     for path in tmp_path.glob("*.pdf"):
@@ -334,7 +359,7 @@ def test_growth_is_hatched_in_grey_on_every_shade_and_decay_is_not() -> None:
 
 
 def test_the_scale_of_colours_follows_the_data() -> None:
-    hoop = st.stability_map("tumbling", x=("at", 0.02, 1.5, 40), y=("mu", 0.01, 100, 30, "log"),
+    hoop = st.stability_map("tumbling", x=("at", 0.02, 1.5, 20), y=("mu", 0.01, 100, 15, "log"),
                             disk=st.Disk.hoop())  # fmt: skip
     rates = np.abs(hoop.abscissa.values)
     least, largest = linear_part(hoop.abscissa.values)

@@ -1,5 +1,6 @@
 """Saving a figure costs one layout, and one drawing for each file."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -8,13 +9,24 @@ from matplotlib.figure import Figure
 
 import stability as st
 from stability.figures.canvas import save
+from stability.figures.styled_figure import StyledFigure
 
 
+def _panel() -> Figure:
+    figure = StyledFigure(layout="constrained")
+    figure.subplots().set_xlabel("x")
+    return figure
+
+
+def _map() -> Figure:
+    return st.plot_map(st.stability_map("spinning", x=("at", 1, 4, 9), y=("mu", 0.1, 2, 9)))
+
+
+@pytest.mark.parametrize("make", [_panel, pytest.param(_map, marks=pytest.mark.long)])
 def test_a_figure_is_laid_out_once_and_drawn_once_a_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, make: Callable[[], Figure]
 ) -> None:
-    found = st.stability_map("spinning", x=("at", 1, 4, 9), y=("mu", 0.1, 2, 9))
-    figure = st.plot_map(found)
+    figure = make()
     engine: Any = figure.get_layout_engine()
     before, canvas = figure.dpi, figure.canvas
     told: list[str] = []

@@ -120,7 +120,6 @@ def test_without_uncertain_inputs_there_is_no_band() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize("spread", [np.nan, 8e-4, 1.1e-4, 0.9e-4])
 def test_no_label_hides_another_and_none_leaves_the_figure(spread: float) -> None:
     figure = scene_figure(made(ROWS, spread=spread))
