@@ -72,8 +72,15 @@ def numbers(body: st.Body, theta: float) -> dict[str, float]:
             "c": c, "r": h * s + slope * c, "z": h * c - slope * s}  # fmt: skip
 
 
+@lru_cache
+def _function(expression: sp.Expr) -> tuple[list[str], Callable[..., Any]]:
+    letters = sorted(expression.free_symbols, key=str)
+    return [s.name for s in letters], sp.lambdify(letters, expression, "math")
+
+
 def at(expression: Any, values: dict[str, float]) -> float:
-    return float(sp.sympify(expression).subs({sp.Symbol(n): v for n, v in values.items()}))
+    names, function = _function(sp.sympify(expression))
+    return float(function(*(values[n] for n in names)))
 
 
 def member_of(family: str, at: float | tuple[float, float], body: st.Body, law: str) -> np.ndarray:
@@ -87,7 +94,7 @@ def member_of(family: str, at: float | tuple[float, float], body: st.Body, law: 
 # --- proofs ---
 
 
-SOON = ("rolling-conservative", "spinning-conservative", "painleve")
+SOON = ("spinning-conservative", "painleve")
 """Theorems that are proved within a second."""
 
 
@@ -151,7 +158,7 @@ def test_polynomials_have_the_eigenvalues_of_the_spectrum(
         assert np.abs(ours - root).min() < 1e-8 * np.abs(ours).max()
 
 
-@pytest.mark.parametrize("count", [6, pytest.param(40, marks=pytest.mark.long)])
+@pytest.mark.parametrize("count", [12, pytest.param(40, marks=pytest.mark.long)])
 def test_conditions_are_those_of_the_roots(count: int) -> None:
     rng = np.random.default_rng(2)
     found = characteristic("spinning", "viscous")
@@ -344,7 +351,7 @@ def test_tumbling_has_its_static_boundary_where_energy_is_stationary(whole: bool
     turned = 0
     for shape in (st.ThickDisk(0.5), st.ThickDisk(1.0), EGG, LOW, LEAN)[: 5 if whole else 1]:
         low, high = shape.between
-        for theta in np.linspace(low, high, 30)[2 : -2 : 1 if whole else 5]:
+        for theta in np.linspace(low, high, 30)[2 : -2 : 1 if whole else 3]:
             try:
                 found = st.spectrum("tumbling", at=float(theta), body=shape,
                                     contact=st.Viscous(0.4))  # fmt: skip
