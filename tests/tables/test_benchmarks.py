@@ -1,6 +1,7 @@
 """The table of benchmarks: known values from closed forms and long arithmetic, rows, both sides."""
 
 import json
+from collections.abc import Iterable
 from functools import cache
 from typing import Any
 
@@ -19,6 +20,11 @@ from stability.tables.benchmarks.linear_bicycle import EIGENVALUES, ENTRIES, EXA
 from stability.tables.benchmarks.row import AGREES, CLOSED, BenchmarkRow, Source, compared
 from stability.tables.registry import definition
 
+QUICK = {
+    "railway wheelset", "Ziegler column", "Lagrange top", "mass on a belt", "Jeffcott rotor",
+    "rotating saddle", "gyropendulum", "Routh's sphere", "body in a liquid",
+}  # fmt: skip
+"""Systems that take a tenth of a second or two."""
 LATER = {"nonlinear bicycle"}
 """Systems that take some seconds: they are asked in the long tests."""
 OPEN = {"triangular points"}
@@ -102,6 +108,8 @@ def axon_at(low: str, high: str) -> Any:
     return axon(v)[0]
 
 
+@cache
+@mpmath.workdps(40)
 def oracle() -> dict[str, dict[str, Any]]:
     """Every value of the table that a formula or long arithmetic gives, by system and quantity."""
     R = m = mpf(".02")
@@ -193,13 +201,18 @@ def oracle() -> dict[str, dict[str, Any]]:
     }  # fmt: skip
 
 
+def quick_first(systems: Iterable[str]) -> list[Any]:
+    """The quick ones for the fast suite, the others for the long tests."""
+    slow = pytest.mark.long
+    return [pytest.param(s, marks=() if s in QUICK else slow) for s in systems]
+
+
 COVERED = [
     name for name in CASES if name not in LATER | OPEN | {"linear bicycle"}
 ]  # the bicycles have their own test
 
 
-@pytest.mark.few(1)
-@pytest.mark.parametrize("system", COVERED)
+@pytest.mark.parametrize("system", quick_first(COVERED))
 def test_every_known_value_is_right_and_the_package_finds_all_its_digits(system: str) -> None:
     with mpmath.workdps(40):
         wanted = oracle()[system]
@@ -236,8 +249,7 @@ SIDES = {
 """Verdicts below and above each threshold, by words of the quantity."""
 
 
-@pytest.mark.few(1)
-@pytest.mark.parametrize("system", SIDES)
+@pytest.mark.parametrize("system", quick_first(SIDES))
 def test_both_sides_of_each_threshold_are_certified(system: str) -> None:
     seen = set()
     for quantity, row in rows(system).items():
@@ -429,17 +441,20 @@ def test_a_wrong_or_missing_value_is_said_to_be_so() -> None:
     assert typo.status == "agrees to all digits of 1.251; the last published digits are not right"
 
 
-@pytest.mark.long
+@pytest.mark.parametrize(
+    ("other", "count"),
+    [("Ziegler column", 5), pytest.param("Watt governor", 6, marks=pytest.mark.long)],
+)
 def test_the_command_prints_rows_and_writes_json(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], other: str, count: int
 ) -> None:
-    few = {n: CASES[n] for n in ("Jeffcott rotor", "Watt governor")}
+    few = {n: CASES[n] for n in ("Jeffcott rotor", other)}
     monkeypatch.setattr(catalogue, "CASES", few)
     assert main(["table", "benchmarks"]) == 0
     text = capsys.readouterr().out
     assert "found 250 rad/s, difference 0.0e+00: agrees to all digits" in text
     assert "below stable, above unstable (certified)" in text
-    assert text.count("6 known values, 6 agree.") == 1
+    assert text.count(f"{count} known values, {count} agree.") == 1
     assert main(["table", "benchmarks", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)["rows"]
     assert found[0]["recomputed"] == 250.0

@@ -73,14 +73,16 @@ def own(case: str) -> st.Table:
 
 
 EVERY = (*OPTIONS, "benchmarks", "own conditions", "own flutter")
+SLOW = {"families", "conditions", "conditions in SI", "launches", "benchmarks"}
+"""Tables that take a second or more."""
+BY_COST = [pytest.param(c, marks=pytest.mark.long if c in SLOW else ()) for c in EVERY]
 LONG = [pytest.param(case, marks=pytest.mark.long) for case in ("theorems", "bodies")]
 
 
 # --- CSV and JSON ---
 
 
-@pytest.mark.few(2)
-@pytest.mark.parametrize("case", EVERY)
+@pytest.mark.parametrize("case", BY_COST)
 def test_csv_is_read_back_by_pandas(case: str) -> None:
     """Each number comes back in all its digits, below a header that names its unit."""
     table = made(case)
@@ -103,8 +105,7 @@ def test_csv_is_read_back_by_pandas(case: str) -> None:
     assert list(table.to_pandas().columns) == list(frame.columns)
 
 
-@pytest.mark.long
-def test_units_are_those_of_the_disk_and_of_each_row() -> None:
+def test_units_are_those_of_the_disk_and_of_each_row(monkeypatch: pytest.MonkeyPatch) -> None:
     """Time in seconds of a coin is √(R/g) times the number without dimension."""
     plain, coin = (
         st.table("drift", k=0.25, mu=1.0),
@@ -115,14 +116,15 @@ def test_units_are_those_of_the_disk_and_of_each_row() -> None:
     clock = (0.01213 / 9.80665) ** 0.5
     for a, b in zip(plain, coin, strict=True):
         assert b["time_slow"] == pytest.approx(a["time_slow"] * clock, rel=1e-9)
-    frame = made("conditions in SI").to_pandas()
+    # without the formulas of the table, which take seconds
+    monkeypatch.setattr("stability.derivation.formulas.rows", lambda *_: [])
+    frame = st.table("conditions", **OPTIONS["conditions in SI"]).to_pandas()
     at = frame[frame["at"].notna()]
     assert set(at[at.family == "tumbling"].at_unit) <= {"rad"}
     assert set(at[at.family == "rolling"].at_unit) == {"rad/s"}
 
 
-@pytest.mark.few(1)
-@pytest.mark.parametrize("case", EVERY)
+@pytest.mark.parametrize("case", BY_COST)
 def test_json_says_what_each_column_holds(case: str) -> None:
     body = json.loads(made(case).to_json())
     for column, said in zip(made(case).columns, body["columns"], strict=True):
@@ -131,9 +133,7 @@ def test_json_says_what_each_column_holds(case: str) -> None:
     assert all(set(row) <= {c["name"] for c in body["columns"]} for row in body["rows"])
 
 
-@pytest.mark.long
-@pytest.mark.few(1)
-@pytest.mark.parametrize("case", EVERY)
+@pytest.mark.parametrize("case", BY_COST)
 def test_a_table_pickles_and_prints(case: str) -> None:
     table = made(case)
     again = pickle.loads(pickle.dumps(table))
@@ -188,8 +188,7 @@ def test_the_log_shows_a_line_that_is_too_long(tmp_path: Path) -> None:
     assert "Overfull" in pages(text, tmp_path)
 
 
-@pytest.mark.few(1)
-@pytest.mark.parametrize("case", [*EVERY, *LONG])
+@pytest.mark.parametrize("case", [*BY_COST, *LONG])
 def test_every_table_has_rules_and_defines_its_symbols(case: str) -> None:
     text = made(case).to_latex()
     for rule in (r"\toprule", r"\midrule", r"\bottomrule"):

@@ -202,11 +202,12 @@ def test_print_says_what_was_given_and_assumed_with_units() -> None:
     assert body["given"] == {"trail": "7/100", "k": str(Fraction(0.3))}
 
 
-@pytest.mark.few(1)
-@pytest.mark.parametrize("place", [
-    "bicycle.py:upright", "watt_governor.py:running", "triangular_points.py:triangle",
-    "lagrange_top.py:sleeping", "railway_wheelset.py:centred",
-])  # fmt: skip
+@pytest.mark.parametrize("place", ["lagrange_top.py:sleeping", *(
+    pytest.param(f"{name}.py:{family}", marks=pytest.mark.long) for name, family in (
+        ("bicycle", "upright"), ("watt_governor", "running"), ("triangular_points", "triangle"),
+        ("railway_wheelset", "centred"),
+    )
+)])  # fmt: skip
 def test_latex_of_the_examples_is_well_formed(
     place: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
