@@ -171,14 +171,12 @@ def test_conditions_that_were_dropped_hold_wherever_the_kept_ones_do(
 
 @pytest.mark.parametrize("examples", [25, pytest.param(200, marks=pytest.mark.long)])
 def test_horner_schemes_give_the_sum_of_the_terms(examples: int) -> None:
-    settings(max_examples=examples, deadline=None)(horner_and_sum)()
+    powers = s.tuples(s.integers(0, 3), s.integers(0, 2))
+    terms = s.lists(s.tuples(s.integers(-9, 9), powers), max_size=8)
+    ask = given(terms, s.fractions(-3, 3), s.fractions(-3, 3))(horner_and_sum)
+    settings(max_examples=examples, deadline=None)(ask)()
 
 
-@given(
-    s.lists(s.tuples(s.integers(-9, 9), s.tuples(s.integers(0, 3), s.integers(0, 2))),
-            max_size=8),
-    s.fractions(-3, 3), s.fractions(-3, 3),
-)  # fmt: skip
 def horner_and_sum(terms: list[tuple[int, tuple[int, int]]], x: Fraction, y: Fraction) -> None:
     polynomial = Polynomial(("x", "y"), tuple(terms))
     plain = sum((c * x ** e[0] * y ** e[1] for c, e in terms), Fraction(0))

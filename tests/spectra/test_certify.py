@@ -35,10 +35,10 @@ def campaign(family: str, count: int, seed: int) -> tuple[int, int]:
     return wrong, undecided
 
 
-@pytest.mark.few(2)
 @pytest.mark.parametrize("family", FAMILIES)
-def test_no_verdict_is_wrong_or_undecided_at_random_points(family: str) -> None:
-    assert campaign(family, 120, seed=21) == (0, 0)
+@pytest.mark.parametrize("count", [30, pytest.param(120, marks=pytest.mark.long)])
+def test_no_verdict_is_wrong_or_undecided_at_random_points(family: str, count: int) -> None:
+    assert campaign(family, count, seed=21) == (0, 0)
 
 
 @pytest.mark.long
@@ -123,9 +123,13 @@ def test_growth_rates_of_1e_14_have_eleven_digits_and_more() -> None:
     assert found.abscissa_error <= 1e-15 * abs(found.abscissa)
 
 
-@given(s.floats(0.05, 0.5), s.floats(-3, 3), s.floats(-1.2, 1.2))
-@settings(max_examples=40, deadline=None)
-def test_double_precision_and_certified_spectra_agree(k: float, mu: float, at: float) -> None:
+@pytest.mark.parametrize("examples", [8, pytest.param(60, marks=pytest.mark.long)])
+def test_double_precision_and_certified_spectra_agree(examples: int) -> None:
+    ask = given(s.floats(0.05, 0.5), s.floats(-3, 3), s.floats(-1.2, 1.2))(double_and_certified)
+    settings(max_examples=examples, deadline=None)(ask)()
+
+
+def double_and_certified(k: float, mu: float, at: float) -> None:
     for family, point in (("rolling", 10**at), ("spinning", 10**at), ("tumbling", 0.7 + at / 2)):
         question = {"at": point, "disk": st.Disk(k=k), "contact": st.Viscous(10**mu)}
         plain = st.spectrum(family, **question, escalate=False)
@@ -232,7 +236,7 @@ def test_upright_is_a_symbol_and_the_lean_is_carried() -> None:
         spin = st.spectrum("spinning", at=2.0, contact=st.Viscous(mu), certify=True)
         assert np.abs(found.eigenvalues - spin.eigenvalues).max() < 1e-15  # the branch point
     with mpmath.workdps(DIGITS):
-        for lean in (1e-3, 1e-9, 1e-25, -1e-25):
+        for lean in (1e-3, 1e-25, -1e-25):
             found = st.spectrum("tumbling", lean=lean, contact=st.Viscous(0.6), certify=True)
             theta = mpmath.pi / 2 - mpmath.mpf(lean)
             roots = mpmath.polyroots(
@@ -319,7 +323,7 @@ def test_circling_is_certified() -> None:
     assert np.abs(found.eigenvalues - plain.eigenvalues).max() < 1e-14
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("family", "at", "k", "mu"),
     [("spinning", 13.231696706442328, 0.5, 1.2898585826377468e-09), ("rolling", 30.0, 0.3, 1e-7),

@@ -121,7 +121,7 @@ def test_boundaries_are_exact_roots_of_it(family, axis, given, values, monkeypat
 
 
 def test_a_map_takes_what_is_open_from_it() -> None:
-    ask: dict[str, Any] = {"x": ("d", -1, 1, 5), "y": ("g", -1, 1, 5), "l": 1.0}
+    ask: dict[str, Any] = {"x": ("d", -1, 1, 3), "y": ("g", -1, 1, 3), "l": 1.0}
     plain, found = (st.stability_map(pendulum(e), **ask) for e in (None, Damped()))
     flags = {
         v: k

@@ -43,14 +43,17 @@ def critical(a: float, b: float) -> float:
     return float(2 * a * b**1.5)
 
 
-def test_balls_alone_say_what_exact_numbers_say(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("count", [2, pytest.param(6, marks=pytest.mark.long)])
+def test_balls_alone_say_what_exact_numbers_say(
+    count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     problem, draw = system_problem(governor(), None, {}), np.random.default_rng(5)
     points = []
     for step in (0.3, 1e-3, 1e-9, 1e-12, -1e-12, -1e-9, -1e-3, -0.3):
-        for a, b in draw.uniform(0.2, 0.8, (6, 2)).round(3):
+        for a, b in draw.uniform(0.2, 0.8, (count, 2)).round(3):
             points.append({"e": critical(a, b) * (1 + step), "a": float(a), "b": float(b)})
     plain = [verdict(problem, p) for p in points]
-    assert plain == [Verdict.STABLE] * 24 + [Verdict.UNSTABLE] * 24
+    assert plain == 4 * count * [Verdict.STABLE] + 4 * count * [Verdict.UNSTABLE]
     monkeypatch.setattr(certificate, "_plainly", lambda *_: None)
     assert [verdict(problem, p) for p in points] == plain
 

@@ -1,5 +1,6 @@
 """What must hold for all numbers: symmetry, scaling, inertia, derivatives, error bounds."""
 
+from collections.abc import Callable
 from typing import Any
 
 import casadi as ca
@@ -14,16 +15,13 @@ from stability.algebra.program import Program
 from stability.algebra.running_error import RunningError, running_error_arrays
 from stability.bodies.contact_laws import LAWS
 
-GIVEN = settings(max_examples=40, deadline=None, derandomize=True)
 inertias = some.floats(0.02, 0.5)
 frictions = some.floats(-3, 3).map(lambda e: 10.0**e)
 tilts = some.floats(0.05, 1.5)
 rates = some.floats(0.1, 6)
 
 
-@GIVEN
-@given(theta=tilts, k=inertias, mu=frictions)
-def test_tumbling_and_its_mirror_image_have_one_spectrum(theta: float, k: float, mu: float) -> None:
+def tumbling_and_its_mirror_image_have_one_spectrum(theta: float, k: float, mu: float) -> None:
     pair = [
         st.spectrum("tumbling", at=angle, disk=st.Disk(k=k), contact=st.Viscous(mu))
         for angle in (theta, np.pi - theta)
@@ -35,9 +33,7 @@ def test_tumbling_and_its_mirror_image_have_one_spectrum(theta: float, k: float,
     assert pair[0].verdict is pair[1].verdict
 
 
-@GIVEN
-@given(family=some.sampled_from(["rolling", "spinning"]), at=rates, k=inertias, mu=frictions)
-def test_turning_the_other_way_has_the_same_spectrum(
+def turning_the_other_way_has_the_same_spectrum(
     family: str, at: float, k: float, mu: float
 ) -> None:
     one, other = (
@@ -47,14 +43,7 @@ def test_turning_the_other_way_has_the_same_spectrum(
     assert distance <= one.radius.max() + other.radius.max()
 
 
-@GIVEN
-@given(
-    family=some.sampled_from(["rolling", "spinning", "tumbling"]),
-    law=some.sampled_from(sorted(LAWS)),
-    mass=some.floats(1e-3, 1e3), radius=some.floats(1e-3, 1e2), gravity=some.floats(0.1, 100),
-    k=inertias, at=some.floats(0.2, 1.4), mu=frictions,
-)  # fmt: skip
-def test_si_units_and_dimensionless_numbers_say_the_same(
+def si_units_and_dimensionless_numbers_say_the_same(
     family: str,
     law: str,
     mass: float,
@@ -81,6 +70,28 @@ def test_si_units_and_dimensionless_numbers_say_the_same(
     assert distance.min(axis=1).max() <= reach
     # modes are given in the user's units, shares without
     assert found.modes.participation.shape == expected.modes.participation.shape
+
+
+SYMMETRIES: list[tuple[Callable[..., None], dict[str, Any]]] = [
+    (tumbling_and_its_mirror_image_have_one_spectrum,
+     {"theta": tilts, "k": inertias, "mu": frictions}),
+    (turning_the_other_way_has_the_same_spectrum,
+     {"family": some.sampled_from(["rolling", "spinning"]), "at": rates, "k": inertias,
+      "mu": frictions}),
+    (si_units_and_dimensionless_numbers_say_the_same,
+     {"family": some.sampled_from(["rolling", "spinning", "tumbling"]),
+      "law": some.sampled_from(sorted(LAWS)), "mass": some.floats(1e-3, 1e3),
+      "radius": some.floats(1e-3, 1e2), "gravity": some.floats(0.1, 100), "k": inertias,
+      "at": some.floats(0.2, 1.4), "mu": frictions}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("examples", [10, pytest.param(100, marks=pytest.mark.long)])
+@pytest.mark.parametrize(("ask", "of"), SYMMETRIES, ids=lambda v: getattr(v, "__name__", ""))
+def test_spectra_keep_a_symmetry(
+    ask: Callable[..., None], of: dict[str, Any], examples: int
+) -> None:
+    settings(max_examples=examples, deadline=None, derandomize=True)(given(**of)(ask))()
 
 
 @given(ratio=some.floats(0, 1))
