@@ -275,7 +275,10 @@ def test_an_interrupted_atlas_goes_on(tmp_path: Path, monkeypatch: pytest.Monkey
     assert st.read_map(out / "tumbling-eccentric-mu.nc").abscissa.shape == (6, 9)
 
 
-def test_folders_of_others_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_folders_of_others_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("stability.atlas.bodies.BODIES", {"thick": BODIES["thick"]})
     (tmp_path / "atlas.parts").mkdir()
     (tmp_path / "atlas.parts" / "mine.txt").write_text("mine")
     assert main(["atlas", "--bodies", "--out", str(tmp_path / "atlas")]) == 2
