@@ -2,9 +2,11 @@
 
 from collections import Counter
 
+import disk_ends
 import numpy as np
 import pytest
 from disk_ends import ends
+from kane_disk import fixed_axes
 
 import stability as st
 from stability.basin.borders import borders
@@ -50,6 +52,17 @@ def judged(words: list[str], true: list[str]) -> Counter[str]:
         plain = word in SURE and other != "open"
         kinds["open" if not plain else "same" if SURE[word] == other else "other"] += 1
     return kinds
+
+
+def test_sides_of_a_coarse_border_of_early_lift_off_are_confirmed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """By the formulation in fixed axes, which needs no derivation."""
+    monkeypatch.setattr(disk_ends, "kane", fixed_axes)
+    _, words, true = sides(4, 0, 2.0)
+    left = [word == "lift-off" for word in words]
+    assert len(words) >= 6 and 0.2 < np.mean(left) < 0.8
+    assert left == [other == "lift-off" for other in true]
 
 
 @pytest.mark.long

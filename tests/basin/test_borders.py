@@ -104,7 +104,7 @@ def test_a_border_that_is_found_is_followed_to_its_ends() -> None:
 
 def test_no_launch_is_asked_twice_and_the_record_holds_them_all() -> None:
     ask = Counted(snake)
-    found = borders(ask, X, Y, levels=6)
+    found = borders(ask, X, Y, levels=4)
     assert len(np.unique(ask.points, axis=0)) == len(ask.points) == found.asked
     assert sum(found.calls) == found.asked
     assert len(found.calls) == len(ask.batches)
@@ -155,25 +155,25 @@ def test_three_regions_meet_in_one_point() -> None:
     assert (np.abs(meeting[0] - (0.057, 0.123)) <= found.widths[-1]).all()
 
 
-@pytest.mark.long
-def test_fewer_levels_are_the_beginning_of_more() -> None:
+@pytest.mark.parametrize("levels", [(4, 2), pytest.param((7, 4), marks=pytest.mark.long)])
+def test_fewer_levels_are_the_beginning_of_more(levels: tuple[int, int]) -> None:
     deep = Counted(snake)
     shallow = Counted(snake)
-    borders(deep, X, Y, levels=7)
-    few = borders(shallow, X, Y, levels=4)
+    borders(deep, X, Y, levels=levels[0])
+    few = borders(shallow, X, Y, levels=levels[1])
     assert (deep.points[: few.asked] == shallow.points).all()
 
 
-@pytest.mark.long
-def test_a_known_result_is_resumed_to_the_same_result() -> None:
-    whole = borders(snake, X, Y, levels=7)
-    few = borders(snake, X, Y, levels=4)
+@pytest.mark.parametrize("levels", [(4, 2), pytest.param((7, 4), marks=pytest.mark.long)])
+def test_a_known_result_is_resumed_to_the_same_result(levels: tuple[int, int]) -> None:
+    whole = borders(snake, X, Y, levels=levels[0])
+    few = borders(snake, X, Y, levels=levels[1])
     more = Counted(snake)
-    resumed = borders(more, X, Y, levels=7, known=few)
+    resumed = borders(more, X, Y, levels=levels[0], known=few)
     assert resumed.asked == whole.asked - few.asked
     for name in ("points", "labels", "cells", "pairs", "pair_labels"):
         assert (getattr(resumed, name) == getattr(whole, name)).all()
-    less = borders(disc, X, Y, levels=2, known=borders(disc, X, Y, levels=5))
+    less = borders(disc, X, Y, levels=2, known=borders(disc, X, Y, levels=3))
     assert less.asked == 0
     assert less.counts == borders(disc, X, Y, levels=2).counts
 
@@ -190,20 +190,20 @@ def test_labels_of_the_coarse_map_are_taken_over() -> None:
 
 def test_chunks_change_nothing() -> None:
     ask = Counted(snake)
-    found = borders(ask, X, Y, levels=5, chunk=17)
+    found = borders(ask, X, Y, levels=3, chunk=17)
     assert max(map(len, ask.batches)) == 17
-    assert (found.points == borders(snake, X, Y, levels=5).points).all()
+    assert (found.points == borders(snake, X, Y, levels=3).points).all()
 
 
-@pytest.mark.long
-def test_too_few_labels_leave_the_last_complete_level() -> None:
-    cost = borders(snake, X, Y, levels=5).asked
+@pytest.mark.parametrize(("level", "asked"), [(2, 4), pytest.param(5, 9, marks=pytest.mark.long)])
+def test_too_few_labels_leave_the_last_complete_level(level: int, asked: int) -> None:
+    cost = borders(snake, X, Y, levels=level).asked
     ask = Counted(snake)
-    found = borders(ask, X, Y, levels=9, most=cost + 20)
-    wanted = borders(snake, X, Y, levels=5)
+    found = borders(ask, X, Y, levels=asked, most=cost + 20)
+    wanted = borders(snake, X, Y, levels=level)
     assert not found.complete
-    assert "5 of 9" in found.note
-    assert found.levels == 5
+    assert f"{level} of {asked}" in found.note
+    assert found.levels == level
     assert len(ask.points) <= cost + 20
     assert (found.counts, found.mixed) == (wanted.counts, wanted.mixed)
     assert (found.cells == wanted.cells).all()

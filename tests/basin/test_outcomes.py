@@ -37,7 +37,7 @@ def compared(found: Outcomes, run: Any, open_: int) -> int:
 @pytest.mark.parametrize(("family", "own"), [("spinning", "phi_dot"), ("rolling", "omega3")])
 @pytest.mark.parametrize(
     ("body", "count"),
-    [("uniform", 40), *(pytest.param(b, 1700, marks=pytest.mark.long) for b in DISKS)],
+    [("uniform", 24), *(pytest.param(b, 1700, marks=pytest.mark.long) for b in DISKS)],
 )
 @pytest.mark.filterwarnings("ignore::stability.StabilityWarning")
 def test_outcomes_are_those_of_the_checked_single_run(
@@ -86,13 +86,13 @@ def test_outcomes_are_those_of_the_checked_single_run(
 
 
 def test_outcomes_do_not_depend_on_the_company() -> None:
-    launches = launched("spinning", "phi_dot", 60, 8, 150.0)
+    launches = launched("spinning", "phi_dot", 24, 8, 150.0)
     whole = outcomes(launches, Judging())
-    rows = np.random.default_rng(1).permutation(60)[:23]
+    rows = np.random.default_rng(1).permutation(24)[:11]
     some = outcomes(engine.subset(launches, rows), Judging())
     for name in Outcomes.__dataclass_fields__:
         np.testing.assert_array_equal(getattr(some, name), getattr(whole, name)[rows])
-    assert (whole.outcome == CODES[Outcome.SETTLED]).sum() > 20
+    assert (whole.outcome == CODES[Outcome.SETTLED]).sum() > 7
 
 
 def test_a_start_without_contact_has_ended_already() -> None:
@@ -198,16 +198,21 @@ def test_launches_whose_two_runs_part_are_decided_alone(monkeypatch: pytest.Monk
     assert worst in alone and (again.outcome == usual.outcome).all()
 
 
-def test_a_systems_launches_settle_where_an_independent_integration_ends() -> None:
+@pytest.mark.parametrize(
+    ("count", "last", "seed"), [(6, 50.0, 0), pytest.param(24, 100.0, 4, marks=pytest.mark.long)]
+)
+def test_a_systems_launches_settle_where_an_independent_integration_ends(
+    count: int, last: float, seed: int
+) -> None:
     system, rests = pendulum()
     asked = prepare(system, None, ("angle", "rate"), {"c": 0.3}, "", rests, {})
-    rng = np.random.default_rng(4)
-    points = {"angle": rng.uniform(-3, 3, 24), "rate": rng.uniform(-4, 4, 24)}
-    found = outcomes(asked.starts(points, 200.0), Judging())
-    for row in range(24):
+    rng = np.random.default_rng(seed)
+    points = {"angle": rng.uniform(-3, 3, count), "rate": rng.uniform(-4, 4, count)}
+    found = outcomes(asked.starts(points, 2 * last), Judging())
+    for row in range(count):
         end = solve_ivp(
             lambda _, y: [y[1], -np.sin(y[0]) - 0.3 * y[1]],
-            (0, 100),
+            (0, last),
             [points["angle"][row], points["rate"][row]],
             rtol=1e-9,
             atol=1e-11,

@@ -76,7 +76,7 @@ def test_the_launch_has_the_label_and_the_size_that_are_said(label: Label) -> No
 def test_a_larger_budget_continues_the_same_search(seed: int) -> None:
     asked: dict[int, np.ndarray] = {}
     sizes = []
-    for budget in (1, 2, 20, 33, 34, 60, 100, 177, 400, 1000, 3000):
+    for budget in (1, 2, 33, 34, 100, 400, 3000):
         seen: list[np.ndarray] = []
 
         def label(points: np.ndarray, seen: list[np.ndarray] = seen) -> np.ndarray:
@@ -120,10 +120,11 @@ def test_where_nothing_is_found_it_says_so() -> None:
     assert "No disturbance up to 1" in found.note
 
 
-def test_what_is_not_excluded_holds_as_often_as_it_says() -> None:
+@pytest.mark.parametrize(("count", "most"), [(20, 3), pytest.param(60, 8, marks=pytest.mark.long)])
+def test_what_is_not_excluded_holds_as_often_as_it_says(count: int, most: int) -> None:
     """A second, small region inside the ball: its share is below the bound, or it is found."""
     misses = 0
-    for seed in range(60):
+    for seed in range(count):
 
         def label(points: np.ndarray) -> np.ndarray:
             small = np.hypot(points[:, 0] - 0.5, points[:, 1]) < 0.15
@@ -132,7 +133,7 @@ def test_what_is_not_excluded_holds_as_often_as_it_says() -> None:
         found = fatal_shock(label, [0.0, 0.0], budget=400, seed=seed)
         if found.label != 2:
             misses += 0.15**2 / found.size**2 > found.excluded
-    assert misses <= 8  # 3 are expected at a risk of 5 %
+    assert misses <= most  # one of 20 is expected at a risk of 5 %
 
 
 def test_a_range_far_smaller_than_the_reach_ends() -> None:
