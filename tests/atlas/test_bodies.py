@@ -2,6 +2,7 @@
 
 import html
 import json
+import math
 import re
 from dataclasses import replace
 from functools import cache
@@ -13,7 +14,16 @@ import pytest
 
 import stability as st
 from stability.atlas.bodies import BODIES, atlas_of_bodies
-from stability.atlas.body_diagrams import MU, absence, draw, drawn, kinds, names
+from stability.atlas.body_diagrams import (
+    CLOSE,
+    MU,
+    _across,
+    absence,
+    draw,
+    drawn,
+    kinds,
+    names,
+)
 from stability.atlas.body_pages import pages
 from stability.cli import main
 
@@ -42,6 +52,13 @@ def undraw(patch: pytest.MonkeyPatch, asked: list[str]) -> None:
 
     patch.setattr("stability.figures.canvas.save", save)
     patch.setattr("stability.figures.diagram.plot_map", lambda *_, **__: None)
+
+
+def test_inclinations_are_all_of_a_body_up_to_its_mirror_images() -> None:
+    """A body whose ends are alike looks upside down at π - theta as it does at theta."""
+    for key, shown in BODIES.items():
+        last = math.pi if shown.ends else math.pi / 2
+        assert _across(shown, "precession", 9)[2] == pytest.approx(last - CLOSE, abs=1e-12), key
 
 
 @pytest.fixture(scope="module", params=[8, WHOLE])

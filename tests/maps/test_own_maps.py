@@ -17,8 +17,10 @@ import casadi as ca
 import numpy as np
 import pytest
 import sympy
+from flint import arb
 
 import stability as st
+from stability.algebra.exact.number_fields import NotExact
 from stability.base.axis import Axis
 from stability.base.errors import ParameterError
 from stability.maps import cells as cells_module
@@ -26,7 +28,7 @@ from stability.maps.own import graph_rates, slices
 from stability.maps.own.root_discs import discs
 from stability.maps.own.slice_verdicts import ELSEWHERE, slice_verdicts
 from stability.maps.own.slices import slice_of
-from stability.maps.own.surfaces import Box, Surface, Window, powers
+from stability.maps.own.surfaces import Box, Surface, Window, _double, powers
 from stability.spectra.arguments import prepare
 from stability.spectra.certificate import verdict
 
@@ -393,6 +395,13 @@ def test_no_sign_is_taken_from_a_rounded_sum() -> None:
         assert (signs[signs != 0] == wanted[signs != 0]).all()
     shares = [(signs != 0).mean() for signs in found]
     assert 0.05 < min(shares[0], shares[3], shares[4]) and max(shares) < 1, shares
+
+
+def test_a_coefficient_in_a_ball_that_is_wide_is_no_double() -> None:
+    exact = Fraction(3, 8)
+    assert _double(exact, 1) == _double(arb(3) / 8, 1) == 3 / 16
+    with pytest.raises(NotExact, match="not narrow"):
+        _double(arb(1, 1e-9), 1)
 
 
 def test_a_small_map_takes_no_polynomial() -> None:
