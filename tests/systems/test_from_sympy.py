@@ -153,6 +153,7 @@ def test_lagranges_multipliers_are_eliminated() -> None:
     assert float(system.observe([0, 0], [5, 3])["lam1"]) == pytest.approx(float(lam), rel=1e-14)
 
 
+@pytest.mark.long  # SymPy derives it in a second; the one with three speeds is asked each time
 def test_the_rolling_disc_with_six_speeds_has_sympys_published_matrix() -> None:
     """The 8 x 8 matrix A_sol of test_linearize_rolling_disc_kane, at q3' = 7/4."""
     with harvest() as found, pytest.MonkeyPatch.context() as patch:

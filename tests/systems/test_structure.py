@@ -50,8 +50,11 @@ CASES = [
 ]  # fmt: skip
 
 
-@pytest.mark.few(1)
-@pytest.mark.parametrize(("family", "law", "zeros"), CASES)
+@pytest.mark.few(2)
+@pytest.mark.parametrize(
+    ("family", "law", "zeros"),
+    [c if c[0] != "tumbling" else pytest.param(*c, marks=pytest.mark.long) for c in CASES],
+)
 def test_structural_zeros_are_the_exact_multiplicity_of_lambda(
     family: str, law: str, zeros: int
 ) -> None:
