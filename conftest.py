@@ -16,6 +16,7 @@ from collections.abc import Iterator
 from typing import Any
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # workers share the cores already
+gc.disable()  # until all is imported
 
 import numpy as np
 import pytest
@@ -118,6 +119,7 @@ def pytest_runtest_makereport(item: pytest.Item) -> Any:
 @pytest.hookimpl(trylast=True)
 def pytest_collection_finish() -> None:
     """Spare the collector of garbage the half million objects of what was imported."""
+    gc.enable()
     gc.freeze()
 
 
