@@ -38,7 +38,6 @@ def made(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[float]]:
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize("name", SCENES)
 def test_predicted_steps_of_batches_are_those_that_they_make(name: str, made: list[float]) -> None:
     plan = plan_of(SCENES[name])

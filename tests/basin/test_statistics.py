@@ -135,7 +135,6 @@ def test_the_border_of_a_damped_pendulum_is_its_separatrix() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize("nested", [True, False])
 @pytest.mark.parametrize(("alpha", "constant", "points"), [
     (1.0, 2.0, 300), (0.37, 0.6, 500), (0.1, 0.6, 300),
@@ -181,7 +180,6 @@ def test_smooth_borders_have_exponent_one(label: Label) -> None:
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize(("wide", "high"), [(3, 1.5), (2, 1.5)])
 def test_a_weierstrass_border_has_its_dimension_by_both_routes(wide: int, high: float) -> None:
     label, truth = weierstrass(wide, high), dimension_of(wide, high)
@@ -248,7 +246,6 @@ def test_smooth_borders_and_where_they_meet_are_not_sensitive() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize(("label", "x", "y"), [
     (newton, (-0.51, 0.5), (-0.51, 0.5)), (weierstrass(3, 1.5), (0, 1), (-3, 3)),
 ])  # fmt: skip

@@ -1,6 +1,6 @@
 """D and gn D at zero: apart they are lift-off, together the contact ends with gn > 0."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
@@ -130,12 +130,13 @@ def independent(start: Any, k: float, mu: float, last: float) -> tuple[str, floa
     return ("lift-off", "no-contact", "moving")[which], float(y[6]), n / d, still
 
 
-def test_the_counterexample_ends_without_contact_and_with_a_normal_force() -> None:
+@pytest.mark.parametrize("check", [False, pytest.param(True, marks=pytest.mark.long)])
+def test_the_counterexample_ends_without_contact_and_with_a_normal_force(check: bool) -> None:
     kind, when, gn, _ = independent(START, K, MU, 1.0)
     assert kind == "no-contact"
     assert gn == pytest.approx(0.10154, abs=1e-5)
     for method in HERE:
-        run = st.simulate(st.Disk(k=K), st.Viscous(MU), START, 1.0, method=method)
+        run = st.simulate(st.Disk(k=K), st.Viscous(MU), START, 1.0, method=method, check=check)
         assert word(run) == "no-contact"
         assert run.event_kind.values.tolist() == ["no-contact"]
         assert float(run.normal_force[-1]) == pytest.approx(gn, abs=1e-5)
@@ -170,13 +171,15 @@ def test_an_open_set_of_starts_ends_so_and_not_all_its_neighbours(count: int, le
     assert found["moving"] >= least
 
 
-@pytest.mark.long
-def test_a_real_lift_off_with_a_small_d_stays_one() -> None:
+@pytest.mark.parametrize(
+    "methods", [("dop853", "lsoda"), pytest.param(HERE, marks=pytest.mark.long)], ids=["two", "all"]
+)
+def test_a_real_lift_off_with_a_small_d_stays_one(methods: Sequence[str]) -> None:
     x = np.array([1.01908, 0.11646887712150475, 0.5773447867225326, 2.067745929933388,
                   0.18242974825821903, -0.005761796842540787])  # fmt: skip
     kind, when, *_ = independent(x, K, MU, 1.0)
     assert kind == "lift-off"
-    for method in HERE:
+    for method in methods:
         run = st.simulate(st.Disk(k=K), st.Viscous(MU), x, 1.0, method=method)
         assert word(run) == "lift-off"
         assert float(run.end_time) == pytest.approx(when, abs=1e-6)
@@ -184,15 +187,18 @@ def test_a_real_lift_off_with_a_small_d_stays_one() -> None:
         assert 0.005 < closed()[1](*six, K, MU, 0.0)[0] < 0.01
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("quick", [True, pytest.param(False, marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    "methods",
+    [("dop853",), pytest.param(HERE, marks=pytest.mark.long)],
+    ids=["one", "all"],
+)
 def test_where_d_alone_runs_to_zero_the_force_grows_without_bound_by_every_method(
-    quick: bool,
+    methods: Sequence[str],
 ) -> None:
     law = st.RegularisedCoulomb(5.753758471817282, 0.00028800461614589425)
     start = [1.0525640005202301, 0.6767085152932947, 0, 0, 0, -0.3436609788816844]
     disk = st.Disk(k=0.2556196142891559)
-    for method in [m for m in HERE if not (quick and m == "heyoka")]:  # which compiles for seconds
+    for method in methods:
         run = st.simulate(disk, law, start, 5.0, method=method, tolerance=1e-10)
         assert word(run) == "no-contact"
         assert "grows without bound" in str(run.evidence.values)
