@@ -35,7 +35,7 @@ def spectrum(family: str, law: str, points: np.ndarray) -> st.Spectrum:
     )
 
 
-@pytest.mark.parametrize("total", [600, pytest.param(10_000, marks=pytest.mark.long)])
+@pytest.mark.parametrize("total", [180, pytest.param(10_000, marks=pytest.mark.long)])
 def test_random_points_have_the_verdicts_and_eigenvalues_of_the_package(
     disk: Engine, total: int
 ) -> None:

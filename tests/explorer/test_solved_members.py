@@ -113,7 +113,7 @@ def points(name: str, family: st.Family) -> np.ndarray:
     return np.stack([generator.uniform(*ranges[n], POINTS) for n in order], axis=1)
 
 
-@pytest.mark.parametrize("count", [40, pytest.param(POINTS, marks=pytest.mark.long)])
+@pytest.mark.parametrize("count", [15, pytest.param(POINTS, marks=pytest.mark.long)])
 def test_random_points_have_the_members_verdicts_and_eigenvalues_of_the_package(
     asked: tuple[str, st.Family, Engine], count: int
 ) -> None:
