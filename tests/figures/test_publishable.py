@@ -127,9 +127,10 @@ def test_texts_keep_clear_at_any_size(quarter: Any, coin: Any, width: Any, fonts
 
 def _clear_at(figures: list[Figure], width: float | None, fontsize: float | None) -> None:
     for figure in figures:
-        assert faults(figure) == []
+        texts = drawn(figure)
+        assert faults(figure, texts=texts) == []
         assert figure.get_figwidth() == (width or 3.39)
-        sizes = {t.get_fontsize() for t, _ in drawn(figure)}
+        sizes = {t.get_fontsize() for t, _ in texts}
         assert min(sizes) == (fontsize or 7.5) - 1
 
 

@@ -127,7 +127,7 @@ def test_an_error_of_the_work_is_the_error_of_the_caller() -> None:
 
 def test_a_worker_that_dies_gets_one_sentence() -> None:
     def run(**how: Any) -> None:
-        list(ordered(range(9), lambda i: partial(die, i), workers=2, **how))
+        list(ordered(range(9), lambda i: partial(die, i), workers=1, **how))
 
     with pytest.raises(st.StabilityError, match="a worker was ended from outside") as caught:
         run(own=processes)

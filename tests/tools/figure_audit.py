@@ -78,12 +78,15 @@ def drawn(figure: Figure) -> list[tuple[Text, Any]]:
     return found
 
 
-def faults(figure: Figure, printed: float | None = None) -> list[str]:
+def faults(
+    figure: Figure, printed: float | None = None, texts: list[tuple[Text, Any]] | None = None
+) -> list[str]:
     """Texts that overlap, leave the figure, are pale or too small; legends over data.
 
-    A figure wider than `printed` [in] is scaled down to it.
+    A figure wider than `printed` [in] is scaled down to it; `texts` are those of `drawn`, where
+    they are there already.
     """
-    texts = drawn(figure)
+    texts = drawn(figure) if texts is None else texts
     assert len(texts) > 2
     scale = min(1.0, (printed or np.inf) / figure.get_figwidth())
     said = [f"{t.get_text()!r} has {size:.3g} pt"
