@@ -16,7 +16,6 @@ from collections.abc import Iterator
 from typing import Any
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # workers share the cores already
-gc.disable()  # until all is imported
 
 import numpy as np
 import pytest
@@ -37,6 +36,7 @@ SIGNALS = [n for n in ("SIGINT", "SIGALRM", "SIGTERM") if hasattr(signal, n)]
 def pytest_configure(config: pytest.Config) -> None:
     """Hear SIGINT, as the commands under test must: what runs in the background may ignore it."""
     config.pluginmanager.register(Tiers())
+    gc.disable()  # until all is collected
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
