@@ -59,7 +59,7 @@ def test_sides_of_a_coarse_border_of_early_lift_off_are_confirmed(
 ) -> None:
     """By the formulation in fixed axes, which needs no derivation."""
     monkeypatch.setattr(disk_ends, "kane", fixed_axes)
-    _, words, true = sides(4, 0, 2.0)
+    _, words, true = sides(4, 0, 1.5)
     left = [word == "lift-off" for word in words]
     assert len(words) >= 6 and 0.2 < np.mean(left) < 0.8
     assert left == [other == "lift-off" for other in true]

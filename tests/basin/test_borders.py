@@ -155,7 +155,7 @@ def test_three_regions_meet_in_one_point() -> None:
     assert (np.abs(meeting[0] - (0.057, 0.123)) <= found.widths[-1]).all()
 
 
-@pytest.mark.parametrize("levels", [(4, 2), pytest.param((7, 4), marks=pytest.mark.long)])
+@pytest.mark.parametrize("levels", [(3, 1), pytest.param((7, 4), marks=pytest.mark.long)])
 def test_fewer_levels_are_the_beginning_of_more(levels: tuple[int, int]) -> None:
     deep = Counted(snake)
     shallow = Counted(snake)
@@ -164,7 +164,7 @@ def test_fewer_levels_are_the_beginning_of_more(levels: tuple[int, int]) -> None
     assert (deep.points[: few.asked] == shallow.points).all()
 
 
-@pytest.mark.parametrize("levels", [(4, 2), pytest.param((7, 4), marks=pytest.mark.long)])
+@pytest.mark.parametrize("levels", [(3, 1), pytest.param((7, 4), marks=pytest.mark.long)])
 def test_a_known_result_is_resumed_to_the_same_result(levels: tuple[int, int]) -> None:
     whole = borders(snake, X, Y, levels=levels[0])
     few = borders(snake, X, Y, levels=levels[1])

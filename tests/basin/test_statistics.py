@@ -168,6 +168,7 @@ def test_shares_that_are_no_power_law_are_called_so(share: Label) -> None:
     assert "smaller range" in found.note
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("label", [circle, line])
 def test_smooth_borders_have_exponent_one(label: Label) -> None:
     found = uncertainty_exponent(label, [0, -0.5], [1, 0.5], np.geomspace(3e-3, 0.1, 8),

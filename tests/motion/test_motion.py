@@ -203,8 +203,8 @@ def test_friction_over_ten_decades_runs_without_a_stall(mu: float, slip: float) 
 def test_very_large_friction_still_has_its_normal_force() -> None:
     # force is mu times a slip of 1e-8: the absolute tolerance has to follow
     start, times = [UPRIGHT - 0.1, 0, 0.3, 1.2, 0, 0], np.linspace(1, 20, 191)
-    rough = st.simulate(st.Disk(), st.Rough(), start, times, tolerance=1e-12)
-    run = st.simulate(st.Disk(), st.Viscous(1e8), start, times)
+    rough = st.simulate(st.Disk(), st.Rough(), start, times, tolerance=1e-12, check=False)
+    run = st.simulate(st.Disk(), st.Viscous(1e8), start, times, check=False)
     assert np.abs(run.normal_force - rough.normal_force).max() < 1e-7
 
 

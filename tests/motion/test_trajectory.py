@@ -20,11 +20,13 @@ LAUNCH = st.launch("rolling", at=1.2)
 DRY = [1.12, -0.31, 1.18, -1.45, -0.49, 0.46]
 
 
+FEW = ["theta", "normal_force", "power", "outcome", "event_kind"]
+
+
 def states(run: Any) -> Any:
     return np.stack([run[name].values for name in STATES], axis=-1)
 
 
-@pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("contact", "start"),
     [(st.Viscous(0.3), LAUNCH), (st.LinearViscous(0.3), LAUNCH), (st.Smooth(), LAUNCH),
@@ -36,6 +38,8 @@ def test_every_law_comes_back_whole_from_a_file(
 ) -> None:
     times, method = np.linspace(0, last, count), "auto" if last > 1 else "dop853"
     run = st.simulate(st.Disk(k=0.3), contact, start, times, pose=last > 1, method=method)
+    if last == 1 and contact.name != "coulomb":  # h5netcdf takes its time for each variable
+        run = run[FEW]
     back = st.read_motion(st.write_motion(run, tmp_path / "run.nc"))
     assert back.identical(run)
     assert is_finite(back)
@@ -130,7 +134,7 @@ def test_a_batch_is_its_launches_one_by_one() -> None:
         s for s in starts
         if st.disk_system("viscous").observe(s, [0.25, 0.3])["normal_force"] > 0
     ]  # fmt: skip
-    times = np.linspace(0, 60, 13)
+    times = np.linspace(0, 40, 9)
     many = st.simulate(st.Disk(), st.Viscous(0.3), keep, times, tolerance=1e-11)
     assert set(many.outcome.values.tolist()) >= {Outcome.LIFT_OFF.code}
     for i, start in enumerate(keep):
@@ -201,7 +205,7 @@ def test_a_run_that_ends_before_its_first_sample_reports_the_end() -> None:
 def test_other_files_are_refused_in_one_sentence(tmp_path: Path) -> None:
     m = st.stability_map("rolling", x=("at", 1, 2, 2), y=("mu", 1, 2, 2))
     a_map = st.write_map(m, tmp_path / "map.nc")
-    run = st.simulate(st.Disk(), st.Viscous(0.3), LAUNCH, 1.0)
+    run = st.simulate(st.Disk(), st.Viscous(0.3), LAUNCH, 1.0)[["theta", "outcome"]]
     a_run = st.write_motion(run, tmp_path / "run.nc")
     (tmp_path / "text.nc").write_text("no")
     for reader, path in (

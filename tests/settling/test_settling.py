@@ -89,7 +89,7 @@ def test_conservative_motions_settle_on_nothing(contact: Any) -> None:
     some.floats(0.3, 2.8),
     some.floats(0.05, 0.5),
 )
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 def test_members_are_at_no_distance_from_their_family(family: str, at: float, k: float) -> None:
     six = st.launch(family, at=at, tilt=0.0, disk=st.Disk(k=k))
     where, e = deviation(six, k, family)
