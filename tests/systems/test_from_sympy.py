@@ -45,12 +45,13 @@ def harvested(module: str, test: str) -> list[Any]:
 QUICK = [
     ("test_kane", "test_one_dof"), ("test_kane", "test_two_dof"), ("test_kane", "test_pend"),
     ("test_kane", "test_input_format"), ("test_kane", "test_parallel_axis"),
-    ("test_kane4", "test_replace_qdots_in_force"), ("test_lagrange", "test_simp_pen"),
+    ("test_lagrange", "test_simp_pen"),
     ("test_lagrange2", "test_lagrange_2forces"),
     ("test_models", "test_multi_mass_spring_damper_inputs"),
 ]  # fmt: skip
 SLOW = [
-    ("test_kane", "test_rolling_disc"), ("test_kane2", "test_non_central_inertia"),
+    ("test_kane4", "test_replace_qdots_in_force"), ("test_kane", "test_rolling_disc"),
+    ("test_kane2", "test_non_central_inertia"),
     ("test_kane2", "test_sub_qdot"), ("test_lagrange", "test_dub_pen"),
     ("test_lagrange", "test_rolling_disc"), ("test_models", "test_n_link_pendulum_on_cart_inputs"),
     ("test_models", "test_n_link_pendulum_on_cart_higher_order"),

@@ -99,10 +99,11 @@ def swings(n: int) -> st.Family:
     return st.Family(system, "hanging", at=("g",), held=dict.fromkeys(system.states, 0.0))
 
 
-def test_a_dense_mass_matrix_is_proved(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("n", [4, pytest.param(6, marks=pytest.mark.long)])
+def test_a_dense_mass_matrix_is_proved(n: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """M q'' + C q' + K q = 0 in exact numbers, its spectrum by mpmath."""
     monkeypatch.setattr(family_graph, "LARGE", 1000)
-    n, g, c = 6, 9.75, 0.25
+    g, c = 9.75, 0.25
     with mpmath.workdps(40):
         mass = mpmath.matrix(n, n)
         damping = mpmath.matrix(n, n)

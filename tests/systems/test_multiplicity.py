@@ -427,6 +427,7 @@ def test_a_null_vector_that_rounding_leaves_open_bounds_nothing() -> None:
     assert found.structural_zeros == 1
 
 
+@pytest.mark.few(3)
 @pytest.mark.parametrize("p", [0.1, 0.10000000000000002, 0.3])
 @pytest.mark.parametrize("rate", [1.0, 131072.0])
 def test_a_root_at_zero_is_enclosed(p: float, rate: float) -> None:

@@ -66,12 +66,12 @@ def test_a_rate_within_the_rounding_of_what_is_given_is_steady() -> None:
     assert st.spectrum(st.Family(tenths, "s", at=("p",), held={"y": 0.0, "z": 0.0}), at=0.2)
 
 
-def test_no_member_of_the_disk_is_refused_at_any_scale() -> None:
+@pytest.mark.parametrize("n", [300, pytest.param(3000, marks=pytest.mark.long)])
+def test_no_member_of_the_disk_is_refused_at_any_scale(n: int) -> None:
     rng = np.random.default_rng(17)
     asked = [(name, "viscous") for name in ("rolling", "spinning", "tumbling")]
     for name, law in [*asked, ("tumbling", "rough"), ("circling", "rough"), ("tumbling", "smooth")]:
         found = st.disk_family(name, law)
-        n = 3000
         size = 10 ** rng.uniform(-7, 7, (n, 1))
         if name == "tumbling":
             at = np.where(

@@ -62,6 +62,7 @@ def test_many_members_over_all_parameters_are_those_of_the_closed_form(plus: Any
     assert np.allclose(found.u[r > 1, 0], exact, rtol=1e-12)
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("r", [1.0, 0.999, 0.5, -3.0])
 def test_no_other_fixed_point_stands_in_where_this_one_ends(plus: Any, r: float) -> None:
     """Below r = 1 the origin is left, and Newton's method would go there."""

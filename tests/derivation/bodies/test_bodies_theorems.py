@@ -281,7 +281,7 @@ def test_a_wrong_limit_would_be_refuted() -> None:
     assert _member(*body, m2 * 0.99, q1 * (1 + 1e-6)) == "stable"
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("aspect", [1.2, 2.0, 3.0])
 def test_a_lying_spheroid_rises_above_the_same_number(aspect: float) -> None:
     for mu in (0.05, 0.7):
@@ -411,7 +411,7 @@ def rounded(kind: str, k: float, eps: float) -> st.Body:
                    shape={"eps": eps, "outer": outer}, name="coin")  # fmt: skip
 
 
-@pytest.mark.few(6)
+@pytest.mark.few(4)
 @pytest.mark.parametrize("shift", shifts(), ids=lambda s: f"{s.family}-{s.law}-{s.quantity}")
 def test_thresholds_of_a_rounded_coin_move_at_the_printed_rate(shift: Any) -> None:
     k = 0.3
@@ -436,17 +436,20 @@ def test_thresholds_of_a_rounded_coin_move_at_the_printed_rate(shift: Any) -> No
         assert 3.4 < left[0] / left[1] < 4.8  # the rest is of second order
 
 
-def test_the_solid_torus_moves_as_the_rounded_hoop() -> None:
-    for shift in shifts():
-        if shift.rounded != "h = sinθ + ε" or shift.quantity.startswith("mu"):
-            continue
-        value, slope = (float(e.subs(sp.Symbol("k"), 0.5)) for e in (shift.value, shift.slope))
-        axis, left = ("omega3" if shift.family == "rolling" else "phi_dot"), []
-        for eps in (0.02, 0.01):
-            found = st.boundaries(shift.family, axis=(axis, 0.2, 4, 20), body=st.Torus(eps),
-                                  contact=CONTACT[shift.law](0.2))  # fmt: skip
-            left.append(abs(found[0].value ** 2 - value - eps * slope))
-        assert 3.4 < left[0] / left[1] < 4.8
+@pytest.mark.few(2)
+@pytest.mark.parametrize(
+    "shift",
+    [s for s in shifts() if s.rounded == "h = sinθ + ε" and not s.quantity.startswith("mu")],
+    ids=lambda s: f"{s.family}-{s.law}-{s.quantity}",
+)
+def test_the_solid_torus_moves_as_the_rounded_hoop(shift: Any) -> None:
+    value, slope = (float(e.subs(sp.Symbol("k"), 0.5)) for e in (shift.value, shift.slope))
+    axis, left = ("omega3" if shift.family == "rolling" else "phi_dot"), []
+    for eps in (0.02, 0.01):
+        found = st.boundaries(shift.family, axis=(axis, 0.2, 4, 20), body=st.Torus(eps),
+                              contact=CONTACT[shift.law](0.2))  # fmt: skip
+        left.append(abs(found[0].value ** 2 - value - eps * slope))
+    assert 3.4 < left[0] / left[1] < 4.8
 
 
 @pytest.mark.long
