@@ -172,7 +172,6 @@ def test_an_interruption_within_hdf5_does_not_end_the_process(tmp_path: Path) ->
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @LINUX
 @pytest.mark.parametrize(
     ("name", "number", "delay"),

@@ -145,6 +145,11 @@ def crossed() -> Any:
     return st.stability_map(pendulum(UNITS), x=("k", 1, 2, 7), y=("c", -1, 1, 9), **{"x y": 0.0})
 
 
+@pytest.fixture(scope="module")
+def plain(crossed: Any) -> Figure:
+    return diagram(crossed)
+
+
 def hatched(figure: Figure) -> dict[str, Any]:
     sets = [c for c in figure.axes[0].collections if getattr(c, "hatches", [None])[0]]
     return {c.hatches[0]: c for c in sets}
@@ -169,10 +174,10 @@ def test_hatching_follows_the_verdict_and_not_the_sign(crossed: Any) -> None:
     assert caption(moved).count("neutral") == 2 and "dots: neutral" in caption(moved)
 
 
-def test_the_caption_says_which_rates_are_grey(crossed: Any) -> None:
+def test_the_caption_says_which_rates_are_grey(crossed: Any, plain: Figure) -> None:
     """Colours with nearly equal channels are grey: those within the size that is told, alone."""
     [told] = re.findall(r"grey within (\S+) of zero", caption(crossed))
-    mesh = next(c for c in diagram(crossed).axes[0].collections if isinstance(c, QuadMesh))
+    mesh = next(c for c in plain.axes[0].collections if isinstance(c, QuadMesh))
     for share, grey in ((0.0, True), (0.9, True), (-0.9, True), (100.0, False), (-100.0, False)):
         red, green, blue, _ = mesh.cmap(mesh.norm(share * float(told)))
         assert (max(red, green, blue) - min(red, green, blue) < 0.1) == grey, share
@@ -189,8 +194,8 @@ def test_a_thin_region_is_named_in_the_legend(crossed: Any) -> None:
     assert legend is not None and "undecided" in [t.get_text() for t in legend.get_texts()]
 
 
-def test_a_diagram_has_the_units_of_the_system_under_any_name(crossed: Any) -> None:
-    found = texts(diagram(crossed))
+def test_a_diagram_has_the_units_of_the_system_under_any_name(crossed: Any, plain: Figure) -> None:
+    found = texts(plain)
     assert {"k  [1/s²]", "c  [1/s]", r"largest growth rate max Re $\lambda$  [1/s]"} <= set(found)
     assert caption(crossed).startswith("Up right of disk, viscous.")
 

@@ -43,6 +43,17 @@ def several() -> xarray.Dataset:
     return st.simulate(disk, law, np.array([LIFTS, DRY]), np.linspace(0, 10, 201), pose=True)
 
 
+_DRAWN: dict[tuple[int, str], Figure] = {}
+
+
+def once(draw: Callable[[xarray.Dataset], Figure], run: xarray.Dataset) -> Figure:
+    """The figure of a fixture of this module, which nobody changes."""
+    key = id(run), draw.__name__
+    if key not in _DRAWN:
+        _DRAWN[key] = draw(run)
+    return _DRAWN[key]
+
+
 def lines(axes: Any) -> dict[str, Any]:
     return {str(line.get_label()): line for line in axes.get_lines()}
 
@@ -64,7 +75,7 @@ def uprights(axes: Any) -> list[float]:
 
 @pytest.mark.long
 def test_the_lines_over_time_are_the_series_of_the_dataset(dry: xarray.Dataset) -> None:
-    panels = states(dry).axes
+    panels = once(states, dry).axes
     shown = {0: ["theta"], 1: ["theta_dot", "phi_dot", "omega3"], 2: ["slip_x", "slip_y"],
              3: ["normal_force"]}  # fmt: skip
     for i, names in shown.items():
@@ -76,12 +87,12 @@ def test_the_lines_over_time_are_the_series_of_the_dataset(dry: xarray.Dataset) 
 def test_sticking_is_hatched_from_stick_to_slip(dry: xarray.Dataset) -> None:
     expected = dry.event_time.values.reshape(-1, 2)
     assert dry.event_kind.values.tolist() == ["stick", "slip"] * 3
-    for axes in states(dry).axes:
+    for axes in once(states, dry).axes:
         np.testing.assert_allclose(shaded(axes), expected, rtol=1e-12)
 
 
 def test_every_event_is_a_line_and_has_its_word(dry: xarray.Dataset) -> None:
-    figure = states(dry)
+    figure = once(states, dry)
     assert sorted(words(figure)) == ["slip"] * 3 + ["stick"] * 3
     for axes in figure.axes:
         np.testing.assert_array_equal(uprights(axes), dry.event_time)
@@ -95,25 +106,25 @@ def test_a_run_that_begins_by_sticking_is_hatched_from_its_start() -> None:
 
 
 def test_labels_carry_dimensionless_units(dry: xarray.Dataset) -> None:
-    labels = [a.get_ylabel() for a in states(dry).axes]
+    labels = [a.get_ylabel() for a in once(states, dry).axes]
     units = ["[rad]", r"[$\sqrt{g/R}$]", r"[$\sqrt{gR}$]", "[$mg$]"]
     assert all(label.endswith(unit) for label, unit in zip(labels, units, strict=True))
-    assert states(dry).axes[-1].get_xlabel() == r"time $t$  [$\sqrt{R/g}$]"
-    plane, bar = paths(dry).axes
+    assert once(states, dry).axes[-1].get_xlabel() == r"time $t$  [$\sqrt{R/g}$]"
+    plane, bar = once(paths, dry).axes
     assert plane.get_xlabel() == "$X$  [$R$]" and bar.get_ylabel().endswith(r"[$\sqrt{R/g}$]")
-    assert energy(dry).axes[0].get_ylabel().endswith("[$mgR$]")
+    assert once(energy, dry).axes[0].get_ylabel().endswith("[$mgR$]")
 
 
 def test_labels_carry_si_units(coin: xarray.Dataset) -> None:
-    labels = [a.get_ylabel() for a in states(coin).axes]
+    labels = [a.get_ylabel() for a in once(states, coin).axes]
     assert [label.split("[")[1] for label in labels] == ["rad]", "rad/s]", "m/s]", "N]"]
-    plane, bar = paths(coin).axes
+    plane, bar = once(paths, coin).axes
     assert plane.get_ylabel() == "$Y$  [m]" and bar.get_ylabel() == "time $t$  [s]"
-    assert energy(coin).axes[0].get_ylabel().endswith("[J]")
+    assert once(energy, coin).axes[0].get_ylabel().endswith("[J]")
 
 
 def test_the_paths_go_through_the_points_of_the_dataset(dry: xarray.Dataset) -> None:
-    axes = paths(dry).axes[0]
+    axes = once(paths, dry).axes[0]
     found = [c for c in axes.collections if isinstance(c, LineCollection)]
     for collection, name in zip(found, ("contact", "centre"), strict=True):
         first = np.array([piece[0] for piece in collection.get_segments()])
@@ -125,7 +136,7 @@ def test_the_paths_go_through_the_points_of_the_dataset(dry: xarray.Dataset) -> 
 
 
 def test_the_contact_path_is_broken_where_it_sticks(dry: xarray.Dataset) -> None:
-    gaps = [line for line in paths(dry).axes[0].get_lines() if line.get_label() == "gaps"]
+    gaps = [line for line in once(paths, dry).axes[0].get_lines() if line.get_label() == "gaps"]
     ends = dry.event_time.values.reshape(-1, 2)
     assert len(gaps) == 3 and all(line.is_dashed() for line in gaps)
     for line, pair in zip(gaps, ends, strict=True):
@@ -134,14 +145,14 @@ def test_the_contact_path_is_broken_where_it_sticks(dry: xarray.Dataset) -> None
 
 
 def test_the_energy_stacks_to_the_total_at_the_start(dry: xarray.Dataset) -> None:
-    stacked = [np.asarray(line.get_ydata()) for line in energy(dry).axes[0].get_lines()]
+    stacked = [np.asarray(line.get_ydata()) for line in once(energy, dry).axes[0].get_lines()]
     np.testing.assert_array_equal(stacked[0], dry.potential)
     np.testing.assert_allclose(stacked[1], dry.energy, rtol=1e-14)
     np.testing.assert_allclose(stacked[2], float(dry.energy[0]), rtol=1e-8)
 
 
 def test_the_audit_is_on_a_log_axis_with_the_tolerance(dry: xarray.Dataset) -> None:
-    axes = energy(dry).axes[1]
+    axes = once(energy, dry).axes[1]
     assert axes.get_yscale() == "log"
     audit = np.abs(dry.audit.values) / float(dry.energy[0])
     shown = np.asarray(lines(axes)["audit"].get_ydata())
@@ -171,7 +182,7 @@ def test_tumbling_is_dotted_in_both_its_panels(dry: xarray.Dataset) -> None:
 
 
 def test_nothing_is_dotted_where_nothing_was_settled_on(dry: xarray.Dataset) -> None:
-    assert "steady" not in lines(states(dry).axes[1])
+    assert "steady" not in lines(once(states, dry).axes[1])
 
 
 def test_a_slice_is_cut_at_its_end_and_shows_its_own_event(several: xarray.Dataset) -> None:
@@ -247,7 +258,7 @@ def test_every_figure_can_be_saved(
     draw: Callable[[xarray.Dataset], Figure], suffix: str, coin: xarray.Dataset, tmp_path: Path
 ) -> None:
     with matplotlib.rc_context({"svg.hashsalt": "same"}):
-        draw(coin).savefig(tmp_path / f"figure.{suffix}")
+        once(draw, coin).savefig(tmp_path / f"figure.{suffix}")
     assert (tmp_path / f"figure.{suffix}").stat().st_size > 5000
 
 

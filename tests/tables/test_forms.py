@@ -73,7 +73,8 @@ def own(case: str) -> st.Table:
 
 
 EVERY = (*OPTIONS, "benchmarks", "own conditions", "own flutter")
-SLOW = {"families", "conditions", "conditions in SI", "launches", "benchmarks"}
+SLOW = {"families", "conditions", "conditions in SI", "launches", "launches in SI",
+        "benchmarks"}  # fmt: skip
 """Tables that take a second or more."""
 BY_COST = [pytest.param(c, marks=pytest.mark.long if c in SLOW else ()) for c in EVERY]
 LONG = [pytest.param(case, marks=pytest.mark.long) for case in ("theorems", "bodies")]
