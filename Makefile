@@ -68,7 +68,7 @@ linkcheck: .venv/.docs
 	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[docs]'
 	@touch $@
 
-# Lint, types and tests, in six minutes on two cores. ARGS goes to pytest, here and below.
+# Lint, types and tests, in five minutes on two cores. ARGS goes to pytest, here and below.
 test: $(READY)
 	@$(MAKE) --no-print-directory -j 2 lint tests
 	@echo "Not tested here: pages in a browser (make test-browser); LaTeX, C and AUTO (make test-outside); campaigns (make test-long)."
