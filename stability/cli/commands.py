@@ -7,7 +7,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, cast
 
 from ..base.errors import ParameterError, StabilityError, StabilityWarning
 from ..base.version import __version__
@@ -24,6 +24,7 @@ from .options import (
     _member,
     _Parser,
     _physics,
+    _Unasked,
     of_own_body,
     overwriting,
     scheduling,
@@ -212,12 +213,17 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
         epilog="example: stability spectrum rolling --at 1.8 --mu 0.3",
     )
     parser.add_argument("--version", action="version", version=f"stability {__version__}")
+
+    def empty_unless_named(**given: Any) -> _Parser:
+        named = not words or given["prog"].split()[-1] in words
+        return (_Parser if named else _Unasked)(**given)
+
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND",
-                                     parser_class=_Parser)  # fmt: skip
+                                     parser_class=cast("type[_Parser]", empty_unless_named))  # fmt: skip
 
     def command(name: str, run: Any, what: str, *examples: str) -> argparse.ArgumentParser:
         shown = "; ".join(f"example: {one}" for one in examples)
-        sub = commands.add_parser(name, help=what, description=f"{what}.", epilog=shown,
+        sub: argparse.ArgumentParser = commands.add_parser(name, help=what, description=f"{what}.", epilog=shown,
                                   allow_abbrev=not of_own_body(words or ()))  # fmt: skip
         sub.set_defaults(run=run)
         sub.add_argument("--json", action="store_true", help=HELP)

@@ -69,6 +69,13 @@ class _Parser(argparse.ArgumentParser):
         return f"; --{near} is" if near else ""
 
 
+class _Unasked(_Parser):
+    """A command that the line does not name: a line of help, without the time its options take."""
+
+    def add_argument(self, *_: Any, **__: Any) -> Any:
+        """Nothing."""
+
+
 def _family(parser: argparse.ArgumentParser) -> None:
     names = [f.name + (f" ({f.law} disk)" if f.law else "") for f in FAMILIES.values()]
     parser.add_argument("family", metavar="FAMILY", nargs="?", help=listed(names, "or"))

@@ -271,7 +271,7 @@ def test_another_table_of_polynomials_is_refused(
         module._catalogue.cache_clear()
 
 
-@pytest.mark.parametrize("derived", ["as stored", pytest.param("anew", marks=pytest.mark.long)])
+@pytest.mark.parametrize("derived", ["as stored", pytest.param("again", marks=pytest.mark.long)])
 def test_deriving_writes_the_table_and_its_digest(tmp_path: Path, derived: str) -> None:
     import stability.bodies.thin_disk.disk_polynomials as module
     import stability.derivation.hurwitz as hurwitz
