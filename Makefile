@@ -74,7 +74,7 @@ test: $(READY)
 	@echo "Not tested here: pages in a browser (make test-browser); LaTeX, C and AUTO (make test-outside); campaigns (make test-long)."
 
 tests: $(READY)
-	$(BIN)/pytest -q -n 2 --dist loadfile $(ARGS)
+	$(BIN)/pytest -q -n 2 --dist loadscope $(ARGS)
 
 # Pages of the explorer, films and the site's checks in a Chromium of the system.
 test-browser: $(READY)
@@ -125,6 +125,7 @@ $(READY): pyproject.toml constraints.txt
 	  { echo "Python 3.11 or later is needed; say make PYTHON=/path/to/python3.11"; exit 1; }
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[test]'
+	$(BIN)/python -m compileall -q -j 2 stability
 	@touch $@
 
 clean:

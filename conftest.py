@@ -26,8 +26,11 @@ settings.register_profile(
     "any-machine", deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )
 settings.load_profile("any-machine")
-SLOW_EXAMPLES = "stability/derivation/bodies/"
-"""Its doctests derive what takes seconds."""
+SLOW_EXAMPLES = (
+    "stability/derivation/bodies/", "stability/derivation/centre_manifold.py",
+    "stability/tables/families.py", "stability/figures/retrograde.py",
+)  # fmt: skip
+"""Their doctests derive or integrate what takes seconds."""
 BACKEND = ("backend", "backend_fallback", "interactive")
 """Settings of matplotlib that are settled when pyplot is first asked for."""
 SIGNALS = [n for n in ("SIGINT", "SIGALRM", "SIGTERM") if hasattr(signal, n)]
@@ -39,6 +42,20 @@ def pytest_configure(config: pytest.Config) -> None:
     gc.disable()  # until all is collected
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """With `--dist loadscope`, a folder to each worker in turn: what it builds is built once."""
+    if config.getoption("dist") != "loadscope":
+        return None
+    from xdist.scheduler import LoadScopeScheduling
+
+    class ByFolder(LoadScopeScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            return "/".join(nodeid.partition("::")[0].split("/")[:2])
+
+    return ByFolder(config, log)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -133,7 +133,7 @@ def _polynomial(order: int | None, name: str) -> list[Series]:
     return found
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(2)
 @pytest.mark.parametrize("order", [0, 1, 2, pytest.param(3, marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", list(MEMBERS))
 def test_the_polynomial_of_creep_is_the_slow_factor_up_to_its_order(name: str, order: int) -> None:

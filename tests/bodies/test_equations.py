@@ -490,6 +490,7 @@ def test_viscous_motion_meets_the_inertial_frame_trajectory(motion: dict[str, An
 # --------------------------------------------------------------------------- the checks can fail
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", EXACT)
 def test_identity_check_sees_a_ninth_digit_of_k(law: str) -> None:
     """Kane's equations with k (1 + 1e-9) leave a remainder."""

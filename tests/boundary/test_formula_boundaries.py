@@ -43,6 +43,7 @@ def test_boundaries_are_those_of_the_graph(
         assert ours.frequency == pytest.approx(true.frequency, abs=1e-10)
 
 
+@pytest.mark.long
 def test_both_sides_of_a_boundary_have_proved_verdicts() -> None:
     body, family, ask = CASES[0]
     [point] = st.boundaries(family, body=body, **ask)

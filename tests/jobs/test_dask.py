@@ -37,6 +37,7 @@ def address() -> Iterator[str]:
         yield cluster.scheduler_address
 
 
+@pytest.mark.long
 def test_a_scheduler_in_one_word_gives_the_same_store(tmp_path: Path) -> None:
     log = tmp_path / "log"
     with engine("local", 2) as (executor, workers):

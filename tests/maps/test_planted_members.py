@@ -44,7 +44,7 @@ def test_each_verdict_is_that_of_the_member_which_a_straight_line_reaches(name: 
     family = built(rate, other).steady(
         ("p", "q"), held={"y": 0.0}, guess={"x": guess, "p": start[0], "q": start[1]}
     )
-    found = st.stability_map(family, x=("p", -wide, wide, 8), y=("q", -high / 2, high, 4))
+    found = st.stability_map(family, x=("p", -wide, wide, 6), y=("q", -high / 2, high, 4))
     sheets = Sheets(sp.expand(rate))
     rates = sp.lambdify((X, P, Q), [sp.diff(rate, X), other], "mpmath")
     kinds = set()

@@ -151,6 +151,7 @@ def test_every_dependency_is_pinned_for_those_who_come_later() -> None:
             assert re.split(r"[<>=\[]", entry)[0].lower() in pinned
 
 
+@pytest.mark.long
 def test_public_functions_say_parameters_and_source_in_their_docstrings() -> None:
     """Each parameter of a public function is named in its docstring."""
     missing = []
