@@ -218,13 +218,16 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
         named = not words or given["prog"].split()[-1] in words
         return (_Parser if named else _Unasked)(**given)
 
+    kind = cast("type[_Parser]", empty_unless_named)
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND",
-                                     parser_class=cast("type[_Parser]", empty_unless_named))  # fmt: skip
+                                     parser_class=kind)  # fmt: skip
 
     def command(name: str, run: Any, what: str, *examples: str) -> argparse.ArgumentParser:
         shown = "; ".join(f"example: {one}" for one in examples)
-        sub: argparse.ArgumentParser = commands.add_parser(name, help=what, description=f"{what}.", epilog=shown,
-                                  allow_abbrev=not of_own_body(words or ()))  # fmt: skip
+        sub: argparse.ArgumentParser = commands.add_parser(
+            name, help=what, description=f"{what}.", epilog=shown,
+            allow_abbrev=not of_own_body(words or ()),
+        )  # fmt: skip
         sub.set_defaults(run=run)
         sub.add_argument("--json", action="store_true", help=HELP)
         return sub
