@@ -39,7 +39,12 @@ that is flat at the series' centre: its step and those of all neighbours would p
 LONG = 400
 """Most operations of a flow whose machine code is unrolled."""
 QUIET = 20_000
-"""Steps before the computing time is checked: a check at each step costs a tenth."""
+"""Steps before the computing time is checked: a check at each step costs a tenth.  So many steps
+take less time than optimising their machine code: it is optimised for longer runs alone."""
+QUICK, OPTIMISED = 0, 3
+"""Effort of the compiler."""
+FEW = 64
+"""Largest number of launches that first run by code made quickly."""
 
 
 @cache
@@ -132,14 +137,14 @@ class _Held:
 
 
 @lru_cache(maxsize=64)
-def _single(flow: Flow, tolerance: float) -> _Held:
+def _single(flow: Flow, tolerance: float, effort: int) -> _Held:
     def build() -> Any:
         hy = heyoka()
         symbols, rates, guards = expressions(flow)
         down = hy.event_direction.negative
         return hy.taylor_adaptive(
             list(zip(symbols, rates, strict=True)), np.zeros(len(symbols)),
-            tol=tolerance, compact_mode=compact(flow),
+            tol=tolerance, compact_mode=compact(flow), opt_level=effort,
             t_events=[hy.t_event(guard, direction=down) for guard in guards],
         )  # fmt: skip
 
@@ -159,7 +164,7 @@ def _ready(ta: Any, leg: Leg) -> Any:
 @contextmanager
 def lent(leg: Leg) -> Iterator[Any]:
     """A compiled integrator at the start of a leg, for a run of another kind."""
-    held = _single(leg.flow, max(leg.tolerance, FINEST))
+    held = _single(leg.flow, max(leg.tolerance, FINEST), QUICK)
     ta = _ready(held.take(), leg)
     yield ta
     held.give(ta)
@@ -178,7 +183,7 @@ def integrate(leg: Leg) -> Path:
     Path
     """
     hy = heyoka()
-    held = _single(leg.flow, max(leg.tolerance, FINEST))
+    held = _single(leg.flow, max(leg.tolerance, FINEST), QUICK)
     ta = _ready(held.take(), leg)
     quiet = min(QUIET, leg.max_steps)
     longest = _longest(leg)
@@ -187,7 +192,11 @@ def integrate(leg: Leg) -> Path:
     )
     message = ""
     if outcome == hy.taylor_outcome.step_limit and leg.max_steps > quiet:
-        left = np.append(ta.time, leg.times[len(states) :])
+        left, state = np.append(ta.time, leg.times[len(states) :]), ta.state.copy()
+        held.give(ta)
+        held = _single(leg.flow, max(leg.tolerance, FINEST), OPTIMISED)
+        ta = _ready(held.take(), leg)
+        ta.state[:], ta.time = state, left[0]
         most, budget = leg.max_steps - quiet, Budget(leg.seconds)
         outcome, _, _, more, _, rest = ta.propagate_grid(
             left, max_steps=most, max_delta_t=longest, callback=budget
@@ -288,7 +297,7 @@ class _Stop:
 
 
 @lru_cache(maxsize=64)
-def _batch(flow: Flow, tolerance: float, width: int) -> _Held:
+def _batch(flow: Flow, tolerance: float, width: int, effort: int) -> _Held:
     def build() -> Any:
         hy = heyoka()
         symbols, rates, guards = expressions(flow)
@@ -300,7 +309,7 @@ def _batch(flow: Flow, tolerance: float, width: int) -> _Held:
         return hy.taylor_adaptive_batch(
             list(zip(symbols, rates, strict=True)),
             np.zeros((len(symbols), width)), tol=tolerance, t_events=events,
-            compact_mode=compact(flow), **more,
+            compact_mode=compact(flow), opt_level=effort, **more,
         )  # fmt: skip
 
     return _Held([], build, Lock())
@@ -334,26 +343,36 @@ def integrate_many(
     width: int = hy.recommended_simd_size()
     groups = [range(i, min(i + width, len(legs))) for i in range(0, len(legs), width)]
     flow, count = shared(legs[0].flow, executor), min(workers or CORES, len(groups))
+    first = QUICK if len(legs) <= FEW else OPTIMISED
+
+    def task(group: range) -> Callable[[], list[Path]]:
+        return partial(_together, flow, width, first, [legs[i].numbers for i in group])
+
     with closing(ordered(
-        groups, lambda group: partial(_together, flow, width, [legs[i].numbers for i in group]),
+        groups, task,
         executor=executor, workers=count, own=threads if count > 1 else here,
         progress=progress, size=len,
     )) as results:  # fmt: skip
         return [path for _, paths in results for path in paths]
 
 
-def _together(flow: Callable[[], Flow], width: int, numbers: list[tuple[Any, ...]]) -> list[Path]:
+def _together(
+    flow: Callable[[], Flow], width: int, effort: int, numbers: list[tuple[Any, ...]]
+) -> list[Path]:
     """One batch, in a worker."""
     legs = [Leg(flow(), *some) for some in numbers]
-    held = _batch(legs[0].flow, max(legs[0].tolerance, FINEST), width)
+    held = _batch(legs[0].flow, max(legs[0].tolerance, FINEST), width, effort)
     ta = held.take()
-    paths = _lanes(ta, legs)
+    paths = _lanes(ta, legs, longer=effort == OPTIMISED)
     held.give(ta)
-    return paths
+    return _together(flow, width, OPTIMISED, numbers) if paths is None else paths
 
 
-def _lanes(ta: Any, legs: list[Leg]) -> list[Path]:
-    """One batch; lanes that have no launch repeat the last one."""
+def _lanes(ta: Any, legs: list[Leg], *, longer: bool) -> list[Path] | None:
+    """One batch; lanes that have no launch repeat the last one.
+
+    None where a lane takes more than `QUIET` steps and may not run longer.
+    """
     hy = heyoka()
     width = ta.batch_size
     filled = legs + legs[-1:] * (width - len(legs))
@@ -375,6 +394,8 @@ def _lanes(ta: Any, legs: list[Leg]) -> list[Path]:
     most = max(leg.max_steps for leg in legs)
     states = propagate(max_steps=min(QUIET, most))
     limited = any(r[0] == hy.taylor_outcome.step_limit for r in ta.propagate_res)
+    if limited and most > QUIET and not longer:
+        return None
     if limited and most > QUIET:  # run again, now with a check of the time
         states = propagate(max_steps=most, callback=Budget(sum(g.seconds for g in legs)))
     with ASKING:

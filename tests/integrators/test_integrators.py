@@ -166,3 +166,26 @@ def test_the_file_records_the_tolerance_that_a_fast_spin_was_given() -> None:
     run = st.simulate(st.Disk(), st.Smooth(), [1.5, 0, 0, 1e4, 0, 0], [1e-3], tolerance=1e-9)
     assert run.attrs["tolerance"] == 1e-9
     assert run.attrs["tolerance_used"] == pytest.approx(1e-12)
+
+
+@pytest.mark.skipif(not taylor.available(), reason="heyoka is an extra")
+@pytest.mark.parametrize("count", [1, 3])
+def test_optimised_code_goes_on_where_quickly_made_code_stops(
+    count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A run of many steps changes its code on the way, a batch begins anew; the motion is one."""
+    start = np.array([1.0, 0.0, 5.0, -5.0, 0.0, 0.0])  # its contact is lost at 0.13
+    starts = start + 0.01 * np.arange(count)[:, None]
+    given: dict[str, Any] = {"tolerance": 1e-13, "method": "heyoka", "check": False}
+    known = st.simulate(st.Disk(), st.Viscous(3.0), starts, 3.0, **given)
+    monkeypatch.setattr(taylor, "QUIET", 5)
+    made: list[int] = []
+    single, batch = taylor._single, taylor._batch
+    monkeypatch.setattr(taylor, "_single", lambda *a: made.append(a[-1]) or single(*a))
+    monkeypatch.setattr(taylor, "_batch", lambda *a: made.append(a[-1]) or batch(*a))
+    found = st.simulate(st.Disk(), st.Viscous(3.0), starts, 3.0, **given)
+    assert made == [taylor.QUICK, taylor.OPTIMISED]
+    assert (found.outcome.values == known.outcome.values).all()
+    assert found.end_time.values == pytest.approx(known.end_time.values, abs=1e-11)
+    for name in ("theta", "omega3", "slip_x"):
+        np.testing.assert_allclose(found[name].values, known[name].values, atol=1e-11)
