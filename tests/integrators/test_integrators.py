@@ -173,7 +173,7 @@ def test_the_file_records_the_tolerance_that_a_fast_spin_was_given() -> None:
 def test_optimised_code_goes_on_where_quickly_made_code_stops(
     count: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A run of many steps changes its code on the way, a batch begins anew; the motion is one."""
+    """A run of many steps changes its code on the way, a batch begins again; the motion is one."""
     start = np.array([1.0, 0.0, 5.0, -5.0, 0.0, 0.0])  # its contact is lost at 0.13
     starts = start + 0.01 * np.arange(count)[:, None]
     given: dict[str, Any] = {"tolerance": 1e-13, "method": "heyoka", "check": False}

@@ -34,6 +34,7 @@ WITH_SYMPY = (
 """Where SymPy may be imported."""
 LONGER = (
     "integrators/stick_slip.py",  # one automaton
+    "integrators/taylor.py",  # one library, for one launch and for many
     "systems/family.py",  # one class that is a user's whole interface
     # several public records, each with its source and an example
     "derivation/conditions.py", "scene/ladder.py",
