@@ -105,6 +105,7 @@ def test_each_ends_as_its_single_launch(body: Any, near: dict[str, Any]) -> None
             assert int(one.outcome) == st.Outcome(alone.attrs["outcome"]).code
 
 
+@pytest.mark.long
 def test_the_linear_verdict_changes_at_the_published_rate() -> None:
     """Spin of a tippe top about its high centre of mass, from the expansion at the pole.
 
@@ -123,6 +124,7 @@ def test_the_linear_verdict_changes_at_the_published_rate() -> None:
     assert "of vertical at theta = pi under viscous contact" in told.attrs["long_name"]
 
 
+@pytest.mark.long
 def test_other_states_may_differ_from_those_of_the_member() -> None:
     found = st.basins(st.Torus(0.3), family="rolling", x=("at", 1.0, 1.2, 2),
                       held={"theta_dot": 0.05}, **FEW)  # fmt: skip

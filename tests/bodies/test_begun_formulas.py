@@ -50,7 +50,7 @@ def formulas(name: str) -> tuple[ClosedForm, list[float], list[float]]:
     return found, *middle(family)
 
 
-@pytest.mark.parametrize("name", FAMILIES)
+@pytest.mark.parametrize("name", ["torus", "leaning", pytest.param("egg", marks=pytest.mark.long)])
 def test_a_begun_formula_has_the_same_bounds(name: str) -> None:
     form, a, q = formulas(name)
     places = [(0, i) for i in range(len(a))] + [(1, i) for i in range(len(q))]

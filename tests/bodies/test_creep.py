@@ -139,7 +139,7 @@ def test_units_do_not_matter() -> None:
     assert float(si.slip_x[-1]) == pytest.approx(speed * float(plain.slip_x[-1]), rel=1e-6)
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("law", CREEP[1:])
 @pytest.mark.parametrize("mu", [3e2, 3e4, 3e6])
 def test_creep_ends_before_the_normal_force_does_and_claims_no_lift_off(

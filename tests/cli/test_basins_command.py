@@ -33,6 +33,7 @@ def few_trials(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("stability.basin.cost.LAST", 2)
 
 
+@pytest.mark.long
 def test_the_store_is_that_of_the_function(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:

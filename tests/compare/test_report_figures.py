@@ -104,7 +104,7 @@ def figures(
     return Drawn(draw)
 
 
-@pytest.mark.few(2)
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", [
     "verdict", "eigenvalues", "boundary", "path", "event", "first", "linear", "motion", "ladder",
     "other",

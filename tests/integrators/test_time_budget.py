@@ -64,6 +64,7 @@ def test_a_budget_is_refused_in_one_sentence(seconds: Any) -> None:
         st.simulate(st.Disk(), st.Rough(), {"theta": 1.2}, 1.0, max_seconds=seconds)
 
 
+@pytest.mark.long
 def test_a_long_run_of_heyoka_is_the_same_on_both_sides_of_its_first_part(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

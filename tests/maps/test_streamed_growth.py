@@ -120,6 +120,7 @@ def test_cells_without_a_member_have_a_flag_and_no_number(tmp_path: Path) -> Non
         np.testing.assert_allclose(found[name].values, whole[name].values, rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.long
 def test_rows_longer_than_a_chunk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("stability.maps.cells.BAND", 16)
     found, whole = both("rolling", tmp_path, **AXES)

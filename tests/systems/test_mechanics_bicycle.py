@@ -82,6 +82,7 @@ def test_independent_velocities_give_the_same_accelerations() -> None:
     assert found[9:] == pytest.approx(expected[[4, 6, 7]], abs=4e-11)
 
 
+@pytest.mark.long
 def test_energy_is_kept_and_the_wheels_carry_the_weight() -> None:
     b = bicycle()
     system = running().system
