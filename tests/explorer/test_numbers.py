@@ -223,7 +223,10 @@ def test_the_lines_of_the_shader_give_the_verdicts_and_growth_rates(disk: Engine
 
 
 def test_boundary_curves_lie_on_the_boundaries_of_the_package(disk: Engine) -> None:
-    curves = disk.page.evaluate("stabilityExplorer.diagram.curves")
+    curves = disk.page.evaluate(
+        "() => { const { view, diagram } = stabilityExplorer; view.choose('spinning viscous');"
+        "view.move({k: 0.25}); return diagram.curves; }"
+    )
     kinds = {c["kind"] for c in curves}
     assert kinds == {"static", "flutter"}
     for mu in (0.2, 0.75, 0.9):
