@@ -224,3 +224,23 @@ def test_a_number_without_bound_is_null(capsys: pytest.CaptureFixture[str]) -> N
     text = capsys.readouterr().out
     assert '"mu_high": null' in text
     json.loads(text, parse_constant=no_constant)
+
+
+def test_every_standard_stream_that_is_closed_is_opened_on_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Otherwise the next file takes the number, and what a library prints goes into that file."""
+    from stability.cli import terminal
+
+    fstat, opened = os.fstat, list[str]()
+
+    def closed(number: int) -> os.stat_result:
+        if number < 3:
+            raise OSError(number)
+        return fstat(number)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(terminal.os, "fstat", closed)
+        patch.setattr(terminal.os, "open", lambda name, _: opened.append(name))
+        terminal.prepare()
+    assert opened == [os.devnull] * 3

@@ -213,3 +213,27 @@ def test_a_hundred_kills(name: str, tmp_path: Path) -> None:
     print(f"{name}: {dict(tally)}, slowest end {slowest:.1f} s, bad {bad}")
     assert not bad
     assert slowest < LATEST
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="no /proc here")
+def test_a_process_is_known_by_when_it_started() -> None:
+    with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as process:
+        since = float(Path("/proc/uptime").read_text().split()[0])
+        start = _start(process.pid)
+        assert start is not None
+        assert abs(start / os.sysconf("SC_CLK_TCK") - since) < 30
+        assert _start(process.pid) == start
+        process.communicate(b"\n")
+    assert _start(process.pid) is None
+
+
+def test_a_folder_is_not_searched_again_at_once(tmp_path: Path) -> None:
+    ended = subprocess.Popen([sys.executable, "-c", "pass"])
+    ended.wait()
+    left = tmp_path / temporary(".nc").replace(f"-{os.getpid()}-", f"-{ended.pid}-")
+    clear(tmp_path)
+    left.write_text("of a process that has ended")
+    clear(tmp_path)
+    assert left.exists()
+    clear(tmp_path, always=True)
+    assert not left.exists()

@@ -6,6 +6,8 @@
 first, up to the first failure.  Nothing is changed in the tree itself.
 
 `reach` hands further words to pytest (`-m long tests/maps`).  Both keep what they find in `--out`.
+The file of the places holds for each which test found it before the tests were sorted into tiers,
+which test of `make test` finds it after, and of those that none finds why they make no difference.
 """
 
 from __future__ import annotations
