@@ -151,21 +151,22 @@ def _single(flow: Flow, tolerance: float, effort: int) -> _Held:
     return _Held([], build, Lock())
 
 
-def _ready(ta: Any, leg: Leg) -> Any:
-    """An integrator at the start of a leg."""
+def _taken(leg: Leg, effort: int) -> tuple[_Held, Any]:
+    """A compiled integrator at the start of a leg, and what it is to be given back to."""
+    held = _single(leg.flow, max(leg.tolerance, FINEST), effort)
+    ta = held.take()
     ta.state[:] = leg.start
     ta.pars[:] = leg.p[: len(ta.pars)]  # as many as the equations have
     ta.time = leg.times[0]
     if ta.with_events:
         ta.reset_cooldowns()
-    return ta
+    return held, ta
 
 
 @contextmanager
 def lent(leg: Leg) -> Iterator[Any]:
     """A compiled integrator at the start of a leg, for a run of another kind."""
-    held = _single(leg.flow, max(leg.tolerance, FINEST), QUICK)
-    ta = _ready(held.take(), leg)
+    held, ta = _taken(leg, QUICK)
     yield ta
     held.give(ta)
 
@@ -183,8 +184,7 @@ def integrate(leg: Leg) -> Path:
     Path
     """
     hy = heyoka()
-    held = _single(leg.flow, max(leg.tolerance, FINEST), QUICK)
-    ta = _ready(held.take(), leg)
+    held, ta = _taken(leg, QUICK)
     quiet = min(QUIET, leg.max_steps)
     longest = _longest(leg)
     outcome, _, _, steps, _, states = ta.propagate_grid(
@@ -194,8 +194,7 @@ def integrate(leg: Leg) -> Path:
     if outcome == hy.taylor_outcome.step_limit and leg.max_steps > quiet:
         left, state = np.append(ta.time, leg.times[len(states) :]), ta.state.copy()
         held.give(ta)
-        held = _single(leg.flow, max(leg.tolerance, FINEST), OPTIMISED)
-        ta = _ready(held.take(), leg)
+        held, ta = _taken(leg, OPTIMISED)
         ta.state[:], ta.time = state, left[0]
         most, budget = leg.max_steps - quiet, Budget(leg.seconds)
         outcome, _, _, more, _, rest = ta.propagate_grid(
@@ -360,46 +359,38 @@ def _together(
     flow: Callable[[], Flow], width: int, effort: int, numbers: list[tuple[Any, ...]]
 ) -> list[Path]:
     """One batch, in a worker."""
-    legs = [Leg(flow(), *some) for some in numbers]
-    held = _batch(legs[0].flow, max(legs[0].tolerance, FINEST), width, effort)
-    ta = held.take()
-    paths = _lanes(ta, legs, longer=effort == OPTIMISED)
-    held.give(ta)
-    return _together(flow, width, OPTIMISED, numbers) if paths is None else paths
+    return _lanes([Leg(flow(), *some) for some in numbers], width, effort)
 
 
-def _lanes(ta: Any, legs: list[Leg], *, longer: bool) -> list[Path] | None:
+def _lanes(legs: list[Leg], width: int, effort: int, budget: Budget | None = None) -> list[Path]:
     """One batch; lanes that have no launch repeat the last one.
 
-    None where a lane takes more than `QUIET` steps and may not run longer.
+    Without a budget it begins with `QUIET` steps; where they do not suffice it runs again with one.
     """
     hy = heyoka()
-    width = ta.batch_size
+    held = _batch(legs[0].flow, max(legs[0].tolerance, FINEST), width, effort)
+    ta = held.take()
     filled = legs + legs[-1:] * (width - len(legs))
     ends = ta.t_events[0].callback.ends if ta.with_events else {}
-    grid = np.column_stack([leg.times for leg in filled])
-
-    def propagate(**options: Any) -> Floats:
-        ta.state[:] = np.column_stack([leg.start for leg in filled])
-        ta.pars[:] = np.column_stack([leg.p for leg in filled])[: len(ta.pars)]
-        ta.set_time([float(leg.times[0]) for leg in filled])
-        if ta.with_events:
-            ta.reset_cooldowns()
-        ends.clear()
-        found: Floats = ta.propagate_grid(
-            grid, max_delta_t=[_longest(leg) for leg in filled], **options
-        )[1]
-        return found
-
+    ta.state[:] = np.column_stack([leg.start for leg in filled])
+    ta.pars[:] = np.column_stack([leg.p for leg in filled])[: len(ta.pars)]
+    ta.set_time([float(leg.times[0]) for leg in filled])
+    if ta.with_events:
+        ta.reset_cooldowns()
+    ends.clear()
     most = max(leg.max_steps for leg in legs)
-    states = propagate(max_steps=min(QUIET, most))
-    limited = any(r[0] == hy.taylor_outcome.step_limit for r in ta.propagate_res)
-    if limited and most > QUIET and not longer:
-        return None
-    if limited and most > QUIET:  # run again, now with a check of the time
-        states = propagate(max_steps=most, callback=Budget(sum(g.seconds for g in legs)))
+    steps, watch = (min(QUIET, most), {}) if budget is None else (most, {"callback": budget})
+    states = ta.propagate_grid(
+        np.column_stack([leg.times for leg in filled]), max_steps=steps,
+        max_delta_t=[_longest(leg) for leg in filled], **watch,
+    )[1]  # fmt: skip
+    if steps < most and any(r[0] == hy.taylor_outcome.step_limit for r in ta.propagate_res):
+        held.give(ta)
+        return _lanes(legs, width, OPTIMISED, Budget(sum(leg.seconds for leg in legs)))
     with ASKING:
-        return _read(ta, legs, states, ends)
+        paths = _read(ta, legs, states, ends)
+    held.give(ta)
+    return paths
 
 
 def _read(
