@@ -17,7 +17,6 @@ NAMES = {"k": K, "mu": MU, "w": W}
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize("law", ["viscous", "linear-viscous"])
 def test_the_slow_flow_derived_from_the_graph_is_that_of_an_independent_derivation(
     law: str,

@@ -27,7 +27,6 @@ CASES: list[tuple[st.Body, str, dict[str, Any]]] = [
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize(("body", "family", "ask"), CASES, ids=["torus", "thick disk", "spheroid"])
 def test_boundaries_are_those_of_the_graph(
     body: st.Body, family: str, ask: dict[str, Any], monkeypatch: pytest.MonkeyPatch

@@ -109,7 +109,6 @@ def test_what_is_no_map_is_refused(given: dict, words: str) -> None:  # type: ig
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize(("mu", "backward"), [(100.0, False), (300.0, True)])
 def test_slip_hides_the_turn_of_a_hoop(mu: float, backward: bool) -> None:
     """With viscous friction the nutation dies out, unless the slip is far below the resistance."""

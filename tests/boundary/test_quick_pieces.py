@@ -103,7 +103,6 @@ def test_a_solved_unknown_over_wide_parameters_holds_both_ends() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize("name", LINES)
 def test_judged_pieces_are_clear_or_monotone_as_said(name: str) -> None:
     """At many points of each: no zero, a member, and one sign of the slope where that is said."""

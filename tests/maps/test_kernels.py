@@ -117,7 +117,6 @@ def test_upright_is_handed_to_exact_arithmetic() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize("ends", [(0, 1), (-1, 1)])
 def test_a_map_over_the_lean_may_have_cells_exactly_upright(ends: tuple[float, float]) -> None:
     for certify_ in (False, True):

@@ -131,7 +131,6 @@ def test_rows_longer_than_a_chunk(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize(("kind", "own"), [("threads", True), ("processes", False)])
 def test_engines_write_the_same_bytes(kind: str, own: bool, tmp_path: Path) -> None:
     family, axes = (own_family(), OWN) if own else ("rolling", AXES)

@@ -8,7 +8,6 @@ import stability as st
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize("known", KNOWN, ids=lambda k: k.name)
 def test_every_cell_has_the_verdict_and_growth_rate_of_its_member(known: Known) -> None:
     one, two, *_ = known.parameters

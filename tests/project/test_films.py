@@ -23,7 +23,6 @@ def test_every_film_is_kept_and_small() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize("name", MOVING)
 def test_a_film_is_that_of_its_command(name: str, tmp_path: Path) -> None:
     """Frames agree but for a few dots at edges, which depend on the machine's last digits."""

@@ -23,7 +23,6 @@ NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.py"))
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda p: p.stem)
 def test_notebook_runs(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -135,7 +134,6 @@ def test_the_towed_wheel_of_the_page_has_the_condition_derived_by_hand(
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize("page", ["README.md", "docs/explanation/tour.md"])
 def test_commands_of_a_reader_in_the_root_run(
     page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

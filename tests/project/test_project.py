@@ -159,9 +159,7 @@ def test_public_functions_say_parameters_and_source_in_their_docstrings() -> Non
     for path, source in _texts().items():
         if "Parameters\n" not in source:
             continue
-        body = ast.parse(source).body
-        methods = [m for c in body if isinstance(c, ast.ClassDef) for m in c.body]
-        for node in [*body, *methods]:
+        for node in ast.walk(ast.parse(source)):
             if not isinstance(node, ast.FunctionDef) or node.name.startswith("_"):
                 continue
             text = ast.get_docstring(node) or ""

@@ -78,7 +78,6 @@ def true_values(n: int, k: float, c: float, *, pulled: bool) -> np.ndarray:
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize("pulled", [False, True])
 @pytest.mark.parametrize("n", [3, 6])
 def test_bent_links_are_proved(n: int, pulled: bool, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -78,7 +78,6 @@ def pairs(k: Any, joined: float, damping: float = 0.0, twist: float = 0.0) -> ca
 
 
 @pytest.mark.long
-@pytest.mark.few(1)
 @pytest.mark.parametrize("joined", [0.0, 1.0], ids=["semisimple", "Jordan"])
 @pytest.mark.parametrize("name", MEMBERS)
 def test_a_double_pair_on_the_axis_is_neutral(name: str, joined: float) -> None:
