@@ -11,6 +11,7 @@ BUILD = DOCS.parent / "build" / "site"
 sys.path.insert(0, str(DOCS))
 os.environ["IPYTHONDIR"] = str(DOCS / "sphinx_parts" / "kernel")  # settings of executed cells
 
+from jupyter_cache import get_cache  # noqa: E402
 from sphinx_parts import elsewhere, figures  # noqa: E402
 
 from stability.base.version import __version__  # noqa: E402
@@ -50,6 +51,7 @@ myst_links_external_new_tab = False
 
 nb_execution_mode = "cache"
 nb_execution_cache_path = str(BUILD / "executed" / figures.fingerprint())  # of this package only
+get_cache(nb_execution_cache_path).db  # made before pages are read side by side: a reader takes a half-made one for whole
 nb_execution_in_temp = True
 nb_execution_timeout = 240
 nb_execution_raise_on_error = True
