@@ -51,7 +51,8 @@ myst_links_external_new_tab = False
 
 nb_execution_mode = "cache"
 nb_execution_cache_path = str(BUILD / "executed" / figures.fingerprint())  # of this package only
-get_cache(nb_execution_cache_path).db  # made before pages are read side by side: a reader takes a half-made one for whole
+# made before pages are read side by side: a reader would take a half-made one for whole
+_ = get_cache(nb_execution_cache_path).db
 nb_execution_in_temp = True
 nb_execution_timeout = 240
 nb_execution_raise_on_error = True
