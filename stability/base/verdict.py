@@ -28,6 +28,10 @@ class Verdict(Sentences):
     STABLE = "stable: every eigenvalue that is not zero by structure has a negative real part"
     UNSTABLE = "unstable: some eigenvalue has a positive real part"
     NEUTRAL = "neutral: no eigenvalue has a positive real part and some lie on the imaginary axis"
+    DRIFTING = (
+        "drifting: every eigenvalue that is not zero by structure has a negative real part, but "
+        "zeros form a Jordan block: a disturbance grows like a power of time"
+    )
 
     @property
     def code(self) -> int:
@@ -51,12 +55,19 @@ def best(*, even: bool) -> Verdict:
     return Verdict.NEUTRAL if even else Verdict.STABLE
 
 
-CODES = {Verdict.UNDECIDED: 0, Verdict.STABLE: 1, Verdict.UNSTABLE: 2, Verdict.NEUTRAL: 3}
-"""Flag value of each verdict, in arrays and files."""
 NO_MEMBER = 4
 """Flag value of a cell of a map without a member; it is no verdict."""
+CODES = {
+    Verdict.UNDECIDED: 0, Verdict.STABLE: 1, Verdict.UNSTABLE: 2, Verdict.NEUTRAL: 3,
+    Verdict.DRIFTING: 5,
+}  # fmt: skip
+"""Flag value of each verdict, in arrays and files."""
 BY_CODE = {code: verdict for verdict, code in CODES.items()}
 """Verdict of each flag value."""
+
+
+DECAYING = frozenset({Verdict.STABLE, Verdict.DRIFTING})
+"""Verdicts of members whose eigenvalues all have negative real parts, but those by structure."""
 
 
 class Nonlinear(Sentences):
@@ -88,8 +99,9 @@ class Nonlinear(Sentences):
     BY_INTEGRALS = "stable by integrals: first integrals keep a disturbed motion near the family"
     UNSTABLE = "unstable: some disturbance grows exponentially"
     GROWS = (
-        "grows like t in the linear flow: more eigenvalues vanish by structure than there are null "
-        "vectors (proved: rank A > n - structural zeros); only higher orders could hold the motion"
+        "grows like a power of t in the linear flow: more eigenvalues vanish by structure than "
+        "there are null vectors (proved: rank A > n - structural zeros); only higher orders could "
+        "hold the motion"
     )
     LINEAR = (
         "linear: the rates of the states that act on others are proved to be linear in them, so "

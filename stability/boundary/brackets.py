@@ -19,7 +19,7 @@ from ..algebra.balls import MIXED, precision
 from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..algebra.routh_balls import hurwitz_determinant, hurwitz_sign, verdict_polynomial
 from ..base.errors import NoMemberError, StabilityError
-from ..base.verdict import Verdict, best
+from ..base.verdict import DECAYING, Verdict, best
 from ..spectra.certificate import member_at, of_member, structural_zeros
 from ..spectra.problem import Problem, formulas_of
 from ..systems.closed_form import ClosedForm, RepeatedBalls
@@ -160,7 +160,7 @@ class AxisScan:
         """
         if found is Verdict.NEUTRAL:
             return int(generic if self.neutral is None else self.neutral)
-        return {Verdict.STABLE: 1, Verdict.UNSTABLE: -1}.get(found, 0)
+        return 1 if found in DECAYING else -int(found is Verdict.UNSTABLE)
 
     def look(self, value: float) -> tuple[Verdict, bool]:
         """The verdict for `quick_sign`; if neutral, whether verdicts on one side may be too.

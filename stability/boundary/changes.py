@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
 
@@ -110,9 +110,20 @@ def boundaries(
     found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
     law = problem.law.name if problem.law else None
     works = cited(law, model=of_package(problem), proofs=True)
-    found = replace(found, searched=(grid.name, grid.low, grid.high), citation=works)
+    fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
+    points = tuple(replace(b, good=_good(problem, fixed, grid.name, b)) for b in found)
+    found = replace(found, points=points, searched=(grid.name, grid.low, grid.high), citation=works)
     found.warn(grid.name)
     return found
+
+
+def _good(problem: Problem, fixed: Mapping[str, float], axis: str, point: BoundaryPoint) -> Verdict:
+    """The verdict next to a boundary, on the side that is not unstable."""
+    side = -1.0 if point.stable_below else 1.0
+    end = float(np.nextafter(point.value + side * point.error, side * np.inf))
+    with suppress(StabilityError):
+        return certified(problem, {**fixed, axis: end})
+    return Verdict.UNDECIDED
 
 
 EXACT = "every real root of every condition that decides the verdict was isolated exactly"

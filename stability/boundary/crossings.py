@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, overload
 
 from ..base.errors import StabilityWarning
 from ..base.types import Sentences
+from ..base.verdict import Verdict
 
 
 class Crossing(Sentences):
@@ -65,7 +66,9 @@ class BoundaryPoint:
     frequency: float
     """|Im λ| of the crossing pair, in the user's unit of rate; 0 at a static boundary."""
     stable_below: bool
-    """Whether the stable (or neutral) side has the smaller value."""
+    """Whether the side that is not unstable has the smaller value."""
+    good: Verdict = Verdict.UNDECIDED
+    """Verdict on this side, next to the boundary: stable, neutral, drifting, or undecided which."""
 
 
 class Unresolved(NamedTuple):

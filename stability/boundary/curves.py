@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..base.axis import Axis
 from ..base.errors import NoMemberError, StabilityError
 from ..base.types import Floats, Progress
-from ..base.verdict import CODES, NO_MEMBER, Verdict
+from ..base.verdict import CODES, DECAYING, NO_MEMBER, Verdict
 from ..spectra.problem import Problem
 from .brackets import AxisScan, refine
 from .crossings import BoundaryPoint, Crossing
@@ -83,8 +83,8 @@ def trace(
     from contourpy import LineType, contour_generator
 
     # no edge is looked at whose square has a cell without a member
-    # among stable cells a neutral one is on a boundary; without stable ones neutral is good
-    neutral = not (codes == CODES[Verdict.STABLE]).any()
+    # among decaying cells a neutral one is on a boundary; without these neutral is good
+    neutral = not np.isin(codes, [CODES[v] for v in DECAYING]).any()
     signs = _signs(problem, axes, codes, abscissa, neutral=neutral)
     sign = np.ma.masked_where(codes == NO_MEMBER, signs)
     lines = contour_generator(z=sign, line_type=LineType.Separate).lines(0.0)

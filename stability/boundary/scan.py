@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from ..base.errors import StabilityError
 from ..base.types import Floats
-from ..base.verdict import Verdict
+from ..base.verdict import DECAYING, Verdict
 from .brackets import AxisScan, at_point, refine
 from .crossings import Boundaries, BoundaryPoint, Unresolved
 
@@ -78,8 +78,8 @@ def _signs(line: AxisScan, values: Sequence[float]) -> tuple[list[int], list[Unr
             left.append(Unresolved(value, value, f"no verdict there: {error}"))
     if len(errors) == len(values):
         raise errors[0]
-    # among stable members a neutral one is on a boundary; without stable ones neutral is good
-    line.neutral = all(verdict is not Verdict.STABLE for verdict, _ in found)
+    # among decaying members a neutral one is on a boundary; without these neutral is good
+    line.neutral = all(verdict not in DECAYING for verdict, _ in found)
     return [line.sign_of(*pair) for pair in found], left
 
 

@@ -216,6 +216,7 @@ def _boundaries(options: argparse.Namespace) -> None:
     if options.certify:
         raise ParameterError("every boundary here is proved; leave --certify out.")
     with waiting("searching"):
+        from ..base.verdict import Verdict
         from ..boundary.changes import boundaries
         from ..tables.beyond_linear import to_bound
 
@@ -231,7 +232,8 @@ def _boundaries(options: argparse.Namespace) -> None:
         "high": axis[2],
         "boundaries": [
             {"value": b.value, "error": b.error, "crossing": b.crossing.word,
-             "frequency": b.frequency, "stable_below": b.stable_below}
+             "frequency": b.frequency, "stable_below": b.stable_below,
+             "good": b.good.word}
             for b in found
         ],
         "touching": list(found.touching),
@@ -252,8 +254,9 @@ def _boundaries(options: argparse.Namespace) -> None:
     )
     for b in found:
         side = "below" if b.stable_below else "above"
+        word = "not unstable" if b.good is Verdict.UNDECIDED else b.good.word
         pair = f", frequency {b.frequency:.12g}" if b.frequency else ""
         print(
-            f"  {axis[0]} = {to_bound(b.value, b.error)}   {b.crossing.word}, stable {side}{pair}"
+            f"  {axis[0]} = {to_bound(b.value, b.error)}   {b.crossing.word}, {word} {side}{pair}"
         )
     print(record["statement"])

@@ -30,7 +30,9 @@ from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.by_name import family_by_name
 from ..systems.family import Family
+from ..systems.structure.multiplicity import Member
 from ..systems.structure.structural_zeros import structure
+from ..systems.structure.zero_blocks import semisimple, typical, zero_power
 from ..systems.system import A_FAMILY, refuse_system
 from .general.deduction import Deduction, closed_forms, domain_of
 from .general.elimination import Reading, whole
@@ -136,7 +138,8 @@ class Conditions(Record):
     def rule(self) -> str:
         """The verdict in one sentence."""
         even = any(f.even for f in self.factors) or self._extra_zeros > 0
-        word = best(even=even).word
+        good = typical(self.family, even=even)
+        word = "stable or drifting" if good is Verdict.UNDECIDED else good.word
         asked = [f"{c.polynomial} > 0" for c in self.deciding]
         if self.left_out:
             return f"The conditions are incomplete: {self.left_out[0]}."
@@ -187,6 +190,10 @@ class Conditions(Record):
         >>> st.conditions(rest).decide({"c": Fraction(-1, 3)}).word
         'unstable'
         """
+        return self._decide(values, values)
+
+    def _decide(self, values: Mapping[str, Any], every: Mapping[str, Any]) -> Verdict:
+        """The verdict at numbers for the variables; of zeros, by the numbers of everything."""
         names = [v.name for v in self.variables]
         for name in names:
             if name not in values:
@@ -198,6 +205,10 @@ class Conditions(Record):
         signs = [sign_of(c.polynomial(*point)) for c in self.deciding]
         if -1 in signs:
             return Verdict.UNSTABLE
+        found = self._by_signs(point, signs)
+        return self._with_zeros(every) if found is Verdict.STABLE else found
+
+    def _by_signs(self, point: Sequence[Any], signs: Sequence[int | None]) -> Verdict:
         even = any(f.even for f in self.factors) or self._extra_zeros > 0
         if not self.left_out and all(s == 1 for s in signs):
             return best(even=even)
@@ -206,6 +217,25 @@ class Conditions(Record):
             zeros = [fmpq_poly([0, 1])] * self._extra_zeros
             return on_the_axis([*map(fmpq_poly, polys), *zeros])
         return self._by_routh(point, best(even=even)) if self.left_out else Verdict.UNDECIDED
+
+    def _with_zeros(self, every: Mapping[str, Any]) -> Verdict:
+        """The verdict where all other eigenvalues have negative real parts."""
+        family, zeros = self.family, self._deduction.structural
+        if semisimple(family, zeros):
+            return Verdict.STABLE
+        known = {n: fmpq(v.numerator, v.denominator) for n, v in self.given.items()}
+        known |= self._reads.point(every)
+        if not known.keys() >= {*family.at, *family.parameters}:
+            return Verdict.UNDECIDED
+        a, q = ([known[n] for n in names] for names in (family.at, family.parameters))
+        rows = [np.array([[float(v) for v in part]]).reshape(1, -1) for part in (a, q)]
+        near = [
+            known.get(n, u) for n, u in zip(family.unknown, family.solve(*rows)[0], strict=True)
+        ]
+        power = zero_power(Member(family, a, q, [float(u) for u in near]), zeros)
+        if power is None:
+            return Verdict.UNDECIDED
+        return Verdict.DRIFTING if power else Verdict.STABLE
 
     def _by_routh(self, point: Sequence[Any], good: Verdict) -> Verdict:
         """The verdict from Routh's array in balls, where determinants were too large."""
@@ -265,7 +295,8 @@ class Conditions(Record):
         found = Verdict.UNDECIDED
         for bits in BITS:
             with precision(bits):
-                found = self.decide(self.values(at, **parameters))
+                values = self.values(at, **parameters)
+                found = self._decide(values, values | self._point(at, parameters))
             if found is not Verdict.UNDECIDED:
                 break
         return found

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..base.axis import Axis
+from ..base.verdict import CODES
 from ..bodies.contact_laws import LAWS
 from ..bodies.disk import Disk
 from ..maps.proved_boxes import Boxes, prove_boxes
@@ -16,7 +17,7 @@ from .subject import Subject
 
 LEVELS = 7
 """Halvings of a diagram in both directions."""
-SPLIT, LETTERS = "+", "?SUN"
+SPLIT, LETTERS = "+", {code: verdict.name[0] for verdict, code in CODES.items()} | {0: "?"}
 """A rectangle that is halved, and the letter of each proved verdict by its flag."""
 
 

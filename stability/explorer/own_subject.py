@@ -18,11 +18,13 @@ from ..base.axis import Axis
 from ..base.checks import known
 from ..base.errors import ParameterError, StabilityError, absent, shown
 from ..base.quantities import readable, time_unit
+from ..base.verdict import Verdict
 from ..bodies.model import WORK, system_model
 from ..derivation.conditions import Conditions, conditions
 from ..maps.proved_boxes import prove_boxes
 from ..spectra.arguments import prepare
 from ..systems.family import Family
+from ..systems.structure.zero_blocks import typical
 from ..systems.system import System
 from .certificates import packed
 from .source.formulas import (
@@ -124,9 +126,19 @@ def own_subject(
         call={"kind": "own", "at": family.at, "parameters": family.parameters,
               "given": system.parameters, "system": system.name,
               "numbers": found.numbers},
-        good="neutral" if even else "stable",
+        good=_good(family, even=even).word,
         symbols={n: symbols.get(n, n) for n in system.states},
     )  # fmt: skip
+
+
+def _good(family: Family, *, even: bool) -> Verdict:
+    good = typical(family, even=even)
+    if good is Verdict.UNDECIDED:
+        raise StabilityError(
+            f"{family.name}: nothing proves whether its zero eigenvalues form a Jordan block, so "
+            "that the page cannot tell stable from drifting; ask stability.spectrum."
+        )
+    return good
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ DIVERGING = LinearSegmentedColormap.from_list(
 """Colours of the abscissa."""
 TEXTURES = {
     Verdict.UNSTABLE: ("////", "slanted lines"), Verdict.NEUTRAL: ("....", "dots"),
-    Verdict.UNDECIDED: ("xxxx", "crosses"),
+    Verdict.UNDECIDED: ("xxxx", "crosses"), Verdict.DRIFTING: ("----", "level lines"),
 }  # fmt: skip
 """Hatching of each verdict, and its name; stable cells have none."""
 FINEST = 600

@@ -24,6 +24,7 @@ from ..jobs.checkpoint import Chunk
 from ..jobs.pipeline import Counted, Keep, ordered
 from ..jobs.shared import shared
 from ..spectra.certificate import BITS, verdict
+from ..spectra.deflation import drift_powers, drifting
 from ..spectra.problem import Problem
 from ..systems.graph.smoothness import edged
 from .dataset import EXACT, GRAPH, LOOPS, OWN, SINGLE
@@ -219,6 +220,7 @@ class Cells:
             For a user's family: largest precision of balls.
         """
         grid = self.axes[0].values, self.axes[1].values
+        self._look_at_zeros(self.codes.reshape(-1), grid)
         self._settle(self.codes.reshape(-1), grid, math.prod(self.shape), most)
 
     def settle_as_usual(self) -> None:
@@ -227,10 +229,24 @@ class Cells:
 
     def _settle_as_usual(self, codes: Any, grid: Grid) -> None:
         """Decide open cells by a user's polynomial; without one few, at low precision."""
+        self._look_at_zeros(codes, grid)
         if self.problem.exact is not None and not self.exact:
             self._settle(codes, grid, len(codes), None)
         elif self.problem.law is None:
             self._settle(codes, grid, MOST_SETTLED, BITS)
+
+    def _look_at_zeros(self, codes: NDArray[np.int8], grid: Grid) -> None:
+        """Tell drifting members from stable ones; those without a proof are left open."""
+        if not self.problem.may_drift:
+            return
+        family, roundings = self.problem.family, self.problem.roundings
+        zeros, stable = self._by_graph.zeros, np.flatnonzero(codes == CODES[Verdict.STABLE])
+        for first in range(0, len(stable), CHUNK):
+            some = stable[first : first + CHUNK]
+            a, q, _, u, _ = self._members_of(some, grid)
+            known = codes[some]
+            drifting(known, drift_powers(family, a, q, u, zeros, roundings))
+            codes[some] = known
 
     def _settle(self, codes: Any, grid: Grid, few: int, most: int | None) -> None:
         """Decide open cells of a grid, where they are few."""

@@ -135,7 +135,7 @@ Spans = Mapping[str, tuple[Floats, Floats]]
 
 def _own(problem: Problem, axes: tuple[Axis, Axis]) -> Callable[[Spans], NDArray[np.int8]]:
     """Verdicts over boxes of a user's family."""
-    found = slice_verdicts(problem, axes)
+    found = None if problem.may_drift else slice_verdicts(problem, axes)
     return _WideBalls(problem) if found is None else found.boxes
 
 

@@ -10,7 +10,7 @@ in balls with proved zeros.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -23,14 +23,23 @@ from ..algebra.exact.known_polynomial import ExactPolynomial
 from ..algebra.exact.number_fields import EXACT, NotExact, nearest_root
 from ..algebra.exact.root_balls import bounded_roots, clustered, isolated
 from ..algebra.exact.routh import on_the_axis
+from ..algebra.number_types import balls
 from ..algebra.routh_balls import hurwitz_sign, product, verdict_polynomial
 from ..base.verdict import Verdict, best
 from ..systems.family import Family
 from ..systems.structure.axis_proof import exact_verdict
-from ..systems.structure.enclosure import characteristic
+from ..systems.structure.enclosure import ball_unknowns, characteristic
 from ..systems.structure.multiplicity import Member, certain, symmetric
 from ..systems.structure.structural_zeros import structure
-from .eigenvalues import BY_ACCIDENT, BY_EQUATIONS, NO_PROOF_OF_ZERO, NOT_STEADY, in_words
+from ..systems.structure.zero_blocks import kept_block, proved_power, semisimple, zero_power
+from .eigenvalues import (
+    BY_ACCIDENT,
+    BY_EQUATIONS,
+    NO_PROOF_OF_BLOCKS,
+    NO_PROOF_OF_ZERO,
+    NOT_STEADY,
+    in_words,
+)
 from .problem import Problem
 
 BITS = 128
@@ -59,6 +68,8 @@ class Certificate:
     """Proved bound on the error of the largest real part."""
     bits: int
     """Precision of the balls that decided; 0 for rational arithmetic; or a key of `REASONS`."""
+    power: int = 0
+    """Power of time with which zeros let a disturbance grow, a lower bound; 0 unless drifting."""
 
     @property
     def how(self) -> str:
@@ -109,13 +120,17 @@ def certify(
         attempt = partial(_roots, problem.exact, problem, values)
     if decided is Verdict.UNDECIDED:
         return Certificate(decided, (), (), np.inf, bits)
+    power = 0
+    if decided is Verdict.DRIFTING:
+        member = member or member_at(problem, values)
+        power = zero_power(member, structural_zeros(member)) or 0
     precise = BITS
     while True:
         last = precise >= FINE_BITS
         with precision(precise):
             roots = attempt(last=last)
             if roots is not None and (last or all(map(_sharp, roots))):
-                return _rounded(decided, roots, bits)
+                return replace(_rounded(decided, roots, bits), power=power)
         precise *= 2
 
 
@@ -132,6 +147,8 @@ def verdict(problem: Problem, values: Mapping[str, float], most: int | None = No
     member = member_at(problem, values)
     with precision(BITS):  # most are decided without exact numbers
         found = _plainly(problem.family, member.plainly_enclosed)
+    if found is Verdict.STABLE:
+        found = _with_zeros(member, structure(problem.family).zeros, 0)[0]
     return found or of_member(member, structural_zeros(member), most)[0]
 
 
@@ -196,9 +213,12 @@ def _decided(
         found = _by_conditions(conditions, even) if conditions is not None else None
         if found is None:
             found = on_the_axis([fmpq_poly(c) for c in exact.coefficients(given, EXACT)])
+        bits = 0
     except NotExact:
-        return _raised(lambda: _in_balls(exact, given, even))
-    return found, 0
+        found, bits = _raised(lambda: _in_balls(exact, given, even))
+    if found is not Verdict.STABLE or not problem.may_drift:
+        return found, bits
+    return _with_zeros(member_at(problem, values), exact.zeros, bits)
 
 
 def of_member(member: Member, zeros: int, most: int | None = None) -> tuple[Verdict, int]:
@@ -219,12 +239,22 @@ def of_member(member: Member, zeros: int, most: int | None = None) -> tuple[Verd
     decided, bits = _without(member, zeros, most)
     if decided is Verdict.UNDECIDED and bits == MOST_BITS and member.seems_zero(zeros, MOST_BITS):
         return decided, NO_PROOF_OF_ZERO
-    if decided is Verdict.UNSTABLE or certain(member.family):
+    if decided is Verdict.UNSTABLE:
         return decided, bits
+    if certain(member.family):
+        return _with_zeros(member, zeros, bits) if decided is Verdict.STABLE else (decided, bits)
     low, high = member.structural
     if zeros == low < high and _without(member, high, most)[0] is not decided:
         return Verdict.UNDECIDED, BY_ACCIDENT  # a zero that is not left out may be structural
-    return decided, bits
+    return _with_zeros(member, zeros, bits) if decided is Verdict.STABLE else (decided, bits)
+
+
+def _with_zeros(member: Member, zeros: int, bits: int) -> tuple[Verdict, int]:
+    """The verdict of a member whose other eigenvalues all have negative real parts."""
+    power = zero_power(member, zeros)
+    if power is None:
+        return Verdict.UNDECIDED, NO_PROOF_OF_BLOCKS
+    return Verdict.DRIFTING if power else Verdict.STABLE, bits
 
 
 def _without(member: Member, zeros: int, most: int | None) -> tuple[Verdict, int]:
@@ -312,7 +342,14 @@ def in_balls(family: Family, a: Balls, q: Balls) -> Verdict | None:
     NoMemberError
         If no root is proved to exist there.
     """
-    return _plainly(family, lambda: characteristic(family, a, q))
+    found = _plainly(family, lambda: characteristic(family, a, q))
+    zeros = structure(family).zeros
+    if found is not Verdict.STABLE or semisimple(family, zeros):
+        return found
+    place = [list(a), ball_unknowns(family, a, q), list(q)]
+    matrix = family.graph.matrix.dense(balls(), place)
+    drifts = proved_power(kept_block(family, matrix), zeros - len(family.left_out)) > 0
+    return Verdict.DRIFTING if drifts else None
 
 
 def _plainly(family: Family, coefficients: Callable[[], Balls | None]) -> Verdict | None:

@@ -16,14 +16,15 @@ from numpy.typing import NDArray
 from ..algebra.linear_systems import contraction, inverse_of, null_vector, solve
 from ..algebra.running_error import TINY, UNIT, RunningError, running_error_arrays
 from ..base.types import Floats, Record
+from ..base.verdict import CODES, Verdict
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
 
 
-def grows(
+def drift_powers(
     family: Family, a: Floats, q: Floats, u: Floats, zeros: int, roundings: Sequence[int] | None
-) -> NDArray[np.bool_]:
-    """Whether the structural zeros are proved not to be semisimple.
+) -> NDArray[np.int8]:
+    """The power of time with which structural zeros are proved to let a disturbance grow.
 
     Parameters
     ----------
@@ -38,8 +39,8 @@ def grows(
 
     Returns
     -------
-    ndarray of bool
-        Shape (N,); False means no proof.
+    ndarray of int
+        Lower bounds, shape (N,); 0 means no proof of growth.
 
     Source: G. W. Stewart & J. Sun, Matrix Perturbation Theory (1990), for Weyl's inequality.
 
@@ -50,29 +51,58 @@ def grows(
     >>> free = st.System("free", x, ca.SX(0, 1), ca.vertcat(x[1], 0, -x[2]),
     ...                  states=("x", "v", "z"), parameters=())
     >>> rest = st.Family(free, "rest", at=("x",), held={"v": 0.0, "z": 0.0})
-    >>> st.spectrum(rest, at=1.0).nonlinear.word
-    'grows like t in the linear flow'
+    >>> st.spectrum(rest, at=1.0).verdict.word
+    'drifting'
     """
+    powers = np.zeros(len(a), dtype=np.int8)
+    count = zeros - len(family.left_out)
     with np.errstate(all="ignore"):
         matrix, error = tracked_matrix(family, a, q, u, roundings)
-        kept = np.array(family.resting, dtype=np.intp)
-        zeros -= len(family.left_out)
-        if zeros < 2:
-            return np.zeros(len(a), dtype=bool)
         if family.left_out:  # the other states are a system of their own
+            kept = np.array(family.resting, dtype=np.intp)
             pick = np.ix_(np.arange(len(a)), kept, kept)
             matrix, error = matrix[pick], error[pick]
-        for axis in (2, 1):  # rows and columns of like size, by powers of two: exact, same rank
-            size = np.abs(matrix).max(axis=axis, keepdims=True)
-            scale = np.exp2(-np.round(np.log2(np.where(size > 0, size, 1.0))))
-            matrix, error = matrix * scale, error * scale
-        sound = np.isfinite(matrix).all(axis=(1, 2)) & np.isfinite(error).all(axis=(1, 2))
-        proved = np.zeros(len(a), dtype=bool)
-        if sound.any():
-            n = matrix.shape[-1]
-            sizes = np.linalg.svd(matrix[sound], compute_uv=False)
-            noise = np.sqrt((error[sound] ** 2).sum(axis=(1, 2))) + 8 * n * UNIT * sizes[:, 0]
-            proved[sound] = sizes[:, n - zeros] > 2 * noise
+        n = matrix.shape[-1]
+        whole, doubt, left = matrix, error, np.ones(len(a), dtype=bool)
+        for power in range(1, count):
+            left &= _has_rank(whole, doubt, n - count + 1)
+            powers[left] = power
+            if not left.any() or power + 1 == count:
+                break
+            size, reach = np.abs(matrix), np.abs(whole)
+            doubt = doubt @ (size + error) + reach @ error + 2 * n * UNIT * (reach @ size)
+            whole, doubt = whole @ matrix, 1.01 * doubt + n * TINY
+    return powers
+
+
+def drifting(codes: NDArray[np.int8], powers: NDArray[np.int8]) -> None:
+    """Say *drifting* of stable members whose zeros are proved to form a Jordan block.
+
+    Parameters
+    ----------
+    codes
+        Flag values, shape (N,), changed in place; a stable member without this proof is left open.
+    powers
+        From `drift_powers`, for a family whose zeros are not proved to be semisimple.
+    """
+    stable = codes == CODES[Verdict.STABLE]
+    codes[stable] = CODES[Verdict.UNDECIDED]
+    codes[stable & (powers > 0)] = CODES[Verdict.DRIFTING]
+
+
+def _has_rank(matrix: Floats, error: Floats, rank: int) -> NDArray[np.bool_]:
+    """Whether matrices within the error are proved to have at least this rank."""
+    for axis in (2, 1):  # rows and columns of like size, by powers of two: exact, same rank
+        size = np.abs(matrix).max(axis=axis, keepdims=True)
+        scale = np.exp2(-np.round(np.log2(np.where(size > 0, size, 1.0))))
+        matrix, error = matrix * scale, error * scale
+    sound = np.isfinite(matrix).all(axis=(1, 2)) & np.isfinite(error).all(axis=(1, 2))
+    proved = np.zeros(len(matrix), dtype=bool)
+    if sound.any():
+        n = matrix.shape[-1]
+        sizes = np.linalg.svd(matrix[sound], compute_uv=False)
+        noise = np.sqrt((error[sound] ** 2).sum(axis=(1, 2))) + 8 * n * UNIT * sizes[:, 0]
+        proved[sound] = sizes[:, rank - 1] > 2 * noise
     return proved
 
 

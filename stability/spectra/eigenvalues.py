@@ -26,10 +26,13 @@ NO_PROOF_OF_ZERO = -4
 """Value instead of bits, where an eigenvalue seems to be zero by structure, without a proof."""
 BY_EQUATIONS = -5
 """Value instead of bits, where the verdict is proved over the field of the member's unknowns."""
+NO_PROOF_OF_BLOCKS = -6
+"""Value instead of bits, where it is open whether zero eigenvalues form a Jordan block."""
 REASONS = {
     NOT_STEADY: "no steady motion: at the root of the equations another rate is not zero",
     BY_ACCIDENT: "an eigenvalue is zero here, and nothing proves that it is structural",
     NO_PROOF_OF_ZERO: "an eigenvalue seems to be zero, and nothing proves that it is zero",
+    NO_PROOF_OF_BLOCKS: "nothing proves whether the zero eigenvalues form a Jordan block",
 }
 """Reason in words, for each of these values."""
 POOR = 8

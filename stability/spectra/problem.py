@@ -34,6 +34,7 @@ from ..systems.family import Family
 from ..systems.structure.enclosure import characteristic
 from ..systems.structure.multiplicity import certain
 from ..systems.structure.structural_zeros import SAMPLE_BITS, SAMPLES, sampled, structure
+from ..systems.structure.zero_blocks import semisimple
 
 DERIVED = ("conditions", "scale")
 """Methods that only a derived polynomial may override."""
@@ -101,6 +102,11 @@ class Problem:
     def names(self) -> tuple[str, ...]:
         """Names that may be an axis."""
         return tuple(self.values)
+
+    @property
+    def may_drift(self) -> bool:
+        """Whether zeros by structure are not proved to be semisimple at every member."""
+        return not self.derived and not semisimple(self.family, structure(self.family).zeros)
 
     @property
     def derived(self) -> bool:

@@ -18,6 +18,7 @@ from ..base.types import Complexes, Floats, Record, fields_of
 from ..base.verdict import BY_CODE, CODES, Nonlinear, Verdict
 from ..systems.family import Family
 from ..systems.structure.linearity import linear
+from ..systems.structure.zero_blocks import most_power
 from .deflation import Place
 from .eigenvalues import REASONS, Eigenpairs, in_words
 from .modes import Modes, lift, mode_labels, track
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
 
 GROWS = -2
 """Flag value instead of a verdict's, where structural zeros are not semisimple."""
+
+RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 NOT_ASKED = -1
 """Value instead of bits, where the verdict comes from double precision."""
@@ -126,9 +129,9 @@ class Spectrum(Record):
     """Unit of each state, shape (…, states)."""
     proof: Proof | None = None
     """Proof of verdicts and eigenvalues, or None without certified points."""
-    grows: NDArray[np.bool_] | None = None
-    """Whether the structural zeros are proved not to be semisimple, shape (…); None where
-    this is not tested."""
+    power: NDArray[np.int8] | None = None
+    """Power of time with which structural zeros are proved to let a disturbance grow, a lower
+    bound, shape (…); None where they are semisimple at every member."""
     note: str = ""
     """A sentence if there are fewer structural zeros than at typical members, or empty."""
     symmetric: bool = False
@@ -274,11 +277,11 @@ class Spectrum(Record):
             np.abs(self.eigenvalues) <= self.radius
         ).any(axis=-1)
         codes = np.where(on_zero, CODES[Verdict.UNDECIDED], self.codes)
-        if self.grows is not None:
-            table[GROWS] = Nonlinear.GROWS
+        if self.power is not None:
+            table[GROWS] = table[CODES[Verdict.DRIFTING]] = Nonlinear.GROWS
             known = np.isin(codes, [c for c, told in table.items() if told is Nonlinear.OPEN])
             asked = known & (self.codes != CODES[Verdict.UNDECIDED])
-            codes = np.where(self.grows & asked, GROWS, codes)
+            codes = np.where((self.power > 0) & asked, GROWS, codes)
         if Nonlinear.OPEN in (table[c] for c in np.unique(codes)) and self._linear:
             table |= {c: Nonlinear.LINEAR for c, told in table.items() if told is Nonlinear.OPEN}
         return _members(np.asarray(codes), table)
@@ -299,6 +302,30 @@ class Spectrum(Record):
             out[index] = self._reason(index, *(v[index] for v in each))
         return out
 
+    def growth(self, index: tuple[int, ...] = ()) -> str:
+        """The growth of a disturbance of a drifting member in words; empty for any other.
+
+        Parameters
+        ----------
+        index
+            Place of the member on the leading axes.
+
+        Examples
+        --------
+        >>> import casadi as ca, stability as st
+        >>> x, p = ca.SX.sym("x", 3), ca.SX.sym("p")
+        >>> chain = st.System("chain", x, p, ca.vertcat(x[1], 0, p * x[0] - x[2]),
+        ...                   states=("x", "v", "z"), parameters=("p",))
+        >>> rest = st.Family(chain, "rest", at=("p",), held={"x": 0, "v": 0, "z": 0})
+        >>> st.spectrum(rest, at=1.0).growth()
+        'grows like t'
+        """
+        if self.power is None or self.codes[index] != CODES[Verdict.DRIFTING]:
+            return ""
+        power = int(self.power[index])
+        least = "at least " * (power < most_power(self.family, self.structural_zeros))
+        return f"grows {least}like t{str(power).translate(RAISED) if power > 1 else ''}"
+
     def _reason(self, index: tuple[int, ...], abscissa: Any, error: Any, certified: Any) -> str:
         bound = f"largest real part {abscissa:.3g}, error bound {error:.1g}"
         if (self.symmetric or self.family.conservative) and not certified:
@@ -314,10 +341,12 @@ class Spectrum(Record):
                 f"{count} structural zero{'s' * int(count != 1)} removed through null vectors"
             )
         left = ", ".join(n for n in self.family.system.states if n in self.family.left_out)
+        grown = self.growth(index)
+        block = f"zeros form a Jordan block, a disturbance {grown}" if grown else ""
         ignored = f"{left} {'are' if ',' in left else 'is'} ignorable" if left else ""
         found = self.symmetric and certified and not self.family.conservative
         symmetric = "symmetric under λ → -λ by structure" if found else ""
-        return "; ".join([*parts, *filter(None, [symmetric, ignored, self.note])])
+        return "; ".join([*parts, *filter(None, [block, symmetric, ignored, self.note])])
 
     @cached_property
     def modes(self) -> Modes:

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from ..base.errors import ParameterError
 from ..systems.structure.structural_zeros import structure
-from .deflation import Place, Reduced
+from ..systems.structure.zero_blocks import semisimple
+from .deflation import Place, Reduced, drift_powers, drifting
 from .eigenvalues import Eigenpairs, decide, eigenvalues
 from .problem import Problem, broadcast_shape
 
@@ -121,21 +122,22 @@ class Rows:
             return values, radius, decide(values, radius, even=even)
 
         values, radius, codes = self._joined(len(self.place.a), piece)
+        if self.powers is not None:
+            drifting(codes, self.powers)
         return values, radius, codes, pairs if len(self.place.a) <= self._step else None
 
-    def grows(self) -> NDArray[np.bool_] | None:
-        """Whether structural zeros are proved not to be semisimple; None where not tested."""
-        from .deflation import grows
-
+    @cached_property
+    def powers(self) -> NDArray[np.int8] | None:
+        """Proved powers of time with which zeros let a disturbance grow; None if semisimple."""
         family, place = self.problem.family, self.place
-        if self.zeros == family.tangents + len(family.left_out) or self.problem.derived:
+        if self.problem.derived or semisimple(family, self.zeros):
             return None
 
-        def piece(rows: slice) -> tuple[NDArray[np.bool_]]:
+        def piece(rows: slice) -> tuple[NDArray[np.int8]]:
             a, q, u = place.a[rows], place.q[rows], place.u[rows]
-            return (grows(family, a, q, u, self.zeros, place.roundings),)
+            return (drift_powers(family, a, q, u, self.zeros, place.roundings),)
 
-        return self._joined(len(place.a), piece)[0].reshape(self.shape)
+        return self._joined(len(place.a), piece)[0]
 
     @property
     def note(self) -> str:

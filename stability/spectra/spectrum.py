@@ -137,7 +137,7 @@ def spectrum(
         rows.place,
         rate.reshape(shape),
         _shaped(scale, shape),
-        grows=rows.grows(),
+        power=None if rows.powers is None else rows.powers.reshape(shape),
         note=rows.note,
         symmetric=rows.symmetric,
         pairs=pairs,
@@ -191,6 +191,7 @@ def proved(
     radius = found.radius.reshape(flat.shape).copy()
     error = np.asarray(found.abscissa_error, dtype=float).reshape(-1).copy()
     codes, bits = found.codes.reshape(-1).copy(), np.full(len(flat), NOT_ASKED, dtype=np.int64)
+    powers = None if found.power is None else found.power.reshape(-1).copy()
     seen: dict[int, Certificate | None] = {}
     where = np.flatnonzero(asked)
     for row, first in zip(where, rows.firsts(where), strict=True):
@@ -200,12 +201,15 @@ def proved(
         if certificate is None:
             continue
         codes[row], bits[row] = certificate.verdict.code, certificate.bits
+        if powers is not None and certificate.verdict is not Verdict.NEUTRAL:
+            powers[row] = certificate.power
         if certificate.eigenvalues:
             error[row] = certificate.abscissa_error
             flat[row], radius[row] = certificate.eigenvalues, certificate.radius
     return replace(
         found, eigenvalues=flat.reshape(found.eigenvalues.shape),
         radius=radius.reshape(found.radius.shape), codes=codes.reshape(shape),
+        power=None if powers is None else powers.reshape(shape),
         proof=Proof(
             error.reshape(shape), bits.reshape(shape), escalated, found.family.exact is not None
         ),

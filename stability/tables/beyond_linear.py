@@ -96,8 +96,8 @@ def birth_text(
     unit = f" [{readable(units[axis])}]" if axis in units else ""
     lines = [heading, ""]
     for point in found:
-        side = "below" if point.stable_below else "above"
-        lines.append(f"{axis} = {point.at:.15g}{unit}: {point.kind.word}, stable {side}")
+        side = "above" if point.stable_below else "below"
+        lines.append(f"{axis} = {point.at:.15g}{unit}: {point.kind.word}, unstable {side}")
         if isinstance(point, CycleBirth):
             lines.append(f"    frequency {to_bound(point.frequency, point.frequency_error)}")
             lines.append(f"    crossing {to_bound(point.crossing, point.crossing_error)}")

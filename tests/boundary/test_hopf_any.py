@@ -288,7 +288,7 @@ def test_the_table_says_the_same(tmp_path: Any, capsys: pytest.CaptureFixture[st
     [row] = json.loads(capsys.readouterr().out)["rows"]
     assert (row["at"], row["kind"], row["coefficient"]) == (0, "soft", -0.25)
     assert main(place) == 0
-    assert "soft, stable below" in capsys.readouterr().out
+    assert "soft, unstable above" in capsys.readouterr().out
     assert main([*place, "--y", "c:0:1:3"]) == 2
 
 

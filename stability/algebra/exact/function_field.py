@@ -121,6 +121,8 @@ class FunctionField:
         self._relations: dict[int, Any] = {}
         self._atoms: dict[tuple[str, str], Any] = {}
         self._work = 0
+        self.integral = True
+        """Whether a product of elements that are not zero is never zero: not with √ or |x|."""
 
     def number(self, value: Any) -> Expression:
         """A rational as an element."""
@@ -176,7 +178,7 @@ class FunctionField:
 
     def root(self, kind: str, square: Any, over: Any = None) -> Expression:
         """An indeterminate whose square is a polynomial; `over` has the same sign."""
-        key = f"{kind} over {over}", str(square)
+        key, self.integral = (f"{kind} over {over}", str(square)), False
         if key not in self._atoms:
             index = self._new()
             self._relations[index] = square

@@ -62,6 +62,11 @@ def _own_verdicts(problem: Problem, axes: tuple[Axis, Axis]) -> SliceVerdicts:
             "that proves its verdicts, by which verdicts are streamed; use growth=True, or "
             "stability_map."
         )
+    if problem.may_drift:
+        raise ParameterError(
+            f"{problem.family.name} has zero eigenvalues that may form a Jordan block, which its "
+            "polynomial does not show; use growth=True, or stability_map."
+        )
     if not found.everywhere:
         raise ParameterError(
             f"{problem.family.name} is not proved to have a member in every cell of this map; use "

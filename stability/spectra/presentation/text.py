@@ -74,10 +74,11 @@ def line(spectrum: Any) -> str:
     number = f"{count} eigenvalue{'s' * (count != 1)}"
     if not shape:
         said = numbers(spectrum.eigenvalues)
+        verdict = ": ".join(filter(None, [spectrum.verdict.word, spectrum.growth()]))
         more = "…, " * (len(said) > MOST)
         told = f"{number}{unit}: {more}{', '.join(said[-MOST:])}" if said else number
         return f"<Spectrum of {spectrum.family.name} at {member(spectrum)}: " \
-            f"{spectrum.verdict.word}; {told}>"  # fmt: skip
+            f"{verdict}; {told}>"  # fmt: skip
     what = f"{' x '.join(map(str, shape))} points"
     rates = ""
     if spectrum.codes.size and count:
@@ -107,6 +108,7 @@ def page(spectrum: Any) -> str:
         title += " contact"
     if not spectrum.codes.ndim:
         head = f"{title}, {escape(where)}: {escape(spectrum.verdict.value)}"
+        head += f"; {escape(spectrum.growth())}" * bool(spectrum.growth())
         rows = zip(spectrum.eigenvalues, spectrum.radius, _labels(spectrum), strict=True)
         cells = [(f"{v.real + 0.0:+.6g}", f"{v.imag + 0.0:+.6g}", f"{r:.1g}", m)
                  for v, r, m in rows]  # fmt: skip

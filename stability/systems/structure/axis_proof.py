@@ -50,9 +50,10 @@ def exact_verdict(member: Member, zeros: int) -> Verdict | None:
     large = member.algebraic is None and len(member.family.system.states) > MOST_STATES
     if large or member.enclosed_only or not member.has_value():
         return None
-    for polynomial in (_over_number_field, _over_expressions):
+    for reading in READINGS:
         try:
-            coefficients, ground = polynomial(member)
+            matrix, ground = reading(member)
+            coefficients = member.algebraic or whole_polynomial(matrix)
             nonzero = next(i for i, c in enumerate(coefficients) if ground.sign(c))
             # a zero that is proved here alone may be structural, and would have to be left out
             if zeros <= nonzero == member.zeros():
@@ -62,9 +63,9 @@ def exact_verdict(member: Member, zeros: int) -> Verdict | None:
     return None
 
 
-def _over_number_field(member: Member) -> tuple[list[Any], Ground]:
-    """The polynomial over Q[u]/(g)."""
-    if member.algebraic is None:
+def _over_number_field(member: Member) -> tuple[list[list[Any]], Ground]:
+    """The linearisation over Q, or over Q[u]/(g)."""
+    if member.algebraic is None and member.rational is None:
         raise NotExact("no single algebraic unknown")
 
     def sign(value: Any) -> int:
@@ -73,11 +74,12 @@ def _over_number_field(member: Member) -> tuple[list[Any], Ground]:
         with precision(ROOT_BITS):
             return 0 if value.poly == 0 else _sign(arb_poly(value.poly)(value.field.root))
 
-    return member.algebraic, Ground(sign, lambda value: value)
+    matrix = exact_matrix(member.family, member.a, member.unknowns(), member.q)
+    return matrix, Ground(sign, lambda value: value)
 
 
-def _over_expressions(member: Member) -> tuple[list[Any], Ground]:
-    """The polynomial with unknowns and functions as indeterminates, modulo their equations."""
+def _over_expressions(member: Member) -> tuple[list[list[Any]], Ground]:
+    """The linearisation with unknowns and functions as indeterminates, modulo their equations."""
     family = member.family
     field = RecordingField([*family.unknown], Budget(MOST_TERMS, MOST_SECONDS))
     given = [[field.number(v) for v in some] for some in (member.a, member.q)]
@@ -109,8 +111,11 @@ def _over_expressions(member: Member) -> tuple[list[Any], Ground]:
         entry = tidy(entry)
         return 0 if entry.num == 0 else _sign(value(entry.num) / value(entry.den))
 
-    entries = [[tidy(entry) for entry in row] for row in matrix]
-    return whole_polynomial(entries), Ground(sign, tidy)
+    return [[tidy(entry) for entry in row] for row in matrix], Ground(sign, tidy)
+
+
+READINGS = _over_number_field, _over_expressions
+"""Linearisations of a member in exact numbers with signs, the cheaper first."""
 
 
 def _sign(ball: Any) -> int:

@@ -53,8 +53,8 @@ def identity(family: Family) -> Identity:
     tangents, zeros, even = 0, 0, False
     stored = _stored(family)  # sparsity needs no arithmetic, at any size
     with suppress(ArithmeticError):
-        zero = _on_the_branch(family, parts)
-        tangents = _fixed_directions(family, parts, zero)
+        zero = on_the_branch(family, parts)
+        tangents = fixed_directions(family, parts, zero)
         sampled = structure(family)
         zeros, even = _zero_pattern(
             exact_matrix(family, *parts), zero, (sampled.zeros, sampled.even)
@@ -72,7 +72,7 @@ def _stored(family: Family) -> pattern.Pattern:
     return out
 
 
-def _on_the_branch(family: Family, parts: Sequence[Sequence[Any]]) -> Callable[[Any], bool]:
+def on_the_branch(family: Family, parts: Sequence[Sequence[Any]]) -> Callable[[Any], bool]:
     """Test whether an expression is zero at every member: identically, or by the equation."""
     if family.closed or len(family.unknown) != 1:
         return vanishes
@@ -232,7 +232,7 @@ def _product(p: Sequence[Any], q: Sequence[Any]) -> list[Any]:
     return out
 
 
-def _fixed_directions(
+def fixed_directions(
     family: Family, parts: Sequence[Sequence[Any]], zero: Callable[[Any], bool]
 ) -> int:
     """Number of tangents of the family that are null vectors at every isolated root.

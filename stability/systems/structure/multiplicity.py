@@ -121,14 +121,21 @@ class Member:
 
     def _exact(self) -> None:
         """The polynomial over Q, or over Q[u]/(g) where one unknown is algebraic."""
-        matrix = exact_matrix(self.family, self.a, self._unknowns(), self.q)
+        matrix = exact_matrix(self.family, self.a, self.unknowns(), self.q)
         if all(isinstance(entry, (int, fmpq)) for row in matrix for entry in row):
             self._rational = poly = fmpq_mat(matrix).charpoly().coeffs()
         else:
             self._algebraic = poly = whole_polynomial(matrix)
         self._flags = [vanishes(c) for c in poly]
 
-    def _unknowns(self) -> list[Any]:
+    def unknowns(self) -> list[Any]:
+        """The unknowns as rationals or algebraic numbers.
+
+        Raises
+        ------
+        NotExact
+            If they are neither.
+        """
         if self.near is None:
             return [rational(v) for v in self.family.unknown.values()]
         if self.root is None:

@@ -26,10 +26,8 @@ def constant_zeros(matrix: Sequence[Sequence[Any]], zero: Callable[[Any], bool])
 
     Parameters
     ----------
-    matrix
-        Rationals, and expressions of one function field.
-    zero
-        Test whether an entry is zero.
+    matrix, zero
+        As for `constant_kernels`.
 
     Examples
     --------
@@ -39,13 +37,34 @@ def constant_zeros(matrix: Sequence[Sequence[Any]], zero: Callable[[Any], bool])
     >>> constant_zeros(free, lambda v: bool(v == 0))
     2
     """
+    return max(constant_kernels(matrix, zero), default=0)
+
+
+def constant_kernels(matrix: Sequence[Sequence[Any]], zero: Callable[[Any], bool]) -> list[int]:
+    """Dimensions of the kernels of A, A², … that chains of constant vectors prove.
+
+    Parameters
+    ----------
+    matrix
+        Rationals, and expressions of one function field.
+    zero
+        Test whether an entry is zero.
+
+    Examples
+    --------
+    >>> constant_kernels([[0, 1], [0, 0]], lambda v: bool(v == 0))
+    [1, 2]
+    """
     try:
         found = [_sample(matrix, number) for number in range(SAMPLES)]
     except (NotExact, ZeroDivisionError):
-        return 0
+        return []
     turned = [list(column) for column in zip(*matrix, strict=True)]
-    right = _longest(matrix, found, zero)
-    return max(right, _longest(turned, [m.transpose() for m in found], zero))
+    right = _chain(matrix, found, zero)
+    left = _chain(turned, [m.transpose() for m in found], zero)
+    longer = max(len(right), len(left))  # a chain that has ended keeps its dimension
+    right, left = ([*s, *s[-1:] * (longer - len(s))] for s in (right, left))
+    return list(map(max, right, left)) if right and left else right or left
 
 
 def _sample(matrix: Sequence[Sequence[Any]], number: int) -> Any:
@@ -64,22 +83,23 @@ def _sample(matrix: Sequence[Sequence[Any]], number: int) -> Any:
     return fmpq_mat([[value(entry) for entry in row] for row in matrix])
 
 
-def _longest(
+def _chain(
     matrix: Sequence[Sequence[Any]], samples: Sequence[Any], zero: Callable[[Any], bool]
-) -> int:
-    """Dimension of the last space of the chain."""
-    size = len(matrix)
+) -> list[int]:
+    """Dimensions of the spaces of the chain."""
+    size, dimensions = len(matrix), list[int]()
     space: list[list[Any]] = []
     while True:
         if len(space) == size:
-            return size
+            return dimensions
         checks = _kernel(space, size)  # rows that vanish on the space
         shadow = fmpq_mat(checks)
         rows = [row for m in samples for row in (shadow * m).tolist()]
         wider = _kernel(rows, size)
         if len(wider) <= len(space) or not _mapped(matrix, wider, checks, zero):
-            return len(space)
+            return dimensions
         space = wider
+        dimensions.append(len(space))
 
 
 def _kernel(rows: list[list[Any]], size: int) -> list[list[Any]]:

@@ -141,7 +141,7 @@ export function certified(certificates, values) {
   return null;
 }
 
-const WORDS = {S: "stable", U: "unstable", N: "neutral", "?": "undecided"};
+const WORDS = {S: "stable", U: "unstable", N: "neutral", D: "drifting", "?": "undecided"};
 const EDGE = 1e-12; // rounding of a place, of the whole axis: a point this near to an edge has two sides
 
 /** What is proved around a place: on an edge of rectangles, what all of them prove. */

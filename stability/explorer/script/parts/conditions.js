@@ -42,7 +42,7 @@ export class Conditions {
 
   build(subject) {
     this.shown = subject.key;
-    const good = subject.wholeEven ? "Neutral" : "Stable", count = subject.rules.length;
+    const good = subject.good[0].toUpperCase() + subject.good.slice(1), count = subject.rules.length;
     this.rule.textContent = count === 0
       ? `${good} at every member of the family: no eigenvalue can cross the imaginary axis.`
       : `${good} where ${count === 1 ? `this ${subject.note ? "number" : "polynomial"} is` : `these ${subject.note ? "numbers" : "polynomials"} are all`} positive, unstable where ${count === 1 ? "it" : "one"} is negative.`;

@@ -8,12 +8,13 @@ const SENTENCES = {
   isolated: "Every disturbance of the linear motion decays.",
   unstable: "Some disturbance grows exponentially.",
   neutral: "No disturbance grows, and none decays: nothing takes energy away.",
+  drifting: "Every other eigenvalue decays, but zeros form a Jordan block: a disturbance grows like a power of time.",
   absent: "The family has no member here: there is no such steady motion.",
   undecided: "The point is on a boundary, as far as double precision can see.",
 };
 const UNREACHED = "The page reaches no member here: the family ends on the way, or its root-finder fails. Python says which.";
 const ANOTHER = "The page finds no member here: none exists, or its search meets another inclination than the one that is meant. Python says which.";
-const SIGNS = {stable: "✓", unstable: "↗", neutral: "○", undecided: "?", absent: "–"};
+const SIGNS = {stable: "✓", unstable: "↗", neutral: "○", drifting: "→", undecided: "?", absent: "–"};
 
 export class PointPanel {
   constructor(view) {
