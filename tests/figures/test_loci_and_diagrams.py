@@ -163,7 +163,7 @@ def test_hatching_follows_the_verdict_and_not_the_sign(crossed: Any) -> None:
     moved = crossed.copy(deep=True)
     moved["abscissa"][:] = 1e-3  # every cell grows by its number
     codes = np.ones((9, 7), dtype=np.int8)  # stable
-    codes[6:], codes[4], codes[5] = 2, 0, 3
+    codes[6:], codes[3], codes[4], codes[5] = 2, 5, 0, 3
     moved["verdict"][:] = codes
     found = hatched(diagram(moved))
     assert set(found) == {hatch for hatch, _ in TEXTURES.values()}

@@ -47,8 +47,8 @@ def test_names_units_flags_and_provenance_are_there(maps: dict[str, xarray.Datas
     assert set(found.coords) == {"mu", "at"}
     assert found.verdict.dtype == np.int8
     words = found.verdict.attrs["flag_meanings"].split()
-    assert [words[i] for i in found.verdict.attrs["flag_values"]] == words
-    assert set(words) == {"stable", "unstable", "neutral", "undecided"}
+    flags = dict(zip(words, found.verdict.attrs["flag_values"].tolist(), strict=True))
+    assert flags == {v.word: v.code for v in st.Verdict}
     for name in ("at", "mu", "abscissa", "frequency", "boundary_at", "boundary_frequency"):
         assert "units" in found[name].attrs
     attributes = found.attrs

@@ -32,7 +32,8 @@ def test_a_map_says_where_no_member_exists_and_draws_the_rest(lorenz: Any) -> No
     """C+ exists for r > 1; it is stable below r = σ(σ+b+3)/(σ-b-1)."""
     flags = dict(zip(lorenz.verdict.attrs["flag_meanings"].split(),
                      lorenz.verdict.attrs["flag_values"].tolist(), strict=True))  # fmt: skip
-    assert flags == {"undecided": 0, "stable": 1, "unstable": 2, "neutral": 3, "no_member": 4}
+    assert flags == {"undecided": 0, "stable": 1, "unstable": 2, "neutral": 3,
+                     "drifting": 5, "no_member": 4}
     r, b = np.meshgrid(lorenz.r.values, lorenz.b.values)
     hopf = 10 * (10 + b + 3) / (10 - b - 1)
     wanted = np.where(r <= 1, 4, np.where(r < hopf, 1, 2))
@@ -102,5 +103,5 @@ def test_a_plain_family_and_a_failing_condition_leave_cells_out_too() -> None:
 
 def test_maps_with_all_members_have_the_flags_of_before() -> None:
     found = st.stability_map("spinning", x=("at", 1, 4, 5), y=("mu", 0.1, 2, 5))
-    assert found.verdict.attrs["flag_meanings"] == "undecided stable unstable neutral"
+    assert found.verdict.attrs["flag_meanings"] == "undecided stable unstable neutral drifting"
     assert "no_member" not in found.attrs
