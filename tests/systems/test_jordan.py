@@ -1,5 +1,7 @@
 """Zeros by structure in a Jordan block: motions grow like a power of t, and the verdict says so."""
 
+import random
+from fractions import Fraction
 from typing import Any
 
 import casadi as ca
@@ -208,3 +210,90 @@ def test_left_out_states_do_not_drift() -> None:
     system = st.System("free", x, c, rates, states=("x", "v", "z"), parameters=("c",))
     free = st.Family(system, "free", at=("v",), held={"z": 0})
     assert st.spectrum(free, at=1.0, c=1.0).verdict is st.Verdict.STABLE
+
+
+# --- planted blocks, every question twice and in random order ---
+
+
+class Planted:
+    """Zeros in Jordan blocks with couplings b, next to eigenvalues p - c."""
+
+    def __init__(self, seed: int) -> None:
+        self.draw = random.Random(f"blocks {seed}")
+        system = self._drawn()
+        while system.ignorable:  # what may be left out would not drift
+            system = self._drawn()
+        held = dict.fromkeys(system.states, 0)
+        self.family = st.Family(system, "rest", at=("p",), held=held)
+
+    def _drawn(self) -> st.System:
+        draw = self.draw
+        sizes = [draw.randint(1, 3) for _ in range(draw.randint(1, 3))]
+        self.rates = [Fraction(draw.randint(-8, 8), 4) for _ in range(draw.randint(1, 3))]
+        self.power, zeros = max(sizes) - 1, sum(sizes)
+        n = zeros + len(self.rates)
+        p, b, x = ca.SX.sym("p"), ca.SX.sym("b"), ca.SX.sym("x", n)
+        core, place = ca.SX(n, n), 0
+        for size in sizes:
+            for i in range(place, place + size - 1):
+                core[i, i + 1] = b * draw.choice([-3, -1, 1, 2])
+            place += size
+        for i, rate in enumerate(self.rates, start=place):
+            core[i, i] = p - float(rate)
+            for j in range(i):  # the other states feel the zeros, which no change of basis undoes
+                core[i, j] = draw.choice([0, 1, -2])
+        turn = back = ca.DM.eye(n)  # integers, so that the inverse is exact
+        for _ in range(3):
+            i, j = draw.sample(range(n), 2)
+            step, undo = ca.DM.eye(n), ca.DM.eye(n)
+            step[i, j] = draw.choice([-2, -1, 1, 2])
+            undo[i, j] = -step[i, j]
+            turn, back = ca.mtimes(turn, step), ca.mtimes(undo, back)
+        rhs = ca.mtimes([turn, core, back, x])
+        names = [f"x{i}" for i in range(n)]
+        return st.System("s", x, ca.vertcat(p, b), rhs, states=names, parameters=("p", "b"))
+
+    def word(self, p: Fraction, b: float) -> str:
+        """The verdict, from what was planted."""
+        top = p - min(self.rates)
+        if top >= 0:
+            return "unstable" if top > 0 else "neutral"
+        return "drifting" if b and self.power else "stable"
+
+    def ask(self, question: str) -> None:
+        p, b = Fraction(self.draw.randint(-12, 12), 4), self.draw.choice([0.0, 1.0, -0.5])
+        family, edge = self.family, min(self.rates)
+        if question in ("spectrum", "proof"):
+            found = st.spectrum(family, at=float(p), b=b, certify=question == "proof")
+            assert found.verdict.word == self.word(p, b)
+            if found.verdict is st.Verdict.DRIFTING:
+                assert found.power == self.power
+        elif question == "conditions":
+            assert st.conditions(family).verdict(float(p), b=b).word == self.word(p, b)
+        elif question == "boundaries":
+            low, high = float(edge) - 1.5, float(edge) + 0.7
+            found = st.boundaries(family, axis=("p", low, high, 9), b=b)
+            [one] = found
+            assert found.complete and one.value == float(edge) and one.stable_below
+            assert one.good.word == self.word(edge - 1, b)
+        else:
+            found = st.stability_map(family, x=("p", -3, 3, 5), y=("b", -1, 1, 3),
+                                     certify=self.draw.random() < 0.3)  # fmt: skip
+            for i, b in enumerate(found.b.values):
+                words = [st.Verdict(int(c)).word for c in found.verdict.values[i]]
+                assert words == [self.word(Fraction(float(p)), b) for p in found.p.values]
+
+
+@pytest.mark.parametrize(
+    "seeds", [range(3), pytest.param(range(3, 500), marks=pytest.mark.long)], ids=["few", "many"]
+)
+def test_planted_blocks_are_told_twice_and_in_any_order(seeds: range) -> None:
+    for seed in seeds:
+        planted = Planted(seed)
+        questions = 2 * ["spectrum", "proof", "conditions", "boundaries", "map"]
+        planted.draw.shuffle(questions)
+        for question in questions:
+            try:
+                planted.ask(question)
+            except AssertionError as error:
+                raise AssertionError(f"seed {seed}, {question}: {error}") from error

@@ -59,9 +59,9 @@ export function mount(root, data, library, link = null) {
     const {subject} = view;
     title.textContent = subject.title;
     under.textContent = data.names.says[subject.law] || data.names.says[""] || "";
-    const even = subject.wholeEven, blank = subject.members || subject.solver ? "Blank: no member found. " : "";
+    const blank = subject.members || subject.solver ? "Blank: no member found. " : "";
     grows.replaceChildren("Each point is one steady motion. Colour: largest growth rate ",
-      `(float: ${diagram.raster ? diagram.raster.method : "single precision"}). Hatched: unstable${even ? "; dotted: neutral" : ""}. `,
+      `(float: ${diagram.raster ? diagram.raster.method : "single precision"}). ${subject.hatching} `,
       "Lines: boundaries, in double precision (solid: static, dashed: flutter). ", blank, "Drag to move the point; wheel or pinch to zoom, double click for the whole.");
     motion.root.parentElement.hidden = !view.motion;
   };

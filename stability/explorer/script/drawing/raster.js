@@ -105,7 +105,7 @@ export class Raster {
   common(set, subject, colours, pixel, size) {
     set("size", "2f", ...size);
     set("pixel", "1f", pixel);
-    set("neutral", "1i", subject.wholeEven ? 1 : 0);
+    set("pattern", "1i", subject.pattern);
     set("ramp", "3fv", colours.ramp.flatMap(rgb));
     set("hatch", "3fv", rgb(colours.hatch));
     this.gl.drawArrays(this.gl.TRIANGLES, 0, 3);
@@ -165,7 +165,7 @@ export class Raster {
         const base = shade(colours.ramp, there ? scale.place(subject.growth(q)) : 0.5);
         for (let b = j; b < Math.min(height, j + step); b++) {
           for (let a = i; a < Math.min(width, i + step); a++) {
-            const line = unstable ? (a + b) % 8 === 0 : subject.wholeEven && a % 8 === 0 && b % 8 === 0;
+            const line = unstable ? (a + b) % 8 === 0 : subject.pattern && b % 8 === 0 && (subject.pattern === 2 || a % 8 === 0);
             const c = line ? base.map((v, n) => 0.45 * v + 0.55 * hatch[n]) : base;
             image.data.set([...c.map((v) => 255 * v), there ? 255 : 0], 4 * (b * width + a));
           }

@@ -9,7 +9,7 @@ const HEAD = `#version 300 es
 precision highp float;
 uniform vec2 size;
 uniform float pixel;
-uniform bool neutral;
+uniform int pattern;
 uniform vec3 ramp[6], hatch;
 out vec4 colour;
 vec3 painted(float place, bool unstable, vec2 p) {
@@ -20,9 +20,11 @@ vec3 painted(float place, bool unstable, vec2 p) {
   if (unstable) {
     float d = abs(mod(p.x - p.y, 7.0) - 3.5) * 0.7071;
     cover = 0.62 * (1.0 - smoothstep(0.15, 0.15 + 1.0 / pixel, d));
-  } else if (neutral) {
+  } else if (pattern == 1) {
     float r = length(mod(p + vec2(3.5 * mod(floor(p.y / 6.0), 2.0), 0.0), vec2(7.0, 6.0)) - 3.0);
     cover = 0.55 * (1.0 - smoothstep(0.5, 0.5 + 1.0 / pixel, r));
+  } else if (pattern == 2) {
+    cover = 0.62 * (1.0 - smoothstep(0.15, 0.15 + 1.0 / pixel, abs(mod(p.y, 7.0) - 3.5)));
   }
   return mix(c, hatch, cover);
 }

@@ -4,6 +4,8 @@ import {Members} from "./members.js";
 import {eigenvector, polynomialRoots} from "./roots.js";
 
 const compiled = new Map();
+/** How the side that is not unstable is hatched, by its verdict. */
+const PATTERNS = [["stable", ""], ["neutral", "; dotted: neutral"], ["drifting", "; level lines: drifting"]];
 
 /** A function from the source that Python printed; each text is compiled once. */
 export function fromSource(text) {
@@ -17,6 +19,8 @@ export class Subject {
     this.names = this.quantities.map((q) => q.name);
     this.quantity = Object.fromEntries(this.quantities.map((q) => [q.name, q]));
     this.wholeEven = this.good === "neutral";
+    this.pattern = Math.max(0, PATTERNS.findIndex(([word]) => word === this.good));
+    this.hatching = `Hatched: unstable${PATTERNS[this.pattern][1]}.`;
     this.unknown = this.solver ? this.solver.names : [];
   }
 

@@ -94,7 +94,7 @@ export class ExportMenu {
     });
     const law = subject.law ? `${subject.family}, ${subject.law} contact: ` : "";
     return [[law + subject.title, ...held].join(", "),
-      `Colour: largest growth rate (float). Hatched: unstable${subject.wholeEven ? "; dotted: neutral" : ""}. Lines: boundaries (double precision).`];
+      `Colour: largest growth rate (float). ${subject.hatching} Lines: boundaries (double precision).`];
   }
 
   svg() {
