@@ -102,6 +102,7 @@ def _diagram_caption(
     verdicts += f", {missing} without a member, left blank" * bool(missing)
     strips_of = f" Strips: the limit laws on the same axis and colours ({'; '.join(limits)})."
     strips_of *= bool(limits)
+    fit = dataset.attrs.get("approximation", "")
     return (
         f"{family.capitalize()} of the {name}{f' ({inertia})' if inertia else ''} {where}. "
         "Colour: largest real part of the eigenvalues other than the "
@@ -109,7 +110,7 @@ def _diagram_caption(
         f"{dataset.sizes[x]} × {dataset.sizes[y]} points, in √(g/R), "
         f"{_colours(dataset, strips)}. "
         f"Verdicts: {verdicts}{undecided}. "
-        f"{curve}{strips_of}"
+        f"{curve}{strips_of}{fit and f' All of this is {fit}.'}"
     )
 
 

@@ -111,8 +111,11 @@ def boundaries(
     law = problem.law.name if problem.law else None
     works = cited(law, model=of_package(problem), proofs=True)
     fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
-    points = tuple(replace(b, good=_good(problem, fixed, grid.name, b)) for b in found)
-    found = replace(found, points=points, searched=(grid.name, grid.low, grid.high), citation=works)
+    found = replace(
+        found, points=tuple(replace(b, good=_good(problem, fixed, grid.name, b)) for b in found),
+        how=problem.family.system.qualified(found.how),
+        searched=(grid.name, grid.low, grid.high), citation=works,
+    )  # fmt: skip
     found.warn(grid.name)
     return found
 

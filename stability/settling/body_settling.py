@@ -92,6 +92,7 @@ class BodySettling:
             f"{line.name} at {found.limit[0]:.6g} within {found.error:.2g}, its deviation falling "
             f"at the rate {found.rate:.3g} at least"
         )
+        said = line.system.qualified(said)
         return replace(near, settled=True, reach=found.reach, evidence=said)
 
     def distances(self, states: Floats, p: Floats, near: Nearest) -> Floats:

@@ -96,6 +96,7 @@ class SystemSettling:
             f"the motion converges to {family.name}{limit}, its deviation falling at the rate "
             f"{proof.rate:.3g}{'' if unit == '1' else f' {unit}'} at least"
         )
+        where = family.system.qualified(where)
         return Nearest(family.name, 0.0, distance, True, proof.reach, where, member)
 
     def many(

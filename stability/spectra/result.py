@@ -345,8 +345,9 @@ class Spectrum(Record):
         block = f"zeros form a Jordan block, a disturbance {grown}" if grown else ""
         ignored = f"{left} {'are' if ',' in left else 'is'} ignorable" if left else ""
         found = self.symmetric and certified and not self.family.conservative
+        fit = self.family.system.approximation
         symmetric = "symmetric under λ → -λ by structure" if found else ""
-        return "; ".join([*parts, *filter(None, [block, symmetric, ignored, self.note])])
+        return "; ".join([*parts, *filter(None, [block, symmetric, ignored, self.note, fit])])
 
     @cached_property
     def modes(self) -> Modes:

@@ -54,6 +54,8 @@ class Equations(Portable, Record):
     """Names of the implicit form's unknowns: accelerations and contact forces."""
     quantities: Mapping[str, Quantity] = field(default_factory=dict)
     """Names in words, symbols and kinds of a body's numbers, by name; empty for a user's system."""
+    approximation: str = ""
+    """Of what every proof speaks where the equations hold a fit; empty where they hold none."""
 
     def __repr__(self) -> str:
         said = [_counted("state", self.states), _counted("parameter", self.parameters)]
@@ -162,6 +164,16 @@ class Equations(Portable, Record):
         names = ["rates", *self.observables]
         return ca.Function(_identifier(self.name), [self.x, self.p], outputs, ["x", "p"], names)
 
+    def qualified(self, sentence: str) -> str:
+        """A sentence about a proof, with what it speaks of where the equations hold a fit.
+
+        Parameters
+        ----------
+        sentence
+            The sentence, without a full stop, or nothing.
+        """
+        return "; ".join(filter(None, [sentence, self.approximation]))
+
     @cached_property
     def _graph(self) -> str:
         """The whole graph as a text: its instructions, names and the bits of its numbers."""
@@ -172,7 +184,7 @@ class Equations(Portable, Record):
     def _content(self) -> tuple[Any, ...]:
         words = [c.sentence for c in self.conditions]
         own = (self.name, self.states, self.parameters, tuple(self.observables), words, self.units,
-               self.unknowns, self.quantities, self.mass is None)  # fmt: skip
+               self.unknowns, self.quantities, self.approximation, self.mass is None)  # fmt: skip
         return (type(self), content(own), self._graph)
 
     def __hash__(self) -> int:  # the graph is read only where names are the same

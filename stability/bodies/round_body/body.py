@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -50,7 +50,8 @@ class Body(RoundShape):
     limits
         Range (low, high] of numbers of the shape, for formulas that do not hold elsewhere.
     error
-        Relative error of height and moments where they come from a quadrature [-].
+        Relative error of height, its two slopes and moments where they are computed, or a fit, and
+        no formulas [-].  What is proved is proved of the fit, and says so with this number.
     constants
         Numbers by name of which height and moments were computed, for records; none is an axis.
 
@@ -95,7 +96,7 @@ class Body(RoundShape):
     limits: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     """Range (low, high] of numbers of the shape by name, beyond which the formulas do not hold."""
     error: float = 0.0
-    """Relative error of height and moments where they come from a quadrature; 0 for formulas."""
+    """Relative error of height, its two slopes and moments where they are a fit; 0 for formulas."""
     constants: Mapping[str, float] = field(default_factory=dict)
     """Numbers by name of which height and moments were computed; no parameters, so no axes."""
 
@@ -110,9 +111,8 @@ class Body(RoundShape):
         table = mapping("constants", self.constants)
         constants = {n: one_number(n, v) for n, v in table.items()}
         object.__setattr__(self, "constants", constants)
-        object.__setattr__(
-            self, "height", expression("height", self.height, ["theta", *numbers], 1)
-        )
+        height = expression("height", self.height, ["theta", *numbers], 1)
+        object.__setattr__(self, "height", replace(height, error=self.error))
         for name in MOMENTS:
             value = getattr(self, name)
             own = callable(value)

@@ -25,7 +25,7 @@ from ..newton_euler import STATES, NewtonEuler
 from ..resistance import Resistance, total_moment
 from ..round_quantities import round_quantities
 from .height.pole_height import height_of_angle
-from .shape import RoundShape
+from .shape import RoundShape, of_fit
 from .si_law import Law, Numbers, Shape, shape_of
 
 Resistances = tuple[type[Resistance], ...]
@@ -137,7 +137,8 @@ def with_quantities(
     coefficients = {r.coefficient: r.unit if physical else "1" for r in resistance}
     known = round_quantities(shape[0], law, shape[3], [n for n in every if n not in coefficients])
     units = {n: q.kind.unit(dimensionless=not physical) for n, q in known.items()}
-    return replace(system, units=units | coefficients, quantities=known)
+    fit = of_fit(shape[0], shape[1].error)
+    return replace(system, units=units | coefficients, quantities=known, approximation=fit)
 
 
 def _conditions(x: ca.SX, between: tuple[float, float]):  # type: ignore[no-untyped-def]

@@ -99,6 +99,29 @@ def not_upright(body: RoundShape) -> str:
     return f"the slope of its height at theta = π/2 is {float(at[0][0]):.3g}, and must vanish there"
 
 
+def of_fit(name: str, error: float) -> str:
+    """Of what a proof speaks where the height of a body is a fit; empty for a formula.
+
+    Parameters
+    ----------
+    name
+        Name of the body.
+    error
+        Relative error of the fit.
+
+    Examples
+    --------
+    >>> of_fit("egg", 5e-11)
+    'for the fitted height of egg: it, its slopes and the moments are off by 5e-11, an estimate'
+    """
+    if not error:
+        return ""
+    return (
+        f"for the fitted height of {name}: it, its slopes and the moments are off by {error:.0e}, "
+        "an estimate"
+    )
+
+
 class RoundShape(Record):
     """A body's numbers; `Body` adds their meaning, checks, and families."""
 

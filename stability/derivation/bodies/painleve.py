@@ -6,7 +6,7 @@ D = I1 + h′² - mu vx h h′ > 0 for every θ exactly where mu |vx| is below t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
@@ -21,6 +21,7 @@ from ...base.citation.used import cited
 from ...base.errors import ParameterError
 from ...bodies.disk import Disk
 from ...bodies.round_body.body import Body
+from ...bodies.round_body.shape import of_fit
 from ...bodies.round_body.shapes.named import of_disk
 
 WIDTH = 1e-13
@@ -53,6 +54,8 @@ class PainleveLimit:
     """Proved upper end: at it D ≤ 0 at some inclination."""
     theta: float
     """Inclination near which D vanishes first [rad]."""
+    approximation: str = ""
+    """Of what the enclosure speaks where the height is a fit; empty for a formula."""
     citation: str = cited("viscous", model=True, proofs=True)
     """Keys of the works to cite, for `stability.citation`."""
 
@@ -94,7 +97,7 @@ def painleve_limit(body: Body | Disk) -> PainleveLimit:
     1.11803398875
     >>> egg = st.painleve_limit(st.Egg(0.2))
     >>> print(f"mu |vx| < {egg.middle:.12f}, first reached at theta = {egg.theta:.3f}")
-    mu |vx| < 1.307568805439, first reached at theta = 2.531
+    mu |vx| < 1.307568805424, first reached at theta = 2.531
     """
     if isinstance(body, Disk):
         body = of_disk(body)
@@ -103,7 +106,8 @@ def painleve_limit(body: Body | Disk) -> PainleveLimit:
         raise ParameterError("Painlevé's limit needs one number for each quantity of the body.")
     with precision(128):
         low, high = (_exact(v) for v in body.between)
-        return _enclosed(_program(body), low, high, body)
+        found = _enclosed(_program(body), low, high, body)
+    return replace(found, approximation=of_fit(body.name, body.error))
 
 
 def _exact(value: float) -> arb:

@@ -100,6 +100,7 @@ def origin(asked: Any, fixed: Mapping[str, Any], *, citation: str, **more: Any) 
         "title": f"{family.name} of {family.system.name}: spectral stability",
         "family": family.name,
         "system": family.system.name,
+        **({"approximation": fit} if (fit := family.system.approximation) else {}),
         **({"contact": asked.law.name} if asked.law else {}),
         "at": ", ".join(family.at),
         "parameters": json.dumps({n: float(v) for n, v in fixed.items()}, sort_keys=True),

@@ -27,6 +27,8 @@ class Expression(Record):
 
     text: str
     """The graph as CasADi writes it."""
+    error: float = 0.0
+    """Relative error of a graph that is a fit; 0 for a formula."""
 
     __getstate__ = fields_of
 

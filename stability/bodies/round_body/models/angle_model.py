@@ -129,7 +129,9 @@ def _round_model(  # noqa: PLR0913
         given[0] if law.relaxes else "",
         turning=(1, 2, 3), sliding=(4, 5) if len(system.states) == 6 else (),
         title=f"motion of {name}, {law.name} contact",
-        source="equations of a convex body of revolution (docs/explanation/bodies.md), integrated",
+        source=system.qualified(
+            "equations of a convex body of revolution (docs/explanation/bodies.md), integrated"
+        ),
     )  # fmt: skip
 
 

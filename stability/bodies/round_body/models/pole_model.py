@@ -101,8 +101,10 @@ def _pole_model(  # noqa: PLR0913
         ca.vertcat(*rates), tuple(names), guards, WORDS | words, series,
         quantities_with(law, own, AXES), given[0] if law.relaxes else "", turning=(3, 4, 5),
         sliding=(6, 7) if slips else (), title=f"motion of {name}, {law.name} contact",
-        source="equations of a convex body of revolution along fixed axes "
-        "(docs/explanation/bodies.md), integrated",
+        source=system.qualified(
+            "equations of a convex body of revolution along fixed axes "
+            "(docs/explanation/bodies.md), integrated"
+        ),
         chart=Chart(
             partial(_packed, slips, len(names), pose), partial(_angles, slips),
             partial(_along, len(system.states)),

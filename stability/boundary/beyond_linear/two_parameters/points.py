@@ -153,6 +153,7 @@ def in_plane(problem: Problem, axes: tuple[Axis, Axis]) -> CodimensionTwo:
     ends = tuple((g.name, g.low, g.high) for g in axes)
     law = problem.law.name if problem.law else None
     works = cited(law, model=of_package(problem), proofs=True, theory=["kuznetsov2004"])
+    how = problem.family.system.qualified(how)
     return CodimensionTwo(points, (ends[0], ends[1]), tuple(left), how, said, every, works)
 
 

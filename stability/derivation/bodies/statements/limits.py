@@ -72,7 +72,7 @@ def limit(name: str, body: Body, closed: str) -> Entry:
     return Entry(
         "Painlevé limit", name, status,
         (f"D > 0 at every θ exactly for mu |vx| < {found.middle:.12g}{own}; D vanishes first at "
-         f"θ = {found.theta:.6g}.",),
+         f"θ = {found.theta:.6g}{found.approximation and f'; {found.approximation}'}.",),
         found.low, ("viscous friction; mu |vx| without unit",),
         refuters=(f"{FILE}::test_painleve_limits_are_the_least_values",),
     )  # fmt: skip
