@@ -162,16 +162,11 @@ class Equations(Portable, Record):
         """CasADi function (x, p) → (rates, observables…); build one in each process."""
         outputs = [self.rhs, *self.observables.values()]
         names = ["rates", *self.observables]
-        return ca.Function(_identifier(self.name), [self.x, self.p], outputs, ["x", "p"], names)
+        word = "f" + "".join(c for c in self.name if c.isascii() and c.isalnum())  # CasADi's names
+        return ca.Function(word, [self.x, self.p], outputs, ["x", "p"], names)
 
     def qualified(self, sentence: str) -> str:
-        """A sentence about a proof, with what it speaks of where the equations hold a fit.
-
-        Parameters
-        ----------
-        sentence
-            The sentence, without a full stop, or nothing.
-        """
+        """A sentence about a proof, with what it speaks of where the equations hold a fit."""
         return "; ".join(filter(None, [sentence, self.approximation]))
 
     @cached_property
@@ -245,10 +240,8 @@ class Equations(Portable, Record):
         """
         arguments, shape = self._arguments(x, p)
         values = self.condition_program.quick(arguments, shape) if self.conditions else []
-        fine = np.ones(shape, dtype=bool)
-        for value in values:
-            fine &= value.reshape(shape) > 0
-        return fine
+        fine = [np.ones(shape, dtype=bool), *(value.reshape(shape) > 0 for value in values)]
+        return np.asarray(np.all(fine, axis=0))
 
     def rates(self, x: ArrayLike, p: ArrayLike, *, checked: bool = False) -> NDArray[np.float64]:
         """Rates of the states.
@@ -405,8 +398,3 @@ def _counted(word: str, given: tuple[str, ...], most: int = 8) -> str:
     """How many names of a kind there are, and the first of them."""
     told = ", ".join(given[:most]) + ", …" * (len(given) > most)
     return f"{len(given)} {word}{'s' * (len(given) != 1)}" + f" ({told})" * bool(given)
-
-
-def _identifier(name: str) -> str:
-    """A name that CasADi accepts: letters and digits only."""
-    return "f" + "".join(c for c in name if c.isascii() and c.isalnum())
