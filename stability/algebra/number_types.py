@@ -21,9 +21,9 @@ import numpy as np
 from .upright import Upright
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Algebra:
-    """A number type: its constants, and its functions beyond + - * /."""
+    """A number type: its constants, and its functions beyond + - * /; equal to itself alone."""
 
     name: str
     """Name of the number type."""

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import casadi as ca
 import numpy as np
@@ -150,7 +151,9 @@ class Program:
         self._sizes = [len(some) for some in self.places]
         self._steps = list(self._read_steps(function, taken))
         self._constants = [float(words) for _, words, _ in self._steps if isinstance(words, float)]
-        self._held: dict[tuple[str, int, int], list[Any]] = {}
+        # by the number type itself, not by its name: several fields go by one name
+        self._held: WeakKeyDictionary[Algebra, dict[tuple[int, int], list[Any]]]
+        self._held = WeakKeyDictionary()
         self._parts: dict[Varying, Parts] = {}
 
     def _read_steps(self, function: ca.Function, taken: int) -> Iterator[Step]:
@@ -191,11 +194,11 @@ class Program:
             For each output, its stored entries in column order (see `places`).
         """
         fixed, run = self._parts_of(None)
-        key = algebra.name, ctx.prec, ctx.cap
-        kept = self._held.get(key) if algebra.lasting else None
+        held = self._held.setdefault(algebra, {}) if algebra.lasting else {}
+        key = ctx.prec, ctx.cap  # one precision of balls, and one length of series
+        kept = held.get(key)
         if kept is None:
-            kept = fixed(algebra.functions, self._in(algebra), ())
-            self._held[key] = kept  # of one precision of balls, and one length of series
+            kept = held[key] = fixed(algebra.functions, self._in(algebra), ())
         return run(algebra.functions, kept, arguments)
 
     def begun(

@@ -79,7 +79,7 @@ class Record:
         table |= {n: partial(BY_OTHERS[n], table) for n in self.language.lacking}
         table["pow"] = self._power
         table["atan2"] = partial(BY_OTHERS["atan2"], table)
-        return Algebra(f"{self.language.name} {id(self)}", float, table, lasting=False)
+        return Algebra(self.language.name, float, table, lasting=False)
 
     def _power(self, base: Any, exponent: Any) -> Any:
         if not isinstance(exponent, Line) and float(exponent) == int(exponent) and exponent >= 0:

@@ -93,4 +93,5 @@ def _mpmath_algebra() -> Algebra:
         "mpmath", lambda v: mpmath.mpf(v),
         {"sin": mpmath.sin, "cos": mpmath.cos, "tan": mpmath.tan, "sqrt": mpmath.sqrt,
          "exp": mpmath.exp, "pow": mpmath.power, "fabs": mpmath.fabs},
+        lasting=False,  # a constant has the digits of one route
     )  # fmt: skip
