@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.axis import Axis
-from ..base.errors import NoMemberError, StabilityError
+from ..base.errors import StabilityError
 from ..base.types import Floats, Progress
 from ..base.verdict import CODES, DECAYING, NO_MEMBER, Verdict
 from ..spectra.problem import Problem
@@ -304,7 +304,7 @@ def _edge(
     line.neutral = neutral
     try:
         return refine(line, (x, y)[axis], end)
-    except NoMemberError:  # between two cells with members, as behind a fold
+    except StabilityError:  # no member between two cells that have one, as behind a fold
         return None
 
 
@@ -323,7 +323,10 @@ def _signs(
         for i, j in doubtful:
             line = AxisScan(problem, axes[0].name, fixed | {axes[1].name: float(ys[i])})
             line.neutral = neutral
-            sign[i, j] = line.quick_sign(float(xs[j]))
+            try:
+                sign[i, j] = line.quick_sign(float(xs[j]))
+            except StabilityError:  # no member is proved there, as where branches cross
+                sign[i, j] = 0
     # A cell on the boundary itself joins a stable neighbour, if it has one.
     padded = np.pad(sign, 1, constant_values=-1.0)
     around = np.max(
