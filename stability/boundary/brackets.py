@@ -135,6 +135,34 @@ class AxisScan:
                 raise NoMemberError(f"{family.name}: {name} came out as {value:.3g}, not positive.")
         return matrix_polynomial(family, a, unknowns, q)
 
+    def joined(self, low: float, middle: float, high: float) -> bool:
+        """Whether members at both ends are in a box with one root for each value between.
+
+        Parameters
+        ----------
+        low, middle, high
+            Values of the axis; the box is about the member at the middle.
+        """
+        family = self.problem.family
+        alone = self.problem.derived or self.formulas is not None or not family.unknown
+        if alone or family.closed:
+            return True
+
+        def solved(value: Any, near: list[float] | None) -> list[Any]:
+            a, q = self.problem.balls(self.fixed | {self.axis: value})
+            return ball_unknowns(family, a, q, near)
+
+        with precision(BITS):
+            half = (arb(high) - arb(low)) * 0.5001
+            try:
+                here = solved(arb(middle), None)
+                box = solved(arb((arb(low) + arb(high)).mid() / 2, half.abs_upper()),
+                             [float(v.mid()) for v in here])  # fmt: skip
+                ends = [solved(arb(end), None) for end in (low, high)]
+            except (StabilityError, ZeroDivisionError):
+                return False
+        return all(b.contains(v) for end in ends for b, v in zip(box, end, strict=True))
+
     def polynomial(self, value: float, bits: int = BITS) -> list[Any]:
         """The polynomial whose Hurwitz stability is the verdict."""
         family = self.problem.family
@@ -327,8 +355,8 @@ def _zero(f: Callable[[float], float], low: float, high: float) -> float:
 def bracketed(line: AxisScan, root: float, crossing: Crossing) -> BoundaryPoint | None:
     """The boundary at a root that is known to double precision; None where none is proved."""
     found = bracket(line.sign, root)
-    if found is None:
-        return None
+    if found is None or not line.joined(root - found[0], root, root + found[0]):
+        return None  # from one branch to another the verdict changes without a crossing
     if crossing is not Crossing.STATIC:  # real eigenvalues may cross two at a time
         crossing = line.vanishing(root, found[0], crossing)
     return BoundaryPoint(root, found[0], crossing, crossing_rate(line, root, crossing), found[1])

@@ -135,8 +135,23 @@ class Conditions(Record):
         return tuple(sorted(found, key=lambda c: rank[c.kind]))
 
     @property
+    def branch(self) -> str:
+        """The branch of steady motions that is meant, in words; empty where there is one alone."""
+        if self._deduction.reading.triangular.alone:
+            return ""
+        unknown = self.family.unknown
+        parts = [f"{n} = {v}" for n, v in self.solved if n in unknown]
+        parts += [f"{p} = 0" for n, p in self.relations if n in unknown]
+        return f"the branch with {', '.join(parts)}" if parts else "the branch of typical members"
+
+    @property
     def rule(self) -> str:
-        """The verdict in one sentence."""
+        """The verdict in one sentence, with the branch where there are several."""
+        said = self._rule
+        return f"On {self.branch}: {said[0].lower()}{said[1:]}" if self.branch else said
+
+    @property
+    def _rule(self) -> str:
         even = any(f.even for f in self.factors) or self._extra_zeros > 0
         good = typical(self.family, even=even)
         word = "stable or drifting" if good is Verdict.UNDECIDED else good.word

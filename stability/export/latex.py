@@ -217,6 +217,8 @@ def _of_conditions(found: Conditions) -> list[str]:
         vanishing = [f"&{polynomial(p, names)} = 0" for _, p in found.relations]
         out += ["with", *_display(vanishing)]
     out.append(r"\section*{Conditions of stability}")
+    if found.branch:
+        out.append(rf"\noindent On {_words(found.branch)}:")
     for one in found.conditions:
         out.append(rf"\noindent {_words(one.name)} of $p_{{{one.factor + 1}}}$: {one.status}")
         sign = {"negative": "<", "zero": "="}.get(one.status, ">")

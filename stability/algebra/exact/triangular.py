@@ -176,6 +176,8 @@ class Triangular:
         """Polynomials that do not vanish on this branch."""
         self.crossed: list[Any] = []
         """Those that vanish where another branch crosses this one, which goes on through there."""
+        self.alone = True
+        """Whether no factor of an equation was left aside, whose zeros are other branches."""
         self._open = list(equations)
         for index in [i for i in field.squares if i in unknowns]:
             self._open.append(field.generator(index) ** 2 - field.squares.pop(index))
@@ -197,6 +199,7 @@ class Triangular:
                 if factor not in self.nonzero and not factor.is_constant():
                     self.crossed.append(factor)
                 self._exclude(factor)
+                self.alone = self.alone and not occurring(factor) & self.unknowns
             elif state:
                 out = out * factor
             else:

@@ -21,7 +21,6 @@ from ...algebra.exact.triangular import occurring
 from ...algebra.routh_balls import hurwitz_sign, verdict_polynomial
 from ...base.errors import NoMemberError, StabilityError
 from ...derivation.general.elimination import evaluate
-from ...systems.structure.enclosure import ball_unknowns
 from ..brackets import AxisScan
 from ..interval_search.pieces import NO_MEMBER, NO_VALUE
 from ..single_points import grows
@@ -88,7 +87,7 @@ class Branch:
                 known = self._compact(full)
                 if not all(v.is_finite() for v in known.values()):
                     return Look(0, None, NO_VALUE)
-                if not (self._obeys(known) and self._solved(full)):
+                if self.tower.along.elsewhere(full) is not None:
                     return Look(0, None, OTHER)
                 label = self._label(known)
                 sign = self._sign(known) if label is not None and self._regular(known) else 0
@@ -140,17 +139,6 @@ class Branch:
             return found.sign and (self.line.sign(value) or found.sign)
         except StabilityError:
             return 0
-
-    def _obeys(self, known: Mapping[int, Any]) -> bool:
-        return all(arb(evaluate(p, known)).contains(0) for _, p in self.tower.whole.relations)
-
-    def _solved(self, known: Mapping[int, Any]) -> bool:
-        """Whether unknowns have the values of their closed forms, which other branches lack."""
-        for index, form in self.tower.along.triangular.solved.items():
-            value = arb(evaluate(form.num, known)) / arb(evaluate(form.den, known))
-            if not value.overlaps(arb(known[index])):
-                return False
-        return True
 
     def _regular(self, known: Mapping[int, Any]) -> bool:
         return not any(arb(evaluate(p, known)).contains(0) for p in self.tower.whole.nonzero)
@@ -232,8 +220,6 @@ class Branch:
         labels
             The branch below and above.
         """
-        if not self.family.unknown or self.family.closed:
-            return True
         middle = float(one.value.mid())
         for share in CLOSE:
             low = middle - share * (middle - ends[0])
@@ -242,29 +228,9 @@ class Branch:
                 continue
             if [self.look(low).label, self.look(high).label] != list(labels):
                 return False
-            if self._one_box(low, middle, high):
+            if self.line.joined(low, middle, high):
                 return True
         return False
-
-    def _one_box(self, low: float, middle: float, high: float) -> bool:
-        """Whether the members at both ends are in a box with one root for each value between."""
-
-        def solved(value: Any, near: Sequence[float] | None) -> list[Any]:
-            given = self.line.exact() | {self.line.axis: value}
-            a, q = ([given[n] for n in names]
-                    for names in (self.family.at, self.family.parameters))  # fmt: skip
-            return ball_unknowns(self.family, a, q, near)
-
-        with precision(LADDER[0]):
-            half = (arb(high) - arb(low)) * 0.5001
-            try:
-                here = solved(arb(middle), None)
-                box = solved(arb((arb(low) + arb(high)).mid() / 2, half.abs_upper()),
-                             [float(v.mid()) for v in here])  # fmt: skip
-                ends = [solved(arb(end), None) for end in (low, high)]
-            except (StabilityError, ZeroDivisionError):
-                return False
-        return all(b.contains(v) for end in ends for b, v in zip(box, end, strict=True))
 
     def zero(self, all_: Candidates, one: Candidate, what: Watched, ends: Sequence[float]) -> bool:
         """Whether a polynomial is proved to vanish at a candidate.

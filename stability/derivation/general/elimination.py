@@ -172,6 +172,23 @@ class Reading:
             known[index] = value
         return known
 
+    def elsewhere(self, known: Mapping[int, Any]) -> int | None:
+        """Index of an unknown that lacks its value on the branch of the samples, or None.
+
+        Parameters
+        ----------
+        known
+            Values of every indeterminate at a member, as balls.
+        """
+        for index, form in self.triangular.solved.items():
+            value = arb(evaluate(form.num, known)) / arb(evaluate(form.den, known))
+            if not value.overlaps(arb(known[index])):
+                return index
+        for index, equation in self.triangular.kept:
+            if not arb(evaluate(equation, known)).contains(0):
+                return index
+        return None
+
     def vanishes(self, poly: Poly) -> bool | None:
         """Whether a polynomial is zero at every sample (True), at none (False), or else (None)."""
         if poly.is_constant():

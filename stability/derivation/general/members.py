@@ -140,8 +140,19 @@ class Members:
         ----------
         point
             Rationals by name.
+
+        Raises
+        ------
+        DomainError
+            If the member lies on another branch than the conditions.
         """
         known = self.reading.member(point)
+        off = self.reading.elsewhere(known)
+        if off is not None:
+            raise DomainError(
+                f"{self.reading.name(off)} is {_short(known[off])} at this member, which lies on "
+                f"another branch of {self.reading.family.name} than the conditions."
+            )
         exact = {n: v for n, v in point.items() if isinstance(v, fmpq)}
         return [exact.get(n, known[i])
                 for n, i in zip(self.whole.names, self.whole.indices, strict=True)]  # fmt: skip
