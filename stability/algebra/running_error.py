@@ -28,6 +28,11 @@ def _pair(number: Any) -> tuple[Any, Any]:
     return (number.value, number.error) if isinstance(number, RunningError) else (number, 0.0)
 
 
+def _tracked(number: Any) -> RunningError:
+    """A number with its bound; a plain one, and a constant of a graph, is exact."""
+    return number if isinstance(number, RunningError) else RunningError(np.float64(number), 0.0)
+
+
 class RunningError:
     """An array and a bound on how far each entry is from the exact result.
 
@@ -95,9 +100,8 @@ class RunningError:
         return RunningError(other, 0.0) / self
 
     def __pow__(self, power: Any) -> RunningError:
-        exponent, unsure = (
-            (power.value, power.error) if isinstance(power, RunningError) else (power, 0.0)
-        )
+        power = _tracked(power)
+        exponent, unsure = power.value, power.error
         total = self.value**exponent
         size = np.abs(self.value)
         low, high = size - self.error, size + self.error
@@ -116,7 +120,7 @@ class Constant(float):
 
     def _with(self, other: Any, operation: Any) -> Any:
         if isinstance(other, Constant):
-            return operation(RunningError(np.float64(self), 0.0), other)
+            return operation(_tracked(self), other)
         return NotImplemented
 
     def __add__(self, other: Any) -> Any:
@@ -132,7 +136,7 @@ class Constant(float):
         return self._with(other, RunningError.__truediv__)
 
     def __rtruediv__(self, other: Any) -> Any:  # the graph's own 1 / x
-        return RunningError(np.float64(other), 0.0) / self
+        return _tracked(other) / self
 
     def __neg__(self) -> Constant:
         return Constant(-float(self))
@@ -142,8 +146,7 @@ def _elementary(function: Any, change: Any) -> Any:
     """A function with its largest change within an error: change(x, error, |value|)."""
 
     def apply(x: Any) -> Any:
-        if not isinstance(x, RunningError):
-            x = RunningError(x, 0.0)
+        x = _tracked(x)
         total = function(x.value)
         size = np.abs(total)
         own = 2 * UNIT * size + TINY * (size > 0)  # only exp rounds a nonzero value to zero
@@ -167,7 +170,7 @@ def _arc(x: Any, e: Any, _: Any) -> Any:
 
 def _angle(y: Any, x: Any) -> RunningError:
     """The angle of (x, y): it changes by less than π/2 of the way over the distance from 0."""
-    y, x = (v if isinstance(v, RunningError) else RunningError(np.float64(v), 0.0) for v in (y, x))
+    y, x = _tracked(y), _tracked(x)
     total = np.arctan2(y.value, x.value)
     way = np.hypot(y.error, x.error)
     passed = np.pi / 2 * way / np.hypot(y.value, x.value)
@@ -206,9 +209,7 @@ TRACKED = Algebra(
         "atanh": _elementary(np.arctanh, lambda x, e, _: e / _room(1 - (np.abs(x) + e) ** 2)),
         "atan2": _angle,
         "fabs": _elementary(np.abs, lambda _, e, __: e),
-        "pow": lambda x, y: (
-            (x if isinstance(x, RunningError) else RunningError(np.float64(x), 0.0)) ** y
-        ),
+        "pow": lambda x, y: _tracked(x) ** y,
     },
 )
 """The algebra in which each value of a graph carries a bound on its rounding error."""
