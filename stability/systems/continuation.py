@@ -22,8 +22,8 @@ from .following.singular_points import (
     Located,
     crossings,
     directions,
-    locate_branch_point,
-    locate_fold,
+    kind_of_crossing,
+    singular_point,
 )
 from .following.turning_points import Fold, SingularPoint
 from .system import A_FAMILY
@@ -55,7 +55,7 @@ class BranchPoint(SingularPoint):
     """
 
     kind: str
-    """`pitchfork`, `transcritical`, or `unresolved`, where no two directions were found."""
+    """`pitchfork`, `transcritical`, or `unresolved`, where neither direction leads along `at`."""
     own: Floats = field(repr=False)
     """Direction of the branch itself in (unknowns, parameter), shape (u + 1,)."""
     other: Floats | None = field(repr=False)
@@ -223,11 +223,14 @@ def _along(
     for target in np.linspace(lo, hi, points)[1:]:
         try:
             following, reached = _next(family, curve, found[-1], float(target))
+            if not reached and (following == found[-1]).all():  # on a branch point, no way leads on
+                following, reached = _next(family, curve, found[-2:][0], float(target))
         except NoMemberError as error:
             complete, ended = False, f"ended after {found[-1][-1]:g}: {error}"
             break
         if not reached:
-            where, folds, last = _stop(family, curve, found[-1], following)
+            before = found[-1] if (found[-1] != following).any() else found[-2:][0]
+            where, folds, last = _stop(family, curve, before, following)
             complete, ended = False, f"ended after {found[-1][-1]:g}: {where}"
             break
         found.append(following)
@@ -254,13 +257,13 @@ def _stop(
 ) -> tuple[str, tuple[Fold, ...], list[tuple[Located, Floats]]]:
     """What ended a branch: words, and the fold or the branch point there."""
     name, way = family.at[0], end - z
-    for what, locate in (("fold", locate_fold), ("branch point", locate_branch_point)):
-        found = locate(curve, end)
-        if found.resolved and abs(found.z[-1] - end[-1]) <= 1e-3 * (abs(way[-1]) + 1e-300):
-            said = f"a {what} at {name} = {found.z[-1]:.10g}"
-            if what == "fold":
-                return said, (_fold(family, curve, found),), []
-            return said, (), [(found, way)]
+    point = singular_point(curve, end, 1e-3 * (abs(way[-1]) + 1e-300))
+    if point is not None:
+        word, found = point
+        said = f"a {word} at {name} = {found.z[-1]:.10g}"
+        if word == "fold":
+            return said, (_fold(family, curve, found),), []
+        return said, (), [] if word == "cusp" else [(found, way)]
     return f"{family.name} has no member that continuation reaches beyond {name} = " \
         f"{end[-1]:.10g}", (), []  # fmt: skip
 
@@ -373,16 +376,14 @@ def _fold(family: Family, curve: Curve, found: Located) -> Fold:
 
 def _branch_point(family: Family, curve: Curve, found: Located, tangent: Floats) -> BranchPoint:
     """The record of a branch point; the more parallel one of its directions is the branch's."""
-    own, other, kind = tangent / np.linalg.norm(tangent), None, "unresolved"
+    own, other = tangent / np.linalg.norm(tangent), None
     both = directions(curve, found) if found.resolved else None
     if both is not None:
         mine = int(np.argmax(np.abs(both @ own)))
         own, other = both[mine], both[1 - mine]
-        flat = np.abs(both[:, -1]).min() <= FLAT
-        kind = "pitchfork" if flat else "transcritical"
     state = _states(family, curve, found.z[None])[0]
-    return BranchPoint(float(found.z[-1]), state, float(found.step[-1]), kind, own, other,
-                       family, curve, found.z)  # fmt: skip
+    return BranchPoint(float(found.z[-1]), state, float(found.step[-1]),
+                       kind_of_crossing(both), own, other, family, curve, found.z)  # fmt: skip
 
 
 def _result(

@@ -75,7 +75,7 @@ def test_the_figure_and_its_caption_name_the_empty_region(plus: Any) -> None:
 
 
 def test_a_map_without_any_member_is_refused(plus: Any) -> None:
-    with pytest.raises(st.StabilityError, match="stopped at a branch point at r = 1"):
+    with pytest.raises(st.StabilityError, match="stopped at a pitchfork at r = 1"):
         st.stability_map(plus, x=("r", -5, 0.5, 4), y=("b", 0.5, 4, 4), sigma=10)
 
 

@@ -40,6 +40,38 @@ def test_without_arclength_a_branch_ends_at_its_fold() -> None:
     assert np.allclose(run.state[:, 0], np.sqrt(run.at), rtol=1e-13)
 
 
+@pytest.mark.parametrize(
+    ("rate", "start", "stop", "guess", "word", "place"),
+    [
+        (lambda x, p: -(x**3) - p * x, -1, 1, 1.0, "pitchfork", 0.0),
+        (lambda x, p: -((x - 2) ** 3) - (p - 0.5) * (x - 2), -0.5, 1, 3.0, "pitchfork", 0.5),
+        (lambda x, p: ca.sin(x) * (p * ca.cos(x) - 1), 2, 0.5, 1.05, "pitchfork", 1.0),
+        (lambda x, p: x * (x - p), -1, 1, -1.0, "transcritical", 0.0),
+        (lambda x, p: p - x**3, 1, -1, 1.0, "cusp", 0.0),
+        (lambda x, p: (p - x**2) * (x - 3 - p), 1, -1, 1.0, "fold", 0.0),
+        (lambda x, p: 1e-9 - x**3 - p * x, -1, 1, -1.0, "fold", -3 * (5e-10) ** (2 / 3)),
+    ],
+)
+def test_the_point_that_ends_a_branch_has_its_name(
+    rate: Any, start: float, stop: float, guess: float, word: str, place: float
+) -> None:
+    """Only a fold is in `folds`; the other places are known from the factors of the rate."""
+    run = st.branch(scalar(rate, guess), start, stop, [], points=51)
+    assert run.complete if word == "transcritical" else f": a {word} at p = " in run.ended
+    assert [f.value for f in run.folds] == pytest.approx([place] if word == "fold" else [])
+    crossed = [b.kind for b in run.branch_points]
+    assert crossed == ([word] if word[0] in "pt" else [])
+    assert [b.value for b in run.branch_points] == pytest.approx([place] * len(crossed), abs=1e-9)
+
+
+def test_a_refusal_names_the_pitchfork() -> None:
+    x, p = ca.SX.sym("x"), ca.SX.sym("p")
+    system = st.System("s", x, p, -(x**3) - p * x, states=("x",), parameters=("p",))
+    side = system.steady("p", guess={"x": 1.0, "p": -1.0})
+    with pytest.raises(st.StabilityError, match="it stopped at a pitchfork at p = 0, where anoth"):
+        st.spectrum(side, at=0.5)
+
+
 def test_the_fold_of_bratu_with_three_points_is_that_of_an_equation_in_one_unknown() -> None:
     """U'' + λ e^u = 0 on three inner points of (0, 1), h = 1/4.
 
@@ -138,7 +170,7 @@ def test_the_origin_of_lorenz_leads_to_the_fixed_points_and_back() -> None:
     )
     plus = system.steady("r", guess={"x": 8, "y": 8, "z": 27, "r": 28, "sigma": 10, "b": 8 / 3})
     back = st.branch(plus, 28, 0.5, [10, 8 / 3], points=11)
-    assert back.ended == "ended after 3.25: a branch point at r = 1"
+    assert back.ended == "ended after 3.25: a pitchfork at r = 1"
     assert back.branch_points[0].value == pytest.approx(1.0, abs=1e-12)
 
 

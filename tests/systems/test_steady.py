@@ -66,7 +66,7 @@ def test_many_members_over_all_parameters_are_those_of_the_closed_form(plus: Any
 @pytest.mark.parametrize("r", [1.0, 0.999, 0.5, -3.0])
 def test_no_other_fixed_point_stands_in_where_this_one_ends(plus: Any, r: float) -> None:
     """Below r = 1 the origin is left, and Newton's method would go there."""
-    with pytest.raises(st.StabilityError, match="stopped at a branch point at r = 1,"):
+    with pytest.raises(st.StabilityError, match="stopped at a pitchfork at r = 1,"):
         plus.member([r], [10.0, B])
     with pytest.raises(st.StabilityError, match=r"no member at r = "):
         st.spectrum(plus, at=[2.0, r], sigma=10, b=B)
@@ -76,7 +76,7 @@ def test_no_other_fixed_point_stands_in_where_this_one_ends(plus: Any, r: float)
 def test_a_branch_point_is_named_wherever_the_question_lies(plus: Any, count: int) -> None:
     for r in np.random.default_rng(6).uniform(-500, 1, count):
         said = plus.search([[r]], [[10.0, B]]).why(0)
-        assert "stopped at a branch point at r = 1, where another branch crosses; " in said
+        assert "stopped at a pitchfork at r = 1, where another branch crosses; " in said
         assert said.endswith("its switch follows the other branch.")
     run = st.branch(plus, 28, -3, [10, B], points=11)
     [point] = run.branch_points
@@ -112,7 +112,7 @@ def test_the_bead_on_a_hoop_does_not_fall_onto_the_lowest_point() -> None:
     bead = hoop.steady("w", guess={"theta": 1.0, "w": 2.0, "tilt": 0.0})
     assert bead.member([1.01], [0.0])[0] == pytest.approx(math.acos(1.01**-2), rel=1e-12)
     for w in (0.2, 0.9, 0.999):
-        with pytest.raises(st.StabilityError, match="stopped at a branch point at w = 1"):
+        with pytest.raises(st.StabilityError, match="stopped at a pitchfork at w = 1"):
             bead.member([w], [0.0])
         tilted = bead.member([w], [0.01])[0]  # the imperfect pitchfork joins both
         assert math.sin(tilted) * (w * w * math.cos(tilted) - 1) == pytest.approx(-0.01, rel=1e-9)
@@ -154,7 +154,7 @@ def test_the_governor_is_found_with_its_unknowns_and_equations() -> None:
     b = np.linspace(0.1, 0.99, 12)
     found = family.member(b[:, None], [1.0, 0.5])
     assert np.allclose(found, np.column_stack([np.arccos(b), 0 * b, b**-0.5]), atol=1e-12)
-    with pytest.raises(st.StabilityError, match="stopped at a fold at b = 1"):
+    with pytest.raises(st.StabilityError, match="stopped at a branch point at b = 1"):
         family.member([1.2], [1.0, 0.5])
     # flutter at e = 2 a b^(3/2)
     at = 2 * 0.5 * 0.5**1.5
@@ -235,3 +235,44 @@ def test_the_triangular_point_above_is_found_where_only_that_one_is_admissible(
     found = family.search(share, np.zeros((50, 0)))
     above = np.hypot(found.u[:, 0] - 0.5 + share[:, 0], found.u[:, 1] - 0.75**0.5) < 1e-12
     assert (above == found.good).all() and found.good.sum() >= 49
+
+
+def test_members_next_to_a_pitchfork_are_not_refused_by_luck() -> None:
+    """X = y exists for all p > 0: q x² + (1 + p) x = 1.  Lines cross a pitchfork near p = 1."""
+    x, y, p, q = (ca.SX.sym(n) for n in "xypq")
+    rates = ca.vertcat(x * (1 - x - p * y - q * x**2), y * (1 - y - p * x - q * y**2))
+    system = st.System("rivals", ca.vertcat(x, y), ca.vertcat(p, q), rates, states=("x", "y"),
+                       parameters=("p", "q"))  # fmt: skip
+    even = system.steady("p", guess={"x": 0.6, "y": 0.6, "p": 0.5}, q=0.1)
+    grid = np.meshgrid(np.linspace(0.1, 3, 40), np.linspace(0.01, 0.5, 30))
+    at, other = grid[0].ravel(), grid[1].ravel()
+    found = even.search(at[:, None], other[:, None])
+    assert found.good.all()
+    exact = (np.sqrt((1 + at) ** 2 + 4 * other) - 1 - at) / (2 * other)
+    assert np.allclose(found.u, exact[:, None], rtol=1e-10)
+
+
+def test_a_side_branch_does_not_go_on_as_the_middle_one() -> None:
+    """X = c ± √(1/3 - p) ends at a pitchfork, beyond which x = c has a slope of the same sign."""
+    x, p = ca.SX.sym("x"), ca.SX.sym("p")
+    for c in (0.0, 2.0, 1000.0):
+        rate = -((x - c) ** 3) - (p - 1 / 3) * (x - c)
+        system = st.System("s", x, p, rate, states=("x",), parameters=("p",))
+        side = system.steady("p", guess={"x": c + 1, "p": -2 / 3})
+        stops = np.array([[0.34], [0.5], [1.0], [7.0]])
+        assert not side.search(stops, np.zeros((4, 0))).good.any()
+        assert side.search(np.array([[0.33]]), np.zeros((1, 0))).good.all()
+
+
+def test_a_member_that_runs_to_infinity_is_refused_in_a_sentence() -> None:
+    """A stirred tank reactor: towards D = 0 the equations overflow, and again where D < 0."""
+    x, y, b, c, d = (ca.SX.sym(n) for n in ("x", "y", "B", "c", "D"))
+    rate = d * (1 - x) * ca.exp(y)
+    tank = st.System("tank", ca.vertcat(x, y), ca.vertcat(b, c, d),
+                     ca.vertcat(-x + rate, -y + b * rate - c * y), states=("x", "y"),
+                     parameters=("B", "c", "D"))  # fmt: skip
+    hot = tank.steady("D", guess={"x": 0.7, "y": 3.0, "D": 0.15}, B=7.06, c=0.74)
+    given = np.array([0.15, 7.06, 0.74]) + [-0.155, 204.74, -0.925]
+    found = hot.search(given[None, :1], given[None, 1:])
+    assert not found.good[0]
+    assert "it stopped at D = " in found.why(0)

@@ -14,7 +14,7 @@ from ..graph.family_graph import FamilyGraph
 from ..graph.ignorable import ignorable
 from .roots import accepted, newton_step, roots
 from .sheet import follow
-from .singular_points import Curve, Located, locate_branch_point, locate_fold
+from .singular_points import Curve, singular_point
 from .steadiness import given_noise, rate_noise
 
 UNKNOWN = 1e-10
@@ -26,16 +26,17 @@ LAST = 1e-2
 """Largest correction of an unknown at the end of a line, relative to 1 or to the unknown."""
 TINY = 1e-6
 """Largest correction after three Newton steps there."""
-UPRIGHT = 1e-5
-"""Curvature of the line's parameter over the unknowns at a fold, both over 1 or their size, below
-which it is a cusp: there the parameter does not turn."""
-FOLD, CROSSING, CUSP = "a fold at ", "a branch point at ", "a cusp at "
+CROSSES = (
+    ", where another branch crosses; branch lists this point in branch_points, and its switch "
+    "follows the other branch"
+)
 BEYOND = {
-    CUSP: ", through which this line runs: lines on one side of it go on, and those on the other "
+    "cusp": ", through which this line runs: lines on one side of it go on, and those on the other "
     "end at a fold; take a known member from which the line does not meet it",
-    FOLD: ", where this branch turns; branch with arclength=True goes round it",
-    CROSSING: ", where another branch crosses; branch lists this point in branch_points, and "
-    "its switch follows the other branch",
+    "fold": ", where this branch turns; branch with arclength=True goes round it",
+    "pitchfork": CROSSES,
+    "transcritical point": CROSSES,
+    "branch point": CROSSES,
 }
 """What is on the other side of each singular point, and how to get there."""
 STEEP = ", where it changes too fast to follow; a known member closer by may reach it"
@@ -159,42 +160,18 @@ def _stopped(family: Any, asked: Floats, u: Floats, share: float, positive: Sequ
     if share == 1 and wrong:
         return f"{family.name} has no member at {place}: {wrong[0]} is not positive there."
     curve = Curve(family.graph, len(family.at), anchor, asked - anchor)
-    beyond = STEEP if share < 1 else ""
-    what, share = _singular(curve, u, share)
+    point = singular_point(curve, np.array([*u, share]), NEXT)
+    what, beyond = "", STEEP if share < 1 else ""
+    if point is not None:
+        what, beyond, share = f"a {point[0]} at ", BEYOND[point[0]], float(point[1].z[-1])
     stop = anchor + share * (asked - anchor)
     stop[np.abs(stop) < 1e-12 * np.abs(asked - anchor)] = 0.0
     return (
         f"{family.name} has no member at "
         f"{listing([names[i] for i in moved], asked[moved])} that continuation from {start} "
         f"reaches: it stopped at {what}{listing([names[i] for i in moved], stop[moved])}"
-        f"{BEYOND.get(what, beyond)}."
+        f"{beyond}."
     )
-
-
-def _singular(curve: Curve, u: Floats, share: float) -> tuple[str, float]:
-    """The words `a fold at `, `a cusp at ` or `a branch point at ` and the place of the end."""
-    end = np.array([*u, share])
-    for what, locate in ((FOLD, locate_fold), (CROSSING, locate_branch_point)):
-        found = locate(curve, end)
-        if found.resolved and abs(found.z[-1] - share) <= NEXT:
-            upright = what == FOLD and _upright(curve, found)
-            return CUSP if upright else what, float(found.z[-1])
-    return "", share
-
-
-@np.errstate(all="ignore")
-def _upright(curve: Curve, fold: Located) -> bool:
-    """Whether the curve's parameter does not turn at a fold: ψ r_uu φ φ = 0."""
-    z, left = fold.z, fold.left
-    n = len(z) - 1
-    slope = curve.at(z[None])[1][0]
-    _, sizes, ways = np.linalg.svd(slope[:, :n])
-    if n > 1 and not sizes[-2] > UPRIGHT * np.abs(slope).max():
-        return False  # φ is not the only direction
-    phi = ways[-1]
-    bend = np.einsum("i,kij,k,j->", left, curve.turning(z)[:n, :, :n], phi, phi)
-    size = float(np.max(1 + np.abs(z[:n]))) ** 2 / (1 + abs(float(z[-1])))
-    return bool(abs(bend) * size <= UPRIGHT * abs(left @ slope[:, -1]))
 
 
 def require_steady(family: Any, a: Floats, u: Floats, q: Floats, states: Floats) -> None:

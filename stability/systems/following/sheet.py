@@ -11,7 +11,7 @@ between two branches.  A fold is never passed: the members that are reached form
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +41,8 @@ BEND = 0.6
 """Largest change of a tangent over one step, relative to the tangent."""
 SLIGHT = 0.01
 """Largest change of a tangent over one step, as its effect relative to the unknown."""
+AHEAD = 2
+"""Least way to where the determinant would vanish, over a step on which it keeps its sign."""
 SETTLED = 1e-10
 """Corrections below this, relative to 1 or to the unknown, are rounding."""
 
@@ -130,10 +132,13 @@ def follow(graph: FamilyGraph, cut: int, start: Floats, u: Floats, stop: Floats)
     lines = _Lines(graph, cut, start, stop)
     u, t = u.copy(), np.zeros(len(u))
     step, patience = np.full(len(u), 1.0), np.zeros(len(u), dtype=int)
+    jumped = np.zeros(len(u), dtype=bool)
     rows = np.arange(len(u))
     _, slope, along = lines.at(rows, u, t)
     turn = -solved(slope, along)
-    sign = _sign(slope)
+    sign, size = _sign(slope)
+    # the way to where the determinant would vanish, by its change over the last step
+    left = _left(BRANCH, size, _sign(lines.at(rows, u - BRANCH * turn, t - BRANCH)[1])[1])
     for _ in range(MOST_STEPS):
         rows = np.flatnonzero((t < 1) & (step >= np.minimum(LEAST, 1 - t)) & (sign != 0))
         if not len(rows):
@@ -141,17 +146,27 @@ def follow(graph: FamilyGraph, cut: int, start: Floats, u: Floats, stop: Floats)
         room = REACH * (1 + np.abs(u[rows])) / np.maximum(np.abs(turn[rows]), 1e-300)
         h = np.minimum(np.minimum(step[rows], room.min(axis=1)), 1 - t[rows])
         step[rows] = h
+        # a branch point is passed from a distance to the same distance, not from where it is near
+        jump = (left[rows] <= BRANCH / 2) & ~jumped[rows]
+        h = np.where(jump, np.minimum(2 * left[rows], 1 - t[rows]), h)
+        jumped[rows] = jump
         following = np.where(h == 1 - t[rows], 1.0, t[rows] + h)
         new, fine, slopes = _corrected(lines, rows, u[rows] + h[:, None] * turn[rows], following)
-        now = _sign(slopes[0])
+        now, large = _sign(slopes[0])
         after = -solved(*slopes)
         fine &= (now != 0) & ((now == sign[rows]) | (h <= BRANCH))
+        # beyond where the determinant vanishes another sheet may have its sign
+        fine &= (now != sign[rows]) | (h * AHEAD <= left[rows])
         fine &= _smooth(h, u[rows], new, turn[rows], after)
         for i in np.flatnonzero(fine & (now != sign[rows])):
             fine[i] = lines.crosses(rows[i], (u[rows[i]] + new[i]) / 2, t[rows[i]] + h[i] / 2, h[i])
-        done, failed = rows[fine], rows[~fine]
+        done = rows[fine]
+        left[done] = _left(h, large, size[rows])[fine]
+        size[done] = large[fine]
         u[done], t[done], sign[done], turn[done] = (
             v[fine] for v in (new, following, now, after))  # fmt: skip
+        jumped[done] = False
+        failed = rows[~fine & ~jump]
         step[failed] *= SHORTER
         patience[failed] = 2
         step[done] = np.where(patience[done] > 0, h[fine], 2 * h[fine])
@@ -159,10 +174,19 @@ def follow(graph: FamilyGraph, cut: int, start: Floats, u: Floats, stop: Floats)
     return Followed(u, t)
 
 
-def _sign(slope: Floats) -> NDArray[np.float64]:
+def _sign(slope: Floats) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Sign of each determinant, and the logarithm of its size."""
     with np.errstate(all="ignore"):
-        found = np.linalg.slogdet(slope)[0]
-    return np.where(np.isfinite(slope).all(axis=(1, 2)), found, 0.0)
+        sign, size = np.linalg.slogdet(slope)
+    finite = np.isfinite(slope).all(axis=(1, 2))
+    return np.where(finite, sign, 0.0), np.where(finite, size, -np.inf)
+
+
+def _left(h: Any, now: Floats, before: Floats) -> Floats:
+    """Way over which a determinant that shrank over h goes on to zero; infinite if it grew."""
+    with np.errstate(all="ignore"):
+        ratio = np.exp(before - now)
+        return np.where(ratio > 1, h / (ratio - 1), np.inf)
 
 
 def _smooth(h: Floats, u: Floats, new: Floats, turn: Floats, after: Floats) -> NDArray[np.bool_]:

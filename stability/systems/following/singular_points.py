@@ -23,6 +23,11 @@ TINY = 1e-32
 """Unfolding that counts as none, for equations that are exact at the point."""
 FLAT = 1e-5
 """Share of the parameter in a direction below which the direction is a pitchfork's."""
+UPRIGHT = 1e-5
+"""Curvature of the line's parameter over the unknowns at a fold, both over 1 or their size, below
+which it is a cusp: there the parameter does not turn."""
+NEAR = 1e-2
+"""Longest way in the unknowns to the point that ended a line, relative to 1 or to the unknown."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,6 +137,8 @@ def locate_fold(curve: Curve, z: Floats) -> Located:
         z, phi = z - step[: n + 1], phi - step[n + 1 :]
         if _settled(z, last, last := np.abs(step[: n + 1])):
             break
+    if not np.isfinite(slope).all():
+        return Located(z, np.full(n + 1, np.inf), False, np.zeros(n))
     left = np.linalg.svd(slope[:, :n])[0][:, -1]
     terms = np.abs(slope) * (1 + np.abs(z))
     bent = abs(float(left @ slope[:, -1])) * (1 + abs(z[-1])) > FLAT * float(terms.max())
@@ -215,6 +222,64 @@ def directions(curve: Curve, point: Located) -> Floats | None:
     found = pairs @ plane
     unit: Floats = found / np.linalg.norm(found, axis=1, keepdims=True)
     return unit
+
+
+def kind_of_crossing(both: Floats | None) -> str:
+    """`pitchfork`, `transcritical`, or `unresolved` where no direction leads along the axis."""
+    if both is None or (flat := np.abs(both[:, -1]) <= FLAT).all():
+        return "unresolved"
+    return "pitchfork" if flat.any() else "transcritical"
+
+
+def singular_point(curve: Curve, end: Floats, reach: float) -> tuple[str, Located] | None:
+    """The point at which members that were followed along a curve end.
+
+    Parameters
+    ----------
+    curve
+        The curve.
+    end
+        Its last member, shape (u + 1,).
+    reach
+        Longest way from it to the point, in the parameter.
+
+    Returns
+    -------
+    word, Located
+        `fold`, `cusp`, `pitchfork`, `transcritical point`, or `branch point` where its directions
+        are not resolved; None where no such point is.
+    """
+
+    def near(found: Located) -> bool:
+        way = np.abs(found.z - end)
+        close = bool((way[:-1] <= NEAR * (1 + np.abs(end[:-1]))).all())
+        return found.resolved and close and bool(way[-1] <= reach)
+
+    # the equations of a fold hold at a pitchfork too, those of a branch point at no fold
+    found = locate_branch_point(curve, end)
+    if near(found):
+        kind = kind_of_crossing(directions(curve, found))
+        words = {"transcritical": "transcritical point", "unresolved": "branch point"}
+        return words.get(kind, kind), found
+    found = locate_fold(curve, end)
+    if near(found):
+        return "cusp" if _upright(curve, found) else "fold", found
+    return None
+
+
+@np.errstate(all="ignore")
+def _upright(curve: Curve, fold: Located) -> bool:
+    """Whether the curve's parameter does not turn at a fold: ψ r_uu φ φ = 0."""
+    z, left = fold.z, fold.left
+    n = len(z) - 1
+    slope = curve.at(z[None])[1][0]
+    _, sizes, ways = np.linalg.svd(slope[:, :n])
+    if n > 1 and not sizes[-2] > UPRIGHT * np.abs(slope).max():
+        return False  # φ is not the only direction
+    phi = ways[-1]
+    bend = np.einsum("i,kij,k,j->", left, curve.turning(z)[:n, :, :n], phi, phi)
+    size = float(np.max(1 + np.abs(z[:n]))) ** 2 / (1 + abs(float(z[-1])))
+    return bool(abs(bend) * size <= UPRIGHT * abs(left @ slope[:, -1]))
 
 
 def _step(block: Floats, right: Floats) -> Floats | None:
