@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -25,6 +25,7 @@ from .equations import Equations
 from .family import Family
 from .following.roots import accepted, newton_step, roots
 from .following.sheet import Anchor
+from .graph.ignorable import acting_on, ignorable
 from .system_checks import mapping, names
 
 STARTS = 64
@@ -37,6 +38,8 @@ SIZES = (-6, 9)
 """Powers of ten between which their sizes lie, as those of quantities in SI units do."""
 STEPS = 60
 """Most damped Newton steps from one guess."""
+POINTS = 5
+"""Points at which ranks are looked at."""
 SAME = 1e-9
 """Relative size below which a singular value counts as zero where equations are chosen."""
 
@@ -80,10 +83,24 @@ def steady(
     fixed: dict[str, Any] = mapping("held", held or {})
     for what in fixed:
         system.index(what)
+    moving = _moving(system, {*fixed, *where, *(equations or ())})
     unknown = [n for n in system.states if n not in fixed and n not in where]
-    for what in [n for n in unknown if n not in given and _ignorable(system, n)]:
-        fixed[what] = 0.0  # no rate depends on it, so any value is as good
+    solved = names("equations", equations) if equations is not None else None
+    for what in [n for n in unknown if n in moving or (n not in given and _ignorable(system, n))]:
         unknown.remove(what)
+    if solved is None:
+        for what in _resting(system, fixed, unknown, given):
+            fixed[what] = 0.0
+            unknown.remove(what)
+        try:
+            solved = _equations(system, fixed, unknown, given, moving)
+        except ParameterError:  # an ignorable state that rests decides what the others leave open
+            if not moving:
+                raise
+            solved, moving = _equations(system, fixed, unknown, given, ()), ()
+    for what in system.states:
+        if what not in (*fixed, *where, *unknown, *moving):
+            fixed[what] = 0.0  # no rate depends on it, so any value is as good
     missing = [n for n in (*where, *system.parameters) if n not in given]
     if missing and unknown:
         raise ParameterError(
@@ -93,8 +110,6 @@ def steady(
     first = {n: given.get(n, 0.0) for n in unknown}
     typical = {n: given[n] or 1.0 for n in (*where, *system.parameters) if n in given}
     of_family.setdefault("typical", typical)
-    solved = names("equations", equations) if equations is not None else _equations(
-        system, fixed, unknown, given)  # fmt: skip
     family = Family(
         system, name or f"steady {system.name}", where, held=fixed, unknown=first,
         equations=solved, positive=tuple(positive), **of_family,
@@ -117,6 +132,15 @@ def _exists(family: Family, given: Mapping[str, float]) -> bool:
     return True
 
 
+def _moving(system: Equations, named: Collection[str]) -> tuple[str, ...]:
+    """Ignorable states that need not rest: those that act on none that is named."""
+    out = [n for n in ignorable(system) if n not in named]
+    while acting := [n for n in out if acting_on(system, n, [s for s in named if s not in out])]:
+        out = [n for n in out if n not in acting]
+        named = {*named, *acting}
+    return tuple(out)
+
+
 def _ignorable(system: Equations, state: str) -> bool:
     """Whether no rate and no condition depends on a state."""
     symbol = system.x[system.index(state)]
@@ -128,18 +152,24 @@ def _ignorable(system: Equations, state: str) -> bool:
 
 
 def _equations(
-    system: Equations, held: Mapping[str, Any], unknown: Sequence[str], given: Mapping[str, float]
-) -> tuple[str, ...]:
-    """States whose rates are to vanish: independent ones, as many as there are unknowns."""
+    system: Equations, held: Mapping[str, Any], unknown: Sequence[str],
+    given: Mapping[str, float], moving: Collection[str],
+) -> tuple[str, ...]:  # fmt: skip
+    """What is to vanish: independent residuals and rates, as many as there are unknowns."""
     if not unknown:
         return ()
-    rates = _rates(system, held)
+    own = {n: v for n, v in zip(system.states, ca.vertsplit(system.rhs), strict=True)
+           if n not in moving}  # fmt: skip
+    rates = _places(system) | own
+    values = _with_held(system, held, ca.vertcat(*rates.values()))
     sought = ca.vertcat(*[system.x[system.index(n)] for n in unknown])
-    rows = [i for i in range(rates.numel())
-            if not rates[i].is_zero() and ca.depends_on(rates[i], sought)]  # fmt: skip
+    rows = [n for i, n in enumerate(rates)
+            if not values[i].is_zero() and ca.depends_on(values[i], sought)]  # fmt: skip
     # a rate of an ignorable state comes last: where others suffice, it is checked but not solved
-    rows.sort(key=lambda i: _ignorable(system, system.states[i]))
-    slopes = ca.jacobian(ca.vertcat(*[rates[i] for i in rows]), sought) if rows else ca.SX(0, 0)
+    rows.sort(key=lambda n: n in own and _ignorable(system, n))
+    table = dict(zip(rates, ca.vertsplit(values), strict=True))
+    slopes = (ca.jacobian(ca.vertcat(*[table[n] for n in rows]), sought) if rows
+              else ca.SX(0, 0))  # fmt: skip
     chosen = _independent(_sampled(system, slopes, given)) if rows else []
     if len(chosen) < len(unknown):
         open_ = [n for i, n in enumerate(unknown) if not rows or not slopes[:, i].nnz()]
@@ -149,31 +179,61 @@ def _equations(
             f"the rates of {system.name} that do not vanish identically leave {which}; name "
             "in at or held as many states more."
         )
-    return tuple(system.states[rows[i]] for i in sorted(chosen, key=lambda i: rows[i]))
+    order = list(rates)
+    return tuple(sorted((rows[i] for i in chosen), key=order.index))
 
 
-def _rates(system: Equations, held: Mapping[str, Any]) -> ca.SX:
+def _places(system: Equations) -> dict[str, ca.SX]:
+    """Residuals of constraints on places; with these the rates are dependent at the members."""
+    return {n: v for n, v in system.observables.items() if n.startswith("residual_")
+            and n.replace("residual_", "residual_rate_", 1) in system.observables}  # fmt: skip
+
+
+def _resting(
+    system: Equations, held: Mapping[str, Any], unknown: Sequence[str], given: Mapping[str, float]
+) -> list[str]:
+    """Velocities of a system with constraints that rates force to be exactly zero."""
+    out = [n for n in unknown if not given.get(n)] if _places(system) else []
+    while out:
+        zero = dict.fromkeys(out, 0.0)
+        rates = _with_held(system, held, system.rhs)
+        still = _with_held(system, {**held, **zero}, system.rhs)
+        rows = [i for i in range(len(system.states)) if still[i].is_zero()]
+        sought = ca.vertcat(*[system.x[system.index(n)] for n in out])
+        slopes = ca.jacobian(rates[rows], sought)
+        table = _sampled(system, slopes, given)[:, : len(out)]
+        felt = [n for n, column in zip(out, table.T, strict=True) if column.any()]
+        if len(felt) == len(out):
+            return out if np.linalg.matrix_rank(table) == len(out) else []
+        out = felt
+    return out
+
+
+def _with_held(system: Equations, held: Mapping[str, Any], rates: ca.SX) -> ca.SX:
     """Rates with the held values in place."""
     if not held:
-        return system.rhs
+        return rates
     symbols = ca.vertcat(*[system.x[system.index(n)] for n in held])
     values = [np.pi / 2 if isinstance(v, Upright) else one_number(f"held {n}", v)
               for n, v in held.items()]  # fmt: skip
-    return ca.substitute(system.rhs, symbols, ca.DM(values))
+    return ca.substitute(rates, symbols, ca.DM(values))
 
 
 def _sampled(system: Equations, slopes: ca.SX, given: Mapping[str, float]) -> Floats:
     """Slopes at a few points, side by side: ranks there are typical ranks.
 
-    Half of the points have states near the guess, half near 0: far away a slope may underflow.
+    The first point is the guess, since rows that are independent elsewhere may not be so at a
+    member.  Of the others half have states near the guess, half near 0: far away a slope may
+    underflow.
     """
     function = ca.Function("slopes", [system.x, system.p], [ca.densify(slopes)])
     rng = np.random.default_rng(5)
     blocks = []
-    for block in range(4):
-        about = {n: v for n, v in given.items() if block < 2 or n in system.parameters}
+    for block in range(POINTS):
+        about = {n: v for n, v in given.items() if block < 3 or n in system.parameters}
+        away = 0.1 if block else 0.0
         points = [
-            [about.get(n, 0.0) + 0.1 * (1 + abs(about.get(n, 0.0))) * rng.uniform(-1, 1)
+            [about.get(n, 0.0) + away * (1 + abs(about.get(n, 0.0))) * rng.uniform(-1, 1)
              for n in its] for its in (system.states, system.parameters)
         ]  # fmt: skip
         blocks.append(np.array(function(*points)))
@@ -186,9 +246,9 @@ def _independent(table: Floats) -> list[int]:
 
     Each block of columns is one point; rows that are independent at one are so at almost all.
     """
-    size = table.shape[1] // 4
+    size = table.shape[1] // POINTS
     best: list[int] = []
-    for block in range(4):
+    for block in range(POINTS):
         part = table[:, block * size : (block + 1) * size]
         scale = np.abs(part).max(axis=1, keepdims=True)
         part = part / np.where(scale > 0, scale, 1.0)

@@ -242,10 +242,10 @@ class System(Equations):
             Values of the states that are the same along the family.
         guess
             Values near one member: of parameters and states, by name.  A state that is left out
-            counts as 0.  A state on which nothing depends is held there.
+            counts as 0.  An ignorable state, such as a place, is left out: it may move.
         equations
-            States whose rates must vanish, as many as there are unknowns; independent rates that
-            are not identically zero when left out.
+            States whose rates must vanish, or observables that must, as many as there are
+            unknowns; independent rates, and residuals of constraints on places, when left out.
         positive
             Unknowns that must be positive.
         name

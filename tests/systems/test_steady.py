@@ -162,12 +162,12 @@ def test_the_governor_is_found_with_its_unknowns_and_equations() -> None:
     assert words == ["stable", "unstable"]
 
 
-def test_a_state_on_which_nothing_depends_is_held() -> None:
+def test_a_state_on_which_nothing_depends_is_left_out() -> None:
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
     system = st.System("s", x, p, ca.vertcat(p - x[0] ** 2, p - x[0] ** 2), states=("x", "place"),
                        parameters=("p",))  # fmt: skip
     family = system.steady("p", guess={"x": 1.0, "p": 1.0})
-    assert dict(family.held) == {"place": 0.0}
+    assert family.left_out == ("place",)
     assert family.equations == ("x",)
     assert np.allclose(family.member([4.0], []), [2.0, 0.0])
 
@@ -276,3 +276,56 @@ def test_a_member_that_runs_to_infinity_is_refused_in_a_sentence() -> None:
     found = hot.search(given[None, :1], given[None, 1:])
     assert not found.good[0]
     assert "it stopped at D = " in found.why(0)
+
+
+def test_a_place_may_move() -> None:
+    """A car at v = F/b; one that rests, or drives by v (1 - v); a cart that turns in circles."""
+    x, v, f, b = (ca.SX.sym(n) for n in ("x", "v", "F", "b"))
+
+    def car(rate: ca.SX) -> st.System:
+        return st.System("car", ca.vertcat(x, v), ca.vertcat(f, b), ca.vertcat(v, rate),
+                         states=("x", "v"), parameters=("F", "b"))  # fmt: skip
+
+    for guess in ({"v": 1.0}, {"x": 3.0, "v": 1.0}, {}):
+        cruise = car(f - b * v).steady("F", guess={**guess, "F": 1.0}, b=1.0)
+        assert cruise.member([3.0], [0.5])[1] == pytest.approx(6.0)
+        assert st.spectrum(cruise, at=3.0, b=0.5).eigenvalues == pytest.approx(-0.5)
+    own = car(v * (f - b * v))
+    assert own.steady("F", guess={"v": 0.9, "F": 1.0}, b=1.0).member([2.0], [1.0])[1] == 2.0
+    assert car(f * x - f * x - 0 * v).steady("F", guess={"F": 1.0}, b=1.0).held == {"x": 0.0}
+    free = car(ca.SX(0)).steady("F", held={"v": 1.0}, guess={"F": 1.0, "b": 1.0})
+    assert free.left_out == ("x",)
+
+    y, heading, turn, m = (ca.SX.sym(n) for n in ("y", "heading", "turn", "M"))
+    cart = st.System(
+        "cart", ca.vertcat(x, y, heading, v, turn), ca.vertcat(f, m),
+        ca.vertcat(v * ca.cos(heading), v * ca.sin(heading), turn, f - v, m - 2 * turn),
+        states=("x", "y", "heading", "v", "turn"), parameters=("F", "M"),
+    )  # fmt: skip
+    circle = cart.steady("F", guess={"v": 1.0, "turn": 1.0, "F": 1.0}, M=1.0)
+    assert circle.member([2.0], [3.0])[3:] == pytest.approx([2.0, 1.5])
+
+
+@pytest.mark.parametrize("guess", [(-math.pi / 3, math.pi / 3, math.pi / 3), (-1.2, 1.1, 0.9)])
+def test_three_hinged_bars_hang_at_the_pose_of_their_guess(guess: tuple[float, ...]) -> None:
+    """Bars of length 1 between hinges 2 apart hang as half a hexagon.
+
+    There the outer bars turn at ω and the middle one at -ω, so T = 3/4 ω² and V'' = 5 g/√3.
+    """
+    q, u, g, c = ca.SX.sym("q", 3), ca.SX.sym("u", 3), ca.SX.sym("g"), ca.SX.sym("c")
+    angle, turn = ca.cumsum(q), ca.cumsum(u)
+    x = y = vx = vy = kinetic = potential = ca.SX(0)
+    for i in range(3):
+        sine, cosine = ca.sin(angle[i]), ca.cos(angle[i])
+        kinetic += ((vx - sine * turn[i] / 2) ** 2 + (vy + cosine * turn[i] / 2) ** 2) / 2
+        kinetic += turn[i] ** 2 / 24
+        potential += g * (y + sine / 2)
+        x, y, vx, vy = x + cosine, y + sine, vx - sine * turn[i], vy + cosine * turn[i]
+    bars = st.mechanics(q, u, ca.vertcat(g, c), kinetic=kinetic, potential=potential,
+                        forces=ca.vertcat(-c * u[0], 0, 0), holonomic={"X": x - 2, "Y": y},
+                        independent=("u_0",))  # fmt: skip
+    pose = dict(zip(("q_0", "q_1", "q_2"), guess, strict=True))
+    hang = bars.steady("g", guess={**pose, "g": 9.81}, c=0.1)
+    found = st.spectrum(hang, at=9.81, c=0.1)
+    assert found.verdict.word == "stable"
+    assert found.eigenvalues == pytest.approx(np.sort(np.roots([1.5, 0.1, 5 * 9.81 / 3**0.5])))
