@@ -405,3 +405,28 @@ def test_a_root_finder_that_passes_to_another_branch_between_samples_is_seen() -
     with pytest.warns(st.StabilityWarning, match="not complete"):
         found = st.boundaries(family, axis=("p", 0.2, 1.02, 9))
     assert any(u.high >= 1.0 for u in found.unresolved)
+
+
+@pytest.mark.parametrize(
+    ("damping", "expected", "touching"),
+    [
+        (lambda p: 1 + ca.fabs(p), [], ()),
+        (lambda p: 1 + ca.sqrt((p - 0.3) ** 2), [], ()),
+        (lambda p: ca.fabs(p - 1) - 0.5, [0.5, 1.5], ()),
+        (lambda p: 3 * ca.fabs(p) + p, [], (0.0,)),
+        (lambda p: ca.fabs(p) + 2 * p, [0.0], ()),
+    ],
+)
+def test_a_kink_along_the_axis_is_no_end_of_the_family(
+    damping: Any, expected: list[float], touching: tuple[float, ...]
+) -> None:
+    """An oscillator with damping that is linear on both sides of each kink."""
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
+    rates = ca.vertcat(x[1], -4 * x[0] - damping(p) * x[1])
+    system = st.System("kinked", x, p, rates, states=("x", "v"), parameters=("p",))
+    rest = st.Family(system, "rest", at=("p",), held={"x": 0, "v": 0})
+    found = st.boundaries(rest, axis=("p", -2, 2, 20))
+    assert found.complete
+    assert [b.value for b in found] == pytest.approx(expected, abs=1e-12)
+    assert [(b.crossing.word, b.frequency) for b in found] == [("flutter", 2.0)] * len(expected)
+    assert found.touching == pytest.approx(touching, abs=1e-12)

@@ -239,6 +239,7 @@ class _Judge:
         if not same:
             self._leave(arb(below.place), arb(above.place), BRANCH)
             return False
+        kept = [w for w in kept if w.kind != "kink"]
         if signs[0] == signs[1] and kept:
             self._single(one, kept, ends, signs[0])
         return signs[0] != signs[1]

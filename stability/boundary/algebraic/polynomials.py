@@ -38,7 +38,8 @@ class Watched:
 
     kind: str
     """static, flutter, pole (no linearisation), fold (members meet, or go to infinity), end (an
-    unknown that must be positive vanishes) or crossed (another branch crosses this one)."""
+    unknown that must be positive vanishes), kink (the argument of a square root, as of |x|) or
+    crossed (another branch crosses this one)."""
     poly: Any
     """The polynomial in the ring of the family's polynomials."""
     image: Any
@@ -63,7 +64,10 @@ def watched(tower: Tower, budget: Budget) -> list[Watched]:
         found += _critical(a, budget)
     for level in tower.levels:
         if level.own is not None:
-            found.append(("fold", level.own.derivative(level.place)))
+            # √ is the larger root on both sides, so nothing meets where its argument vanishes
+            root = tower.along.field.meaning.get(tower.whole.indices[level.place], ("",))[0]
+            kind = "kink" if root == "sqrt" else "fold"
+            found.append((kind, level.own.derivative(level.place)))
             parts = by_power(level.own, level.place)
             found.append(("fold", parts[max(parts)]))
     out: dict[tuple[str, str], Watched] = {}
