@@ -32,8 +32,14 @@ def test_a_map_says_where_no_member_exists_and_draws_the_rest(lorenz: Any) -> No
     """C+ exists for r > 1; it is stable below r = σ(σ+b+3)/(σ-b-1)."""
     flags = dict(zip(lorenz.verdict.attrs["flag_meanings"].split(),
                      lorenz.verdict.attrs["flag_values"].tolist(), strict=True))  # fmt: skip
-    assert flags == {"undecided": 0, "stable": 1, "unstable": 2, "neutral": 3,
-                     "drifting": 5, "no_member": 4}
+    assert flags == {
+        "undecided": 0,
+        "stable": 1,
+        "unstable": 2,
+        "neutral": 3,
+        "drifting": 5,
+        "no_member": 4,
+    }
     r, b = np.meshgrid(lorenz.r.values, lorenz.b.values)
     hopf = 10 * (10 + b + 3) / (10 - b - 1)
     wanted = np.where(r <= 1, 4, np.where(r < hopf, 1, 2))
