@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from enum import Enum
 from typing import Any
+
+from .errors import ParameterError, shown
 
 
 class Kind(Enum):
@@ -49,6 +52,89 @@ class Kind(Enum):
     def suffix(self) -> str:
         """The SI unit after a number in a sentence; nothing for a number without a unit."""
         return "" if self is Kind.NUMBER else f" {readable(self.si)}"
+
+
+@dataclass(frozen=True, eq=False)
+class Units:
+    """The units of a body, over any number type; of a system with units of its own all are 1."""
+
+    mass: Any = 1.0
+    """Mass m [kg]."""
+    length: Any = 1.0
+    """Length R [m]."""
+    gravity: Any = 1.0
+    """Gravity g [m/s²]."""
+    root: Callable[[Any], Any] = math.sqrt
+    """Square root of that number type; called only for the units that are asked for."""
+
+    @property
+    def time(self) -> Any:
+        """Unit of time √(R/g) [s]."""
+        return self.root(self.length / self.gravity)
+
+    @property
+    def rate(self) -> Any:
+        """Unit of angular velocity and growth rate √(g/R) [1/s]."""
+        return self.root(self.gravity / self.length)
+
+    @property
+    def speed(self) -> Any:
+        """Unit of speed √(gR) [m/s]."""
+        return self.root(self.gravity * self.length)
+
+    @property
+    def force(self) -> Any:
+        """Unit of force m g [N]."""
+        return self.mass * self.gravity
+
+    @property
+    def energy(self) -> Any:
+        """Unit of energy m g R [J]."""
+        return self.mass * self.gravity * self.length
+
+    def size(self, kind: Kind) -> Any:
+        """What a dimensionless 1 of a kind is in these units.
+
+        Parameters
+        ----------
+        kind
+            Any kind; a new one needs an entry in `_SIZES`.
+
+        Raises
+        ------
+        ParameterError
+            If the kind has no entry: no number is taken for one without a unit by mistake.
+
+        Examples
+        --------
+        >>> Units(mass=2.0, length=0.1, gravity=10.0).size(Kind.VELOCITY)
+        1.0
+        """
+        if not isinstance(kind, Kind) or kind not in _SIZES:
+            raise ParameterError(
+                f"the kind of a quantity is {shown(kind)}, of which no size in the units of a body "
+                f"is known; give one of {', '.join(k.name for k in _SIZES)}."
+            )
+        return _SIZES[kind](self)
+
+
+_SIZES: dict[Kind, Callable[[Units], Any]] = {
+    Kind.NUMBER: lambda _: 1.0,
+    Kind.ANGLE: lambda _: 1.0,
+    Kind.ANGULAR_VELOCITY: lambda u: u.rate,
+    Kind.GROWTH_RATE: lambda u: u.rate,
+    Kind.VELOCITY: lambda u: u.speed,
+    Kind.ACCELERATION: lambda u: u.gravity,
+    Kind.LENGTH: lambda u: u.length,
+    Kind.TIME: lambda u: u.time,
+    Kind.MASS: lambda u: u.mass,
+    Kind.FORCE: lambda u: u.force,
+    Kind.ENERGY: lambda u: u.energy,
+    Kind.POWER: lambda u: u.force * u.speed,
+    Kind.INVERSE_VELOCITY: lambda u: 1 / u.speed,
+    Kind.DRAG: lambda u: u.mass * u.rate,
+}
+"""Size of a dimensionless 1 of each kind: the one place where a kind meets the units of a body."""
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from ..bodies.contact_laws import Smooth
 from ..bodies.disk import Disk
 from ..bodies.round_body.families import FAMILIES
 from ..bodies.round_quantities import round_quantities
+from ..bodies.thin_disk.disk_families import named_by
 from ..integrators.selection import HEYOKA
 from ..jobs.chunks import Arrays, Store, Variable
 from ..motion.result import CODES, Outcome, outcome_flags
@@ -105,15 +106,15 @@ def arrays(found: Outcomes, launches: Starts) -> dict[str, Any]:
     dict
         An array for each name in `variables`.
     """
-    scales, names = launches.scales, launches.settling.names
-    rate = np.broadcast_to(scales["rate"] if launches.law else 1.0, (launches.count,))
-    angles = [i for i, n in enumerate(names) if n in FAMILIES and FAMILIES[n].at == ("theta",)]
-    unit = np.where(np.isin(found.family, angles), 1.0, rate)
+    names = launches.settling.names
+    unit = np.ones(launches.count)  # where none is settled on there is no member
+    for i, name in enumerate(names):
+        np.copyto(unit, launches.size(named_by(name)), where=found.family == i)
     settled = found.outcome == CODES[Outcome.SETTLED]
     off = np.where(settled & np.isfinite(found.error), found.error, 0.0)
     return {
         "outcome": found.outcome,
-        "end_time": found.time * scales["time"],
+        "end_time": found.time * launches.size(Kind.TIME),
         "family": (found.family + 1).astype(np.int8),
         "member": found.member * unit,
         "member_error": (found.member_error + off) * unit,
@@ -127,9 +128,8 @@ def given_states(launches: Starts) -> Floats:
     """The states at the starts in the user's units, shape (N, s)."""
     states = launches.starts.copy()
     if launches.law is not None and not launches.dimensionless:
-        rate, speed = (np.reshape(launches.scales[n], (-1, 1)) for n in ("rate", "speed"))
-        states[:, 1:4] *= rate
-        states[:, 4:] *= speed
+        for column, name in enumerate(launches.model.states):
+            states[:, column] *= launches.size(launches.model.quantities[name].kind)
     return states
 
 

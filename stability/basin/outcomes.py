@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from ..algebra.program import Program
 from ..base.checks import flag, one_number
 from ..base.errors import ParameterError
+from ..base.quantities import Kind
 from ..base.types import Floats
 from ..bodies.thin_disk.disk_model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.flow import ASKING, Flow, flow_of
@@ -234,7 +235,7 @@ def _numbers(
     starts, p = flow.pack(launches.starts[rows]), launches.p[rows]
     more = flow.p.numel() - p.shape[1]  # a disk's guards know the sine of the flat angle
     p = np.column_stack([p, np.full((len(rows), more), math.sin(judging.flat))])
-    clock = np.broadcast_to(launches.scales["time"], (launches.count,))[rows]
+    clock = np.broadcast_to(launches.size(Kind.TIME), (launches.count,))[rows]
     return starts, p, launches.times[-1] / clock
 
 
@@ -363,11 +364,14 @@ def subset(launches: Starts, rows: NDArray[np.intp]) -> Starts:
     Starts
     """
 
-    def some(values: Any) -> dict[str, Floats]:
-        return {n: v[rows] if np.ndim(v) else v for n, v in values.items()}
+    def some(value: Any) -> Any:
+        return value[rows] if np.ndim(value) else value
+
+    units = launches.units
+    own = {n: some(getattr(units, n)) for n in ("mass", "length", "gravity")}
 
     return replace(
         launches, shape=(len(rows),), starts=launches.starts[rows], p=launches.p[rows],
-        given=some(launches.given), scales=some(launches.scales),
+        given={n: some(v) for n, v in launches.given.items()}, units=replace(units, **own),
         energies=launches.energies[rows], unfit=None,
     )  # fmt: skip

@@ -8,6 +8,7 @@ from typing import Any, ClassVar
 
 from ..base.checks import Number, positive
 from ..base.errors import NameUnknownError, ParameterError
+from ..base.quantities import Units
 from ..base.types import Record
 from ..base.user_code import arithmetic
 
@@ -19,37 +20,7 @@ OVER_ANY_NUMBER = arithmetic(
 )
 
 
-class Scales:
-    """The body's units of time and speed, over any number type.
-
-    Parameters
-    ----------
-    values
-        `mass`, `radius` and `gravity` by name [kg, m, m/s²].
-    root
-        Square root of that number type; called only for the units that a law uses.
-    """
-
-    def __init__(self, values: Mapping[str, Any], root: Callable[[Any], Any]) -> None:
-        self._values, self._root = values, root
-
-    @property
-    def mass(self) -> Any:
-        """Mass m [kg]."""
-        return self._values["mass"]
-
-    @property
-    def time(self) -> Any:
-        """Unit of time √(R/g) [s]."""
-        return self._root(self._values["radius"] / self._values["gravity"])
-
-    @property
-    def speed(self) -> Any:
-        """Unit of speed √(gR) [m/s]."""
-        return self._root(self._values["gravity"] * self._values["radius"])
-
-
-def plain(value: Any, scales: Scales) -> Any:  # noqa: ARG001
+def plain(value: Any, scales: Units) -> Any:  # noqa: ARG001
     """The number itself, which has no unit."""
     return value
 
@@ -71,7 +42,7 @@ class Parameter:
     """Name of the field."""
     unit: str
     """SI unit, `1` for a number without one."""
-    dimensionless: Callable[[Any, Scales], Any] = plain
+    dimensionless: Callable[[Any, Units], Any] = plain
     """(value in SI, units of the body) → the number in the equations, by + - * / alone."""
     symbol: str = ""
     """Name in the equations, `name` if empty; fields with the same symbol are alternatives."""
@@ -158,7 +129,7 @@ class Contact(Record):
         return tuple(dict.fromkeys(p.place for p in cls.parameters))
 
     @classmethod
-    def arguments(cls, given: Mapping[str, Any], scales: Scales) -> dict[str, Any]:
+    def arguments(cls, given: Mapping[str, Any], scales: Units) -> dict[str, Any]:
         """Dimensionless parameters of the equations by name, over any number type.
 
         Parameters

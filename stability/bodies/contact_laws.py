@@ -11,16 +11,17 @@ from numpy.typing import ArrayLike
 
 from ..base.checks import Number, broadcast, instance, known, positive
 from ..base.errors import NameUnknownError, ParameterError, listed, shown
-from .contact import OVER_ANY_NUMBER, ZERO_MU, Contact, Parameter, Scales
+from ..base.quantities import Units
+from .contact import OVER_ANY_NUMBER, ZERO_MU, Contact, Parameter
 from .disk import Disk
 from .dry_friction import Coulomb, RegularisedCoulomb
 
 
-def _times_speed(value: Any, scales: Scales) -> Any:
+def _times_speed(value: Any, scales: Units) -> Any:
     return value * scales.speed
 
 
-def _drag(value: Any, scales: Scales) -> Any:
+def _drag(value: Any, scales: Units) -> Any:
     return value / scales.mass * scales.time
 
 

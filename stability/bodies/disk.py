@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from ..base.checks import Number, broadcast, checked, known, positive
 from ..base.errors import ParameterError, StabilityWarning, shown
+from ..base.quantities import Units
 from ..base.types import Record
 
 
@@ -176,29 +177,39 @@ class Disk(Record):
         return cls(**REAL_DISKS[known("disk", name, REAL_DISKS)][0])
 
     @property
+    def units(self) -> Units:
+        """The units in which m = R = g = 1."""
+        return Units(self.mass, self.radius, self.gravity, _sqrt)
+
+    @property
     def time(self) -> Number:
         """Unit of time √(R/g) [s]."""
-        return _sqrt(self.radius / self.gravity)
+        found: Number = self.units.time
+        return found
 
     @property
     def rate(self) -> Number:
         """Unit of angular velocity and growth rate √(g/R) [1/s]."""
-        return _sqrt(self.gravity / self.radius)
+        found: Number = self.units.rate
+        return found
 
     @property
     def speed(self) -> Number:
         """Unit of speed √(gR) [m/s]."""
-        return _sqrt(self.gravity * self.radius)
+        found: Number = self.units.speed
+        return found
 
     @property
     def energy(self) -> Number:
         """Unit of energy m g R [J]."""
-        return self.mass * self.gravity * self.radius
+        found: Number = self.units.energy
+        return found
 
     @property
     def force(self) -> Number:
         """Unit of force m g [N]."""
-        return self.mass * self.gravity
+        found: Number = self.units.force
+        return found
 
     @property
     def dimensionless(self) -> bool:

@@ -7,10 +7,11 @@ from typing import Any, ClassVar
 
 from numpy.typing import ArrayLike
 
-from .contact import OVER_ANY_NUMBER, Contact, Parameter, Scales
+from ..base.quantities import Units
+from .contact import OVER_ANY_NUMBER, Contact, Parameter
 
 
-def _over_speed(value: Any, scales: Scales) -> Any:
+def _over_speed(value: Any, scales: Units) -> Any:
     return value / scales.speed
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -17,7 +16,6 @@ from ..base.errors import (
     shown,
 )
 from ..base.version import __version__
-from ..bodies.contact import Scales
 from ..bodies.contact_laws import LAWS, Viscous
 from ..bodies.disk import Disk
 from ..bodies.law_names import law_given
@@ -26,7 +24,7 @@ from .certificates import certificate
 from .disk_subjects import FAMILY_NAMES, WORDS, disk_motion, disk_subject
 from .own_subject import given_values, own_certificate, own_motion, own_subject, own_units
 from .subject import Subject
-from .units import CURVES, Units, units_of
+from .units import CURVES, PageUnits, units_of
 
 CERTIFIED = (0.25, 0.5)
 """Values of k at which the diagrams over friction carry proved rectangles."""
@@ -126,7 +124,7 @@ def own_page(
 
 def common(
     subjects: Sequence[Subject], start: Subject, values: Mapping[str, float], axes: Sequence[Any],
-    units: Units | None = None,
+    units: PageUnits | None = None,
 ) -> dict[str, Any]:  # fmt: skip
     """What every page has: its subjects, and what is shown at first.
 
@@ -141,8 +139,7 @@ def common(
     units
         Units of a body; None for a system of one's own.
     """
-    sizes = units.sizes if units else {}
-    size = {q.name: sizes.get(q.kind, 1.0) for q in start.quantities}
+    size = {q.name: units.sizes[q.kind] if units else 1.0 for q in start.quantities}
     for axis in axes:
         if axis is not None and axis.name not in values:
             raise NameUnknownError(
@@ -178,7 +175,7 @@ PROOFS = (
 """What the words on a page say of numbers and verdicts."""
 
 
-def foot(source: str, units: Units | None = None) -> str:
+def foot(source: str, units: PageUnits | None = None) -> str:
     """The last line of a page.
 
     Parameters
@@ -192,7 +189,7 @@ def foot(source: str, units: Units | None = None) -> str:
     words = f"{PROOFS} {made}"
     if units is None:
         return f"{words}."
-    if units.scales.dimensionless:
+    if units.dimensionless:
         where = ", R the length of the body" if units.length == "length" else ""
         return f"{words}; numbers are dimensionless, m = R = g = 1{where}."
     return f"{words}, without dimension (m = R = g = 1), and shows SI units for {units.body}."
@@ -238,7 +235,7 @@ def axis(given: Any, which: str) -> Axis | None:
 
 
 def law_of(
-    contact: Any, numbers: dict[str, Any], units: Units
+    contact: Any, numbers: dict[str, Any], units: PageUnits
 ) -> tuple[str, dict[str, Any]]:  # fmt: skip
     """Name of the law and its dimensionless number."""
     if not numbers and contact is None:
@@ -257,9 +254,7 @@ def law_of(
         raise NameUnknownError(
             f"contact is {shown(contact)}; the page draws {listed(list(LAWS), 'or')}."
         )
-    one = units.scales
-    scales = Scales({"mass": one.mass, "radius": one.radius, "gravity": one.gravity}, math.sqrt)
-    return law.name, law.arguments(law.given, scales)
+    return law.name, law.arguments(law.given, units.units)
 
 
 def _disk(disk: Disk | None) -> Disk:

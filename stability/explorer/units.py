@@ -8,7 +8,7 @@ from typing import Any
 
 from ..base.checks import checked
 from ..base.errors import ParameterError
-from ..base.quantities import Kind, readable
+from ..base.quantities import Kind, Units, readable
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from .subject import Quantity
@@ -19,48 +19,45 @@ CURVES = {"time": Kind.TIME, "growth rate": Kind.GROWTH_RATE, "energy": Kind.ENE
 
 
 @dataclass(frozen=True)
-class Units:
+class PageUnits:
     """How large the units of a body are; a page computes without dimension and shows either."""
 
-    scales: Disk
-    """The body's mass, gravity and, as a radius, its length."""
+    units: Units
+    """The body's units, each one number."""
     length: str
     """What the length is called in calls: radius or length."""
 
     @property
+    def dimensionless(self) -> bool:
+        """Whether all units are 1."""
+        return (self.units.mass, self.units.length, self.units.gravity) == (1.0, 1.0, 1.0)
+
+    @property
     def sizes(self) -> Mapping[Kind, float]:
-        """SI size of the unit of each kind; the kinds that are left out have the same numbers."""
-        one = self.scales
-        found = {
-            Kind.ANGULAR_VELOCITY: one.rate, Kind.GROWTH_RATE: one.rate, Kind.TIME: one.time,
-            Kind.INVERSE_VELOCITY: 1 / one.speed, Kind.DRAG: one.mass * one.rate,
-            Kind.ENERGY: one.energy, Kind.FORCE: one.force,
-        }  # fmt: skip
-        return {kind: float(size) for kind, size in found.items()}
+        """SI size of the unit of each kind."""
+        return {kind: float(self.units.size(kind)) for kind in Kind}
 
     def plain(self, quantity: Quantity, value: Any) -> float:
         """A number of a quantity without dimension, from the user's units."""
-        return float(checked(quantity.name, value)) / self.sizes.get(quantity.kind, 1.0)
+        return float(checked(quantity.name, value)) / float(self.units.size(quantity.kind))
 
     @property
     def body(self) -> str:
         """Mass, length and gravity as a reader sees them."""
-        m, length, g = self.scales.mass, self.scales.radius, self.scales.gravity
-        return f"m = {m:.6g} kg, R = {length:.6g} m, g = {g:.6g} m/s²"
+        one = self.units
+        return f"m = {one.mass:.6g} kg, R = {one.length:.6g} m, g = {one.gravity:.6g} m/s²"
 
     def told(self) -> dict[str, Any]:
         """The record in the page; empty for a body without dimension."""
-        one = self.scales
-        if one.dimensionless:
+        if self.dimensionless:
             return {}
-        given = {"mass": one.mass, self.length: one.radius, "gravity": one.gravity}
-        return {
-            "given": given, "body": self.body,
-            "sizes": {kind.name: [size, readable(kind.si)] for kind, size in self.sizes.items()},
-        }  # fmt: skip
+        one = self.units
+        given = {"mass": one.mass, self.length: one.length, "gravity": one.gravity}
+        sizes = {k.name: [v, readable(k.si)] for k, v in self.sizes.items() if k.words}
+        return {"given": given, "body": self.body, "sizes": sizes}
 
 
-def units_of(body: Disk | Body) -> Units:
+def units_of(body: Disk | Body) -> PageUnits:
     """Units of a disk, or of a body.
 
     Parameters
@@ -83,7 +80,7 @@ def units_of(body: Disk | Body) -> Units:
     for name, value in given.items():
         if not isinstance(checked(name, value), float):
             raise ParameterError(f"{name} is an array; a page needs one number.")
-    return Units(Disk(mass=given["mass"], radius=given[length], gravity=given["gravity"]), length)
+    return PageUnits(Units(given["mass"], given[length], given["gravity"]), length)
 
 
 def without_scales(body: Body) -> Body:

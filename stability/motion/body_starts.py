@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike
 from ..algebra.program import Program
 from ..base.checks import broadcast
 from ..base.errors import DomainError, NameUnknownError, ParameterError, if_degrees, shown
+from ..base.quantities import Units
 from ..base.types import Floats
-from ..bodies.contact import Contact, Scales
+from ..bodies.contact import Contact
 from ..bodies.contact_laws import MOTION_LAWS, Creep, law_missing, spelled
 from ..bodies.model import TAKEN, Model
 from ..bodies.resistance import UNITS, Resistance, resistances
@@ -23,7 +24,6 @@ from ..bodies.round_body.equations import Resistances
 from ..bodies.round_body.models.angle_model import round_model
 from ..bodies.round_body.models.pole_model import pole_model
 from ..bodies.round_body.pole_equations import smooth_at
-from ..bodies.round_body.shape import SCALES
 from ..bodies.thin_disk.disk_model import FLAT
 from ..integrators.flow import flow_of
 from ..settling.round_body.families import body_settling
@@ -128,22 +128,21 @@ def _gathered(
         else np.broadcast_to(a, shape).reshape(-1)
         for n, v in fields.items()
     }  # fmt: skip
-    scales = _scales(flat)
+    units = Units(flat["mass"], flat["length"], flat["gravity"], np.sqrt)
     starts = np.broadcast_to(six, (*shape, 6)).reshape(count, 6).copy()
-    starts[:, 1:4] /= scales["rate"][..., None]
-    starts[:, 4:] /= scales["speed"][..., None]
+    starts[:, 1:4] /= np.asarray(units.rate)[..., None]
+    starts[:, 4:] /= np.asarray(units.speed)[..., None]
     if law.holds:
         starts[:, 4:] = 0.0
-    units = Scales(flat | {"radius": flat["length"]}, np.sqrt)
     own = flat | {p.name: p.dimensionless(flat[p.name], units)
                   for p in law.parameters if p.name in flat}  # fmt: skip
-    own_units = flat["mass"], flat["length"], scales["time"], scales["force"]
+    own_units = flat["mass"], flat["length"], units.time, units.force
     sizes = dict(zip(UNITS, own_units, strict=True))
     own |= {r.coefficient: replace(r, **{r.coefficient: flat[r.coefficient]}).dimensionless(sizes)
             for r in against}  # fmt: skip
     columns = [np.broadcast_to(own[n], (count,)) for n in model.system.parameters]
     p = np.column_stack(columns) if columns else np.zeros((count, 0))
-    last = when[-1] / scales["time"]
+    last = when[-1] / units.time
     if not (np.all(last <= LONGEST) and np.all(last >= BRIEFEST)):
         raise ParameterError(
             f"times end at {when[-1]:g}; in units of √(length/g) give a last time from "
@@ -151,7 +150,7 @@ def _gathered(
         )
     energies, unfit = _check(body, model, contact, shape, starts, p, mark=mark)
     return Starts(
-        model, shape, starts, p, when, flat, scales, body.dimensionless, energies,
+        model, shape, starts, p, when, flat, units, body.dimensionless, energies,
         body_settling(body, law, tuple(contact.given), kinds), law, unfit,
     )  # fmt: skip
 
@@ -164,16 +163,6 @@ def _model(
         with suppress(ParameterError):  # of a law that needs the directions that angles give
             return pole_model(body, law, given, pose=pose, resistance=resistance)
     return round_model(body, law, given, pose=pose, resistance=resistance)
-
-
-def _scales(flat: dict[str, Floats]) -> dict[str, Floats]:
-    """The body's units, shape (N,) or (); a product of units of 1 is exactly 1."""
-    mass, gravity, length = (flat[n] for n in SCALES)
-    speed = np.sqrt(gravity * length)
-    return {
-        "time": np.sqrt(length / gravity), "rate": np.sqrt(gravity / length), "speed": speed,
-        "energy": mass * gravity * length, "force": mass * gravity, "length": length,
-    }  # fmt: skip
 
 
 def _check_names(body: Body, model: Model) -> None:

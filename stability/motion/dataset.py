@@ -18,7 +18,7 @@ from ..base.errors import listed
 from ..base.quantities import Kind
 from ..base.types import Floats
 from ..base.version import __version__
-from ..bodies.thin_disk.disk_families import FAMILIES, lines_under
+from ..bodies.thin_disk.disk_families import lines_under, named_by
 from ..bodies.thin_disk.disk_model import POSE, POSE_UNIT
 from ..bodies.thin_disk.disk_quantities import SYSTEM
 from ..integrators.flow import flow_of
@@ -162,7 +162,7 @@ def _samples(
         rows, times = result.path.states[skip:], asked[: len(result.path.states) - skip]
         modes = result.modes[skip:] if result.modes is not None else None
         if result.path.end is not None:
-            clock = float(launches.scales["time"])
+            clock = float(launches.size(Kind.TIME))
             end_time = result.time * clock
             if len(times) and times[-1] >= end_time:  # ended on a sample, or at the start
                 rows, times = rows[:-1], times[:-1]
@@ -216,12 +216,8 @@ def _series(
     named = {n: q.kind for n, q in model.quantities.items() if n in found}
     if launches.dimensionless:
         return {n: found[n] for n in named}
-    s = launches.scales
-    scale = {Kind.ANGULAR_VELOCITY: s["rate"], Kind.VELOCITY: s["speed"], Kind.ENERGY: s["energy"],
-             Kind.FORCE: s["force"], Kind.POWER: s["force"] * s["speed"],
-             Kind.LENGTH: s["length"]}  # fmt: skip
-    units = {kind: v[:, None] if v.ndim else v for kind, v in scale.items()}
-    return {n: found[n] * units.get(kind, 1.0) for n, kind in named.items()}
+    sizes = {kind: launches.size(kind)[..., None] for kind in set(named.values())}
+    return {n: found[n] * sizes[kind] for n, kind in named.items()}
 
 
 def _summary(
@@ -230,7 +226,7 @@ def _summary(
     """One value for each launch: outcome, evidence, times, the nearest steady motion."""
     import xarray
 
-    shape, clock = launches.shape, launches.scales["time"]
+    shape, clock = launches.shape, launches.size(Kind.TIME)
     make: Any = xarray.Variable
 
     def variable(values: Any, **attributes: Any) -> Any:
@@ -269,13 +265,14 @@ def _nearest(launches: Starts, near: list[Nearest], variable: Any) -> dict[str, 
                                      long_name="dimensionless distance from it"),
     }  # fmt: skip
     if launches.law is not None:
-        by_angle = [name for name, one in FAMILIES.items() if one.by_angle]
         lines = getattr(launches.settling, "families", ()) or lines_under(launches.law.name)
         named = list(dict.fromkeys(f.at[0] for f in lines))
-        turning = np.array([n.family not in by_angle for n in near])
+        kinds = [named_by(n.family) for n in near]
+        sizes = {kind: np.broadcast_to(launches.size(kind), len(near)) for kind in set(kinds)}
+        which = enumerate(zip(near, kinds, strict=True))
         plain = launches.dimensionless
         found["nearest_at"] = variable(
-            np.array([n.at for n in near]) * np.where(turning, launches.scales["rate"], 1.0),
+            np.array([n.at * sizes[kind][i] for i, (n, kind) in which]),
             long_name=f"its {listed(named, 'or')}",
             units="1" if plain else f"{Kind.ANGULAR_VELOCITY.si} (theta: {Kind.ANGLE.si})",
         )

@@ -131,7 +131,7 @@ def account(launches: Starts, y: Floats, series: dict[str, Floats]) -> Floats:
     """
     audit = np.abs(series["audit"]).max(axis=-1)
     if launches.law is not None:
-        scale = launches.energies * launches.scales["energy"]
+        scale = launches.energies * launches.size(Kind.ENERGY)
     else:
         x = y[..., : len(launches.model.states)]
         share = np.abs(x * _energy_slopes(launches.model, x, launches.p[:, None, :])).sum(axis=-1)
@@ -172,9 +172,9 @@ def _scale(states: Floats, launches: Starts, which: Any) -> None:
     """Give rows of states of a disk its units, row i those of launch `which[i]`."""
     if launches.dimensionless:
         return
-    for column, name in ((slice(1, 4), "rate"), (slice(4, 6), "speed")):
-        scale = launches.scales[name]
-        states[:, column] *= scale[which][:, None] if scale.ndim else scale
+    for column, name in enumerate(launches.model.states):
+        scale = launches.size(launches.model.quantities[name].kind)
+        states[:, column] *= scale[which] if scale.ndim else scale
 
 
 def event_log(launches: Starts, results: list[Result]) -> dict[str, Any]:
@@ -201,7 +201,7 @@ def event_log(launches: Starts, results: list[Result]) -> dict[str, Any]:
         end = result.path.end
         if end is not None:
             rows.append((i, end.time, result.outcome.word, motion.reported(end.state), 0.0))
-    clock = launches.scales["time"]
+    clock = launches.size(Kind.TIME)
     which = np.array([r[0] for r in rows], dtype=np.int64)
     times = np.array([r[1] for r in rows], dtype=float)
     states = np.array([r[3] for r in rows], dtype=float).reshape(len(rows), count)

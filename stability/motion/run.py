@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ..base.quantities import Kind
 from ..base.types import Floats
 from ..bodies.thin_disk.disk_model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.flow import ASKING, Flow, flow_of
@@ -98,7 +99,7 @@ def _legs(launches: Starts, settings: Settings) -> list[Leg]:
     more = [math.sin(settings.flat)] * (which.p.numel() - launches.p.shape[1])
     turning, lead = list(launches.model.turning), launches.times[:1] != 0
     times = np.concatenate([[0.0], launches.times]) if lead else launches.times
-    clock = launches.scales["time"]
+    clock = launches.size(Kind.TIME)
     # launches of one time scale share their array of times
     shared = times / float(clock) if clock.ndim == 0 else None
     return [

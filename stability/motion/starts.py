@@ -15,8 +15,9 @@ from numpy.typing import ArrayLike
 from ..algebra.program import Program
 from ..base.checks import checked
 from ..base.errors import DomainError, NameUnknownError, ParameterError, if_degrees, shown
+from ..base.quantities import Kind, Units
 from ..base.types import Floats
-from ..bodies.contact import Contact, Scales
+from ..bodies.contact import Contact
 from ..bodies.contact_laws import MOTION_LAWS, Rough, law_missing, spelled
 from ..bodies.disk import Disk
 from ..bodies.model import Model
@@ -59,8 +60,8 @@ class Starts:
     """Times as the user gave them, shape (t,)."""
     given: Mapping[str, Floats]
     """Parameters as the user gave them by name, shape (N,) or ()."""
-    scales: Mapping[str, Floats]
-    """Unit of time, speed, energy, force and length of each launch, shape (N,) or ()."""
+    units: Units
+    """The user's units of each launch, of shape (N,) or (); all 1 of a user's system."""
     dimensionless: bool
     """Whether all units are 1, or those of the user's own system."""
     energies: Floats
@@ -81,6 +82,10 @@ class Starts:
     def dry(self) -> bool:
         """Whether friction sticks."""
         return self.law is not None and self.law.sticks
+
+    def size(self, kind: Kind) -> Any:
+        """A dimensionless 1 of a kind in the user's units, shape (N,) or ()."""
+        return np.asarray(self.units.size(kind))
 
     def unit(self, name: str) -> str:
         """The unit of a series or of time, as in a file."""
@@ -133,18 +138,16 @@ def _gathered(
             f"start has leading shape {six.shape[:-1]} and the parameters {listed}: they do not "
             "broadcast; make them fit."
         ) from None
-    scales = {
-        "time": disk.time, "rate": disk.rate, "speed": disk.speed, "energy": disk.energy,
-        "force": disk.force, "length": disk.radius,
-    }  # fmt: skip
-    flat = {n: _flat(v, shape) for n, v in (fields | scales).items()}
+    flat = {n: _flat(v, shape) for n, v in fields.items()}
+    units = Units(flat["mass"], flat["radius"], flat["gravity"], np.sqrt)
     count = counted(shape, when)
     starts = np.broadcast_to(six, (*shape, 6)).reshape(count, 6).copy()
     if not disk.dimensionless:
-        starts[:, 1:4] *= flat["time"][..., None] if flat["time"].ndim else flat["time"]
-        starts[:, 4:] /= flat["speed"][..., None] if flat["speed"].ndim else flat["speed"]
-    p = np.column_stack([np.broadcast_to(v, (count,)) for v in _parameters(contact, flat).values()])
-    last = when[-1] / scales["time"]
+        starts[:, 1:4] *= np.asarray(units.time)[..., None]
+        starts[:, 4:] /= np.asarray(units.speed)[..., None]
+    own = {"k": flat["k"]} | contact.arguments(flat, units)
+    p = np.column_stack([np.broadcast_to(v, (count,)) for v in own.values()])
+    last = when[-1] / units.time
     if not (np.all(last <= LONGEST) and np.all(last >= BRIEFEST)):
         raise ParameterError(
             f"times end at {when[-1]:g}; in units of √(R/g) give a last time from {BRIEFEST:g} to "
@@ -156,8 +159,8 @@ def _gathered(
     if not (mark or fit.all()):
         _refuse(law, shape, seen)
     return Starts(
-        disk_model(law, pose=pose), shape, starts, p, when, {n: flat[n] for n in fields},
-        {n: flat[n] for n in scales}, disk.dimensionless, seen[:, -1],
+        disk_model(law, pose=pose), shape, starts, p, when, flat, units,
+        disk.dimensionless, seen[:, -1],
         DiskSettling(law), law, unfit_of(fit, [FLAT, FLAT], len(disk_system(law).conditions)),
     )  # fmt: skip
 
@@ -194,11 +197,6 @@ def counted(shape: tuple[int, ...], when: Floats) -> int:
             f"launches and {MOST_SAMPLES} samples in all, and call again for more."
         )
     return count
-
-
-def _parameters(contact: Contact, v: Mapping[str, Floats]) -> dict[str, Floats]:
-    """Dimensionless parameters of the law's system, in order."""
-    return {"k": v["k"]} | contact.arguments(v, Scales(v, np.sqrt))
 
 
 def _flat(value: Any, shape: tuple[int, ...]) -> Floats:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..base.checks import broadcast, checked, rows
 from ..base.errors import DomainError, NameUnknownError, ParameterError, listed, shown
+from ..base.quantities import Units
 from ..base.types import Floats
 from ..bodies.model import system_model
 from ..settling.system_settling import SystemSettling
@@ -17,7 +18,6 @@ from ..systems.family import Family
 from ..systems.system import System
 from .starts import Starts, Unfit, counted, times_of
 
-ONE = np.asarray(1.0)
 OUTSIDE = "outside"
 """End of a start at which a condition of the system fails."""
 LARGEST = 1e100
@@ -85,7 +85,7 @@ def gather_system(
     }
     return Starts(
         model, shape, starts, values, when, {n: np.asarray(v) for n, v in given.items()},
-        dict.fromkeys(("time", "rate"), ONE), True, energies,
+        Units(), True, energies,
         SystemSettling(_families(system, families)), unfit=unfit or None,
     )  # fmt: skip
 

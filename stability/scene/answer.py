@@ -18,7 +18,7 @@ from ..motion.result import Outcome
 if TYPE_CHECKING:
     import xarray
 
-from .inputs import label
+from .inputs import label, unit_of
 from .ladder import Climbed, Rung
 from .questions import QUESTIONS, UNKNOWN, Found, relative_error
 from .rungs.full import kept_until
@@ -218,11 +218,8 @@ def _measures(problem: Problem, names: Iterable[str]) -> dict[str, tuple[str, fl
     for name, size in zip(states, sizes.tolist(), strict=False):
         found[name] = label(launches.model, name, dimensionless=launches.dimensionless), size
     for name, kind in kinds.items():
-        if kind is Kind.TIME:
-            unit = label(launches.model, "time", dimensionless=launches.dimensionless)
-            found[name] = unit, float(launches.scales["time"])
-        elif kind is not None:
-            found[name] = kind.si, 1.0
+        if kind is not None:
+            found[name] = unit_of(launches, kind), float(launches.size(kind))
     return found
 
 
@@ -246,7 +243,7 @@ def tell(problem: Problem, found: Climbed, horizon: float) -> Answer:
         name, said = found.rungs[-1].name, found.rungs[-1].why
         return Answer(None, "none", math.inf, found.rungs, 0.0, f"{name} cannot answer: {said}.",
                       problem.tolerance)  # fmt: skip
-    track, clock = found.track, float(problem.launches.scales["time"])
+    track, clock = found.track, float(problem.launches.size(Kind.TIME))
     values = {n: in_units(problem, n, one) for n, one in found.found.items()}
     if "path" in values:
         values["path"] = dataset(problem, track, found.model)
@@ -337,8 +334,8 @@ def in_units(problem: Problem, name: str, found: Found) -> Any:
         return dict(zip(problem.launches.model.states, states.tolist(), strict=True))
     if question.name == "path":
         return None  # the dataset of the answer
-    clock = float(problem.launches.scales["time"]) if name.endswith("time") else 1.0
-    return float(found.value) * clock
+    assert question.kind is not None
+    return float(found.value) * float(problem.launches.size(question.kind))
 
 
 def states_in_units(problem: Problem, states: Floats) -> Floats:
@@ -351,11 +348,10 @@ def states_in_units(problem: Problem, states: Floats) -> Floats:
     states
         Dimensionless states, shape (m, s).
     """
-    if problem.launches.law is None:
+    launches, model = problem.launches, problem.launches.model
+    if launches.law is None:
         return states
-    scales, model = problem.launches.scales, problem.launches.model
-    units = {Kind.ANGULAR_VELOCITY: scales["rate"], Kind.VELOCITY: scales["speed"]}
-    found: Floats = states * [float(units.get(model.quantities[n].kind, 1)) for n in model.states]
+    found: Floats = states * [float(launches.size(model.quantities[n].kind)) for n in model.states]
     return found
 
 
@@ -379,7 +375,7 @@ def dataset(problem: Problem, track: Track, model: str) -> xarray.Dataset:
     import xarray
 
     launches = problem.launches
-    clock = float(launches.scales["time"])
+    clock = float(launches.size(Kind.TIME))
 
     def about(name: str) -> dict[str, str]:
         return launches.model.attributes(name, dimensionless=launches.dimensionless)

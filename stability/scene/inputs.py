@@ -215,6 +215,22 @@ def label(model: Model, name: str, *, dimensionless: bool) -> str:
     return "" if unit == "1" else readable(unit)
 
 
+def unit_of(launches: Starts, kind: Kind) -> str:
+    """The unit of a kind for a reader; a user's system states that of time alone.
+
+    Parameters
+    ----------
+    launches
+        The launch.
+    kind
+        Kind of a number that was asked for.
+    """
+    if launches.law is None:
+        return label(launches.model, "time", dimensionless=True) if kind is Kind.TIME else ""
+    unit = kind.label(dimensionless=launches.dimensionless)
+    return "" if unit == "1" else readable(unit)
+
+
 def setting(disk: Any, laws: Mapping[str, Any], start: Any, *asked: float) -> tuple[str, ...]:
     """The question of a scene in three lines, with units: the body and its law, start, horizon.
 

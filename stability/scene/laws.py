@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..base.citation.used import cited, joined
+from ..base.quantities import Kind
 from ..base.types import Floats
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
@@ -138,7 +139,7 @@ def _states(answer: Answer) -> tuple[Floats, Floats]:
     """Times in the user's unit, and the dimensionless states that all laws share: no slip."""
     assert answer.motion is not None
     problem, track = answer.motion
-    return track.times * float(problem.launches.scales["time"]), track.states[:, :-2]
+    return track.times * float(problem.launches.size(Kind.TIME)), track.states[:, :-2]
 
 
 def works_of(thing: Any, laws: Mapping[str, Any], answer: Answer) -> str:

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from ..base.errors import ParameterError
+from ..base.quantities import Kind
 from ..base.verdict import Verdict
 from ..bodies.disk import Disk
+from ..bodies.thin_disk.disk_families import named_by
 from ..boundary.changes import boundaries
 from ..settling.round_body.fixed_axes import FixedSettling
 from ..spectra.spectrum import spectrum
 from .answer import Answer
+from .inputs import unit_of
 from .ladder import Rung
 from .questions import Found, relative_error
 from .rungs.track import Problem
@@ -68,7 +71,7 @@ def _growth_rate(member: Member, certify: bool) -> tuple[Found, str]:  # noqa: F
 def _boundary(member: Member, certify: bool) -> tuple[Found, str]:  # noqa: FBT001, ARG001
     """The nearest value of `at` at which the verdict changes."""
     low, high = sorted((member.at / SPAN, member.at * SPAN))
-    if member.family == "tumbling":
+    if named_by(member.family) is Kind.ANGLE:
         first, last = member.between
         inside = 1e-9 * (last - first)
         low, high = max(first + inside, low), min(last - inside, high)
@@ -108,29 +111,35 @@ def about_nearest(
     near = problem.launches.settling.closest(problem.start, problem.p)
     if not math.isfinite(near.distance):
         raise ParameterError(f"{near.evidence}: a linear question needs a steady motion.")
-    unit = 1.0 if near.family.startswith("tumbling") else float(problem.launches.scales["rate"])
+    launches = problem.launches
+    kinds = {"growth_rate": Kind.GROWTH_RATE, "boundary": named_by(near.family)}
+    sizes = {n: float(launches.size(kind)) for n, kind in kinds.items()}
     thin = isinstance(disk, Disk)
     arguments: dict[str, Any] = {"disk" if thin else "body": disk, "contact": law}
     family, between = near.family, (0.0, math.pi)
     if not thin:
-        settling: Any = problem.launches.settling
+        settling: Any = launches.settling
         body = settling.inner if isinstance(settling, FixedSettling) else settling
         call = next(one.call for one in body.lines if one.name == near.family)
         family, between = call.pop("family"), disk.between
         arguments |= call
-    member = Member(family, near.at * unit, arguments, between)
-    told = answer(member, names, tolerance, only)
+    member = Member(family, near.at * sizes["boundary"], arguments, between)
+    told = answer(member, names, tolerance, only, sizes)
     values = {n: f.value for n, f in told.found.items()}
-    errors = {n: relative_error(f) for n, f in told.found.items()}
+    errors = {n: relative_error(f, sizes.get(n, 1.0)) for n, f in told.found.items()}
     one = len(values) == 1
     sentence = f"{near.family} at {member.at:.6g}, {near.distance:.2g} away: {told.sentence}."
     return Answer(
         next(iter(values.values())) if one else values, told.model,
         next(iter(errors.values())) if one else errors, told.rungs, horizon, sentence, tolerance,
+        measures={n: (unit_of(launches, kinds[n]), sizes[n]) for n in names if n in kinds},
     )  # fmt: skip
 
 
-def answer(member: Member, names: tuple[str, ...], tolerance: float, only: str | None) -> Told:
+def answer(
+    member: Member, names: tuple[str, ...], tolerance: float, only: str | None,
+    sizes: Mapping[str, float],
+) -> Told:  # fmt: skip
     """The answer to linear questions about one steady motion.
 
     Parameters
@@ -143,6 +152,8 @@ def answer(member: Member, names: tuple[str, ...], tolerance: float, only: str |
         Error allowed in a growth rate or a boundary, over 1 or its size.
     only
         Name of the one rung to run; None for the choice.
+    sizes
+        A dimensionless 1 of each number in the user's units.
 
     Returns
     -------
@@ -160,8 +171,7 @@ def answer(member: Member, names: tuple[str, ...], tolerance: float, only: str |
                 continue
             began = time.perf_counter()
             one, why = find(member, rung == CERTIFIED)
-            size = abs(one.value) if isinstance(one.value, float) else 1.0
-            share = one.error / (tolerance * max(1.0, size))
+            share = relative_error(one, sizes.get(name, 1.0)) / tolerance
             done = share <= 1 or rung == order[-1] or only is not None
             cost = time.perf_counter() - began
             reason = (

@@ -46,16 +46,18 @@ class Found:
     """What the value means, where that is not plain."""
 
 
-def relative_error(found: Found) -> float:
-    """The error of a value, over 1 or its size.
+def relative_error(found: Found, unit: float = 1.0) -> float:
+    """The error of a value, over a dimensionless 1 or its size.
 
     Parameters
     ----------
     found
         The value.
+    unit
+        A dimensionless 1 in the units of the value.
     """
-    size = abs(found.value) if isinstance(found.value, float) else 1.0
-    return float(found.error / max(1.0, size))
+    size = abs(found.value) if isinstance(found.value, float) else unit
+    return float(found.error / max(unit, size))
 
 
 def final(problem: Problem, track: Track) -> Found:  # noqa: ARG001

@@ -226,7 +226,7 @@ class Scene(Record):
     def _problem(self, law: Any, moved: Mapping[str, float] | None = None) -> Problem:
         """The dimensionless problem under one law, with some inputs changed."""
         launches = launched(self.disk, law, self.start, self.horizon, self.families, moved or {})
-        last = self.horizon / float(launches.scales["time"])
+        last = self.horizon / float(launches.units.time)
         bare = Problem(launches, self.tolerance, np.array([0.0, last]))
         count = POINTS if "path" in self.quantities else 2
         if any(n in QUESTIONS and QUESTIONS[n].whole for n in self.quantities):

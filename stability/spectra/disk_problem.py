@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike
 
 from ..base.checks import checked
 from ..base.errors import NameUnknownError, NoMemberError, ParameterError, if_degrees, shown
+from ..base.quantities import Units
 from ..base.types import Floats
-from ..bodies.contact import Contact, Scales
+from ..bodies.contact import Contact
 from ..bodies.contact_laws import LAWS, spelled, stored
 from ..bodies.disk import Disk
 from ..bodies.thin_disk.disk_families import FAMILIES, disk_family, leaning
@@ -106,7 +107,7 @@ def _reduce(
         v = dict(v) | {"at": upright - v["lean"]}
     a = [v[k] if is_angle(p) else v[k] * time for k, p in zip(keys, parts, strict=True)]
     # under the linear law mu means c = mu m g
-    q = [v["k"], *law.arguments(v, Scales(v, root)).values()]
+    q = [v["k"], *law.arguments(v, Units(v["mass"], v["radius"], v["gravity"], root)).values()]
     return a, q, 1 / time
 
 

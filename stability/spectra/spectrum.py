@@ -117,10 +117,13 @@ def spectrum(
     scale = np.ones((len(rate), len(names)))
     if problem.law is not None:
         speed = np.broadcast_to(problem.speed(problem.values), shape).reshape(-1)
+        sizes: dict[Kind, Any] = {
+            Kind.ANGLE: 1.0,
+            Kind.ANGULAR_VELOCITY: rate,
+            Kind.VELOCITY: speed,
+        }
         for index, name in enumerate(names):
-            kind = QUANTITIES[name].kind
-            unit = speed if kind is Kind.VELOCITY else rate
-            scale[:, index] = 1.0 if kind is Kind.ANGLE else unit
+            scale[:, index] = sizes[QUANTITIES[name].kind]
     values, radius, codes, pairs = rows.spectra()
     with np.errstate(all="ignore"):  # a radius may overflow to infinity
         values, radius = values * rate[:, None], (radius + last * np.abs(values)) * rate[:, None]

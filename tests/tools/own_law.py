@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from stability.bodies.contact import Contact, Parameter, Scales
+from stability.base.quantities import Units
+from stability.bodies.contact import Contact, Parameter
 
 
-def by_speed(nu: Any, scales: Scales) -> Any:
+def by_speed(nu: Any, scales: Units) -> Any:
     """Nu √(gR)."""
     return nu * scales.speed
 

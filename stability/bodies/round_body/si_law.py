@@ -8,7 +8,8 @@ from typing import Any
 
 import casadi as ca
 
-from ..contact import Contact, Scales
+from ...base.quantities import Units
+from ..contact import Contact
 from ..contact_laws import MOTION_LAWS, LinearViscous
 from .height.expression import Expression
 from .shape import MOMENTS, SCALES, RoundShape
@@ -92,8 +93,7 @@ class Law:
         self.form = law.__new__(law)  # only its formulas are used, never its coefficient
         self.holds, self.slips = law.holds, law.slips
         self.mass, self.weight = table["mass"], table["mass"] * table["gravity"]
-        values = {"mass": self.mass, "radius": table["length"], "gravity": table["gravity"]}
-        self._scales = Scales(values, ca.sqrt)
+        self._scales = Units(self.mass, table["length"], table["gravity"], ca.sqrt)
         self._direct = law in MOTION_LAWS.values()
         if law is LinearViscous and "mu" in given:
             found = [table["mu"] * self.weight]

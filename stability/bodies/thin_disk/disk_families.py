@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...algebra.upright import UPRIGHT, Upright
 from ...base.errors import NameUnknownError, listed
+from ...base.quantities import Kind
 
 # the command line reads the records for its help, so functions import the heavy modules
 if TYPE_CHECKING:
@@ -155,6 +156,12 @@ _RECORDS = (
 FAMILIES = {family.name: family for family in _RECORDS}
 """Every family of the disk by name.  A new one is one more record:
 docs/explanation/architecture.md."""
+
+
+def named_by(family: str) -> Kind:
+    """Kind of the number that names a member of a family of the disk or of a body, by its name."""
+    record = FAMILIES.get(family.partition(" ")[0])
+    return Kind.ANGLE if record is not None and record.by_angle else Kind.ANGULAR_VELOCITY
 
 
 def families_under(law: str) -> list[DiskFamily]:

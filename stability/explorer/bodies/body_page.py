@@ -25,7 +25,7 @@ from ..own_subject import member_states, own_subject
 from ..page import shared
 from ..pages import LAW_NAMES, common, foot, law_of, proved
 from ..subject import Quantity, Subject
-from ..units import Units, units_of, without_scales
+from ..units import PageUnits, units_of, without_scales
 from .body_motion import States, body_motion, meridian, mode_pose, start_of
 from .closed_subject import closed_states, closed_subject
 
@@ -189,7 +189,7 @@ def _chosen(families: Sequence[Shown], name: str, pole: Any) -> Shown:
 
 
 def _subject(
-    body: Body, one: Shown, law: str, mu: float, at: Any, units: Units
+    body: Body, one: Shown, law: str, mu: float, at: Any, units: PageUnits
 ) -> tuple[Subject, Family]:  # fmt: skip
     """A family under a law, and its `Family`."""
     kind = LAWS[law]

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...base.quantities import Kind
 from ...base.types import Floats
 from ...motion.neighbours import ROUNDING, signs
 from ...motion.result import Outcome, Result, Settings
@@ -140,7 +141,7 @@ def _results(
     problem: Problem, states: Floats, times: Floats, tolerance: float, *, check: bool
 ) -> list[Result]:
     """Runs of the full model from some states, at times after theirs."""
-    clock = float(problem.launches.scales["time"])
+    clock = float(problem.launches.size(Kind.TIME))
     many = (len(states),)
     launches = replace(
         problem.launches, starts=states, times=times * clock, shape=many,

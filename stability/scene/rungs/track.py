@@ -9,6 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ...base.quantities import Kind
 from ...base.types import Floats
 from ...integrators.flow import Flow, flow_of
 from ...motion.starts import Starts
@@ -86,7 +87,7 @@ class Problem:
     def when(self, time: float) -> str:
         """A time in words, in the user's unit."""
         unit = "" if self.launches.unit("time") == "1" else f" {self.launches.unit('time')}"
-        return f"{float(time) * float(self.launches.scales['time']):.4g}{unit}"
+        return f"{float(time) * float(self.launches.size(Kind.TIME)):.4g}{unit}"
 
     @property
     def last(self) -> float:
