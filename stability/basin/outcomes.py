@@ -29,7 +29,7 @@ from ..motion.neighbours import signs
 from ..motion.result import CODES, OF_END, Outcome, Settings
 from ..motion.run import TOGETHER, results
 from ..motion.starts import Starts
-from ..settling.nearest import Settling
+from ..settling.nearest import SETTLE, Settling
 from .lanes import EVENT, FAILED, LASTED, PROVED, ends, lean_of
 from .proofs import NONE, Watcher, limits
 
@@ -49,7 +49,7 @@ class Judging:
     """Error allowed in a step."""
     check: bool = True
     """Whether every launch is run again at a looser tolerance."""
-    settle: float = 0.05
+    settle: float = SETTLE
     """Largest distance from a steady motion at which a proof of settling is tried."""
     flat: float = 1e-6
     """Angle that counts as flat [rad]."""

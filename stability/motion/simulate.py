@@ -23,6 +23,7 @@ from ..integrators.selection import check_flow, check_method
 from ..jobs.pipeline import check_run
 from ..settling.body_settling import BodySettling
 from ..settling.departure import departures
+from ..settling.nearest import SETTLE
 from ..settling.system_settling import SystemSettling, length
 from ..systems.family import Family
 from ..systems.sources.numeric import NumericSystem
@@ -54,7 +55,7 @@ def simulate(
     tolerance: float = 1e-9,
     pose: bool = False,
     flat: float = FLAT_ANGLE,
-    settle: float = 1e-3,
+    settle: float = SETTLE,
     max_steps: int = 1_000_000,
     max_seconds: float = 8.0,
     check: bool = True,

@@ -10,6 +10,10 @@ from ..base.types import Floats
 if TYPE_CHECKING:
     from .together.many import NearestMany
 
+SETTLE = 1e-3
+"""Largest distance from a steady motion, dimensionless, at which a motion counts as settled: the
+default of launches, basins and scenes.  No eye sees such a distance; its convergence is proved."""
+
 
 @dataclass(frozen=True)
 class Nearest:

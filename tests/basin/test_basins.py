@@ -27,7 +27,7 @@ def spin() -> xarray.Dataset:
 
 def test_each_cell_is_the_outcome_of_simulate(spin: xarray.Dataset) -> None:
     start = spin.start_state.values
-    run = st.simulate(contact="viscous", mu=0.3, start=start, times=60.0, settle=0.05)
+    run = st.simulate(contact="viscous", mu=0.3, start=start, times=60.0)
     assert (spin.outcome.values == run.outcome.values).all()
     assert len(set(spin.outcome.values.ravel().tolist())) >= 2
     assert np.allclose(start[..., 0], np.pi / 2 - spin.tilt.values[:, None])
@@ -78,7 +78,7 @@ def test_numbers_of_body_and_law_are_axes(name: str) -> None:
         row = found.sel({name: value})
         disk = st.Disk(k=value) if name == "k" else st.Disk()
         contact = st.Viscous(value if name == "mu" else 0.3)
-        run = st.simulate(disk, contact, row.start_state.values, 30.0, settle=0.05)
+        run = st.simulate(disk, contact, row.start_state.values, 30.0)
         assert (row.outcome.values == run.outcome.values).all()
 
 

@@ -52,8 +52,7 @@ def test_outcomes_are_those_of_the_checked_single_run(
     found = outcomes(launches, Judging())
     assert len(alone) <= count / 20  # these are compared with the route that decided them
     fit = np.array([i not in (launches.unfit or {}) for i in range(count)])
-    run = st.simulate(st.Disk(k=DISKS[body]), st.Viscous(0.3), launches.starts[fit], horizon,
-                      settle=0.05)  # fmt: skip
+    run = st.simulate(st.Disk(k=DISKS[body]), st.Viscous(0.3), launches.starts[fit], horizon)
     part = Outcomes(**{n: getattr(found, n)[fit] for n in Outcomes.__dataclass_fields__})
     assert compared(part, run, count // 50) == 0
     settled = part.outcome == CODES[Outcome.SETTLED]
@@ -232,7 +231,7 @@ def test_laws_that_settle_on_nothing_give_the_outcomes_of_simulate(contact: Any)
     launches = asked.starts(points, 8.0)
     found = outcomes(launches, Judging())
     fit = np.array([i not in (launches.unfit or {}) for i in range(4)])
-    run = st.simulate(st.Disk(), contact, launches.starts[fit], 8.0, settle=0.05)
+    run = st.simulate(st.Disk(), contact, launches.starts[fit], 8.0)
     assert (found.outcome[fit] == run.outcome.values).all()
 
 
@@ -242,7 +241,7 @@ def test_a_body_that_passes_its_pole_is_launched_too() -> None:
     points = {"theta": np.array([0.1, 0.5, 2.8]), "phi_dot": np.array([0.5, 2.0, 1.0])}
     launches = asked.starts(points, 20.0)
     found = outcomes(launches, Judging())
-    run = st.simulate(top, st.Viscous(0.3), launches.starts, 20.0, settle=0.05)
+    run = st.simulate(top, st.Viscous(0.3), launches.starts, 20.0)
     assert (found.outcome == run.outcome.values).all()
 
 

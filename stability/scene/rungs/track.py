@@ -14,7 +14,7 @@ from ...base.types import Floats
 from ...integrators.flow import Flow, flow_of
 from ...motion.starts import Starts
 from ...settling.disk_settling import DiskSettling
-from ...settling.nearest import Nearest
+from ...settling.nearest import SETTLE, Nearest
 
 SPACING = 0.25
 """Distance of the samples of a whole path, in units of the motion's own time."""
@@ -32,7 +32,7 @@ class Problem:
     """Error allowed in each state, over 1 or its own size."""
     times: Floats
     """Rising dimensionless times at which the motion is asked for, shape (m,); the last counts."""
-    settle: float = 1e-3
+    settle: float = SETTLE
     """Largest distance from a steady motion at which the motion can count as settled."""
     flat: float = 1e-6
     """Angle from 0 or π that counts as flat."""
