@@ -73,6 +73,7 @@ _HOME = {
     "motion.result": ("Outcome",),
     "motion.netcdf": ("read_motion", "write_motion"),
     "basin.basins": ("basins",),
+    "basin.dataset": ("read_basins",),
     "basin.launch_labels": ("launch_labels",),
     "basin.statistics.exponent": ("uncertainty_exponent",),
     "basin.statistics.fractions": ("fractions", "wilson"),
@@ -111,6 +112,7 @@ if TYPE_CHECKING:
     from .base.verdict import Nonlinear as Nonlinear
     from .base.verdict import Verdict as Verdict
     from .basin.basins import basins as basins
+    from .basin.dataset import read_basins as read_basins
     from .basin.launch_labels import launch_labels as launch_labels
     from .basin.statistics.exponent import uncertainty_exponent as uncertainty_exponent
     from .basin.statistics.fractions import fractions as fractions

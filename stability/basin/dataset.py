@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..base.axis import Axis
+from ..base.checks import flag
 from ..base.citation.used import cited
 from ..base.errors import listed
 from ..base.provenance import versions
@@ -24,9 +26,13 @@ from ..integrators.selection import HEYOKA
 from ..jobs.chunks import Arrays, Store, Variable
 from ..motion.result import CODES, Outcome, outcome_flags
 from ..motion.starts import Starts
+from ..storage.zarr_folder import opened_store
 from ..systems.system import System
 from .launches import TILT, Launches
 from .outcomes import Judging, Outcomes, on_lanes
+
+if TYPE_CHECKING:
+    import xarray
 
 FORMAT = "stability basins 1"
 """Mark of the datasets and stores of this module."""
@@ -295,3 +301,40 @@ def question(
         "held": dict(launches.held), "flat": judging.flat, "most": judging.most,
         "families": [f"{f.name} {f.held} {f.unknown}" for f in launches.families],
     }  # fmt: skip
+
+
+def read_basins(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Dataset:
+    """Read a complete store of launches that `basins` wrote, every chunk by its checksum.
+
+    Parameters
+    ----------
+    path
+        Folder of the store.
+    lazy
+        Whether to leave the data in the folder until it is used; a damaged chunk is refused then.
+
+    Returns
+    -------
+    xarray.Dataset
+        As `basins` returned it.
+
+    Raises
+    ------
+    FileError
+        If there is no such store, or it is damaged or not complete; the same call of `basins`
+        computes what is missing or damaged.
+
+    Source: Zarr core specification, version 3, with checksums of this package:
+    tests/faults/test_damaged_stores.py.
+
+    Examples
+    --------
+    >>> import tempfile, stability as st
+    >>> from pathlib import Path
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     found = st.basins(contact="viscous", mu=0.3, x=("omega3", 1, 3, 2),
+    ...                       y=("theta", 1.2, 1.5, 2), horizon=5.0, store=Path(folder) / "a.zarr")
+    ...     st.read_basins(Path(folder) / "a.zarr").outcome.shape
+    (2, 2)
+    """
+    return opened_store(path, FORMAT, "a store of launches", lazy=flag("lazy", lazy))

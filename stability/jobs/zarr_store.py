@@ -8,7 +8,6 @@ and the coordinates, in memory, and the chunks are written here, by its own code
 from __future__ import annotations
 
 import json
-import os
 import shutil
 import warnings
 from collections.abc import Mapping
@@ -22,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.checks import flag
-from ..base.errors import FileError, StabilityError
+from ..base.errors import FileError, StabilityError, StabilityWarning
 from ..storage.files import atomic_write
 from ..storage.litter import clear, temporary
 from ..storage.store_question import (
@@ -35,7 +34,16 @@ from ..storage.store_question import (
     same_question,
 )
 from ..storage.targets import check_folder, path_text, refusing
-from ..storage.zarr_folder import MARKER, MISSING
+from ..storage.zarr_folder import (
+    HEAD,
+    MARKER,
+    MISSING,
+    Seals,
+    damaged_files,
+    dataset_of,
+    named,
+    sealed_head,
+)
 from .chunks import Arrays, Block, Layout, Variable, check_chunk
 
 if TYPE_CHECKING:
@@ -43,8 +51,6 @@ if TYPE_CHECKING:
 
     import xarray
 
-HEAD = "zarr.json"
-"""Name of the metadata of a group or array, by Zarr's format 3."""
 LEVEL = 3
 """Level of compression."""
 LARGEST = 2**22
@@ -62,31 +68,29 @@ class ChunkFiles:
     """The grid of chunks."""
     variables: tuple[Variable, ...]
     """The arrays, the marker first."""
+    seals: Seals
+    """Records of the chunks."""
 
     def there(self, block: Block) -> bool:
-        """Whether a chunk is there."""
-        return self._path(self.variables[0], block).is_file()
+        """Whether a chunk is there, and whole."""
+        return self.seals.damaged(block) == []
 
     def write(self, block: Block, arrays: Arrays) -> None:
-        """Write the files of a chunk, the marker last; each has its name when it is whole."""
+        """Write the files of a chunk, its record last; each has its name when it is whole."""
         whole = check_chunk(self.variables, arrays, self.layout.count(block))
         marker, *others = self.variables
-        for variable in (*others, marker):
-            values = whole[variable.name]
-            _write(self._path(variable, block), self._encoded(variable, block, values))
-
-    def listed(self) -> set[str]:
-        """Names of the markers that are there."""
-        with refusing(self.folder, "read"):
-            return set(os.listdir(self.folder / self.variables[0].name))
+        files = {
+            f"{v.name}/{file_name(v, block)}": self._encoded(v, block, whole[v.name])
+            for v in (*others, marker)
+        }
+        for name, content in files.items():
+            _write(self.folder / name, content)
+        _write(self.seals.path(block), self.seals.written(block, files))
 
     def clean(self) -> None:
         """Remove what killed writers left."""
         for folder in (self.folder, *(self.folder / v.name for v in self.variables)):
             clear(folder, always=True)
-
-    def _path(self, variable: Variable, block: Block) -> Path:
-        return self.folder / variable.name / file_name(variable, block)
 
     def _encoded(self, variable: Variable, block: Block, values: NDArray[Any]) -> bytes:
         """Bytes of a chunk file; a chunk at an edge is filled up, as Zarr asks."""
@@ -132,8 +136,9 @@ class ZarrStore:
     """A store in a Zarr folder, readable by `xarray.open_zarr`, created or resumed.
 
     A folder has its name once every coordinate and attribute is in it.  A chunk is there exactly
-    if the file of its marker is.  Several runs may fill one store at the same time: each file is
-    whole and all write the same bytes.
+    if its record is, and all its files are those of the record; a damaged one is named and counts
+    as missing.  Several runs may fill one store at the same time: each file is whole and all write
+    the same bytes.
 
     Parameters
     ----------
@@ -187,14 +192,13 @@ class ZarrStore:
                 f"{path_text(self.folder)} is the current folder or holds it; give the name of a "
                 "folder for the store."
             )
-        self.writer = ChunkFiles(self.folder, layout, self.variables)
         self._given = coords or {}, attrs or {}
         arrays = [[v.name, v.dtype, v.fill, v.attrs, v.more] for v in self.variables]
         asked = self._asked = asked_of(
             [layout.dims, layout.shape], layout.chunk, arrays, coords or {}, attrs or {},
             question or {},
         )  # fmt: skip
-        head = self._head()
+        head = _head_of(self.folder)
         if head is not None and not same_question(head, asked):
             if not overwrite:
                 raise FileError(
@@ -205,12 +209,33 @@ class ZarrStore:
             head = None
         if head is None:
             self._create(self._files(), asked)
+        elif bad := damaged_files(self.folder):
+            self._told(bad, "written")
+            files = self._files()
+            for name in sorted(files, key=lambda name: name == HEAD):
+                _write(self.folder / name, files[name])
+        seals = Seals(self.folder, self.variables[0].name, len(layout.dims), fingerprint_of(asked))
+        self.writer = ChunkFiles(self.folder, layout, self.variables, seals)
         self.writer.clean()
 
     def missing(self) -> list[Block]:
-        """Chunks that are not there, in row-major order."""
-        there, marker = self.writer.listed(), self.variables[0]
-        return [b for b in self.layout.blocks() if file_name(marker, b) not in there]
+        """Chunks that are not there or damaged, in row-major order; damaged ones are named."""
+        found, bad = [], []
+        for block in self.layout.blocks():
+            damaged = self.writer.seals.damaged(block)
+            if damaged != []:
+                found.append(block)
+                bad += damaged or []
+        if bad:
+            self._told(bad, "computed")
+        return found
+
+    def _told(self, bad: list[str], how: str) -> None:
+        """Name the damaged files, which are made again."""
+        warnings.warn(
+            f"{path_text(self.folder)}: {named(bad)} is damaged, and is {how} again.",
+            StabilityWarning, stacklevel=3,
+        )  # fmt: skip
 
     def write(self, block: Block, arrays: Arrays) -> None:
         """Add a whole chunk, the marker last."""
@@ -223,7 +248,7 @@ class ZarrStore:
         """
         bare, whole, head = self._files(), self._files(frame), self.folder / HEAD
         more = [n for n in sorted(whole, key=lambda n: (n.endswith(HEAD), n)) if n not in bare]
-        if head.read_bytes() == whole[HEAD] and all((self.folder / n).is_file() for n in more):
+        if head.read_bytes() == whole[HEAD] and not damaged_files(self.folder):
             return
         _write(head, bare[HEAD])
         for name in {Path(n).parts[0] for n in more}:
@@ -236,14 +261,8 @@ class ZarrStore:
         return _skeleton(self.layout, self.variables, *self._given, self._asked, more)
 
     def dataset(self) -> xarray.Dataset:
-        """The dataset, read when it is used."""
-        import xarray
-
-        found: xarray.Dataset = xarray.open_zarr(self.folder, chunks=None)
-        return found
-
-    def _head(self) -> dict[str, Any] | None:
-        return _head_of(self.folder)
+        """The dataset, read when it is used; a damaged chunk is refused then."""
+        return dataset_of(self.writer.seals)
 
     def _create(self, files: Mapping[str, bytes], asked: Mapping[str, Any]) -> None:
         """Write a folder under a temporary name, and rename it."""
@@ -259,7 +278,7 @@ class ZarrStore:
                         self.folder.rmdir()
                     draft.rename(self.folder)
                 except OSError:  # another run has made it meanwhile
-                    head = self._head()
+                    head = _head_of(self.folder)
                     if head is None or not same_question(head, asked):
                         raise
         finally:
@@ -359,7 +378,9 @@ def _skeleton(
                 compressors=ZstdCodec(level=LEVEL, checksum=True),
             )  # fmt: skip
         zarr.consolidate_metadata(memory)
-    return {name: value.to_bytes() for name, value in sorted(files.items())}
+    found = {name: value.to_bytes() for name, value in sorted(files.items())}
+    head = found.pop(HEAD)
+    return found | {HEAD: sealed_head(head, found)}
 
 
 def _array(layout: Layout, variable: Variable, frame: xarray.Dataset) -> dict[str, Any]:

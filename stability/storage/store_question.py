@@ -13,8 +13,9 @@ import numpy as np
 from ..base.errors import ParameterError, shown
 from ..base.version import __version__
 
-FORMAT = 1
-"""Version of the way in which stores are written; another one is another question."""
+FORMAT = CHECKED = 2
+"""Version of the way in which stores are written, another one is another question; the first
+version in which every file has a checksum."""
 QUESTION, PRINT = "question", "fingerprint"
 """Attributes of a store: what its numbers depend on, and the checksum of that."""
 MISSING = "missing"
@@ -70,13 +71,8 @@ def _kept(asked: Mapping[str, str]) -> dict[str, str]:
 
 
 def same_question(head: Mapping[str, Any], asked: Mapping[str, str]) -> bool:
-    """Whether a store holds the question; an older one may hold its citation as a part of it."""
-    if head[PRINT] == fingerprint_of(asked):
-        return True
-    with suppress(ValueError, KeyError, TypeError, AttributeError):
-        there = json.loads(head[QUESTION])
-        return head[PRINT] == fingerprint_of(there) and _kept(there) == dict(asked)
-    return False
+    """Whether a store holds the question."""
+    return bool(head[PRINT] == fingerprint_of(asked))
 
 
 def plain_json(value: Any, *, allow_nan: bool = False) -> str:

@@ -1,26 +1,240 @@
-"""Reading a Zarr folder of this package: whole, or refused."""
+"""Reading a Zarr folder of this package: whole, or refused.
+
+Every file of a store has a checksum.  Those of the metadata and coordinates stand in its head, with
+one of the head itself.  Those of a chunk are in a record, a file that is written last: a chunk is
+there exactly if its record is, and whole if all its files are those of the record.
+"""
 
 from __future__ import annotations
 
+import hashlib
+import json
 import math
 import os
+import re
+import warnings
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..base.errors import FileError, StabilityError
-from .targets import path_text, place
+from ..base.errors import FileError, StabilityError, StabilityWarning
+from .checksum import sealed, unsealed
+from .store_question import CHECKED, PRINT, QUESTION, fingerprint_of
+from .targets import path_text, place, refusing
 
 if TYPE_CHECKING:
     import xarray
 
+HEAD = "zarr.json"
+"""Name of the metadata of a group or array, by Zarr's format 3."""
 MARKER = "marker"
-"""Attribute that names the variable whose chunk files say which chunks are there."""
+"""Attribute that names the variable in whose folder the records of chunks are."""
+FILES, ITSELF = "checksums", "checksum"
+"""Attributes of the head: checksums of the files that are no chunks, and of the head."""
 MISSING = "a Zarr store needs the package zarr; `pip install stability[scale]`"
+AGAIN = "give the call that made it again, to compute it"
+CHUNK = re.compile(r"([^/]+)/c((?:\.\d+)+)")
+"""Name of a chunk's file in its store."""
+UNREADABLE = (ValueError, LookupError, TypeError, AttributeError, RecursionError)
+"""Errors of JSON that is another than was written."""
+Block = tuple[int, ...]
+
+
+def digest_of(content: bytes) -> str:
+    """The checksum of a file."""
+    return hashlib.sha256(content).hexdigest()
+
+
+def content_of(path: Path) -> bytes | None:
+    """Content of a file; None where there is none that can be read."""
+    try:
+        return path.read_bytes()
+    except OSError:
+        return None
+
+
+def sealed_head(head: bytes, files: Mapping[str, bytes]) -> bytes:
+    """Metadata of a store with the checksums of its files that are no chunks, and of itself.
+
+    Parameters
+    ----------
+    head
+        The metadata, as Zarr writes them.
+    files
+        Content of the files by name.
+    """
+    record = json.loads(head)
+    sums = {name: digest_of(content) for name, content in sorted(files.items())}
+    record["attributes"][FILES] = json.dumps(sums)
+    record["attributes"][ITSELF] = _itself(record)
+    return json.dumps(record, indent=2).encode()
+
+
+def _itself(record: Mapping[str, Any]) -> str:
+    attributes = {n: v for n, v in record["attributes"].items() if n != ITSELF}
+    whole = {**record, "attributes": attributes}
+    return digest_of(json.dumps(whole, sort_keys=True).encode())
+
+
+def damaged_files(folder: Path) -> list[str]:
+    """Names of the files that are not as they were written, chunks left out."""
+    try:
+        record = json.loads((folder / HEAD).read_bytes())
+        sums = json.loads(record["attributes"][FILES])
+        if record["attributes"][ITSELF] != _itself(record):
+            return [HEAD]
+    except (OSError, *UNREADABLE):
+        return [HEAD]
+    return [
+        name for name, digest in sums.items()
+        if (content := content_of(folder / name)) is None or digest_of(content) != digest
+    ]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Seals:
+    """Records of the chunks of a store: the checksum of each file of a chunk."""
+
+    folder: Path
+    """Folder of the store."""
+    marker: str
+    """Name of the variable in whose folder the records are."""
+    axes: int
+    """Number of axes of the grid of chunks."""
+    label: str
+    """Fingerprint of the question: a record of another store does not count."""
+
+    def path(self, block: Block) -> Path:
+        """The record of a chunk."""
+        return self.folder / self.marker / ".".join(["whole", *map(str, block)])
+
+    def written(self, block: Block, files: Mapping[str, bytes]) -> bytes:
+        """A record of the files of a chunk, by name."""
+        sums = {name: digest_of(content) for name, content in files.items()}
+        return sealed(json.dumps(sums).encode(), f"{self.label} {block}")
+
+    def record(self, block: Block) -> dict[str, str] | None:
+        """Checksums by name of a chunk's files; None where the chunk is not there."""
+        content = unsealed(content_of(self.path(block)) or b"", f"{self.label} {block}")
+        return None if content is None else dict(json.loads(content))
+
+    def damaged(self, block: Block) -> list[str] | None:
+        """Names of the files of a chunk that are missing or damaged; None where it is not there."""
+        record = self.record(block)
+        if record is None:
+            return None
+        return [
+            name for name, digest in record.items()
+            if (content := content_of(self.folder / name)) is None or digest_of(content) != digest
+        ]  # fmt: skip
+
+    def count(self) -> int:
+        """Number of records."""
+        with refusing(self.folder, "read"):
+            return sum(n.startswith("whole.") for n in os.listdir(self.folder / self.marker))
+
+    def checked(self, name: str, content: bytes | None, *, complete: bool) -> bytes | None:
+        """Content of a file of the store, or None where its chunk is not there.
+
+        Parameters
+        ----------
+        name
+            Name of the file in the store.
+        content
+            What was read.
+        complete
+            Whether every chunk must be there.
+
+        Raises
+        ------
+        FileError
+            If the file is damaged, or missing from a chunk that is there.
+        """
+        found = CHUNK.fullmatch(name)
+        if found is None:
+            return content
+        block = tuple(map(int, found[2].split(".")[1:]))[: self.axes]
+        record = self.record(block)
+        if record is None and not complete:
+            return None
+        if record is None or content is None or record.get(name) != digest_of(content):
+            raise self.refusal(name)
+        return content
+
+    def others(self) -> dict[str, str]:
+        """Checksums by name of the files that are no chunks."""
+        return dict(json.loads(json.loads((self.folder / HEAD).read_bytes())["attributes"][FILES]))
+
+    def refusal(self, name: str) -> FileError:
+        """The error that names a damaged file."""
+        return FileError(f"{path_text(self.folder)}: {named([name])} is damaged; {AGAIN}.")
+
+
+def named(files: Iterable[str], most: int = 3) -> str:
+    """Some files of a store in words: chunks by their variable and indices."""
+    words = []
+    for name in files:
+        found = CHUNK.fullmatch(name)
+        words.append(f"chunk {found[2][1:]} of {found[1]}" if found else name)
+    rest = len(words) - most
+    return ", ".join(words[:most]) + (f" and {rest} more" if rest > 0 else "")
+
+
+@cache
+def _checking() -> Any:
+    """The class of Zarr stores that check what they read; zarr is optional."""
+    from zarr.storage import LocalStore
+
+    class Checking(LocalStore):  # type: ignore[misc]  # zarr has no types where it is missing
+        """A folder whose chunks are compared with their records as they are read."""
+
+        def __init__(self, seals: Seals, complete: bool) -> None:  # noqa: FBT001
+            super().__init__(seals.folder, read_only=True)
+            self.seals, self.complete, self.sums = seals, complete, seals.others()
+
+        async def get(self, key: str, prototype: Any, byte_range: Any = None) -> Any:
+            """Content of a file, whole chunks alone."""
+            found = await super().get(key, prototype, byte_range)
+            content = None if found is None else found.to_bytes()
+            if key in self.sums and (content is None or digest_of(content) != self.sums[key]):
+                raise self.seals.refusal(key)
+            right = self.seals.checked(key, content, complete=self.complete)
+            return None if right is None else found
+
+        def __reduce__(self) -> Any:
+            return _checking_store, (self.seals, self.complete)
+
+    return Checking
+
+
+def _checking_store(seals: Seals, complete: bool) -> Any:  # noqa: FBT001
+    return _checking()(seals, complete)
+
+
+def dataset_of(seals: Seals, *, complete: bool = False) -> xarray.Dataset:
+    """The dataset of a store, read when it is used; each chunk is checked as it is read.
+
+    Parameters
+    ----------
+    seals
+        Records of its chunks.
+    complete
+        Whether every chunk must be there; otherwise those that are not hold fill values.
+    """
+    import xarray
+
+    found: xarray.Dataset = xarray.open_zarr(_checking_store(seals, complete), chunks=None)
+    for name in (FILES, ITSELF):
+        found.attrs.pop(name, None)
+    return found
 
 
 def opened_store(
     path: str | os.PathLike[str], form: str, what: str, *, lazy: bool = False
 ) -> xarray.Dataset:
-    """A dataset from a Zarr folder, refused where chunks are missing.
+    """A dataset from a Zarr folder, refused where chunks are missing or damaged.
 
     Parameters
     ----------
@@ -31,7 +245,8 @@ def opened_store(
     what
         Words for its content, such as "a map".
     lazy
-        Whether to leave the data in the folder until it is used.
+        Whether to leave the data in the folder until it is used; a damaged chunk is then refused
+        when it is read.
 
     Returns
     -------
@@ -51,18 +266,45 @@ def opened_store(
     except ImportError:
         raise StabilityError(f"{MISSING}.") from None
     try:
-        dataset: xarray.Dataset = xarray.open_zarr(folder, chunks=None)
-        ours = dataset.attrs.get("format") == form
-        there, count = _chunks(folder, dataset) if ours else (0, 0)
-        if there == count and not lazy:
-            dataset.load()
-    except Exception as error:  # zarr and its codecs raise any
+        head = json.loads((folder / HEAD).read_bytes())["attributes"]
+        asked = json.loads(head[QUESTION])
+        ours = head.get("format") == form
+        right = head[PRINT] == fingerprint_of(asked)
+        checked = json.loads(asked["the format"])[0] >= CHECKED
+        marker = str(head[MARKER])
+        bad = damaged_files(folder) if checked and right else []
+    except (OSError, *UNREADABLE) as error:
         why = "there is none" if not folder.exists() else type(error).__name__
         raise FileError(
             f"{path_text(path)} cannot be read as a Zarr store ({why}); it may be damaged."
         ) from None
+    if bad or not right:
+        raise FileError(f"{path_text(path)}: {named(bad or [HEAD])} is damaged; {AGAIN}.")
     if not ours:
         raise FileError(f"{path_text(path)} is not {what} of this package.")
+    if not checked:
+        warnings.warn(
+            f"{path_text(path)} was written by an earlier version, without checksums, so that "
+            "damage to it may go unnoticed; compute it again to have them.",
+            StabilityWarning, stacklevel=3,
+        )  # fmt: skip
+    try:
+        plain: xarray.Dataset = xarray.open_zarr(folder, chunks=None)
+        variable = plain.variables[marker]
+        chunk = variable.encoding["chunks"]
+        count = math.prod(-(-n // c) for n, c in zip(variable.shape, chunk, strict=True))
+        seals = Seals(folder, marker, variable.ndim, head[PRINT])
+        there = seals.count() if checked else _files(folder / marker)
+        dataset = dataset_of(seals, complete=True) if checked else plain
+        if there == count and not lazy:
+            dataset.load()
+    except StabilityError:
+        raise
+    except Exception as error:  # zarr and its codecs raise any
+        raise FileError(
+            f"{path_text(path)} cannot be read as a Zarr store ({type(error).__name__}); it may be "
+            "damaged."
+        ) from None
     if there < count:
         raise FileError(
             f"{path_text(path)} holds {there} of {count} chunks; give the command that began it "
@@ -71,10 +313,6 @@ def opened_store(
     return dataset
 
 
-def _chunks(folder: Any, dataset: xarray.Dataset) -> tuple[int, int]:
-    """Number of chunks that are there, and of all."""
-    name = dataset.attrs[MARKER]
-    variable = dataset.variables[name]
-    chunk = variable.encoding["chunks"]
-    count = math.prod(-(-n // c) for n, c in zip(variable.shape, chunk, strict=True))
-    return sum(entry.startswith("c.") for entry in os.listdir(folder / name)), count
+def _files(folder: Path) -> int:
+    """Number of chunks of a store without records."""
+    return sum(entry.startswith("c.") for entry in os.listdir(folder))

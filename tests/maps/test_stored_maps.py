@@ -91,7 +91,7 @@ def test_a_damaged_or_other_folder_is_not_read(tmp_path: Path) -> None:
     st.stream_map("tumbling", **AXES, out=tmp_path / "a.zarr")
     path = tmp_path / "a.zarr" / "verdict" / "c.3.0"
     path.write_bytes(path.read_bytes()[:-1])
-    with pytest.raises(st.StabilityError, match=r"cannot be read as a Zarr store \(RuntimeError"):
+    with pytest.raises(st.StabilityError, match="chunk 3.0 of verdict is damaged; give"):
         st.read_map(tmp_path / "a.zarr")
     (tmp_path / "b.zarr").mkdir()
     for name in ("b.zarr", "c.zarr"):

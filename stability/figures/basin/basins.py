@@ -121,8 +121,8 @@ def _axes_of(dataset: Any, x: str = "", y: str = "") -> tuple[str, str]:
     """Names of the numbers along x and y, or a refusal."""
     if not {"outcome", "family", "member"} <= set(getattr(dataset, "data_vars", ())):
         raise ParameterError(
-            f"dataset is {type(dataset).__name__}; give what basins returns, or its store, opened "
-            "by xarray.open_zarr."
+            f"dataset is {type(dataset).__name__}; give what basins returns, or its store, read "
+            "by read_basins."
         )
     names = tuple(map(str, dataset.outcome.dims))
     if is_sample(dataset):
