@@ -6,10 +6,12 @@ import of the package is fast.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from .base.calls.guard import guarded
 from .base.version import __version__ as __version__
 from .spectra.presentation import drawing
 
@@ -218,7 +220,11 @@ if TYPE_CHECKING:
 def __getattr__(name: str) -> Any:
     if name not in _WHERE:
         raise AttributeError(f"module 'stability' has no attribute {name!r}")
-    value = getattr(import_module(f".{_WHERE[name]}", __name__), name)
+    value = guarded(getattr(import_module(f".{_WHERE[name]}", __name__), name), name)
+    for public, module in _WHERE.items():  # classes of results, which no one asks for by name
+        home = sys.modules.get(f"{__name__}.{module}")
+        if isinstance(one := getattr(home, public, None), type):
+            guarded(one, public)
     globals()[name] = value
     return value
 

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from .calls.guard import guard
 from .errors import NameUnknownError, ParameterError, StabilityError, shown
 
 T = TypeVar("T")
@@ -67,11 +68,13 @@ def arithmetic(remedy: str) -> Callable[[Method], Method]:
     """
 
     def wrap(method: Method) -> Method:
+        fitting = guard(method, method.__qualname__, 1)
+
         @wraps(method)
         def formula(self: Any, *values: Any, **named: Any) -> Any:
             try:
                 with np.errstate(divide="raise", invalid="raise", over="ignore"):
-                    found = method(self, *values, **named)
+                    found = fitting(self, *values, **named)
                 parts = found if isinstance(found, list) else [found]
                 if any(isinstance(v, (float, np.ndarray)) and np.isnan(v).any() for v in parts):
                     raise FloatingPointError

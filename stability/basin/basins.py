@@ -306,7 +306,7 @@ def planned(
         held = {_named(n, family): v for n, v in held.items()}
     launches = prepare(thing, contact, names, held, family, families, dict(parameters), theta, pole)
     size = min(max(TILE, math.prod(shape) // PIECES), LARGE)
-    size = size if chunk is None else whole_number("chunk", chunk)
+    size = size if chunk is None else whole_number("chunk", chunk, most=MOST)
     seed = whole_number("seed", seed, least=0)
     layout = Layout(names if axes else ("launch",), shape, even_chunk(shape, size))
     if axes:

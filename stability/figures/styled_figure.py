@@ -112,14 +112,30 @@ def drawing(
         raise ParameterError("width belongs to a figure of its own; leave it out, or leave out ax.")
     own = float(matplotlib.rcParams["font.size"]) if size is None else size
     with matplotlib.rc_context(styled(max(own, LEAST))):
-        for axes in np.ravel(ax).tolist():
-            if not isinstance(axes, Axes):
-                raise ParameterError(f"ax is {shown(ax)}; give axes of Matplotlib.")
+        for axes in panels(ax):
             axes.tick_params(labelsize=matplotlib.rcParams["xtick.labelsize"])
             for text in (axes.xaxis.label, axes.yaxis.label):
                 text.set_fontsize(matplotlib.rcParams["axes.labelsize"])
-        figure = np.ravel(ax)[0].get_figure(root=True)
+        first: Any = panels(ax)[0]
+        figure = first.get_figure(root=True)
         yield figure
+
+
+def panels(ax: Any) -> list[Axes]:
+    """The axes that a user gives, one or several.
+
+    Raises
+    ------
+    ParameterError
+        If they are none.
+    """
+    given = [ax] if isinstance(ax, Axes) else ax
+    found = list(given.flat) if isinstance(given, np.ndarray) else given
+    if not isinstance(found, (list, tuple)) or not found or not all(
+        isinstance(one, Axes) for one in found
+    ):  # fmt: skip
+        raise ParameterError(f"ax is {shown(ax)}; give axes of Matplotlib.")
+    return list(found)
 
 
 def ticks_along(axes: Axes) -> MaxNLocator:

@@ -138,7 +138,7 @@ def stream_map(
     family, disk, contact, parameters = of_body(family, body, disk, contact, parameters, (x, y))
     axes = axis_of(family, x, "x"), axis_of(family, y, "y")
     own = isinstance(family, Family)
-    problem = prepare(family if own else str(family), axes, disk, contact, at, parameters)
+    problem = prepare(family, axes, disk, contact, at, parameters)
     judge = None if growth else judge_of(problem, axes, own=own)
     total = axes[0].count * axes[1].count
     if total > MOST_CELLS:

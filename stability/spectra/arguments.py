@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.axis import MOST_POINTS, Axis
-from ..base.checks import checked
+from ..base.checks import checked, real_numbers
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.types import Floats
 from ..bodies.contact import Contact
@@ -260,7 +260,8 @@ def _beyond_axes(
     open_ = [n for n in family.at if n not in names]
     if at is None or len(open_) == len(family.at):
         return at, parameters
-    values = list(at) if np.ndim(at) else [at]
+    given = real_numbers("at", at)
+    values = list(at) if given.ndim else [at]
     if len(values) == len(family.at):
         return at, parameters
     if len(values) != len(open_):

@@ -41,6 +41,11 @@ def _motion_again(folder: Path) -> Any:
     return st.read_motion(path)
 
 
+def _launches_again(folder: Path) -> Any:
+    st.basins(st.Disk(), st.Viscous(0.3), **SMALL, store=folder / "launches.zarr")
+    return st.read_basins(folder / "launches.zarr")
+
+
 def _streamed(folder: Path) -> Any:
     return st.read_map(st.stream_map("spinning", **PLANE, out=folder / "map.zarr"))
 
@@ -85,6 +90,7 @@ RESULTS: dict[str, tuple[Callable[[Path], Any], list[str]]] = {
     "simulate": (lambda _: _motion(), [*DISK, "scipy", "hairer1993"]),
     "read_motion": (_motion_again, [*DISK, "scipy", "hairer1993"]),
     "basins": (lambda _: st.basins(st.Disk(), st.Viscous(0.3), **SMALL), DISK),
+    "read_basins": (_launches_again, DISK),
     "Scene": (lambda _: _scene().answer(), DISK),
     "table": (lambda _: st.table("drift", k=0.25, mu=1), DISK[:2]),
     "fractions": (lambda _: st.fractions([0, 1, 1]), ["stability", "wilson1927"]),

@@ -74,7 +74,7 @@ class Exact:
         return [[c(*values) for c in factor] for factor in self.factors]
 
 
-class ExactPolynomial(ABC):
+class ExactPolynomial:
     """The characteristic polynomial of a family, from the numbers that name a member.
 
     A subclass for your family has one method, `coefficients`, and `zeros` where eigenvalues vanish
@@ -112,8 +112,14 @@ class ExactPolynomial(ABC):
     def __hash__(self) -> int:
         return hash((type(self), content(vars(self))))
 
-    @abstractmethod
-    def coefficients(self, values: Mapping[str, Any], algebra: Algebra) -> Sequence[Sequence[Any]]:
+    def __init__(self) -> None:
+        """Nothing to keep; a subclass may have numbers of its own."""
+
+    def coefficients(
+        self,
+        values: Mapping[str, Any],  # noqa: ARG002
+        algebra: Algebra,  # noqa: ARG002
+    ) -> Sequence[Sequence[Any]]:
         """Coefficients of the factors of the polynomial in λ, lowest power first.
 
         Parameters
@@ -128,6 +134,7 @@ class ExactPolynomial(ABC):
         sequence of sequence
             For each factor its coefficients, real, the last one not zero.
         """
+        raise ParameterError(f"the polynomial {type(self).__name__} states no coefficients.")
 
     def conditions(
         self,
@@ -165,7 +172,7 @@ class ExactPolynomial(ABC):
         return 1, None
 
 
-class TabulatedPolynomial(ExactPolynomial):
+class TabulatedPolynomial(ExactPolynomial, ABC):
     """An exact polynomial stored as `Polynomial`s in a few positive variables, proved offline.
 
     Maps bound these polynomials over whole arrays and boxes.  Each factor has odd degree, or the

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..styled_figure import drawing, fixed, key, note, settle, signed_ticks, small  # isort: skip
+from ..styled_figure import drawing, fixed, key, note, panels, settle, signed_ticks, small  # isort: skip
 
 import math
 from typing import Any
@@ -55,8 +55,8 @@ def plane(
     -------
     Figure
     """
-    if ax is not None and np.size(ax) != 1:
-        raise ParameterError(f"ax holds {np.size(ax)} axes; a single spectrum is drawn on one.")
+    if ax is not None and (count := len(panels(ax))) != 1:
+        raise ParameterError(f"ax holds {count} axes; a single spectrum is drawn on one.")
     verdict = BY_CODE[int(np.ravel(spectrum.codes)[0])].word
     with drawing(ax, width, fontsize, lambda wide: min(0.85 * wide, 1.5 + 0.4 * wide)) as figure:
         axes: Axes = np.ravel(np.asarray(figure.subplots() if ax is None else ax))[0]

@@ -1,0 +1,5 @@
+"""Calls of public names: the guard that names an argument that does not fit.
+
+May import the errors of `base`.
+To add a type of argument: its test in `fits` and its words in `words`, in `types.py`.
+"""
