@@ -31,7 +31,7 @@ from ..bodies.round_body.body import Body
 from ..bodies.round_body.by_name import family_by_name
 from ..systems.family import Family
 from ..systems.structure.multiplicity import Member
-from ..systems.structure.structural_zeros import structure
+from ..systems.structure.structural_zeros import steady_where, structure
 from ..systems.structure.zero_blocks import semisimple, typical, zero_power
 from ..systems.system import A_FAMILY, refuse_system
 from .general.deduction import Deduction, closed_forms, domain_of
@@ -407,6 +407,7 @@ def conditions(
     intervals = reads.intervals(family, positive, between or {})
     values = {known("parameter", n, family.parameters): reads.rational(n, v)
               for n, v in parameters.items()}  # fmt: skip
+    family = steady_where(family, values)
     own, family = family, reads.family(family)
     budget = Budget(whole_number("terms", terms, 1), float(above_zero("seconds", seconds)))
     zeros = structure(family)

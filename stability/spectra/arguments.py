@@ -20,6 +20,7 @@ from ..bodies.law_names import class_named, law_given, law_only, refuse_misspelt
 from ..bodies.thin_disk.disk_families import FAMILIES
 from ..bodies.thin_disk.disk_quantities import PHYSICAL
 from ..systems.family import Family
+from ..systems.structure.structural_zeros import steady_where
 from ..systems.system import refuse_system
 from .disk_problem import check_axis, disk_problem, disk_roundings
 from .problem import Problem, system_problem
@@ -179,6 +180,8 @@ def prepare(
         kept = {n: v for n, v in kept.items() if n not in problem.law.alternatives(name)}
     merged = kept | {n: _middle(v) for n, v in axis_values.items()}
     ratios = {n: r for n, r in problem.ratios.items() if n not in names}
+    if problem.law is None:
+        problem = replace(problem, family=steady_where(problem.family, kept))
     problem = replace(problem, values=merged, ratios=ratios)
     problem = problem if exact else problem.rounded()
     law = problem.law

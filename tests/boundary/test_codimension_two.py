@@ -400,3 +400,18 @@ def test_whole_powers_of_balls_around_zero_are_finite() -> None:
     cube = power(arb(0, 0.5), arb(3))
     assert cube.is_finite() and cube.contains(0.1) and cube.contains(-0.1)
     assert power(arb(2), arb(0.5)) * power(arb(2), arb(0.5)) - 2 < 1e-12
+
+
+def test_a_family_that_is_steady_without_its_torque_alone_has_conditions_and_double_zeros() -> None:
+    """λ² + c λ + k: a hanging arm is at rest where the torque T is 0, and only there."""
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 3)
+    rates = ca.vertcat(x[1], p[2] - p[0] * ca.sin(x[0]) - p[1] * x[1])
+    arm = st.System("arm", x, p, rates, states=("angle", "rate"), parameters=("k", "c", "T"))
+    hang = st.Family(arm, "hang", at=("k",), held={"angle": 0, "rate": 0})
+    assert st.conditions(hang, T=0).rule.startswith("Stable where k > 0 and c > 0;")
+    assert "k > 0" in st.latex(hang, T=0)
+    found = st.codimension_two(hang, x=("k", -1, 1, 5), y=("c", -1, 1, 5), T=0)
+    assert [(q.kind.word, q.x, q.y) for q in found] == [("double zero", 0.0, 0.0)]
+    for given in ({}, {"T": 1}):
+        with pytest.raises(st.StabilityError, match="a rate does not vanish"):
+            st.conditions(hang, **given)

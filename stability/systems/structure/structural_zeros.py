@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from flint import arb
@@ -87,6 +89,33 @@ def structure(family: Family) -> Structure:
         f"vanishing to {SAMPLE_BITS // 2} bits at {SAMPLES} random members, the next proved nonzero"
     )
     return Structure(zeros, even, how, steady)
+
+
+def steady_where(family: Family, values: Mapping[str, Any]) -> Family:
+    """The family, with typical size 0 of inputs that are given as 0 if it is steady only there.
+
+    Parameters
+    ----------
+    family
+        The family.
+    values
+        Given numbers by name.
+
+    Examples
+    --------
+    >>> import casadi as ca, stability as st
+    >>> x, k = ca.SX.sym("x"), ca.SX.sym("k", 2)
+    >>> pushed = st.System("pushed", x, k, k[1] - k[0] * x, states=("x",), parameters=("k", "F"))
+    >>> rest = st.Family(pushed, "rest", at=("k",), held={"x": 0})
+    >>> steady_where(rest, {"F": 0}).typical, steady_where(rest, {"F": 1}).typical
+    ({'F': 0.0}, {})
+    """
+    names = (*family.at, *family.parameters)
+    zero = {n: 0.0 for n, v in values.items() if n in names and np.ndim(v) == 0 and v == 0}
+    if not zero or structure(family).steady:
+        return family
+    other = replace(family, typical={**family.typical, **zero})
+    return other if structure(other).steady else family
 
 
 def sampled(family: Family, sample: int) -> list[arb]:
