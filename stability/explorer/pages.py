@@ -100,8 +100,8 @@ def own_page(
     names = [*family.at, *family.parameters]
     if len(names) < 2:
         raise ParameterError(
-            f"{family.name} has one quantity, {names[0]}; a diagram needs two: make a number of "
-            "the system a parameter."
+            f"{family.name} has {f'one quantity, {names[0]}' if names else 'no quantity'}; a "
+            "diagram needs two: make a number of the system a parameter."
         )
     asked = [None if axis is None else (axis.name, axis.low, axis.high) for axis in axes]
     used = [a[0] for a in asked if a is not None]

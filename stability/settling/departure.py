@@ -75,8 +75,9 @@ def departures(
         departed = _grown(family, a, p[rows], before, after, errors[rows])
         for (i, near, off), at, sure in zip(mine, a, departed, strict=True):
             if sure:
+                where = in_words(family, family.at, at)
                 said[i] = (
-                    f"departs from {family.name}, unstable at {in_words(family, family.at, at)}: "
+                    f"departs from {family.name}, unstable{f' at {where}' if where else ''}: "
                     f"{near.distance:.3g} away at the start, {length(off):.3g} at the end"
                 )
     return said

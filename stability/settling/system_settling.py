@@ -60,7 +60,7 @@ class SystemSettling:
         return self._closest(state, p)[0]
 
     def _closest(self, state: Floats, p: Floats) -> tuple[Nearest, Family | None, str]:
-        """The nearest member, its family, and its values in words."""
+        """The nearest member, its family, and its name in words."""
         if not self.families:
             why = "it lasted to the last time; give families=... to see what it settles on"
             return Nearest("", 0.0, np.inf, False, 0.0, why), None, ""
@@ -72,19 +72,19 @@ class SystemSettling:
             names = ", ".join(f.name for f in self.families)
             why = f"none of {names} has a member there"
             return Nearest("", 0.0, np.inf, False, 0.0, why), None, ""
-        at = in_words(family, family.at, at_of(family, state[None], p)[0])
-        where = f"nearest is {family.name} at {at}, {distance:.3g} away"
-        return Nearest(family.name, 0.0, distance, False, 0.0, where, states[0]), family, at
+        called = member_in_words(family, at_of(family, state[None], p)[0])
+        where = f"nearest is {called}, {distance:.3g} away"
+        return Nearest(family.name, 0.0, distance, False, 0.0, where, states[0]), family, called
 
     def nearest(self, state: Floats, p: Floats, within: float) -> Nearest:
         """The nearest member of all families, and whether the state has settled on it."""
-        near, family, at = self._closest(state, p)
+        near, family, called = self._closest(state, p)
         if family is None or near.member is None or near.distance > within:
             return near
         member, distance = near.member, near.distance
         why, proof = _proved(family, state, member, p)
         if proof is None:
-            where = f"{distance:.3g} from {family.name} at {at}; {why}"
+            where = f"{distance:.3g} from {called}; {why}"
             return Nearest(family.name, 0.0, distance, False, 0.0, where, member)
         along = [n for n in family.system.states if n in family.at]  # as y is ordered
         limit = ""
@@ -92,7 +92,7 @@ class SystemSettling:
             limit = f" at {in_words(family, along, proof.limit)} within {proof.error:.2g}"
         unit = rate_unit(family.system.units, family.system.quantities)
         where = (
-            f"{distance:.3g} from {family.name} at {at}; proved in ball arithmetic: from there on "
+            f"{distance:.3g} from {called}; proved in ball arithmetic: from there on "
             f"the motion converges to {family.name}{limit}, its deviation falling at the rate "
             f"{proof.rate:.3g}{'' if unit == '1' else f' {unit}'} at least"
         )
@@ -193,6 +193,11 @@ def in_words(family: Family, names: Sequence[str], values: Iterable[float]) -> s
     units = (family.system.units.get(n, "1") for n in names)
     parts = zip(names, values, units, strict=True)
     return ", ".join(listing((n,), (v,)) + ("" if u == "1" else f" {u}") for n, v, u in parts)
+
+
+def member_in_words(family: Family, at: Iterable[float]) -> str:
+    """A family with the values that name its member; its name alone where it has one member."""
+    return f"{family.name} at {in_words(family, family.at, at)}" if family.at else family.name
 
 
 def at_of(family: Family, states: Floats, p: Floats) -> Floats:

@@ -51,6 +51,8 @@ def axis_of(family: Any, axis: Any, which: str, most: int = MOST_POINTS) -> Axis
     refuse_system(family)
     grid = Axis.of(axis, which, most)
     if isinstance(family, Family):
+        if not family.at:
+            raise ParameterError(f"{family.name} has one member alone, and so no {which}.")
         own, name = "at", family.at[0]
         single = len(family.at) == 1 and "at" not in family.parameters
     else:

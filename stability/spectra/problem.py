@@ -215,6 +215,8 @@ def system_problem(
                 f"{shown(name)} is not a parameter of {family.name}; known are "
                 f"{', '.join((*family.parameters, *family.at)) or 'none'}."
             )
+    if at is not None and not family.at:
+        raise ParameterError(f"{family.name} has one member alone; leave at out.")
     keys = family.at
     several = isinstance(at, (tuple, list)) and len(at) == len(keys) > 1
     parts: list[Any] = list(at) if several else [at]  # type: ignore[arg-type]

@@ -131,7 +131,7 @@ def spectrum(
         raise DomainError("the eigenvalues overflow double precision; give values nearer to 1.")
     found = Spectrum(
         resolved,
-        _shaped(np.column_stack(_given(problem)).reshape(-1, len(resolved.at)), shape),
+        _shaped(np.array(_given(problem)).reshape(len(resolved.at), len(rate)).T, shape),
         _shaped(values, shape),
         _shaped(radius, shape),
         rows.zeros,
@@ -160,6 +160,8 @@ def _check_named(family: Any, body: Any, parameters: Mapping[str, Any]) -> None:
     table: Mapping[str, Any] = FAMILIES if body is None else ROUND
     known = table.get(family) if isinstance(family, str) else family
     names = known.at if isinstance(known, (Family, DiskFamily, RoundFamily)) else ()
+    if isinstance(known, Family) and not names:
+        return  # a system without parameters: the member stands alone
     if names and set(names) <= set(parameters):
         return
     own = f", here {' and '.join(names)}" if names else ""

@@ -190,6 +190,8 @@ def branch(
     (True, 2.00251)
     """
     instance("family", family, Family, A_FAMILY)
+    if not family.at:
+        raise ParameterError(f"{family.name} has one member alone, and no branch.")
     points = whole_number("points", points, 2, MOST_POINTS, "follow a longer branch in pieces")
     lo, hi = one_number("start", start), one_number("stop", stop)
     rest, q = numbers_of(family, fixed, parameters, named)

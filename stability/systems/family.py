@@ -41,7 +41,8 @@ class Family(Record):
     name
         Name of the family in messages and files.
     at
-        Names of the states (or of parameters of the system) that name a member.
+        Names of the states (or of parameters of the system) that name a member.  Empty for the
+        one member of a system without parameters that stands alone.
     held
         Values of the states that are the same along the family; `UPRIGHT` for the exact π/2.
     unknown
@@ -127,7 +128,8 @@ class Family(Record):
         return hash(self._content())
 
     def __repr__(self) -> str:
-        return f"<Family {self.name} of {self.system.name}, named by {', '.join(self.at)}>"
+        named = f", named by {', '.join(self.at)}" if self.at else ""
+        return f"<Family {self.name} of {self.system.name}{named}>"
 
     def __post_init__(self) -> None:
         instance("system", self.system, Equations, "give a stability.System")

@@ -238,7 +238,7 @@ def check_family(family: Any) -> None:
 
     for what in ("at", "equations", "positive"):
         keep(what, names(what, getattr(family, what)))
-    if not family.at:
+    if not family.at and family.system.parameters:
         raise ParameterError("at is empty; give the names of what distinguishes the members.")
     held = mapping("held", family.held)
     for name, value in held.items():

@@ -329,3 +329,37 @@ def test_three_hinged_bars_hang_at_the_pose_of_their_guess(guess: tuple[float, .
     found = st.spectrum(hang, at=9.81, c=0.1)
     assert found.verdict.word == "stable"
     assert found.eigenvalues == pytest.approx(np.sort(np.roots([1.5, 0.1, 5 * 9.81 / 3**0.5])))
+
+
+def test_the_member_of_a_system_without_parameters_needs_no_name() -> None:
+    """Two wells with damping 0.2: λ² + λ/5 + 2 at each bottom; as with the damping as parameter."""
+    x, v, c = ca.SX.sym("x"), ca.SX.sym("v"), ca.SX.sym("c")
+
+    def wells(p: ca.SX, damping: Any, names: tuple[str, ...]) -> st.System:
+        rates = ca.vertcat(v, x - x**3 - damping * v)
+        return st.System("wells", ca.vertcat(x, v), p, rates, states=("x", "v"), parameters=names)
+
+    plain, other = wells(ca.SX(0, 1), 0.2, ()), wells(c, c, ("c",))
+    right = st.Family(plain, "right", at=(), held={"x": 1, "v": 0})
+    found = st.spectrum(right)
+    assert found.verdict.word == "stable"
+    assert found.eigenvalues == pytest.approx(np.sort(np.roots([1, 0.2, 2])))
+    assert repr(found).startswith("<Spectrum of right: stable; 2 eigenvalues: ")
+    assert st.spectrum(plain.steady((), guess={"x": 0.8})).eigenvalues == pytest.approx(
+        found.eigenvalues)  # fmt: skip
+    named = st.Family(other, "right", at=("c",), held={"x": 1, "v": 0})
+    grid: dict[str, Any] = {"x": ("x", -2, 2, 4), "y": ("v", -1, 1, 3), "horizon": 100}
+    alone = st.basins(plain, families=right, **grid).outcome
+    assert (alone == st.basins(other, families=named, c=0.2, **grid).outcome).all()
+    assert 0.3 < float((alone == 1).mean()) < 0.7
+    end = st.simulate(plain, start={"x": 1.2, "v": 0.1}, times=200.0, families=right)
+    assert "settled" in str(end.outcome.attrs) and end.outcome == 1
+    for call in (
+        lambda: st.boundaries(right, axis=("x", 0, 1, 5)),
+        lambda: st.branch(right, 0, 1),
+        lambda: st.spectrum(right, at=1.0),
+    ):
+        with pytest.raises(st.StabilityError, match="right has one member alone"):
+            call()
+    with pytest.raises(st.StabilityError, match="at is empty"):
+        st.Family(other, "right", at=(), held={"x": 1, "v": 0})

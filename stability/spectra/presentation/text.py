@@ -77,8 +77,8 @@ def line(spectrum: Any) -> str:
         verdict = ": ".join(filter(None, [spectrum.verdict.word, spectrum.growth()]))
         more = "…, " * (len(said) > MOST)
         told = f"{number}{unit}: {more}{', '.join(said[-MOST:])}" if said else number
-        return f"<Spectrum of {spectrum.family.name} at {member(spectrum)}: " \
-            f"{verdict}; {told}>"  # fmt: skip
+        there = f" at {where}" if (where := member(spectrum)) else ""
+        return f"<Spectrum of {spectrum.family.name}{there}: {verdict}; {told}>"
     what = f"{' x '.join(map(str, shape))} points"
     rates = ""
     if spectrum.codes.size and count:
