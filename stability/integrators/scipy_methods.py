@@ -30,7 +30,13 @@ MOST_LOOKS = 1000
 """Most looks within one step."""
 
 
-def integrate(leg: Leg, *, method: str, clock: Floats | None = None) -> Path:
+Trail = list[tuple[float, Floats]]
+"""Time and y after each step, from the start."""
+
+
+def integrate(
+    leg: Leg, *, method: str, clock: Floats | None = None, trail: Trail | None = None
+) -> Path:
     """Run one leg with a SciPy solver and locate the first guard that reaches zero.
 
     After each step the guards and their rates are evaluated at its end, and within a step that is
@@ -46,6 +52,8 @@ def integrate(leg: Leg, *, method: str, clock: Floats | None = None) -> Path:
     clock
         Values of the last state variable, which must rise, at which to sample in place of times.
         The run ends when all of them are reached, and the path begins at the first of them.
+    trail
+        List that takes the steps, or None.
 
     Returns
     -------
@@ -68,6 +76,8 @@ def integrate(leg: Leg, *, method: str, clock: Floats | None = None) -> Path:
         )
         good, time = leg.start.copy(), float(leg.times[0])
         before = run.watch(leg.start)
+        if trail is not None:
+            trail.append((time, good))
         while solver.status == "running" and not samples.done:
             try:
                 if steps < leg.max_steps:
@@ -88,6 +98,8 @@ def integrate(leg: Leg, *, method: str, clock: Floats | None = None) -> Path:
                 end = End(found[1], found[0], solver.dense_output()(found[0]))
                 return Path(samples.kept, end, steps)
             before, good, time = after, solver.y.copy(), float(solver.t)
+            if trail is not None:
+                trail.append((time, good))
     return Path(samples.kept, None, steps)
 
 

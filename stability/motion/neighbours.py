@@ -28,6 +28,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..base.types import Floats
+from ..integrators.selection import TURN
 from .result import Outcome
 
 if TYPE_CHECKING:
@@ -74,6 +75,11 @@ GOLDEN = (5**0.5 - 1) / 2
 """Number whose multiples modulo 1 never repeat, for the change of further states."""
 COMPARED = 17
 """Times at which two neighbours are compared."""
+HIDDEN = 10.0
+"""Errors of the size of the tolerance, grown by the linearised motion, over the stated error, from
+which the neighbours may hide a growth: their methods damp it."""
+SMALL = 1e-3
+"""Size up to which an error of the run that decides may grow, if its tolerance can be so small."""
 
 
 @cache
@@ -98,6 +104,24 @@ def signs(count: int) -> Floats:
     more = np.arange(len(SIGNS), count)
     rest = (0.7 + 0.3 * (GOLDEN * more % 1)) * np.where(more % 2, 1, -1)
     return np.concatenate([SIGNS[:count], rest])
+
+
+def between(method: str) -> int:
+    """Intervals of a neighbour's path between two times of a comparison.
+
+    The growth of errors along it is of interest where a method can damp it in many steps.
+
+    Parameters
+    ----------
+    method
+        Name of the integrator.
+
+    Examples
+    --------
+    >>> between("heyoka"), between("cvodes")
+    (1, 16)
+    """
+    return 1 if method in TURN else 16
 
 
 Rerun = Callable[[Sequence[int], Floats, Floats], "list[Result]"]
@@ -296,6 +320,40 @@ def _settled(
     return out
 
 
+def with_growth(one: Result, doubt: ErrorEstimate, other: Result, growth: float) -> ErrorEstimate:
+    """The estimate with the distance of a run whose own error grows by a known factor.
+
+    Parameters
+    ----------
+    one, doubt
+        The launch, and the estimate by its neighbours.
+    other
+        A finer run.
+    growth
+        Growth of an error along it, as `stability.settling.growth.growth`.
+    """
+    if other.outcome is Outcome.UNRESOLVED:
+        size, late, contrary = np.inf, np.inf, doubt.contrary
+    else:
+        far, late = _distances(one, other)
+        own = (other.tolerance + PER_STEP * other.path.steps) * growth
+        size = MEASURED * far + own if own < NOTHING else np.inf
+        late = max(MEASURED * late, _in_time(one, size, [other]))
+        contrary = doubt.contrary or _contrary(one, [other])
+    size = max(doubt.final_error, size)
+    if size >= NOTHING:
+        size = np.inf
+        if one.outcome is not Outcome.MOVING and not contrary:
+            contrary = f"an error of the tolerance {one.tolerance:g} {grows(growth)}"
+    return ErrorEstimate(size, max(doubt.time_error, late), contrary, doubt.together, growth)
+
+
+def grows(factor: float) -> str:
+    """How much an error grows, in words."""
+    by = f"by a factor of {factor:.0e}" if factor < np.inf else "without bound"
+    return f"may grow {by} on the way"
+
+
 def _distances(one: Result, other: Result) -> tuple[float, float]:
     """Distance of the final states, and of the times of the end."""
     if Outcome.UNRESOLVED in (one.outcome, other.outcome):
@@ -306,7 +364,9 @@ def _distances(one: Result, other: Result) -> tuple[float, float]:
 def _gaps(one: Result, other: Result) -> Floats:
     """Distances of two neighbours at the times at which both were still running."""
     count = min(len(one.path.states), len(other.path.states))
-    return _each(one.path.states[:count], other.path.states[:count], one.compared)
+    every = between(one.choice.method)
+    ours, theirs = (r.path.states[:count:every] for r in (one, other))
+    return _each(ours, theirs, one.compared)
 
 
 def _spread(one: Result, other: Result) -> float:

@@ -209,3 +209,5 @@ class ErrorEstimate:
     """End of a neighbour that ends differently, in words; the outcome is then undetermined."""
     together: float = 1.0
     """Part of the run's time up to which its neighbours stay together."""
+    growth: float = 1.0
+    """Growth of an error on the way, where the neighbours do not show it; otherwise 1."""

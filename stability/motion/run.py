@@ -17,19 +17,35 @@ from ..bodies.thin_disk.disk_model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.flow import ASKING, Flow, flow_of
 from ..integrators.leg import UNRESOLVED, End, Leg, Path
 from ..integrators.painleve import OPEN_END, closer
-from ..integrators.selection import FINEST, Choice, explicit, run
+from ..integrators.scipy_methods import Trail
+from ..integrators.scipy_methods import integrate as integrate_by_steps
+from ..integrators.selection import FINEST, TURN, Choice, explicit, run
 from ..integrators.stick_slip import SLIDING, DryPath
 from ..integrators.stick_slip import integrate as integrate_dry
 from ..integrators.taylor import CORES
 from ..jobs.pipeline import Counted, here, ordered
 from ..jobs.shared import shared
-from .neighbours import COMPARED, estimate_errors, signs
+from ..settling.growth import LARGEST, growth
+from .neighbours import (
+    COMPARED,
+    HIDDEN,
+    SMALL,
+    between,
+    estimate_errors,
+    grows,
+    signs,
+    with_growth,
+)
 from .result import OF_END, TIGHTEST, ErrorEstimate, Outcome, Result, Settings
 from .starts import Starts
 
 TOGETHER = 1e-6
 """D below which a zero of gn D counts as a zero of both gn D and D."""
 
+LONG_STEPS = 3.0
+"""Steps of an explicit method per unit of the growth's logarithm from which they hide no growth."""
+FINE_ENOUGH = 1e-12
+"""Smallest tolerance of the run by which the growth of errors is decided."""
 CHUNK = 4096
 """Launches that are run and checked together."""
 
@@ -77,20 +93,68 @@ def _checked(
         return found
 
     left = [settings.max_seconds] * len(legs)  # seconds that the neighbours of each share
+    finer: dict[int, Result] = {}  # the first neighbour of each
 
     def rerun(which: Sequence[int], tolerances: Floats, off: Floats) -> list[Result]:
-        shadows = [
-            _shadow(legs[i], starts[i], tolerance, size, left[i])
-            for i, tolerance, size in zip(which, tolerances.tolist(), off.tolist(), strict=True)
-        ]
         methods = [found[i].choice.method for i in which]
+        numbers = zip(which, tolerances.tolist(), off.tolist(), methods, strict=True)
+        shadows = [
+            _shadow(legs[i], starts[i], tolerance, size, left[i], method)
+            for i, tolerance, size, method in numbers
+        ]
         results = _run(shadows, launches, settings, methods, None)
         for i, result in zip(which, results, strict=True):
             left[i] -= result.path.seconds
+            finer.setdefault(i, result)
         return results
 
     judged = estimate_errors(found, [FINEST[r.choice.method] for r in found], rerun)
+    if not launches.dry:
+        for i, result in finer.items():
+            doubt, leg = judged[i], replace(legs[i], seconds=left[i])
+            if doubt is not None and not doubt.contrary and math.isfinite(doubt.final_error):
+                judged[i] = _grown(leg, found[i], doubt, result, launches, settings)
     return [_doubted(result, doubt) for result, doubt in zip(found, judged, strict=True)]
+
+
+def _grown(
+    leg: Leg, one: Result, doubt: ErrorEstimate, finer: Result, launches: Starts,
+    settings: Settings,
+) -> ErrorEstimate:  # fmt: skip
+    """The estimate, with a growth of errors that the neighbours may hide because they damp it.
+
+    An explicit method damps only in a few long steps.  Where the linearised motion along the finer
+    neighbour lets errors grow far beyond the estimate, a run by LSODA decides: its steps show how
+    the Jacobian changes, and its tolerance is small against the growth.
+    """
+    explicit = one.choice.method in TURN
+    steps = math.exp(min(one.path.steps / LONG_STEPS, 700.0)) if explicit else 1.0
+    shown = max(HIDDEN * doubt.final_error / one.tolerance, steps)
+    if shown >= LARGEST:
+        return doubt
+    states, all_times = finer.path.states, _compared(leg, one.choice.method)
+    with np.errstate(all="ignore"):
+        for every in (4, 1):  # few samples are enough nearly always
+            times = all_times[: len(states) : every]
+            factor = growth(leg.flow, leg.p, times, states[::every], shown)
+            if factor <= shown:
+                return doubt
+        for smallest in (False, True):
+            fine = FINE_ENOUGH if smallest else max(SMALL / factor, FINE_ENOUGH)
+            trail: Trail = []
+            fine = max(min(fine, one.tolerance / 10), FINE_ENOUGH)
+            shadow = replace(leg, times=leg.times[[0, -1]], tolerance=fine)
+            path = integrate_by_steps(shadow, method="lsoda", trail=trail)
+            steps_at, states = (np.array(part) for part in zip(*trail, strict=True))
+            factor = growth(leg.flow, leg.p, steps_at, states)
+            choice = Choice("lsoda", "its steps show how errors grow")
+            other = _judge(shadow, path, choice, launches, settings, None)
+            if fine * factor < SMALL or fine == FINE_ENOUGH:
+                break
+    if factor > shown:
+        return with_growth(one, doubt, other, factor)
+    # nothing was hidden along the true path: that of the launch must be close to it
+    return with_growth(one, doubt, other, 1.0) if fine < one.tolerance else doubt
 
 
 def _legs(launches: Starts, settings: Settings) -> list[Leg]:
@@ -112,11 +176,18 @@ def _legs(launches: Starts, settings: Settings) -> list[Leg]:
     ]  # fmt: skip
 
 
-def _shadow(leg: Leg, states: Floats, tolerance: float, off: float, seconds: float) -> Leg:
+def _shadow(
+    leg: Leg, states: Floats, tolerance: float, off: float, seconds: float, method: str
+) -> Leg:
     """The leg from a start with a relative change, with the times of a comparison."""
     start = leg.flow.pack(states * (1.0 + off * signs(len(states))))
-    times = np.linspace(leg.times[0], leg.times[-1], COMPARED)
+    times = _compared(leg, method)
     return replace(leg, start=start, times=times, tolerance=tolerance, seconds=seconds)
+
+
+def _compared(leg: Leg, method: str) -> Floats:
+    """The times of a neighbour's samples."""
+    return np.linspace(leg.times[0], leg.times[-1], between(method) * (COMPARED - 1) + 1)
 
 
 def _doubted(result: Result, doubt: ErrorEstimate | None) -> Result:
@@ -131,10 +202,13 @@ def _doubted(result: Result, doubt: ErrorEstimate | None) -> Result:
 def _unbounded(result: Result, doubt: ErrorEstimate) -> str:
     """What is known of a final state whose error has no bound, and what to ask instead."""
     finer = bool(result.tolerance > FINEST[result.choice.method])  # SciPy's is of NumPy
+    why = f"runs within the tolerance {result.tolerance:g} of it part after {doubt.together:.0%} "
+    why += "of its time"
+    if doubt.growth > 1:
+        why = f"an error of the tolerance {result.tolerance:g} {grows(doubt.growth)}"
     return (
-        "; the error of the final state has no bound: runs within the tolerance "
-        f"{result.tolerance:g} of it part after {doubt.together:.0%} of its time; ask for an "
-        "earlier last time" + " or a smaller tolerance" * finer
+        f"; the error of the final state has no bound: {why}; ask for an earlier last time"
+        + " or a smaller tolerance" * finer
     )
 
 
