@@ -24,6 +24,8 @@ LOOSE = 1e-2
 """Tolerance down to which `RESOLVED` holds; below, that slip falls like tolerance^(1/4)."""
 HALVINGS = 1000
 """Most iterations of a search for a guard's zero; a multiple zero takes many."""
+LOWEST = 1e-6
+"""Accuracy of the place of a guard's lowest point, over the length of its interval."""
 UNRESOLVED = "unresolved"
 """Kind of the end at which an integrator gave up."""
 GROWN = 1e30

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..base.types import Floats
 from .flow import Evaluator
-from .leg import HALVINGS, UNRESOLVED, Budget, End, Leg, Path, lost, too_many
+from .leg import HALVINGS, LOWEST, UNRESOLVED, Budget, End, Leg, Path, lost, too_many
 
 FINEST = 100 * np.finfo(float).eps
 """Smallest relative tolerance that SciPy accepts."""
@@ -205,7 +205,8 @@ def _locate(guard: Callable[[float], float], low: float, high: float) -> float |
     if below.size == 0:
         lowest = int(np.argmin(values))
         bracket = grid[max(lowest - 1, 0)], grid[min(lowest + 1, 8)]
-        best = minimize_scalar(guard, bounds=bracket, method="bounded")
+        near = LOWEST * (bracket[1] - bracket[0])
+        best = minimize_scalar(guard, bounds=bracket, method="bounded", options={"xatol": near})
         if not best.fun < 0:
             return None
         left, right = bracket[0], float(best.x)

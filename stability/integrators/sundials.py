@@ -18,7 +18,7 @@ import numpy as np
 
 from ..base.types import Floats
 from .flow import Flow
-from .leg import HALVINGS, UNRESOLVED, Budget, End, Leg, Path, lost, too_many
+from .leg import HALVINGS, LOWEST, UNRESOLVED, Budget, End, Leg, Path, lost, too_many
 
 FILL, FILL_OWN = 200, 2000
 """Least number of intervals at which the guards are checked: of a body, of a user's system."""
@@ -32,6 +32,8 @@ STEPS = 5_000
 """Steps within one interval of the grid after which the library gives up."""
 ZERO = 1e-6
 """Most that a guard may differ from zero at an event, over 1 or its size just before."""
+DIP = 0.8
+"""Least value of a guard's cubic, over the smaller one at an end, below which it may reach zero."""
 SHORTEST = 1e-10
 """Length of an interval, relative to the whole, below which a failure is final."""
 
@@ -145,44 +147,41 @@ def _grid(leg: Leg) -> Floats:
     return np.union1d(grid, times)
 
 
-def dips(g0: float, g1: float, d0: float, d1: float) -> bool:
-    """Whether a guard with these values and slopes on [0, 1] may come near zero within.
+def lowest(g0: Floats, g1: Floats, d0: Floats, d1: Floats) -> Floats:
+    """Least value between the ends of cubics with these values and slopes at 0 and 1.
 
     Parameters
     ----------
     g0, g1
-        Values at both ends.
+        Values at both ends, of any shape.
     d0, d1
         Slopes there, times the length of the interval.
 
     Returns
     -------
-    bool
-        Whether the cubic through them falls below four fifths of the smaller value.
+    ndarray
+        The value at the minimum; infinite for a cubic that has none between the ends.
 
     Examples
     --------
-    >>> dips(1.0, 1.0, -4.0, 4.0), dips(1.0, 2.0, 0.5, 0.5)
-    (True, False)
+    >>> ones = np.ones(2)
+    >>> lowest(ones, np.array([1.0, 2.0]), np.array([-4.0, 0.5]), np.array([4.0, 0.5])).tolist()
+    [0.0, inf]
     """
-    if d0 >= 0 or d1 <= 0:
-        return False
-    s = np.linspace(0.0, 1.0, 9)
-    cubic = (
-        g0 * (1 + 2 * s) * (1 - s) ** 2 + d0 * s * (1 - s) ** 2
-        + g1 * s**2 * (3 - 2 * s) + d1 * s**2 * (s - 1)
-    )  # fmt: skip
-    return bool(cubic.min() < 0.8 * min(g0, g1))
+    rise = g1 - g0
+    square, cube = 3 * rise - 2 * d0 - d1, d0 + d1 - 2 * rise
+    with np.errstate(all="ignore"):
+        root = np.sqrt(square**2 - 3 * cube * d0)
+        s = np.where(square > 0, -d0 / (square + root), (root - square) / (3 * cube))
+        value = g0 + s * (d0 + s * (square + s * cube))
+    return np.where((s > 0) & (s < 1), value, np.inf)
 
 
 def _falls(steps: Floats, values: Floats, rates: Floats) -> Any:
     """For each interval whether a guard ends it below zero, or may dip below within it."""
-    bad: Any = ~(values[1:] > 0).all(axis=-1)
-    turning = (rates[:-1] < 0) & (rates[1:] > 0)
-    for i, j in np.argwhere(turning):
-        h = steps[i]
-        bad[i] |= dips(values[i, j], values[i + 1, j], h * rates[i, j], h * rates[i + 1, j])
-    return bad
+    ends, slopes = values[1:], steps[:, None] * rates[:-1]
+    least = lowest(values[:-1], ends, slopes, steps[:, None] * rates[1:])
+    return (~(ends > 0) | (least < DIP * np.minimum(values[:-1], ends))).any(axis=-1)
 
 
 def _suspects(leg: Leg, grid: Floats, states: Floats) -> list[int]:
@@ -251,7 +250,10 @@ def _locate(leg: Leg, plugin: str, span: Floats, start: Floats) -> End | None:
 
         right = high
         if guard(high) > 0:
-            best = minimize_scalar(guard, bounds=(low, high), method="bounded")
+            best = minimize_scalar(
+                guard, bounds=(low, high), method="bounded",
+                options={"xatol": LOWEST * (high - low)},
+            )  # fmt: skip
             if not best.fun < 0:
                 continue
             right = float(best.x)
