@@ -21,6 +21,7 @@ from functools import partial
 from typing import Any, TypeVar
 from weakref import WeakSet
 
+from ..base.calls.main_module import check_main
 from ..base.checks import MOST_WORKERS, whole_number
 from ..base.errors import NameUnknownError, ParameterError, StabilityError, one_line, shown
 from ..base.types import Progress
@@ -29,7 +30,9 @@ from .following import follow, processes
 from .pipeline import check_run
 
 T = TypeVar("T")
-WORDS = ("threads", "processes", "dask", "local")
+PROCESSES = ("processes", "dask", "local")
+"""Engines that start processes on this machine."""
+WORDS = ("threads", *PROCESSES)
 """Engines on this machine; the last two are one: a scheduler and its workers."""
 PATIENCE = 10.0
 """Time in which a scheduler must answer [s]."""
@@ -74,6 +77,7 @@ def engine(name: str, workers: int | None = None) -> Iterator[tuple[Executor, in
     (3, 2)
     """
     count = _count(workers)
+    _check_word(name)
     if name == "threads":
         with ThreadPoolExecutor(count) as threads:
             yield threads, count
@@ -83,15 +87,15 @@ def engine(name: str, workers: int | None = None) -> Iterator[tuple[Executor, in
     elif name in WORDS:
         with _cluster(count) as found:
             yield found
-    elif isinstance(name, str) and "://" in name:
+    else:
         with _client(name) as client, _scheduled(client) as executor:
             yield executor, _workers(client, name)
-    else:
-        _check_word(name)
 
 
 def _check_word(name: str) -> None:
-    if name not in WORDS and not (isinstance(name, str) and "://" in name):
+    if name in PROCESSES:
+        check_main(f'executor="{name}"')
+    elif name not in WORDS and not (isinstance(name, str) and "://" in name):
         raise NameUnknownError(
             f"the engine is {shown(name)}; give threads, processes, dask, or the address of a "
             "scheduler such as tcp://127.0.0.1:8786."

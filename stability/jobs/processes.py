@@ -23,6 +23,7 @@ from importlib.util import find_spec
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
+from ..base.calls.main_module import check_main
 from ..base.errors import StabilityError
 from ..base.types import Progress
 from ..storage.files import STOPS, ignoring_signals
@@ -213,6 +214,7 @@ def _context() -> Any:
 
     Each process has no graphs and no compiled code yet: their cost is that of a first call.
     """
+    check_main("the comparison")
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context("forkserver")

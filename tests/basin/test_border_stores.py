@@ -239,4 +239,4 @@ def aimed(out: Path, same: Path, part: float) -> bool:
 
 def labels_of(folder: Path) -> list[Path]:
     """Chunks of waves that are there."""
-    return list((folder / waves.FOLDER).glob("*/label/c.*"))
+    return list((folder / waves.FOLDER).glob("*/label/whole.*"))

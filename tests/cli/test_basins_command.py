@@ -255,7 +255,7 @@ def _kept_and_said(folder: Path, code: int | None, out: str, err: str) -> None:
     where = r".* kept in .*a\.zarr: give the same command again"
     told = re.search(r"interrupted; (\d+) of 24000 " + where, last)
     assert told
-    kept = len(list((folder / "a.zarr" / "outcome").glob("c.*")))
+    kept = len(list((folder / "a.zarr" / "outcome").glob("whole.*")))
     assert 0 < kept < 240
     assert int(told[1]) == 100 * kept  # those that ended while it stopped, too
 
@@ -265,7 +265,7 @@ def test_an_interrupted_run_keeps_all_and_says_how_to_go_on(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     chunks = tmp_path / "a.zarr" / "outcome"
-    code = interrupted(lambda: list(chunks.glob("c.*")), *MANY)
+    code = interrupted(lambda: list(chunks.glob("whole.*")), *MANY)
     said = capsys.readouterr()
     _kept_and_said(tmp_path, code, said.out, said.err)
 
@@ -274,7 +274,7 @@ def test_an_interrupted_run_keeps_all_and_says_how_to_go_on(
 def test_an_interrupted_process_keeps_all_and_says_how_to_go_on(tmp_path: Path) -> None:
     run = subprocess.Popen([sys.executable, "-m", "stability", *MANY], cwd=tmp_path, text=True,
                            stdout=subprocess.PIPE, stderr=subprocess.PIPE)  # fmt: skip
-    while run.poll() is None and not list((tmp_path / "a.zarr" / "outcome").glob("c.*")):
+    while run.poll() is None and not list((tmp_path / "a.zarr" / "outcome").glob("whole.*")):
         time.sleep(0.05)
     run.send_signal(signal.SIGINT)
     out, err = run.communicate(timeout=60)

@@ -361,8 +361,8 @@ def _wait_for(lines: int, log: Path, driver: subprocess.Popen[bytes]) -> list[st
 
 
 def stored(folder: Path) -> set[str]:
-    """Chunks that are there, by their files alone."""
-    return {path.name[2:] for path in (folder / "outcome").glob("c.*")}
+    """Chunks that are there, by their records alone."""
+    return {path.name.removeprefix("whole.") for path in (folder / "outcome").glob("whole.*")}
 
 
 @LINUX

@@ -39,7 +39,7 @@ def test_a_folder_holds_the_verdicts_of_the_file(kind: str, tmp_path: Path) -> N
             st.stream_map("tumbling", **AXES, **how, executor=pool, workers=2)
     found = st.read_map(tmp_path / "a.zarr")
     assert found.drop_attrs().identical(file.drop_attrs())
-    assert len(list((tmp_path / "a.zarr" / "verdict").glob("c.*"))) == 10
+    assert len(list((tmp_path / "a.zarr" / "verdict").glob("whole.*"))) == 10
     assert told[-1] == (1200, 1200)
     for name in file.coords:
         assert found[name].attrs == file[name].attrs
@@ -53,7 +53,7 @@ def test_chunks_that_do_not_span_the_map(tmp_path: Path, monkeypatch: pytest.Mon
     st.stream_map("tumbling", **AXES, out=tmp_path / "a.zarr")
     monkeypatch.setattr("stability.maps.stream.BAND", 16)  # three chunks along x, one row each
     st.stream_map("tumbling", **AXES, out=tmp_path / "b.zarr")
-    assert len(list((tmp_path / "b.zarr" / "verdict").glob("c.*"))) == 90
+    assert len(list((tmp_path / "b.zarr" / "verdict").glob("whole.*"))) == 90
     one, other = (st.read_map(tmp_path / f"{n}.zarr").verdict.values for n in "ab")
     assert np.array_equal(one, other)
 
@@ -65,7 +65,7 @@ def test_an_interrupted_map_is_continued(tmp_path: Path) -> None:
 
     with pytest.raises(KeyboardInterrupt, match=r"finished cells are kept in .*a\.zarr"):
         st.stream_map("tumbling", **AXES, out=tmp_path / "a.zarr", progress=stop)
-    there = len(list((tmp_path / "a.zarr" / "verdict").glob("c.*")))
+    there = len(list((tmp_path / "a.zarr" / "verdict").glob("whole.*")))
     assert 5 <= there < 10
     for lazy in (False, True):
         with pytest.raises(st.StabilityError, match=f"holds {there} of 10 chunks; give the comm"):
