@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import reprlib
+import sys
+import warnings
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -51,6 +53,23 @@ class NoMemberError(StabilityError):
 
 class FileError(StabilityError):
     """A file that cannot be read or written, or that would be overwritten."""
+
+
+def warned(message: str) -> None:
+    """Warn at the line that called the package, however far below the package finds out.
+
+    Parameters
+    ----------
+    message
+        What is true but incomplete, in a sentence.
+    """
+    frame, level = sys._getframe(1), 2
+    while frame.f_back and frame.f_globals.get("__name__", "").partition(".")[0] == PACKAGE:
+        frame, level = frame.f_back, level + 1
+    warnings.warn(message, StabilityWarning, stacklevel=level)
+
+
+PACKAGE = __name__.partition(".")[0]
 
 
 class StabilityWarning(UserWarning):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Iterable
 from decimal import Decimal
 from fractions import Fraction
@@ -12,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .errors import ParameterError, StabilityWarning, shown
+from .errors import ParameterError, shown, warned
 
 MOST_DIGITS = 15
 """Digits of a decimal that its nearest double still identifies, for every decimal."""
@@ -160,9 +159,8 @@ def warn_rounded(name: str, values: Iterable[Any]) -> None:
     """
     ratio = next((r for v in values if (r := no_double(v)) is not None), None)
     if ratio is not None:
-        warnings.warn(
+        warned(
             f"{name} is {shown(str(ratio)).strip(chr(39))}, which is no double; the nearest double "
             "is taken. For your own systems `spectrum` at single members, `boundaries` and "
-            "`conditions` take fractions exactly.",
-            StabilityWarning, stacklevel=3,
-        )  # fmt: skip
+            "`conditions` take fractions exactly."
+        )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import warnings
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
@@ -15,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from ..base.axis import Axis, AxisLike
 from ..base.checks import whole_number
-from ..base.errors import ParameterError, StabilityWarning, shown
+from ..base.errors import ParameterError, shown, warned
 from ..base.types import Floats, Progress
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
@@ -265,7 +264,7 @@ def basins(
     kept = run(plan, store, overwrite, executor, workers, progress, levels)
     numbers = lost(kept)
     if numbers:
-        warnings.warn(f"{told_of_lost(numbers)}.", StabilityWarning, stacklevel=2)
+        warned(f"{told_of_lost(numbers)}.")
     return kept.dataset().assign_attrs({"lost": list(numbers)} if numbers else {})
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -11,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import Number, broadcast, checked, known, positive
-from ..base.errors import ParameterError, StabilityWarning, shown
+from ..base.errors import ParameterError, shown, warned
 from ..base.quantities import Units
 from ..base.types import Record
 
@@ -61,10 +60,10 @@ class Disk(Record):
     def __new__(cls, *given: Any, **named: Any) -> Self:
         """A disk; a single number without a name is likely to be meant as k."""
         if len(given) == 1 and not named:
-            warnings.warn(
+            warned(
                 f"Disk({shown(given[0])}) sets the mass; name it, as in Disk(mass=...), or give "
-                "Disk(k=...) for the inertia factor.", StabilityWarning, stacklevel=2,
-            )  # fmt: skip
+                "Disk(k=...) for the inertia factor."
+            )
         return super().__new__(cls)
 
     def __post_init__(self) -> None:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, overload
 
-from ..base.errors import StabilityWarning
+from ..base.errors import warned
 from ..base.types import Sentences
 from ..base.verdict import Verdict
 
@@ -187,15 +186,13 @@ class Boundaries(Sequence[BoundaryPoint]):
             return f"every change of verdict along {axis} was found: {self.how}{alone}."
         return f"the search along {axis} is not complete; {self._first()}"
 
-    def warn(self, axis: str, level: int = 3) -> None:
+    def warn(self, axis: str) -> None:
         """Issue a `StabilityWarning` where the search was not complete.
 
         Parameters
         ----------
         axis
             Name of the axis.
-        level
-            Number of calls up at which the warning is shown.
         """
         if not self.complete:
-            warnings.warn(self.statement(axis), StabilityWarning, stacklevel=level)
+            warned(self.statement(axis))

@@ -18,7 +18,6 @@ tests/boundary/test_hopf.py compares with an independent derivation and with sim
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
@@ -37,7 +36,7 @@ from ..algebra.upright import Upright
 from ..base.axis import AxisLike
 from ..base.checks import instance, whole_number
 from ..base.citation.used import cited
-from ..base.errors import ParameterError, StabilityError, StabilityWarning, listed, shown
+from ..base.errors import ParameterError, StabilityError, listed, shown, warned
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import LAWS, law_missing
 from ..bodies.disk import Disk
@@ -243,11 +242,10 @@ def _scanned(problem: Problem, record: DiskFamily, unit: float, points: int) -> 
     low, high = (v * unit for v in record.flutter or ())
     found = along(problem, "at", low, high, points=points)
     name = problem.family.name
-    warnings.warn(
+    warned(
         f"{name} under this law has no stored conditions: it was scanned from {low:.6g} to "
-        f"{high:.6g} at {points} points; two boundaries between two points are not excluded.",
-        StabilityWarning, stacklevel=4,
-    )  # fmt: skip
+        f"{high:.6g} at {points} points; two boundaries between two points are not excluded."
+    )
     return [
         Mark(arb(b.value, b.error), "flutter", 1 if b.stable_below else -1,
              -1 if b.stable_below else 1, arb(b.value, b.error))

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.checks import flag
-from ..base.errors import FileError, StabilityError, StabilityWarning
+from ..base.errors import FileError, StabilityError, warned
 from ..storage.files import atomic_write
 from ..storage.litter import clear, temporary
 from ..storage.store_question import (
@@ -232,10 +232,7 @@ class ZarrStore:
 
     def _told(self, bad: list[str], how: str) -> None:
         """Name the damaged files, which are made again."""
-        warnings.warn(
-            f"{path_text(self.folder)}: {named(bad)} is damaged, and is {how} again.",
-            StabilityWarning, stacklevel=3,
-        )  # fmt: skip
+        warned(f"{path_text(self.folder)}: {named(bad)} is damaged, and is {how} again.")
 
     def write(self, block: Block, arrays: Arrays) -> None:
         """Add a whole chunk, the marker last."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
@@ -11,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.errors import ParameterError, StabilityWarning, shown
+from ..base.errors import ParameterError, shown, warned
 from ..bodies.disk import Disk
 from ..bodies.law_names import law_only
 from ..bodies.resistance import Resistance
@@ -245,7 +244,7 @@ def _warn(found: list[Result]) -> None:
         which = f"launch {open_[0]}: " if len(found) > 1 else ""
         more = f" ({len(open_)} of {len(found)} launches)" if len(open_) > 1 else ""
         said = found[open_[0]].evidence.rpartition("; the error")
-        warnings.warn(f"{which}the error{said[2]}{more}.", StabilityWarning, stacklevel=3)
+        warned(f"{which}the error{said[2]}{more}.")
 
 
 def _departed(

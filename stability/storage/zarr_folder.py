@@ -12,14 +12,13 @@ import json
 import math
 import os
 import re
-import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..base.errors import FileError, StabilityError, StabilityWarning
+from ..base.errors import FileError, StabilityError, warned
 from .checksum import sealed, unsealed
 from .store_question import CHECKED, PRINT, QUESTION, fingerprint_of
 from .targets import path_text, place, refusing
@@ -283,11 +282,10 @@ def opened_store(
     if not ours:
         raise FileError(f"{path_text(path)} is not {what} of this package.")
     if not checked:
-        warnings.warn(
+        warned(
             f"{path_text(path)} was written by an earlier version, without checksums, so that "
-            "damage to it may go unnoticed; compute it again to have them.",
-            StabilityWarning, stacklevel=3,
-        )  # fmt: skip
+            "damage to it may go unnoticed; compute it again to have them."
+        )
     try:
         plain: xarray.Dataset = xarray.open_zarr(folder, chunks=None)
         variable = plain.variables[marker]

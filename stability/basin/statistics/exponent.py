@@ -9,7 +9,6 @@ Yorke, Physica D 17 (1985) 125).
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from ...base.checks import checked, whole_number
 from ...base.citation.used import joined
-from ...base.errors import ParameterError, StabilityWarning
+from ...base.errors import ParameterError, warned
 from ...base.types import Floats
 from ..lattice.labels import Ints, Label, asked
 from .fractions import LEVEL, checked_level, wilson
@@ -210,7 +209,7 @@ def exponent_of(
     if law.fit < DOUBTFUL:
         doubt = f"the shares from {span} do not fit a power law (probability {law.fit:.1g})"
         note += f"  But {doubt}: take the exponent over a smaller range."
-        warnings.warn(f"{doubt}; take a smaller range.", StabilityWarning, stacklevel=3)
+        warned(f"{doubt}; take a smaller range.")
     return UncertaintyExponent(
         law.exponent, (low, high), level, dimensions, steps, table.sum(axis=0), len(table),
         law.fit, note,

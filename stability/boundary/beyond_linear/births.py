@@ -37,7 +37,7 @@ LINEAR = (
 
 
 def births(
-    family: Family, axis: AxisLike, parameters: dict[str, Any], level: int = 5
+    family: Family, axis: AxisLike, parameters: dict[str, Any]
 ) -> list[CycleBirth] | list[HopfPoint]:
     """Every flutter boundary along an axis, with the kind of its onset.
 
@@ -47,8 +47,6 @@ def births(
         A family of a user's system.
     axis, parameters
         As for `boundaries`.
-    level
-        Number of calls up at which a warning is shown.
 
     Raises
     ------
@@ -62,7 +60,7 @@ def births(
     problem = prepare(family, (grid,), None, None, at, parameters)
     on_line = _accepted(family, grid.name)
     found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
-    found.warn(grid.name, level)
+    found.warn(grid.name)
     fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
     flutter = [b for b in found if b.crossing is Crossing.FLUTTER]
     line = Line(family, grid.name, fixed)

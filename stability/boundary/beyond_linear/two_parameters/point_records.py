@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, overload
 
-from ....base.errors import StabilityWarning
+from ....base.errors import warned
 from ....base.types import Record, Sentences
 
 
@@ -155,13 +154,7 @@ class CodimensionTwo(Record, Sequence[DegeneratePoint]):
             f"{first.reason}" + (f" (and {more} more in .unresolved)" if more else "")
         )
 
-    def warn(self, level: int = 3) -> None:
-        """Issue a `StabilityWarning` where the search was not complete.
-
-        Parameters
-        ----------
-        level
-            Number of calls up at which the warning is shown.
-        """
+    def warn(self) -> None:
+        """Issue a `StabilityWarning` where the search was not complete."""
         if not self.complete:
-            warnings.warn(self.statement, StabilityWarning, stacklevel=level)
+            warned(self.statement)
