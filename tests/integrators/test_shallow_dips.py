@@ -1,4 +1,4 @@
-"""Guards that dip below zero by very little: whatever the steps, the first zero ends the run."""
+"""Guards that dip below zero by very little: with any steps the first zero ends the run."""
 
 import casadi as ca
 import numpy as np
