@@ -151,9 +151,8 @@ class Program:
         self._sizes = [len(some) for some in self.places]
         self._steps = list(self._read_steps(function, taken))
         self._constants = [float(words) for _, words, _ in self._steps if isinstance(words, float)]
-        # by the number type itself, not by its name: several fields go by one name
-        self._held: WeakKeyDictionary[Algebra, dict[tuple[int, int], list[Any]]]
-        self._held = WeakKeyDictionary()
+        # several number types go by one name
+        self._held = WeakKeyDictionary[Algebra, dict[tuple[int, int], list[Any]]]()
         self._parts: dict[Varying, Parts] = {}
 
     def _read_steps(self, function: ca.Function, taken: int) -> Iterator[Step]:
@@ -195,8 +194,7 @@ class Program:
         """
         fixed, run = self._parts_of(None)
         held = self._held.setdefault(algebra, {}) if algebra.lasting else {}
-        key = ctx.prec, ctx.cap  # one precision of balls, and one length of series
-        kept = held.get(key)
+        kept = held.get(key := (ctx.prec, ctx.cap))  # of one precision, and one length of series
         if kept is None:
             kept = held[key] = fixed(algebra.functions, self._in(algebra), ())
         return run(algebra.functions, kept, arguments)

@@ -100,8 +100,7 @@ class RunningError:
         return RunningError(other, 0.0) / self
 
     def __pow__(self, power: Any) -> RunningError:
-        power = _tracked(power)
-        exponent, unsure = power.value, power.error
+        exponent, unsure = _pair(_tracked(power))
         total = self.value**exponent
         size = np.abs(self.value)
         low, high = size - self.error, size + self.error

@@ -17,17 +17,22 @@ from flint import arb, ctx
 
 from ..algebra.balls import MIXED, precision
 from ..algebra.exact.known_polynomial import TabulatedPolynomial
-from ..algebra.routh_balls import hurwitz_determinant, hurwitz_sign, verdict_polynomial
+from ..algebra.routh_balls import hurwitz_determinant, hurwitz_sign, product, verdict_polynomial
 from ..base.errors import NoMemberError, StabilityError
 from ..base.verdict import DECAYING, Verdict, best
 from ..spectra.certificate import member_at, of_member, structural_zeros
 from ..spectra.problem import Problem, formulas_of
 from ..systems.closed_form import ClosedForm, RepeatedBalls
-from ..systems.structure.enclosure import ball_unknowns, characteristic, matrix_polynomial
+from ..systems.structure.enclosure import (
+    ball_unknowns,
+    characteristic,
+    in_one_box,
+    matrix_polynomial,
+)  # fmt: skip
 from ..systems.structure.multiplicity import certain, symmetric
 from ..systems.structure.structural_zeros import structure
 from .critical import frequency
-from .crossings import BoundaryPoint, Crossing
+from .crossings import BoundaryPoint, Crossing, bracket
 
 BITS = 128
 """Working precision of the first attempt."""
@@ -111,15 +116,9 @@ class AxisScan:
             return None
         given = self.exact() | {self.axis: arb(float(value))}
         scale = arb(exact.natural(exact.point(given, MIXED))).sqrt()
-        product = [arb(0)] * exact.zeros + [arb(1)]
-        for factor in exact.coefficients(given, MIXED):
-            terms = [c / scale**i for i, c in enumerate(factor)]
-            longer = [arb(0)] * (len(product) + len(terms) - 1)
-            for i, p in enumerate(product):
-                for j, c in enumerate(terms):
-                    longer[i + j] += p * c
-            product = longer
-        return product
+        factors = exact.coefficients(given, MIXED)
+        scaled = [[c / scale**i for i, c in enumerate(factor)] for factor in factors]
+        return [arb(0)] * exact.zeros + product(scaled)
 
     def _solved(self, a: list[Any], q: list[Any], near: list[float] | None) -> list[Any]:
         family = self.problem.family
@@ -136,32 +135,19 @@ class AxisScan:
         return matrix_polynomial(family, a, unknowns, q)
 
     def joined(self, low: float, middle: float, high: float) -> bool:
-        """Whether members at both ends are in a box with one root for each value between.
+        """Whether members at both ends are in a box about the one at the middle, a single root.
 
         Parameters
         ----------
         low, middle, high
-            Values of the axis; the box is about the member at the middle.
+            Values of the axis.
         """
-        family = self.problem.family
-        alone = self.problem.derived or self.formulas is not None or not family.unknown
-        if alone or family.closed:
+        if self.problem.derived or self.formulas is not None:
             return True
-
-        def solved(value: Any, near: list[float] | None) -> list[Any]:
-            a, q = self.problem.balls(self.fixed | {self.axis: value})
-            return ball_unknowns(family, a, q, near)
-
         with precision(BITS):
-            half = (arb(high) - arb(low)) * 0.5001
-            try:
-                here = solved(arb(middle), None)
-                box = solved(arb((arb(low) + arb(high)).mid() / 2, half.abs_upper()),
-                             [float(v.mid()) for v in here])  # fmt: skip
-                ends = [solved(arb(end), None) for end in (low, high)]
-            except (StabilityError, ZeroDivisionError):
-                return False
-        return all(b.contains(v) for end in ends for b, v in zip(box, end, strict=True))
+            places = [self.problem.balls(self.fixed | {self.axis: v}) for v in (
+                arb(middle), arb(low).union(arb(high)), arb(low), arb(high))]  # fmt: skip
+            return in_one_box(self.problem.family, *places)
 
     def polynomial(self, value: float, bits: int = BITS) -> list[Any]:
         """The polynomial whose Hurwitz stability is the verdict."""
@@ -360,34 +346,6 @@ def bracketed(line: AxisScan, root: float, crossing: Crossing) -> BoundaryPoint 
     if crossing is not Crossing.STATIC:  # real eigenvalues may cross two at a time
         crossing = line.vanishing(root, found[0], crossing)
     return BoundaryPoint(root, found[0], crossing, crossing_rate(line, root, crossing), found[1])
-
-
-def bracket(
-    sign: Callable[[float], int], root: float, room: float = np.inf
-) -> tuple[float, bool] | None:
-    """The narrowest bracket about a root, of a few tried, whose verdicts are proved to differ.
-
-    Parameters
-    ----------
-    sign
-        The proved verdict at a value of the axis: 1, -1, or 0 where none is proved.
-    root
-        Value of the axis.
-    room
-        Distance to the next root.
-
-    Returns
-    -------
-    width, stable_below
-        Half-width, and whether the stable side is below; None if no bracket is proved.
-    """
-    width = float(np.spacing(abs(root))) if root else 1e-300
-    while width <= min(1e-6 * max(abs(root), 1e-3), 0.9 * room):
-        below, above = sign(root - width), sign(root + width)
-        if below and above and below != above:
-            return width, below > 0
-        width *= 2 if root else 1024
-    return None
 
 
 def crossing_rate(line: AxisScan, root: float, crossing: Crossing) -> float:

@@ -29,9 +29,9 @@ from ..spectra.problem import Problem
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
 from .algebraic.exact_search import algebraic
-from .brackets import BITS, AxisScan, bracket, crossing_rate
+from .brackets import BITS, AxisScan, crossing_rate
 from .critical import Characteristic, Conditions
-from .crossings import Boundaries, BoundaryPoint, Crossing, Unresolved
+from .crossings import Boundaries, BoundaryPoint, Crossing, Unresolved, bracket
 from .interval_search.meaning import meaningful
 from .interval_search.proved import proved
 from .search import Mark, Search, search

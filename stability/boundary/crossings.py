@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, overload
+
+import numpy as np
 
 from ..base.errors import warned
 from ..base.types import Sentences
@@ -196,3 +198,31 @@ class Boundaries(Sequence[BoundaryPoint]):
         """
         if not self.complete:
             warned(self.statement(axis))
+
+
+def bracket(
+    sign: Callable[[float], int], root: float, room: float = np.inf
+) -> tuple[float, bool] | None:
+    """The narrowest bracket about a root, of a few tried, whose verdicts are proved to differ.
+
+    Parameters
+    ----------
+    sign
+        The proved verdict at a value of the axis: 1, -1, or 0 where none is proved.
+    root
+        Value of the axis.
+    room
+        Distance to the next root.
+
+    Returns
+    -------
+    width, stable_below
+        Half-width, and whether the stable side is below; None if no bracket is proved.
+    """
+    width = float(np.spacing(abs(root))) if root else 1e-300
+    while width <= min(1e-6 * max(abs(root), 1e-3), 0.9 * room):
+        below, above = sign(root - width), sign(root + width)
+        if below and above and below != above:
+            return width, below > 0
+        width *= 2 if root else 1024
+    return None

@@ -100,3 +100,54 @@ def test_a_jump_of_the_root_finder_is_no_boundary() -> None:
     assert line.sign(low) * line.sign(high) < 0  # of members on two branches
     assert abs(ends[1] - ends[0]) > 1
     assert refine(line, low, high) is None
+
+
+def two_lines(guess: float, other: bool) -> st.Family:
+    """Branches y = p and, where wanted, y = -p; the pair of u, v is damped by q + y."""
+    x, p = ca.SX.sym("x", 3), ca.SX.sym("P", 2)
+    y, u, v = ca.vertsplit(x)
+    rate = -(y - p[0]) * (y + p[0]) if other else -2 * p[0] * (y - p[0])
+    rates = ca.vertcat(rate, v, -u - (p[1] + y) * v - v**3)
+    system = st.System("two", x, p, rates, states=("y", "u", "v"), parameters=("p", "q"))
+    return st.Family(
+        system, "m", at=("p",), held={"u": 0.0, "v": 0.0}, unknown={"y": guess}, equations=("y",)
+    )
+
+
+@pytest.mark.parametrize("other", [False, True])
+def test_points_of_two_conditions_are_those_of_members_of_the_branch(*, other: bool) -> None:
+    """On y = p a zero (p = 0) and a pair (q = -p) meet at the origin, where branches cross."""
+    family = two_lines(2.0, other)
+    axes: dict[str, Any] = {"x": ("p", -1, 1, 3), "y": ("q", -1, 1.5, 3)}
+    if not other:
+        found = st.codimension_two(family, **axes)
+        assert found.complete
+        [point] = found
+        assert (point.kind.word, point.x, point.y) == ("zero hopf", 0.0, 0.0)
+        return
+    with pytest.warns(st.StabilityWarning, match="not complete"):
+        found = st.codimension_two(family, **axes)
+    assert not found.complete
+    assert not found.vanishing_complete
+    assert any("several branches" in box.reason for box in found.unresolved)
+    for point in found:
+        member = float(st.spectrum(family, at=point.x, q=point.y).states[0])
+        assert member == pytest.approx(point.x, abs=1e-9)
+
+
+def test_a_factor_without_members_is_no_other_branch() -> None:
+    """Where sin x = 0 the second equation, cos x = b, leaves z free: no member is isolated."""
+    x, b = ca.SX.sym("x", 2), ca.SX.sym("b")
+    rates = ca.vertcat(ca.sin(x[0]) * (x[1] * ca.cos(x[0]) - 1), b - ca.cos(x[0]))
+    system = st.System("swing", x, b, rates, states=("x", "z"), parameters=("b",))
+    family = st.Family(
+        system, "m", at=("b",), unknown={"x": 1.0, "z": 2.0}, equations=("x", "z"),
+        typical={"b": 0.5},
+    )  # fmt: skip
+    found = st.conditions(family)
+    assert found.branch == ""
+    for value in (0.3, 0.7):
+        slope = np.array([[0.0, value * np.sqrt(1 - value**2)], [np.sqrt(1 - value**2), 0.0]])
+        slope[0, 0] = -np.sqrt(1 - value**2) * np.sqrt(1 - value**2) / value
+        right = "stable" if np.linalg.eigvals(slope).real.max() < 0 else "unstable"
+        assert found.verdict(value).word == right

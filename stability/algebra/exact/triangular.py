@@ -12,6 +12,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
+
 from .function_field import Expression, FunctionField
 from .hurwitz_forms import Budget, by_power, factors
 from .number_fields import NotExact
@@ -177,7 +179,8 @@ class Triangular:
         self.crossed: list[Any] = []
         """Those that vanish where another branch crosses this one, which goes on through there."""
         self.alone = True
-        """Whether no factor of an equation was left aside, whose zeros are other branches."""
+        """Whether no factor of an equation was left aside whose zeros may be other branches."""
+        self._steps = 0
         self._open = list(equations)
         for index in [i for i in field.squares if i in unknowns]:
             self._open.append(field.generator(index) ** 2 - field.squares.pop(index))
@@ -187,19 +190,21 @@ class Triangular:
         raise NotExact("the elimination does not end")
 
     def _step(self) -> bool:
-        self._open = [self._branch(f) for f in map(self.field.reduced, self._open) if f != 0]
+        self._open = [f for f in map(self.field.reduced, self._open) if f != 0]
+        self._open = [self._branch(place) for place in range(len(self._open))]
+        self._steps += 1
         return bool(self._open) and (self._linear() or self._lower())
 
-    def _branch(self, equation: Any) -> Any:
+    def _branch(self, place: int) -> Any:
         """The factors of an equation that vanish at the samples."""
         out = self.field.one
-        for factor, _ in factors(equation)[1]:
+        for factor, _ in factors(self._open[place])[1]:
             state = self._vanishes(factor)
             if state is False:
                 if factor not in self.nonzero and not factor.is_constant():
                     self.crossed.append(factor)
                 self._exclude(factor)
-                self.alone = self.alone and not occurring(factor) & self.unknowns
+                self.alone = self.alone and self._without_members(place, factor)
             elif state:
                 out = out * factor
             else:
@@ -207,6 +212,23 @@ class Triangular:
         if out.is_constant():
             raise NotExact("the equations contradict each other")
         return out
+
+    def _without_members(self, place: int, factor: Any) -> bool:
+        """Whether the equations have no regular root where a factor of one of them is zero.
+
+        There the slopes of this equation are those of the factor, times a number: with too few
+        unknowns in some of the equations they are singular.
+        """
+        if not occurring(factor) & self.unknowns:
+            return True
+        if self._steps:  # equations that were multiplied have the same roots on this branch alone
+            return False
+        from scipy.sparse import csr_array
+        from scipy.sparse.csgraph import structural_rank
+
+        given = [*self._open[:place], factor, *self._open[place + 1 :]]
+        pattern = np.array([[i in occurring(f) for i in sorted(self.unknowns)] for f in given])
+        return bool(structural_rank(csr_array(pattern)) < len(given))
 
     def _exclude(self, poly: Any) -> None:
         if not poly.is_constant() and poly not in self.nonzero:

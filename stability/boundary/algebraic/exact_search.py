@@ -26,8 +26,8 @@ from ...algebra.exact.real_roots import UnclearError
 from ...base.errors import StabilityError
 from ...derivation.general.elimination import whole
 from ...systems.structure.structural_zeros import structure
-from ..brackets import AxisScan, bracket, crossing_rate
-from ..crossings import Boundaries, BoundaryPoint, Crossing, Unresolved
+from ..brackets import AxisScan, crossing_rate
+from ..crossings import Boundaries, BoundaryPoint, Crossing, Unresolved, bracket
 from ..interval_search.pieces import BRANCH
 from .branch import Branch, Look
 from .candidates import Candidate, Candidates

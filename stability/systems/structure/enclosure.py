@@ -9,7 +9,7 @@ import numpy as np
 from flint import arb, arb_mat, ctx
 
 from ...algebra.number_types import balls
-from ...base.errors import NoMemberError, listing
+from ...base.errors import NoMemberError, StabilityError, listing
 from ..family import Family
 
 
@@ -108,6 +108,31 @@ def ball_unknowns(
             f"within {ctx.prec} bits; the point may be singular."
         )
     return found
+
+
+Given = tuple[Sequence[Any], Sequence[Any]]
+"""Family parameters and parameters as balls."""
+
+
+def in_one_box(family: Family, middle: Given, over: Given, *ends: Given) -> bool:
+    """Whether some members are in one box, which has one root for each of the numbers between.
+
+    Parameters
+    ----------
+    family
+        The family.
+    middle, over, *ends
+        Numbers about whose member the box is, balls over all numbers, and numbers of the members.
+    """
+    if not family.unknown or family.closed:
+        return True
+    try:
+        near = [float(v.mid()) for v in ball_unknowns(family, *middle)]
+        box = ball_unknowns(family, *over, near)
+        found = [ball_unknowns(family, *end) for end in ends]
+    except (StabilityError, ZeroDivisionError):
+        return False
+    return all(b.contains(v) for unknowns in found for b, v in zip(box, unknowns, strict=True))
 
 
 def _krawczyk(

@@ -15,7 +15,7 @@ from flint import arb, arb_mat
 
 from ....algebra.balls import precision
 from ....algebra.exact.hurwitz_forms import factors
-from ....base.errors import StabilityError
+from ....base.errors import NoMemberError, StabilityError
 from ....derivation.general.bounds import real_roots, univariate
 from ..krawczyk import NotProvedError, Values, polished, tested
 from .planes import ExactPlane, GraphPlane, value_of
@@ -39,6 +39,10 @@ NARROW = 2.0**-30
 CUT = 0.4871
 """Where a box is cut: no round number, at which solutions often lie."""
 SINGULAR = "solutions there are not simple, or other eigenvalues meet there too"
+SEVERAL = (
+    "the equations of the steady motions have several branches, of which one was searched; take "
+    "the family from System.steady, or state the branch by its own equation"
+)
 NO_VALUE = "the family has no proved member, or its linearisation no value, in all of the box"
 BUDGET = "the budget of {count} boxes ended"
 
@@ -129,14 +133,16 @@ def isolated(
     with precision(EXACT_BITS[-1]):
         inner = tuple(plane.ends(i, *ends) for i, ends in enumerate(rectangle))
     pair = equations(kind, list(plane.coefficients))
-    if pair is None or any(f.is_constant() and f != 0 for f in pair):
+    if pair is None:
         return [], []
+    open_ = [] if plane.alone else [UnresolvedBox(kind, *rectangle, SEVERAL)]
+    if any(f.is_constant() and f != 0 for f in pair):
+        return [], open_
     whole = UnresolvedBox(kind, *rectangle, "its equations hold along a whole curve")
     if all(f == 0 for f in pair):
         return [], [whole]
     common = pair[0].gcd(pair[1])
     f, g = (p / common for p in pair)
-    open_: list[UnresolvedBox] = []
     if any(meets(h, inner) for h, _ in factors(common)[1]):
         open_.append(whole)
     if f.is_constant() or g.is_constant():
@@ -179,7 +185,9 @@ def _pairs(
                 place = [plane.back(i, v) for i, v in enumerate(image)]
                 if not all(v.is_finite() for v in place):
                     raise NotProvedError
-            except NotProvedError:
+                if point is not None and not plane.holds(*place):
+                    continue
+            except (NotProvedError, NoMemberError):
                 ends = [box_of(plane.back(i, v), rectangle[i]) for i, v in enumerate((x, y))]
                 left.append(UnresolvedBox(kind, ends[0], ends[1], SINGULAR))
                 continue

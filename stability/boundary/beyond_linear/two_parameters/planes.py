@@ -123,6 +123,10 @@ class ExactPlane:
 
     def __init__(self, coefficients: Sequence[Any], turns: tuple[str, str] = ("", "")) -> None:
         self.coefficients, self.turns = list(coefficients), turns
+        self.reading: Reading | None = None
+        """What the polynomial was derived from; None for one that is given."""
+        self.names = ("", "")
+        """Names of the axes in the family."""
         self._terms = [
             tuple(_terms(p) for p in (c, c.derivative("x"), c.derivative("y")))
             for c in self.coefficients
@@ -145,6 +149,24 @@ class ExactPlane:
             raise NotExact(f"the {turn}e of the axis is not monotonic")
         values = [getattr(v, turn)() for v in bounds]
         return (values[0], values[1]) if turn == "sin" else (values[1], values[0])
+
+    @property
+    def alone(self) -> bool:
+        """Whether every member lies on the branch of the polynomial."""
+        return self.reading is None or self.reading.triangular.alone
+
+    def holds(self, x: Any, y: Any) -> bool:
+        """Whether the member at balls of the axes lies on the branch of the polynomial.
+
+        Raises
+        ------
+        NoMemberError
+            If no member is proved there.
+        """
+        if self.reading is None or self.alone:
+            return True
+        point = {**self.reading.values, **dict(zip(self.names, (x, y), strict=True))}
+        return self.reading.elsewhere(self.reading.member(point)) is None
 
     def back(self, axis: int, value: Any) -> Any:
         """The axis from its variable; not finite where the ball reaches beyond 1."""
@@ -213,7 +235,9 @@ def exact_plane(problem: Problem, names: tuple[str, str]) -> ExactPlane:
                 for j, c in enumerate(moved):
                     longer[i + j] = longer[i + j] + p * c
             out = longer
-    return ExactPlane(out, variables.turns)
+    plane = ExactPlane(out, variables.turns)
+    plane.reading, plane.names = reading, (axes[0], axes[1])
+    return plane
 
 
 class Variables:

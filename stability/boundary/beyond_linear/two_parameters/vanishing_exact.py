@@ -30,7 +30,7 @@ from ....derivation.general.elimination import Reading, evaluate
 from ....spectra.problem import Problem
 from ..krawczyk import NotProvedError, tested
 from .onset_forms import OnsetForm, OnsetForms
-from .plane_search import Rectangle, box_of, meets
+from .plane_search import SEVERAL, Rectangle, box_of, meets
 from .planes import PLANE, ExactPlane
 from .point_records import PointKind, UnresolvedBox
 from .polynomial_pairs import PolynomialPair, same_root
@@ -187,7 +187,8 @@ class ExactSearch:
     def run(self) -> tuple[list[Vanishing], list[UnresolvedBox]]:
         """Every point in the closed rectangle, and what stays open."""
         found: list[Vanishing] = []
-        left: list[UnresolvedBox] = []
+        several = not self.reading.triangular.alone
+        left = [UnresolvedBox(KIND, *self.rectangle, SEVERAL)] if several else []
         with precision(BITS[-1]):
             self.inner = tuple(self.plane.ends(i, *e) for i, e in enumerate(self.rectangle))
         for form in self.forms:
@@ -223,12 +224,12 @@ class ExactSearch:
     def _solved(
         self, judge: _Judge, one: _Equation, other: _Equation
     ) -> tuple[list[Vanishing], list[UnresolvedBox]]:
-        f, g = one.factor, other.factor
-        if f == g:
-            whole = UnresolvedBox(KIND, *self.rectangle, ALONG)
-            return [], [whole] if meets(f, self.inner) else []
-        if not (meets(f, self.inner) and meets(g, self.inner)):
-            return [], []
+        common = one.factor.gcd(other.factor)  # a large polynomial may be left in one factor
+        f, g = one.factor / common, other.factor / common
+        along = not common.is_constant() and meets(common, self.inner)
+        whole = [UnresolvedBox(KIND, *self.rectangle, ALONG)] if along else []
+        if any(p.is_constant() or not meets(p, self.inner) for p in (f, g)):
+            return [], whole
         degree = sum(f.degrees()[i] * g.degrees()[1 - i] for i in (0, 1))
         if degree > MOST_DEGREE:
             raise NotExact(
@@ -255,7 +256,7 @@ class ExactSearch:
                         found += [] if point is None else [point]
             if not left:
                 break
-        return found, left
+        return found, whole + left
 
     def _inside(self, side: Any, axis: int) -> list[Any]:
         low, high = self.inner[axis]
@@ -318,6 +319,8 @@ class _Judge:
         search = self.search
         axes = [search.plane.back(i, v) for i, v in enumerate(place)]
         known = self._member(axes)
+        if search.reading.elsewhere(known) is not None:
+            return None  # a member of another branch
         left = list(self._vanishing(known))
         if not left or evaluate(search.forms_of.characteristic[0], known) == 0:
             return None  # with an eigenvalue zero there is no coefficient
