@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat, ctx
 
+from ...algebra.balls import precision
 from ...algebra.number_types import balls
 from ...base.errors import NoMemberError, StabilityError, listing
 from ..family import Family
@@ -129,7 +130,8 @@ def in_one_box(family: Family, middle: Given, over: Given, *ends: Given) -> bool
     try:
         near = [float(v.mid()) for v in ball_unknowns(family, *middle)]
         box = ball_unknowns(family, *over, near)
-        found = [ball_unknowns(family, *end) for end in ends]
+        with precision(2 * ctx.prec):  # narrower than the box, which may be as narrow as one root
+            found = [ball_unknowns(family, *end) for end in ends]
     except (StabilityError, ZeroDivisionError):
         return False
     return all(b.contains(v) for unknowns in found for b, v in zip(box, unknowns, strict=True))
