@@ -86,7 +86,8 @@ def _diagram_caption(
     undecided = "" if count["undecided"] else "; none undecided"
     kinds = [CODE_KINDS[c] for c in np.unique(dataset.boundary_kind.values).tolist()]
     style = {Crossing.STATIC: "static (solid)", Crossing.FLUTTER: "flutter (dashed)",
-             Crossing.TOUCHING: "touching (dotted)"}  # fmt: skip
+             Crossing.TOUCHING: "touching (dotted)",
+             Crossing.STATIC_AND_FLUTTER: "static and flutter (solid)"}  # fmt: skip
     curve = "No boundary between verdicts in this range."
     if kinds:
         size = np.where(

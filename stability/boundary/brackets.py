@@ -9,11 +9,13 @@ balls, gives different verdicts at its two ends.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
-from flint import arb, ctx
+from flint import arb, ctx, fmpq_poly
+from numpy.typing import NDArray
 
 from ..algebra.balls import MIXED, precision
 from ..algebra.exact.known_polynomial import TabulatedPolynomial
@@ -40,6 +42,12 @@ MOST_BITS = 1024
 """Precision at which a sign that is still open counts as zero."""
 FINE_BITS = 8192
 """Precision at which a bracket is halved further."""
+BESIDE = 1e-15
+"""Way from a boundary to where its unstable eigenvalues are counted, over the value or 1e-3."""
+LOW = 1e-3
+"""Frequency, over the largest eigenvalue, below which an eigenvalue counts as real there."""
+ON_AXIS = 1e-7
+"""Largest real part, over the largest eigenvalue, of one that may be on the axis at a boundary."""
 HALVINGS = 256
 """Most halvings of a bracket in which a zero eigenvalue is not excluded.
 
@@ -368,6 +376,51 @@ def crossing_rate(line: AxisScan, root: float, crossing: Crossing) -> float:
     value = frequency(coefficients, even=line.even)
     *_, rate, _ = line.problem.arrays(line.fixed | {line.axis: root})
     return value * float(rate[0])
+
+
+def together(line: AxisScan, point: BoundaryPoint) -> BoundaryPoint:
+    """A boundary with the frequencies of all that crosses there, where more than one does.
+
+    Pairs count that are next to the axis at the boundary, if as many are unstable beside it.
+
+    Parameters
+    ----------
+    line
+        The line.
+    point
+        A boundary on it.
+    """
+    if line.even:
+        return point
+    way = max(BESIDE * max(abs(point.value), 1e-3), point.error)
+    way = way if point.stable_below else -way
+    try:
+        here, beside = (_roots(line, v) for v in (point.value, point.value + way))
+    except (StabilityError, ArithmeticError):  # no member is proved next to the boundary
+        return point
+    largest = float(np.abs(here).max(initial=0.0))
+    crossing = here[np.abs(here.real) <= ON_AXIS * largest]
+    pairs = np.sort(crossing.imag[crossing.imag > LOW * largest])
+    zeros = int((np.abs(crossing.imag) <= LOW * largest).sum())
+    unstable = beside[beside.real > 0]
+    turning = int((unstable.imag > LOW * largest).sum())
+    if turning != len(pairs) or (len(unstable) > 2 * turning) != (zeros > 0):
+        return point
+    if len(pairs) + zeros < 2 or (zeros > 0) != (point.crossing is Crossing.STATIC):
+        return point
+    *_, rate, _ = line.problem.arrays(line.fixed | {line.axis: point.value})
+    turns = tuple((pairs * float(rate[0])).tolist())
+    kind = Crossing.STATIC_AND_FLUTTER if zeros and turns else point.crossing
+    first = turns[0] if kind is Crossing.STATIC_AND_FLUTTER else point.frequency
+    return replace(point, crossing=kind, frequency=first, frequencies=(0.0,) * zeros + turns)
+
+
+def _roots(line: AxisScan, value: float) -> NDArray[np.complex128]:
+    """Eigenvalues at a value of the axis, without structural zeros."""
+    with precision(MOST_BITS):  # roots that coincide part by their multiplicity's root of rounding
+        coefficients = line.coefficients(value, MOST_BITS)[structure(line.problem.family).zeros :]
+        roots = fmpq_poly([arb(c).mid().fmpq() for c in coefficients]).numer().complex_roots()
+        return np.array([complex(r) for r, count in roots for _ in range(count)])
 
 
 def at_point(line: AxisScan, value: float) -> BoundaryPoint | None:

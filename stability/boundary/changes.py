@@ -29,7 +29,7 @@ from ..spectra.problem import Problem
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
 from .algebraic.exact_search import algebraic
-from .brackets import BITS, AxisScan, crossing_rate
+from .brackets import BITS, AxisScan, crossing_rate, together
 from .critical import Characteristic, Conditions
 from .crossings import Boundaries, BoundaryPoint, Crossing, Unresolved, bracket
 from .interval_search.meaning import meaningful
@@ -108,11 +108,16 @@ def boundaries(
     grid = axis_of(family, axis, "axis", MOST_SCAN)
     problem = prepare(family, (grid,), disk, contact, at, given, exact=True)
     found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
+    line = AxisScan(problem, grid.name, {n: float(v) for n, v in problem.values.items()
+                                         if n != grid.name})  # fmt: skip
+    found = replace(found, points=tuple(together(line, p) for p in found))
     law = problem.law.name if problem.law else None
     works = cited(law, model=of_package(problem), proofs=True)
     fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
+    line = AxisScan(problem, grid.name, fixed)
+    points = (replace(b, good=_good(problem, fixed, grid.name, b)) for b in found)
     found = replace(
-        found, points=tuple(replace(b, good=_good(problem, fixed, grid.name, b)) for b in found),
+        found, points=tuple(together(line, b) for b in points),
         how=problem.family.system.qualified(found.how),
         searched=(grid.name, grid.low, grid.high), citation=works,
     )  # fmt: skip

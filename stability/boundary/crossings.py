@@ -32,6 +32,9 @@ class Crossing(Sentences):
     TOUCHING = (
         "boundary without a sign change of either determinant: found by bisection of verdicts"
     )
+    STATIC_AND_FLUTTER = (
+        "static and flutter boundary: a zero and pairs of eigenvalues cross at once"
+    )
 
     @property
     def word(self) -> str:
@@ -70,6 +73,8 @@ class BoundaryPoint:
     """Whether the side that is not unstable has the smaller value."""
     good: Verdict = Verdict.UNDECIDED
     """Verdict on this side, next to the boundary: stable, neutral, drifting, or undecided which."""
+    frequencies: tuple[float, ...] = ()
+    """Where several cross at once: |Im λ| of each, 0 for a real one, in increasing order."""
 
 
 class Unresolved(NamedTuple):

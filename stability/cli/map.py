@@ -232,8 +232,8 @@ def _boundaries(options: argparse.Namespace) -> None:
         "high": axis[2],
         "boundaries": [
             {"value": b.value, "error": b.error, "crossing": b.crossing.word,
-             "frequency": b.frequency, "stable_below": b.stable_below,
-             "good": b.good.word}
+             "frequency": b.frequency, "frequencies": list(b.frequencies),
+             "stable_below": b.stable_below, "good": b.good.word}
             for b in found
         ],
         "touching": list(found.touching),
@@ -256,7 +256,8 @@ def _boundaries(options: argparse.Namespace) -> None:
         side = "below" if b.stable_below else "above"
         word = "not unstable" if b.good is Verdict.UNDECIDED else b.good.word
         pair = f", frequency {b.frequency:.12g}" if b.frequency else ""
-        print(
-            f"  {axis[0]} = {to_bound(b.value, b.error)}   {b.crossing.word}, {word} {side}{pair}"
-        )
+        if b.frequencies:
+            pair = f", frequencies {', '.join(f'{w:.12g}' for w in b.frequencies)}"
+        kind = b.crossing.word.replace("_", " ")
+        print(f"  {axis[0]} = {to_bound(b.value, b.error)}   {kind}, {word} {side}{pair}")
     print(record["statement"])

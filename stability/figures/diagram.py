@@ -38,7 +38,8 @@ if TYPE_CHECKING:
 
 YELLOW, OCHRE, STRIP = "#f7d038", "#6b5900", 1.2
 """Colours and least width [pt] of the strip that encloses the boundary of a certified map."""
-LINES = {Crossing.STATIC: "-", Crossing.FLUTTER: (0, (4, 1.6)), Crossing.TOUCHING: ":"}
+LINES = {Crossing.STATIC: "-", Crossing.FLUTTER: (0, (4, 1.6)), Crossing.TOUCHING: ":",
+         Crossing.STATIC_AND_FLUTTER: "-"}  # fmt: skip
 
 
 def plot_map(

@@ -131,3 +131,42 @@ def test_no_corridor_is_drawn_where_two_boundaries_cross(
                 assert passed < 0.05 / 4  # a quarter of a cell
                 over += 1
     assert over >= 2
+
+
+@pytest.mark.parametrize(
+    ("blocks", "word", "frequency", "frequencies"),
+    [
+        ([(1, 4), (1, 4)], "flutter", 2.0, (2.0, 2.0)),
+        ([(1, 4), (3, 9)], "flutter", 2.0, (2.0, 3.0)),
+        ([(1, 5), ()], "static_and_flutter", 5**0.5, (0.0, 5**0.5)),
+        ([(1, 3), (1, 3), ()], "static_and_flutter", 3**0.5, (0.0, 3**0.5, 3**0.5)),
+        ([(), ()], "static", 0.0, (0.0, 0.0)),
+        ([(1, 5)], "flutter", 5**0.5, ()),
+        ([()], "static", 0.0, ()),
+    ],
+)
+def test_all_that_crosses_at_once_is_named(
+    blocks: list[tuple[float, ...]], word: str, frequency: float, frequencies: tuple[float, ...]
+) -> None:
+    """Oscillators q'' + c p q' + k q = 0, and q' = -p q for (): all cross at p = 0."""
+    p, rows, names = ca.SX.sym("p"), [], []
+    for i, block in enumerate(blocks):
+        q, v = ca.SX.sym(f"q{i}"), ca.SX.sym(f"v{i}")
+        rows += [(q, v), (v, -block[0] * p * v - block[1] * q)] if block else [(q, -p * q)]
+        names += [f"q{i}", f"v{i}"] if block else [f"q{i}"]
+    x, rates = (ca.vertcat(*column) for column in zip(*rows, strict=True))
+    system = st.System("blocks", x, p, rates, states=tuple(names), parameters=("p",))
+    rest = st.Family(system, "rest", at=("p",), held=dict.fromkeys(names, 0.0))
+    [found] = st.boundaries(rest, axis=("p", -1, 1.25, 9))
+    assert (found.value, found.crossing.word) == (0.0, word)
+    assert found.frequency == pytest.approx(frequency)
+    assert found.frequencies == pytest.approx(frequencies)
+
+
+def test_a_crossing_next_to_another_is_not_one_with_it() -> None:
+    x, p = ca.SX.sym("x", 3), ca.SX.sym("p")
+    rates = ca.vertcat(x[1], -p * x[1] - 5 * x[0], -(p + 1e-14) * x[2])
+    system = st.System("near", x, p, rates, states=("q", "v", "w"), parameters=("p",))
+    rest = st.Family(system, "rest", at=("p",), held=dict.fromkeys(system.states, 0.0))
+    [found] = st.boundaries(rest, axis=("p", -1, 1.25, 9))
+    assert (found.crossing.word, found.frequencies) == ("flutter", ())
