@@ -144,7 +144,9 @@ def follow(graph: FamilyGraph, cut: int, start: Floats, u: Floats, stop: Floats)
         if not len(rows):
             break
         room = REACH * (1 + np.abs(u[rows])) / np.maximum(np.abs(turn[rows]), 1e-300)
-        h = np.minimum(np.minimum(step[rows], room.min(axis=1)), 1 - t[rows])
+        # beyond where the determinant vanishes another sheet may have its sign
+        room = np.minimum(room.min(axis=1), left[rows] / AHEAD)
+        h = np.minimum(np.minimum(step[rows], room), 1 - t[rows])
         step[rows] = h
         # a branch point is passed from a distance to the same distance, not from where it is near
         jump = (left[rows] <= BRANCH / 2) & ~jumped[rows]
@@ -155,8 +157,7 @@ def follow(graph: FamilyGraph, cut: int, start: Floats, u: Floats, stop: Floats)
         now, large = _sign(slopes[0])
         after = -solved(*slopes)
         fine &= (now != 0) & ((now == sign[rows]) | (h <= BRANCH))
-        # beyond where the determinant vanishes another sheet may have its sign
-        fine &= (now != sign[rows]) | (h * AHEAD <= left[rows])
+        fine &= (now != sign[rows]) | ~jump
         fine &= _smooth(h, u[rows], new, turn[rows], after)
         for i in np.flatnonzero(fine & (now != sign[rows])):
             fine[i] = lines.crosses(rows[i], (u[rows[i]] + new[i]) / 2, t[rows[i]] + h[i] / 2, h[i])
