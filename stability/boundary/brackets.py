@@ -42,7 +42,7 @@ MOST_BITS = 1024
 """Precision at which a sign that is still open counts as zero."""
 FINE_BITS = 8192
 """Precision at which a bracket is halved further."""
-BESIDE = 1e-15
+SHORT_WAY = 1e-15
 """Way from a boundary to where its unstable eigenvalues are counted, over the value or 1e-3."""
 LOW = 1e-3
 """Frequency, over the largest eigenvalue, below which an eigenvalue counts as real there."""
@@ -381,7 +381,7 @@ def crossing_rate(line: AxisScan, root: float, crossing: Crossing) -> float:
 def together(line: AxisScan, point: BoundaryPoint) -> BoundaryPoint:
     """A boundary with the frequencies of all that crosses there, where more than one does.
 
-    Pairs count that are next to the axis at the boundary, if as many are unstable beside it.
+    Pairs count that are next to the axis at the boundary, if as many are unstable next to it.
 
     Parameters
     ----------
@@ -392,17 +392,17 @@ def together(line: AxisScan, point: BoundaryPoint) -> BoundaryPoint:
     """
     if line.even:
         return point
-    way = max(BESIDE * max(abs(point.value), 1e-3), point.error)
+    way = max(SHORT_WAY * max(abs(point.value), 1e-3), point.error)
     way = way if point.stable_below else -way
     try:
-        here, beside = (_roots(line, v) for v in (point.value, point.value + way))
+        here, next_to = (_roots(line, v) for v in (point.value, point.value + way))
     except (StabilityError, ArithmeticError):  # no member is proved next to the boundary
         return point
     largest = float(np.abs(here).max(initial=0.0))
     crossing = here[np.abs(here.real) <= ON_AXIS * largest]
     pairs = np.sort(crossing.imag[crossing.imag > LOW * largest])
     zeros = int((np.abs(crossing.imag) <= LOW * largest).sum())
-    unstable = beside[beside.real > 0]
+    unstable = next_to[next_to.real > 0]
     turning = int((unstable.imag > LOW * largest).sum())
     if turning != len(pairs) or (len(unstable) > 2 * turning) != (zeros > 0):
         return point
