@@ -20,7 +20,7 @@ from ..jobs.shared import shared
 from . import scipy_methods as stepping
 from . import sundials, taylor
 from .flow import ASKING, Flow
-from .leg import UNRESOLVED, Budget, Integrate, Leg, Path
+from .leg import UNRESOLVED, Budget, End, Integrate, Leg, Path
 
 HEYOKA = "heyoka"
 METHODS: dict[str, Integrate] = {
@@ -37,6 +37,8 @@ TURN, TURN_POWER = {HEYOKA: 500.0, "dop853": 190.0}, 0.12
 are for equal errors at the end: at one tolerance Taylor's error is far below that of CVODES."""
 PATIENCE = 4.0
 """Steps of an explicit method per TURN and unit of time after which `auto` calls a leg stiff."""
+SHARE = 4
+"""Part of the allowed steps, as one over it, after which a leg of `auto` is looked at again."""
 COMPILED = 250
 """Operations of a graph that heyoka compiles within some seconds; its time rises faster."""
 EXPLICIT_TIGHT = 1e-10
@@ -227,13 +229,18 @@ def _turn(leg: Leg) -> float:
     return float(TURN[explicit(leg.flow)] * (leg.tolerance / 1e-6) ** -TURN_POWER)
 
 
+def _share(leg: Leg) -> int:
+    """Steps of an explicit method after which it must be known whether the leg is stiff."""
+    return max(leg.max_steps // SHARE, 1)
+
+
 def _patient(leg: Leg) -> Leg:
     """The leg with at most the steps of an explicit method where that is the cheaper one."""
     length = leg.times[-1:] - leg.times[:1]
     with np.errstate(over="ignore"):  # an endless span asks for the steps that a leg has
         span = float((length * leg.flow.paces(leg.start[None], leg.p[None], length))[0])
     most = 20_000 + PATIENCE * _turn(leg) * span
-    return replace(leg, max_steps=int(min(leg.max_steps, most)))
+    return replace(leg, max_steps=int(min(_share(leg), most)))
 
 
 def run(
@@ -321,6 +328,13 @@ def _alone(
         return _second(leg, path, choice, most) if auto and _gave_up(path, leg) else (path, choice)
 
 
+def _stiff_at(leg: Leg, end: End) -> bool:
+    """Whether a leg is stiff where an explicit method gave up; at the start it was not."""
+    here = replace(leg, start=end.state)
+    with np.errstate(all="ignore"):
+        return bool(stiffness([here])[0] > _turn(leg))
+
+
 def _timed(method: str, leg: Leg) -> Path:
     """The path by one method, with the computing time that it took."""
     budget = Budget(leg.seconds)
@@ -334,10 +348,16 @@ def _second(leg: Leg, first: Path, choice: Choice, most: int) -> tuple[Path, Cho
     if first.seconds >= leg.seconds:
         return first, choice
     other = "lsoda" if choice.method == "cvodes" else "cvodes"
+    shared_steps = most < leg.max_steps and first.steps >= most == _share(leg)
+    if shared_steps and not _stiff_at(leg, first.end):
+        other = choice.method  # its other steps may be enough
     second = _timed(other, replace(leg, seconds=leg.seconds - first.seconds))
     second = replace(second, seconds=first.seconds + second.seconds)
     if second.end is not None and second.end.kind == UNRESOLVED:
         short = most < leg.max_steps and first.steps >= most  # no limit of the user's ended it
         end = replace(first.end, message=second.end.message) if short else first.end
-        return replace(first, end=end, seconds=second.seconds), choice
+        longer = second if other == choice.method else replace(first, end=end)
+        return replace(longer, seconds=second.seconds), choice
+    if other == choice.method:
+        return second, choice
     return second, Choice(other, f"{choice.method} gave up at {first.end.time:.6g}")

@@ -156,3 +156,16 @@ def test_a_launch_that_overflows_spoils_no_other_of_its_batch(method: str) -> No
 def test_without_neighbours_there_is_no_error() -> None:
     system, _ = growing()
     assert "final_error" not in st.simulate(system, {"c": 1.0}, {"x": 1.0}, 2.0, check=False)
+
+
+def test_a_motion_that_turns_stiff_is_run_by_an_implicit_method() -> None:
+    """Robertson's reaction: right is 0.0178659211, by SciPy's Radau at 1e-11."""
+    y, k = ca.SX.sym("y", 3), ca.SX.sym("k")
+    slow, back, fast = 0.04 * y[0], k * y[1] * y[2], 3e7 * y[1] ** 2
+    rates = ca.vertcat(back - slow, slow - back - fast, fast)
+    system = st.System("robertson", y, k, rates, states=("x", "y", "z"), parameters=("k",))
+    run = st.simulate(system, [1e4], [1.0, 0.0, 0.0], 1e5, max_steps=100_000)
+    assert run.attrs["outcome"] == "moving"
+    assert str(run.method.values) == "cvodes"
+    assert float(run.x[-1]) == pytest.approx(0.0178659211, abs=2e-8)
+    assert abs(float(run.x[-1]) - 0.0178659211) <= float(run.final_error) < 1e-6
