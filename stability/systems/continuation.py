@@ -225,8 +225,10 @@ def _along(
     for target in np.linspace(lo, hi, points)[1:]:
         try:
             following, reached = _next(family, curve, found[-1], float(target))
-            if not reached and (following == found[-1]).all():  # on a branch point, no way leads on
-                following, reached = _next(family, curve, found[-2:][0], float(target))
+            if not reached:  # from a branch point itself no way leads on
+                again, reached = _next(family, curve, found[-2:][0], float(target))
+                if reached or (following == found[-1]).all():
+                    following = again
         except NoMemberError as error:
             complete, ended = False, f"ended after {found[-1][-1]:g}: {error}"
             break

@@ -73,7 +73,10 @@ def planted(seed: int, field: str) -> tuple[Verdict, Verdict]:
 def test_products_of_planted_factors(field: str) -> None:
     found = {seed: planted(seed, field) for seed in range(60)}
     assert {seed: pair for seed, pair in found.items() if pair[0] is not pair[1]} == {}
-    assert {wanted for _, wanted in found.values()} == set(Verdict) - {Verdict.UNDECIDED}
+    assert {wanted for _, wanted in found.values()} == set(Verdict) - {
+        Verdict.UNDECIDED,
+        Verdict.DRIFTING,
+    }
 
 
 def test_a_sign_that_is_not_proved_ends_the_proof() -> None:

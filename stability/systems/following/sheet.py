@@ -145,14 +145,15 @@ def follow(graph: FamilyGraph, cut: int, start: Floats, u: Floats, stop: Floats)
             break
         room = REACH * (1 + np.abs(u[rows])) / np.maximum(np.abs(turn[rows]), 1e-300)
         # beyond where the determinant vanishes another sheet may have its sign
-        room = np.minimum(room.min(axis=1), left[rows] / AHEAD)
-        h = np.minimum(np.minimum(step[rows], room), 1 - t[rows])
+        rest = 1 - t[rows]
+        ahead = np.where(rest > BRANCH, left[rows] / AHEAD, np.inf)  # or the end is such a place
+        h = np.minimum(np.minimum(step[rows], np.minimum(room.min(axis=1), ahead)), rest)
         step[rows] = h
         # a branch point is passed from a distance to the same distance, not from where it is near
-        jump = (left[rows] <= BRANCH / 2) & ~jumped[rows]
-        h = np.where(jump, np.minimum(2 * left[rows], 1 - t[rows]), h)
+        jump = (left[rows] <= np.minimum(BRANCH, rest) / 2) & ~jumped[rows]
+        h = np.where(jump, 2 * left[rows], h)
         jumped[rows] = jump
-        following = np.where(h == 1 - t[rows], 1.0, t[rows] + h)
+        following = np.where(h == rest, 1.0, t[rows] + h)
         new, fine, slopes = _corrected(lines, rows, u[rows] + h[:, None] * turn[rows], following)
         now, large = _sign(slopes[0])
         after = -solved(*slopes)

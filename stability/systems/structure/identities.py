@@ -51,7 +51,7 @@ def identity(family: Family) -> Identity:
     cut = len(family.at), len(family.at) + len(family.unknown)
     parts = symbols[: cut[0]], symbols[cut[0] : cut[1]], symbols[cut[1] :]
     tangents, zeros, even = 0, 0, False
-    stored = _stored(family)  # sparsity needs no arithmetic, at any size
+    places = stored(family)  # sparsity needs no arithmetic, at any size
     with suppress(ArithmeticError):
         zero = on_the_branch(family, parts)
         tangents = fixed_directions(family, parts, zero)
@@ -59,11 +59,11 @@ def identity(family: Family) -> Identity:
         zeros, even = _zero_pattern(
             exact_matrix(family, *parts), zero, (sampled.zeros, sampled.even)
         )
-    zeros = max(zeros, tangents, pattern.zeros(stored), len(family.left_out))
-    return Identity(zeros, even or pattern.mirrored(stored))
+    zeros = max(zeros, tangents, pattern.zeros(places), len(family.left_out))
+    return Identity(zeros, even or pattern.mirrored(places))
 
 
-def _stored(family: Family) -> pattern.Pattern:
+def stored(family: Family) -> pattern.Pattern:
     """Whether the graph holds each entry of the linearisation."""
     graph = family.graph.matrix
     out = np.zeros(graph.shapes[0], dtype=bool)

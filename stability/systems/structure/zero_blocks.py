@@ -27,9 +27,17 @@ from ...base.verdict import Verdict, best
 from ..family import Family
 from .axis_proof import READINGS
 from .enclosure import ball_unknowns
-from .identities import MOST_STATES, exact_matrix, fixed_directions, nonzero, on_the_branch
+from .identities import (
+    MOST_STATES,
+    exact_matrix,
+    fixed_directions,
+    nonzero,
+    on_the_branch,
+    stored,
+)
 from .multiplicity import ROOT_BITS, Member
 from .null_chains import constant_kernels
+from .pattern import Pattern
 from .structural_zeros import SAMPLE_BITS, sampled, structure
 
 Rows = Sequence[Sequence[Any]]
@@ -92,14 +100,14 @@ def kernels(family: Family, count: int) -> tuple[int, ...]:
     field = FunctionField([*family.at, *family.unknown, *family.parameters])
     cut = len(family.at), len(family.at) + len(family.unknown)
     parts = field.symbols[: cut[0]], field.symbols[cut[0] : cut[1]], field.symbols[cut[1] :]
-    sizes = [0] * count
+    sizes = [_sparse(stored(family)[np.ix_(family.resting, family.resting)])] * count
     with suppress(ArithmeticError):
         zero = on_the_branch(family, parts)
         directions = fixed_directions(family, parts, zero) - len(family.left_out)
         matrix = kept_block(family, exact_matrix(family, *parts))
         constant = constant_kernels(matrix, zero)
-        sparse = len(matrix) - _most_rank(nonzero(matrix, zero))
-        sizes = [max(size, directions, sparse) for size in _extended(constant, count)]
+        least = max(directions, _sparse(nonzero(matrix, zero)), sizes[0])
+        sizes = [max(size, least) for size in _extended(constant, count)]
         if sizes[0] < count and len(matrix) <= MOST_STATES:
             for p, whole in enumerate(_powers(matrix, count)):
                 rank = rank_of(whole, lambda v: not vanishes(v))
@@ -115,11 +123,12 @@ def _extended(sizes: Sequence[int], count: int) -> list[int]:
     return [*sizes, *[max([*sizes, 0])] * count][:count]
 
 
-def _most_rank(places: Any) -> int:
+def _sparse(places: Pattern) -> int:
+    """Least dimension of the kernel for any values of the entries."""
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import structural_rank
 
-    return int(structural_rank(csr_array(places.astype(float))))
+    return len(places) - int(structural_rank(csr_array(places.astype(float))))
 
 
 @lru_cache(maxsize=64)
