@@ -360,6 +360,10 @@ def test_random_planted_boundaries_are_all_found(count: int) -> None:
     }
 
 
+def test_a_verdict_that_its_number_field_leaves_open_is_sought_with_expressions() -> None:
+    assert campaign(range(1373, 1374))[1] == []
+
+
 @pytest.mark.long
 def test_a_thousand_planted_families_have_every_boundary() -> None:
     ends, wrong = campaign(range(1000, 2000))

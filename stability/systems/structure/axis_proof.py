@@ -53,7 +53,8 @@ def exact_verdict(member: Member, zeros: int) -> Verdict | None:
     for reading in READINGS:
         try:
             matrix, ground = reading(member)
-            coefficients = member.algebraic or whole_polynomial(matrix)
+            known = member.algebraic if reading is _over_number_field else None
+            coefficients = known or whole_polynomial(matrix)
             nonzero = next(i for i, c in enumerate(coefficients) if ground.sign(c))
             # a zero that is proved here alone may be structural, and would have to be left out
             if zeros <= nonzero == member.zeros():
