@@ -241,9 +241,7 @@ def of_member(member: Member, zeros: int, most: int | None = None) -> tuple[Verd
         return decided, NO_PROOF_OF_ZERO
     if decided is Verdict.UNSTABLE:
         return decided, bits
-    if certain(member.family):
-        return _with_zeros(member, zeros, bits) if decided is Verdict.STABLE else (decided, bits)
-    low, high = member.structural
+    low, high = (zeros, zeros) if certain(member.family) else member.structural
     if zeros == low < high and _without(member, high, most)[0] is not decided:
         return Verdict.UNDECIDED, BY_ACCIDENT  # a zero that is not left out may be structural
     return _with_zeros(member, zeros, bits) if decided is Verdict.STABLE else (decided, bits)

@@ -200,11 +200,15 @@ class Member:
         """Whether a root is proved, and balls there are finite: the rules of √ hold for √-2 too."""
         if self.near is not None and self.root is None:
             return False
+        return all(arb(e).is_finite() for row in self.matrix_in_balls() for e in row)
+
+    def matrix_in_balls(self) -> list[list[Any]]:
+        """The linearisation in balls of `ROOT_BITS`, at a root that is proved or needs no proof."""
         with precision(ROOT_BITS):
             root = self.root or self.balls([rational(v) for v in self.family.unknown.values()])
             place = [self.balls(self.a), root, self.balls(self.q)]
-            entries = self.family.graph.matrix.dense(balls(), place)
-        return all(arb(e).is_finite() for row in entries for e in row)
+            found: list[list[Any]] = self.family.graph.matrix.dense(balls(), place)
+        return found
 
     def enclosed(self) -> list[Any]:
         """Coefficients as balls at the current precision; proved zeros are exact.

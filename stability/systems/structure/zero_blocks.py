@@ -20,7 +20,7 @@ from flint import arb
 from ...algebra.balls import precision
 from ...algebra.exact.function_field import FunctionField
 from ...algebra.exact.hurwitz_forms import TooLarge
-from ...algebra.exact.number_fields import NotExact, rational, vanishes
+from ...algebra.exact.number_fields import NotExact, vanishes
 from ...algebra.number_types import balls
 from ...base.errors import NoMemberError
 from ...base.verdict import Verdict, best
@@ -193,10 +193,8 @@ def _power_in_balls(member: Member, count: int) -> int | None:
     """The largest power p for which balls prove that A^p has too large a rank, or None."""
     if member.near is not None and member.root is None:
         return None
+    kept = kept_block(member.family, member.matrix_in_balls())
     with precision(ROOT_BITS):
-        root = member.root or member.balls([rational(v) for v in member.family.unknown.values()])
-        place = [member.balls(member.a), root, member.balls(member.q)]
-        kept = kept_block(member.family, member.family.graph.matrix.dense(balls(), place))
         return proved_power(kept, count) or None
 
 
