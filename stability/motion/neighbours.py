@@ -29,6 +29,7 @@ import numpy as np
 
 from ..base.types import Floats
 from ..integrators.selection import TURN
+from ..settling.growth import Growth
 from .result import Outcome
 
 if TYPE_CHECKING:
@@ -320,7 +321,7 @@ def _settled(
     return out
 
 
-def with_growth(one: Result, doubt: ErrorEstimate, other: Result, growth: float) -> ErrorEstimate:
+def with_growth(one: Result, doubt: ErrorEstimate, other: Result, growth: Growth) -> ErrorEstimate:
     """The estimate with the distance of a run whose own error grows by a known factor.
 
     Parameters
@@ -330,13 +331,15 @@ def with_growth(one: Result, doubt: ErrorEstimate, other: Result, growth: float)
     other
         A finer run.
     growth
-        Growth of an error along it, as `stability.settling.growth.growth`.
+        Growth of errors along it.
     """
     if other.outcome is Outcome.UNRESOLVED:
         size, late, contrary = np.inf, np.inf, doubt.contrary
     else:
         far, late = _distances(one, other)
-        own = (other.tolerance + PER_STEP * other.path.steps) * growth
+        own = other.tolerance + PER_STEP * other.path.steps
+        # errors that stay small on the way grow as the linearised motion says, and shrink again
+        own *= growth.last if own * growth.largest < SMALL else growth.largest
         size = MEASURED * far + own if own < NOTHING else np.inf
         late = max(MEASURED * late, _in_time(one, size, [other]))
         contrary = doubt.contrary or _contrary(one, [other])
@@ -344,8 +347,10 @@ def with_growth(one: Result, doubt: ErrorEstimate, other: Result, growth: float)
     if size >= NOTHING:
         size = np.inf
         if one.outcome is not Outcome.MOVING and not contrary:
-            contrary = f"an error of the tolerance {one.tolerance:g} {grows(growth)}"
-    return ErrorEstimate(size, max(doubt.time_error, late), contrary, doubt.together, growth)
+            contrary = f"an error of the tolerance {one.tolerance:g} {grows(growth.largest)}"
+    return ErrorEstimate(
+        size, max(doubt.time_error, late), contrary, doubt.together, growth.largest
+    )
 
 
 def grows(factor: float) -> str:

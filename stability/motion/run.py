@@ -25,7 +25,7 @@ from ..integrators.stick_slip import integrate as integrate_dry
 from ..integrators.taylor import CORES
 from ..jobs.pipeline import Counted, here, ordered
 from ..jobs.shared import shared
-from ..settling.growth import LARGEST, growth
+from ..settling.growth import LARGEST, NONE, growth, growth_along
 from .neighbours import (
     COMPARED,
     HIDDEN,
@@ -136,25 +136,24 @@ def _grown(
     with np.errstate(all="ignore"):
         for every in (4, 1):  # few samples are enough nearly always
             times = all_times[: len(states) : every]
-            factor = growth(leg.flow, leg.p, times, states[::every], shown)
-            if factor <= shown:
+            grown = growth(leg.flow, leg.p, times, states[::every], shown)
+            if grown.largest <= shown:
                 return doubt
         for smallest in (False, True):
-            fine = FINE_ENOUGH if smallest else max(SMALL / factor, FINE_ENOUGH)
-            trail: Trail = []
+            fine = FINE_ENOUGH if smallest else max(SMALL / grown.largest, FINE_ENOUGH)
             fine = max(min(fine, one.tolerance / 10), FINE_ENOUGH)
             shadow = replace(leg, times=leg.times[[0, -1]], tolerance=fine)
+            trail: Trail = []
             path = integrate_by_steps(shadow, method="lsoda", trail=trail)
-            steps_at, states = (np.array(part) for part in zip(*trail, strict=True))
-            factor = growth(leg.flow, leg.p, steps_at, states)
+            grown = growth_along(leg.flow, leg.p, trail)
             choice = Choice("lsoda", "its steps show how errors grow")
             other = _judge(shadow, path, choice, launches, settings, None)
-            if fine * factor < SMALL or fine == FINE_ENOUGH:
+            if fine * grown.largest < SMALL or fine == FINE_ENOUGH:
                 break
-    if factor > shown:
-        return with_growth(one, doubt, other, factor)
+    if grown.largest > shown:
+        return with_growth(one, doubt, other, grown)
     # nothing was hidden along the true path: that of the launch must be close to it
-    return with_growth(one, doubt, other, 1.0) if fine < one.tolerance else doubt
+    return with_growth(one, doubt, other, NONE) if fine < one.tolerance else doubt
 
 
 def _legs(launches: Starts, settings: Settings) -> list[Leg]:

@@ -13,13 +13,15 @@ from ..base.errors import DomainError, NameUnknownError, ParameterError, listed,
 from ..base.quantities import Units
 from ..base.types import Floats
 from ..bodies.model import system_model
-from ..settling.system_settling import SystemSettling
+from ..settling.system_settling import SystemSettling, members
 from ..systems.family import Family
 from ..systems.system import System
 from .starts import Starts, Unfit, counted, times_of
 
 OUTSIDE = "outside"
 """End of a start at which a condition of the system fails."""
+SAMPLES = 8
+"""Starts near which a family is asked for members."""
 LARGEST = 1e100
 """Largest state and rate of a start: the norms of step control overflow only far above."""
 
@@ -86,7 +88,7 @@ def gather_system(
     return Starts(
         model, shape, starts, values, when, {n: np.asarray(v) for n, v in given.items()},
         Units(), True, energies,
-        SystemSettling(_families(system, families)), unfit=unfit or None,
+        SystemSettling(_families(system, families, starts, values)), unfit=unfit or None,
     )  # fmt: skip
 
 
@@ -136,7 +138,7 @@ def _table(what: str, given: Any, names: tuple[str, ...]) -> Floats:
         ) from None
 
 
-def _families(system: System, families: Any) -> tuple[Family, ...]:
+def _families(system: System, families: Any, starts: Floats, values: Floats) -> tuple[Family, ...]:
     given = (families,) if isinstance(families, Family) else families
     if not isinstance(given, Sequence) or not all(isinstance(f, Family) for f in given):
         raise ParameterError(f"families is {shown(families)}; give a list of stability.Family.")
@@ -149,4 +151,20 @@ def _families(system: System, families: Any) -> tuple[Family, ...]:
     double = {f.name for f in given if sum(g.name == f.name for g in given) > 1}
     if double:
         raise ParameterError(f"two families are called {min(double)}; give each its own name.")
+    for family in given:
+        along = [n for n in family.at if n in system.states]
+        if along and not family.unknown and not _steady_nearby(family, starts, values):
+            held = ", ".join(f"'{n}': …" for n in system.states)
+            named = tuple(n for n in family.at if n not in along)
+            raise ParameterError(
+                f"family {family.name} is not steady where {listed(along)} changes a little, so "
+                f"that nothing settles along it; name one motion by "
+                f"stability.Family(system, '{family.name}', at={named}, held={{{held}}})."
+            )
     return tuple(given)
+
+
+def _steady_nearby(family: Family, starts: Floats, values: Floats) -> bool:
+    """Whether the family has a member at states near some starts, other than by chance."""
+    near = starts[:SAMPLES] * 1.0173 + 0.0137
+    return any(members(family, y[None], p) is not None for y, p in zip(near, values, strict=False))

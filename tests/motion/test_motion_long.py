@@ -9,6 +9,7 @@ import pytest
 import stability as st
 from stability.bodies.thin_disk.disk_equations import STATES
 from stability.motion.result import BY_CODE, Outcome
+from stability.motion.starts import gather
 
 pytestmark = pytest.mark.long
 LAUNCH = np.array([np.pi / 2 - 0.1, 0, 0, 1.2, 0, 0])
@@ -19,7 +20,7 @@ def attached(law: Any, starts: Any, k: Any) -> Any:
     kept = []
     for start, inertia in zip(starts, k, strict=True):
         try:
-            st.launches.gather(st.Disk(k=inertia), law, start, 1.0)
+            gather(st.Disk(k=inertia), law, start, 1.0)
         except st.StabilityError:
             continue
         kept.append((start, inertia))

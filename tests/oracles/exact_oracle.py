@@ -419,7 +419,7 @@ def isolated(poly: fmpq_poly) -> list[Root]:
 
 @dataclass
 class Truth:
-    """The spectrum at one member: roots that are not zero, and how many are."""
+    """The spectrum at one member: roots that are not zero, how many are, and in a Jordan block."""
 
     roots: list[Root]
     zeros: int
@@ -427,6 +427,7 @@ class Truth:
     steady: bool = True
     generic: int | None = None
     member: list[float] = field(default_factory=list)
+    drifts: bool = False
 
     def count(self, side: int) -> int:
         return sum(r.side == side for r in self.roots)
@@ -435,7 +436,9 @@ class Truth:
         """What must be said where `dropped` zeros are left out of the spectrum."""
         if self.count(1):
             return "unstable"
-        return "neutral" if self.count(0) or self.zeros > dropped else "stable"
+        if self.count(0) or self.zeros > dropped:
+            return "neutral"
+        return "drifting" if self.drifts else "stable"
 
     def all(self, dropped: int) -> list[acb]:
         return [r.value for r in self.roots] + [acb(0)] * (self.zeros - dropped)
@@ -445,6 +448,22 @@ def spectrum_of(rows: Sequence[Sequence[fmpq]]) -> tuple[list[Root], int]:
     """Eigenvalues of a rational matrix."""
     poly, zeros = strip(fmpq_mat([list(r) for r in rows]).charpoly())
     return (isolated(poly) if poly.degree() > 0 else []), zeros
+
+
+def nullity(rows: Sequence[Sequence[Any]], ring: Any) -> int:
+    """Dimension of the kernel of a square matrix, by elimination."""
+    left, rank = [list(row) for row in rows], 0
+    for column in range(len(left)):
+        at = next((i for i in range(rank, len(left)) if ring.sign(left[i][column])), None)
+        if at is None:
+            continue
+        left[rank], left[at] = left[at], left[rank]
+        for i in range(rank + 1, len(left)):
+            factor = left[i][column] / left[rank][column]
+            left[i] = [a - factor * b for a, b in zip(left[i], left[rank], strict=True)]
+            left[i][column] = ring.number(0.0)
+        rank += 1
+    return len(left) - rank
 
 
 def at_bits(bits: int, ask: Callable[[], Any]) -> Any:

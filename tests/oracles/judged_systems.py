@@ -24,6 +24,7 @@ from exact_oracle import (
     at_bits,
     exact,
     middle,
+    nullity,
     sloped,
     spectrum_of,
     strip,
@@ -115,7 +116,8 @@ class Oracle:
             return at_bits(BITS, lambda: self.ball_truth(x, q))
         roots, zeros = spectrum_of([d.slope for d in out])
         steady = all(d.value == 0 for d in out)
-        result = Truth(roots, zeros, steady=steady)
+        drifts = zeros > nullity([d.slope for d in out], Rationals())
+        result = Truth(roots, zeros, steady=steady, drifts=drifts)
         self.check_plan(result, x, q)
         return result
 
@@ -178,7 +180,8 @@ class Oracle:
             product *= flint.acb_poly([-r.value, acb(1)])
         for i in range(len(self.states) + 1):
             assert acb(poly[i]).overlaps(product[i]), (self.case.kind, self.case.seed, i)
-        return Truth(roots, zeros, steady=steady)
+        drifts = zeros > nullity([d.slope for d in out], ring)
+        return Truth(roots, zeros, steady=steady, drifts=drifts)
 
     def nearest(
         self, asked: dict[str, float], found: Sequence[float]

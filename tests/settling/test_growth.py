@@ -9,7 +9,9 @@ import stability as st
 from stability.base.types import Floats
 from stability.bodies.model import system_model
 from stability.integrators.flow import Flow, flow_of
-from stability.settling.growth import exponentials, growth
+from stability.integrators.leg import Leg
+from stability.integrators.scipy_methods import Trail, integrate
+from stability.settling.growth import exponentials, growth, growth_along
 
 
 def flow(rates: ca.SX, y: ca.SX) -> Flow:
@@ -22,7 +24,7 @@ def grown(rates: ca.SX, y: ca.SX, times: Floats, path: Floats) -> float:
     which = flow(rates, y)
     whole = np.zeros((len(path), len(which.names)))
     whole[:, : y.numel()] = path
-    return growth(which, np.empty(0), times, whole)
+    return growth(which, np.empty(0), times, whole).largest
 
 
 @pytest.mark.parametrize("stiff", [3.0, 1e7])
@@ -58,6 +60,27 @@ def test_an_error_along_a_delayed_bifurcation_grows_from_its_middle() -> None:
     found = grown(ca.vertcat(y[1] * y[0], 1 + 0 * y[0]), y, times, path)
     after = np.sqrt(np.exp(16.0 - (times - 4.0) ** 2).sum())
     assert found == pytest.approx(after, rel=1e-2)
+
+
+def test_a_jump_lets_errors_grow_and_shrink_again() -> None:
+    """Van der Pol's: on the slow branch an error is one of time, as before the jump.
+
+    The oracle is the ratio of speeds of the motion itself, which solves the linearised equations.
+    """
+    y, mu = ca.SX.sym("y", 2), 1000.0
+    which = flow(ca.vertcat(y[1], mu * (1 - y[0] ** 2) * y[1] - y[0]), y)
+    start, no = which.pack(np.array([2.0, 0.0])), np.empty(0)
+    times = np.array([0.0, 1000.0])
+    trail: Trail = []
+    path = integrate(Leg(which, no, start, times, 1e-12, 10**6), method="lsoda", trail=trail)
+    along = growth_along(which, no, trail)
+    assert path.states[-1, 0] < -1  # it has jumped
+    speeds = np.array([abs(float(state[1])) for _, state, _ in trail])
+    assert along.last < 100 * speeds[-1] / speeds[100:].min()
+    assert along.largest > speeds.max() / speeds[-1]
+    coarse = np.linspace(0, 1000, 257)
+    fine = integrate(Leg(which, no, start, coarse, 1e-12, 10**6), method="lsoda")
+    assert growth(which, no, coarse, fine.states).last > 10 * along.last
 
 
 def test_exponentials_are_those_of_scipy() -> None:

@@ -363,3 +363,6 @@ def test_the_member_of_a_system_without_parameters_needs_no_name() -> None:
             call()
     with pytest.raises(st.StabilityError, match="at is empty"):
         st.Family(other, "right", at=(), held={"x": 1, "v": 0})
+    by_state = st.Family(plain, "right", at=("x",), held={"v": 0})
+    with pytest.raises(st.StabilityError, match="not steady where x changes a little"):
+        st.basins(plain, families=by_state, **grid)

@@ -129,8 +129,8 @@ def _map(r: random.Random) -> Words:
     elif kind < 0.28:
         words += ["--plot", "x.png"]
     elif kind < 0.35:
-        words[-1] = "out.zarr"
-        words += r.choice([[], [], ["--scheduler", "threads"], ["--plot", "x.png"]])
+        words[-1] = "out.zarr"  # written in chunks: no figure and no modes
+        return words + r.choice([[], ["--scheduler", "threads"]])
     return words + ["--modes"] * (r.random() < 0.2)
 
 
