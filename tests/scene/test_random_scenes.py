@@ -13,11 +13,6 @@ from random_scenes import Held, hold
 SEED = int(os.environ.get("STABILITY_SEED", "20261122"))
 COUNT = int(os.environ.get("STABILITY_SCENES", "2000"))
 PARTS = 10
-TOO_SURE = {
-    807: "a passage near flat at 900 s/m, by the rough model: 0.33 for 0.004, the truth within 0.1",
-    1249: "a third-order creep at 1000 s/m: 2.8e-8 for 1.3e-8",
-}
-"""Scenes of the seed above whose estimate is too small, of 1650 that were answered."""
 
 
 def _held(numbers: Sequence[int], seed: int) -> list[Held]:
@@ -27,10 +22,10 @@ def _held(numbers: Sequence[int], seed: int) -> list[Held]:
 @pytest.mark.parametrize(
     ("numbers", "seed"),
     [
-        ((2, 3, 5, 7, 8, 9, 10, 11), 20261122),  # quick ones, by five models
+        ((2, 3, 5, 7, 8, 9, 10, 11, 1249), 20261122),  # quick ones, by five models
         *(pytest.param(range(i, COUNT, PARTS), SEED, marks=pytest.mark.long) for i in range(PARTS)),
     ],
-    ids=["eight", *(f"part {i}" for i in range(PARTS))],
+    ids=["nine", *(f"part {i}" for i in range(PARTS))],
 )
 def test_answers_keep_their_tolerance_and_estimates_are_near_the_truth(
     numbers: Sequence[int], seed: int
@@ -54,7 +49,8 @@ def test_answers_keep_their_tolerance_and_estimates_are_near_the_truth(
     quantiles = np.quantile(ratios, [0, 0.02, 0.05, 0.25, 0.5, 0.75, 0.95, 0.98, 1]).round(2)
     print(f"estimate over truth, {len(ratios)} scenes: quantiles {quantiles}")
     print("\n".join(lines))
-    assert {h.number for h in missed} <= (set(TOO_SURE) if seed == 20261122 else set()), lines
+    assert not missed, lines
     assert len(claimed) > len(numbers) / 2
     assert (np.abs(np.log(ratios)) >= np.log(30)).sum() <= max(1, 0.1 * len(ratios))
-    assert len({h.answer.model for h in claimed}) >= 5  # every kind of rung is among them
+    # every kind of rung is among them
+    assert len({h.answer.model for h in claimed}) >= 5

@@ -13,7 +13,7 @@ of `stability.bodies.contact_laws.Creep`, along one motion (tests/scene/test_cre
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
 
@@ -53,9 +53,9 @@ LAYER_LOOKS = 25
 STEPS = 6
 """Steps of the Taylor method in an element."""
 RESOLVED = 10.0
-"""Size of the last coefficients of an element, over the tolerance, above which it is divided."""
+"""Sum of the last coefficients of all elements, over the tolerance, above which some are halved."""
 SUPER = 0.1
-"""Error of a path over the last coefficients of its worst element."""
+"""Error of a path over the sum of the last coefficients of its elements, which add up."""
 SPLITS = 4
 """Most divisions of an element that does not resolve the motion."""
 PHASE = 0.1
@@ -212,7 +212,7 @@ def creep_path(
     if not orders:
         return "the orders of creep do not converge"
     elements, least = linear.elements, float(forces[:valid, :, 2].min())
-    unresolved = float(SUPER * elements.tails(orders[-1].states).max())
+    unresolved = float(SUPER * elements.tails(orders[-1].states).sum())
     return CreepPath(
         elements, orders, relaxation[:valid], bound, linear, least, len(path), unresolved
     )
@@ -229,13 +229,17 @@ def _orders(
     tolerance: float,
 ) -> tuple[Order, ...]:  # fmt: skip
     """Orders from the first change on, until one is fine enough or they no longer fall."""
-    found, size, elements = [], np.inf, linear.elements
+    found: list[Order] = []
+    size, elements = np.inf, linear.elements
     now, zero = Order(path, np.zeros_like(slip)), np.zeros(4)
     for _ in range(MOST_ORDERS + 1):
         then = Order(now.path + change, slip)
         errors = np.concatenate([change, slip - now.slip], axis=-1)
         before, size = size, float(relative(errors, then.states).max())
         if not size < STALLS * before or not np.isfinite(size):
+            if found:  # what the next order would change is not known to be its error, but counts
+                last = found[-1]
+                found[-1] = replace(last, errors=np.abs(last.errors) + np.abs(errors))
             break
         ratio = size / before  # the orders after the next fall as it does
         found.append(Order(now.path, now.slip, errors / (1 - ratio)))
@@ -276,7 +280,7 @@ def _rough(
     elements = Elements(np.append(run.steps[:-1:STEPS], run.steps[-1]), points)
     for _ in range(SPLITS):
         path = run.at(elements.times.ravel())[:, :4].reshape(-1, points, 4)
-        coarse = elements.tails(path) > RESOLVED * tolerance
+        coarse = elements.tails(path) > RESOLVED * tolerance / len(path)
         if not coarse.any():
             break
         halves = (elements.edges[:-1] + elements.edges[1:])[coarse] / 2
