@@ -90,7 +90,7 @@ def disk_problem(
     values |= contact.given
 
     return Problem(
-        resolved, values, disk.dimensionless, partial(_reduce, parts, keys, law), _speed,
+        resolved, values, disk.dimensionless, partial(_reduce, parts, keys, law), _units,
         disk_roundings(parts, contact, si=not disk.dimensionless, lean=lean is not None), contact,
         disk_polynomial(family, law.name) if stored(law) else None,
     )  # fmt: skip
@@ -107,12 +107,12 @@ def _reduce(
         v = dict(v) | {"at": upright - v["lean"]}
     a = [v[k] if is_angle(p) else v[k] * time for k, p in zip(keys, parts, strict=True)]
     # under the linear law mu means c = mu m g
-    q = [v["k"], *law.arguments(v, Units(v["mass"], v["radius"], v["gravity"], root)).values()]
+    q = [v["k"], *law.arguments(v, _units(v, root)).values()]
     return a, q, 1 / time
 
 
-def _speed(v: Mapping[str, Any]) -> Any:
-    return np.sqrt(np.asarray(v["gravity"]) * v["radius"])
+def _units(v: Mapping[str, Any], root: Callable[[Any], Any] = np.sqrt) -> Units:
+    return Units(v["mass"], v["radius"], v["gravity"], root)
 
 
 def checked_lean(family: str, at: ArrayLike | None, lean: ArrayLike) -> Any:

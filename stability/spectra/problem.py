@@ -27,6 +27,7 @@ from ..algebra.routh_balls import product
 from ..base.checks import checked
 from ..base.errors import NameUnknownError, NoMemberError, ParameterError, absent, listing, shown
 from ..base.exact_numbers import double, no_double, warn_rounded
+from ..base.quantities import Units
 from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..systems.closed_form import ClosedForm
@@ -44,8 +45,8 @@ CLOSE = 2.0**-100
 """Largest relative difference of two balls for one coefficient, as wide balls overlap too."""
 
 
-def _one(_: Mapping[str, Any]) -> float:
-    return 1.0
+def _plain(_: Mapping[str, Any]) -> Units:
+    return Units()
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,8 +61,8 @@ class Problem:
     """Whether the user's numbers are dimensionless."""
     reduce: Callable[[Mapping[str, Any], Callable[[Any], Any]], tuple[list[Any], list[Any], Any]]
     """(values, square root) → family parameters, parameters, unit of rate; over any number type."""
-    speed: Callable[[Mapping[str, Any]], Any] = _one
-    """Unit of speed from the values."""
+    units: Callable[[Mapping[str, Any]], Units] = _plain
+    """Units from the values."""
     roundings: tuple[int, ...] = ()
     """Number of roundings in each dimensionless number of (family parameters, parameters)."""
     law: Contact | None = None

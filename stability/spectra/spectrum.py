@@ -13,7 +13,6 @@ from ..algebra.eigensolver import chosen
 from ..algebra.running_error import UNIT
 from ..base.checks import flag
 from ..base.errors import DomainError, NoMemberError, ParameterError
-from ..base.quantities import Kind
 from ..base.verdict import CODES, Verdict
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
@@ -116,14 +115,10 @@ def spectrum(
     names = resolved.system.states
     scale = np.ones((len(rate), len(names)))
     if problem.law is not None:
-        speed = np.broadcast_to(problem.speed(problem.values), shape).reshape(-1)
-        sizes: dict[Kind, Any] = {
-            Kind.ANGLE: 1.0,
-            Kind.ANGULAR_VELOCITY: rate,
-            Kind.VELOCITY: speed,
-        }
+        units = problem.units(problem.values)
         for index, name in enumerate(names):
-            scale[:, index] = sizes[QUANTITIES[name].kind]
+            size = units.size(QUANTITIES[name].kind)
+            scale[:, index] = np.broadcast_to(size, shape).reshape(-1)
     values, radius, codes, pairs = rows.spectra()
     with np.errstate(all="ignore"):  # a radius may overflow to infinity
         values, radius = values * rate[:, None], (radius + last * np.abs(values)) * rate[:, None]
