@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -24,6 +24,7 @@ from ..derivation.conditions import Conditions, conditions
 from ..maps.proved_boxes import prove_boxes
 from ..spectra.arguments import prepare
 from ..systems.family import Family
+from ..systems.structure.structural_zeros import steady_where, structure
 from ..systems.structure.zero_blocks import typical
 from ..systems.system import System
 from .certificates import packed
@@ -60,7 +61,7 @@ Axes = tuple[tuple[str, float, float], tuple[str, float, float]]
 
 def own_subject(
     family: Family, values: Mapping[str, float], axes: Axes, positive: Sequence[str] = (),
-    words: Mapping[str, str] | None = None,
+    words: Mapping[str, str] | None = None, *, zeros: Sequence[str] = (),
 ) -> Subject:  # fmt: skip
     """A family of one's own, its conditions derived with every quantity as a variable.
 
@@ -76,6 +77,8 @@ def own_subject(
         Quantities that are positive.
     words
         Family and law on the buttons, and the motion; the family's own name when left out.
+    zeros
+        Inputs that `without_inputs` has left out.
 
     Raises
     ------
@@ -124,7 +127,7 @@ def own_subject(
         model=told.get("motion", family.name), parameters=tuple(
             names.index(n) for n in system.parameters),
         call={"kind": "own", "at": family.at, "parameters": family.parameters,
-              "given": system.parameters, "system": system.name,
+              "given": system.parameters, "zeros": list(zeros), "system": system.name,
               "numbers": found.numbers},
         good=_good(family, even=even).word,
         symbols={n: symbols.get(n, n) for n in system.states},
@@ -319,3 +322,37 @@ def given_values(family: Family, at: Any, parameters: Mapping[str, Any]) -> dict
     if missing:
         raise ParameterError(f"{absent(missing)}; give each quantity the value shown at first.")
     return values
+
+
+def without_inputs(
+    family: Family, values: Mapping[str, float]
+) -> tuple[Family, dict[str, float], list[str]]:
+    """The family without the inputs whose given 0 it needs to be steady, and their names.
+
+    A reader of a page could move such an input to where no member is.
+    """
+    known_zero = steady_where(family, values)
+    if known_zero is family:
+        return family, dict(values), []
+    needed = [
+        n for n in family.parameters
+        if values[n] == 0 and not structure(replace(
+            known_zero, typical={m: v for m, v in known_zero.typical.items() if m != n})).steady
+    ]  # fmt: skip
+    system = family.system
+    kept = [n for n in system.parameters if n not in needed]
+    symbols = dict(zip(system.parameters, ca.vertsplit(system.p), strict=True))
+    put = ca.vertcat(*(symbols[n] if n in kept else 0 for n in system.parameters))
+    named = {**system.observables, **{str(i): c.value for i, c in enumerate(system.conditions)}}
+    rates, *rest = ca.substitute([system.rhs, *named.values()], [system.p], [put])
+    seen = dict(zip(named, rest, strict=True))
+    smaller = System(
+        system.name, system.x, ca.vertcat(*(symbols[n] for n in kept)), rates,
+        states=system.states, parameters=tuple(kept),
+        observables={n: seen[n] for n in system.observables},
+        conditions=tuple(replace(c, value=seen[str(i)]) for i, c in enumerate(system.conditions)),
+        units={n: u for n, u in system.units.items() if n not in needed},
+    )  # fmt: skip
+    sizes = {n: v for n, v in family.typical.items() if n not in needed}
+    left = {n: v for n, v in values.items() if n not in needed}
+    return replace(family, system=smaller, typical=sizes), left, needed

@@ -22,7 +22,14 @@ from ..bodies.law_names import law_given
 from ..systems.family import Family
 from .certificates import certificate
 from .disk_subjects import FAMILY_NAMES, WORDS, disk_motion, disk_subject
-from .own_subject import given_values, own_certificate, own_motion, own_subject, own_units
+from .own_subject import (
+    given_values,
+    own_certificate,
+    own_motion,
+    own_subject,
+    own_units,
+    without_inputs,
+)
 from .subject import Subject
 from .units import CURVES, PageUnits, units_of
 
@@ -96,7 +103,7 @@ def own_page(
     axes
         The two axes, or None for each.
     """
-    values = given_values(family, at, parameters)
+    family, values, zeros = without_inputs(family, given_values(family, at, parameters))
     names = [*family.at, *family.parameters]
     if len(names) < 2:
         raise ParameterError(
@@ -107,7 +114,7 @@ def own_page(
     used = [a[0] for a in asked if a is not None]
     free = iter([n for n in names if n not in used])
     pair = [one or _range(next(free), values) for one in asked]
-    subject = own_subject(family, values, (pair[0], pair[1]), positive)
+    subject = own_subject(family, values, (pair[0], pair[1]), positive, zeros=zeros)
     checked = _checked(subject, values)
     if subject.solver:  # an error says why there is no member to start from
         family.member([checked[n] for n in family.at], [checked[n] for n in family.parameters])
@@ -117,7 +124,8 @@ def own_page(
         "certificates": {subject.key: proved(family, subject, checked) if certify else []},
         "names": {"families": {}, "laws": {}, "says": {
             "": "A family of a user's system, its conditions derived exactly by the package."}},
-        "foot": foot("conditions that were derived exactly from the system's equations")
+        "foot": foot("conditions that were derived exactly from the system's equations"
+                     + f" where {', '.join(f'{n} = 0' for n in zeros)}" * bool(zeros))
         + DECIMALS * bool(subject.call["numbers"]),
     }  # fmt: skip
 

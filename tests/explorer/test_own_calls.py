@@ -25,15 +25,25 @@ def pumped() -> st.Family:
     return system.steady("turn", held={"rate": 0.0}, guess=near, name="inclined")
 
 
+def pushed() -> st.Family:
+    """A spring that is at rest only where nothing pushes it."""
+    x, v, k, c, push = (ca.SX.sym(n) for n in ("x", "v", "k", "c", "push"))
+    system = st.System("pushed", ca.vertcat(x, v), ca.vertcat(k, c, push),
+                       ca.vertcat(v, push - k * x - c * v), states=("x", "v"),
+                       parameters=("k", "c", "push"))  # fmt: skip
+    return st.Family(system, "rest", at=("k",), held={"x": 0, "v": 0})
+
+
 CASES: dict[str, tuple[Any, dict[str, Any]]] = {
     "spring": (spring, {"at": 9.81, "k": 40.0, "c": 0.3}),
+    "an input of 0": (pushed, {"at": 2.0, "c": 0.3, "push": 0.0}),
     "closed form": (towed_wheel, {"at": 0.3, **GIVEN}),
     "solved for": (pumped, {"at": 1.6, "loss": 0.3}),
 }
 SLOWER = [pytest.param(name, marks=pytest.mark.long) for name in ("closed form", "solved for")]
 
 
-@pytest.mark.parametrize("name", ["spring", *SLOWER])
+@pytest.mark.parametrize("name", ["spring", "an input of 0", *SLOWER])
 def test_the_calls_give_the_verdict_the_map_and_the_launch_of_the_page(
     tmp_path: Path, name: str
 ) -> None:

@@ -80,11 +80,11 @@ function ofBody(view) {
 
 function ofOwn(view) {
   const {subject, state} = view, {call} = subject, {values} = state;
-  const named = (names) => names.map((n) => `${n}=${exactText(values[n])}`).join(", ");
+  const named = (names) => [...names.map((n) => `${n}=${exactText(values[n])}`), ...call.zeros.map((n) => `${n}=0`)].join(", ");
   const at = call.at.length === 1 ? exactText(values[call.at[0]]) : `[${call.at.map((n) => exactText(values[n])).join(", ")}]`;
   const others = subject.names.filter((n) => n !== state.x && n !== state.y);
-  const fixed = call.parameters.length ? `, ${named(call.parameters)}` : "";
-  const held = others.length ? `, ${named(others)}` : "", launch = launchOfOwn(view);
+  const fixed = named(call.parameters) && `, ${named(call.parameters)}`;
+  const held = named(others) && `, ${named(others)}`, launch = launchOfOwn(view);
   return [
     "import stability as st", "",
     `# family is your own Family, "${subject.family}" of the system "${call.system}": define or import it first`,
@@ -102,7 +102,8 @@ function launchOfOwn(view) {
   const steady = subject.steady(q), kick = state.kick || 0;
   const entries = (names, values) => names.map((n, i) => `${JSON.stringify(n)}: ${exactText(values[i])}`).join(", ");
   const start = entries(subject.states, subject.states.map((_, i) => steady[i] + (i === kick ? state.tilt : 0)));
-  const given = entries(subject.call.given, subject.parameters.map((i) => q[i]));
+  const {given: names, zeros} = subject.call;
+  const given = entries([...names, ...zeros], [...subject.parameters.map((i) => q[i]), ...zeros.map(() => 0)]);
   return [`start = {${start}}`,
     `motion = st.simulate(family.system, {${given}}, start, ${exactText(state.until)}, families=family)`];
 }
