@@ -44,6 +44,8 @@ FINE_BITS = 8192
 """Precision at which a bracket is halved further."""
 SHORT_WAY = 1e-15
 """Way from a boundary to where its unstable eigenvalues are counted, over the value or 1e-3."""
+ZERO = 1e-9
+"""Frequency, over the largest eigenvalue, up to which an eigenvalue at a boundary is zero."""
 LOW = 1e-3
 """Frequency, over the largest eigenvalue, below which an eigenvalue counts as real there."""
 ON_AXIS = 1e-7
@@ -378,10 +380,10 @@ def crossing_rate(line: AxisScan, root: float, crossing: Crossing) -> float:
     return value * float(rate[0])
 
 
-def together(line: AxisScan, point: BoundaryPoint) -> BoundaryPoint:
-    """A boundary with the frequencies of all that crosses there, where more than one does.
+def crossed(line: AxisScan, point: BoundaryPoint) -> BoundaryPoint:
+    """A boundary with kind and frequencies of what crosses there, not of what touches the axis.
 
-    Pairs count that are next to the axis at the boundary, if as many are unstable next to it.
+    The eigenvalues that are unstable next to the boundary are those that have crossed it.
 
     Parameters
     ----------
@@ -390,29 +392,37 @@ def together(line: AxisScan, point: BoundaryPoint) -> BoundaryPoint:
     point
         A boundary on it.
     """
-    if line.even:
+    if line.even or point.crossing not in (Crossing.STATIC, Crossing.FLUTTER):
         return point
     way = max(SHORT_WAY * max(abs(point.value), 1e-3), point.error)
     way = way if point.stable_below else -way
     try:
-        here, next_to = (_roots(line, v) for v in (point.value, point.value + way))
+        here, beyond = (_roots(line, v) for v in (point.value, point.value + way))
     except (StabilityError, ArithmeticError):  # no member is proved next to the boundary
         return point
     largest = float(np.abs(here).max(initial=0.0))
-    crossing = here[np.abs(here.real) <= ON_AXIS * largest]
-    pairs = np.sort(crossing.imag[crossing.imag > LOW * largest])
-    zeros = int((np.abs(crossing.imag) <= LOW * largest).sum())
-    unstable = next_to[next_to.real > 0]
-    turning = int((unstable.imag > LOW * largest).sum())
-    if turning != len(pairs) or (len(unstable) > 2 * turning) != (zeros > 0):
+    turns = np.abs(here.imag[np.abs(here.real) <= ON_AXIS * largest])
+    unstable = np.abs(beyond.imag[beyond.real > 0])
+    unclear = (turns > ZERO * largest) & (turns < LOW * largest)
+    if not turns.size or not unstable.size or unclear.any():
         return point
-    if len(pairs) + zeros < 2 or (zeros > 0) != (point.crossing is Crossing.STATIC):
+    turns[turns <= LOW * largest] = 0.0
+    unstable[unstable <= (LOW * largest or np.inf)] = 0.0
+    nearest = np.abs(unstable[:, None] - turns).argmin(axis=1)
+    if not np.allclose(unstable, turns[nearest], rtol=LOW, atol=0):
         return point
+    zeros = int((unstable == 0).sum())
+    pairs = np.sort(turns[nearest][unstable > 0])[::2]
     *_, rate, _ = line.problem.arrays(line.fixed | {line.axis: point.value})
-    turns = tuple((pairs * float(rate[0])).tolist())
-    kind = Crossing.STATIC_AND_FLUTTER if zeros and turns else point.crossing
-    first = turns[0] if kind is Crossing.STATIC_AND_FLUTTER else point.frequency
-    return replace(point, crossing=kind, frequency=first, frequencies=(0.0,) * zeros + turns)
+    frequencies = (0.0,) * zeros + tuple((pairs * float(rate[0])).tolist())
+    kind, first = Crossing.STATIC, 0.0
+    if len(pairs):
+        kind = Crossing.STATIC_AND_FLUTTER if zeros else Crossing.FLUTTER
+        first = frequencies[zeros]
+    if len(frequencies) == 1:
+        same = kind is point.crossing and abs(first - point.frequency) <= LOW * first
+        return point if same else replace(point, crossing=kind, frequency=first)
+    return replace(point, crossing=kind, frequency=first, frequencies=frequencies)
 
 
 def _roots(line: AxisScan, value: float) -> NDArray[np.complex128]:

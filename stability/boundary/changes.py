@@ -29,7 +29,7 @@ from ..spectra.problem import Problem
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
 from .algebraic.exact_search import algebraic
-from .brackets import BITS, AxisScan, crossing_rate, together
+from .brackets import BITS, AxisScan, crossed, crossing_rate
 from .critical import Characteristic, Conditions
 from .crossings import Boundaries, BoundaryPoint, Crossing, Unresolved, bracket
 from .interval_search.meaning import meaningful
@@ -108,16 +108,11 @@ def boundaries(
     grid = axis_of(family, axis, "axis", MOST_SCAN)
     problem = prepare(family, (grid,), disk, contact, at, given, exact=True)
     found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
-    line = AxisScan(problem, grid.name, {n: float(v) for n, v in problem.values.items()
-                                         if n != grid.name})  # fmt: skip
-    found = replace(found, points=tuple(together(line, p) for p in found))
     law = problem.law.name if problem.law else None
     works = cited(law, model=of_package(problem), proofs=True)
     fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
-    line = AxisScan(problem, grid.name, fixed)
-    points = (replace(b, good=_good(problem, fixed, grid.name, b)) for b in found)
     found = replace(
-        found, points=tuple(together(line, b) for b in points),
+        found, points=tuple(replace(b, good=_good(problem, fixed, grid.name, b)) for b in found),
         how=problem.family.system.qualified(found.how),
         searched=(grid.name, grid.low, grid.high), citation=works,
     )  # fmt: skip
@@ -180,12 +175,12 @@ def along(
         raise ParameterError(f"the scan from {low} to {high} with {points} points is empty.")
     fixed = {n: float(v) for n, v in problem.values.items() if n != axis}
     line = AxisScan(problem, axis, fixed)
+    found = None
     if line.formulas is not None:  # a piece that is proved has members that are proved
         found = proved(line, _grid(low, high, points, log=log), log=log)
-        if found.complete:
-            return found
-    found = _along(line, low, high, points, log=log)
-    return meaningful(line, low, high, found)
+    if found is None or not found.complete:
+        found = meaningful(line, low, high, _along(line, low, high, points, log=log))
+    return replace(found, points=tuple(crossed(line, point) for point in found))
 
 
 def _grid(low: float, high: float, points: int, *, log: bool) -> Floats:

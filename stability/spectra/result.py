@@ -272,13 +272,14 @@ class Spectrum(Record):
             CODES[Verdict.UNSTABLE]: Nonlinear.UNSTABLE,
             CODES[Verdict.NEUTRAL]: kept,
             CODES[Verdict.UNDECIDED]: Nonlinear.OPEN,
+            CODES[Verdict.DRIFTING]: Nonlinear.GROWS,
         }
         on_zero = (self.codes == CODES[Verdict.NEUTRAL]) & (
             np.abs(self.eigenvalues) <= self.radius
         ).any(axis=-1)
         codes = np.where(on_zero, CODES[Verdict.UNDECIDED], self.codes)
         if self.power is not None:
-            table[GROWS] = table[CODES[Verdict.DRIFTING]] = Nonlinear.GROWS
+            table[GROWS] = Nonlinear.GROWS
             known = np.isin(codes, [c for c, told in table.items() if told is Nonlinear.OPEN])
             asked = known & (self.codes != CODES[Verdict.UNDECIDED])
             codes = np.where((self.power > 0) & asked, GROWS, codes)

@@ -166,6 +166,49 @@ def test_all_that_crosses_at_once_is_named(
     assert found.frequencies == pytest.approx(frequencies)
 
 
+@pytest.mark.parametrize(
+    ("touching", "crossing", "word", "frequency", "frequencies"),
+    [
+        ("-p**2", "p, 1", "flutter", 1.0, ()),
+        ("-fabs(p)", "p, 1", "flutter", 1.0, ()),
+        ("-p**2, 1", "p, 3", "flutter", 3.0, ()),
+        ("-p**2, 1", "p", "static", 0.0, ()),
+        ("p, p", "", "static", 0.0, (0.0, 0.0)),
+    ],
+)
+def test_what_touches_the_axis_is_not_what_crosses(
+    touching: str, crossing: str, word: str, frequency: float, frequencies: tuple[float, ...]
+) -> None:
+    """Eigenvalues a, or a ± b i, by blocks; at p = 0 the first touches the axis, if it does."""
+    p, blocks = ca.SX.sym("p"), []
+    for text in filter(None, (touching, crossing)):
+        a, *b = (eval(part, {"p": p, "fabs": ca.fabs}) for part in text.split(","))  # noqa: S307
+        blocks.append(ca.blockcat([[a, b[0]], [-b[0], a]]) if b else ca.SX(a))
+    matrix = ca.diagcat(*blocks)
+    x = ca.SX.sym("x", matrix.shape[0])
+    names = [f"x{i}" for i in range(x.numel())]
+    system = st.System("blocks", x, p, ca.mtimes(matrix, x), states=names, parameters=("p",))
+    rest = st.Family(system, "rest", at=("p",), held=dict.fromkeys(names, 0.0))
+    [found] = st.boundaries(rest, axis=("p", -1, 1.25, 9))
+    assert (found.value, found.crossing.word, found.frequencies) == (0.0, word, frequencies)
+    assert found.frequency == pytest.approx(frequency)
+    assert len(st.hopf(rest, axis=("p", -1, 1.25, 9))) == (word == "flutter")
+
+
+def test_points_of_a_rest_with_quadratic_drag() -> None:
+    """-v|v| has the slope 0 at rest: x'' = p x' - k x, with a double zero at p = k = 0."""
+    x, v, p, k = (ca.SX.sym(n) for n in ("x", "v", "p", "k"))
+    rates = ca.vertcat(v, -k * x + p * v - v * ca.fabs(v))
+    system = st.System("drag", ca.vertcat(x, v), ca.vertcat(p, k), rates, states=("x", "v"),
+                       parameters=("p", "k"))  # fmt: skip
+    rest = st.Family(system, "rest", at=("p",), held={"x": 0, "v": 0})
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", st.StabilityWarning)
+        found = st.codimension_two(rest, x=("p", -1, 1, 4), y=("k", -1, 1, 4))
+    [point] = [d for d in found if d.kind is st.PointKind.DOUBLE_ZERO]
+    assert (point.x, point.y) == (0.0, 0.0)
+
+
 def test_a_crossing_next_to_another_is_not_one_with_it() -> None:
     x, p = ca.SX.sym("x", 3), ca.SX.sym("p")
     rates = ca.vertcat(x[1], -p * x[1] - 5 * x[0], -(p + 1e-14) * x[2])

@@ -62,7 +62,8 @@ def births(
     found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
     found.warn(grid.name)
     fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
-    flutter = [b for b in found if b.crossing is Crossing.FLUTTER]
+    pairs = (Crossing.FLUTTER, Crossing.STATIC_AND_FLUTTER)
+    flutter = [b for b in found if b.crossing in pairs]
     line = Line(family, grid.name, fixed)
     works = cited(
         model=bool(family.system.quantities),

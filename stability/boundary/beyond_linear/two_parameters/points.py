@@ -202,7 +202,9 @@ def _vanishing(
     try:
         search = ExactSearch(problem, names, rectangle)
         found, left = search.run()
-    except NotExact as error:
+    except (NotExact, ZeroDivisionError) as error:
+        if isinstance(error, ZeroDivisionError):  # as of v|v|, whose slope at v = 0 is read as 0/0
+            error = NotExact("derivatives of the rates are read as 0/0 at the members")
         said = LINES.format(x=axes[0].count, y=axes[1].count, x_name=names[1], y_name=names[0])
         some = [_bautin(v) for v in vanishing(problem, axes)]
         return some, [], f"{said} (no exact search, since {error})", False
