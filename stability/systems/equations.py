@@ -64,8 +64,16 @@ class Equations(Portable, Record):
     def __post_init__(self) -> None:
         for what in ("states", "parameters", "unknowns"):
             object.__setattr__(self, what, names(what, getattr(self, what)))
-        for what in ("observables", "units"):
+        for what in ("observables", "units", "quantities"):
             object.__setattr__(self, what, mapping(what, getattr(self, what)))
+        for name, unit in self.units.items():
+            if not isinstance(unit, str):
+                raise ParameterError(f"the unit of {name} is {shown(unit)}; give a text.")
+        for name, quantity in self.quantities.items():
+            if not isinstance(quantity, Quantity):
+                raise ParameterError(f"quantity {name} is {shown(quantity)}; give a Quantity.")
+        if not isinstance(self.approximation, str):
+            raise ParameterError(f"approximation is {shown(self.approximation)}; give a text.")
         seen = {n: expression(f"observable {n}", e) for n, e in self.observables.items()}
         object.__setattr__(self, "observables", seen)
         if (self.mass is None) != (self.forcing is None):
@@ -161,7 +169,8 @@ class Equations(Portable, Record):
     def function(self) -> ca.Function:
         """CasADi function (x, p) → (rates, observables…); build one in each process."""
         outputs = [self.rhs, *self.observables.values()]
-        names = ["rates", *self.observables]
+        taken = ("x", "p", "rates")
+        names = ["rates", *(f"{n}_seen" if n in taken else n for n in self.observables)]
         word = "f" + "".join(c for c in self.name if c.isascii() and c.isalnum())  # CasADi's names
         return ca.Function(word, [self.x, self.p], outputs, ["x", "p"], names)
 

@@ -215,3 +215,44 @@ def test_a_film_of_a_body_with_other_numbers_is_refused(tmp_path: Any) -> None:
             st.animate(run, tmp_path / "film.html", body=other)
         assert words in str(error.value)
     assert st.animate(run, tmp_path / "film.html", body=TOP).is_file()
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: body(lambda t, a: 1 + a * ca.sign(ca.cos(t))), "height uses sign"),
+        (lambda: TOP.height_at(math.nan), "theta is nan; a finite number is needed"),
+        (lambda: TOP.height_at([1.0, math.inf]), "theta is inf"),
+        (lambda: st.Egg(0.2, aspect=1e308), r"aspect is 1e\+308; it must lie in"),
+        (
+            lambda: st.launch("vertical", at=1.0, body=TOP, pole=np.array([0, 1])),
+            "pole is an array",
+        ),
+    ],
+)
+def test_a_height_or_a_pole_that_is_none(call: Callable[[], Any], said: str) -> None:
+    with pytest.raises(st.StabilityError, match=said):
+        call()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ({"quantities": {"x": "rad"}}, "quantity x is 'rad'; give a Quantity"),
+        ({"approximation": 3}, "approximation is 3; give a text"),
+        ({"units": {"x": None}}, "the unit of x is None; give a text"),
+    ],
+)
+def test_words_of_a_system_are_texts(words: dict[str, Any], said: str) -> None:
+    x, p = ca.SX.sym("x"), ca.SX.sym("p")
+    with pytest.raises(st.StabilityError, match=said):
+        st.System("s", x, p, -p * x, states=("x",), parameters=("p",), **words)
+
+
+@pytest.mark.parametrize("name", ["x", "p", "rates"])
+def test_an_observable_may_have_a_name_of_the_graphs_ports(name: str) -> None:
+    y, p = ca.SX.sym("y"), ca.SX.sym("k")
+    system = st.System("s", y, p, -p * y, states=("y",), parameters=("k",),
+                       observables={name: 2 * y})  # fmt: skip
+    run = st.simulate(system, {"k": 1.0}, {"y": 1.0}, [0.0, 1.0])
+    assert float(run[name][-1]) == pytest.approx(2 * math.exp(-1), abs=1e-7)

@@ -275,9 +275,17 @@ def test_processes_that_do_not_start_are_a_sentence(tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text("import chunk_work as c\nc.run('processes', 0.0)\n")
     found = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, env=environment(""),
                            capture_output=True, text=True, timeout=120, check=False)  # fmt: skip
-    assert "or did not start (a script needs `if __name__" in found.stderr.splitlines()[-1]
+    assert "which import script.py and would come to line 2 again" in found.stderr
     assert found.returncode == 1
     assert done(tmp_path / "log") == []
+
+
+def test_a_script_without_a_file_starts_no_processes(tmp_path: Path) -> None:
+    script = "if __name__ == '__main__':\n  import chunk_work as c\n  c.run('processes', 0.0)\n"
+    found = subprocess.run([sys.executable, "-"], cwd=tmp_path, env=environment(""), input=script,
+                           capture_output=True, text=True, timeout=120, check=False)  # fmt: skip
+    assert "cannot import <stdin>; put the script in a file" in found.stderr
+    assert found.returncode == 1
 
 
 def test_an_error_of_the_work_is_the_callers_and_what_is_done_is_kept(tmp_path: Path) -> None:

@@ -42,6 +42,11 @@ def check_main(what: str) -> None:
     file, spec = getattr(main, "__file__", None), getattr(main, "__spec__", None)
     if file is None or str(getattr(spec, "name", "")).endswith("__main__"):
         return
+    if not Path(file).is_file():  # as <stdin>
+        raise ParameterError(
+            f"{what} starts processes, which cannot import {one_line(str(file), 60)}; put the "
+            "script in a file, or use executor='threads'."
+        )
     line = _running(sys._getframe(1), vars(main))
     try:
         tree = ast.parse(Path(file).read_bytes()) if line else None

@@ -234,7 +234,9 @@ def _near(pole: Any) -> int:
     """1 for θ = 0, -1 for θ = π."""
     if pole is None or (isinstance(pole, (int, float)) and pole == 0):
         return 1
-    if pole == "pi" or (isinstance(pole, float) and abs(pole - math.pi) < 1e-9):
+    if (isinstance(pole, str) and pole == "pi") or (
+        isinstance(pole, float) and abs(pole - math.pi) < 1e-9
+    ):
         return -1
     raise ParameterError(f"pole is {shown(pole)}; give 0 or 'pi'.")
 

@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 
 from ...algebra.program import Program
-from ...base.checks import broadcast, real_numbers, whole_number
+from ...base.checks import broadcast, checked, real_numbers, whole_number
 from ...base.errors import NameUnknownError, ParameterError, shown
 from ...base.types import Record
 from ..newton_euler import STATES
@@ -165,7 +165,7 @@ class RoundShape(Record):
             0 for h, 1 for h', 2 for h''.
         """
         order = whole_number("slope", slope, 0, 2, "h'' is the highest")
-        return self.heights(theta)[order]
+        return self.heights(checked("theta", theta))[order]
 
     @staticmethod
     def array(function: ca.Function, *values: Any) -> Any:

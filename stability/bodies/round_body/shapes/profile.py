@@ -102,6 +102,10 @@ def from_profile(
     )  # fmt: skip
 
 
+FLATTEST = 1e-3
+"""Least aspect of an egg; beyond it no fit is fine."""
+
+
 def Egg(  # noqa: N802
     taper: float = 0.2, *, aspect: float = 1.3, tolerance: float = TOLERANCE, **scales: Any
 ) -> Body:  # fmt: skip
@@ -145,8 +149,10 @@ def Egg(  # noqa: N802
     taper, aspect = one_number("taper", taper), one_number("aspect", aspect)
     if not 0 <= taper <= 0.4:
         raise ParameterError(f"taper is {taper:g}; it must lie in [0, 0.4].")
-    if aspect <= 0:
-        raise ParameterError(f"aspect is {aspect:g}; it must be positive.")
+    if not FLATTEST <= aspect <= 1 / FLATTEST:
+        raise ParameterError(
+            f"aspect is {aspect:g}; it must lie in [{FLATTEST:g}, {1 / FLATTEST:g}]."
+        )
     egg = from_profile(
         lambda u: (np.sin(u) * (1 + taper * np.cos(u)), -aspect * np.cos(u)), name="egg",
         tolerance=tolerance, **scales,
