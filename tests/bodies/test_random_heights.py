@@ -101,8 +101,11 @@ class Case:
         table = dict(self.own.given) | {n: self.law.coefficient for n in ("mu", "c")}
         return {n: table[n] for n in record.parameters}
 
-    def truth(self, family: str, at: Any, near: Array) -> str | None:
-        """The verdict at the oracle's member near a state; None next to the imaginary axis."""
+    def truth(self, family: str, at: Any, near: Array, zeros: int = 7) -> str | None:
+        """The verdict at the oracle's member near a state; None next to the imaginary axis.
+
+        Where more than so many eigenvalues vanish, as of a ball on its pole, it is None too.
+        """
         body, law = self.shape.body, self.law
         with mp.workdps(DIGITS):
             if family.startswith("vertical"):
@@ -118,6 +121,8 @@ class Case:
             matrix = oracle.jacobian(rates, state, DIGITS)[:size, :size]
             values = oracle.spectrum(matrix, DIGITS)
         values = values / max(1.0, np.abs(values).max())
+        if (np.abs(values) <= CLEAR).sum() > zeros:
+            return None
         values = values[np.abs(values) > CLEAR]
         growth = values.real.max(initial=-1.0 if law.name not in ("rough", "smooth") else 0.0)
         if growth > CLEAR:
@@ -177,7 +182,7 @@ def _verdicts(case: Case, count: Counter[str]) -> None:
             assert not case.has(family, at), (case, family, at)
             continue
         found = st.spectrum(record, at=at, certify=bool(case.rng.random() < 0.3), **numbers)
-        true = case.truth(family, at, near)
+        true = case.truth(family, at, near, found.structural_zeros)
         count["undecided" if found.verdict.word == "undecided" else "verdicts"] += 1
         if true is None:
             count["next to the axis"] += 1

@@ -26,7 +26,7 @@ from ..contact import Contact
 from ..contact_laws import law_class
 from ..law_names import class_named
 from .equations import Resistances, round_system
-from .inclinations import level, sizes, stands_upright, start
+from .inclinations import first_numbers, level, sizes, stands_upright, start, stays_level
 from .pole_equations import AXIS, SLIP, TURN, pole_system, refuse_rough_pole
 from .polynomials import closed_form, stored
 from .shape import RoundShape, not_upright
@@ -183,6 +183,7 @@ def round_family(
         near_numbers = _pairs(_typical(body, record))
         return _family(system, record, _pairs(still), (), (), near_numbers, law)  # type: ignore[arg-type]  # a class is hashable
     system = round_system(body, law, given, physical=physical, resistance=resistance)
+    typical = _typical(body, record)
     held: dict[str, Any] = {"theta_dot": 0.0} | dict(record.held)
     held |= {n: 0.0 for n in ("slip_x", "slip_y") if n in system.states}
     unknown = dict(record.unknown)
@@ -198,8 +199,10 @@ def round_family(
         else:
             # not the rate of theta_dot, which falls again where the lever is long
             first = start(body, at, theta) if stored(name, law) else at
+            if not stays_level(body, typical, at):
+                typical |= {n: v for n, v in first_numbers(body).items() if n in typical}
             unknown, equations = {"theta": first}, ["lever"]
-    every = _pairs(held), _pairs(unknown), tuple(equations), _pairs(_typical(body, record))
+    every = _pairs(held), _pairs(unknown), tuple(equations), _pairs(typical)
     upright = record.level and not unknown  # rational in every number: read from the graph
     shaped = None if resistance or upright else (shape_of(body), given, physical)
     return _family(system, record, *every, law, shaped)  # type: ignore[arg-type]  # a class is hashable

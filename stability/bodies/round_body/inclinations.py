@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Any
 
@@ -198,6 +198,24 @@ def _levels(
             if abs(slope(root)) < 1e-3 * (abs(f) + abs(g)):  # a corner of the height has no zero
                 found.append(root)
     return tuple(found)
+
+
+def stays_level(body: RoundShape, numbers: Mapping[str, float], at: float) -> bool:
+    """Whether the body rolls close to an inclination where its shape has other numbers.
+
+    Parameters
+    ----------
+    body
+        The body.
+    numbers
+        The other numbers by name.
+    at
+        The inclination.
+    """
+    low, high = body.between
+    shape = tuple((n, numbers[n]) for n in body.shape)
+    near = min(at - low, high - at) / 10
+    return any(abs(t - at) < near for t in _levels(body.height, shape, body.between))
 
 
 def level(body: RoundShape, theta: float | None = None) -> float | None:

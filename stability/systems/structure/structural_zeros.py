@@ -14,6 +14,7 @@ from ...algebra.balls import precision
 from ...algebra.number_types import balls
 from ...algebra.routh_balls import ROUGH
 from ...base.errors import StabilityError
+from ...base.types import Floats
 from ..family import Family
 from .enclosure import ball_unknowns, matrix_polynomial
 
@@ -25,6 +26,8 @@ SAMPLE_BITS = 400
 
 MOST_HALVINGS = 30
 """Most halvings of the way from a known member to a sample, where its sheet ends on the way."""
+CLEAR = 1e-9
+"""Value of a condition from which it is clear at a sample."""
 DIRECTIONS = 4
 """Directions from the middle in which a member is looked for: at the middle a family may end."""
 
@@ -145,9 +148,24 @@ def sampled(family: Family, sample: int) -> list[arb]:
             for halvings in range(0, MOST_HALVINGS, 2):
                 point = [(m + w / 2**halvings).mid() for m, w in zip(middle, way, strict=True)]
                 row = np.array([[float(v) for v in point]])
-                if family.search(row[:, : len(family.at)], row[:, len(family.at) :]).good[0]:
+                if _has_member(family, row[:, : len(family.at)], row[:, len(family.at) :]):
                     return point
         return point if family.anchor else first
+
+
+def _has_member(family: Family, a: Floats, q: Floats) -> bool:
+    """Whether there is a member, and not where a condition is about to fail.
+
+    There coordinates may end, as at a pole of a body, and the count of zeros is another one.
+    """
+    found = family.search(a, q)
+    if not found.good[0]:
+        return False
+    place = family.states(a, found.u, q), family._system_parameters(a, q)
+    arguments, shape = family.system._arguments(*place)
+    system = family.system
+    values = system.condition_program.quick(arguments, shape) if system.conditions else []
+    return all(float(np.ravel(value)[0]) > CLEAR for value in values)
 
 
 def _away(sample: int, count: int) -> list[arb]:
