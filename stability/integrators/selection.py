@@ -39,6 +39,8 @@ PATIENCE = 4.0
 """Steps of an explicit method per TURN and unit of time after which `auto` calls a leg stiff."""
 SHARE = 4
 """Part of the allowed steps, as one over it, after which a leg of `auto` is looked at again."""
+FEW = 10
+"""Steps of an explicit method that gave up over those in which CVODES must do the whole leg."""
 COMPILED = 250
 """Operations of a graph that heyoka compiles within some seconds; its time rises faster."""
 EXPLICIT_TIGHT = 1e-10
@@ -344,20 +346,27 @@ def _timed(method: str, leg: Leg) -> Path:
 
 def _second(leg: Leg, first: Path, choice: Choice, most: int) -> tuple[Path, Choice]:
     """Path by another integrator where the chosen one gave up; the first if both give up."""
-    assert first.end is not None
+    end = first.end
+    assert end is not None
+    gave_up = f"{choice.method} gave up at {end.time:.6g}"
     if first.seconds >= leg.seconds:
         return first, choice
     other = "lsoda" if choice.method == "cvodes" else "cvodes"
     shared_steps = most < leg.max_steps and first.steps >= most == _share(leg)
-    if shared_steps and not _stiff_at(leg, first.end):
+    if shared_steps and not _stiff_at(leg, end):
+        few = replace(leg, seconds=leg.seconds - first.seconds, max_steps=max(most // FEW, 1))
+        second = _timed(other, few)  # it may be stiff elsewhere
+        first = replace(first, seconds=first.seconds + second.seconds)
+        if second.end is None or second.end.kind != UNRESOLVED:
+            return replace(second, seconds=first.seconds), Choice(other, gave_up)
         other = choice.method  # its other steps may be enough
     second = _timed(other, replace(leg, seconds=leg.seconds - first.seconds))
     second = replace(second, seconds=first.seconds + second.seconds)
     if second.end is not None and second.end.kind == UNRESOLVED:
         short = most < leg.max_steps and first.steps >= most  # no limit of the user's ended it
-        end = replace(first.end, message=second.end.message) if short else first.end
+        end = replace(end, message=second.end.message) if short else end
         longer = second if other == choice.method else replace(first, end=end)
         return replace(longer, seconds=second.seconds), choice
     if other == choice.method:
         return second, choice
-    return second, Choice(other, f"{choice.method} gave up at {first.end.time:.6g}")
+    return second, Choice(other, gave_up)

@@ -83,7 +83,8 @@ def outcome(problem: Problem, track: Track) -> Found:
     if room > SMALL * near.reach or near.distance + room > problem.settle > near.distance:
         sides += [_near(problem, track, side).settled for side in SIDES]
     if len(set(sides)) > 1:
-        return Found("moving", math.inf, "settling is proved for the end, not for one in its error")
+        said = "settling is proved for the end, and not for another within its error"
+        return Found("undetermined", math.inf, said)
     return Found("settled" if near.settled else "moving", 0.0, near.evidence)
 
 

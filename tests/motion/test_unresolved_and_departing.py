@@ -169,3 +169,14 @@ def test_a_motion_that_turns_stiff_is_run_by_an_implicit_method() -> None:
     assert str(run.method.values) == "cvodes"
     assert float(run.x[-1]) == pytest.approx(0.0178659211, abs=2e-8)
     assert abs(float(run.x[-1]) - 0.0178659211) <= float(run.final_error) < 1e-6
+
+
+def test_a_motion_that_is_stiff_only_on_its_way_is_run_by_an_implicit_method() -> None:
+    """The Oregonator at a coarse tolerance: right is 1.0008149, by SciPy's Radau at 1e-11."""
+    y = ca.SX.sym("y", 3)
+    rates = ca.vertcat(77.27 * (y[1] + y[0] * (1 - 8.375e-6 * y[0] - y[1])),
+                       (y[2] - (1 + y[0]) * y[1]) / 77.27, 0.161 * (y[0] - y[2]))  # fmt: skip
+    system = st.System("oregonator", y, ca.SX(0, 1), rates, states=("x", "y", "z"), parameters=())
+    run = st.simulate(system, None, [1.0, 2.0, 3.0], 360.0, tolerance=1e-4, max_steps=100_000)
+    assert run.attrs["outcome"] == "moving"
+    assert abs(float(run.x[-1]) - 1.0008149) <= float(run.final_error) < 1e-1

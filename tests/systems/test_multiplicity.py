@@ -383,10 +383,9 @@ def test_boundaries_keep_to_the_zeros_of_each_member() -> None:
     """|p| - p - 1/2 changes its sign at p = -1/4; for p > 0 it is constant."""
     system = _system("kink", "yz", lambda x, p: ((ca.fabs(p[0]) - p[0] - p[1]) * x[0], -x[1]), "pq")
     rest = st.Family(system, "rest", at=("p",), held={"y": 0.0, "z": 0.0})
-    with pytest.warns(st.StabilityWarning):  # the kink itself has no linearisation
-        every = st.boundaries(rest, axis=("p", -1, 1, 21), q=0.5)
+    every = st.boundaries(rest, axis=("p", -1, 1, 21), q=0.5)
     (found,) = every
-    assert all(-1e-300 < piece.low <= piece.high < 1e-300 for piece in every.unresolved)
+    assert every.complete  # a kink of a coefficient is no crossing
     assert abs(found.value + 0.25) <= found.error
     system = _system("half", "yz", lambda x, p: ((ca.fabs(p) - p) * x[0], -x[1]))
     rest = st.Family(system, "rest", at=("p",), held={"y": 0.0, "z": 0.0})
