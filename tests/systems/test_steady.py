@@ -366,3 +366,13 @@ def test_the_member_of_a_system_without_parameters_needs_no_name() -> None:
     by_state = st.Family(plain, "right", at=("x",), held={"v": 0})
     with pytest.raises(st.StabilityError, match="not steady where x changes a little"):
         st.basins(plain, families=by_state, **grid)
+
+
+def test_a_guess_at_which_the_slope_vanishes_finds_a_member() -> None:
+    """Roots p and -q: between them, at p = q + 2, lies the guess 1, where the slope is 0."""
+    x, p, q = (ca.SX.sym(n) for n in "xpq")
+    system = st.System("c", x, ca.vertcat(p, q), -(x - p) * (x + q), states=("x",),
+                       parameters=("p", "q"))  # fmt: skip
+    family = st.Family(system, "m", at=("p",), unknown={"x": 1.0}, equations=("x",))
+    assert float(st.spectrum(family, at=3.0, q=1.0).states[0]) in (3.0, -1.0)
+    assert 4 not in st.stability_map(family, x=("p", 2, 4, 5), y=("q", 0.5, 1.5, 3)).verdict

@@ -21,6 +21,10 @@ TINY = 1e-9
 """Positive unknowns below it are compared with their rounding."""
 
 
+NUDGE = 0.01
+"""Change of a guess at which the slope is singular, and over its size."""
+
+
 def roots(
     graph: FamilyGraph, a: Floats, q: Floats, start: Floats, positive: Sequence[int]
 ) -> tuple[Floats, NDArray[np.bool_]]:
@@ -48,6 +52,14 @@ def roots(
             break
         other = start[rows].copy()
         other[:, positive] *= share
+        new, fine = _found(graph, a[rows], q[rows], other, positive)
+        u[rows[fine]], good[rows[fine]] = new[fine], True
+    rows = np.flatnonzero(~good)
+    if len(rows):  # Newton's method has no first step from a guess where the slope is singular
+        step = newton_step(graph, a[rows], start[rows], q[rows])
+        rows = rows[~np.isfinite(step).all(axis=1)]
+    if len(rows):
+        other = start[rows] * (1 + NUDGE) + NUDGE
         new, fine = _found(graph, a[rows], q[rows], other, positive)
         u[rows[fine]], good[rows[fine]] = new[fine], True
     return u, good
