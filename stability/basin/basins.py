@@ -6,6 +6,7 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -22,7 +23,8 @@ from ..bodies.round_body.families import at_name
 from ..integrators.flow import CASADI
 from ..jobs.chunks import Arrays, Block, Layout, Memory, Store, Variable, even_chunk
 from ..jobs.dask import check_pool, pool_of
-from ..jobs.filling import fill
+from ..jobs.filling import fill, kept_on_stop
+from ..jobs.pipeline import Counted
 from ..jobs.shared import shared
 from ..jobs.zarr_store import ZarrStore
 from ..motion.starts import Starts
@@ -354,8 +356,10 @@ def run(
     some = plan.starts((0,) * len(plan.layout.shape), slice(0, 1))
     varied = plan.launches.varied if plan.distribution is not None else ()
     kept = store_of(plan, store, overwrite)
-    with pool_of(executor, workers) as (pool, number):
-        work = _Work(shared(plan, pool))
+    with ExitStack() as stack:
+        with kept_on_stop(kept, Counted(None, plan.layout.total)):  # workers may take seconds
+            pool, number = stack.enter_context(pool_of(executor, workers))
+            work = _Work(shared(plan, pool))
         told = progress and (lambda done, total: progress(done, total + later))
         fill(kept, work, blank=_Blank(len(some.model.states), varied), executor=pool,
              workers=number, progress=told)  # fmt: skip

@@ -127,7 +127,7 @@ def fill(
     count = Counted(progress, layout.total)
     number = workers or os.cpu_count() or 1
     start = own(number) if executor is None else nullcontext(executor)
-    with _kept(store, count), start as pool:
+    with kept_on_stop(store, count), start as pool:
         count.add(stored)
         filling = _Filling(store, work, blank, pool, number, tries, count)
         filling.every(missing)
@@ -140,8 +140,16 @@ def fill(
 
 
 @contextmanager
-def _kept(store: Store, count: Counted) -> Iterator[None]:
-    """Say on Ctrl-C how many cells are kept, those of workers that have ended meanwhile too."""
+def kept_on_stop(store: Store, count: Counted) -> Iterator[None]:
+    """Say on Ctrl-C how many cells are kept, those of workers that have ended meanwhile too.
+
+    Parameters
+    ----------
+    store
+        The store; one in memory keeps nothing.
+    count
+        Count of its cells.
+    """
     if store.folder is None:
         yield
         return
