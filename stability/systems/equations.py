@@ -234,13 +234,15 @@ class Equations(Portable, Record):
             if bad.any():
                 raise DomainError(condition.refusal(float(value[bad].flat[0])))
 
-    def valid(self, x: ArrayLike, p: ArrayLike) -> NDArray[np.bool_]:
+    def valid(self, x: ArrayLike, p: ArrayLike, above: float = 0.0) -> NDArray[np.bool_]:
         """Whether the equations have a meaning, state by state.
 
         Parameters
         ----------
         x, p
             As in `check`.
+        above
+            Value that each condition must exceed.
 
         Returns
         -------
@@ -249,7 +251,7 @@ class Equations(Portable, Record):
         """
         arguments, shape = self._arguments(x, p)
         values = self.condition_program.quick(arguments, shape) if self.conditions else []
-        fine = [np.ones(shape, dtype=bool), *(value.reshape(shape) > 0 for value in values)]
+        fine = [np.ones(shape, dtype=bool), *(value.reshape(shape) > above for value in values)]
         return np.asarray(np.all(fine, axis=0))
 
     def rates(self, x: ArrayLike, p: ArrayLike, *, checked: bool = False) -> NDArray[np.float64]:

@@ -19,8 +19,6 @@ SHARES = (2.0, 0.5, 4.0, 0.25)
 """First guesses of positive unknowns, over the given ones, where these lead to no such root."""
 TINY = 1e-9
 """Positive unknowns below it are compared with their rounding."""
-
-
 NUDGE = 0.01
 """Change of a guess at which the slope is singular, and over its size."""
 
@@ -45,6 +43,11 @@ def roots(
         Unknowns, shape (N, u), and whether each row is an isolated, admissible root.
     """
     u, good = _found(graph, a, q, start, positive)
+
+    def again(rows: NDArray[np.intp], other: Floats) -> None:
+        new, fine = _found(graph, a[rows], q[rows], other, positive)
+        u[rows[fine]], good[rows[fine]] = new[fine], True
+
     for share in SHARES if positive else ():
         # the nearest root may be the mirror image, which is not admissible
         rows = np.flatnonzero(~good)
@@ -52,16 +55,13 @@ def roots(
             break
         other = start[rows].copy()
         other[:, positive] *= share
-        new, fine = _found(graph, a[rows], q[rows], other, positive)
-        u[rows[fine]], good[rows[fine]] = new[fine], True
+        again(rows, other)
     rows = np.flatnonzero(~good)
     if len(rows):  # Newton's method has no first step from a guess where the slope is singular
         step = newton_step(graph, a[rows], start[rows], q[rows])
         rows = rows[~np.isfinite(step).all(axis=1)]
     if len(rows):
-        other = start[rows] * (1 + NUDGE) + NUDGE
-        new, fine = _found(graph, a[rows], q[rows], other, positive)
-        u[rows[fine]], good[rows[fine]] = new[fine], True
+        again(rows, start[rows] * (1 + NUDGE) + NUDGE)
     return u, good
 
 

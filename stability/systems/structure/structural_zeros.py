@@ -161,11 +161,8 @@ def _has_member(family: Family, a: Floats, q: Floats) -> bool:
     found = family.search(a, q)
     if not found.good[0]:
         return False
-    place = family.states(a, found.u, q), family._system_parameters(a, q)
-    arguments, shape = family.system._arguments(*place)
-    system = family.system
-    values = system.condition_program.quick(arguments, shape) if system.conditions else []
-    return all(float(np.ravel(value)[0]) > CLEAR for value in values)
+    states, p = family.states(a, found.u, q), family._system_parameters(a, q)
+    return bool(family.system.valid(states, p, CLEAR)[0])
 
 
 def _away(sample: int, count: int) -> list[arb]:

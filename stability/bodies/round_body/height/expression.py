@@ -100,10 +100,10 @@ def expression(
             f"{what} gives {shown(value)}; one expression in {', '.join(names) or 'numbers'} is "
             "needed."
         )
-    graph = ca.Function(what, symbols, [found])
+    graph = ca.Function(what, symbols, [found], list(names), ["value"])
     if any(graph.instruction_id(i) == ca.OP_SIGN for i in range(graph.n_instructions())):
         raise ParameterError(
             f"{what} uses sign, which has no slope at its jump; give a function that is smooth, or "
             "has fabs alone."
         )
-    return Expression(ca.Function(what, symbols, [found], list(names), ["value"]).serialize())
+    return Expression(graph.serialize())
