@@ -171,10 +171,11 @@ def test_a_killed_stream_is_continued_to_the_same_bytes(tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, "-c", VICTIM, str(tmp_path / "a.zarr")], check=False,
                           env=dict(os.environ), timeout=100)  # fmt: skip
     assert done.returncode == -signal.SIGKILL
-    there = len(list((tmp_path / "a.zarr" / "verdict").glob("c.*")))
-    assert 4 < there < 10
-    with pytest.raises(st.StabilityError, match=f"holds {there} of 10 chunks; give the command"):
+    begun = len(list((tmp_path / "a.zarr" / "verdict").glob("c.*")))
+    with pytest.raises(st.StabilityError, match="of 10 chunks; give the command") as refusal:
         st.read_map(tmp_path / "a.zarr")
+    there = int(re.findall(r"holds (\d+) of", str(refusal.value))[0])
+    assert 4 <= there <= begun <= there + 2 < 12  # each of the two workers may have left a part
     told: list[int] = []
     for name in "ab":
         st.stream_map("rolling", **AXES, growth=True, out=tmp_path / f"{name}.zarr",

@@ -15,7 +15,7 @@ from fractions import Fraction
 from typing import Any
 
 import casadi as ca
-from exact_oracle import sides
+from exact_oracle import Rationals, nullity, sides
 from flint import fmpq, fmpq_poly
 
 import stability as st
@@ -173,13 +173,23 @@ def polynomial(rows: list[list[Fraction]]) -> list[Fraction]:
     return out[::-1]
 
 
-def verdict_of(coefficients: Sequence[Fraction], dropped: int) -> str:
-    """The verdict without some zeros, by Sturm chains along the imaginary axis."""
+def verdict_of(coefficients: Sequence[Fraction], dropped: int, kernel: int) -> str:
+    """The verdict without some zeros, by Sturm chains along the imaginary axis.
+
+    It is *drifting* where the kernel has fewer dimensions than zeros were left out.
+    """
     rest = list(coefficients[dropped:])
     zeros = next(i for i, c in enumerate(rest) if c != 0)
     poly = fmpq_poly([fmpq(c.numerator, c.denominator) for c in rest[zeros:]])
     _, on, right = sides(poly) if poly.degree() else (0, 0, 0)
-    return "unstable" if right else "neutral" if on or zeros else "stable"
+    if right or on or zeros:
+        return "unstable" if right else "neutral"
+    return "drifting" if dropped > kernel else "stable"
+
+
+def kernel_of(rows: Sequence[Sequence[Fraction]]) -> int:
+    """Dimension of the kernel."""
+    return nullity([[fmpq(e.numerator, e.denominator) for e in row] for row in rows], Rationals())
 
 
 def zeros_of(one: Planted) -> int:

@@ -8,7 +8,7 @@ from collections import Counter
 from fractions import Fraction
 
 import pytest
-from planted_structure import Planted, planted, polynomial, verdict_of, zeros_of
+from planted_structure import Planted, kernel_of, planted, polynomial, verdict_of, zeros_of
 
 import stability as st
 from stability.base.errors import DomainError
@@ -20,7 +20,8 @@ WAYS = {"double": {"escalate": False}, "default": {}, "certified": {"certify": T
 
 def asked(one: Planted, p: float, planted_zeros: int, seed: int, count: Counter[str]) -> list[str]:
     """What is wrong with the three answers about one member."""
-    truth = polynomial(one.matrix(Fraction(p)))
+    matrix = one.matrix(Fraction(p))
+    truth, kernel = polynomial(matrix), kernel_of(matrix)
     wrong, words = [], {}
     for way, options in WAYS.items():
         try:
@@ -39,8 +40,8 @@ def asked(one: Planted, p: float, planted_zeros: int, seed: int, count: Counter[
             count["a zero within rounding, without a proof"] += 1  # as `escalate=False` says
         elif unplanned:
             wrong.append(f"zeros dropped that are none: {said}")
-        elif word != "undecided" and word != verdict_of(truth, dropped):
-            wrong.append(f"truth {verdict_of(truth, dropped)}: {said}")
+        elif word != "undecided" and word != (right := verdict_of(truth, dropped, kernel)):
+            wrong.append(f"truth {right}: {said}")
         elif word == "undecided" and way == "certified" and not one.extra:
             wrong.append(f"left open over Q: {said}")
     for way in ("double", "default"):
@@ -76,10 +77,10 @@ def test_the_judge_knows_every_verdict() -> None:
     for coefficients, dropped, word in (
         (poly(1, 2, 1), 0, "stable"), (poly(1, 0, 2, 0, 1), 0, "neutral"),  # (λ² + 1)²
         (poly(-1, 0, 1), 0, "unstable"), (poly(0, 1, 1), 0, "neutral"),
-        (poly(0, 1, 1), 1, "stable"),
+        (poly(0, 1, 1), 1, "stable"), (poly(0, 0, 1, 1), 2, "drifting"),
         (poly(1, 0, 0, 0, 1), 0, "unstable"), (poly(1, 1, 1, 1), 0, "neutral"),  # (λ² + 1)(λ + 1)
     ):  # fmt: skip
-        assert verdict_of(coefficients, dropped) == word
+        assert verdict_of(coefficients, dropped, kernel=1) == word
 
 
 @pytest.mark.long

@@ -258,7 +258,7 @@ def _stream_map(r: random.Random, place: Path) -> Call:
     if r.random() < 0.5:
         words |= {"growth": True, "out": place / "g.zarr"}
     if r.random() < 0.3:
-        words |= {"executor": r.choice(["threads", "thread", 5]), "workers": r.randint(1, 2)}
+        words |= {"executor": "threads", "workers": r.randint(1, 2)}
     return st.stream_map, [r.choice(["rolling", "spinning"])], words
 
 

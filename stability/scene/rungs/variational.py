@@ -203,7 +203,7 @@ def forward(
     most = seconds / (3 * PER_NUMBER * ((POINTS - 1) * problem.own) ** 3)
     elements = _first_elements(problem, track, exact=exact)
     for _ in range(SPLITS):
-        if not len(elements.lengths) <= most:
+        if elements is None or not len(elements.lengths) <= most:
             return Refused("the linear equations along the path cost more than displaced runs")
         states = _path(problem, track, elements, exact=exact)
         if not np.isfinite(states).all():
@@ -221,8 +221,11 @@ def forward(
     return Refused("the path is not smooth enough")
 
 
-def _first_elements(problem: Problem, track: Track, *, exact: bool) -> Elements:
-    """Some steps of an explicit method each, or equal elements, and short ones at a fast start."""
+def _first_elements(problem: Problem, track: Track, *, exact: bool) -> Elements | None:
+    """Some steps of an explicit method each, or equal elements, and short ones at a fast start.
+
+    None where there are more than `MOST_STEPS` of them.
+    """
     last, n = float(track.times[-1]), problem.own
     _, slope, _ = _run(_slopes(problem.flow.system), track.states[:1, :n], problem.p)
     known = bool(np.isfinite(slope).all())
@@ -232,9 +235,13 @@ def _first_elements(problem: Problem, track: Track, *, exact: bool) -> Elements:
         run = dense(
             Leg(problem.flow, problem.flow_p, y, span, FINE, MOST_STEPS, problem.max_seconds)
         )
+        if len(run.steps) >= MOST_STEPS:
+            return None
         inner = run.steps[STEPS:-1:STEPS]
         return Elements(np.concatenate([[0.0], inner[inner < last], [last]]), POINTS)
-    count = max(1, int(np.ceil(last * problem.pace / LENGTH)))
+    count = max(1, int(np.ceil(min(last * problem.pace / LENGTH, MOST_STEPS))))
+    if count == MOST_STEPS:
+        return None
     edges = np.linspace(0.0, last, count + 1)
     if rate * last > STIFF * count:
         powers = np.arange(np.floor(np.log(rate * last / count) / np.log(GRADED)) + 1)
