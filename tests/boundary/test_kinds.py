@@ -207,6 +207,9 @@ def test_points_of_a_rest_with_quadratic_drag() -> None:
         found = st.codimension_two(rest, x=("p", -1, 1, 4), y=("k", -1, 1, 4))
     [point] = [d for d in found if d.kind is st.PointKind.DOUBLE_ZERO]
     assert (point.x, point.y) == (0.0, 0.0)
+    [birth] = st.hopf(rest, axis=("p", -1, 1, 5), k=1.0)
+    assert birth.kind is st.Onset.UNDECIDED
+    assert birth.reason.endswith("or the rates have no second derivative")
 
 
 def test_a_crossing_next_to_another_is_not_one_with_it() -> None:

@@ -75,6 +75,15 @@ def births(
     return [replace(birth(line, b), citation=works) for b in flutter]
 
 
+NO_PAIR = (
+    "no simple pair that crosses with speed is proved there, or the rates have no second derivative"
+)
+NO_COEFFICIENT = (
+    "zero or twice the pair may be an eigenvalue too, or the rates have no third derivative there"
+)
+"""Why a first Lyapunov coefficient is not known."""
+
+
 def zeros_left(family: Family) -> int:
     """Structural zeros that remain without the states on which nothing depends.
 
@@ -124,17 +133,16 @@ def birth(line: Line, point: BoundaryPoint) -> CycleBirth:
     reason = ""
     for bits in PRECISIONS:
         with precision(bits):
+            reason = NO_PAIR
             try:
                 pair = _checked(line, point)
+                reason = NO_COEFFICIENT
                 found = coefficients(pair)
                 reason = LINEAR if linear(line.family.system) else _open(found)
                 if not reason or bits == PRECISIONS[-1] or found.others < 0:
                     return _record(point, pair, found, reason)
             except NotProvedError:
-                reason = (
-                    "no simple pair that crosses with speed is proved there, or zero or twice the "
-                    "pair is an eigenvalue too"
-                )
+                continue
     nan = float("nan")
     return CycleBirth(
         point.value, point.error, Onset.UNDECIDED, point.stable_below, point.frequency,
@@ -215,6 +223,6 @@ def _on_line(line: Line, point: BoundaryPoint) -> HopfPoint:
                 whole, 1.0,
             )  # fmt: skip
     raise StabilityError(
-        f"{line.family.name}: no simple pair that crosses with speed is proved at {line.axis} = "
-        f"{point.value:.10g}, so its normal form is not known."
+        f"{line.family.name} at {line.axis} = {point.value:.10g}: {NO_PAIR}, so its normal form is "
+        "not known."
     )
