@@ -189,7 +189,7 @@ def _supply(law: type[Contact], name: str, given: dict[str, Any], *, needed: boo
         )
     name = "mu" if "mu" in law.alternatives(name) else name
     if needed:
-        option = "--mu" if name == "mu" else f"--parameter {name}=VALUE"
+        option = "--mu" if name == "mu" else f"--set {name}=VALUE"
         raise ParameterError(
             f"{name} is missing; the {law.name} law needs a positive coefficient ({option})."
         )

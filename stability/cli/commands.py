@@ -19,24 +19,14 @@ from .explorer.explore import EXAMPLES as PAGES
 from .explorer.explore import _explore
 from .explorer.explore import add_arguments as add_explore
 from .map import _boundaries, _map
-from .options import (
-    _family,
-    _member,
-    _Parser,
-    _physics,
-    _Unasked,
-    of_own_body,
-    overwriting,
-    scheduling,
-)
+from .options import _Parser, _Unasked, of_own_body, overwriting, scheduling
 from .publication.cite import add_arguments as add_cite
 from .publication.export import EXAMPLES as EXPORTS
 from .publication.export import add_arguments as add_export
 from .scene import add_arguments as add_scene
 from .simulate import add_arguments
 from .spectrum import _spectrum
-from .subject.body_option import add_body
-from .subject.system_option import add_system
+from .subject import add_member, add_subject
 from .table import _table
 from .table import add_arguments as add_table
 from .terminal import (
@@ -49,6 +39,9 @@ from .terminal import (
     starved,
     stoppable,
 )
+
+CERTIFY = "prove every verdict, in rational arithmetic or balls"
+"""Help of an option."""
 
 
 @contextmanager
@@ -235,15 +228,13 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
     sub = command("spectrum", _spectrum, "Eigenvalues and verdict of one steady motion",
                   "stability spectrum tumbling --at 0.5 --mu 0.3 --json",
                   "stability spectrum spinning --body torus --tube 0.2 --at 2 --mu 0.3",
-                  "stability spectrum --system examples/bicycle.py:upright --at 5 --parameter "
+                  "stability spectrum --system examples/bicycle.py:upright --at 5 --set "
                   "g=9.81 --certify")  # fmt: skip
-    _family(sub)
-    add_system(sub)
-    add_body(sub, words)
-    _member(sub)
+    add_subject(sub, words)
+    add_member(sub)
     sub.add_argument("--no-escalate", action="store_true",
                      help="leave undecided what double precision does not decide")  # fmt: skip
-    _physics(sub)
+    sub.add_argument("--certify", action="store_true", help=CERTIFY)
 
     sub = command("map", _map, "Verdict and growth rate over two parameters",
                   "stability map spinning --x at:0.5:5:400 --y mu:0.01:10:300:log "
@@ -254,15 +245,13 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
                   "--y g:1:20:100 --out bicycle.nc --plot bicycle.png",
                   "stability map spinning --x at:0.5:5:20000 --y mu:0.01:10:20000:log "
                   "--out large.zarr --scheduler processes --workers 8")  # fmt: skip
-    _family(sub)
-    add_system(sub)
-    add_body(sub, words)
+    add_subject(sub, words)
     for axis in ("--x", "--y"):
         sub.add_argument(axis, required=True, metavar="NAME:LO:HI:N[:log]",
                          help="axis: at, lean, k, mu, mass, radius or gravity; with --body or "
                          "--system one of the family's own quantities, such as tube")  # fmt: skip
     sub.add_argument("--at", default=None, help="what names the member, where it is no axis")
-    _physics(sub)
+    sub.add_argument("--certify", action="store_true", help=CERTIFY)
     sub.add_argument("--out", required=True, metavar="F.nc",
                      help="NetCDF file to write; F.zarr is a folder that a map of any size is "
                      "computed into, chunk by chunk, and the same command goes on")  # fmt: skip
@@ -287,15 +276,13 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
                   "stability boundaries rolling --body spheroid --aspect 0.5 --axis omega3:0.1:3:9 "
                   "--contact rough",
                   "stability boundaries --system examples/bicycle.py:upright --axis v:0.1:10:50 "
-                  "--parameter g=9.81 --json")  # fmt: skip
-    _family(sub)
-    add_system(sub)
-    add_body(sub, words)
+                  "--set g=9.81 --json")  # fmt: skip
+    add_subject(sub, words)
     sub.add_argument("--axis", required=True, metavar="NAME:LO:HI:N[:log]",
                      help="axis, both ends included; N points are scanned where pieces of it stay "
                      "without proof")  # fmt: skip
     sub.add_argument("--at", default=None, help="what names the member, where it is no axis")
-    _physics(sub)
+    sub.add_argument("--certify", action="store_true", help=CERTIFY)
 
     sub = command("atlas", _atlas, "The families' diagrams for disk, annulus and hoop, or for "
                   "other bodies of revolution", "stability atlas --out atlas",
@@ -313,11 +300,8 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
 
     sub = command("explore", _explore, "The diagrams alive in a browser: one page, no network",
                   *PAGES)  # fmt: skip
-    _family(sub)
-    add_system(sub)
-    add_body(sub, words)
+    add_subject(sub, words)
     sub.add_argument("--at", default=None, help="member that is shown at first")
-    _physics(sub)
     add_explore(sub)
     overwriting(sub, "replace an existing file")
 
@@ -328,7 +312,7 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
                   "stability simulate --body eccentric-sphere --offset 0.15 --theta 0.1 --omega3 5 "
                   "--mu 0.3 --time 200 --points 2001 --film top.gif",
                   "stability simulate --system examples/watt_governor.py:running --start "
-                  "x=1,y=0,z=1.4 --parameter e=0.8 --parameter a=0.5 --parameter b=0.5 "
+                  "x=1,y=0,z=1.4 --set e=0.8 --set a=0.5 --set b=0.5 "
                   "--time 200")  # fmt: skip
     add_arguments(sub, words)
 
@@ -348,7 +332,7 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
         "stability table painleve --body torus --tube 0.2",
         "stability table conditions --system examples/bicycle.py:upright --positive v,g --decimals",
         "stability table hopf --system examples/railway_wheelset.py:centred --x v:1:50:50 "
-        "--parameter m=1",
+        "--set m=1",
     ), words)  # fmt: skip
     add_export(command("export", _export, "A system or family for LaTeX, C, AUTO-07p or "
                        "BifurcationKit.jl", *EXPORTS), words)  # fmt: skip

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any
 
 from ..base.errors import ParameterError, shown
 from ..storage.json_text import json_text
-from .options import _at, _axis, _disk, _picture, contact_of
-from .subject.body_option import body_of, in_words, numbers_of_body, where_of
-from .subject.system_option import doubles, own_family, place, with_at
+from .options import _axis, _picture
+from .subject import members
 from .terminal import progress_bar, waiting
 
 
@@ -31,14 +29,14 @@ def _map(options: argparse.Namespace) -> None:
         from ..storage.targets import path_text
         from ..tables.beyond_linear import point_records, point_text
 
-        family, given = given_beyond(options, {axis[0]: axis for axis in (x, y)})
+        subject = members(options, {axis[0]: axis for axis in (x, y)})
         targets = _targets(options)
         try:
             dataset = stability_map(
-                family, x=x, y=y, certify=options.certify, levels=options.levels,
+                subject.family, x=x, y=y, certify=options.certify, levels=options.levels,
                 modes=options.modes, points=options.points, progress=progress,
                 checkpoint=options.checkpoint, executor=options.scheduler,
-                workers=options.workers, **given,
+                workers=options.workers, **subject.arguments,
             )  # fmt: skip
             _write(options, dataset, targets)
         except KeyboardInterrupt:
@@ -54,7 +52,8 @@ def _map(options: argparse.Namespace) -> None:
     record: dict[str, Any] = {
         "out": str(targets[0]),
         "plot": str(targets[1]) if options.plot else None,
-        **_told(given, (x[0], y[0])),
+        **subject.who,
+        "parameters": subject.beyond((x[0], y[0])),
         "verdicts": counts,
         "boundary_points": dataset.sizes["boundary_point"],
         "boundary_unresolved": int(dataset.attrs["boundary_unresolved"]),
@@ -110,75 +109,13 @@ def _write(options: argparse.Namespace, dataset: Any, targets: list[Path]) -> No
         write_map(dataset, targets[0], overwrite=options.force)
 
 
-def given_beyond(
-    options: argparse.Namespace, axes: Mapping[str, Any], *, exact: bool = False
-) -> tuple[Any, dict[str, Any]]:
-    """The family, and its numbers beyond the axes as arguments of a map or of boundaries.
-
-    Parameters
-    ----------
-    options
-        Parsed options.
-    axes
-        The axes by name.
-    exact
-        Whether numbers of a family of one's own stay exactly what was written.
-    """
-    from ..spectra.arguments import check_names
-
-    swept = set(axes)
-    body = body_of(options, axes)
-    if body is not None:
-        return options.family, _of_body(options, body, swept)
-    family = own_family(options)
-    if family is not None:
-        alone = options.at is not None and len(family.at) > 1
-        if alone or (options.at is not None and family.at[0] in swept):
-            raise ParameterError(
-                f"--at means {' and '.join(family.at)} here; give what is no axis as --parameter "
-                "NAME=NUMBER."
-            )
-        numbers = with_at(options, family)
-        both = sorted(swept & set(numbers))
-        if both:
-            raise ParameterError(f"{both[0]} is given as a number and as an axis; give it once.")
-        return family, {"parameters": dict(numbers) if exact else doubles(numbers)}
-    for name in ("at", "k", "mu", "mass", "radius", "gravity"):
-        if name in swept and getattr(options, name) is not None:
-            raise ParameterError(f"{name} is given as --{name} and as an axis; give it once.")
-    at = None if options.at is None else _at(options.at)
-    check_names(options.family, sorted(swept), options.contact)
-    contact = contact_of(options, swept=swept)
-    return options.family, {"disk": _disk(options), "contact": contact, "at": at}
-
-
-def _of_body(options: argparse.Namespace, body: Any, swept: set[str]) -> dict[str, Any]:
-    """Arguments of a map or of boundaries for a body."""
-    if "mu" in swept and options.mu is not None:
-        raise ParameterError("mu is given as --mu and as an axis; give it once.")
-    at = None if options.at is None else _at(options.at)
-    return {"body": body, "contact": contact_of(options, swept=swept), "at": at} | where_of(options)
-
-
-def _told(given: Mapping[str, Any], swept: Collection[str]) -> dict[str, Any]:
-    """The body of a map or of boundaries and its numbers, for the record; nothing for others."""
-    body, law = given.get("body"), given.get("contact")
-    if body is None:
-        return {}
-    numbers = numbers_of_body(body, None if isinstance(law, type) else law)
-    if set(swept) & set(body.shape):  # on which the moments depend
-        numbers = {n: v for n, v in numbers.items() if n in body.given}
-    numbers = {n: v for n, v in numbers.items() if n not in swept}
-    return {"body": body.name, "parameters": numbers}
-
-
 def _stream(options: argparse.Namespace, x: Any, y: Any) -> None:
     with progress_bar("cells") as progress:
         from ..maps.netcdf import read_map
         from ..maps.stream import stream_map
         from ..storage.targets import path_text
 
-        family, given = given_beyond(options, {axis[0]: axis for axis in (x, y)})
+        subject = members(options, {axis[0]: axis for axis in (x, y)})
         _targets(options)
         for name in ("plot", "points", "certify", "modes", "checkpoint"):
             if getattr(options, name):
@@ -189,9 +126,9 @@ def _stream(options: argparse.Namespace, x: Any, y: Any) -> None:
                     "chunks and goes on by itself; leave it out, or give --out F.nc."
                 )  # fmt: skip
         path = stream_map(
-            family, x=x, y=y, out=options.out, growth=not options.verdict_only,
+            subject.family, x=x, y=y, out=options.out, growth=not options.verdict_only,
             executor=options.scheduler, workers=options.workers, overwrite=options.force,
-            progress=progress, **given,
+            progress=progress, **subject.arguments,
         )  # fmt: skip
     with read_map(path, lazy=True) as dataset:
         record = {"out": str(path), "cells": dataset.verdict.size, "method": dataset.method,
@@ -220,13 +157,12 @@ def _boundaries(options: argparse.Namespace) -> None:
         from ..boundary.changes import boundaries
         from ..tables.beyond_linear import to_bound
 
-        family, given = given_beyond(options, {axis[0]: axis}, exact=True)
-        found = boundaries(family, axis=axis, **given)
-    own = not isinstance(family, str)
-    name = family.name if own else family
+        subject = members(options, {axis[0]: axis}, exact=True)
+        found = boundaries(subject.family, axis=axis, **subject.arguments)
+    numbers = subject.beyond((axis[0],))
     record: dict[str, Any] = {
-        "family": name,
-        **_told(given, (axis[0],)),
+        **subject.who,
+        "parameters": numbers,
         "axis": axis[0],
         "low": axis[1],
         "high": axis[2],
@@ -245,13 +181,10 @@ def _boundaries(options: argparse.Namespace) -> None:
     if options.json:
         print(json_text(record))
         return
-    where = place(family, given["parameters"]) if own else ""
-    if "body" in record:
-        name = f"{name} of {record['body']}, {given['contact'].name} contact,"
-        where = in_words(given["body"], record["parameters"])
-    print(
-        f"{name} along {axis[0]} from {axis[1]:g} to {axis[2]:g}" + (f", at {where}" * bool(where))
-    )
+    exact = subject.arguments["parameters"] if subject.thing is None else numbers
+    at = subject.place(exact)
+    where = f"{subject.title}, along {axis[0]} from {axis[1]:g} to {axis[2]:g}"
+    print(where + f", at {at}" * bool(at))
     for b in found:
         side = "below" if b.stable_below else "above"
         word = "not unstable" if b.good is Verdict.UNDECIDED else b.good.word

@@ -4,21 +4,15 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from typing import Any, NoReturn
 
-from ..base.errors import ParameterError, listed, meant, shown
-from ..bodies.thin_disk.disk_families import FAMILIES, leaning
+from ..base.errors import ParameterError, meant, shown
+from ..bodies.thin_disk.disk_families import leaning
 from .terminal import say
 
 MOST_VALUES = 1000
 """Most numbers in a list of a table; each takes a line or more."""
-
-CONTACTS = (
-    "smooth, viscous, linear-viscous, rough, creep-1 to creep-3, or module:Class for a law of "
-    "your own"
-)
-PARAMETER_HELP = "a number of a law of your own, or of --system, by name; once for each"
 
 
 def of_own_body(words: Sequence[str]) -> bool:
@@ -76,22 +70,6 @@ class _Unasked(_Parser):
         """Nothing."""
 
 
-def _family(parser: argparse.ArgumentParser) -> None:
-    names = [f.name + (f" ({f.law} disk)" if f.law else "") for f in FAMILIES.values()]
-    parser.add_argument("family", metavar="FAMILY", nargs="?", help=listed(names, "or"))
-
-
-def _member(parser: argparse.ArgumentParser) -> None:
-    names: dict[tuple[str, ...], list[str]] = {}
-    for family in FAMILIES.values():
-        names.setdefault(family.at, []).append(family.name)
-    one = listed([at[0] for at in names if len(at) == 1], "or")
-    several = [f"for {listed(n)} {','.join(at).upper()}" for at, n in names.items() if len(at) > 1]
-    parser.add_argument("--at", help="; ".join([one, *several]))
-    help_ = f"for {leaning()}, in place of --at: π/2 - theta, 0 is upright"
-    parser.add_argument("--lean", type=float, help=help_)
-
-
 def overwriting(parser: argparse.ArgumentParser, what: str) -> None:
     """The option that lets a command replace files; `--force` is its other name."""
     parser.add_argument("--overwrite", "--force", dest="force", action="store_true", help=what)
@@ -105,81 +83,12 @@ def scheduling(parser: argparse.ArgumentParser, default: str | None = "threads")
     parser.add_argument("--workers", type=int, metavar="N", help="workers (default: all cores)")
 
 
-def _physics(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--mu", type=float, help="friction coefficient [s/m] (viscous; c = mu m g for linear)"
-    )
-    parser.add_argument("--contact", help=f"{CONTACTS} (default viscous)")
-    parser.add_argument("--parameter", action="append", metavar="NAME=X", help=PARAMETER_HELP)
-    parser.add_argument("--disk", help="a real disk: quarter, le-saux, gymnastics-hoop")
-    parser.add_argument("--k", type=float, help="inertia factor in (0, 1/2] (default 1/4)")
-    add_scales(parser)
-    parser.add_argument("--certify", action="store_true",
-                        help="prove every verdict, in rational arithmetic or balls")  # fmt: skip
-
-
-def add_scales(parser: argparse.ArgumentParser) -> None:
-    """Options of the mass, radius and gravity of a body.
-
-    Parameters
-    ----------
-    parser
-        Parser of a command.
-    """
-    for name, of, unit in (("mass", "body", "kg"), ("radius", "disk", "m"),
-                           ("gravity", "body", "m/s²")):  # fmt: skip
-        parser.add_argument(
-            f"--{name}", type=float,
-            help=f"of the {of} [{unit}] (default 1; all three 1: dimensionless)",
-        )  # fmt: skip
-
-
-def contact_of(
-    options: argparse.Namespace, *, motion: bool = False, swept: Collection[str] = ()
-) -> Any:
-    """The contact law that the options name; a parameter swept by an axis gets the value 1."""
-    from ..bodies.law_names import class_named, law_named
-
-    options.contact = options.contact or "viscous"
-    law = class_named(options.contact, motion=motion)
-    own = {p.name for p in law.parameters}
-    given = {n: 1.0 for n in swept if n in own}
-    for text in options.parameter or ():
-        name, equals, value = text.partition("=")
-        if not equals:
-            raise ParameterError(f"--parameter is {shown(text)}; give NAME=NUMBER.")
-        if name in given:
-            raise ParameterError(f"{name} is given twice; give it once.")
-        given[name] = number(value, name)
-    if given and set(given) <= set(swept) and options.mu is None:
-        return law
-    epsilon = getattr(options, "epsilon", None)
-    return law_named(options.contact, options.mu, motion=motion, epsilon=epsilon, others=given)
-
-
-def _disk(options: argparse.Namespace) -> Any:
-    from ..bodies.disk import Disk
-
-    given = {n: getattr(options, n) for n in ("mass", "radius", "k", "gravity")}
-    given = {n: v for n, v in given.items() if v is not None}
-    if options.disk is None:
-        return Disk(**given)
-    if given:
-        raise ParameterError(f"--{next(iter(given))} and --disk are both given; give one of them.")
-    return Disk.named(options.disk)
-
-
 def number(text: str, name: str) -> float:
     """A number that an option gives, by the name that a message uses."""
     try:
         return float(text)
     except ValueError:
         raise ParameterError(f"{name} is {shown(text)}; a number is needed.") from None
-
-
-def _at(text: str) -> float | list[float]:
-    parts = [number(part, "at") for part in str(text).split(",")]
-    return parts[0] if len(parts) == 1 else parts
 
 
 def _list(text: str) -> list[float]:

@@ -11,19 +11,21 @@ from typing import Any
 from ..base.errors import ParameterError, absent, shown
 from ..base.quantities import Kind
 from ..storage.json_text import json_text
-from .options import PARAMETER_HELP, _disk, add_scales, contact_of, overwriting
-from .subject.body_option import add_body, body_of, numbers_of_body
-from .subject.system_option import doubles, named_numbers, system_with_families
+from .options import overwriting
+from .subject import add_subject, body_numbers, moving, refuse_of_body, require
+from .system_option import doubles, exact_numbers
 from .terminal import progress_bar, waiting
 
-CONTACTS = (
-    "viscous, linear-viscous, smooth, rough, creep-1 to creep-3 (viscous with the slip eliminated, "
-    "for large mu), coulomb, coulomb-regularised, or module:Class for a law of your own"
-)
 MOST = 10_000_000
 """Most samples of a run."""
-
-
+STATES = {
+    "theta": "angle of the symmetry axis from the vertical [rad], π/2 is upright (needed)",
+    "theta_dot": "its rate (default 0, as below)", "phi_dot": "precession rate",
+    "omega3": "angular velocity along the symmetry axis",
+    "slip_x": "slip of the contact point across the disk",
+    "slip_y": "slip along the disk's tangent",
+}  # fmt: skip
+"""Options of the start of a disk or body, in the order of its states."""
 RESISTANCES = {
     "rolling_resistance": ("RHO", "moment -RHO·N·ω along the plane, against rolling [m s]"),
     "pivoting_resistance": ("SIGMA", "moment -SIGMA·N·ω about the vertical [m s]"),
@@ -42,32 +44,13 @@ def add_arguments(parser: argparse.ArgumentParser, words: Sequence[str] | None =
     words
         As for `add_body`.
     """
-    helps = {
-        "theta": "angle of the symmetry axis from the vertical [rad], π/2 is upright (needed)",
-        "theta-dot": "its rate (default 0, as below)", "phi-dot": "precession rate",
-        "omega3": "angular velocity along the symmetry axis",
-        "slip-x": "slip of the contact point across the disk",
-        "slip-y": "slip along the disk's tangent",
-    }  # fmt: skip
-    for name, text in helps.items():
-        parser.add_argument(f"--{name}", type=float, metavar="X", help=text)
-    parser.add_argument("--system", metavar="MODULE:NAME",
-                        help="a system of your own in place of the disk, or a family of it: "
-                        "module:name, or file.py:name; it may settle on its families that the "
-                        "module names")  # fmt: skip
+    for name, text in STATES.items():
+        parser.add_argument(_option(name), type=float, metavar="X", help=text)
     parser.add_argument("--start", metavar="NAME=X,…",
                         help="with --system: every state by name, such as q=0.1,v=0")  # fmt: skip
-    parser.add_argument("--mu", type=float, help="friction coefficient")
-    parser.add_argument("--epsilon", type=float, help="slip speed of coulomb-regularised")
-    parser.add_argument("--contact", help=f"{CONTACTS} (default viscous)")
-    parser.add_argument("--parameter", action="append", metavar="NAME=X", help=PARAMETER_HELP)
-    parser.add_argument("--disk", help="a real disk: quarter, le-saux, gymnastics-hoop")
-    parser.add_argument("--k", type=float, help="inertia factor in (0, 1/2] (default 1/4)")
-    add_scales(parser)
+    add_subject(parser, words, motion=True)
     for name, (letter, text) in RESISTANCES.items():
-        option = f"--{name.replace('_', '-')}"
-        parser.add_argument(option, type=float, metavar=letter, help=text)
-    add_body(parser, words, motion=True)
+        parser.add_argument(_option(name), type=float, metavar=letter, help=text)
     parser.add_argument("--time", type=float, metavar="T", help="last time (needed)")
     parser.add_argument("--points", type=int, default=None, metavar="N",
                         help="samples from 0 to T (default 201)")  # fmt: skip
@@ -98,10 +81,11 @@ def run(options: argparse.Namespace) -> None:
     from ..storage.files import together
 
     _check(options)
-    body = body_of(options, {})
+    launch = moving(options)
+    thing = launch["disk"] if options.system is None else None
     targets = _targets(options)
     with waiting("integrating"):
-        launch = _of_disk(options, body) if options.system is None else _of_own(options)
+        launch |= _start_of_body(options) if thing is not None else _start(options, launch["disk"])
         from ..motion.simulate import simulate
 
         dataset = simulate(
@@ -109,68 +93,48 @@ def run(options: argparse.Namespace) -> None:
             check=not options.no_check, max_seconds=options.max_seconds, **launch,
         )  # fmt: skip
     with together():
-        _draw(options, dataset, targets, body)
+        _draw(options, dataset, targets, thing)
         if options.out is not None:
             from ..motion.netcdf import write_motion
 
             write_motion(dataset, targets["out"], overwrite=options.force)
-    disk = launch["disk"] if options.system is None else None
-    _report(options, dataset, disk, targets)
+    _report(options, dataset, thing, targets)
 
 
-def _of_disk(options: argparse.Namespace, body: Any) -> dict[str, Any]:
-    """The launch of a disk or another body, as arguments of `simulate`."""
+def _option(name: str) -> str:
+    return f"--{name.replace('_', '-')}"
+
+
+def _start_of_body(options: argparse.Namespace) -> dict[str, Any]:
+    """Start and resistances of a disk or body, as arguments of `simulate`."""
     from ..bodies import resistance
-    from ..bodies.thin_disk.disk_equations import STATES
 
-    contact = contact_of(options, motion=True)
-    start = [getattr(options, name) or 0.0 for name in STATES]
-    pose = options.pose or options.film is not None or options.plot is not None
     kinds = (resistance.RollingResistance, resistance.PivotingResistance, resistance.AirTorque)
     given = zip(kinds, (getattr(options, n) for n in RESISTANCES), strict=True)
-    against = [kind(value) for kind, value in given if value is not None]
     return {
-        "disk": _disk(options) if body is None else body, "contact": contact, "start": start,
-        "pose": pose, "resistance": against or None,
-    }  # fmt: skip
+        "start": [getattr(options, name) or 0.0 for name in STATES],
+        "pose": options.pose or options.film is not None or options.plot is not None,
+        "resistance": [kind(value) for kind, value in given if value is not None] or None,
+    }
 
 
-DISK = (
-    "theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y", "mu", "epsilon", "contact",
-    "disk", "k", "mass", "radius", "gravity", "pose", "film", *RESISTANCES,
-)  # fmt: skip
-"""Options of the disk."""
-
-
-def _of_own(options: argparse.Namespace) -> dict[str, Any]:
-    """The launch of a user's system, as arguments of `simulate`."""
-    system, families = system_with_families(options.system)
-    start = named_numbers("start", options.start.split(","), system.states, system.name)
-    given = named_numbers("parameter", options.parameter or (), system.parameters, system.name)
-    missing = [n for n in system.parameters if n not in given]
-    if missing:
-        how = " ".join(f"--parameter {n}=NUMBER" for n in missing)
-        raise ParameterError(f"{absent(missing)}; give {how}.")
-    return {
-        "disk": system, "start": doubles(start), "contact": doubles(given), "families": families
-    }  # fmt: skip
+def _start(options: argparse.Namespace, system: Any) -> dict[str, Any]:
+    """Start and numbers of a user's system, as arguments of `simulate`."""
+    start = exact_numbers("start", options.start.split(","), system.states, system.name)
+    given = exact_numbers("set", options.set, system.parameters, system.name)
+    require(given, system.parameters)
+    return {"start": doubles(start), "contact": doubles(given)}
 
 
 def _check(options: argparse.Namespace) -> None:
     """Refuse options that do not go together, before anything is imported."""
-    if options.system is None or options.body is not None:
-        if options.start is not None:
-            raise ParameterError(
-                "--start belongs to --system; a disk takes --theta and the others."
-            )
-        _need(options, "theta", "time")
+    if options.system is not None and options.body is None:
+        refuse_of_body(options, *STATES, "pose", "film", *RESISTANCES)
+        _need(options, "start", "time")
         return
-    for key in DISK:
-        given = getattr(options, key)
-        if given is not None and given is not False:
-            option = key.replace("_", "-")
-            raise ParameterError(f"--{option} belongs to the disk; with --system leave it out.")
-    _need(options, "start", "time")
+    if options.start is not None:
+        raise ParameterError("--start belongs to --system; a disk takes --theta and the others.")
+    _need(options, "theta", "time")
 
 
 def _need(options: argparse.Namespace, *names: str) -> None:
@@ -215,7 +179,7 @@ def _targets(options: argparse.Namespace) -> dict[str, Path]:
     return targets
 
 
-def _draw(options: argparse.Namespace, dataset: Any, targets: dict[str, Path], body: Any) -> None:
+def _draw(options: argparse.Namespace, dataset: Any, targets: dict[str, Path], thing: Any) -> None:
     from ..storage.files import atomic_write
 
     if "plot" in targets:
@@ -228,6 +192,7 @@ def _draw(options: argparse.Namespace, dataset: Any, targets: dict[str, Path], b
         with progress_bar("frames") as progress:
             from ..figures.launch.animate import animate
 
+            body = None if options.body is None else thing
             animate(dataset, targets["film"], overwrite=options.force, progress=progress, body=body)
 
 
@@ -287,8 +252,6 @@ def _report(options: argparse.Namespace, dataset: Any, disk: Any, targets: dict[
 
 
 def _states(dataset: Any, disk: Any) -> list[str]:
-    from ..bodies.thin_disk.disk_equations import STATES
-
     return list(STATES) if disk is not None else json.loads(dataset.attrs["states"])
 
 
@@ -309,7 +272,7 @@ def _named(options: argparse.Namespace, dataset: Any, disk: Any) -> dict[str, An
     """What was launched."""
     if options.body is not None:
         numbers = json.loads(dataset.attrs["parameters"])
-        moments = {n: v for n, v in numbers_of_body(disk, None).items() if n not in numbers}
+        moments = {n: float(v) for n, v in body_numbers(disk).items() if n not in numbers}
         return {"body": disk.name, "contact": options.contact, "parameters": numbers | moments}
     if disk is not None:
         return {"contact": options.contact}

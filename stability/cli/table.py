@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..base.errors import ParameterError
-from .options import CONTACTS, _axis, _list, overwriting
-from .subject.body_option import add_body, body_of
+from .body_option import add_body, body_of
+from .options import _axis, _list, overwriting
+from .subject import CONTACTS, add_numbers
 from .terminal import progress_bar
 
 FORMS = ("json", "csv", "latex")
@@ -41,7 +42,7 @@ def _table(options: argparse.Namespace) -> None:
 
 def _settings(options: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
     """The family and the keyword arguments of `stability.table`; what is not given is left out."""
-    from .subject.system_option import doubles, family_named, numbers
+    from .system_option import doubles, exact_numbers, family_named
 
     family: Any = options.family
     plain = ("k", "mu", "contact", "tilt", "at", "time", "systems")
@@ -63,8 +64,8 @@ def _settings(options: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
     if options.decimals:
         settings["decimals"] = True
     if options.system is None:
-        if options.parameter:
-            raise ParameterError("--parameter belongs to `table … --system`; leave it out.")
+        if options.set:
+            raise ParameterError("--set belongs to `table … --system`; leave it out.")
         return family, settings
     if family is not None:
         raise ParameterError("give --system MODULE:FAMILY or --family, one of them.")
@@ -79,7 +80,8 @@ def _settings(options: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
             )
             raise ParameterError(f"{key} belongs to {what}; with --system leave it out.")
     family = family_named(options.system)
-    given = numbers(options.parameter, family)
+    names = (*family.at, *family.parameters)
+    given: dict[str, Any] = dict(exact_numbers("set", options.set, names, family.name))
     return family, settings | (given if options.name == "conditions" else doubles(given))
 
 
@@ -123,12 +125,12 @@ def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None = No
                      help="`benchmarks`: names of systems or words of names, comma-separated "
                      "(default: all)")  # fmt: skip
     sub.add_argument("--contact", help=f"`conditions`, `drift`, `hopf`, `launches`, `codimension "
-                     f"--family`: one law of {CONTACTS}")  # fmt: skip
+                     f"--family`: one law of {CONTACTS}, or module:Class of your own")  # fmt: skip
     for name, unit in (("mass", "kg"), ("radius", "m"), ("gravity", "m/s²")):
         sub.add_argument(f"--{name}", type=float, help=f"{name} of the disk [{unit}], where --k is "
                          "taken (default 1)")  # fmt: skip
     _of_family(sub)
-    add_body(sub, words, motion=True)
+    add_body(sub, words, place=False)
 
 
 def _of_family(sub: argparse.ArgumentParser) -> None:
@@ -146,6 +148,5 @@ def _of_family(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--decimals", action="store_true",
                      help="`conditions --system`: read a number of the equations, such as 9.81, as "
                      "the decimal, not as its nearest double")  # fmt: skip
-    sub.add_argument("--parameter", action="append", metavar="NAME=X",
-                     help="--system: a number for a parameter, such as g=9.81 or r=3/10, which "
-                     "`conditions` takes exactly; once for each")  # fmt: skip
+    add_numbers(sub, "--system: a number for a parameter, such as g=9.81 or r=3/10, which "
+                "`conditions` takes exactly; once for each")  # fmt: skip

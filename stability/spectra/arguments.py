@@ -322,8 +322,16 @@ def _check_members(problem: Problem, axis_values: Mapping[str, Floats]) -> None:
         problem.family.member(a, q)
 
 
-def _opened(family: Family, given: Mapping[str, Any]) -> dict[str, Any]:
-    """The parameters by name, with those of a mapping called `parameters`."""
+def opened(family: Family, given: Mapping[str, Any]) -> dict[str, Any]:
+    """The parameters by name, with those of a mapping called `parameters`.
+
+    Parameters
+    ----------
+    family
+        The family.
+    given
+        What the caller gave by name.
+    """
     inner = given.get("parameters")
     if "parameters" in (*family.at, *family.parameters) or not isinstance(inner, Mapping):
         return dict(given)
@@ -385,7 +393,7 @@ def problem_of(
                 f"disk and contact belong to the disk's families; {family.name} takes "
                 f"{', '.join(family.parameters) or 'no parameters'}."
             )
-        return system_problem(family, at, _opened(family, parameters))
+        return system_problem(family, at, opened(family, parameters))
     at = at_by_name(family, at, parameters, ("lean",) if lean is not None else ())
     law: Any = law_only(contact, parameters)
     if law is None:

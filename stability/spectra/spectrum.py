@@ -24,7 +24,7 @@ from ..bodies.thin_disk.disk_families import FAMILIES, DiskFamily
 from ..bodies.thin_disk.disk_quantities import QUANTITIES
 from ..systems.family import Family
 from ..systems.sources.numeric import NumericSystem
-from .arguments import problem_of
+from .arguments import opened, problem_of
 from .problem import Problem
 from .result import NOT_ASKED, Proof, Spectrum
 from .routes.numeric import numeric_spectrum
@@ -157,7 +157,8 @@ def _check_named(family: Any, body: Any, parameters: Mapping[str, Any]) -> None:
     names = known.at if isinstance(known, (Family, DiskFamily, RoundFamily)) else ()
     if isinstance(known, Family) and not names:
         return  # a system without parameters: the member stands alone
-    if names and set(names) <= set(parameters):
+    given = opened(known, parameters) if isinstance(known, Family) else parameters
+    if names and set(names) <= set(given):
         return
     own = f", here {' and '.join(names)}" if names else ""
     raise ParameterError(f"at is missing; it names the member of the family{own}.")

@@ -272,7 +272,7 @@ def test_the_command_line_takes_a_law_from_a_module(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     law = ["--contact", "own_law:Weakening"]
-    given = [*law, "--parameter", "nu=0.3"]
+    given = [*law, "--set", "nu=0.3"]
     assert main(["spectrum", "rolling", *given, "--at", "2", "--json"]) == 0
     mine = json.loads(capsys.readouterr().out)
     assert main(["spectrum", "rolling", "--mu", "0.3", "--at", "2", "--json"]) == 0
@@ -293,15 +293,15 @@ def test_the_command_line_takes_a_law_from_a_module(
     ("words", "why"),
     [
         (["own_law:Weakening"], "nu is missing; the weakening law needs"),
-        (["own_law:Weaken", "--parameter", "nu=1"], "cannot be imported"),
+        (["own_law:Weaken", "--set", "nu=1"], "cannot be imported"),
         (["no_such_module:Law"], "cannot be imported"),
         (["os:path"], "not a subclass of Contact"),
         (["own law:x y"], "give `module:Class`"),
-        (["own_law:Weakening", "--parameter", "nu"], "give NAME=NUMBER"),
-        (["own_law:Weakening", "--parameter", "nu=a"], "a number is needed"),
-        (["own_law:Weakening", "--parameter", "nu=1", "--parameter", "nu=2"], "given twice"),
-        (["own_law:Weakening", "--parameter", "nu=1", "--mu", "2"], "has no coefficient"),
-        (["viscous", "--mu", "2", "--parameter", "nu=1"], "the viscous law has none"),
+        (["own_law:Weakening", "--set", "nu"], "give NAME=NUMBER"),
+        (["own_law:Weakening", "--set", "nu=a"], "a number is needed"),
+        (["own_law:Weakening", "--set", "nu=1", "--set", "nu=2"], "given twice"),
+        (["own_law:Weakening", "--set", "nu=1", "--mu", "2"], "has no coefficient"),
+        (["viscous", "--mu", "2", "--set", "nu=1"], "the viscous law has none"),
     ],
 )
 def test_a_wrong_law_on_the_command_line_is_one_sentence(
@@ -366,7 +366,7 @@ def test_one_number_is_given_and_the_other_swept(
     capsys.readouterr()
     assert json.loads(st.read_map(tmp_path / "m.nc").attrs["parameters"])["mu"] == 0.3
     assert main(["spectrum", "rolling", "--at", "2", "--contact", "two_numbers:Law", "--mu", "0.3",
-                 "--parameter", "beta=0.5"]) == 0  # fmt: skip
+                 "--set", "beta=0.5"]) == 0  # fmt: skip
     assert "mu = 0.3, beta = 0.5" in capsys.readouterr().out.splitlines()[0]
 
 

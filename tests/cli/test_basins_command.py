@@ -232,7 +232,7 @@ GOOD = (
         ((*GOOD, "--chunk", "0"), "chunk"),
         ((*GOOD[:6], "--time", "-1", "--out", "a.zarr"), "horizon is -1"),
         ((*GOOD, "--x", "mu:0.1:1:3"), "mu is given as --mu and as an axis"),
-        ((*GOOD, "--system", f"{EXAMPLES}/watt_governor.py:running"), "--mu does not go with"),
+        ((*GOOD, "--system", f"{EXAMPLES}/watt_governor.py:running"), "--mu belongs to the disk"),
         ((*GOOD, "--family", "rolling", "--x", "at:1:2:3", "--y", "tilt:0:2:9"), "the tilt takes"),
     ],
 )

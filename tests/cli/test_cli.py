@@ -176,11 +176,11 @@ UPRIGHT = "examples/bicycle.py:upright"
 
 
 def test_spectrum_of_ones_own_system(capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["spectrum", "--system", UPRIGHT, "--parameter", "g=9.81"]
+    words = ["spectrum", "--system", UPRIGHT, "--set", "g=9.81"]
     text = output(capsys, *words, "--at", "5")
     assert text.startswith("bicycle, upright, at v = 5, g = 9.81\nverdict     stable")
     assert "disk" not in text
-    body = json.loads(output(capsys, *words, "--parameter", "v=5", "--certify", "--json"))
+    body = json.loads(output(capsys, *words, "--set", "v=5", "--certify", "--json"))
     assert body["system"] == "bicycle"
     assert body["at"] == {"v": 5.0}
     assert body["parameters"] == {"g": 9.81}
@@ -188,6 +188,25 @@ def test_spectrum_of_ones_own_system(capsys: pytest.CaptureFixture[str]) -> None
     assert "contact" not in body
     weave = complex(*body["eigenvalues"][1])  # Meijaard et al. 2007, table 2
     assert abs(weave - complex(-0.77534188219585, -4.46486771378823)) < 1e-12
+
+
+def test_every_number_may_be_set_by_name(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["spectrum", "rolling", "--at", "1.2", "--json"]
+    known = json.loads(output(capsys, *words, "--mu", "0.4", "--k", "0.5"))
+    for option in ("--set", "--parameter"):
+        named = json.loads(output(capsys, *words, option, "mu=0.4", option, "k=0.5"))
+        assert named == known
+    tyre = ["boundaries", "rolling", "--body", "torus", "--axis", "at:0.1:3:9", "--json"]
+    known = json.loads(output(capsys, *tyre, "--tube", "0.2", "--mu", "0.3"))
+    assert json.loads(output(capsys, *tyre, "--set", "tube=0.2", "--set", "mu=0.3")) == known
+    for more, sentence in (
+        (["--mu", "1", "--set", "mu=2"], "mu is given as --mu and by --set"),
+        (["--set", "mu=1", "--set", "mu=2"], "mu is given twice"),
+        (["--set", "mu"], "give NAME=NUMBER"),
+        (["--mu", "1", "--set", "h=2"], "h is given but the viscous law has none"),
+    ):
+        assert main([*words, *more]) == 2
+        assert sentence in capsys.readouterr().err
 
 
 def test_numbers_of_ones_own_system_are_exact_as_they_are_written(
@@ -202,7 +221,7 @@ def test_numbers_of_ones_own_system_are_exact_as_they_are_written(
         "rest = st.Family(s, 'rest', at=('a',), held={'q': 0.0, 'v': 0.0})\n"
     )
     place = f"{tmp_path / 'own.py'}:rest"
-    words = ["spectrum", "--system", place, "--at", "0.9", "--parameter", "b=3/10", "--certify"]
+    words = ["spectrum", "--system", place, "--at", "0.9", "--set", "b=3/10", "--certify"]
     text = output(capsys, *words)
     assert text.startswith("own, rest, at a = 0.9 1/s², b = 0.3 m\nverdict     neutral")
 
@@ -227,22 +246,22 @@ def test_map_of_ones_own_system(capsys: pytest.CaptureFixture[str], tmp_path: Pa
     (["spectrum", "--at", "5"], "FAMILY is missing"),
     (["spectrum", UPRIGHT, "--at", "5"], "give --system examples/bicycle.py:upright instead"),
     (["spectrum", "rolling", "--system", UPRIGHT, "--at", "5"], "give one of them"),
-    (["spectrum", "--system", UPRIGHT, "--at", "5"], "g is missing; give --parameter g=NUMBER"),
-    (["spectrum", "--system", UPRIGHT, "--parameter", "g=9"], "v is missing"),
-    (["spectrum", "--system", UPRIGHT], "v and g are missing; give --parameter v=NUMBER --param"),
+    (["spectrum", "--system", UPRIGHT, "--at", "5"], "g is missing; give --set g=NUMBER"),
+    (["spectrum", "--system", UPRIGHT, "--set", "g=9"], "v is missing"),
+    (["spectrum", "--system", UPRIGHT], "v and g are missing; give --set v=NUMBER --set"),
     (["spectrum", "--system", UPRIGHT, "--at", "1,2"], "upright takes v, 1 number"),
     (["spectrum", "--system", UPRIGHT, "--at", "x"], "v is 'x'; a number such as 9.81"),
     (["spectrum", "--system", UPRIGHT, "--at", "inf"], "a finite number"),
     (["spectrum", "--system", UPRIGHT, "--at", "5", "--mu", "1"], "--mu belongs to the disk"),
     (["spectrum", "--system", UPRIGHT, "--lean", "0"], "--lean belongs to the disk"),
     (["spectrum", "--system", UPRIGHT, "--contact", "rough"], "--contact belongs to the disk"),
-    (["spectrum", "--system", UPRIGHT, "--at", "5", "--parameter", "v=5"], "v is given by --at"),
-    (["spectrum", "--system", UPRIGHT, "--at", "5", "--parameter", "h=5"], "upright has v, g"),
+    (["spectrum", "--system", UPRIGHT, "--at", "5", "--set", "v=5"], "v is given by --at"),
+    (["spectrum", "--system", UPRIGHT, "--at", "5", "--set", "h=5"], "upright has v, g"),
     (["map", "--system", UPRIGHT, "--x", "v:1:2:3", "--y", "k:1:2:3", "--out", "m.nc"],
      "axis is 'k'; known for upright are v, g"),
     (["map", "--system", UPRIGHT, "--x", "v:1:2:3", "--y", "g:1:2:3", "--at", "1", "--out", "m.nc"],
      "--at means v here"),
-    (["map", "--system", UPRIGHT, "--x", "v:1:2:3", "--y", "g:1:2:3", "--parameter", "g=1",
+    (["map", "--system", UPRIGHT, "--x", "v:1:2:3", "--y", "g:1:2:3", "--set", "g=1",
       "--out", "m.nc"], "g is given as a number and as an axis"),
 ])  # fmt: skip
 def test_bad_input_for_ones_own_system_ends_with_one_sentence(
@@ -534,13 +553,13 @@ def test_boundaries_of_a_system_are_printed_with_the_statement_that_they_are_all
         "rest = st.Family(s, 'rest', at=('c',), held={'q': 0, 'v': 0})\n"
     )
     words = ["boundaries", "--system", f"{tmp_path / 'swing.py'}:rest", "--axis", "c:-1:2:9"]
-    found = json.loads(output(capsys, *words, "--parameter", "d=0.1", "--json"))
+    found = json.loads(output(capsys, *words, "--set", "d=0.1", "--json"))
     [one] = found["boundaries"]
     assert abs(one["value"] - 0.1) <= one["error"] < 1e-15
     assert (one["crossing"], one["stable_below"]) == ("flutter", False)
     assert found["complete"]
     assert found["statement"].startswith("every change of verdict along c was found")
-    text = output(capsys, *words, "--parameter", "d=0.1")
+    text = output(capsys, *words, "--set", "d=0.1")
     assert "c = 0.1" in text
     assert found["statement"] in text
     assert main(words) == 2

@@ -152,8 +152,8 @@ def swing(tmp_path: Path) -> str:
 
 
 def start_swing(place: str) -> list[str]:
-    return ["simulate", "--system", place, "--start", "q=1/10,v=0", "--param", "k=4",
-            "--param", "c=0.4"]  # fmt: skip
+    return ["simulate", "--system", place, "--start", "q=1/10,v=0", "--set", "k=4",
+            "--set", "c=0.4"]  # fmt: skip
 
 
 @pytest.mark.long
@@ -185,7 +185,7 @@ def test_simulate_takes_ones_own_system_or_a_family_of_it(
 def test_a_system_without_families_runs_without_a_nearest_motion(
     capsys: pytest.CaptureFixture[str], swing: str
 ) -> None:
-    words = ["simulate", "--system", f"{swing}:alone", "--start", "q=1", "--param", "k=1"]
+    words = ["simulate", "--system", f"{swing}:alone", "--start", "q=1", "--set", "k=1"]
     found = json.loads(output(capsys, *words, "--time", "2", "--points", "3", "--json"))
     assert found["final"]["q"] == pytest.approx(math.exp(-2), rel=1e-8)
     assert found["nearest"] is None
@@ -199,18 +199,18 @@ def test_a_system_without_families_runs_without_a_nearest_motion(
         ("rest", ["--time", "1"], "--start is missing; give NAME=NUMBER for each state"),
         ("rest", [], "--start and --time are missing; give NAME=NUMBER for each state, and a last"),
         ("rest", ["--start", "q=1,v=0", "--time", "1"],
-         "k and c are missing; give --parameter k=NUMBER --parameter c=NUMBER"),
+         "k and c are missing; give --set k=NUMBER --set c=NUMBER"),
         ("rest", ["--start", "q=0.1,v=0"], "--time is missing"),
-        ("rest", ["--start", "q=0.1", "--time", "1", "--param", "k=4", "--param", "c=1"],
+        ("rest", ["--start", "q=0.1", "--time", "1", "--set", "k=4", "--set", "c=1"],
          "start does not name v; give q, v"),
-        ("rest", ["--start", "q=0.1,w=0", "--time", "1"], "start is 'w'; swing has q, v"),
+        ("rest", ["--start", "q=0.1,w=0", "--time", "1"], "--start names 'w'; swing has q, v"),
         ("rest", ["--start", "q=0.1,q=0", "--time", "1"], "q is given twice"),
         ("rest", ["--start", "q=x,v=0", "--time", "1"], "q is 'x'; a number such as"),
         ("rest", ["--start", "0.1,0", "--time", "1"], "--start is '0.1'; give NAME=NUMBER"),
-        ("rest", ["--start", "q=0.1,v=0", "--time", "1", "--param", "k=4"],
-         "c is missing; give --parameter c=NUMBER"),
-        ("rest", ["--start", "q=0.1,v=0", "--time", "1", "--param", "m=4"],
-         "parameter is 'm'; swing has k, c"),
+        ("rest", ["--start", "q=0.1,v=0", "--time", "1", "--set", "k=4"],
+         "c is missing; give --set c=NUMBER"),
+        ("rest", ["--start", "q=0.1,v=0", "--time", "1", "--set", "m=4"],
+         "--set names 'm'; swing has k, c"),
         ("rest", ["--start", "q=0.1,v=0", "--theta-dot", "0", "--time", "1"],
          "--theta-dot belongs to the disk"),
         ("rest", ["--start", "q=0.1,v=0", "--time", "1", "--film", "f.html"],

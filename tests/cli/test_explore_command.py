@@ -12,7 +12,7 @@ LONG = pytest.mark.long
 @pytest.mark.parametrize("words", [
     pytest.param(["rolling", "--contact", "rough", "--k", "0.5", "--at", "0.8"], marks=LONG),
     pytest.param(["rolling", "--body", "torus", "--tube", "0.2", "--mu", "0.3"], marks=LONG),
-    ["--system", "examples/bicycle.py:upright", "--at", "5", "--parameter", "g=9.81"],
+    ["--system", "examples/bicycle.py:upright", "--at", "5", "--set", "g=9.81"],
 ])  # fmt: skip
 def test_a_page_is_written_for_the_disk_a_body_and_a_system(
     words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -30,15 +30,15 @@ def test_a_page_is_written_for_the_disk_a_body_and_a_system(
     [
         (["rolling", "--k", "0.7"], "k is 0.7"),
         (["wobbling"], "wobbling"),
-        (["--parameter", "nu=1"], "--parameter"),
+        (["--set", "nu=1"], "--set"),
         (["--positive", "v"], "--positive"),
         (["--contact", "mylaw:Law"], "stored laws"),
         (["--x", "at:1"], "NAME:LO:HI"),
         (["--x", "at:one:2"], "one"),
         (["--mass", "-2"], "mass is -2"),
         (["--system", "examples/bicycle.py:upright", "--at", "5"], "g is missing"),
-        (["--system", "examples/watt_governor.py:running", "--parameter", "e=1", "--parameter",
-          "a=1", "--parameter", "b=1"], "no member at a = 1, b = 1"),
+        (["--system", "examples/watt_governor.py:running", "--set", "e=1", "--set",
+          "a=1", "--set", "b=1"], "no member at a = 1, b = 1"),
     ],
 )  # fmt: skip
 def test_bad_options_are_one_sentence(

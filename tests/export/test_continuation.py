@@ -282,7 +282,7 @@ def test_equilibria_that_are_not_isolated_are_refused(tmp_path: Path) -> None:
 
 
 def test_the_commands_write_their_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    rest = ["spinning", "--axis", "phi_dot:5:1.8", "--parameter", "k=1/4", "--parameter", "mu=0.8"]
+    rest = ["spinning", "--axis", "phi_dot:5:1.8", "--set", "k=1/4", "--set", "mu=0.8"]
     for word, names in (
         ("auto", ["c.spinning", "spinning.c"]),
         ("bifurcationkit", ["spinning.jl"]),
@@ -301,7 +301,7 @@ def test_the_command_takes_the_numbers_of_a_body(
     tmp_path: Path, capsys: pytest.CaptureFixture[str],
 ) -> None:  # fmt: skip
     family = st.Torus(0.2).family("spinning", "viscous")
-    rest = ["--parameter", "phi_dot=3", "--out"]
+    rest = ["--set", "phi_dot=3", "--out"]
     start = ["export", "auto", "spinning", "--body", "torus"]
     known = st.auto_input(family, tmp_path / "a", free="mu", start=0.1, stop=2.0, tube=0.2,
                           phi_dot=3.0)  # fmt: skip
@@ -309,12 +309,12 @@ def test_the_command_takes_the_numbers_of_a_body(
     assert main([*start, *mu, *rest, str(tmp_path / "b")]) == 0
     known_tube = st.auto_input(family, tmp_path / "c", free="tube", start=0.1, stop=0.3, mu=0.8,
                                phi_dot=3.0)  # fmt: skip
-    tube = ["--axis", "tube:0.1:0.3", "--parameter", "mu=0.8"]
+    tube = ["--axis", "tube:0.1:0.3", "--set", "mu=0.8"]
     assert main([*start, *tube, *rest, str(tmp_path / "d")]) == 0
     for one, other in ((known, "b"), (known_tube, "d")):
         for path in one.iterdir():
             assert path.read_bytes() == (tmp_path / other / path.name).read_bytes()
-    assert main([*start, *mu, "--parameter", "tube=0.3", *rest, str(tmp_path / "e")]) == 2
+    assert main([*start, *mu, "--set", "tube=0.3", *rest, str(tmp_path / "e")]) == 2
     assert "tube is a number of the body; give it there alone" in capsys.readouterr().err
 
 

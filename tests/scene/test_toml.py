@@ -252,7 +252,7 @@ def test_a_file_that_states_something_else_is_refused_in_a_sentence(
     assert sentence in str(told.value)
     assert "a scene.toml" in str(told.value)
     assert "--mu" not in str(told.value)  # a file has keys, not options
-    assert "--parameter" not in str(told.value)
+    assert "--set" not in str(told.value)
 
 
 @pytest.mark.parametrize(

@@ -164,7 +164,7 @@ def test_a_hover_drifts_in_every_answer(tmp_path: Any, capsys: Any) -> None:
     file = tmp_path / "hover.py"
     file.write_text(HOVER)
     assert main(["boundaries", "--system", f"{file}:level", "--axis", "c:-1:1:9",
-                 "--parameter", "m=4", "--at", "3"]) == 0  # fmt: skip
+                 "--set", "m=4", "--at", "3"]) == 0  # fmt: skip
     assert "static, drifting above" in capsys.readouterr().out
 
 

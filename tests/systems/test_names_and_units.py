@@ -153,6 +153,7 @@ def test_a_parameter_with_the_name_of_an_argument_is_given_in_parameters() -> No
         st.spectrum(family, at=2.0, x=0.0, parameters=given | {"x": 0.0})
     family = decay(("gain", "lean"))
     assert st.spectrum(family, at=2.0, parameters={"lean": 3.0}).abscissa == -1.0
+    assert st.spectrum(family, parameters={"gain": 2.0, "lean": 3.0}).abscissa == -1.0
     with pytest.raises(ParameterError, match="parameters"):
         st.spectrum(family, at=2.0, lean=3.0)
 

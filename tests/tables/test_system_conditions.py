@@ -149,7 +149,7 @@ def test_the_command_prints_text_latex_and_json(capsys: pytest.CaptureFixture[st
     assert zero.free_symbols == {v, g}
     capsize = max(map(float, sympy.Poly(zero.subs(g, sympy.Rational(981, 100)), v).nroots()))
     assert abs(capsize - 6.024262015) < 1e-8  # Meijaard et al. 2007, § 5
-    fixed = json.loads(printed(capsys, *words[:3], "v", "--parameter", "g=9.81", "--json"))
+    fixed = json.loads(printed(capsys, *words[:3], "v", "--set", "g=9.81", "--json"))
     assert fixed["given"] == {"g": "981/100"}  # a text is exact
     assert "decimals=True" in fixed["numbers"]
     short = json.loads(printed(capsys, *words, "--decimals", "--json"))
@@ -232,10 +232,10 @@ def test_latex_of_an_example_compiles(capsys: pytest.CaptureFixture[str], tmp_pa
     (("conditions", "--system", BICYCLE, "--k", "0.25"), "belongs to the disk"),
     (("conditions", "--system", BICYCLE, "--latex", "--json"), "both given"),
     (("conditions", "--system", BICYCLE, "--positive", "w"), "positive is 'w'"),
-    (("conditions", "--system", BICYCLE, "--parameter", "g"), "NAME=NUMBER"),
-    (("conditions", "--system", BICYCLE, "--parameter", "h=1"), "parameter is 'h'"),
-    (("conditions", "--system", BICYCLE, "--parameter", "family=1"), "parameter is 'family'"),
-    (("conditions", "--system", BICYCLE, "--parameter", "g=1/0"), "g is '1/0'"),
+    (("conditions", "--system", BICYCLE, "--set", "g"), "NAME=NUMBER"),
+    (("conditions", "--system", BICYCLE, "--set", "h=1"), "--set names 'h'"),
+    (("conditions", "--system", BICYCLE, "--set", "family=1"), "--set names 'family'"),
+    (("conditions", "--system", BICYCLE, "--set", "g=1/0"), "g is '1/0'"),
     (("conditions", "--decimals"), "family of your own (--system)"),
     (("conditions", "--positive", "v"), "family of your own (--system)"),
 ])  # fmt: skip

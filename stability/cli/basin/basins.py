@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any
 from ...base.checks import whole_number
 from ...base.errors import FileError, ParameterError
 from ...storage.json_text import json_text
-from ..options import PARAMETER_HELP, _picture, add_scales, overwriting, scheduling
-from ..simulate import CONTACTS
-from ..subject.body_option import add_body
+from ..options import _picture, overwriting, scheduling
+from ..subject import add_subject
 from ..terminal import progress_bar, say
 from .launched import KINDS, launched
 
@@ -68,19 +67,7 @@ def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None) -> 
     )
     sub.add_argument("--family", help="launch near rolling, spinning, tumbling or, of a "
                      "body, vertical, the axis tilted")  # fmt: skip
-    sub.add_argument("--set", action="append", metavar="NAME=VALUE",
-                     help="any other number, once for each; other states are 0")  # fmt: skip
-    sub.add_argument("--system", metavar="MODULE:NAME",
-                     help="a system of your own in place of the disk, or a family of it; its "
-                     "numbers are set by --set")  # fmt: skip
-    add_body(sub, words)
-    sub.add_argument("--mu", type=float, help="friction coefficient")
-    sub.add_argument("--epsilon", type=float, help="slip speed of coulomb-regularised")
-    sub.add_argument("--contact", help=f"{CONTACTS} (default viscous)")
-    sub.add_argument("--parameter", action="append", metavar="NAME=X", help=PARAMETER_HELP)
-    sub.add_argument("--disk", help="a real disk: quarter, le-saux, gymnastics-hoop")
-    sub.add_argument("--k", type=float, help="inertia factor in (0, 1/2] (default 1/4)")
-    add_scales(sub)
+    add_subject(sub, words, motion=True, place=True)
     sub.add_argument("--time", type=float, required=True, metavar="T", help="last time")
     sub.add_argument("--tolerance", type=float, default=1e-9, metavar="E",
                      help="error allowed in a step (default 1e-9)")  # fmt: skip

@@ -7,16 +7,14 @@ from collections.abc import Sequence
 from typing import Any
 
 from ...base.errors import NameUnknownError, ParameterError, absent, listed, shown
-from ..options import _axis, _disk, contact_of, number
-from ..subject.body_option import body_of, where_of
-from ..subject.system_option import system_with_families
+from ..body_option import where_of
+from ..options import _axis, number
+from ..subject import moving, refuse_of_body
 
 KINDS = {"uniform": "LOW:HIGH", "log": "LOW:HIGH", "normal": "MEAN:DEVIATION"}
 """Distributions of --sample, and their two numbers."""
 NUMBERS = ("mu", "k", "mass", "radius", "gravity")
 """Options that may be axes too."""
-OF_DISK = ("disk", "contact", "parameter", "epsilon", "family", "body", *NUMBERS)
-"""Options that a system of one's own does not have."""
 
 
 def launched(options: argparse.Namespace) -> dict[str, Any]:
@@ -37,25 +35,16 @@ def launched(options: argparse.Namespace) -> dict[str, Any]:
     names = [a[0] for a in axes] or list(varied["distribution"])
     held = _held(options, names)
     if options.system is not None:
-        for key in OF_DISK:
-            if getattr(options, key) is not None:
-                raise ParameterError(
-                    f"--{key} does not go with --system; leave it out, and give numbers by --set."
-                )
-        system, families = system_with_families(options.system)
-        return varied | {"disk": system, "families": families, "held": held}
+        refuse_of_body(options, "family", "body")
+        return varied | moving(options) | {"held": held}
     for name in NUMBERS:
         if name in (*names, *held) and getattr(options, name) is not None:
             twice = "as an axis" if name in names else "by --set"
             raise ParameterError(f"{name} is given as --{name} and {twice}; give it once.")
     options.family = options.family or ""
-    body = body_of(options, {a[0]: a for a in axes})
-    contact = contact_of(options, motion=True, swept={*names, *held})
-    thing = _disk(options) if body is None else body
-    where = {} if body is None else where_of(options)
-    return varied | where | {
-        "disk": thing, "contact": contact, "held": held, "family": options.family
-    }  # fmt: skip
+    found = moving(options, {a[0]: a for a in axes}, coefficients={*names, *held})
+    where = {} if options.body is None else where_of(options)
+    return varied | where | found | {"held": held, "family": options.family}
 
 
 def _varied(options: argparse.Namespace) -> dict[str, Any]:

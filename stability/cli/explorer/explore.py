@@ -7,16 +7,17 @@ from typing import Any
 
 from ...base.errors import ParameterError
 from ...storage.json_text import json_text
-from ..options import _at, _disk, number
-from ..subject.body_option import body_of, where_of
-from ..subject.system_option import doubles, own_family, with_at
+from ..body_option import body_of, where_of
+from ..options import number
+from ..subject import at_of, disk_of, numbers_and_at, own_family, set_numbers
+from ..system_option import doubles
 
 EXAMPLES = (
     "stability explore --out page.html",
     "stability explore rolling --contact rough --k 0.5 --at 0.8 --out hoop.html",
     "stability explore rolling --body torus --tube 0.2 --mu 0.3 --out tyre.html",
     "stability explore rolling --disk quarter --at 40 --mu 0.9 --out coin.html",
-    "stability explore --system examples/bicycle.py:upright --at 5 --parameter g=9.81 "
+    "stability explore --system examples/bicycle.py:upright --at 5 --set g=9.81 "
     "--x v:0.1:10 --out bicycle.html",
 )
 """Examples in the help of the command."""
@@ -45,26 +46,25 @@ def _explore(options: argparse.Namespace) -> None:
         raise ParameterError("--contact names a law of your own; the page draws stored laws.")
     axes: dict[str, Any] = {"x": _axis(options.x, "x"), "y": _axis(options.y, "y")}
     common: dict[str, Any] = axes | {"out": options.out, "overwrite": options.force}
-    swept = {a[0]: a for a in axes.values() if a is not None}
-    body = body_of(options, swept)
-    if body is None and options.system is not None:
+    if options.body is None and options.system is not None:
         family: Any = own_family(options)
-        given = doubles(with_at(options, family))
+        given = doubles(numbers_and_at(options, family))
         names = tuple(options.positive.split(",")) if options.positive else ()
         path = explore(family, positive=names, **common, **given)
     else:
-        for key in ("positive", "parameter", *(["theta", "pole"] if body is None else [])):
+        others: dict[str, Any] = set_numbers(options)
+        body = body_of(options, {a[0]: a for a in axes.values() if a is not None})
+        for key in ("positive", *(["theta", "pole"] if body is None else [])):
             if getattr(options, key, None) is not None:
                 raise ParameterError(f"--{key} has no meaning for this page; leave it out.")
-        name = options.family or "spinning"
-        numbers = {} if options.mu is None else {"mu": options.mu}
-        at: Any = None if options.at is None else _at(options.at)
-        physics: dict[str, Any]
-        if body is None:
-            physics = {"disk": _disk(options)}
-        else:
-            physics = {"body": body, **where_of(options)}
-        path = explore(name, at=at, contact=options.contact, **physics, **common, **numbers)
+        at: Any = at_of(options)
+        if options.mu is not None:
+            others["mu"] = options.mu
+        thing: dict[str, Any] = (
+            {"disk": disk_of(options)} if body is None else {"body": body, **where_of(options)}
+        )
+        path = explore(options.family or "spinning", at=at, contact=options.contact,
+                       **thing, **common, **others)  # fmt: skip
     if options.json:
         print(json_text({"page": str(path), "bytes": path.stat().st_size}))
     else:

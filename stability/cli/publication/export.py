@@ -8,9 +8,10 @@ from typing import Any
 
 from ...base.errors import ParameterError
 from ...storage.json_text import json_text
-from ..options import CONTACTS, _axis_ends, _family, overwriting
-from ..subject.body_option import add_body, body_of, where_of
-from ..subject.system_option import doubles, family_named, numbers, system_with_families
+from ..body_option import add_body, body_of, where_of
+from ..options import _axis_ends, overwriting
+from ..subject import CONTACTS, add_family, add_numbers
+from ..system_option import doubles, exact_numbers, family_named, system_with_families
 
 FORMATS = ("latex", "c", "auto", "bifurcationkit")
 """Words after `export`."""
@@ -21,11 +22,10 @@ POSITIVE = ("k", "mu", "c")
 EXAMPLES = (
     "stability export latex spinning --out spinning.tex",
     "stability export c --system examples/bicycle.py:upright --out bicycle",
-    "stability export auto spinning --axis phi_dot:5:1.8 --parameter k=1/4 --parameter mu=0.8 "
-    "--out spinning",
-    "stability export bifurcationkit spinning --axis mu:0.2:1.5 --parameter k=1/4 --parameter "
+    "stability export auto spinning --axis phi_dot:5:1.8 --set k=1/4 --set mu=0.8 --out spinning",
+    "stability export bifurcationkit spinning --axis mu:0.2:1.5 --set k=1/4 --set "
     "phi_dot=2.6 --out spinning",
-    "stability export auto spinning --body torus --tube 0.2 --axis phi_dot:5:1.8 --parameter "
+    "stability export auto spinning --body torus --tube 0.2 --axis phi_dot:5:1.8 --set "
     "mu=0.8 --out torus",
 )
 """Examples of the help."""
@@ -75,6 +75,11 @@ def _with_body(options: argparse.Namespace, swept: Mapping[str, Any]) -> tuple[A
     return disk_family(options.family, law), None
 
 
+def _numbers(options: argparse.Namespace, family: Any) -> dict[str, Any]:
+    """Numbers of --set, exactly as they are written."""
+    return dict(exact_numbers("set", options.set, (*family.at, *family.parameters), family.name))
+
+
 def _latex(options: argparse.Namespace) -> dict[str, Any]:
     from ...export.latex import latex
     from ...storage.files import atomic_write
@@ -85,7 +90,7 @@ def _latex(options: argparse.Namespace) -> dict[str, Any]:
     positive = tuple(options.positive.split(",")) if options.positive else ()
     if options.system is None and not options.positive:
         positive = tuple(n for n in POSITIVE if n in family.parameters)
-    given = numbers(options.parameter, family)
+    given = _numbers(options, family)
     text = latex(family, positive=positive, **dict[str, Any](given))
     with atomic_write(target, overwrite=options.force) as draft:
         draft.write_text(text, "utf-8")
@@ -95,8 +100,8 @@ def _latex(options: argparse.Namespace) -> dict[str, Any]:
 def _c(options: argparse.Namespace) -> dict[str, Any]:
     from ...export.c_code import c_code
 
-    if options.parameter:
-        raise ParameterError("--parameter is no option of `export c`, whose code takes numbers.")
+    if options.set:
+        raise ParameterError("--set is no option of `export c`, whose code takes numbers.")
     if options.system is not None:
         subject = system_with_families(options.system)[0]
     else:
@@ -117,7 +122,7 @@ def _continuation(options: argparse.Namespace) -> dict[str, Any]:
     own: dict[str, Any] = {
         n: float(v) for n, v in numbers_of.items() if n in family.parameters and n != free
     }
-    given = doubles(numbers(options.parameter, family))
+    given = doubles(_numbers(options, family))
     for name in sorted(own.keys() & given.keys()):
         raise ParameterError(f"{name} is a number of the body; give it there alone.")
     found = write(family, options.out, free=free, start=start, stop=stop, overwrite=options.force,
@@ -136,19 +141,19 @@ def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None) -> 
         The command line, or None.
     """
     sub.add_argument("format", choices=FORMATS, help="format of the export")
-    _family(sub)
+    add_family(sub)
     sub.add_argument("--system", metavar="MODULE:FAMILY",
                      help="a family of your own: module:name, or file.py:name; `c` takes a System "
                      "too")  # fmt: skip
     add_body(sub, words)
-    sub.add_argument("--contact", help=f"{CONTACTS} (default viscous)")
+    sub.add_argument("--contact", help=f"{CONTACTS}, or module:Class for a law of your own "
+                     "(default viscous)")  # fmt: skip
     sub.add_argument("--mass", type=float, help="mass of --body [kg] (default 1)")
     sub.add_argument("--gravity", type=float, help="gravity of --body [m/s²] (default 1)")
     ends = "`auto`, `bifurcationkit`: what is continued, from where, to where"
     sub.add_argument("--axis", metavar="NAME:START:STOP", help=ends)
-    sub.add_argument("--parameter", action="append", metavar="NAME=X",
-                     help="a number, such as k=1/4, once for each: all others for a continuation; "
-                     "for `latex` those that the conditions take as numbers")  # fmt: skip
+    add_numbers(sub, "a number, such as k=1/4, once for each: all others for a continuation; "
+                "for `latex` those that the conditions take as numbers")  # fmt: skip
     sub.add_argument("--positive", metavar="NAMES",
                      help="`latex`: positive names in the conditions, comma-separated (of the "
                      "disk: k and mu)")  # fmt: skip

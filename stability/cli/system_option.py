@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import io
 import os
 import runpy
@@ -12,10 +11,10 @@ from fractions import Fraction
 from importlib import import_module
 from typing import Any
 
-from ...base.errors import NameUnknownError, ParameterError, shown
-from ...base.exact_numbers import ratio_of_text, written
-from ...base.quantities import readable
-from ...base.user_code import imported
+from ..base.errors import NameUnknownError, ParameterError, shown
+from ..base.exact_numbers import ratio_of_text, written
+from ..base.quantities import readable
+from ..base.user_code import imported
 
 
 def family_named(place: str) -> Any:
@@ -35,7 +34,7 @@ def family_named(place: str) -> Any:
     NameUnknownError
         If there is no such module, or no family of that name in it.
     """
-    from ...systems.family import Family
+    from ..systems.family import Family
 
     module, name, table = contents("system", "family", place)
     if not isinstance(table.get(name), Family):
@@ -104,8 +103,8 @@ def system_with_families(place: str) -> tuple[Any, list[Any]]:
     NameUnknownError
         If there is no such module, or no system or family of that name in it.
     """
-    from ...systems.equations import Equations
-    from ...systems.family import Family
+    from ..systems.equations import Equations
+    from ..systems.family import Family
 
     module, name, table = contents("system", "name", place)
     found = table.get(name)
@@ -120,65 +119,8 @@ def system_with_families(place: str) -> tuple[Any, list[Any]]:
     return system, list(dict.fromkeys(own))
 
 
-DISK = ("mu", "contact", "disk", "k", "mass", "radius", "gravity", "lean", "tilt", "time")
-"""Options of the disk."""
-
-
-def add_system(parser: argparse.ArgumentParser) -> None:
-    """Add the option for a family of one's own.
-
-    Parameters
-    ----------
-    parser
-        Parser of a command.
-    """
-    parser.add_argument("--system", metavar="MODULE:FAMILY",
-                        help="a family of your own in place of FAMILY: module:name, or "
-                        "file.py:name")  # fmt: skip
-
-
-def own_family(options: argparse.Namespace) -> Any | None:
-    """The family of --system, or None where the disk's is named; one of both is needed.
-
-    Parameters
-    ----------
-    options
-        Parsed options; those of the disk must be absent where a family of one's own is named.
-    """
-    named = options.family
-    if options.system is None:
-        if named is None:
-            raise ParameterError(
-                "FAMILY is missing; name one of the disk's, or give --system MODULE:FAMILY."
-            )
-        if ":" in named:
-            raise ParameterError(f"FAMILY is {shown(named)}; give --system {named} instead.")
-        return None
-    if named is not None:
-        raise ParameterError(
-            f"FAMILY is {shown(named)} and --system {shown(options.system)}; give one of them."
-        )
-    for key in DISK:
-        if getattr(options, key, None) is not None:
-            raise ParameterError(f"--{key} belongs to the disk; with --system leave it out.")
-    return family_named(options.system)
-
-
-def numbers(texts: Any, family: Any) -> dict[str, Fraction]:
-    """A family's own quantities by name from texts NAME=NUMBER, exactly as they are written.
-
-    Parameters
-    ----------
-    texts
-        Texts, or None.
-    family
-        The family.
-    """
-    return named_numbers("parameter", texts or (), (*family.at, *family.parameters), family.name)
-
-
-def named_numbers(
-    option: str, texts: Iterable[str], names: Collection[str], owner: str
+def exact_numbers(
+    option: str, texts: Iterable[str] | None, names: Collection[str], owner: str
 ) -> dict[str, Fraction]:
     """Numbers by name from texts NAME=NUMBER, exactly as they are written.
 
@@ -194,7 +136,7 @@ def named_numbers(
         What has these names.
     """
     out: dict[str, Fraction] = {}
-    for text in texts:
+    for text in texts or ():
         name, equals, value = text.partition("=")
         if not equals:
             raise ParameterError(f"--{option} is {shown(text)}; give NAME=NUMBER.")
@@ -202,7 +144,7 @@ def named_numbers(
             raise ParameterError(f"{name} is given twice; give it once.")
         if name not in names:
             known = ", ".join(names) or "none"
-            raise NameUnknownError(f"{option} is {shown(name)}; {owner} has {known}.")
+            raise NameUnknownError(f"--{option} names {shown(name)}; {owner} has {known}.")
         out[name] = ratio_of_text(name, value)
     return out
 
@@ -216,33 +158,6 @@ def doubles(given: Mapping[str, Fraction]) -> dict[str, Any]:
         Numbers by name.
     """
     return {n: float(v) for n, v in given.items()}
-
-
-def with_at(options: argparse.Namespace, family: Any) -> dict[str, Fraction]:
-    """Every number that --at and --parameter give, by name.
-
-    Parameters
-    ----------
-    options
-        Parsed options.
-    family
-        The family.
-    """
-    given = numbers(options.parameter, family)
-    if options.at is None:
-        return given
-    parts = options.at.split(",")
-    if len(parts) != len(family.at):
-        count = len(family.at)
-        raise ParameterError(
-            f"at is {shown(options.at)}; {family.name} takes {' and '.join(family.at)}, "
-            f"{count} number{'s' * (count > 1)}."
-        )
-    for name, text in zip(family.at, parts, strict=True):
-        if name in given:
-            raise ParameterError(f"{name} is given by --at and --parameter; give it once.")
-        given[name] = ratio_of_text(name, text)
-    return given
 
 
 def place(family: Any, given: Mapping[str, Fraction]) -> str:

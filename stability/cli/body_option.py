@@ -8,8 +8,8 @@ from dataclasses import replace
 from inspect import Parameter, signature
 from typing import Any
 
-from ...base.errors import NameUnknownError, ParameterError, StabilityError, listed, shown
-from ..options import number
+from ..base.errors import NameUnknownError, ParameterError, StabilityError, listed, shown
+from .options import number
 from .system_option import contents
 
 ACCURACY = "tolerance"
@@ -18,7 +18,7 @@ ACCURACY = "tolerance"
 
 def _shape_options() -> dict[str, list[str]]:
     """Numbers of named bodies, each with its bodies and their defaults, from their signatures."""
-    from ...bodies.round_body.shapes.named import NAMED
+    from ..bodies.round_body.shapes.named import NAMED
 
     found: dict[str, list[str]] = {}
     for body, make in NAMED.items():
@@ -37,7 +37,7 @@ def _numbers_of(make: Callable[..., Any]) -> dict[str, Parameter]:
 
 
 def add_body(
-    parser: argparse.ArgumentParser, words: Sequence[str] | None, *, motion: bool = False
+    parser: argparse.ArgumentParser, words: Sequence[str] | None, *, place: bool = True
 ) -> None:
     """Add the option for a body of revolution, and those for its numbers.
 
@@ -48,13 +48,13 @@ def add_body(
     words
         The command line; where it names no body nor asks for help, the options are left out, since
         their signatures load CasADi.  They are added where it is not known.
-    motion
-        Whether the command is about motions and not about a member of a family.
+    place
+        Whether the command is about members of a family, of which a body may have several.
     """
     parser.set_defaults(body=None)
     if words is not None and not any(w.startswith(("--b", "-h", "--h")) for w in words):
         return
-    from ...bodies.round_body.shapes.named import NAMED
+    from ..bodies.round_body.shapes.named import NAMED
 
     bodies = ", ".join(
         " ".join([
@@ -78,9 +78,14 @@ def add_body(
         else:
             group.add_argument(f"--{name}", type=float, help=of)
     group.add_argument("--length", type=float, help="unit of the body's numbers [m] (default 1)")
-    if not motion:
+    if place:
         group.add_argument("--theta", type=float, help="where it rolls, if at several inclinations")
         group.add_argument("--pole", help="for vertical: its theta, 0 or pi (default 0)")
+
+
+def shape_names() -> tuple[str, ...]:
+    """Numbers of named bodies that are options."""
+    return tuple(n for n in _shape_options() if n != "solid")
 
 
 def where_of(options: argparse.Namespace) -> dict[str, Any]:
@@ -103,9 +108,9 @@ def body_of(options: argparse.Namespace, swept: Mapping[str, Any]) -> Any | None
     """
     if options.body is None:
         return None
-    from ...bodies.round_body.families import FAMILIES as KNOWN
-    from ...bodies.round_body.shape import SCALES
-    from ...bodies.round_body.shapes.named import NAMED
+    from ..bodies.round_body.families import FAMILIES as KNOWN
+    from ..bodies.round_body.shape import SCALES
+    from ..bodies.round_body.shapes.named import NAMED
 
     for key in ("system", "disk", "k", "radius", "lean"):
         if getattr(options, key, None) is not None:
@@ -134,7 +139,7 @@ def _pairs(rest: Sequence[str]) -> dict[str, float]:
 
 def _own_body(place: str, named: Collection[str]) -> Any:
     """A user's body, or the function that makes it."""
-    from ...bodies.round_body.body import Body
+    from ..bodies.round_body.body import Body
 
     if ":" not in place:
         raise NameUnknownError(
@@ -153,7 +158,7 @@ def _own_body(place: str, named: Collection[str]) -> Any:
 
 def _made(label: str, found: Any, given: dict[str, Any], swept: Mapping[str, Any]) -> Any:
     """A body with numbers given by options; one on an axis has the middle of the axis."""
-    from ...bodies.round_body.body import Body
+    from ..bodies.round_body.body import Body
 
     if isinstance(found, Body):
         own = {n: v for n, v in found.given.items() if n not in ("mass", "gravity", "length")}
@@ -189,20 +194,3 @@ def _refuse_others(label: str, given: Collection[str], known: Collection[str]) -
             own = " or ".join(f"--{n}" for n in known) or "no numbers"
             own = own.replace("--solid", "--solid or --hollow")
             raise ParameterError(f"--{word} is no number of {label}; it takes {own}.")
-
-
-def numbers_of_body(body: Any, contact: Any) -> dict[str, float]:
-    """Every number of a body and of its law by name: scales, shape, moments of inertia, law."""
-    from ...bodies.round_body.shape import MOMENTS
-
-    moments = dict(zip(MOMENTS, body.moments(), strict=True))
-    law = {} if contact is None else contact.given
-    return {n: float(v) for n, v in (body.constants | body.given | moments | law).items()}
-
-
-def in_words(body: Any, numbers: Mapping[str, float]) -> str:
-    """Numbers of a body as text; without mass, gravity and length where these are 1."""
-    from ...bodies.round_body.shape import SCALES
-
-    left = SCALES if body.dimensionless else ()
-    return ", ".join(f"{n} = {v:g}" for n, v in numbers.items() if n not in left)
