@@ -12,8 +12,8 @@ from ..base.errors import NoMemberError
 from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import Rough, Smooth, Viscous
+from ..bodies.families import FAMILIES
 from ..bodies.round_body.body import Body
-from ..bodies.round_body.families import FAMILIES
 from ..bodies.round_body.inclinations import tumbling_ranges
 from ..bodies.round_body.shapes.named import EccentricSphere, Spheroid, ThickDisk, Torus
 from ..bodies.round_body.shapes.profile import Egg

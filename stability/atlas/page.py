@@ -17,7 +17,7 @@ import numpy as np
 from ..base.verdict import CODES, NO_MEMBER
 from ..base.version import __version__
 from ..bodies.disk import Disk
-from ..bodies.thin_disk.disk_families import FAMILIES
+from ..bodies.families import FAMILIES
 from ..boundary.crossings import Crossing
 from ..boundary.curves import KINDS
 from ..spectra.presentation.labels import LIBRARIES

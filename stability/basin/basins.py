@@ -18,8 +18,8 @@ from ..base.checks import whole_number
 from ..base.errors import ParameterError, shown, warned
 from ..base.types import Floats, Progress
 from ..bodies.disk import Disk
+from ..bodies.families import at_name
 from ..bodies.round_body.body import Body
-from ..bodies.round_body.families import at_name
 from ..integrators.flow import CASADI
 from ..jobs.chunks import Arrays, Block, Layout, Memory, Store, Variable, even_chunk
 from ..jobs.dask import check_pool, pool_of

@@ -19,9 +19,8 @@ from ..base.types import Floats
 from ..base.version import __version__
 from ..bodies.contact_laws import Smooth
 from ..bodies.disk import Disk
-from ..bodies.round_body.families import FAMILIES
+from ..bodies.families import FAMILIES, named_by
 from ..bodies.round_quantities import round_quantities
-from ..bodies.thin_disk.disk_families import named_by
 from ..integrators.selection import HEYOKA
 from ..jobs.chunks import Arrays, Store, Variable
 from ..motion.result import CODES, Outcome, outcome_flags

@@ -16,14 +16,13 @@ from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import MOTION_LAWS, law_missing
 from ..bodies.disk import Disk
+from ..bodies.families import FAMILIES, at_name
 from ..bodies.launch import launch
 from ..bodies.law_names import law_given
 from ..bodies.round_body.body import Body
-from ..bodies.round_body.families import FAMILIES as ROUND
-from ..bodies.round_body.families import at_name, place_of
+from ..bodies.round_body.families import place_of
 from ..bodies.round_body.shape import refuse_constants
 from ..bodies.thin_disk.disk_equations import STATES
-from ..bodies.thin_disk.disk_families import FAMILIES
 from ..integrators.flow import CASADI
 from ..motion.body_starts import gather_body
 from ..motion.starts import Starts, gather
@@ -73,7 +72,7 @@ class Launches:
             return self.family
         pole = self.where.get("pole")
         at = place_of(self.thing, self.family, self.where.get("theta"), pole)
-        if ROUND[self.family].pole:
+        if FAMILIES[self.family].pole:
             return f"{self.family} at theta = {'pi' if at else 0}"
         return self.family if at in (None, math.pi / 2) else f"{self.family} at theta = {at:.6g}"
 
@@ -293,9 +292,8 @@ def _family(
         if pole is not None:
             raise ParameterError("pole belongs to the family vertical; name the family.")
         return "", {}
-    lines = [n for n, one in FAMILIES.items() if one.line]
-    if isinstance(thing, Body):
-        lines = [n for n, one in ROUND.items() if len(one.at) == 1]
+    single = isinstance(thing, Body)  # whose members have formulas wherever one number names them
+    lines = [n for n, one in FAMILIES.items() if (len(one.at) == 1 if single else one.line)]
     if not isinstance(family, str) or family not in lines:
         raise NameUnknownError(f"family is {shown(family)}; give one of {', '.join(lines)}.")
     if isinstance(thing, Body):

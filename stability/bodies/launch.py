@@ -12,8 +12,9 @@ from ..base.checks import broadcast, checked, known
 from ..base.errors import ParameterError, if_degrees
 from ..base.types import Floats
 from .disk import Disk
+from .families import FAMILIES
 from .round_body.body import Body
-from .round_body.families import FAMILIES, place_of
+from .round_body.families import place_of
 from .round_body.inclinations import tumbling_rates
 from .thin_disk.launch import TILT, near_steady
 

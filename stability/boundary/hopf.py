@@ -40,10 +40,10 @@ from ..base.errors import ParameterError, StabilityError, listed, shown, warned
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import LAWS, law_missing
 from ..bodies.disk import Disk
+from ..bodies.families import FAMILIES, SteadyFamily
 from ..bodies.law_names import law_only
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.by_name import of_body
-from ..bodies.thin_disk.disk_families import FAMILIES, DiskFamily
 from ..bodies.thin_disk.disk_polynomials import exact_polynomial
 from ..spectra.disk_problem import disk_problem
 from ..spectra.problem import Problem
@@ -111,7 +111,7 @@ def hopf(
     ----------
     family
         A family of a user's system; or `spinning`, `tumbling`, or another family of the disk with
-        `DiskFamily.flutter`.
+        `SteadyFamily.flutter`.
     contact
         For the disk: a law with friction, or the name or class of one with its parameters by name,
         such as `contact="viscous", mu=0.3`; each parameter is one number.
@@ -220,7 +220,7 @@ def hopf(
 
 
 def _flutter(
-    problem: Problem, record: DiskFamily, bits: int, unit: float, points: int
+    problem: Problem, record: SteadyFamily, bits: int, unit: float, points: int
 ) -> list[Mark]:
     """The flutter boundaries along the whole line, in balls."""
     try:
@@ -237,7 +237,7 @@ def _flutter(
 
 
 @lru_cache(maxsize=1)
-def _scanned(problem: Problem, record: DiskFamily, unit: float, points: int) -> list[Mark]:
+def _scanned(problem: Problem, record: SteadyFamily, unit: float, points: int) -> list[Mark]:
     """The flutter boundaries along part of the line, bracketed between the points of a scan."""
     low, high = (v * unit for v in record.flutter or ())
     found = along(problem, "at", low, high, points=points)

@@ -108,7 +108,7 @@ def body_of(options: argparse.Namespace, swept: Mapping[str, Any]) -> Any | None
     """
     if options.body is None:
         return None
-    from ..bodies.round_body.families import FAMILIES as KNOWN
+    from ..bodies.families import FAMILIES
     from ..bodies.round_body.shape import SCALES
     from ..bodies.round_body.shapes.named import NAMED
 
@@ -116,7 +116,7 @@ def body_of(options: argparse.Namespace, swept: Mapping[str, Any]) -> Any | None
         if getattr(options, key, None) is not None:
             raise ParameterError(f"--{key} does not go with --body; leave one of them out.")
     if getattr(options, "family", "") is None:
-        raise ParameterError(f"FAMILY is missing; name one of {', '.join(KNOWN)}.")
+        raise ParameterError(f"FAMILY is missing; name one of {', '.join(FAMILIES)}.")
     given = {n: getattr(options, n) for n in _shape_options()}
     given = {n: v for n, v in given.items() if v is not None} | _pairs(options.rest)
     scales = {n: getattr(options, n) for n in SCALES if getattr(options, n) is not None}

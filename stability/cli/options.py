@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from ..base.errors import ParameterError, meant, shown
-from ..bodies.thin_disk.disk_families import leaning
+from ..bodies.families import leaning
 from .terminal import say
 
 MOST_VALUES = 1000

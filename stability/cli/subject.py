@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..base.errors import ParameterError, absent, listed, shown
-from ..bodies.thin_disk.disk_families import FAMILIES, leaning
+from ..bodies.families import FAMILIES, leaning
 from .body_option import add_body, body_of, where_of
 from .options import number
 from .system_option import (
@@ -89,7 +89,8 @@ def add_subject(
 
 def add_family(parser: argparse.ArgumentParser) -> None:
     """Add the name of a family of the disk or of a body."""
-    names = [f.name + (f" ({f.law} disk)" if f.law else "") for f in FAMILIES.values()]
+    of = {f.name: f"{f.law} contact" if f.law else "of a body" * f.pole for f in FAMILIES.values()}
+    names = [f"{name} ({only})" if only else name for name, only in of.items()]
     parser.add_argument("family", metavar="FAMILY", nargs="?", help=listed(names, "or"))
 
 
@@ -213,7 +214,7 @@ def members(
     if axes is None:
         if body is None and (at is None) == (lean is None):
             raise ParameterError(f"give --at, or for {leaning()} --lean, and not both.")
-        _check_count(options, at, body)
+        _check_count(options, at)
     elif body is None:
         from ..spectra.arguments import check_names
 
@@ -309,15 +310,10 @@ def at_of(options: argparse.Namespace) -> float | list[float] | None:
     return parts[0] if len(parts) == 1 else parts
 
 
-def _check_count(options: argparse.Namespace, at: Any, body: Any) -> None:
+def _check_count(options: argparse.Namespace, at: Any) -> None:
     """Refuse more or fewer numbers than name a member."""
-    known: Mapping[str, Any] = FAMILIES
-    if body is not None:
-        from ..bodies.round_body.families import FAMILIES as ROUND
-
-        known = ROUND
-    if options.family in known and isinstance(at, list):
-        _count(options.at, len(at), known[options.family].at, options.family)
+    if options.family in FAMILIES and isinstance(at, list):
+        _count(options.at, len(at), FAMILIES[options.family].at, options.family)
 
 
 def _count(text: str, count: int, names: Sequence[str], owner: str) -> None:

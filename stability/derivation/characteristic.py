@@ -14,7 +14,8 @@ import sympy
 
 from ..algebra.number_types import sympy_algebra
 from ..base.errors import StabilityError
-from ..bodies.thin_disk.disk_families import FAMILIES, disk_family
+from ..bodies.families import FAMILIES
+from ..bodies.thin_disk.disk_families import disk_family
 from ..systems.family import Family
 
 LAM, K, MU, SIN, COS = sympy.symbols("lam k mu s c")

@@ -19,7 +19,7 @@ import sympy
 from ..algebra.exact.known_polynomial import Exact
 from ..algebra.polynomial import Polynomial
 from ..base.errors import ParameterError, shown
-from ..bodies.thin_disk.disk_families import FAMILIES, families_under
+from ..bodies.families import FAMILIES, families_under
 from ..bodies.thin_disk.disk_polynomials import exact_polynomial, known_polynomial
 from .branches import where
 from .characteristic import LAM, MU, SQUARE, Derived, M

@@ -15,7 +15,7 @@ import sympy
 from flint import Ordering, fmpz_mpoly_ctx, fmpz_poly
 
 from ..algebra.balls import precision
-from ..bodies.thin_disk.disk_families import FAMILIES
+from ..bodies.families import FAMILIES
 from .characteristic import SIN, SQUARE, K, M
 
 ROOT_BITS, DIGITS = 1024, 300

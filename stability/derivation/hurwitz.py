@@ -26,7 +26,7 @@ from sympy.polys.rings import PolyRing
 
 from ..base.errors import FileError, StabilityError
 from ..bodies.contact_laws import LAWS
-from ..bodies.thin_disk.disk_families import families_under
+from ..bodies.families import families_under
 from ..bodies.thin_disk.disk_polynomials import digest
 from ..storage.files import atomic_write, together
 from .characteristic import LAM, SIN, Derived, K, derive

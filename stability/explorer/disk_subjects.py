@@ -15,8 +15,8 @@ from ..algebra.program import Program
 from ..algebra.upright import UPRIGHT
 from ..base.quantities import Kind
 from ..bodies.contact_laws import LAWS, MOTION_LAWS
+from ..bodies.families import FAMILIES, SteadyFamily
 from ..bodies.thin_disk.disk_equations import STATES, disk_system
-from ..bodies.thin_disk.disk_families import FAMILIES, DiskFamily
 from ..bodies.thin_disk.disk_model import POSE, disk_model, pose_rates
 from ..bodies.thin_disk.disk_polynomials import PLAIN, DiskPolynomial, exact_polynomial
 from ..bodies.thin_disk.disk_quantities import QUANTITIES
@@ -74,7 +74,7 @@ def disk_subject(name: str, law: str) -> Subject:
     rules = tuple(Rule(kind, rule, PLAIN) for kind, rule in known.conditions)
     frame = frame_of_angles(x[0], pose, ca.sin(x[0]), ca.cos(x[0]))
     return Subject(
-        key=f"{name} {law}", family=name, law=law, title=record.motion,
+        key=f"{name} {law}", family=name, law=law, title=record.disk_motion,
         quantities=tuple(_quantities(record, law, names)),
         axes=("at", "mu" if "mu" in names else "k"),
         even=(known.even,) * len(known.factors), zeros=known.zeros,
@@ -93,7 +93,7 @@ def disk_subject(name: str, law: str) -> Subject:
     )  # fmt: skip
 
 
-def _quantities(record: DiskFamily, law: str, names: tuple[str, ...]) -> list[Quantity]:
+def _quantities(record: SteadyFamily, law: str, names: tuple[str, ...]) -> list[Quantity]:
     state = QUANTITIES[record.at[0]]
     low, high = record.drawn or (0.02, 3.0)
     angle, linear = record.by_angle, law == "linear-viscous"
@@ -141,7 +141,7 @@ def _coefficients(
 
 
 def _member(
-    record: DiskFamily, names: tuple[str, ...], count: int, algebra: Algebra, q: Values
+    record: SteadyFamily, names: tuple[str, ...], count: int, algebra: Algebra, q: Values
 ) -> list[Any]:
     given = dict(zip(names, q, strict=True))
     functions = SimpleNamespace(**algebra.functions)

@@ -18,7 +18,7 @@ from ..base.errors import listed
 from ..base.quantities import Kind
 from ..base.types import Floats
 from ..base.version import __version__
-from ..bodies.thin_disk.disk_families import lines_under, named_by
+from ..bodies.families import lines_under, named_by
 from ..bodies.thin_disk.disk_model import POSE, POSE_UNIT
 from ..bodies.thin_disk.disk_quantities import SYSTEM
 from ..integrators.flow import flow_of

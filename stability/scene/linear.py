@@ -12,7 +12,7 @@ from ..base.errors import ParameterError
 from ..base.quantities import Kind
 from ..base.verdict import Verdict
 from ..bodies.disk import Disk
-from ..bodies.thin_disk.disk_families import named_by
+from ..bodies.families import named_by
 from ..boundary.changes import boundaries
 from ..settling.round_body.fixed_axes import FixedSettling
 from ..spectra.spectrum import spectrum

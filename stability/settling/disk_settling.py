@@ -24,8 +24,8 @@ from ..algebra.number_types import Algebra, balls
 from ..algebra.upright import UPRIGHT, Upright
 from ..base.types import Floats
 from ..bodies.contact import Contact
+from ..bodies.families import AT_REST, FAMILIES, SteadyFamily, lines_under
 from ..bodies.thin_disk.disk_equations import STATES, disk_system
-from ..bodies.thin_disk.disk_families import AT_REST, FAMILIES, DiskFamily, lines_under
 from .attraction import Attraction, Surroundings
 from .lines import line_surroundings
 from .nearest import Nearest
@@ -81,7 +81,7 @@ class _Line:
     """A family of the disk, for many states."""
 
     law: type[Contact]
-    family: DiskFamily
+    family: SteadyFamily
 
     @property
     def name(self) -> str:
@@ -111,7 +111,7 @@ class _Line:
 
 
 @lru_cache(maxsize=16)
-def _deviations(family: DiskFamily) -> Tape:
+def _deviations(family: SteadyFamily) -> Tape:
     """(six states, k, sign of φ̇, π/2) → at, then the five deviations."""
 
     def parts(a: list[Any], number: Algebra) -> list[Any]:
@@ -152,7 +152,7 @@ def deviation(six: Floats, k: float | Floats, family: str) -> tuple[Floats, Floa
 
 
 def _parts(
-    family: DiskFamily, six: Any, k: Any, functions: Any, sign: Any = None,
+    family: SteadyFamily, six: Any, k: Any, functions: Any, sign: Any = None,
     right_angle: Any = None,
 ) -> tuple[Any, list[Any]]:  # fmt: skip
     """The family's parameter and the five deviations, over any number type."""
@@ -168,18 +168,18 @@ def _parts(
 
 
 @lru_cache(maxsize=32)
-def _places(family: DiskFamily) -> tuple[int, list[tuple[int, float]], int, int]:
+def _places(family: SteadyFamily) -> tuple[int, list[tuple[int, float]], int, int]:
     """Index of the parameter among the states, and of the others with their values.
 
     Then the places among the others of the solved state and of the upright one, or -1.  Cached,
     because each launch needs them several times.
     """
-    known = AT_REST | dict(family.held) | dict(family.unknown)
+    known = AT_REST | family.disk_held | family.disk_unknown
     own = STATES.index(family.at[0])
     names = [n for n in STATES if n != family.at[0]]
     values = [math.pi / 2 if isinstance(v := known[n], Upright) else float(v) for n in names]
     upright = next((j for j, n in enumerate(names) if isinstance(known[n], Upright)), -1)
-    solved = next((j for j, n in enumerate(names) if n in family.unknown), -1)
+    solved = next((j for j, n in enumerate(names) if n in family.disk_unknown), -1)
     return own, list(zip(map(STATES.index, names), values, strict=True)), solved, upright
 
 
@@ -295,7 +295,7 @@ def surroundings(law: type[Contact], family: str) -> Surroundings:
 
 
 @lru_cache(maxsize=16)
-def _surroundings(law: type[Contact], family: DiskFamily) -> Surroundings:
+def _surroundings(law: type[Contact], family: SteadyFamily) -> Surroundings:
     system = disk_system(law)
     y, sign = ca.SX.sym("y"), ca.SX.sym("sign")
     member = family.member(ca, y, system.p[0], sign)

@@ -17,7 +17,8 @@ from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import LAWS, spelled, stored
 from ..bodies.disk import Disk
-from ..bodies.thin_disk.disk_families import FAMILIES, disk_family, leaning
+from ..bodies.families import FAMILIES, leaning
+from ..bodies.thin_disk.disk_families import disk_family
 from ..bodies.thin_disk.disk_polynomials import disk_polynomial
 from ..bodies.thin_disk.disk_quantities import PHYSICAL, is_angle
 from .problem import Problem, _scalar

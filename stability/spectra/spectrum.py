@@ -16,11 +16,9 @@ from ..base.errors import DomainError, NoMemberError, ParameterError
 from ..base.verdict import CODES, Verdict
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
+from ..bodies.families import FAMILIES, SteadyFamily
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.by_name import of_body
-from ..bodies.round_body.families import FAMILIES as ROUND
-from ..bodies.round_body.families import RoundFamily
-from ..bodies.thin_disk.disk_families import FAMILIES, DiskFamily
 from ..bodies.thin_disk.disk_quantities import QUANTITIES
 from ..systems.family import Family
 from ..systems.sources.numeric import NumericSystem
@@ -103,7 +101,7 @@ def spectrum(
     (-1.7739+0j)
     """
     if at is None and lean is None:
-        _check_named(family, body, parameters)
+        _check_named(family, parameters)
     certify, escalate = flag("certify", certify), flag("escalate", escalate)
     family, disk, contact, given = of_body(family, body, disk, contact, parameters)
     problem = problem_of(family, at, disk, contact, given, lean)
@@ -150,11 +148,10 @@ def spectrum(
     return proved(found, rows, asked, shape, escalated=not certify) if asked.any() else found
 
 
-def _check_named(family: Any, body: Any, parameters: Mapping[str, Any]) -> None:
+def _check_named(family: Any, parameters: Mapping[str, Any]) -> None:
     """Refuse a member without `at` that its own names do not give either."""
-    table: Mapping[str, Any] = FAMILIES if body is None else ROUND
-    known = table.get(family) if isinstance(family, str) else family
-    names = known.at if isinstance(known, (Family, DiskFamily, RoundFamily)) else ()
+    known = FAMILIES.get(family) if isinstance(family, str) else family
+    names = known.at if isinstance(known, (Family, SteadyFamily)) else ()
     if isinstance(known, Family) and not names:
         return  # a system without parameters: the member stands alone
     given = opened(known, parameters) if isinstance(known, Family) else parameters

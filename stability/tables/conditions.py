@@ -13,7 +13,7 @@ from ..base.quantities import Kind, Quantity
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import LAWS
 from ..bodies.disk import Disk
-from ..bodies.thin_disk.disk_families import FAMILIES, DiskFamily
+from ..bodies.families import FAMILIES, SteadyFamily
 from ..bodies.thin_disk.disk_quantities import QUANTITIES
 from ..boundary.changes import along
 from ..boundary.crossings import BoundaryPoint
@@ -78,7 +78,7 @@ def conditions(
     Returns
     -------
     list of ConditionRow
-        `at` is searched over `DiskFamily.searched` (in √(g/R), or rad for tumbling; tumbling ends
+        `at` is searched over `SteadyFamily.searched` (in √(g/R), or rad for tumbling; tumbling ends
         at upright, since larger angles are its mirror image).
 
     Source: recomputed; thresholds are tested in tests/spectra/test_published.py.
@@ -119,7 +119,7 @@ def _contacts(law: str, mu: Sequence[float]) -> list[Contact]:
     return [of_mu(mu=m) for m in mu]
 
 
-def scan(family: DiskFamily, disk: Disk, contact: Contact) -> list[BoundaryPoint]:
+def scan(family: SteadyFamily, disk: Disk, contact: Contact) -> list[BoundaryPoint]:
     """Every change of verdict along the family, over `searched` of its record."""
     assert family.searched is not None
     low, high = family.searched
@@ -130,7 +130,7 @@ def scan(family: DiskFamily, disk: Disk, contact: Contact) -> list[BoundaryPoint
     return list(found)
 
 
-def _rows(family: DiskFamily, disk: Disk, contact: Contact) -> list[ConditionRow]:
+def _rows(family: SteadyFamily, disk: Disk, contact: Contact) -> list[ConditionRow]:
     from ..spectra.spectrum import spectrum
 
     mu = contact.given.get("mu")

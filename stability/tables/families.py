@@ -8,7 +8,8 @@ from functools import lru_cache
 from ..base.citation.used import cited
 from ..bodies.contact_laws import LAWS
 from ..bodies.disk import Disk
-from ..bodies.thin_disk.disk_families import FAMILIES, disk_family
+from ..bodies.families import FAMILIES, families_of_disk
+from ..bodies.thin_disk.disk_families import disk_family
 from ..systems.structure.structural_zeros import structure
 from .conditions import scan
 from .formats.about import About, Standing
@@ -99,7 +100,7 @@ def families() -> list[FamilyRow]:
     ['rolling', 'spinning', 'tumbling', 'circling', 'precession']
     """
     rows = []
-    for name, record in FAMILIES.items():
+    for name, record in families_of_disk().items():
         laws = [record.law] if record.law else list(LAWS)
         zeros = {law: structure(disk_family(name, law)).zeros for law in laws}
         thresholds: dict[str, list[float]] = {}
@@ -109,7 +110,9 @@ def families() -> list[FamilyRow]:
                 power = 1 if record.by_angle else 2
                 thresholds[law] = [p.value**power for p in points]
         rows.append(
-            FamilyRow(name, ", ".join(record.at), record.motion, condition(name), zeros, thresholds)
+            FamilyRow(
+                name, ", ".join(record.at), record.disk_motion, condition(name), zeros, thresholds
+            )
         )
     return rows
 

@@ -10,7 +10,7 @@ from ..base.errors import listed
 from ..base.quantities import Kind
 from ..base.types import Progress
 from ..bodies.disk import Disk
-from ..bodies.thin_disk.disk_families import FAMILIES
+from ..bodies.families import FAMILIES
 from ..boundary.hopf import hopf
 from .conditions import MU, K, member
 from .drift import _body, law_of

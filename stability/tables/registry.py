@@ -12,8 +12,8 @@ from ..base.citation.used import gathered, joined
 from ..base.errors import ParameterError, listed, shown
 from ..base.types import Progress
 from ..bodies.disk import Disk
+from ..bodies.families import FAMILIES
 from ..bodies.law_names import law_named
-from ..bodies.thin_disk.disk_families import FAMILIES
 from ..bodies.thin_disk.disk_quantities import PHYSICAL, disk_quantities
 from ..systems.family import Family
 from .contents.places import PLACES as PLACES

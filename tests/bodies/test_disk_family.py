@@ -21,17 +21,17 @@ from numpy.typing import NDArray
 
 import stability as st
 from stability.algebra.upright import UPRIGHT
-from stability.bodies.thin_disk.disk_families import FAMILIES, DiskFamily
+from stability.bodies.families import FAMILIES, SteadyFamily
 from stability.cli import main
 from stability.tables.launches import launch_rows
 from stability.tables.registry import definition
 
-EDGE_ON = DiskFamily(
+EDGE_ON = SteadyFamily(
     "edge-on", ("phi_dot",), held={"theta": UPRIGHT}, unknown={"omega3": 0.0},
     motion="on its edge, turning on the spot", symbols="θ = π/2", searched=(0.1, 5.0),
     drawn=(0.5, 3.0), flutter=(0.1, 10.0), sampled=(0.5, 3.0), launch="k",
 )  # fmt: skip
-CONING = DiskFamily(
+CONING = SteadyFamily(
     "coning", ("phi_dot",), held={"omega3": 0.0}, unknown={"theta": 0.7},
     motion="inclined, its axis on a cone", searched=(2.05, 4.0), flutter=(1.7, 8.0),
     solution=lambda functions, at, k, unit: functions.asin(unit * unit / (k * at * at)),
@@ -45,7 +45,7 @@ OF = {"edge-on": "spinning", "coning": "tumbling"}
 @pytest.fixture(params=[EDGE_ON, CONING], ids=lambda record: record.name)
 def family(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
     """The name of one more record in the table."""
-    record: DiskFamily = request.param
+    record: SteadyFamily = request.param
     monkeypatch.setitem(FAMILIES, record.name, record)
     return record.name
 
@@ -305,7 +305,7 @@ def test_methods_are_compared_on_it(family: str) -> None:
 
 
 def test_a_family_of_one_law_alone_is_refused_under_others(monkeypatch: Any) -> None:
-    held = DiskFamily(
+    held = SteadyFamily(
         "banking", ("phi_dot",), held={"theta": 1.0}, unknown={"omega3": 1.0}, law="rough",
         motion="circling at an inclination of one radian",
     )  # fmt: skip

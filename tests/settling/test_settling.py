@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as some
 
 import stability as st
+from stability.bodies.families import lines_under
 from stability.bodies.thin_disk.disk_equations import STATES
-from stability.bodies.thin_disk.disk_families import lines_under
 from stability.motion.result import BY_CODE, Outcome
 from stability.settling.disk_settling import _balls, deviation, nearest, settled
 

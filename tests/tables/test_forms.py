@@ -261,7 +261,7 @@ def test_the_command_takes_the_arguments_of_the_function() -> None:
     bodies = {n for make in NAMED.values() for n, p in inspect.signature(make).parameters.items()
               if p.kind is not p.VAR_KEYWORD} | {"length"}  # fmt: skip
     scales = {"mass", "radius", "gravity"}
-    assert options - forms - {"system", "parameter"} - scales - bodies == named - {"disk"}
+    assert options - forms - {"system", "set"} - scales - bodies == named - {"disk"}
 
 
 @pytest.mark.parametrize("name", PLACES)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import stability as st
+from stability.bodies.families import FAMILIES
 from stability.bodies.launch import launch
-from stability.bodies.thin_disk.disk_families import FAMILIES
 from stability.motion.result import BY_CODE
 from stability.tables.launches import contact_lines, launch_rows
 

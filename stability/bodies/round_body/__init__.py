@@ -1,4 +1,4 @@
-"""Convex bodies of revolution: equations, families of steady motions, named bodies.
+"""Convex bodies of revolution: equations, named bodies.
 
 May import what `bodies` may.
 To add a named body: a function in `bodies/round_body/shapes/named.py`.

@@ -14,10 +14,11 @@ from ...systems.family import Family
 from ..contact import Contact
 from ..contact_laws import LAWS, Viscous, law_class, law_missing, spelled
 from ..disk import Disk
+from ..families import FAMILIES
 from ..law_names import law_given
 from ..resistance import Resistance, resistances
 from ..thin_disk.disk_families import disk_family
-from .families import FAMILIES, body_family, round_family, survives, unknown_family
+from .families import body_family, round_family, survives, unknown_family
 from .inclinations import level
 from .shape import SCALES, RoundShape, refuse_constants, single_pole
 from .shapes.named import of_disk

@@ -1,115 +1,27 @@
-"""Families of steady motions of a body of revolution, one record for each.
-
-A steady motion keeps its energy, so under a law that dissipates wherever anything slips the force
-vanishes: F = 0 and vA = 0.  Then the centre moves straight or rests.  With φ̇ = 0 the torque
-h'·m g vanishes: *rolling* at a zero of h' with any ω₃.  With φ̇ ≠ 0 the centre rests, which fixes
-ω₃ = φ̇ sinθ z/r, where r = h sinθ + h' cosθ and z = h cosθ - h' sinθ are the distances of the
-contact point from the axis and, along the axis, from the centre.  Euler's equation then reads
-φ̇² sinθ (I₁ r cosθ - I₃ z sinθ) = m g h' r: *tumbling*, named by θ, and *spinning*, where both
-sides vanish upright.  At a pole there is *vertical* spin alone.
-"""
+"""Families of steady motions of a body of revolution as a `Family` under a contact law."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from collections.abc import Collection
 from functools import lru_cache
 from typing import Any
 
-from ...algebra.upright import UPRIGHT, Upright
+from ...algebra.upright import UPRIGHT
 from ...base.checks import known
 from ...base.errors import NameUnknownError, NoMemberError, ParameterError, listed, shown
 from ...systems.family import Family
 from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import law_class
+from ..families import FAMILIES, Held, SteadyFamily
 from ..law_names import class_named
 from .equations import Resistances, round_system
 from .inclinations import first_numbers, level, sizes, stands_upright, start, stays_level
-from .pole_equations import AXIS, SLIP, TURN, pole_system, refuse_rough_pole
+from .pole_equations import SLIP, pole_system, refuse_rough_pole
 from .polynomials import closed_form, stored
 from .shape import RoundShape, not_upright
 from .si_law import shape_of
-
-
-@dataclass(frozen=True, eq=False)
-class RoundFamily:
-    """A family of steady motions of a body of revolution."""
-
-    name: str
-    """Name in calls and messages."""
-    at: tuple[str, ...]
-    """States that name a member."""
-    motion: str
-    """The motion in words."""
-    held: Mapping[str, float | Upright]
-    """Values of the states that are the same along the family."""
-    unknown: Mapping[str, float]
-    """First guesses of the states that are solved for."""
-    rests: bool = False
-    """Whether the centre of mass rests, which is an equation of its own."""
-    level: bool = False
-    """Whether theta is a zero of the height's slope, upright where the slope vanishes there."""
-    upright: bool = False
-    """Whether the family exists only where the slope of the height vanishes at π/2."""
-    positive: tuple[str, ...] = ()
-    """Unknowns that come out positive; the mirror image has the same spectrum."""
-    law: str = ""
-    """The one contact law under which the family exists; empty for every law."""
-    turns: tuple[str, ...] = ("level", "vertical")
-    """Parts of the angular velocity that members have; rolling upright has the level part alone."""
-    pole: bool = False
-    """Whether the axis is vertical: the family lives in the chart around a pole."""
-
-
-_RECORDS = (
-    RoundFamily(
-        "rolling", ("omega3",), "rolling straight ahead at constant inclination",
-        {"phi_dot": 0.0}, {}, level=True,
-    ),
-    RoundFamily(
-        "spinning", ("phi_dot",), "upright, turning about the vertical on the spot",
-        {"theta": UPRIGHT, "omega3": 0.0}, {}, upright=True, turns=("vertical",),
-    ),
-    RoundFamily(
-        "tumbling", ("theta",), "inclined, its centre at rest", {},
-        {"phi_dot": 1.0, "omega3": 0.0}, rests=True, positive=("phi_dot",),
-    ),
-    RoundFamily(
-        "circling", ("theta", "phi_dot"),
-        "inclined, its contact point running round a circle without slip",
-        {}, {"omega3": 0.0}, law="rough",
-    ),
-    RoundFamily(
-        "precession", ("theta", "phi_dot"),
-        "inclined, its centre at rest or in uniform straight motion, without friction",
-        {}, {"omega3": 0.0}, law="smooth",
-    ),
-    RoundFamily(
-        "vertical", ("omega_Z",), "its axis vertical, turning about it on the spot",
-        dict.fromkeys((*AXIS[:2], *TURN[:2]), 0.0), {}, pole=True, turns=("vertical",),
-    ),
-)  # fmt: skip
-FAMILIES = {family.name: family for family in _RECORDS}
-"""Every family of a body of revolution by name."""
-
-
-def at_name(family: Any) -> str:
-    """Name of the number that names members of a family by its name; `at` where none alone does.
-
-    Parameters
-    ----------
-    family
-        What the caller gave.
-
-    Examples
-    --------
-    >>> at_name("rolling"), at_name("vertical"), at_name("precession")
-    ('omega3', 'omega_Z', 'at')
-    """
-    found = FAMILIES.get(family) if isinstance(family, str) else None
-    return found.at[0] if found is not None and len(found.at) == 1 else "at"
 
 
 def survives(name: str, resistance: Resistances, *, upright: bool) -> bool:
@@ -167,7 +79,7 @@ def round_family(
     """
     record = FAMILIES[known("family", name, FAMILIES)]
     if record.law and record.law != law.name:
-        own = [f.name for f in _RECORDS if f.law in ("", law.name)]
+        own = [f.name for f in FAMILIES.values() if f.law in ("", law.name)]
         raise NoMemberError(
             f"{name} is a family of the {record.law} contact; steady motions under the {law.name} "
             f"law are {listed(own)}."
@@ -212,13 +124,13 @@ def _not_upright(body: RoundShape, name: str) -> NoMemberError:
     return NoMemberError(f"{body.name} has no {name}: {not_upright(body)}.")
 
 
-def _pairs(table: Mapping[str, Any]) -> tuple[tuple[str, Any], ...]:
+def _pairs(table: Held) -> tuple[tuple[str, Any], ...]:
     return tuple(table.items())
 
 
 @lru_cache(maxsize=64)
 def _family(  # noqa: PLR0913
-    system: System, record: RoundFamily, held: Any, unknown: Any, equations: Any, typical: Any,
+    system: System, record: SteadyFamily, held: Any, unknown: Any, equations: Any, typical: Any,
     law: Any, own: Any = None,
 ) -> Family:  # fmt: skip
     formulas = None
@@ -244,7 +156,7 @@ def _near(pole: Any) -> int:
     raise ParameterError(f"pole is {shown(pole)}; give 0 or 'pi'.")
 
 
-def _typical(body: RoundShape, record: RoundFamily) -> dict[str, float]:
+def _typical(body: RoundShape, record: SteadyFamily) -> dict[str, float]:
     """Sizes near which the family has members: those of the body's numbers, and an inclination."""
     return {"phi_dot": 1.9, "omega3": 1.3} | sizes(body, rests=record.rests)
 

@@ -1,5 +1,5 @@
-"""The thin disk: equations, families of steady motions, exact polynomials, units.
+"""The thin disk: equations, exact polynomials, units.
 
 May import what `bodies` may.
-To add a family: a `DiskFamily` in `bodies/thin_disk/disk_families.py`.
+To add a quantity of the disk: its `Quantity` in `bodies/thin_disk/disk_quantities.py`.
 """

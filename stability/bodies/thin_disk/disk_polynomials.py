@@ -23,7 +23,7 @@ from ...base.checks import known
 from ...base.errors import NameUnknownError, NoMemberError, StabilityError, shown
 from ..contact import Contact
 from ..contact_laws import LAWS, law_missing, stored
-from .disk_families import FAMILIES
+from ..families import FAMILIES
 
 DATA = "disk_polynomials.json"
 """The file of derived polynomials, next to this module."""
@@ -111,7 +111,7 @@ def exact_polynomial(family: str, law: str | Contact | type[Contact] | None = No
     Parameters
     ----------
     family
-        A key of `stability.bodies.thin_disk.disk_families.FAMILIES`.
+        A key of `stability.bodies.families.FAMILIES`.
     law
         A contact law, its name or its class; its numbers do not matter.
 

@@ -12,8 +12,8 @@ from ...base.checks import checked, known
 from ...base.errors import ParameterError, if_degrees, shown
 from ...base.types import Floats
 from ..disk import Disk
+from ..families import FAMILIES
 from .disk_equations import STATES
-from .disk_families import FAMILIES
 
 TILT, TIME = 0.1, 1000.0
 """Tilt of the symmetry axis [rad] and length of a run [√(R/g)]."""
@@ -25,8 +25,8 @@ def near_steady(family: str, *, at: ArrayLike, tilt: ArrayLike, disk: Disk | Non
     record = FAMILIES[family]
     if disk is None and record.solution is not None:
         raise ParameterError(
-            f"disk is missing; {', '.join(record.unknown)} of {family} depends on the body: give "
-            "disk=stability.Disk(...)."
+            f"disk is missing; {', '.join(record.disk_unknown)} of {family} depends on the body: "
+            "give disk=stability.Disk(...)."
         )
     body = disk_of(disk)
     where, lean = np.asarray(checked("at", at)), np.asarray(checked("tilt", tilt))

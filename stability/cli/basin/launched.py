@@ -88,7 +88,7 @@ def _distribution(text: str) -> tuple[str, Any]:
 
 def _held(options: argparse.Namespace, varied: Sequence[str]) -> dict[str, float]:
     """Numbers of --set by name; `at` is the one that names the family's members."""
-    from ...bodies.round_body.families import at_name
+    from ...bodies.families import at_name
 
     found: dict[str, float] = {}
     for text in options.set or ():

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ...base.types import Floats
-from ...bodies.thin_disk.disk_families import FAMILIES
+from ...bodies.families import FAMILIES
 from .points import Points, edge
 
 SEED = 20161

@@ -13,8 +13,8 @@ import numpy as np
 from ...base.checks import one_number
 from ...base.errors import NameUnknownError, ParameterError, StabilityError, listed, shown
 from ...bodies.contact_laws import LAWS
+from ...bodies.families import FAMILIES
 from ...bodies.round_body.body import Body
-from ...bodies.round_body.families import FAMILIES
 from ...bodies.round_body.inclinations import tumbling_ranges
 from ...bodies.round_body.pole_equations import smooth_at
 from ...bodies.round_body.shape import refuse_constants

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...base.quantities import Kind, Quantity, axis_label, in_latex, readable, unit_of
 from ...bodies.contact_laws import MOTION_LAWS
-from ...bodies.round_body.families import FAMILIES
+from ...bodies.families import FAMILIES
 from ...bodies.round_body.pole_equations import TURN
 from ...bodies.round_body.shape import MOMENTS, SCALES
 from ...bodies.round_quantities import round_quantities

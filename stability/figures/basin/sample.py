@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from ...base.errors import NameUnknownError, ParameterError, shown
 from ...basin.statistics.fractions import LEVEL, wilson
 from ...basin.statistics.samples import LogUniform
-from ...bodies.round_body.families import at_name
+from ...bodies.families import at_name
 from .fates import Fate, fates
 
 if TYPE_CHECKING:

@@ -20,8 +20,8 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from ...base.errors import ParameterError, shown
+from ...bodies.families import FAMILIES
 from ...bodies.thin_disk.disk_equations import STATES
-from ...bodies.thin_disk.disk_families import FAMILIES
 from ...bodies.thin_disk.disk_quantities import QUANTITIES
 from ...motion.result import BY_CODE, Outcome
 from .motion_panels import (
@@ -248,7 +248,7 @@ def _steady(panels: list[Axes], data: xarray.Dataset) -> None:
     rate = np.sqrt(float(data.gravity) / length_of(data))
     turned = np.copysign(rate, data.phi_dot.values[-1])
     member = family.member(np, at, float(data.k), turned)
-    shown = [*family.at, *(family.unknown if family.solution else ())]
+    shown = [*family.at, *(family.disk_unknown if family.solution else ())]
     for axes, (_, names) in zip(panels, PANELS, strict=True):
         for name in (n for n in names if n in shown):
             axes.axhline(member[name], label="steady", color="black", linestyle=":", linewidth=1.0)

@@ -11,7 +11,7 @@ from ....algebra.number_types import Algebra
 from ....algebra.upright import UPRIGHT
 from ....base.types import Floats
 from ....base.verdict import CODES, Verdict
-from ....bodies.thin_disk.disk_families import FAMILIES
+from ....bodies.families import FAMILIES
 from ..points import Points
 from .jacobians import jacobian_program
 from .route import Answer, Route
