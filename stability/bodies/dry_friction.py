@@ -5,10 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import casadi as ca
 from numpy.typing import ArrayLike
 
 from ..base.quantities import Units
 from .contact import OVER_ANY_NUMBER, Contact, Parameter
+
+MU, DIRECTION = "mu", "direction"
+"""Parameters: the friction coefficient, and a stated direction of slip."""
 
 
 def _over_speed(value: Any, scales: Units) -> Any:
@@ -53,6 +57,17 @@ class Coulomb(Contact):
         """Against the slip, mu times the normal force; not defined at rest."""
         size = (slip[0] * slip[0] + slip[1] * slip[1]) ** 0.5
         return [-mu * normal * slip[0] / size, -mu * normal * slip[1] / size]
+
+
+class CoulombAlong(Coulomb):
+    """Dry friction against a stated direction of slip, an angle from x̂ and the second parameter."""
+
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter(MU, "1"), Parameter(DIRECTION, "rad"))
+
+    def force(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
+        """Against the direction, mu times the normal force."""
+        coefficient, angle = mu
+        return [-coefficient * normal * ca.cos(angle), -coefficient * normal * ca.sin(angle)]
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
@@ -14,6 +14,7 @@ from ..base.errors import ParameterError, shown
 from ..base.quantities import Quantity, time_unit
 from ..base.types import Floats, Same
 from ..systems.system import System
+from .dry_friction import DIRECTION, MU
 
 WORK, PROBE = "work", "probe"
 """Entries of y: the energy lost since the start; a bounded function without symmetry."""
@@ -38,6 +39,39 @@ class Chart:
     """y, shape (…, n) → reported states, shape (…, s)."""
     along: Callable[[Floats, dict[str, Floats]], dict[str, Floats]]
     """(y, series) → the series along the reported axes, with the pose where y holds one."""
+
+
+def _unproved(_: Floats) -> bool:
+    return False
+
+
+@dataclass(frozen=True, eq=False)
+class Dry:
+    """What dry friction needs beside the model of sliding: the body at rest."""
+
+    sliding: System
+    """Sliding in a direction that is a parameter, so that the rates have a value at rest."""
+    held: System
+    """Held at rest by any force: four states, and the parameters without mu."""
+    sticking: Callable[[], Model]
+    """Gives the model held at rest, with a guard for the friction cone: y without the slip."""
+    unique: Callable[[Floats], bool] = _unproved
+    """Whether a proof says that at these parameters exactly one motion continues from rest."""
+
+    def in_direction(self, p: Iterable[Any], angle: Any) -> list[Any]:
+        """The parameters of `sliding` from those of the model's system and a direction."""
+        values = list(p)
+        values.insert(self.sliding.parameters.index(DIRECTION), angle)
+        return values
+
+    def at_rest(self, p: Iterable[Any]) -> list[Any]:
+        """The parameters of `held` from those of the model's system."""
+        names = [n for n in self.sliding.parameters if n != DIRECTION]
+        return [v for n, v in zip(names, p, strict=True) if n != MU]
+
+    def friction(self, p: Floats) -> float:
+        """The friction coefficient among the parameters of the model's system."""
+        return float(p[[n for n in self.sliding.parameters if n != DIRECTION].index(MU)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +117,8 @@ class Model:
     """How reported states follow from y; None where y begins with them."""
     short: Callable[[Model], Model] | None = None
     """(this model) → the same motion in states that need fewer operations, in a chart."""
+    dry: Dry | None = None
+    """The body at rest, under a law that sticks."""
     title: str = ""
     """Title of a motion's dataset."""
     source: str = ""

@@ -28,18 +28,16 @@ import casadi as ca
 import numpy as np
 
 from ..base.types import Floats
-from ..bodies.thin_disk.disk_equations import disk_system
-from ..bodies.thin_disk.disk_model import (
-    CONE,
-    FLAT,
-    LIFT_OFF,
-    NO_CONTACT,
-    POSE,
-    disk_model,
-    pose_rates,
+from ..bodies.model import WORK, Dry, Model
+from ..bodies.thin_disk.disk_model import CONE, LIFT_OFF, NO_CONTACT
+from .flow import Flow, flow_of
+from .friction_at_rest import (
+    continuations,
+    polish,
+    slip_acceleration,
+    sticking_force,
+    suspects,
 )
-from .flow import Flow, flow
-from .friction_at_rest import continuations, polish, slip_acceleration, sticking_force
 from .leg import UNRESOLVED, Budget, End, Leg, Path, too_many
 from .scipy_methods import integrate as integrate_scipy
 from .selection import METHODS, explicit
@@ -96,90 +94,106 @@ class DryPath:
     """The mode at the end."""
 
 
-@lru_cache(maxsize=4)
-def polar_flow(*, pose: bool) -> Flow:
+@lru_cache(maxsize=8)
+def polar_flow(model: Model) -> Flow:
     """Sliding in polar form and stretched time: y with ln|vA|, α for the slip, then the time.
 
     Parameters
     ----------
-    pose
-        As for `flow`.
+    model
+        The model of sliding.
 
     Returns
     -------
     Flow
-        Parameters k, mu, flat; y ends with the time.
+        With the parameters of the model; y ends with the time.
     """
-    system = disk_system("coulomb", direction=True)
-    y = ca.SX.sym("y", 8 + (len(POSE) if pose else 0))
+    system, count = _at_rest(model).sliding, len(model.names)
+    y, work = ca.SX.sym("y", count + 1), model.names.index(WORK)
     size, angle = ca.exp(y[4]), y[5]
-    slip = [size * ca.cos(angle), size * ca.sin(angle)]
-    x = ca.vertcat(y[:4], *slip)
-    k, mu = system.p[0], system.p[1]
-    seen = system.observables
+    x = ca.vertcat(y[:4], size * ca.cos(angle), size * ca.sin(angle))
+    seen, own = system.observables, ca.vertsplit(model.p)[: len(model.system.parameters)]
     inner = [system.rhs, seen["normal_force"], seen["determinant"], seen["power"]]
-    rates, normal, determinant, power = ca.substitute(
-        inner, [system.x, system.p], [x, ca.vertcat(k, mu, angle)]
-    )
+    p = ca.vertcat(*_at_rest(model).in_direction(own, angle))
+    rates, normal, determinant, power = ca.substitute(inner, [system.x, system.p], [x, p])
     along = ca.cos(angle) * rates[4] + ca.sin(angle) * rates[5]
     across = ca.cos(angle) * rates[5] - ca.sin(angle) * rates[4]
-    rhs = [size * rates[:4], along, across, size * power]
-    names = ["theta", "theta_dot", "phi_dot", "omega3", "log_slip", "direction", "work"]
-    if pose:
-        rhs.append(size * pose_rates(x, ca.vertcat(*slip), y[7:11]))
-        names += POSE
-    flat = ca.SX.sym("flat")
-    guards = {
-        LIFT_OFF: normal * determinant, FLAT: ca.sin(y[0]) - flat, NO_CONTACT: determinant,
+    others = [*model.guards.values(), model.rhs[work + 1 :]]
+    *others, more = ca.substitute(others, [model.x], [ca.vertcat(x, y[6:count])])
+    rhs = [size * rates[:4], along, across, size * power, size * more, size]
+    guards = dict(zip(model.guards, others, strict=True)) | {
+        LIFT_OFF: normal * determinant, NO_CONTACT: determinant,
         LANDED: y[4] - math.log(REST), LEFT: math.log(AWAY) - y[4],
     }  # fmt: skip
-    model = dataclasses.replace(
-        disk_model("coulomb", pose=pose), system=system, x=y, p=ca.vertcat(k, mu, flat),
-        rhs=ca.vertcat(*rhs, size), guards=guards, names=(*names, "time"), friction="",
-    )  # fmt: skip
-    return Flow(model)
+    names = (*model.names[:4], "log_slip", "direction", *model.names[6:], "time")
+    return Flow(dataclasses.replace(
+        model, system=system, x=y, rhs=ca.vertcat(*rhs), guards=guards, names=names, friction="",
+        dry=None,
+    ))  # fmt: skip
 
 
-@lru_cache(maxsize=4)
-def sliding_flow(*, pose: bool) -> Flow:
+def _at_rest(model: Model) -> Dry:
+    assert model.dry is not None
+    return model.dry
+
+
+@lru_cache(maxsize=8)
+def sliding_flow(model: Model) -> Flow:
     """Sliding as the plain equations, with a guard where the slip becomes small.
 
     Parameters
     ----------
-    pose
-        As for `flow`.
+    model
+        The model of sliding.
 
     Returns
     -------
     Flow
     """
-    plain = flow("coulomb", pose=pose)
+    plain = flow_of(model)
     small = plain.x[4] ** 2 + plain.x[5] ** 2 - NEAR**2
     return plain.having(guards={**plain.guards, SMALL: small})
 
 
-@lru_cache(maxsize=4)
-def held_flow(*, pose: bool) -> Flow:
-    """Sticking without its guards, for the brief start of an onset, which lies beyond the cone.
+@lru_cache(maxsize=8)
+def sticking_flow(model: Model) -> Flow:
+    """Sticking, with a guard for the friction cone.
 
     Parameters
     ----------
-    pose
-        As for `flow`.
+    model
+        The model of sliding.
 
     Returns
     -------
     Flow
     """
-    return flow("coulomb", pose=pose, sticking=True).having(guards={})
+    return flow_of(_at_rest(model).sticking())
+
+
+@lru_cache(maxsize=8)
+def held_flow(model: Model) -> Flow:
+    """Sticking without its guards, for the brief start of an onset, which lies beyond the cone.
+
+    Parameters
+    ----------
+    model
+        The model of sliding.
+
+    Returns
+    -------
+    Flow
+    """
+    return sticking_flow(model).having(guards={})
 
 
 class _Dry:
     """One run through its modes; y is as for sliding (with slip) in every mode."""
 
-    def __init__(self, leg: Leg, method: str, pose: bool) -> None:
-        self.leg, self.method, self.pose = leg, method, pose
-        self.k, self.mu = (float(v) for v in leg.p[:2])
+    def __init__(self, leg: Leg, method: str) -> None:
+        self.leg, self.method, self.model = leg, method, leg.flow.model
+        self.dry = _at_rest(self.model)
+        self.p = leg.p[: len(self.model.system.parameters)]
         self.times = leg.times
         self.time, self.y = float(leg.times[0]), leg.start.copy()
         self.rows: list[Floats] = [leg.start.copy()]
@@ -214,7 +228,7 @@ class _Dry:
     # --- one mode each: run to its end, and return the next ---
 
     def _slide(self) -> int:
-        kind = self._advance(sliding_flow(pose=self.pose), self.y, SLIDING, lambda y: y)
+        kind = self._advance(sliding_flow(self.model), self.y, SLIDING, lambda y: y)
         if kind is not None and kind != SMALL:
             self._stop(kind)
         elif kind == SMALL:  # step inside, so that rounding cannot hold it at the border
@@ -222,7 +236,7 @@ class _Dry:
         return SLIDING
 
     def _stick(self) -> int:
-        stick = flow("coulomb", pose=self.pose, sticking=True)
+        stick = sticking_flow(self.model)
         start, first = np.delete(self.y, [4, 5]), len(self.rows)
         kind = self._advance(stick, start, STICKING, lambda y: np.insert(y, [4, 4], 0.0, axis=-1))
         if self._ambiguous(first):
@@ -234,15 +248,14 @@ class _Dry:
         return STICKING
 
     def _ambiguous(self, first: int) -> bool:
-        """Whether slip could also have set in at a sample of sticking: then the run ends there.
-
-        Below mu = 2√(k(k+1)) the continuation is unique (docs/explanation/dry-friction.md), so
-        there is no search.
-        """
-        if self.mu < 2 * math.sqrt(self.k * (self.k + 1)):
+        """Whether slip could also have set in at a sample of sticking: then the run ends there."""
+        if self.dry.unique(self.p):
             return False
-        for i in range(first, len(self.rows)):
-            ways = continuations(self.rows[i][:4], self.k, self.mu)
+        if first == len(self.rows):
+            return False
+        looked = np.array(self.rows[first:])[:, :4]
+        for i in first + np.flatnonzero(suspects(self.dry, looked, self.p)):
+            ways = continuations(self.dry, self.rows[i][:4], self.p)
             if ways.directions or ways.lifts:
                 self.time, self.y = float(self.times[i]), self.rows[i].copy()
                 del self.rows[i + 1 :], self.modes[i + 1 :]
@@ -281,7 +294,7 @@ class _Dry:
 
     def _polar_leg(self, state: Floats, span: Floats) -> Leg:
         tolerance = max(self.leg.tolerance / 10, 1e-14)
-        which = polar_flow(pose=self.pose)
+        which = polar_flow(self.model)
         return self._leg(which, state, span, tolerance)
 
     def _leg(self, which: Flow, start: Floats, times: Floats, tolerance: float) -> Leg:
@@ -307,7 +320,7 @@ class _Dry:
         due = due[due <= known[-1, -1]]
         if due.size:
             own = np.array([self._cartesian(row) for row in known])
-            rates = np.array(flow("coulomb", pose=self.pose).rates(own.T, self.leg.p)).T
+            rates = np.array(self.leg.flow.rates(own.T, self.leg.p)).T
             # a loose run's time may stand still or go back by its error: only later times count
             latest = np.maximum.accumulate(known[:, -1])
             keep = np.append(True, known[1:, -1] > latest[:-1])
@@ -325,7 +338,7 @@ class _Dry:
 
     def _rest(self, arrival: float | None) -> int:
         """Take the one continuation from rest, or end the run."""
-        ways = continuations(self.y[:4], self.k, self.mu)
+        ways = continuations(self.dry, self.y[:4], self.p)
         if ways.count == 1 and ways.sticks:
             if arrival is not None:
                 self._note(STICK, arrival)
@@ -348,10 +361,9 @@ class _Dry:
     def _depart(self, angle: float, arrival: float | None) -> int:
         """Leave rest at once in a direction with f > 0: the slip grows in proportion to time."""
         self._note(SLIP if arrival is None else REVERSE, angle)
-        system = disk_system("coulomb", direction=True)
-        plain = flow("coulomb", pose=self.pose)
+        plain = self.leg.flow
         rates = np.array(plain.rates(self._along(angle), self.leg.p)).ravel()
-        rates[:6] = system.rates(self.y[:6], [self.k, self.mu, angle])
+        rates[:6] = self._slipping(self.y, angle)
         due = float(self.times[len(self.rows)])
         step = min(self._brief(DEPARTURE), (due - self.time) / 2)
         step = self._before_a_guard(plain, step, rates)
@@ -376,10 +388,10 @@ class _Dry:
 
     def _onset(self) -> int:
         """Leave the friction cone: slip sets in against the force, and grows as time squared."""
-        _, fx, fy = sticking_force(self.y[:4], self.k)
+        _, fx, fy = sticking_force(self.dry, self.y[:4], self.p)
         angle = math.atan2(-fy, -fx)
         others = [
-            a for a in continuations(self.y[:4], self.k, self.mu).directions
+            a for a in continuations(self.dry, self.y[:4], self.p).directions
             if math.cos(a - angle) < 0.999
         ]  # fmt: skip
         if others:
@@ -389,11 +401,11 @@ class _Dry:
         due = self.times[len(self.rows) :]
         due = due[due < when + span]
         grid = np.concatenate([[when], due[due > when], [when + span]])
-        leg = self._leg(held_flow(pose=self.pose), np.delete(before, [4, 5]), grid, 1e-13)
+        leg = self._leg(held_flow(self.model), np.delete(before, [4, 5]), grid, 1e-13)
         stuck = np.insert(METHODS["dop853"](leg).states, [4, 4], 0.0, axis=-1)
         after = stuck[-1]
-        angle = polish(after[:4], self.k, self.mu, angle)
-        f = float(slip_acceleration(after[:4], self.k, self.mu, np.array([angle]))[0][0])
+        angle = polish(self.dry, after[:4], self.p, angle)
+        f = float(slip_acceleration(self.dry, after[:4], self.p, np.array([angle]))[0][0])
         for t, row in zip(leg.times[1:-1], stuck[1:-1], strict=True):
             share = (t - when) / span
             excess = self._excess(after, angle, span) - after if f > 0 else 0.0 * after
@@ -419,13 +431,18 @@ class _Dry:
         The excess acceleration grows in proportion to time t, so that velocities gain t/2 times it
         and angles t²/6 times it.
         """
-        slipping = disk_system("coulomb", direction=True).rates(stuck[:6], [self.k, self.mu, angle])
-        held = disk_system("rough").rates(stuck[:4], [self.k])
-        excess = slipping - np.append(held, [0.0, 0.0])
+        held = self.dry.held.rates(stuck[:4], self.dry.at_rest(self.p))
+        excess = self._slipping(stuck, angle) - np.append(held, [0.0, 0.0])
         y = stuck.copy()
         y[1:6] += excess[1:6] * span / 2
         y[0] += excess[1] * span**2 / 6
         return y
+
+    def _slipping(self, y: Floats, angle: float) -> Floats:
+        """Rates of the six states where slip sets in in a direction."""
+        given = self.dry.in_direction(self.p.tolist(), angle)
+        found: Floats = self.dry.sliding.rates(y[:6], given)
+        return found
 
     # --- book-keeping ---
 
@@ -463,20 +480,18 @@ class _Dry:
             self.end = End(kind, self.time, self.y.copy(), message)
 
 
-def integrate(leg: Leg, method: str = "auto", *, pose: bool = False) -> DryPath:
+def integrate(leg: Leg, method: str = "auto") -> DryPath:
     """Run one launch with dry friction through sliding and sticking.
 
     Parameters
     ----------
     leg
-        Leg with the flow `flow("coulomb", pose=pose)`, parameters (k, mu, flat).
+        Leg with the flow of a model of sliding.
     method
         Integrator of sliding and sticking; landings use LSODA, onsets CVODES.
-    pose
-        Whether y holds the pose.
 
     Returns
     -------
     DryPath
     """
-    return _Dry(leg, method, pose).run()
+    return _Dry(leg, method).run()

@@ -17,7 +17,7 @@ from ..base.quantities import Units
 from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import MOTION_LAWS, Creep, law_missing, spelled
-from ..bodies.model import TAKEN, Model
+from ..bodies.model import TAKEN, Dry, Model
 from ..bodies.resistance import UNITS, Resistance, resistances
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.equations import Resistances
@@ -26,6 +26,8 @@ from ..bodies.round_body.models.pole_model import pole_model
 from ..bodies.round_body.pole_equations import smooth_at
 from ..bodies.thin_disk.disk_model import FLAT
 from ..integrators.flow import flow_of
+from ..integrators.friction_at_rest import continuations, sticking_force
+from ..integrators.stick_slip import REST
 from ..settling.round_body.families import body_settling
 from .starts import (
     BRIEFEST,
@@ -96,17 +98,14 @@ def accepted(body: Body, contact: Any) -> type[Contact]:
     StabilityError
         If it is none, or one that is solved for a disk alone.
     """
-    allowed = {
-        n: one for n, one in MOTION_LAWS.items() if not (one.sticks or issubclass(one, Creep))
-    }
+    allowed = {n: one for n, one in MOTION_LAWS.items() if not issubclass(one, Creep)}
     if contact is None:
         raise law_missing(allowed)
     if not isinstance(contact, Contact) or not contact.name:
         raise NameUnknownError(f"contact is {shown(contact)}; give one of {spelled(allowed)}.")
-    if contact.sticks or isinstance(contact, Creep):
-        what = "sticking" if contact.sticks else "creep"
+    if isinstance(contact, Creep):
         raise ParameterError(
-            f"contact is {contact.name}, and {what} is solved for a stability.Disk alone; for "
+            f"contact is {contact.name}, and creep is solved for a stability.Disk alone; for "
             f"{body.name} give one of {spelled(allowed)}."
         )
     return type(contact)
@@ -153,6 +152,19 @@ def _gathered(
         model, shape, starts, p, when, flat, units, body.dimensionless, energies,
         body_settling(body, law, tuple(contact.given), kinds), law, unfit,
     )  # fmt: skip
+
+
+def _look_at_rest(dry: Dry, starts: Floats, p: Floats, values: Floats) -> None:
+    """Fill in what a start without slip needs to be positive: dry friction is set-valued there."""
+    for row in np.flatnonzero(np.hypot(starts[:, 4], starts[:, 5]) <= REST):
+        four, held = starts[row, :4], dry.at_rest(p[row])
+        conditions = dry.held.condition_program.quick([list(four), held], ())
+        energy = float(dry.held.observe(four, held)["energy"])
+        normal, _, _ = sticking_force(dry, four, p[row])
+        # without sticking the body may slip, or do neither although gn of sticking is positive
+        pressed = continuations(dry, four, p[row]).pressed
+        normal = max(normal, 1e-300) if pressed else min(normal, 0.0)
+        values[row] = [*np.ravel(conditions), normal, energy]
 
 
 def _model(
@@ -216,6 +228,8 @@ def _check(
     ]))  # fmt: skip
     own = flow_of(model).pack(starts)[:, : len(system.states)]
     values = look.arrays([list(own.T), list(p.T)], starts.shape[:1])[0][..., 0]
+    if model.dry is not None:
+        _look_at_rest(model.dry, starts, p, values)
     bad = np.argwhere(~(values[:, :-1] > 0))
     fit = np.column_stack([inside, values[:, :-1] > 0])
     if len(bad) and not mark:

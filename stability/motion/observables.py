@@ -13,7 +13,6 @@ from ..base.errors import DomainError
 from ..base.quantities import Kind
 from ..base.types import Floats
 from ..bodies.model import Model
-from ..bodies.thin_disk.disk_model import disk_model
 from ..integrators.flow import flow_of
 from ..integrators.stick_slip import REST, STICKING
 from .starts import Starts
@@ -84,10 +83,11 @@ def observe(
     values = _observer(model).arrays([x, q], states.shape[:-1])[0][..., 0]
     if modes is not None and (modes == STICKING).any():
         sticking = modes == STICKING
-        held = [list(np.moveaxis(states[sticking][:, :4], -1, 0)),
-                [np.broadcast_to(p[..., 0], modes.shape)[sticking]]]  # fmt: skip
-        rough = _observer(disk_model("rough"))
-        values[sticking] = rough.arrays(held, (int(sticking.sum()),))[0][..., 0]
+        assert model.dry is not None
+        given = model.dry.at_rest([np.broadcast_to(v, modes.shape)[sticking] for v in q])
+        held = [list(np.moveaxis(states[sticking][:, :4], -1, 0)), given]
+        at_rest = _observer(model.dry.sticking())
+        values[sticking] = at_rest.arrays(held, (int(sticking.sum()),))[0][..., 0]
     return dict(zip(model.series, np.moveaxis(values, -1, 0), strict=True))
 
 

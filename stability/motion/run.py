@@ -221,7 +221,7 @@ def _run(
         asked = shared(legs[0].flow, settings.executor)
 
         def task(i: int) -> Callable[[], DryPath]:
-            return partial(_dry, asked, legs[i].numbers, methods[i], settings.pose)
+            return partial(_dry, asked, legs[i].numbers, methods[i])
 
         with closing(ordered(
             range(len(legs)), task, executor=settings.executor,
@@ -244,10 +244,10 @@ def _run(
     return [result for result in found if result is not None]
 
 
-def _dry(flow: Callable[[], Flow], numbers: tuple[Any, ...], method: str, pose: bool) -> DryPath:
+def _dry(flow: Callable[[], Flow], numbers: tuple[Any, ...], method: str) -> DryPath:
     """One launch with dry friction, by a worker."""
     with ASKING:  # sticking and landing have flows that the threads of a process share
-        return integrate_dry(Leg(flow(), *numbers), method, pose=pose)
+        return integrate_dry(Leg(flow(), *numbers), method)
 
 
 def _finer(tolerance: float, turning: Floats) -> float:

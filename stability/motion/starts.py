@@ -293,6 +293,8 @@ def _check(law: type[Contact], starts: Floats, p: Floats) -> Floats:
         )
     own = len(moving_system(law).states)
     if law.sticks:
+        dry = disk_model(law).dry
+        assert dry is not None
         rest = np.hypot(starts[:, 4], starts[:, 5]) <= REST
         seen = np.empty((len(starts), 5))
         seen[~rest] = _look(law, starts[~rest], p[~rest])
@@ -300,7 +302,7 @@ def _check(law: type[Contact], starts: Floats, p: Floats) -> Floats:
             seen[rest] = _look(Rough, starts[rest, :4], p[rest, :1])
         for i in np.flatnonzero(rest & (seen[:, :2] > 0).all(axis=1)):
             # without sticking the disk may slip, or do neither although gn of sticking is positive
-            pressed = continuations(starts[i, :4], *p[i]).pressed
+            pressed = continuations(dry, starts[i, :4], p[i]).pressed
             seen[i, 3] = max(seen[i, 3], 1e-300) if pressed else min(seen[i, 3], 0.0)
     else:
         seen = _look(law, starts[:, :own], p)

@@ -9,6 +9,7 @@ import reference
 
 import stability as st
 from stability.bodies.thin_disk.disk_equations import STATES
+from stability.bodies.thin_disk.disk_model import disk_model
 from stability.integrators.friction_at_rest import (
     continuations,
     directions,
@@ -17,6 +18,8 @@ from stability.integrators.friction_at_rest import (
 )
 from stability.motion.result import BY_CODE, Outcome
 
+DISK = disk_model("coulomb").dry
+assert DISK is not None
 SCENES = {case["name"]: case for case in reference.coulomb()}
 
 
@@ -113,7 +116,7 @@ def test_the_force_of_sticking_stays_inside_the_cone_and_sliding_lies_on_it() ->
     assert (ratio.values[sticking] <= 1 + 1e-9).all()
     assert ratio.values[sticking].min() < 0.9
     for i in np.flatnonzero(sticking)[::23]:
-        held = sticking_force(states(run)[i, :4], case["k"])
+        held = sticking_force(DISK, states(run)[i, :4], np.array([case["k"], case["mu"]]))
         mine = [float(run[n][i]) for n in ("normal_force", "force_x", "force_y")]
         assert mine == pytest.approx(held, abs=1e-12)
     assert np.allclose(ratio.values[~sticking], 1.0, atol=1e-12)
@@ -135,12 +138,12 @@ def test_force_and_acceleration_at_rest_are_those_of_the_closed_formulas() -> No
         ax = bx + gn * (s * c / k - mu * math.cos(a) * (1 + s * s / k))
         ay = by - mu * gn * (1 + 1 / (2 * k)) * math.sin(a)
         four = np.array([theta, q, p, w])
-        f, h, normal, _ = slip_acceleration(four, k, mu, np.array([a]))
+        f, h, normal, _ = slip_acceleration(DISK, four, np.array([k, mu]), np.array([a]))
         assert f[0] == pytest.approx(ax * math.cos(a) + ay * math.sin(a), abs=1e-12 / (k + c * c))
         assert h[0] == pytest.approx(ay * math.cos(a) - ax * math.sin(a), abs=1e-12 / (k + c * c))
         assert normal[0] == pytest.approx(gn, rel=1e-12)
         b3 = s * bx + c * bz
-        held = sticking_force(four, k)
+        held = sticking_force(DISK, four, np.array([k, mu]))
         assert held[0] == pytest.approx(-bz + c * b3 / (1 + k), abs=1e-12)
         assert held[1] == pytest.approx(-bx + s * b3 / (1 + k), abs=1e-12)
         assert held[2] == pytest.approx(-by * 2 * k / (2 * k + 1), abs=1e-12)
@@ -153,12 +156,12 @@ def test_every_radial_direction_is_found() -> None:
     for _ in range(60):
         four = np.array([rng.uniform(0.4, 2.7), *rng.uniform(-1.5, 1.5, 3)])
         k, mu = rng.uniform(0.05, 0.5), rng.uniform(0.05, 0.4)
-        h = slip_acceleration(four, k, mu, angles)[1]
+        h = slip_acceleration(DISK, four, np.array([k, mu]), angles)[1]
         changes = angles[:-1][np.sign(h[:-1]) != np.sign(h[1:])]
-        found = np.sort(np.angle(np.exp(1j * directions(four, k, mu))))
+        found = np.sort(np.angle(np.exp(1j * directions(DISK, four, np.array([k, mu])))))
         assert len(found) == len(changes)
         assert np.abs(found - changes).max() < 2e-3
-        assert np.abs(slip_acceleration(four, k, mu, found)[1]).max() < 1e-9
+        assert np.abs(slip_acceleration(DISK, four, np.array([k, mu]), found)[1]).max() < 1e-9
 
 
 @pytest.mark.parametrize("draws", [60, pytest.param(1500, marks=pytest.mark.long)])
@@ -170,10 +173,10 @@ def test_below_the_threshold_there_is_exactly_one_way_on(draws: int) -> None:
         k = rng.choice([0.02, 0.1, 0.25, 0.5])
         mu = rng.uniform(0.02, 0.999) * 2 * math.sqrt(k * (k + 1))
         four = np.array([rng.uniform(0.1, 3.0), *rng.uniform(-2, 2, 3)])
-        _, _, normal, d = slip_acceleration(four, k, mu, np.zeros(1))
+        _, _, normal, d = slip_acceleration(DISK, four, np.array([k, mu]), np.zeros(1))
         if normal[0] * d[0] <= 1e-6:
             continue
-        ways = continuations(four, k, mu)
+        ways = continuations(DISK, four, np.array([k, mu]))
         if abs(ways.ratio - 1) < 1e-6:
             continue
         assert ways.count == 1
@@ -224,7 +227,7 @@ def test_the_threshold_of_uniqueness_is_sharp() -> None:
     assert mu / (2 * math.sqrt(k * (k + 1))) == pytest.approx(1.001, abs=1e-9)
     four = np.array([1.1405036155603199, -0.003713908095680414 * 0.9999, 1.82547123230798,
                      1.1032082780622803])  # fmt: skip
-    ways = continuations(four, k, mu)
+    ways = continuations(DISK, four, np.array([k, mu]))
     sticks, angles = by_force(four, k, mu)
     assert sticks
     assert ways.sticks
@@ -233,7 +236,7 @@ def test_the_threshold_of_uniqueness_is_sharp() -> None:
     run = st.simulate(st.Disk(k=k), st.Coulomb(mu), [*four, 0, 0], 1.0)
     assert BY_CODE[int(run.outcome)] is Outcome.NON_UNIQUE
     # just below it there is one
-    below = continuations(four, k, 2 * math.sqrt(k * (k + 1)) * (1 - 1e-9))
+    below = continuations(DISK, four, np.array([k, 2 * math.sqrt(k * (k + 1)) * (1 - 1e-9)]))
     assert below.count == 1
 
 
@@ -244,7 +247,7 @@ def test_ways_on_by_the_force_are_those_by_the_direction(count: int) -> None:
         k = float(rng.choice([0.1, 0.25, 0.5]))
         mu = float(2 * math.sqrt(k * (k + 1)) * rng.uniform(0.3, 2))
         four = np.array([rng.uniform(0.3, 2.8), *rng.uniform(-1, 1, 3)])
-        ways = continuations(four, k, mu)
+        ways = continuations(DISK, four, np.array([k, mu]))
         sticks, angles = by_force(four, k, mu)
         assert ways.sticks == sticks
         assert sorted(ways.directions) == pytest.approx(sorted(angles), abs=1e-8)
@@ -264,13 +267,15 @@ def test_the_number_of_ways_that_keep_contact_is_odd_if_pressed_and_even_if_not(
         theta, q, p, w = four = np.array([rng.uniform(0.1, 3.0), *rng.uniform(-3, 3, 3)])
         s, c = math.sin(theta), math.cos(theta)
         bz = -1 + s * q * q - p * p * s * c * c + 2 * w * p * s * c
-        ways = continuations(four, k, mu)
+        ways = continuations(DISK, four, np.array([k, mu]))
         if min(abs(ways.ratio - 1), abs(bz)) < 1e-6:
             continue
         assert ways.lifts == (bz > 0)
         assert (ways.sticks + len(ways.directions)) % 2 == (bz < 0)
         if bz > 0:  # every direction that is listed has D < 0 then
-            d = slip_acceleration(four, k, mu, np.array(ways.directions or [0.0]))[3]
+            d = slip_acceleration(
+                DISK, four, np.array([k, mu]), np.array(ways.directions or [0.0])
+            )[3]
             assert not ways.directions or (d < 0).all()
             several += bool(ways.directions)
     assert several > 0
@@ -280,7 +285,7 @@ def test_a_contact_that_may_also_lift_off_is_not_said_to_stick_or_slip() -> None
     # bz > 0: 0.4 did not count lift-off among the ways on
     k, mu = 0.05, 1.4557359438338509
     start = [1.4537490894200014, 0.20206492406184573, 1.9205967531509573, 2.535225920807088, 0, 0]
-    assert continuations(np.array(start[:4]), k, mu).lifts
+    assert continuations(DISK, np.array(start[:4]), np.array([k, mu])).lifts
     run = st.simulate(st.Disk(k=k), st.Coulomb(mu), start, 1.0)
     assert BY_CODE[int(run.outcome)] is Outcome.NON_UNIQUE
     assert "can lift off" in str(run.evidence.values)
@@ -289,7 +294,7 @@ def test_a_contact_that_may_also_lift_off_is_not_said_to_stick_or_slip() -> None
 @pytest.mark.parametrize("case", reference.corners(), ids=lambda c: f"{c['kind'][:24]} {c['k']}")
 def test_corners_have_the_continuations_that_were_solved_for(case: dict[str, Any]) -> None:
     four = np.array(case["state"][:4])
-    ways = continuations(four, case["k"], case["mu"])
+    ways = continuations(DISK, four, np.array([case["k"], case["mu"]]))
     assert ways.sticks == case["stick_admissible"]
     expected = sorted(math.remainder(t["angle"], 2 * math.pi) for t in case["takeoff"])
     found = sorted(math.remainder(a, 2 * math.pi) for a in ways.directions)
@@ -340,8 +345,8 @@ def test_a_start_at_rest_that_nothing_holds_down_is_refused() -> None:
     # the force of sticking would press (gn > 0) but lies far outside the cone, and no slip sets in
     start = [1.3584861398296046, 0.8731793602881994, 0.47383312494378416, 1.9119442312294206, 0, 0]
     k, mu = 0.13306917881431404, 0.4060094943121223
-    assert sticking_force(np.array(start[:4]), k)[0] > 0
-    assert not continuations(np.array(start[:4]), k, mu).pressed
+    assert sticking_force(DISK, np.array(start[:4]), np.array([k, mu]))[0] > 0
+    assert not continuations(DISK, np.array(start[:4]), np.array([k, mu])).pressed
     with pytest.raises(st.StabilityError, match="not in contact"):
         st.simulate(st.Disk(k=k), st.Coulomb(mu), start, 1.0)
 

@@ -8,7 +8,8 @@ import casadi as ca
 import numpy as np
 import pytest
 from body_motion import move
-from convex_body import Law, Pose, pose_at
+from convex_body import Law, pose_at
+from resisted import moments
 
 import stability as st
 
@@ -34,22 +35,6 @@ BODIES = {
         (0.15, 1.2),
     ),
 }  # fmt: skip
-
-
-def moments(resistance: tuple[st.Resistance, ...]) -> tuple[Any, ...]:
-    """The moments of resistances along fixed axes, without and per normal force."""
-
-    def of(one: st.Resistance) -> Any:
-        def moment(pose: Pose) -> tuple[np.ndarray, np.ndarray]:
-            w, none = pose.spin, 0 * pose.spin
-            if isinstance(one, st.AirTorque):
-                return -one.drag * w, none
-            flat = isinstance(one, st.RollingResistance)
-            return none, -one.value * w * ([1, 1, 0] if flat else [0, 0, 1])
-
-        return moment
-
-    return tuple(of(one) for one in resistance)
 
 
 @pytest.mark.few(4)
@@ -200,7 +185,7 @@ def test_what_is_no_resistance_is_refused_in_a_sentence() -> None:
     cases: list[tuple[dict[str, Any], str]] = [
         ({"resistance": 3}, "resistance is 3; give RollingResistance(rho)"),
         ({"resistance": [air, air]}, "two resistances have the coefficient drag"),
-        ({"contact": st.Coulomb(0.3), "resistance": air}, "sticking is solved"),
+        ({"contact": st.Creep1(0.3), "resistance": air}, "creep is solved"),
         ({"disk": own, "contact": None, "start": [1.0], "resistance": air}, "belongs to a disk"),
         ({"disk": rho, "resistance": st.RollingResistance(0.1)}, "give that another name"),
         ({"resistance": st.AirTorque([0.1, 0.2]), "start": np.ones((3, 4))}, "shape"),

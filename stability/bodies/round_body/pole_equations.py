@@ -67,10 +67,12 @@ def pole_system(
     ParameterError
         If the law is made for the disk alone, or its force depends on the direction of slip.
     """
-    if issubclass(law, Creep) or law.sticks:
+    if issubclass(law, Creep):
         raise ParameterError(
             f"the {law.name} law is made for the disk; for {body.name} take Viscous(mu)."
         )
+    if law.sticks:
+        raise ParameterError(f"the {law.name} law sticks, which has no equations at a pole yet.")
     refuse_rough_pole(body, (near,) if near else (1, -1))
     _check_even(law, len(given))
     slips = law.slips or (slip_states and not law.holds)

@@ -21,7 +21,7 @@ from ...systems.condition import Condition
 from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import CREEP, Creep, Smooth, law_class
-from ..dry_friction import Coulomb
+from ..dry_friction import DIRECTION, CoulombAlong
 from ..newton_euler import STATES as STATES
 from ..newton_euler import NewtonEuler
 from .disk_quantities import SYSTEM, disk_quantities
@@ -103,8 +103,8 @@ def _disk_system(contact: type[Contact], slip_states: bool | None, *, direction:
     coefficient: Any = numbers[0] if len(numbers) == 1 else tuple(numbers)
     law = contact.name
     if direction:
-        named["direction"] = ca.SX.sym("direction")
-        contact, coefficient = _Along, (*numbers, named["direction"])
+        named[DIRECTION] = ca.SX.sym(DIRECTION)
+        contact, coefficient = CoulombAlong, (*numbers, named[DIRECTION])
     p = ca.vertcat(*named.values())
     slip = _creeping(contact, x, p) if issubclass(contact, Creep) else None
     body = DiskBody(x, k, contact, coefficient, slips, slip)
@@ -146,15 +146,6 @@ def _relaxation(x: ca.SX, p: ca.SX) -> ca.SX:
     drag = ca.jtimes(disk.observables["contact_force"] / normal, disk.x, disk.rhs)
     ratio = normal / ca.sqrt(1 + ca.sumsqr(disk.x[1:4]) + ca.sumsqr(drag))
     return p[1] * _at([ratio], disk, x, p)[0]
-
-
-class _Along(Coulomb):
-    """Dry friction against a stated direction of slip: mu is the pair (mu, angle)."""
-
-    def force(self, slip, normal, mu):  # type: ignore[no-untyped-def]  # noqa: ARG002
-        """Against the direction, mu times the normal force."""
-        coefficient, angle = mu
-        return [-coefficient * normal * ca.cos(angle), -coefficient * normal * ca.sin(angle)]
 
 
 def _conditions(x: ca.SX, p: ca.SX, contact: type[Contact]):  # type: ignore[no-untyped-def]

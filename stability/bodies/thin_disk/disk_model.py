@@ -10,10 +10,11 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from ...base.types import Floats
 from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import Creep, law_class
-from ..model import WORK, Model
+from ..model import WORK, Dry, Model
 from .disk_equations import CREEPS, STATES, disk_system
 from .disk_momenta import momenta_model
 from .disk_quantities import QUANTITIES
@@ -128,10 +129,23 @@ def _disk_model(law: type[Contact], pose: bool, sticking: bool) -> Model:  # noq
         law.symbols()[0] if law.relaxes and not sticking else "",
         turning=(1, 2, 3), sliding=() if law.sticks or len(system.states) < 6 else (4, 5),
         parking=partial(_park, friction), sound=_stands, short=_short(law, sticking or pose),
+        dry=_dry(law, pose) if law.sticks and not sticking else None,
         title=f"motion of a disk, {law.name} contact",
         source="equations of Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) "
         "204-231, integrated",
     )  # fmt: skip
+
+
+def _dry(law: type[Contact], pose: bool) -> Dry:  # noqa: FBT001
+    """The disk at rest."""
+    return Dry(disk_system(law, direction=True), disk_system("rough"),
+               partial(disk_model, law, pose=pose, sticking=True), _unique)  # fmt: skip
+
+
+def _unique(p: Floats) -> bool:
+    """Whether mu < 2√(k(k+1)), where docs/explanation/dry-friction.md proves it."""
+    k, mu = p
+    return bool(mu < 2 * math.sqrt(k * (k + 1)))
 
 
 def _short(law: type[Contact], other: bool) -> Callable[[Model], Model] | None:  # noqa: FBT001

@@ -48,7 +48,7 @@ def body_settling(
         Line(
             family,
             system,
-            law.conservative,
+            law.conservative or law.sticks,
             height,
             moments,
             body.between,
@@ -58,13 +58,17 @@ def body_settling(
         for family, level in _families(body, law, given, resistance)
     ]
     for pole, word in ((1, 0), (-1, "pi")):
-        if smooth_at(body, pole) and survives("vertical", resistance, upright=False):
+        if (
+            not law.sticks
+            and smooth_at(body, pole)
+            and survives("vertical", resistance, upright=False)
+        ):
             family = round_family(
                 body, "vertical", law, given, physical=False, pole=word, resistance=resistance
             )
             family = replace(family, name=f"vertical at theta = {word}")
             chart = pole_system(body, law, given, physical=False, near=pole, resistance=resistance)
-            lines.append(Vertical(family, chart, law.conservative, pole))
+            lines.append(Vertical(family, chart, law.conservative or law.sticks, pole))
     return BodySettling(tuple(lines))
 
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -13,9 +14,12 @@ import numpy as np
 from ....base.quantities import Kind, Quantity
 from ....systems.system import System
 from ...contact import Contact
-from ...model import WORK, Model
+from ...contact_laws import Rough
+from ...dry_friction import DIRECTION, MU, CoulombAlong
+from ...model import WORK, Dry, Model
 from ...newton_euler import STATES
 from ...thin_disk.disk_model import (
+    CONE,
     FLAT,
     LIFT_OFF,
     NO_CONTACT,
@@ -39,7 +43,7 @@ def round_model(
     body: Body, law: type[Contact], given: tuple[str, ...], *, pose: bool,
     resistance: Resistances = (),
 ) -> Model:  # fmt: skip
-    """A body under a contact law, dimensionless; built once for each.
+    """A body under a contact law, dimensionless; built once for each.  Of dry friction, sliding.
 
     Parameters
     ----------
@@ -70,10 +74,19 @@ def round_model(
     >>> list(round_model(ThickDisk(0.1), Viscous, ("mu",), pose=False).guards)
     ['lift-off', 'flat', 'upper end of theta', 'no-contact']
     """
-    system = round_system(body, law, given, physical=False, slip_states=True, resistance=resistance)
+
+    def system(contact: type[Contact], names: tuple[str, ...]) -> System:
+        return round_system(
+            body, contact, names, physical=False, slip_states=True, resistance=resistance
+        )
+
+    at_rest = None
+    if law.sticks:
+        at_rest = system(CoulombAlong, (*given, DIRECTION)), system(Rough, ())
+    kind: Any = law  # a class is hashable
     return _round_model(
-        system, body.name, body.height, tuple(body.shape), body.between, flat_poles(body),
-        law, given, bool(pose),  # type: ignore[arg-type]  # a class is hashable
+        system(law, given), body.name, body.height, tuple(body.shape), body.between,
+        flat_poles(body), kind, given, bool(pose), at_rest, sticking=False,
     )  # fmt: skip
 
 
@@ -99,8 +112,17 @@ def flat_poles(body: Body) -> tuple[bool, bool]:
 def _round_model(  # noqa: PLR0913
     system: System, name: str, height: Expression, shape: tuple[str, ...],
     between: tuple[float, float], flat_at: tuple[bool, bool], law: type[Contact],
-    given: tuple[str, ...], pose: bool,  # noqa: FBT001
+    given: tuple[str, ...], pose: bool, at_rest: tuple[System, System] | None,  # noqa: FBT001
+    *, sticking: bool,
 ) -> Model:  # fmt: skip
+    p, mu, dry = system.p, ca.SX.sym(MU), None
+    if at_rest is not None and sticking:  # the parameters of sliding
+        sliding, system = system, at_rest[1]
+        own = dict(zip(system.parameters, ca.vertsplit(system.p), strict=True)) | {MU: mu}
+        p = ca.vertcat(*(own[n] for n in sliding.parameters))
+    elif at_rest is not None:
+        every = system, name, height, shape, between, flat_at, law, given, pose, at_rest
+        dry = Dry(*at_rest, partial(_round_model, *every, sticking=True))
     x, seen, flat = system.x, system.observables, ca.SX.sym("flat")
     h = height_of_angle(height, x[0], ca.vertsplit(system.p)[: len(shape)])
     slope = ca.jacobian(h, x[0])
@@ -121,13 +143,16 @@ def _round_model(  # noqa: PLR0913
         series["reach"] = slope
     guards, words = _ends(x[0], flat, between, flat_at)
     guards = {LIFT_OFF: normal * seen["determinant"]} | guards
-    if ca.depends_on(seen["determinant"], x[4:]):
+    if sticking:
+        guards[CONE] = (mu * normal) ** 2 - ca.sumsqr(seen["contact_force"])
+    elif ca.depends_on(seen["determinant"], x[4:]):
         guards[NO_CONTACT] = seen["determinant"]
     return Model(
-        system, STATES, ca.vertcat(*columns), ca.vertcat(system.p, flat), ca.vertcat(*rates),
+        system, STATES, ca.vertcat(*columns), ca.vertcat(p, flat), ca.vertcat(*rates),
         tuple(names), guards, WORDS | words, series, quantities_with(law, shape),
         given[0] if law.relaxes else "",
-        turning=(1, 2, 3), sliding=(4, 5) if len(system.states) == 6 else (),
+        turning=(1, 2, 3), sliding=() if law.sticks or len(system.states) < 6 else (4, 5),
+        dry=dry,
         title=f"motion of {name}, {law.name} contact",
         source=system.qualified(
             "equations of a convex body of revolution (docs/explanation/bodies.md), integrated"
