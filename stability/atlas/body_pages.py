@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Mapping
 
+from ..bodies.families import FAMILIES
 from .body_diagrams import POLES, Diagram, Key, Shown, family_of, kinds, names, spoken
 from .page import _figure, _foot, _head
 
@@ -16,15 +17,6 @@ ABOUT = (
     "(m = R = g = 1). A verdict without a proof is called undecided. The equations follow from the "
     "height of the centre of mass over the plane."
 )
-MOTION = {
-    "rolling": "Straight ahead, at constant inclination.",
-    "spinning": "Upright, turning about the vertical on the spot.",
-    "tumbling": "Inclined, its centre at rest, its contact point running round.",
-    "vertical": "The axis vertical, turning about it on the spot.",
-    "circling": "Inclined, its contact point running round a circle without slip.",
-    "precession": "Inclined, without friction, its centre at rest or in uniform straight motion.",
-}
-"""Each family in words."""
 
 
 def pages(
@@ -97,7 +89,8 @@ def _page(
             lines.append(f"<p>{html.escape(absent[key, name])}</p>")
             continue
         alike = " Both ends are alike." * (name in POLES and not shown.ends)
-        lines.append(f"<p>{MOTION[family]}{alike}</p>")
+        motion = FAMILIES[family].motion
+        lines.append(f"<p>{motion[0].upper()}{motion[1:]}.{alike}</p>")
         mine = [found[key, name, kind] for kind in kinds(shown, name)]
         drawn = [_figure(d.picture, True) for d in mine if d.figure]
         lines += ['<div class="row pairs">', *drawn, "</div>"] if drawn else []

@@ -25,7 +25,7 @@ from .source.frames import frame_of_angles
 from .source.source_text import graph, javascript
 from .subject import Quantity, Subject
 
-FAMILY_NAMES = ("rolling", "spinning", "tumbling")
+FAMILY_NAMES = tuple(f.name for f in FAMILIES.values() if f.drawn)
 """Families of the page, which one number names."""
 WORDS = {
     "smooth": "no friction", "viscous": "viscous friction, −μ\u00a0N\u00a0v",

@@ -35,7 +35,6 @@ from .units import CURVES, PageUnits, units_of
 
 CERTIFIED = (0.25, 0.5)
 """Values of k at which the diagrams over friction carry proved rectangles."""
-MOTIONS = {"rolling": "Rolling", "spinning": "Spinning", "tumbling": "Tumbling"}
 LAW_NAMES = {
     "smooth": "Smooth", "viscous": "Viscous", "linear-viscous": "Linear", "rough": "Rough",
 }  # fmt: skip
@@ -83,7 +82,7 @@ def disk_page(
     return {
         **common(subjects, start, checked, axes, units), "solid": True, "certificates": planes,
         "motions": {n: disk_motion(n) for n in LAWS},
-        "names": {"families": MOTIONS, "laws": LAW_NAMES, "says": {
+        "names": {"families": {n: n.capitalize() for n in FAMILY_NAMES}, "laws": LAW_NAMES, "says": {
             law: f"A thin disk, ring or hoop on a plane; {words}." for law, words in WORDS.items()
         }},
         "foot": foot("the exact polynomials and the equations of motion of the package", units),

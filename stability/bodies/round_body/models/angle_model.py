@@ -121,7 +121,7 @@ def _round_model(  # noqa: PLR0913
         own = dict(zip(system.parameters, ca.vertsplit(system.p), strict=True)) | {MU: mu}
         p = ca.vertcat(*(own[n] for n in sliding.parameters))
     elif at_rest is not None:
-        every = system, name, height, shape, between, flat_at, law, given, pose, at_rest
+        every: Any = system, name, height, shape, between, flat_at, law, given, pose, at_rest
         dry = Dry(*at_rest, partial(_round_model, *every, sticking=True))
     x, seen, flat = system.x, system.observables, ca.SX.sym("flat")
     h = height_of_angle(height, x[0], ca.vertsplit(system.p)[: len(shape)])
