@@ -82,9 +82,11 @@ def disk_page(
     return {
         **common(subjects, start, checked, axes, units), "solid": True, "certificates": planes,
         "motions": {n: disk_motion(n) for n in LAWS},
-        "names": {"families": {n: n.capitalize() for n in FAMILY_NAMES}, "laws": LAW_NAMES, "says": {
-            law: f"A thin disk, ring or hoop on a plane; {words}." for law, words in WORDS.items()
-        }},
+        "names": {
+            "families": {n: n.capitalize() for n in FAMILY_NAMES}, "laws": LAW_NAMES,
+            "says": {law: f"A thin disk, ring or hoop on a plane; {words}."
+                     for law, words in WORDS.items()},
+        },
         "foot": foot("the exact polynomials and the equations of motion of the package", units),
     }  # fmt: skip
 
