@@ -232,10 +232,12 @@ def campaign(cases: list[Case], rng: random.Random, without: Collection[str]) ->
         else:
             if (number, name) not in first and wrong(answer):
                 count["wrong"] += 1
-                count[f"wrong {name} of {number}"] += 1
+                rates = cases[number].family.system.rhs
+                count[f"wrong {name} of {number}: {rates} {written(answer)}"] += 1
         if first.setdefault((number, name), written(answer)) != written(answer):
             count["other answers"] += 1
-            count[f"other answers to {name} of {number}"] += 1
+            answers = f"{first[number, name]} and {written(answer)}"
+            count[f"other answers to {name} of {number}: {answers}"] += 1
     return count
 
 
