@@ -16,7 +16,7 @@ from ..base.errors import DomainError, NameUnknownError, ParameterError, if_degr
 from ..base.quantities import Units
 from ..base.types import Floats
 from ..bodies.contact import Contact
-from ..bodies.contact_laws import MOTION_LAWS, Creep, law_missing, spelled
+from ..bodies.contact_laws import MOTION_LAWS, law_missing, spelled
 from ..bodies.model import TAKEN, Dry, Model
 from ..bodies.resistance import UNITS, Resistance, resistances
 from ..bodies.round_body.body import Body
@@ -65,7 +65,7 @@ def gather_body(
     StabilityError
         In one sentence, if something is not accepted.
     """
-    law = accepted(body, contact)
+    law = accepted(contact)
     with np.errstate(all="ignore"):  # an overflow is refused by _check
         against = _acting(body, contact, resistance)
         return _gathered(body, contact, law, start, times, against, pose=pose, mark=mark)
@@ -83,31 +83,23 @@ def _acting(body: Body, contact: Contact, given: Any) -> tuple[Resistance, ...]:
     return found
 
 
-def accepted(body: Body, contact: Any) -> type[Contact]:
+def accepted(contact: Any) -> type[Contact]:
     """The class of a law that a body's motion can have.
 
     Parameters
     ----------
-    body
-        The body.
     contact
         The law.
 
     Raises
     ------
     StabilityError
-        If it is none, or one that is solved for a disk alone.
+        If it is none.
     """
-    allowed = {n: one for n, one in MOTION_LAWS.items() if not issubclass(one, Creep)}
     if contact is None:
-        raise law_missing(allowed)
+        raise law_missing(MOTION_LAWS)
     if not isinstance(contact, Contact) or not contact.name:
-        raise NameUnknownError(f"contact is {shown(contact)}; give one of {spelled(allowed)}.")
-    if isinstance(contact, Creep):
-        raise ParameterError(
-            f"contact is {contact.name}, and creep is solved for a stability.Disk alone; for "
-            f"{body.name} give one of {spelled(allowed)}."
-        )
+        raise NameUnknownError(f"contact is {shown(contact)}; give one of {spelled(MOTION_LAWS)}.")
     return type(contact)
 
 

@@ -75,7 +75,7 @@ def simulate(
         `Smooth`, `Viscous`, `LinearViscous`, `Rough`, `Coulomb` (with true sticking) or
         `RegularisedCoulomb`; or the name or class of a law, with its parameters by name.  For a
         system its parameters: values by name, or along the last axis; None where it has none, or
-        where they are given by name.  A `Body` takes no law that creeps.
+        where they are given by name.
     start
         States theta, theta_dot, phi_dot, omega3, slip_x, slip_y along the last axis, shape (…, 6)
         [rad, rad/s, m/s], or a mapping by these names (theta is needed, missing ones are 0).  Four
@@ -88,7 +88,7 @@ def simulate(
         A `Body`, or a `Disk`, in place of the first argument.
     resistance
         `RollingResistance`, `PivotingResistance` or `AirTorque`, or several of these, of a body or
-        disk under a law that does not creep.
+        disk.
     families
         Families of the user's system on which it may settle; the disk has its own.  Angles are
         not wrapped: a member a whole turn away is a different one.  The evidence says *departs*

@@ -104,7 +104,7 @@ def laws_of(disk: Any, contact: Any) -> dict[str, Any]:
                 "name."
             )
         if isinstance(disk, Body):
-            accepted(disk, law)
+            accepted(law)
     if not found:
         raise ParameterError("contact holds no law; give one at least.")
     return found

@@ -63,6 +63,38 @@ def test_the_error_of_a_motion_falls_as_the_order_says(order: int) -> None:
     assert errors[-1] < 2.0 * (2.5 / frictions[-1]) ** (order + 1) * 0.2
 
 
+@pytest.mark.few(1)
+@pytest.mark.parametrize("order", range(4))
+def test_the_orders_hold_for_a_torus(order: int) -> None:
+    """Against the viscous torus from the manifold, as for the disk."""
+    torus, errors = st.Torus(0.2), []
+    options: dict[str, Any] = {"method": "dop853", "tolerance": 1e-13, "check": False}
+    for mu in (60.0, 120.0):
+        at_once = st.simulate(torus, Creep3(mu), list(START), [0.0, 0.1], **options)
+        slip = [float(at_once[n][0]) for n in ("slip_x", "slip_y")]
+        true = st.simulate(torus, Viscous(mu), [*START, *slip], [0.0, 1.0], **options)
+        mine = st.simulate(torus, law_of(order, mu), list(START), [0.0, 1.0], **options)
+        errors.append(np.abs(four(mine) - four(true)).max())
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(order + 1, abs=0.3), errors
+
+
+def test_a_disk_with_a_resistance_of_zero_creeps_as_the_disk() -> None:
+    plain, body = (run(Creep2(200.0), 5.0, resistance=r) for r in (None, st.AirTorque(0.0)))
+    for name in (*STATES, "force_x", "power"):
+        assert np.abs(body[name].values - plain[name].values).max() < 1e-9, name
+    with pytest.raises(st.StabilityError, match="creep needs slip that decays faster"):
+        run(Creep2(0.1), 1.0, resistance=st.RollingResistance(0.01))
+
+
+@pytest.mark.parametrize(("family", "at"), [("rolling", 1.3), ("spinning", 2.2)])
+def test_verdicts_are_those_of_the_viscous_torus(family: str, at: float) -> None:
+    body = st.Torus(0.2, mass=0.3, gravity=9.81, length=0.1)
+    mine = st.spectrum(family, at=10 * at, body=body, contact=Creep2(300.0))
+    full = st.spectrum(family, at=10 * at, body=body, contact=Viscous(300.0))
+    assert mine.verdict is full.verdict and mine.verdict.word in ("stable", "unstable")
+    assert float(mine.abscissa) == pytest.approx(float(full.abscissa), rel=0.05)
+
+
 @lru_cache
 def jacobian_program(law: Any) -> Program:
     system = disk_system(law)

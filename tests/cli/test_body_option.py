@@ -340,9 +340,7 @@ def test_a_launched_body_moves_as_in_the_library_and_is_filmed(
     [
         ([*TORUS, "--k", "0.3"], "--k does not go with --body"),
         ([*TORUS, "--system", "a.py:b"], "--system does not go with --body"),
-        ([*TORUS, "--contact", "creep-2", "--mu", "9"], "creep is solved"),
         ([*TORUS, "--air-torque", "-1"], "drag is -1"),
-        (["--contact", "creep-1", "--mu", "9", "--air-torque", "1"], "creep is solved"),
         (["--body", "egg.py:coin", "--rim", "x"], "rim is 'x'; a number is needed"),
     ],
 )

@@ -329,7 +329,6 @@ def test_si_numbers_arrays_and_names_work_as_those_of_the_disk() -> None:
 def test_what_a_body_cannot_do_is_refused_in_a_sentence() -> None:
     torus, times = st.Torus(0.2), 1.0
     cases = [
-        (dict(contact=st.Creep2(0.3)), "creep is solved for a stability.Disk alone"),
         (dict(contact="viscous"), "mu is missing"),
         (dict(contact=7), "contact is 7; give one of Smooth"),
         (dict(start={"theta": 0.0}), "theta is 0; the height of torus holds"),

@@ -185,7 +185,6 @@ def test_what_is_no_resistance_is_refused_in_a_sentence() -> None:
     cases: list[tuple[dict[str, Any], str]] = [
         ({"resistance": 3}, "resistance is 3; give RollingResistance(rho)"),
         ({"resistance": [air, air]}, "two resistances have the coefficient drag"),
-        ({"contact": st.Creep1(0.3), "resistance": air}, "creep is solved"),
         ({"disk": own, "contact": None, "start": [1.0], "resistance": air}, "belongs to a disk"),
         ({"disk": rho, "resistance": st.RollingResistance(0.1)}, "give that another name"),
         ({"resistance": st.AirTorque([0.1, 0.2]), "start": np.ones((3, 4))}, "shape"),

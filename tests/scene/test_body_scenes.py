@@ -298,7 +298,6 @@ def test_what_a_body_has_not_is_refused_in_a_sentence() -> None:
     cases: list[tuple[dict[str, Any], str]] = [
         ({"disk": disk}, "body is given, and disk too"),
         ({"body": 7}, "body is 7; give a stability.Body"),
-        ({"contact": {"a": st.Creep2(0.3)}}, "creep is solved for a stability.Disk alone"),
         ({"contact": 7}, "contact is 7"),
         ({"families": [3]}, "families belong to a stability.System"),
         ({"uncertain": {"k": 0.1}}, "uncertain names 'k'; known are theta"),
@@ -369,7 +368,6 @@ def test_a_file_of_a_body_is_the_scene_of_python(tmp_path: Path) -> None:
         ("[contact]", "[disk]\nk = 0.3\n[contact]", "[disk] and [body] are both given"),
         ('"rolling"', '"vertical"', "is not smooth"),
         ("tilt = 1e-4", "phi_dot = 1e-4", "[start] has family and phi_dot"),
-        ('law = "viscous"\nmu = 0.3', 'law = "creep-1"\nmu = 0.3', "creep is solved"),
     ],
 )  # fmt: skip
 def test_a_file_that_is_wrong_is_refused_in_a_sentence(

@@ -15,12 +15,13 @@ from typing import Any
 
 import casadi as ca
 
-from ...base.errors import ParameterError
+from ...base.quantities import Units
 from ...systems.condition import Condition
 from ...systems.equations import eliminate
 from ...systems.system import System
 from ..contact import Contact
-from ..contact_laws import Creep
+from ..contact_laws import CREEP, Creep
+from ..creep import CREEPS, follows, slip_of
 from ..newton_euler import STATES, NewtonEuler
 from ..resistance import Resistance, total_moment
 from ..round_quantities import round_quantities
@@ -62,16 +63,7 @@ def round_system(
         m·length²), `power` (dissipated), `rim_speed` (of the point of contact about the centre,
         along ŷ; it vanishes where the centre rests and nothing slips), `lever` (h', the distance of
         the contact point from the foot of the centre along x̂).
-
-    Raises
-    ------
-    ParameterError
-        If the law is made for the disk alone.
     """
-    if issubclass(law, Creep):
-        raise ParameterError(
-            f"the {law.name} law is made for the disk; for {body.name} take Viscous(mu)."
-        )
     slips = law.slips or (slip_states and not law.holds)
     return _system(shape_of(body), law, given, physical, resistance, slips)  # type: ignore[arg-type]  # a class is hashable
 
@@ -86,12 +78,23 @@ def _system(  # noqa: PLR0913
     states = STATES if slips else STATES[:4]
     x = ca.SX.sym("x", len(states))
     along = height_of_angle(height, x[0], numbers.own)
-    body = RoundBody(x, along, numbers.table, law, given, slips)
+
+    def below(order: int) -> System:
+        names = given if order else ()
+        return _system(shape, CREEP[order], names, physical, resistance, False)  # type: ignore[arg-type]  # a class is hashable
+
+    slip, creeps = None, []
+    if issubclass(law, Creep):
+        mass, length, gravity = (numbers.table[n] for n in ("mass", "length", "gravity"))
+        units = Units(mass, length, gravity, ca.sqrt)
+        slip = slip_of(law, below(law.order - 1), x, numbers.table)
+        creeps = [Condition(follows(below(0), x, numbers.table, units), CREEPS)]
+    body = RoundBody(x, along, numbers.table, law, given, slips, slip)
     body.against = [(r, numbers.table[r.coefficient]) for r in resistance]
     system = System.from_mass_matrix(
         f"{name}, {law.name}", x, numbers.p, *body.implicit_form(),
         unknowns=body.unknown_names, rates={"theta": x[1]}, pivots=body.pivots,
-        observables=body.observables, conditions=_conditions(x, between),
+        observables=body.observables, conditions=_conditions(x, between, creeps),
         states=states, parameters=numbers.names,
     )  # fmt: skip
     return with_quantities(system, shape, law, resistance, physical=physical)
@@ -141,7 +144,9 @@ def with_quantities(
     return replace(system, units=units | coefficients, quantities=known, approximation=fit)
 
 
-def _conditions(x: ca.SX, between: tuple[float, float]):  # type: ignore[no-untyped-def]
+def _conditions(  # type: ignore[no-untyped-def]
+    x: ca.SX, between: tuple[float, float], more: Sequence[Condition] = ()
+):
     low, high = between
     flat = (
         f"theta must lie strictly between {low:.6g} and {high:.6g}, where the body's height holds; "
@@ -152,6 +157,7 @@ def _conditions(x: ca.SX, between: tuple[float, float]):  # type: ignore[no-unty
         return (
             Condition(x[0] - low, flat.format(end="lower")),
             Condition(high - x[0], flat.format(end="upper")),
+            *more,
             Condition(
                 observables["determinant"],
                 "D = {value:.3g} is not positive: no contact force holds the body on the plane "
@@ -167,7 +173,7 @@ class RoundBody(NewtonEuler):
 
     def __init__(
         self, x: ca.SX, height: ca.SX, table: dict[str, Any], contact: type[Contact],
-        given: tuple[str, ...], slips: bool,  # noqa: FBT001
+        given: tuple[str, ...], slips: bool, slip: list[ca.SX] | None = None,  # noqa: FBT001
     ) -> None:  # fmt: skip
         length = table["length"]
         self.si = Law(contact, table, given)
@@ -178,7 +184,7 @@ class RoundBody(NewtonEuler):
         self.axial = self.square * table["axial"]
         self.transverse = self.square * table["transverse"]
         self.against: list[tuple[type[Resistance], ca.SX]] = []
-        super().__init__(x, contact, self.si.coefficient, slips)
+        super().__init__(x, contact, self.si.coefficient, slips, slip)
 
     def moment(self, normal: Any) -> list[Any]:
         """Moment of all resistances along (x̂, ŷ, ẑ)."""

@@ -9,6 +9,7 @@ compares these equations with two derivations that share nothing with them.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -21,19 +22,11 @@ from ...systems.condition import Condition
 from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import CREEP, Creep, Smooth, law_class
+from ..creep import CREEPS, follows, slip_of
 from ..dry_friction import DIRECTION, CoulombAlong
 from ..newton_euler import STATES as STATES
 from ..newton_euler import NewtonEuler
 from .disk_quantities import SYSTEM, disk_quantities
-
-LEAST_RELAXATION = 5.0
-"""Rate at which slip decays, over that of the motion, above which the slip follows the motion."""
-CREEPS = (
-    "creep needs slip that decays faster than the disk moves: mu times the normal force, over the "
-    f"rate of the motion, less {LEAST_RELAXATION:g}, must be positive and is {{value:.3g}}; take "
-    "Viscous(mu) there"
-)
-"""Reason to refuse a state under creep."""
 
 
 def disk_system(
@@ -106,12 +99,14 @@ def _disk_system(contact: type[Contact], slip_states: bool | None, *, direction:
         named[DIRECTION] = ca.SX.sym(DIRECTION)
         contact, coefficient = CoulombAlong, (*numbers, named[DIRECTION])
     p = ca.vertcat(*named.values())
-    slip = _creeping(contact, x, p) if issubclass(contact, Creep) else None
+    slip = None
+    if issubclass(contact, Creep):
+        slip = slip_of(contact, _below(contact), x, named)
     body = DiskBody(x, k, contact, coefficient, slips, slip)
     system = System.from_mass_matrix(
         SYSTEM + law, x, p, *body.implicit_form(),
         unknowns=body.unknown_names, rates={"theta": x[1]}, pivots=body.pivots,
-        observables=body.observables, conditions=_conditions(x, p, contact),
+        observables=body.observables, conditions=_conditions(x, named, contact),
         states=names, parameters=tuple(named),
     )  # fmt: skip
     own = (*system.states, *system.parameters, *system.observables)
@@ -119,36 +114,12 @@ def _disk_system(contact: type[Contact], slip_states: bool | None, *, direction:
     return replace(system, units={n: quantities[n].kind.si for n in own if n in quantities})
 
 
-def _creeping(law: type[Creep], x: ca.SX, p: ca.SX) -> list[ca.SX]:
-    """The slip of an order: that of the viscous law for the force that holds the order below."""
-    disk = _disk_system(CREEP[law.order - 1], None, direction=False)  # type: ignore[arg-type]  # a class is hashable
-    seen = [disk.observables[n] for n in ("contact_force", "normal_force")]
-    force, normal = _at(seen, disk, x, p)
-    slip: list[ca.SX] = law.__new__(law).slip([force[0], force[1]], normal, p[1])
-    return slip
+def _below(law: type[Creep]) -> System:
+    """The disk under the order below."""
+    return _disk_system(CREEP[law.order - 1], None, direction=False)  # type: ignore[arg-type]  # a class is hashable
 
 
-def _at(expressions: list[ca.SX], disk: System, x: ca.SX, p: ca.SX) -> list[ca.SX]:
-    """Expressions of a lower order in the symbols of this one."""
-    mine = p[: disk.p.numel()]  # the rough disk has no friction coefficient
-    found: list[ca.SX] = ca.substitute(expressions, [disk.x, disk.p], [x, mine])
-    return found
-
-
-def _relaxation(x: ca.SX, p: ca.SX) -> ca.SX:
-    """Rate at which slip decays over that at which the motion changes it, for the rough motion.
-
-    mu times the slip follows the ratio of the two forces, whose rate is an acceleration that the
-    orders add one by one: it must be small next to the normal force, and is not where that fades.
-    """
-    disk = _disk_system(CREEP[0], None, direction=False)  # type: ignore[arg-type]  # a class is hashable
-    normal = disk.observables["normal_force"]
-    drag = ca.jtimes(disk.observables["contact_force"] / normal, disk.x, disk.rhs)
-    ratio = normal / ca.sqrt(1 + ca.sumsqr(disk.x[1:4]) + ca.sumsqr(drag))
-    return p[1] * _at([ratio], disk, x, p)[0]
-
-
-def _conditions(x: ca.SX, p: ca.SX, contact: type[Contact]):  # type: ignore[no-untyped-def]
+def _conditions(x: ca.SX, named: Mapping[str, ca.SX], contact: type[Contact]):  # type: ignore[no-untyped-def]
     flat = (
         "theta must lie strictly between 0 and π, because the disk is flat at both and its "
         "equations of motion end there; the distance from the nearer, positive inside, is "
@@ -158,7 +129,7 @@ def _conditions(x: ca.SX, p: ca.SX, contact: type[Contact]):  # type: ignore[no-
     def build(observables: dict[str, ca.SX]) -> tuple[Condition, ...]:
         more: tuple[Condition, ...] = ()
         if issubclass(contact, Creep):
-            more = (Condition(_relaxation(x, p) - LEAST_RELAXATION, CREEPS),)
+            more = (Condition(follows(disk_system("rough"), x, named), CREEPS),)
         return (
             Condition(x[0], flat),
             Condition(math.pi - x[0], flat),

@@ -14,8 +14,9 @@ from ...base.types import Floats
 from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import Creep, law_class
+from ..creep import CREEPS
 from ..model import WORK, Dry, Model
-from .disk_equations import CREEPS, STATES, disk_system
+from .disk_equations import STATES, disk_system
 from .disk_momenta import momenta_model
 from .disk_quantities import QUANTITIES
 

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from ...algebra.program import Program
 from ...base.types import Floats
 from ...bodies.contact_laws import LinearViscous, Viscous
-from ...bodies.thin_disk.disk_equations import LEAST_RELAXATION
+from ...bodies.creep import LEAST_RELAXATION
 from ...bodies.thin_disk.disk_model import LIFT_OFF, NO_CONTACT
 from ...bodies.thin_disk.held_disk import held_disk
 from ...integrators.dense import dense

@@ -10,6 +10,7 @@ import casadi as ca
 from ...algebra.upright import UPRIGHT
 from ...base.errors import NoMemberError
 from ...bodies.contact import Contact
+from ...bodies.contact_laws import Creep
 from ...bodies.round_body.body import Body
 from ...bodies.round_body.equations import Resistances, round_system
 from ...bodies.round_body.families import round_family, survives
@@ -59,7 +60,7 @@ def body_settling(
     ]
     for pole, word in ((1, 0), (-1, "pi")):
         if (
-            not law.sticks
+            not (law.sticks or issubclass(law, Creep))
             and smooth_at(body, pole)
             and survives("vertical", resistance, upright=False)
         ):

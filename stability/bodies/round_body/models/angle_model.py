@@ -14,12 +14,14 @@ import numpy as np
 from ....base.quantities import Kind, Quantity
 from ....systems.system import System
 from ...contact import Contact
-from ...contact_laws import Rough
+from ...contact_laws import Creep, Rough
+from ...creep import CREEPS
 from ...dry_friction import DIRECTION, MU, CoulombAlong
 from ...model import WORK, Dry, Model
 from ...newton_euler import STATES
 from ...thin_disk.disk_model import (
     CONE,
+    CREEP_ENDS,
     FLAT,
     LIFT_OFF,
     NO_CONTACT,
@@ -147,6 +149,9 @@ def _round_model(  # noqa: PLR0913
         guards[CONE] = (mu * normal) ** 2 - ca.sumsqr(seen["contact_force"])
     elif ca.depends_on(seen["determinant"], x[4:]):
         guards[NO_CONTACT] = seen["determinant"]
+    if issubclass(law, Creep):
+        [guards[CREEP_ENDS]] = (c.value for c in system.conditions if c.sentence == CREEPS)
+        series |= {"slip_x": seen["slip"][0], "slip_y": seen["slip"][1]}
     return Model(
         system, STATES, ca.vertcat(*columns), ca.vertcat(p, flat), ca.vertcat(*rates),
         tuple(names), guards, WORDS | words, series, quantities_with(law, shape),
