@@ -59,7 +59,7 @@ def raised(power: int) -> str:
 
 
 def written(expression: Any) -> str:
-    """An expression of SymPy in the letters of the table.
+    """An expression of SymPy in the letters of the pages.
 
     Examples
     --------

@@ -34,7 +34,7 @@ SPHEROID = {I1: (1 + ASPECT**2) / 5, I3: sympy.Rational(2, 5), H: ASPECT, RHO: 1
 
 
 def known_results() -> tuple[Callable[[], Entry], ...]:
-    """Functions that make the rows, in the order of the table."""
+    """Functions that make the statements, in order."""
     return (_inverted_top, _tippe_top, _ball_on_top, _rolling_coin, _rolling_hoop, _spinning_coin,
             _balance, _lying_egg, _standing_egg, _jellett)  # fmt: skip
 

@@ -29,7 +29,7 @@ PLACES = {
 
 
 def polynomials() -> tuple[tuple[str, str], ...]:
-    """Family and law of each polynomial, in the order of the table.
+    """Family and law of each polynomial, in order.
 
     Examples
     --------
@@ -41,7 +41,7 @@ def polynomials() -> tuple[tuple[str, str], ...]:
 
 
 def polynomial(family: str, law: str) -> Entry:
-    """The row of one polynomial."""
+    """The statement of one polynomial."""
     if family == "vertical":
         return _vertical(law)
     found = characteristic(family, law)

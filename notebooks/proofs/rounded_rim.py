@@ -21,7 +21,7 @@ DIGITS = 15
 
 
 def shifted(found: Shift) -> Entry:
-    """The row of a threshold of upright motion."""
+    """The statement on a threshold of upright motion."""
     return Entry(
         f"{found.family}, {found.law}, {found.quantity}, {found.rounded}",
         "exact, from the theorems",
@@ -33,7 +33,7 @@ def shifted(found: Shift) -> Entry:
 
 
 def tumbling(rounded: str) -> Entry:
-    """The row of the limit of mu² of tumbling."""
+    """The statement on the limit of mu² of tumbling."""
     found = tumbling_formula(rounded)
     named = zip("ABCE", (found.a, found.b, found.c, found.divisor), strict=True)
     degree = len(found.moved) - 1
