@@ -10,6 +10,8 @@ DOCS = Path(__file__).resolve().parent
 BUILD = DOCS.parent / "build" / "site"
 sys.path.insert(0, str(DOCS))
 os.environ["IPYTHONDIR"] = str(DOCS / "sphinx_parts" / "kernel")  # settings of executed cells
+path = (str(DOCS.parent / "notebooks"), os.environ.get("PYTHONPATH", ""))  # for `proofs`
+os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, path))
 
 from jupyter_cache import get_cache  # noqa: E402
 from sphinx_parts import elsewhere, figures  # noqa: E402

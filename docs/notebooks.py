@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import base64
 import io
+import os
 import sys
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -61,6 +62,8 @@ def main() -> int:
     """Run the notebooks that are named, or all."""
     import nbformat
 
+    path = (str(FOLDER), os.environ.get("PYTHONPATH", ""))  # for `proofs`
+    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, path))
     paths = [FOLDER / f"{Path(name).stem}.py" for name in sys.argv[1:]]
     for path in paths or sorted(FOLDER.glob("*.py")):
         target = path.with_suffix(".ipynb")

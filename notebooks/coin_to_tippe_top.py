@@ -122,7 +122,7 @@ assert float(rising.normal_force.min()) > 0 and abs(float(rising.axis_z[-1])) > 
 # over *through* its pole, and ends upside down.  Upright spin is unstable above
 # $\omega^2 = m g e (R-e)^2/(R(A - C(1-e/R)))$, and inverted spin is stable above
 # $m g e (R+e)^2/(R(C(1+e/R) - A))$, for every friction coefficient: a theorem, which
-# `stability table bodies` proves for every height.
+# [a page of proofs](theorems_stability.ipynb) proves for every height.
 
 # %%
 top = st.EccentricSphere(0.15, axial=0.4, transverse=0.4)

@@ -52,7 +52,7 @@ _HOME = {
     "algebra.exact.known_polynomial": ("Exact", "ExactPolynomial"),
     "bodies.thin_disk.disk_polynomials": ("exact_polynomial",),
     "derivation.conditions": ("conditions", "Conditions"),
-    "derivation.bodies.painleve": ("painleve_limit", "PainleveLimit"),
+    "bodies.round_body.painleve": ("painleve_limit", "PainleveLimit"),
     "boundary.drift": ("drift", "Drift"),
     "boundary.hopf": ("hopf", "HopfPoint", "HopfKind"),
     "boundary.beyond_linear.slow_flow": ("slow_flow", "SlowFlow"),
@@ -143,6 +143,8 @@ if TYPE_CHECKING:
     from .bodies.resistance import Resistance as Resistance
     from .bodies.resistance import RollingResistance as RollingResistance
     from .bodies.round_body.body import Body as Body
+    from .bodies.round_body.painleve import PainleveLimit as PainleveLimit
+    from .bodies.round_body.painleve import painleve_limit as painleve_limit
     from .bodies.round_body.shapes.named import EccentricSphere as EccentricSphere
     from .bodies.round_body.shapes.named import Spheroid as Spheroid
     from .bodies.round_body.shapes.named import ThickDisk as ThickDisk
@@ -176,8 +178,6 @@ if TYPE_CHECKING:
     from .boundary.hopf import HopfPoint as HopfPoint
     from .boundary.hopf import hopf as hopf
     from .compare.report import report as report
-    from .derivation.bodies.painleve import PainleveLimit as PainleveLimit
-    from .derivation.bodies.painleve import painleve_limit as painleve_limit
     from .derivation.conditions import Conditions as Conditions
     from .derivation.conditions import conditions as conditions
     from .explorer.explore import explore as explore

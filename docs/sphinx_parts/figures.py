@@ -29,9 +29,10 @@ SOURCES = (".py", ".json", ".html", ".js", ".css")
 
 @cache
 def fingerprint() -> str:
-    """A word that changes with any file of the package, and with this one."""
+    """A word that changes with any file of the package or of the proofs, and with this one."""
     found = hashlib.sha256()
-    paths = [p for p in (ROOT / "stability").rglob("*") if p.suffix in SOURCES]
+    folders = (ROOT / "stability", ROOT / "notebooks" / "proofs")
+    paths = [p for folder in folders for p in folder.rglob("*") if p.suffix in SOURCES]
     for path in (*sorted(paths), Path(__file__), DOCS / "films.py"):
         found.update(path.read_bytes())
     return found.hexdigest()[:16]

@@ -31,7 +31,8 @@ def copy() -> None:
     names = []
     for path in sorted((ROOT / "notebooks").glob("*.py")):
         page = jupytext.writes(jupytext.read(path), fmt="md:myst")
-        written(TARGET / f"{path.stem}.md", page.replace("(../docs/", "(../"))
+        page = page.replace("(../docs/", "(../").replace(".ipynb)", ".md)")
+        written(TARGET / f"{path.stem}.md", page)
         names.append(path.stem)
     for old in TARGET.glob("*"):
         if old.stem not in names or old.suffix != ".md":

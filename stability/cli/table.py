@@ -99,8 +99,8 @@ def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None = No
         "name",
         metavar="NAME",
         nargs="?",
-        help="families, conditions, drift, hopf, codimension, launches, theorems, bodies, "
-        "painleve, benchmarks, circular, thresholds, flatness, completeness or list",
+        help="families, conditions, drift, hopf, codimension, launches, painleve, benchmarks, "
+        "circular, thresholds, flatness or list",
     )
     sub.add_argument("--list", action="store_true",
                      help="the tables with source, what is published and recomputed, difference "

@@ -1,7 +1,7 @@
-"""Formulas and proofs by SymPy.
+"""Exact formulas and conditions.
 
-Characteristic polynomials over Q, Hurwitz conditions, formulas of boundaries, completeness, and
-the theorems of `stability table theorems` (folder `theorems`).
+Characteristic polynomials over Q, of the disk and of every height, Hurwitz conditions, formulas of
+boundaries.  What is proved and not called is in `notebooks/proofs`.
 May import `bodies` and the floors below.
 To add the polynomial of a family: its variables in `VARIABLES` of `characteristic.py`, then
 `make derive`, which writes `bodies/thin_disk/disk_polynomials.json`.

@@ -56,8 +56,7 @@ def table(
     ----------
     name
         Any of list (the tables themselves), families, conditions, drift, hopf, codimension,
-        launches, theorems, bodies, painleve, benchmarks, circular, thresholds, flatness or
-        completeness.
+        launches, painleve, benchmarks, circular, thresholds or flatness.
     family
         A `Family` of your own, for conditions, hopf and codimension; one of the disk's families by
         name, for codimension.

@@ -21,17 +21,17 @@ import pytest
 from flint import arb
 from jets import Array
 from mpmath import mp
+from proofs.catalogue import BODIES
+from proofs.rim import INCLINED, shifts
+from proofs.rounded_rim import EXAMPLES, tumbling
 from sides import HALF, fraction, root, words
 
 import stability as st
 from stability.algebra.balls import precision
 from stability.algebra.number_types import balls
 from stability.bodies.round_body.equations import round_system
-from stability.derivation.bodies.catalogue import PROOFS
-from stability.derivation.bodies.painleve import painleve_limit
-from stability.derivation.bodies.rim import INCLINED, shifts
-from stability.derivation.bodies.statements.limits import bodies
-from stability.derivation.bodies.statements.rounded_rim import EXAMPLES, tumbling
+from stability.bodies.round_body.painleve import painleve_limit
+from stability.tables.painleve import bodies
 
 Number = Any
 """A number of mpmath."""
@@ -267,7 +267,7 @@ WITHOUT = {"steady-motions", "steady-at-poles", "rough-smooth", "branches", "ene
 
 
 def test_every_statement_with_a_threshold_is_certified() -> None:
-    assert CERTIFIED.keys() | WITHOUT == PROOFS.keys()
+    assert CERTIFIED.keys() | WITHOUT == BODIES.keys()
     assert {body.name for body in PRINTED.values()} == HEIGHTS.keys()
     here = Path(__file__)
     files = (here, here.with_name("test_threshold_sides.py"))

@@ -14,10 +14,10 @@ import casadi as ca
 import pytest
 import sympy
 from mpmath import mp
+from proofs import spinning
 from sides import HALF, ONE, STEP, root, words
 
 import stability as st
-from stability.derivation.bodies import spinning
 
 
 def rounded(name: str) -> st.Body:

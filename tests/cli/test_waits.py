@@ -22,8 +22,7 @@ LONG = (
     "basins --family rolling --x at:1:2:9 --y tilt:0.1:0.5:9 --mu 0.3 --time 10 --out b.zarr",
     f"scene {EXAMPLES}/scenes/rolled-coin.toml",
     *(f"table {name}" for name in (
-        "families", "conditions", "drift", "hopf", "codimension", "launches", "theorems",
-        "benchmarks", "completeness",
+        "families", "conditions", "drift", "hopf", "codimension", "launches", "benchmarks",
     )),
     "chart spectrum --out a", "failures --out a", "report --out a",
 )  # fmt: skip

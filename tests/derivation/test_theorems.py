@@ -1,4 +1,4 @@
-"""The theorems of `stability table theorems`: proved, and tried to be refuted.
+"""The theorems about the disk: proved, and tried to be refuted.
 
 The refuters share no code with the package: exact arithmetic on the characteristic polynomials from
 Kane's equations (tests/data/kane_polynomials.json), and two derivations of the equations of motion
@@ -7,12 +7,13 @@ Kane's equations (tests/data/kane_polynomials.json), and two derivations of the 
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
+import casadi as ca
 import mpmath
 import numpy as np
 import pytest
@@ -21,14 +22,15 @@ from boundary_oracle import good, polynomials
 from flint import fmpq
 from kane_disk import Solution, fixed_axes, kane_system
 from numpy.typing import NDArray
+from proofs import spinning as spinning_theorem
+from proofs.catalogue import DISK
+from proofs.disk import case
+from proofs.disk import tumbling as tumbling_theorem
+from proofs.entry import Entry, listed
+from proofs.proof import Proof, Theorem, shown
 
 import stability as st
-from stability.derivation.proof import Proof, Theorem
-from stability.derivation.theorems import spinning as spinning_theorem
-from stability.derivation.theorems import tumbling as tumbling_theorem
-from stability.derivation.theorems.catalogue import PROOFS
 from stability.motion.result import BY_CODE
-from stability.tables.proofs.theorems import theorem_lines
 
 Array = NDArray[Any]
 Verdict = Callable[..., bool]
@@ -39,22 +41,22 @@ NEAR = Fraction(1, 10**12)
 # --- proofs ---
 
 
-SLOW = ("tumbling", "tumbling-shape", "dry-friction", "settling", "dry-rough-smooth")
+SLOW = ("case", "settling", "spinning-elliptic", "tumbling", "tumbling-shape")
 
 
 @pytest.mark.few(2)
 @pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=pytest.mark.long) if n in SLOW else n for n in PROOFS]
+    "name", [pytest.param(n, marks=pytest.mark.long) if n in SLOW else n for n in DISK]
 )
 def test_every_step_of_a_theorem_is_proved(name: str) -> None:
-    theorem = PROOFS[name]()
+    theorem = DISK[name]()
     assert [s.claim for s in theorem.steps if not s.proved] == []
     assert theorem.proved
-    assert len(theorem.steps) >= 6
+    assert len(theorem.steps) >= 4
     assert theorem.statement and theorem.assumptions and theorem.refuters
 
 
-def test_a_failed_step_leaves_the_theorem_unproved_and_is_printed() -> None:
+def test_a_failed_step_is_printed_and_fails_the_page(capsys: pytest.CaptureFixture[str]) -> None:
     proof = Proof()
     proof.step("2 = 2", "equality", lambda: True)
     proof.step("1 = 2", "equality", lambda: (1 == 2, "they differ"))
@@ -63,40 +65,64 @@ def test_a_failed_step_leaves_the_theorem_unproved_and_is_printed() -> None:
     assert [s.proved for s in proof.steps] == [True, False, False, False]
     theorem = Theorem("false", ("1 = 2",), (), tuple(proof.steps), ())
     assert not theorem.proved
-    row = {"name": theorem.name, "proved": theorem.proved, "statement": theorem.statement,
-           "assumptions": (), "refuters": (),
-           "steps": [vars(s) for s in theorem.steps]}  # fmt: skip
-    printed = "\n".join(theorem_lines([row]))
-    assert "NOT PROVED" in printed and "conjecture" in printed
-    assert printed.count("FAILS") == 3
+    with pytest.raises(AssertionError, match=r"a conjecture: false; steps that fail: \['1 = 2'"):
+        shown(theorem)
+    printed = capsys.readouterr().out
+    assert printed.count("[FAILS]") == 3 and printed.count("[proved]") == 1
+    with pytest.raises(AssertionError, match="nothing"):
+        shown(Theorem("nothing", (), (), (), ()))
+    with pytest.raises(AssertionError, match="not recovered: a value"):
+        listed(Entry("a value", "not recovered", ("1 = 2",)))
 
 
+def failing(prove: Any) -> list[str]:
+    """Claims that fail when a theorem is proved again."""
+    prove.cache_clear()
+    wrong = prove()
+    prove.cache_clear()
+    return [step.claim for step in wrong.steps if not step.proved]
+
+
+@pytest.mark.long
 def test_a_theorem_with_a_wrong_threshold_is_not_proved(monkeypatch: pytest.MonkeyPatch) -> None:
-    k = spinning_theorem.K
-    monkeypatch.setattr(spinning_theorem, "M1", 4 * k / (2 * k + 1) ** 2 * (1 + NEAR))
-    spinning_theorem.spinning.cache_clear()
-    wrong = spinning_theorem.spinning()
-    spinning_theorem.spinning.cache_clear()
-    assert not wrong.proved
-    assert [s.claim[:6] for s in wrong.steps if not s.proved][0] == "a2 > 0"
+    monkeypatch.setattr(spinning_theorem, "M1", spinning_theorem.M1 * (1 + NEAR))
+    assert failing(spinning_theorem.spinning_viscous)[0][:6] == "a2 > 0"
+    claims = failing(case.disk_case)  # the disk's M1 is not the general one, which is not proved
+    assert len(claims) == 2 and "M1 = 4k/(2k+1)²" in claims[0]
 
 
-@pytest.mark.parametrize(
-    ("module", "name"),
-    [(spinning_theorem, "spinning"),
-     pytest.param(tumbling_theorem, "tumbling", marks=pytest.mark.long)],
-)  # fmt: skip
-def test_a_theorem_of_other_equations_is_not_proved(
-    module: Any, name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.long
+def test_theorems_of_other_equations_are_not_proved(monkeypatch: pytest.MonkeyPatch) -> None:
     """A sign in the graph's condition is changed: the shape of the theorem is lost."""
-    a, b, c = module.coefficients()
-    monkeypatch.setattr(module, "coefficients", lambda: (a, -b, c))
-    theorem = getattr(module, name)
-    theorem.cache_clear()
-    wrong = theorem()
-    theorem.cache_clear()
-    assert not wrong.proved
+    a2, a1, a0 = spinning_theorem.flutter()
+    monkeypatch.setattr(spinning_theorem, "flutter", lambda: (a2, -a1, a0))
+    assert failing(spinning_theorem.spinning_viscous)
+    a, b, c = tumbling_theorem.coefficients()
+    monkeypatch.setattr(tumbling_theorem, "coefficients", lambda: (a, -b, c))
+    assert failing(tumbling_theorem.tumbling)
+
+
+@pytest.mark.long
+def test_another_height_or_another_graph_is_no_disk(monkeypatch: pytest.MonkeyPatch) -> None:
+    system = st.disk_system(case.StatedForce)
+    assert system.mass is not None and system.forcing is not None
+    forcing = ca.SX(system.forcing)
+    forcing[4] = forcing[4] + system.p[0] * system.x[2]  # a torque about 2̂
+    broken = replace(system, forcing=forcing)
+    with monkeypatch.context() as patch:
+        patch.setattr(case, "disk_system", lambda _: broken)
+        [claim] = failing(case.disk_case)
+        assert claim.startswith("the disk's own graph has the rows")
+    monkeypatch.setattr(case, "DISK", case.DISK | {case.I3: 3 * case.K})
+    kept = (case.rows, case.energy)
+    for cached in kept:
+        cached.cache_clear()
+    claims = failing(case.disk_case)
+    for cached in kept:
+        cached.cache_clear()
+    assert any(c.startswith("rolling, viscous: the disk's characteristic") for c in claims)
+    assert any(c.startswith("without slip: (2k+1)") for c in claims)
+    assert any(c.startswith("the disk's own graph") for c in claims)
 
 
 # --- stability, exactly ---
@@ -145,8 +171,8 @@ def next_to(value: Fraction, rng: np.random.Generator) -> Fraction:
 @lru_cache
 def spinning_excess() -> Any:
     """v* of the statement from k and M, for mpmath."""
-    a2, a1, a0 = spinning_theorem.coefficients()
-    k, m = spinning_theorem.K, spinning_theorem.M
+    a2, a1, a0 = case.flutter()
+    k, m = case.K, case.M
     return sp.lambdify((k, m), (-a1 - sp.sqrt(a1**2 - 4 * a2 * a0)) / (2 * a2), "mpmath")
 
 
@@ -616,28 +642,3 @@ def test_d_runs_to_zero_in_slip_exactly_where_stated() -> None:
     falls = c * c > k / (2 * k + 1)
     assert ((d_dot < 0) == falls)[clear].all()
     assert falls[clear].sum() > 20 and (~falls[clear]).sum() > 20
-
-
-# --- the table ---
-
-
-@pytest.mark.long
-def test_the_table_lists_statements_steps_and_tests(capsys: pytest.CaptureFixture[str]) -> None:
-    from stability.cli.commands import main
-
-    assert main(["table", "theorems"]) in (0, None)
-    printed = capsys.readouterr().out
-    assert "(recomputed)" in printed.splitlines()[0]
-    proved = [PROOFS[name]() for name in PROOFS]
-    steps = sum(len(t.steps) for t in proved)
-    assert printed.count("[proved]") == len(proved) + steps
-    assert "FAILS" not in printed and "NOT PROVED" not in printed
-    for theorem in proved:
-        for refuter in theorem.refuters:
-            file, test = refuter.split("::")
-            assert refuter in printed
-            assert file == "tests/derivation/test_theorems.py" and callable(globals()[test])
-    assert main(["table", "theorems", "--json"]) in (0, None)
-    rows = json.loads(capsys.readouterr().out)["rows"]
-    assert [r["name"] for r in rows] == [t.name for t in proved]
-    assert all(r["proved"] and all(s["proved"] for s in r["steps"]) for r in rows)

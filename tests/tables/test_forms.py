@@ -26,7 +26,6 @@ SI = st.Disk(mass=0.00567, radius=0.01213, gravity=9.80665)
 SPEED = (9.80665 * 0.01213) ** 0.5
 OPTIONS: dict[str, dict[str, Any]] = {
     "families": {},
-    "completeness": {},
     "conditions": {"k": (0.25, 1 / 3), "mu": (0.3, 3.0)},
     "conditions in SI": {"k": 1 / 3, "mu": (3e-5, 3.123456e4), "disk": SI},
     "drift": {},
@@ -77,7 +76,6 @@ SLOW = {"families", "conditions", "conditions in SI", "launches", "launches in S
         "benchmarks"}  # fmt: skip
 """Tables that take a second or more."""
 BY_COST = [pytest.param(c, marks=pytest.mark.long if c in SLOW else ()) for c in EVERY]
-LONG = [pytest.param(case, marks=pytest.mark.long) for case in ("theorems", "bodies")]
 
 
 # --- CSV and JSON ---
@@ -164,7 +162,7 @@ def pages(text: str, folder: Path) -> str:
 
 
 @pytest.mark.outside
-@pytest.mark.parametrize("case", [*EVERY, *LONG])
+@pytest.mark.parametrize("case", EVERY)
 def test_latex_compiles_without_overfull_lines(case: str, tmp_path: Path) -> None:
     log = pages(made(case).to_latex(), tmp_path)
     assert re.findall(r"(Overfull .*|Undefined .*|LaTeX Warning: Ref.*)", log) == []
@@ -189,7 +187,7 @@ def test_the_log_shows_a_line_that_is_too_long(tmp_path: Path) -> None:
     assert "Overfull" in pages(text, tmp_path)
 
 
-@pytest.mark.parametrize("case", [*BY_COST, *LONG])
+@pytest.mark.parametrize("case", BY_COST)
 def test_every_table_has_rules_and_defines_its_symbols(case: str) -> None:
     text = made(case).to_latex()
     for rule in (r"\toprule", r"\midrule", r"\bottomrule"):
@@ -295,7 +293,10 @@ def test_the_command_prints_what_the_function_returns(
     (("drift", "--out", "drift.xlsx"), "--out is 'drift.xlsx'; the name must end in .csv, "
      ".json, .tex or .txt."),
     (("drift", "--x", "at:1:2:3"), "x belongs to"),
-    (("theorems", "--k", "0.25"), "k belongs to `table conditions`"),
+    (("thresholds", "--k", "0.25"), "k belongs to `table conditions`"),
+    (("theorems",), "table theorems is proved and printed by theorems_disk now"),
+    (("bodies", "--json"), "by theorems_steady and theorems_stability now"),
+    (("completeness",), "by theorems_steady now, in the notebooks"),
 ])  # fmt: skip
 def test_bad_options_end_with_one_sentence(
     words: tuple[str, ...], part: str, capsys: pytest.CaptureFixture[str]

@@ -37,8 +37,8 @@ def disk_family(name: str, law: str | Contact | type[Contact] | None = None) -> 
     NameUnknownError, ParameterError
         If there is no such family under this law, or the law is missing.
 
-    Source: Przybylska & Rauch-Wojciechowski 2016, Section 2; `stability.derivation.completeness`
-    proves that the viscous law has no further steady motions.
+    Source: Przybylska & Rauch-Wojciechowski 2016, Section 2; notebooks/theorems_disk.py proves
+    that no law of friction has further steady motions.
 
     Examples
     --------

@@ -13,17 +13,20 @@ PLACES = {
     "drift": "drift",
     "hopf": "hopf",
     "launches": "launches",
-    "theorems": "proofs.theorems",
-    "bodies": "proofs.bodies",
-    "painleve": "proofs.painleve",
+    "painleve": "painleve",
     "benchmarks": "benchmarks.catalogue",
     "circular": "literature.circular",
     "thresholds": "literature.thresholds",
     "flatness": "literature.flatness",
-    "completeness": "proofs.completeness",
     "list": "contents.listing",
 }
 """Module of each table, by name; its `TABLE` is the `Definition`."""
+NOTEBOOKS = {
+    "theorems": "theorems_disk",
+    "bodies": "theorems_steady and theorems_stability",
+    "completeness": "theorems_steady",
+}
+"""Notebooks that prove what tables of earlier versions printed, by the table's name."""
 
 
 def definition(name: str) -> Definition:
@@ -41,13 +44,18 @@ def definition(name: str) -> Definition:
     Raises
     ------
     NameUnknownError
-        If the table is unknown.
+        If the table is unknown, or has become a notebook.
 
     Examples
     --------
     >>> definition("drift").takes
     ('k', 'mu', 'contact', 'disk', 'tilt')
     """
+    if name in NOTEBOOKS:
+        raise NameUnknownError(
+            f"table {name} is proved and printed by {NOTEBOOKS[name]} now, in the notebooks of the "
+            "project and of its documentation."
+        )
     if name not in PLACES:
         known = ", ".join((*PLACES, "codimension"))
         raise NameUnknownError(f"table is {shown(name)}; known are {known}.")

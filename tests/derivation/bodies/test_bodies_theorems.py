@@ -6,7 +6,6 @@ come from symbols.  Closed forms are compared with quadrature-free numerics of t
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable
 from functools import lru_cache
@@ -17,18 +16,12 @@ import casadi as ca
 import numpy as np
 import pytest
 import sympy as sp
-from scipy.integrate import solve_ivp
-from scipy.optimize import minimize_scalar
-
-import stability as st
-from stability.bodies.contact_laws import LAWS
-from stability.bodies.round_body.equations import round_system
-from stability.bodies.round_body.families import round_family
-from stability.derivation.bodies import spinning
-from stability.derivation.bodies.catalogue import PROOFS, entries
-from stability.derivation.bodies.painleve import painleve_limit
-from stability.derivation.bodies.polynomials import PAIRS, characteristic, conditions
-from stability.derivation.bodies.rim import (
+from proofs import spinning
+from proofs.catalogue import BODIES
+from proofs.entry import written
+from proofs.known_results import known_results
+from proofs.printed_polynomials import polynomial, polynomials
+from proofs.rim import (
     COS,
     SIN,
     THRESHOLDS,
@@ -37,10 +30,16 @@ from stability.derivation.bodies.rim import (
     tumbling_formula,
     tumbling_shift,
 )
-from stability.derivation.bodies.signs import sign
-from stability.derivation.bodies.statements.entry import PARTS, written
-from stability.derivation.bodies.statements.limits import painleve
-from stability.derivation.bodies.tumbling import energy_slope
+from proofs.signs import sign
+from proofs.spinning import conditions
+from proofs.tumbling import energy_slope
+from scipy.integrate import solve_ivp
+
+import stability as st
+from stability.bodies.contact_laws import LAWS
+from stability.bodies.round_body.equations import round_system
+from stability.bodies.round_body.families import round_family
+from stability.derivation.body_polynomials import PAIRS, characteristic
 
 ROOT = Path(__file__).resolve().parents[3]
 CONTACT: dict[str, Callable[..., st.Contact]] = {
@@ -99,10 +98,10 @@ SOON = ("spinning-conservative", "painleve")
 
 
 @pytest.mark.parametrize(
-    "name", [n if n in SOON else pytest.param(n, marks=pytest.mark.long) for n in PROOFS]
+    "name", [n if n in SOON else pytest.param(n, marks=pytest.mark.long) for n in BODIES]
 )
 def test_every_step_about_every_body_is_proved(name: str) -> None:
-    theorem = PROOFS[name]()
+    theorem = BODIES[name]()
     assert [(s.claim, s.detail) for s in theorem.steps if not s.proved] == []
     assert theorem.proved and theorem.statement and theorem.assumptions
     for refuter in theorem.refuters:
@@ -493,111 +492,31 @@ def test_a_flat_coin_tumbles_stably_for_every_mu_where_there_is_no_limit(k: floa
         assert found.verdict.word == "stable"
 
 
-# --- Painlevé ---
+# --- known results and polynomials ---
 
 
-@pytest.mark.few(2)
-@pytest.mark.parametrize(
-    "body",
-    [st.Torus(0.1), st.Torus(0.4, solid=False), st.Spheroid(0.5), st.Spheroid(1.8),
-     st.EccentricSphere(0.3), EGG, st.Egg(0.2)],
-    ids=lambda b: b.name,
-)  # fmt: skip
-def test_painleve_limits_are_the_least_values(body: st.Body) -> None:
-    found = painleve_limit(body)
-    moment = body.moments()[1]
-
-    def ratio(theta: float) -> float:
-        h, slope = float(body.height_at(theta)), abs(float(body.height_at(theta, 1)))
-        return math.inf if slope < 1e-12 else (moment + slope**2) / (h * slope)
-
-    low, high = body.between
-    grid = np.linspace(low, high, 400)[1:-1]
-    best = min(grid, key=ratio)
-    least = minimize_scalar(ratio, bounds=(best - 0.01, best + 0.01), method="bounded",
-                            options={"xatol": 1e-10}).fun  # fmt: skip
-    assert found.low <= found.high
-    assert found.low == pytest.approx(least, rel=1e-11)
-    assert (found.high - found.low) < 1e-12 * found.high
-
-
-@pytest.mark.parametrize("whole", [False, pytest.param(True, marks=pytest.mark.long)])
-def test_painleve_limits_of_disks_are_in_closed_form(whole: bool) -> None:
-    for k in (0.25, 0.5):
-        body = st.Body(lambda t: ca.sin(t), axial=2 * k, transverse=k)
-        known = 2 * math.sqrt(k * (k + 1))
-        found = painleve_limit(body)
-        assert found.low <= known * (1 + 1e-15) and known * (1 - 1e-15) <= found.high
-        assert found.middle == pytest.approx(known, rel=1e-13)
-    if not whole:
-        return
-    for t in (0.2, 1.0, 4.0):
-        kappa = (3 + t * t) / 12 / (1 + t * t / 4)
-        found = painleve_limit(st.ThickDisk(t))
-        assert found.middle == pytest.approx(2 * math.sqrt(kappa * (kappa + 1)), rel=1e-13)
-    assert painleve_limit(st.Spheroid(1.0)).low > 1e5
-    assert (
-        painleve_limit(st.Body(lambda theta: 1 + 0 * theta, axial=0.4, transverse=0.4)).low
-        == math.inf
-    )
-    with pytest.raises(st.StabilityError, match="one number"):
-        painleve_limit(st.Torus([0.1, 0.2]))
-    assert painleve().proved
-    disk, body = st.painleve_limit(st.Disk(k=0.5)), painleve_limit(
-        st.Body(lambda t: ca.sin(t), axial=1.0, transverse=0.5)
-    )  # fmt: skip
-    assert (disk.low, disk.high, disk.theta) == (body.low, body.high, body.theta)
-    assert "przybylska2016" in disk.citation and "przybylska2016" in body.citation
-    for wrong in ("egg", 0.25, None):
-        with pytest.raises(st.StabilityError, match=r"give a stability\.Body or a"):
-            st.painleve_limit(wrong)  # type: ignore[arg-type]
-
-
-def test_the_determinant_of_the_graph_vanishes_at_the_limit() -> None:
-    body = st.Torus(0.2)
-    found = painleve_limit(body)
-    system = round_system(body, LAWS["viscous"], ("mu",), physical=False)
-    p = [{"tube": 0.2, "mu": 1.0}[n] for n in system.parameters]
-    slip = math.copysign(found.middle, math.cos(found.theta))
-    for share, good in ((1 - 1e-6, True), (1 + 1e-6, False)):
-        state = [found.theta, 0.0, 0.3, 0.2, share * slip, 0.0]
-        if good:
-            assert system.observe(state, p)["determinant"] > 0
-        else:
-            with pytest.raises(st.StabilityError, match="D = "):
-                system.observe(state, p)
-
-
-# --- the table ---
+def test_known_results_are_recovered_and_say_what_of_their_source_was_at_hand() -> None:
+    known = {entry.name: entry for entry in (make() for make in known_results())}
+    assert len(known) == 10
+    assert "1/4 g/R" in known["rolling hoop"].statement[0]
+    assert "1/3 g/R" in known["rolling coin"].statement[0]
+    for entry in known.values():
+        assert "not recovered" not in entry.status
+        if entry.status.startswith("published"):
+            assert entry.published and "at hand" in entry.source
+        elif entry.status.startswith("recomputed"):
+            assert not entry.published
+    assert {n for n, e in known.items() if e.status.startswith("published")} == {
+        "tippe top, inverted", "rolling coin", "gyroscopic balance"
+    }  # fmt: skip
 
 
 @pytest.mark.long
-def test_the_table_of_bodies_prints_every_statement(capsys: pytest.CaptureFixture[str]) -> None:
-    from stability.cli.commands import main
-
-    assert main(["table", "bodies", "--json"]) in (0, None)
-    body = json.loads(capsys.readouterr().out)
-    rows = body["rows"]
-    assert {r["part"] for r in rows} == set(PARTS)
-    theorems = [r for r in rows if r["part"] == "theorem"]
-    assert len(theorems) == len(PROOFS) and all(r["status"] == "proved" for r in theorems)
-    limits = {r["name"]: r["limit"] for r in rows if r["part"] == "Painlevé limit"}
-    assert limits["disk, k = 0.25"] == pytest.approx(2 * math.sqrt(5) / 4, rel=1e-12)
-    assert limits["egg, taper 0.2"] == pytest.approx(1.307568805439, rel=1e-12)
-    known = {r["name"]: r for r in rows if r["part"] == "known result"}
-    assert "1/4 g/R" in known["rolling hoop"]["statement"][0]
-    assert "1/3 g/R" in known["rolling coin"]["statement"][0]
-    for row in known.values():
-        assert "not recovered" not in row["status"]
-        if row["status"].startswith("published"):
-            assert row["published"] and "at hand" in row["source"]
-        elif row["status"].startswith("recomputed"):
-            assert not row["published"]
-    assert {n for n, r in known.items() if r["status"].startswith("published")} == {
-        "tippe top, inverted", "rolling coin", "gyroscopic balance"
-    }  # fmt: skip
-    polynomials = [r["name"] for r in rows if r["part"] == "polynomial"]
-    assert {"circling, rough", "precession, smooth", "vertical, viscous"} <= set(polynomials)
-    assert all(r["limit"] is None or r["part"] == "Painlevé limit" for r in rows)
-    assert len(entries.__doc__ or "") > 20
+def test_every_polynomial_is_printed_with_its_coefficients() -> None:
+    entries = [polynomial(*names) for names in polynomials()]
+    assert {"circling, rough", "precession, smooth", "vertical, viscous"} <= {
+        entry.name for entry in entries
+    }
+    assert len(entries) == 14
+    assert all(len(entry.statement) > 2 and entry.refuters for entry in entries)
     assert written(sp.Symbol("phi_dot") ** 12 * sp.Symbol("mu")) == "mu φ̇¹²"

@@ -1,6 +1,0 @@
-"""Exact statements about a body of revolution whose axis is vertical.
-
-`graph` reads the chart around a pole in SymPy; `polynomials` derives complex polynomials from it;
-`vertical` and `steady` prove theorems.  May import `bodies/graph` and `bodies/polynomials`.
-To add a theorem: a function that returns a `Theorem`, and its entry in `PROOFS` of `catalogue`.
-"""
