@@ -15,6 +15,7 @@ from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import Creep, law_class
 from ..creep import CREEPS
+from ..explicit import Surface, explicit
 from ..model import WORK, Dry, Model
 from .disk_equations import STATES, disk_system
 from .disk_momenta import momenta_model
@@ -99,22 +100,24 @@ def _disk_model(law: type[Contact], pose: bool, sticking: bool) -> Model:  # noq
     x = system.x
     seen = system.observables
     columns, names = [x, ca.SX.sym(WORK)], [*system.states, WORK]
-    rates = [system.rhs, seen["power"]]
+    normal, determinant = seen["normal_force"], seen["determinant"]
+    rates, pressing = [system.rhs, seen["power"]], normal * determinant
+    if len(system.states) == len(STATES):
+        rates, pressing, determinant = _solved(system, law)
     if pose:
         extra = ca.SX.sym("pose", len(POSE))
         columns.append(extra)
         rates.append(pose_rates(x, seen["slip"], extra))
         names += POSE
     flat = ca.SX.sym("flat")
-    normal = seen["normal_force"]
     # gn D has the sign of gn, and stays finite where D vanishes
-    guards = {LIFT_OFF: normal * seen["determinant"], FLAT: ca.sin(x[0]) - flat}
+    guards = {LIFT_OFF: pressing, FLAT: ca.sin(x[0]) - flat}
     if sticking:
         guards[CONE] = (mu * normal) ** 2 - ca.sumsqr(seen["contact_force"])
-    if not sticking and ca.depends_on(seen["determinant"], x[4:]):
+    if not sticking and ca.depends_on(determinant, x[4:]):
         # viscous friction pushes D away from zero while gn D is positive, but both may reach zero
         # together (stability/integrators/painleve.py)
-        guards[NO_CONTACT] = seen["determinant"]
+        guards[NO_CONTACT] = determinant
     friction = [system.parameters.index("mu")] if "mu" in system.parameters else []
     series = {
         "energy": seen["energy"], "potential": ca.sin(system.x[0]), "normal_force": normal,
@@ -135,6 +138,17 @@ def _disk_model(law: type[Contact], pose: bool, sticking: bool) -> Model:  # noq
         source="equations of Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) "
         "204-231, integrated",
     )  # fmt: skip
+
+
+def _solved(system: System, law: type[Contact]) -> tuple[list[ca.SX], ca.SX, ca.SX]:
+    """Rates of the states and the dissipated power, N D and D, in few operations."""
+    k, *numbers = ca.vertsplit(system.p)
+    mu: Any = numbers[0] if len(numbers) == 1 else tuple(numbers)
+    x, stated = system.x, law.__new__(law)
+    s, c = ca.sin(x[0]), ca.cos(x[0])
+    found = explicit(x, Surface(s, c, -s, 1, 0, k, 2), lambda v, n: stated.force(v, n, mu))
+    power = ca.SX(stated.power([x[4], x[5]], found.normal, mu))
+    return [found.rates, power], found.pressing, found.determinant
 
 
 def _dry(law: type[Contact], pose: bool) -> Dry:  # noqa: FBT001

@@ -17,8 +17,10 @@ from ...contact import Contact
 from ...contact_laws import Creep, Rough
 from ...creep import CREEPS
 from ...dry_friction import DIRECTION, MU, CoulombAlong
+from ...explicit import Surface, angular_velocity, explicit
 from ...model import WORK, Dry, Model
 from ...newton_euler import STATES
+from ...resistance import total_moment
 from ...thin_disk.disk_model import (
     CONE,
     CREEP_ENDS,
@@ -32,8 +34,8 @@ from ...thin_disk.disk_model import (
 from ...thin_disk.disk_quantities import disk_quantities
 from ..body import Body
 from ..equations import Resistances, round_system
-from ..height.expression import Expression
 from ..height.pole_height import height_of_angle
+from ..si_law import Law, Numbers, Shape, shape_of
 
 LOWEST, HIGHEST = "lower end of theta", "upper end of theta"
 """Names of the guards of the ends of a height, other than those at which the body lies flat."""
@@ -87,8 +89,8 @@ def round_model(
         at_rest = system(CoulombAlong, (*given, DIRECTION)), system(Rough, ())
     kind: Any = law  # a class is hashable
     return _round_model(
-        system(law, given), body.name, body.height, tuple(body.shape), body.between,
-        flat_poles(body), kind, given, bool(pose), at_rest, sticking=False,
+        system(law, given), shape_of(body), flat_poles(body), kind, given, resistance, bool(pose),
+        at_rest, sticking=False,
     )  # fmt: skip
 
 
@@ -112,25 +114,28 @@ def flat_poles(body: Body) -> tuple[bool, bool]:
 
 @lru_cache(maxsize=32)
 def _round_model(  # noqa: PLR0913
-    system: System, name: str, height: Expression, shape: tuple[str, ...],
-    between: tuple[float, float], flat_at: tuple[bool, bool], law: type[Contact],
-    given: tuple[str, ...], pose: bool, at_rest: tuple[System, System] | None,  # noqa: FBT001
-    *, sticking: bool,
+    system: System, of: Shape, flat_at: tuple[bool, bool], law: type[Contact],
+    given: tuple[str, ...], resistance: Resistances, pose: bool,  # noqa: FBT001
+    at_rest: tuple[System, System] | None, *, sticking: bool,
 ) -> Model:  # fmt: skip
+    name, height, _, shape, between = of
     p, mu, dry = system.p, ca.SX.sym(MU), None
     if at_rest is not None and sticking:  # the parameters of sliding
         sliding, system = system, at_rest[1]
         own = dict(zip(system.parameters, ca.vertsplit(system.p), strict=True)) | {MU: mu}
         p = ca.vertcat(*(own[n] for n in sliding.parameters))
     elif at_rest is not None:
-        every: Any = system, name, height, shape, between, flat_at, law, given, pose, at_rest
+        every: Any = system, of, flat_at, law, given, resistance, pose, at_rest
         dry = Dry(*at_rest, partial(_round_model, *every, sticking=True))
     x, seen, flat = system.x, system.observables, ca.SX.sym("flat")
     h = height_of_angle(height, x[0], ca.vertsplit(system.p)[: len(shape)])
     slope = ca.jacobian(h, x[0])
     columns, names = [x, ca.SX.sym(WORK)], [*system.states, WORK]
-    rates = [system.rhs, seen["power"]]
-    normal = seen["normal_force"]
+    normal, determinant = seen["normal_force"], seen["determinant"]
+    rates, pressing = [system.rhs, seen["power"]], normal * determinant
+    if len(system.states) == len(STATES):
+        solved = _solved(system, of, law, given, resistance)
+        rates, pressing, determinant = [*solved[:2]], solved[2], solved[3]
     series = {
         "energy": seen["energy"], "potential": h, "normal_force": normal,
         "force_x": seen["contact_force"][0], "force_y": seen["contact_force"][1],
@@ -144,11 +149,11 @@ def _round_model(  # noqa: PLR0913
         names += POSE
         series["reach"] = slope
     guards, words = _ends(x[0], flat, between, flat_at)
-    guards = {LIFT_OFF: normal * seen["determinant"]} | guards
+    guards = {LIFT_OFF: pressing} | guards
     if sticking:
         guards[CONE] = (mu * normal) ** 2 - ca.sumsqr(seen["contact_force"])
-    elif ca.depends_on(seen["determinant"], x[4:]):
-        guards[NO_CONTACT] = seen["determinant"]
+    elif ca.depends_on(determinant, x[4:]):
+        guards[NO_CONTACT] = determinant
     if issubclass(law, Creep):
         [guards[CREEP_ENDS]] = (c.value for c in system.conditions if c.sentence == CREEPS)
         series |= {"slip_x": seen["slip"][0], "slip_y": seen["slip"][1]}
@@ -163,6 +168,36 @@ def _round_model(  # noqa: PLR0913
             "equations of a convex body of revolution (docs/explanation/bodies.md), integrated"
         ),
     )  # fmt: skip
+
+
+def _solved(
+    system: System, of: Shape, law: type[Contact], given: tuple[str, ...], resistance: Resistances
+) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+    """Rates of the states, the dissipated power, N D and D, in few operations."""
+    numbers = Numbers.of(of, (*given, *(r.coefficient for r in resistance)), physical=False)
+    stated, x = Law(law, numbers.table, given), system.x
+    against = [(r, numbers.table[r.coefficient]) for r in resistance]
+
+    def moment(turn: Any, normal: Any) -> Any:
+        return total_moment(against, turn, normal)
+
+    at = ca.SX.sym("at")
+    h = height_of_angle(of[1], at, numbers.own)
+    slope = ca.jacobian(h, at)
+    heights = ca.cse(ca.vertcat(h, slope, ca.jacobian(slope, at)))
+    h, slope, curve = ca.vertsplit(ca.substitute(heights, at, x[0]))
+    s, c = ca.sin(x[0]), ca.cos(x[0])
+    arms = h * s + slope * c, h * c - slope * s
+    across, axial = numbers.table["transverse"], numbers.table["axial"]
+    surface = Surface(h, slope, curve, *arms, across, axial / across)
+    found = explicit(x, surface, stated.force, moment if against else None)
+    power = stated.power([x[4], x[5]], found.normal)
+    if against:
+        turn = angular_velocity(x)
+        power -= ca.dot(ca.vertcat(*moment(turn, found.normal)), ca.vertcat(*turn))
+    every = [found.rates, ca.SX(power), found.pressing, found.determinant]
+    rates, power, pressing, determinant = ca.substitute(every, [numbers.p], [system.p])
+    return rates, power, pressing, determinant
 
 
 def _ends(
