@@ -139,6 +139,8 @@ def wrong_word(word: str, growth: float | None) -> bool:
     return word == ("stable" if growth > 0 else "unstable")
 
 
+ROUNDING = 1e-12
+"""Largest planted growth rate that counts as zero."""
 LOW, HIGH = -1.5, 1.75
 """Ends of the axis p."""
 
@@ -160,7 +162,8 @@ def questions(case: Case, p: float, q: float) -> dict[str, tuple[Callable[[], An
         step = 1e-7
         for point in found:
             sides = [case.growth(float(point.value) + s, q) for s in (-step, step)]
-            if None in sides or (sides[0] < 0) == (sides[1] < 0):
+            # a pair may stay on the axis: one side is then neutral, its rate 0 but for rounding
+            if None in sides or (sides[0] > ROUNDING) == (sides[1] > ROUNDING):
                 return True
         ends = [LOW, *(float(b.value) for b in found), HIGH]
         for low, high in zip(ends, ends[1:], strict=False) if found.complete else ():
