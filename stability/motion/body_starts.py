@@ -26,7 +26,7 @@ from ..bodies.round_body.models.pole_model import pole_model
 from ..bodies.round_body.pole_equations import smooth_at
 from ..bodies.thin_disk.disk_model import FLAT
 from ..integrators.flow import flow_of
-from ..settling.round_body.families import body_settling
+from ..settling.body_lines import body_settling
 from .starts import (
     BRIEFEST,
     FASTEST,

@@ -14,8 +14,8 @@ from ..base.quantities import Kind
 from ..base.types import Floats
 from ..bodies.round_body.pole_equations import AXIS
 from ..motion.neighbours import signs
-from ..settling.nearest import Nearest
-from ..settling.round_body.fixed_axes import STATES
+from ..settling.fixed_axes import STATES
+from ..settling.settling import Nearest
 from .rungs.elements import chebyshev
 from .rungs.track import Problem, Track
 

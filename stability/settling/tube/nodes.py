@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.types import Floats
-from ..attraction import Surroundings
+from ..surroundings import Surroundings
 from .derivatives import derivatives
 from .normal_form import LOOSE, WIDE, norm, slow_rows
 from .radius import OFF, STEP, Tubes, tubes

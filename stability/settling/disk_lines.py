@@ -1,0 +1,66 @@
+"""What a disk settles on: its families of steady motions that one number names.
+
+Stable rolling of a slipping disk drifts (`stability.drift`), so no motion settles on it.
+tests/settling/test_settling.py continues launches from the state that counts as settled.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import casadi as ca
+import numpy as np
+
+from ..base.types import Floats
+from ..bodies.contact import Contact
+from ..bodies.newton_euler import STATES
+from ..bodies.thin_disk.disk_equations import disk_system
+from ..bodies.thin_disk.disk_families import DiskFamily, lines_under
+from .line import ENERGY_KEPT, Line
+from .settling import Settling
+
+TURNING = STATES.index("phi_dot")
+STICKS = "dry friction ends in sticking, which keeps energy and settles on nothing"
+DRIFTS = "{} with slip drifts on its centre manifold (stability.drift): not settled"
+
+
+def disk_settling(law: type[Contact]) -> Settling:
+    """The families that the disk may settle on under a contact law, each built once.
+
+    Parameters
+    ----------
+    law
+        Class of the law.
+
+    Returns
+    -------
+    Settling
+        Its second argument `p` has the inertia factor first.
+    """
+    records = sorted(lines_under(law.name), key=lambda record: record.name)  # for equal distances
+    return Settling(tuple(_line(law, record) for record in records))  # type: ignore[arg-type]  # a class is hashable
+
+
+@lru_cache(maxsize=64)
+def _line(law: type[Contact], family: DiskFamily) -> Line:
+    system = disk_system(law)
+    seen, y, sign = system.observables, ca.SX.sym("y"), ca.SX.sym("sign")
+    return Line(
+        family.name,
+        system,
+        STATES,
+        family.at,
+        family.member(ca, y, system.p[0], sign),
+        y,
+        ca.vertcat(sign, system.p),
+        _numbers,
+        (seen["normal_force"], seen["determinant"], ca.sin(system.x[0])),
+        idle=ENERGY_KEPT if law.conservative else STICKS if law.sticks else "",
+        reason=DRIFTS.format(family.name) if family.drifts else "",
+        call={"family": family.name},
+    )
+
+
+def _numbers(states: Floats, p: Floats) -> tuple[Floats, None]:
+    """The sign of φ̇, then the parameters."""
+    return np.column_stack([np.copysign(1.0, states[:, TURNING]), p]), None
