@@ -21,7 +21,7 @@ from ..integrators.flow import CASADI, flow_of
 from ..integrators.selection import check_flow, check_method
 from ..jobs.pipeline import check_run
 from ..settling.departure import departures
-from ..settling.settling import SETTLE, length
+from ..settling.settling import SETTLE
 from ..systems.family import Family
 from ..systems.sources.numeric import NumericSystem
 from ..systems.system import System
@@ -249,7 +249,7 @@ def _departed(launches: Starts, settings: Settings, found: list[Result]) -> list
     reported = flow_of(launches.model).reported
     ends = np.array([reported(result.final) for result in found])
     errors = np.array([r.doubt.final_error if r.doubt else 0.0 for r in found])
-    errors *= length(np.maximum(1.0, np.abs(ends)))
+    errors *= np.hypot.reduce(np.maximum(1.0, np.abs(ends)), axis=-1)
     within = settings.settle
     said = departures(launches.settling, launches.starts, ends, launches.p, within, errors)
     return [

@@ -168,4 +168,4 @@ def _steady_nearby(family: Family, starts: Floats, values: Floats) -> bool:
     """Whether the family has a member at states near some starts, other than by chance."""
     near = starts[:SAMPLES] * 1.0173 + 0.0137
     line, p = system_settling((family,)).lines[0], values[:SAMPLES]
-    return bool(np.isfinite(line.near(near, p).e).all(axis=1).any())
+    return bool(np.isfinite(line.near(near, p).distance).any())

@@ -18,7 +18,7 @@ from ..spectra.problem import system_problem
 from ..spectra.rows import Rows
 from ..systems.family import Family
 from .line import Line
-from .settling import Settling, distances, length
+from .settling import Settling
 
 GROWTH = 10.0
 """Ratio of the sizes at the end and at the start from which a motion counts as departed."""
@@ -56,20 +56,26 @@ def departures(
     Source: tests/motion/test_unresolved_and_departing.py.
     """
     said = [""] * len(starts)
+    if not any(line.family for line in settling.lines):
+        return said
     before = settling.many(starts, p, -1.0)
     for number, line in enumerate(settling.lines):
         family, mine = line.family, before.family == number
         if family is None or not mine.any():
             continue
-        first, last = (line.near(settling.read(x[mine]), p[mine]) for x in (starts, ends))
-        near, far = distances(first.e), distances(last.e)
+        both = [settling.read(x[mine]) for x in (starts, ends)]
+        first, last = (line.near(x, p[mine]) for x in both)
+        near, far = first.distance, last.distance
         gone = np.isfinite(far) & (far - errors[mine] > np.maximum(within, GROWTH * near))
         if not gone.any():
             continue
         rows = np.flatnonzero(mine)[gone]
         at = np.array([line.at(y, q) for y, q in zip(first.y[gone], p[rows], strict=True)])
-        off, gone_off = (_in_states(line, one.e[gone]) for one in (first, last))
-        departed = _grown(family, at.reshape(len(rows), -1), p[rows], off, gone_off, errors[rows])
+        off, later = (
+            _in_states(line, line.deviations(x, one)[gone])
+            for x, one in zip(both, (first, last), strict=True)
+        )
+        departed = _grown(family, at.reshape(len(rows), -1), p[rows], off, later, errors[rows])
         sizes = zip(rows, at, near[gone], far[gone], departed, strict=True)
         for row, values, start, end, sure in sizes:
             if sure:
@@ -116,5 +122,5 @@ def _in_modes(before: Floats, after: Floats, modes: Complexes, error: float) -> 
         return False
     inverse = np.linalg.inv(modes)
     doubt = error * float(np.linalg.norm(inverse, 2))
-    first, last = (float(length(np.abs(inverse @ off))) for off in (before, after))
+    first, last = (float(np.hypot.reduce(np.abs(inverse @ off))) for off in (before, after))
     return last - doubt > GROWTH * first

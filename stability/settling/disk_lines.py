@@ -63,4 +63,6 @@ def _line(law: type[Contact], family: DiskFamily) -> Line:
 
 def _numbers(states: Floats, p: Floats) -> tuple[Floats, None]:
     """The sign of φ̇, then the parameters."""
-    return np.column_stack([np.copysign(1.0, states[:, TURNING]), p]), None
+    given = np.empty((len(p), 1 + p.shape[1]))
+    given[:, 0], given[:, 1:] = np.copysign(1.0, states[:, TURNING]), p
+    return given, None

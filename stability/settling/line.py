@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..algebra.kernels.double_balls import U
-from ..algebra.number_types import balls
+from ..algebra.number_types import balls, numpy_algebra
 from ..algebra.program import Program
 from ..algebra.upright import UPRIGHT
 from ..base.errors import listing
@@ -29,6 +29,7 @@ from ..systems.system import System
 from .box.together import Balls
 from .surroundings import Surroundings, surroundings
 
+NUMPY = numpy_algebra()
 RIGHT_ANGLE = (np.pi / 2, U)
 """π/2 as a ball."""
 ENERGY_KEPT = "energy is kept, so nothing is settled on"
@@ -40,8 +41,8 @@ class Near(NamedTuple):
 
     y: Floats
     """The states that name them, shape (launches, along)."""
-    e: Floats
-    """Deviations from them, shape (launches, across); infinite or nan where there is none."""
+    distance: Floats
+    """Norms of the deviations, shape (launches,); nan where there is no member."""
     given: Floats
     """Their other numbers, shape (launches, ·)."""
 
@@ -105,9 +106,8 @@ class Line:
     @cached_property
     def _reading(self) -> Program:
         """(states of a launch, given, π/2) → y, then e."""
-        x, right = ca.SX.sym("x", len(self.states)), ca.SX.sym("right")
-        if self.chart is not None:
-            x = ca.SX.sym("x", len(SIX))
+        x = ca.SX.sym("x", len(SIX) if self.chart else len(self.states))
+        right = ca.SX.sym("right")
         states = ca.vertsplit(x)
         values = dict(zip(self.states, self.chart(states) if self.chart else states, strict=True))
         y, off = ca.vertcat(*(values[n] for n in self.along)), []
@@ -143,12 +143,25 @@ class Line:
         Near
         """
         (given, exists), cut = self.numbers(states, p), len(self.along)
-        arguments = [self._columns(states), list(given.T), [math.pi / 2]]
-        values = self._reading.arrays(arguments, states.shape[:1])[0][..., 0]
-        y, e = values[:, :cut], values[:, cut:]
+        with np.errstate(all="ignore"):
+            values = self._reading.run(NUMPY, self._arguments(states, given))[0]
+            distance = np.zeros(len(states))
+            for v in values[cut:]:  # no square on the way can make it overflow
+                np.hypot(distance, v, out=distance)
         if exists is not None:
-            e[~exists] = np.inf
-        return Near(y, e, given)
+            distance[~exists] = np.nan
+        y = np.empty((len(states), cut))
+        for i, v in enumerate(values[:cut]):
+            y[:, i] = v
+        return Near(y, distance, given)
+
+    def deviations(self, states: Floats, near: Near) -> Floats:
+        """Deviations of states from the nearest members, shape (N, across)."""
+        arguments = self._arguments(states, near.given)
+        found: Floats = self._reading.arrays(arguments, states.shape[:1])[0][
+            :, len(self.along) :, 0
+        ]
+        return found
 
     def enclosed(
         self, states: Floats, given: Floats, *, plain: bool = False
@@ -166,9 +179,10 @@ class Line:
         -------
         y, e
         """
-        right = np.broadcast_to(RIGHT_ANGLE, (len(states), 2)).T
-        mid = np.vstack([*self._columns(states), *given.T, right[:1]])
-        rad = np.vstack([np.zeros_like(mid[:-1]), right[1:]])
+        right = np.full((1, len(states)), RIGHT_ANGLE[0])
+        mid = np.vstack([states.T[: self._reading.inputs[0]], given.T, right])
+        rad = np.zeros_like(mid)
+        rad[-1] = RIGHT_ANGLE[1]
         tape = self._reading.tape
         m, r = self._singly(mid, rad) if tape is None else tape.run(mid, rad, plain=plain)
         cut = len(self.along)
@@ -187,8 +201,8 @@ class Line:
                 found[:, j, i] = float(v.mid()), float(v.rad())  # at 53 bits both are doubles
         return found[0], found[1]
 
-    def _columns(self, states: Floats) -> list[Floats]:
-        return list(states[:, : self._reading.inputs[0]].T)
+    def _arguments(self, states: Floats, given: Floats) -> list[list[Any]]:
+        return [list(states.T[: self._reading.inputs[0]]), list(given.T), [math.pi / 2]]
 
     def members(self, states: Floats, y: Floats, given: Floats) -> Floats:
         """The states of the members nearest to launches, of which `near` gives y and `given`."""

@@ -118,9 +118,9 @@ class Settling:
         """
         states, count = self.read(states), len(states)
         p = np.broadcast_to(p, (count, np.shape(p)[-1]))
-        with np.errstate(all="ignore"):  # a family without a member there is infinitely far
-            near = [line.near(states, p) for line in self.lines]
-            apart = np.reshape([distances(one.e) for one in near], (len(near), count))
+        near = [line.near(states, p) for line in self.lines]
+        apart = np.array([one.distance for one in near]).reshape(len(near), count)
+        apart[np.isnan(apart)] = np.inf
         best = np.argmin(apart, axis=0) if near else np.zeros(count, int)
         distance = apart.min(axis=0, initial=np.inf)
         family = np.where(np.isfinite(distance), best, -1)
@@ -128,8 +128,10 @@ class Settling:
         at, whole = np.full((count, most), np.nan), nothing(count, most)
         for i, (line, one) in enumerate(zip(self.lines, near, strict=True)):
             here, n = family == i, one.y.shape[1]
+            if not here.any():
+                continue
             at[here, :n] = one.y[here]
-            some = np.flatnonzero(here & (distance <= within))
+            some = (here & (distance <= within)).nonzero()[0]
             if not (len(some) and isinstance(around := line.around, Surroundings)):
                 continue
             with np.errstate(all="ignore"):
@@ -163,7 +165,7 @@ class Settling:
         found = self.many(states, p, within, alone=True)
         members: dict[int, Floats] = {}
         for number, (line, near) in enumerate(zip(self.lines, found.near, strict=True)):
-            mine = np.flatnonzero(found.family == number)
+            mine = (found.family == number).nonzero()[0]
             if len(mine):
                 table = line.members(found.states[mine], near.y[mine], near.given[mine])
                 members |= zip(mine.tolist(), table, strict=True)
@@ -200,7 +202,7 @@ class Settling:
         """Distances of states, shape (t, s), from the family of a nearest member, shape (t,)."""
         line = next(line for line in self.lines if line.name == near.family)
         p = np.broadcast_to(p, (len(states), np.shape(p)[-1]))
-        return distances(line.near(self.read(states), p).e)
+        return np.nan_to_num(line.near(self.read(states), p).distance, nan=np.inf)
 
     def read(self, states: Floats) -> Floats:
         """The states as the families name them."""
@@ -209,26 +211,3 @@ class Settling:
     def member(self, line: Line, states: Floats) -> Floats | None:  # noqa: ARG002
         """The states of a member, as launches are read, from those that the family names."""
         return states
-
-
-def distances(e: Floats) -> Floats:
-    """Lengths of deviations, infinite where there is no member."""
-    apart = length(e)
-    return np.where(np.isnan(apart), np.inf, apart)
-
-
-def length(vectors: Floats) -> Floats:
-    """Euclidean length along the last axis, which no square on the way can make overflow.
-
-    Parameters
-    ----------
-    vectors
-        Shape (…, n).
-
-    Examples
-    --------
-    >>> round(float(length(np.array([3e200, 4e200]))) / 1e200, 12)
-    5.0
-    """
-    found: Floats = np.hypot.reduce(vectors, axis=-1)
-    return found
