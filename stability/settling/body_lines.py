@@ -26,11 +26,12 @@ from ..bodies.round_body.equations import Resistances, round_system
 from ..bodies.round_body.families import round_family, survives
 from ..bodies.round_body.inclinations import levels
 from ..bodies.round_body.pole_equations import AXIS, SLIP, TURN, pole_system, smooth_at
-from .line import ENERGY_KEPT, Line
+from ..systems.system import System
+from .line import Line, idle_under, signed
 from .settling import Settling
 from .surroundings import NOT_PROVED
 
-THETA, TURNING, AXIAL = (STATES.index(n) for n in ("theta", "phi_dot", "omega3"))
+THETA, AXIAL = STATES.index("theta"), STATES.index("omega3")
 SPIN = TURN[2]
 ROOT = 60
 """Most iterations for the inclination of rolling."""
@@ -94,21 +95,17 @@ def _line(  # noqa: PLR0913
         family.at,
         member,
         y,
-        ca.vertcat(sign, level, system.p),
-        partial(_numbers, _level(body, theta) if leaning else _upright),
+        ca.vertcat(sign, level, system.p) if leaning else ca.vertcat(sign, system.p),
+        partial(_leaning, _level(body, theta)) if leaning else signed,
         _guards(body, system),
-        idle=ENERGY_KEPT if law.conservative else "",
+        idle=idle_under(law),
         reason=NOT_PROVED if leaning else "",  # that inclination is not known exactly
         family=family,
         call=call,
     )
 
 
-def _upright(*_: float) -> float:
-    return math.pi / 2
-
-
-def _guards(body: Body, system: Any) -> list[ca.SX]:
+def _guards(body: Body, system: System) -> list[ca.SX]:
     """Contact, and the room that θ has; the exact π/2 has a sine and a cosine alone."""
     seen, theta = system.observables, system.x[0]
     room = [
@@ -124,11 +121,10 @@ def _tumbling(
     """The rates of tumbling at an inclination."""
     shape = ca.vertsplit(p)[: len(body.shape)]
     h, slope, _ = body.slopes()
-    moments = (
+    axial, transverse = (
         p[names.index(n)] if n in names else ca.SX(getattr(body, n)(*shape))
         for n in ("axial", "transverse")
     )
-    axial, transverse = moments
     sine, cosine = ca.sin(y), ca.cos(y)
     high, steep = h(y, *shape), slope(y, *shape)
     r, z = high * sine + steep * cosine, high * cosine - steep * sine
@@ -136,9 +132,9 @@ def _tumbling(
     return {"phi_dot": turning, "omega3": turning * sine * z / r}
 
 
-def _numbers(level: Callable[..., float], states: Floats, p: Floats) -> tuple[Floats, None]:
+def _leaning(level: Callable[..., float], states: Floats, p: Floats) -> tuple[Floats, None]:
     """The sign of φ̇, the inclination of rolling, and the parameters."""
-    signs = np.copysign(1.0, states[:, TURNING])
+    signs = signed(states, p)[0][:, 0]
     return np.column_stack([signs, [level(*q) for q in p.tolist()], p]), None
 
 
@@ -181,7 +177,7 @@ def _vertical(
         system.p,
         partial(_at_pole, pole),
         (system.observables["normal_force"], *(c.value for c in system.conditions)),
-        idle=ENERGY_KEPT if law.conservative else "",
+        idle=idle_under(law),
         family=family,
         call={"family": "vertical", "pole": word},
         chart=_pole_chart,

@@ -9,18 +9,14 @@ from __future__ import annotations
 from functools import lru_cache
 
 import casadi as ca
-import numpy as np
 
-from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.newton_euler import STATES
 from ..bodies.thin_disk.disk_equations import disk_system
 from ..bodies.thin_disk.disk_families import DiskFamily, lines_under
-from .line import ENERGY_KEPT, Line
+from .line import Line, idle_under, signed
 from .settling import Settling
 
-TURNING = STATES.index("phi_dot")
-STICKS = "dry friction ends in sticking, which keeps energy and settles on nothing"
 DRIFTS = "{} with slip drifts on its centre manifold (stability.drift): not settled"
 
 
@@ -53,16 +49,9 @@ def _line(law: type[Contact], family: DiskFamily) -> Line:
         family.member(ca, y, system.p[0], sign),
         y,
         ca.vertcat(sign, system.p),
-        _numbers,
+        signed,
         (seen["normal_force"], seen["determinant"], ca.sin(system.x[0])),
-        idle=ENERGY_KEPT if law.conservative else STICKS if law.sticks else "",
+        idle=idle_under(law),
         reason=DRIFTS.format(family.name) if family.drifts else "",
         call={"family": family.name},
     )
-
-
-def _numbers(states: Floats, p: Floats) -> tuple[Floats, None]:
-    """The sign of φ̇, then the parameters."""
-    given = np.empty((len(p), 1 + p.shape[1]))
-    given[:, 0], given[:, 1:] = np.copysign(1.0, states[:, TURNING]), p
-    return given, None

@@ -23,6 +23,7 @@ from ..algebra.upright import UPRIGHT
 from ..base.errors import listing
 from ..base.quantities import rate_unit
 from ..base.types import Floats
+from ..bodies.contact import Contact
 from ..bodies.newton_euler import STATES as SIX
 from ..systems.family import Family
 from ..systems.system import System
@@ -33,7 +34,19 @@ NUMPY = numpy_algebra()
 RIGHT_ANGLE = (np.pi / 2, U)
 """π/2 as a ball."""
 ENERGY_KEPT = "energy is kept, so nothing is settled on"
-"""Why nothing settles under a law without friction."""
+STICKS = "dry friction ends in sticking, which keeps energy and settles on nothing"
+
+
+def idle_under(law: type[Contact]) -> str:
+    """Why nothing settles under a contact law; empty where motions do."""
+    return ENERGY_KEPT if law.conservative else STICKS if law.sticks else ""
+
+
+def signed(states: Floats, p: Floats) -> tuple[Floats, None]:
+    """The sign of φ̇ of launches by their six states, then the parameters."""
+    given = np.empty((len(p), 1 + p.shape[1]))
+    given[:, 0], given[:, 1:] = np.copysign(1.0, states[:, SIX.index("phi_dot")]), p
+    return given, None
 
 
 class Near(NamedTuple):
