@@ -347,7 +347,7 @@ def settling(count: int = 20_000, singles: int = 1000) -> dict[str, Any]:
     `own`: each launch has its own k and mu; `shared`: one body and friction; `far`: states at no
     family.  flint tests some of the launches of `own`.
     """
-    from stability.settling.disk_settling import DiskSettling, nearest
+    from stability.settling.disk_lines import disk_settling
 
     rng = np.random.default_rng(1)
     near, own = np.zeros((count, 6)), np.column_stack([
@@ -355,7 +355,7 @@ def settling(count: int = 20_000, singles: int = 1000) -> dict[str, Any]:
     near[:, 0], near[:, 2] = np.pi / 2, rng.uniform(2.3, 4, count)
     off = rng.normal(size=near.shape)
     near += off * (10 ** rng.uniform(-6, -3.2, count) / np.linalg.norm(off, axis=1))[:, None]
-    far, p, test = near + [0.3, 0, 0, 0.5, 0, 0], np.array([0.25, 0.3]), DiskSettling(st.Viscous)
+    far, p, test = near + [0.3, 0, 0, 0.5, 0, 0], np.array([0.25, 0.3]), disk_settling(st.Viscous)
     runs = {
         f"{word}_{'numpy' if plain else 'compiled'}":
             lambda x=x, q=q, plain=plain: test.many(x, q, 1e-3, plain=plain)
@@ -363,7 +363,7 @@ def settling(count: int = 20_000, singles: int = 1000) -> dict[str, Any]:
         for plain in (False, True)
     }  # fmt: skip
     one = [(near[i], own[i]) for i in range(singles)]
-    runs["own_flint"] = lambda: [nearest(x, st.Viscous, q, 1e-3) for x, q in one]
+    runs["own_flint"] = lambda: [test.nearest(x, q, 1e-3) for x, q in one]
     for run in runs.values():
         run()
     spent: dict[str, list[float]] = {name: [] for name in runs}
@@ -385,10 +385,10 @@ def first_calls() -> dict[str, float]:
     """CPU time of the first test in a process: with an empty cache, then with a full one."""
     code = (
         "import time, numpy as np, stability as st\n"
-        "from stability.settling.disk_settling import DiskSettling\n"
+        "from stability.settling.disk_lines import disk_settling\n"
         "start = time.process_time()\n"
         "x = np.array([[np.pi / 2, 0, 2.5, 0, 0, 1e-5]])\n"
-        "DiskSettling(st.Viscous).many(x, np.array([0.25, 0.3]), 1e-3)\n"
+        "disk_settling(st.Viscous).many(x, np.array([0.25, 0.3]), 1e-3)\n"
         "print(time.process_time() - start)"
     )
     with tempfile.TemporaryDirectory() as cache:

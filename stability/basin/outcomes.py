@@ -29,9 +29,9 @@ from ..motion.neighbours import signs
 from ..motion.result import CODES, OF_END, Outcome, Settings
 from ..motion.run import TOGETHER, results
 from ..motion.starts import Starts
-from ..settling.nearest import SETTLE, Settling
+from ..settling.settling import SETTLE, Settling
 from .lanes import EVENT, FAILED, LASTED, PROVED, ends, lean_of
-from .proofs import NONE, Watcher, limits
+from .proofs import NONE, Watcher
 
 LOOSER = 100.0
 """Tolerance of the second run over that of the first."""
@@ -332,9 +332,8 @@ def _singly(found: Outcomes, launches: Starts, rows: NDArray[np.intp], judging: 
     """Decide some launches one by one, with all their neighbours."""
     if not rows.size:
         return
-    some = subset(launches, rows)
-    flow = flow_of(launches.model)
-    for row, p, result in zip(rows, some.p, results(some, judging.single), strict=True):
+    some = results(subset(launches, rows), judging.single)
+    for row, result in zip(rows, some, strict=True):
         found.outcome[row] = result.outcome.code
         found.time[row] = result.settled_at if result.outcome is Outcome.SETTLED else result.time
         found.steps[row] = result.path.steps
@@ -344,9 +343,9 @@ def _singly(found: Outcomes, launches: Starts, rows: NDArray[np.intp], judging: 
             error = doubt.time_error if timed else doubt.final_error
             found.error[row] = error if math.isfinite(error) else np.nan
         if result.outcome is Outcome.SETTLED:
-            near = launches.settling.many(flow.reported(result.final)[None], p[None], math.inf)
-            found.family[row], found.member[row] = near.family[0], limits(near)[0]
-            found.member_error[row] = near.settled.error[0]
+            near = result.near
+            found.family[row] = launches.settling.names.index(near.family)
+            found.member[row], found.member_error[row] = near.limit, near.error
 
 
 def subset(launches: Starts, rows: NDArray[np.intp]) -> Starts:

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.types import Floats
-from ..settling.nearest import Settling
-from ..settling.together.many import NearestMany
+from ..settling.settling import Settling
 
 NONE = -1
 """Number of no family."""
@@ -54,22 +53,5 @@ class Watcher:
         self.limit[rows[tried]] = (found.settled.nearer * found.distance)[tried]
         mine = rows[proved]
         self.family[mine], self.error[mine] = found.family[proved], found.settled.error[proved]
-        self.member[mine] = limits(found)[proved]
+        self.member[mine] = found.limit[proved]
         return proved
-
-
-def limits(found: NearestMany) -> Floats:
-    """The number that names the steady motion that each launch converges to; NaN for none.
-
-    Parameters
-    ----------
-    found
-        What is nearest to many states.
-
-    Returns
-    -------
-    ndarray
-        The first of several numbers, shape (N,).
-    """
-    limit = found.settled.limit
-    return limit[:, 0] if limit.shape[1] else np.full(len(limit), np.nan)

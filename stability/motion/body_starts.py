@@ -28,7 +28,7 @@ from ..bodies.thin_disk.disk_model import FLAT
 from ..integrators.flow import flow_of
 from ..integrators.friction_at_rest import continuations, sticking_force
 from ..integrators.stick_slip import REST
-from ..settling.round_body.families import body_settling
+from ..settling.body_lines import body_settling
 from .starts import (
     BRIEFEST,
     FASTEST,

@@ -18,7 +18,7 @@ from ..base.errors import listed
 from ..base.quantities import Kind
 from ..base.types import Floats
 from ..base.version import __version__
-from ..bodies.families import lines_under, named_by
+from ..bodies.families import named_by
 from ..bodies.thin_disk.disk_model import POSE, POSE_UNIT
 from ..bodies.thin_disk.disk_quantities import SYSTEM
 from ..integrators.flow import flow_of
@@ -28,7 +28,7 @@ from .result import Outcome, outcome_flags
 if TYPE_CHECKING:
     import xarray
 
-    from ..settling.nearest import Nearest
+    from ..settling.settling import Nearest
     from .result import Result, Settings
     from .starts import Starts
 
@@ -265,15 +265,14 @@ def _nearest(launches: Starts, near: list[Nearest], variable: Any) -> dict[str, 
                                      long_name="dimensionless distance from it"),
     }  # fmt: skip
     if launches.law is not None:
-        lines = getattr(launches.settling, "families", ()) or lines_under(launches.law.name)
-        named = list(dict.fromkeys(f.at[0] for f in lines))
+        named = list(dict.fromkeys(line.along[0] for line in launches.settling.lines))
         kinds = [named_by(n.family) for n in near]
         sizes = {kind: np.broadcast_to(launches.size(kind), len(near)) for kind in set(kinds)}
         which = enumerate(zip(near, kinds, strict=True))
         plain = launches.dimensionless
         found["nearest_at"] = variable(
             np.array([n.at * sizes[kind][i] for i, (n, kind) in which]),
-            long_name=f"its {listed(named, 'or')}",
+            long_name=f"its {listed(named, 'or')}" if named else "the number that names it",
             units="1" if plain else f"{Kind.ANGULAR_VELOCITY.si} (theta: {Kind.ANGLE.si})",
         )
         return found

@@ -29,7 +29,7 @@ import numpy as np
 
 from ..base.types import Floats
 from ..integrators.selection import TURN
-from ..settling.growth import Growth
+from .growth import Growth
 from .result import Outcome
 
 if TYPE_CHECKING:

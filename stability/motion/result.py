@@ -15,7 +15,7 @@ from ..bodies.thin_disk.disk_model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.leg import UNRESOLVED, Path
 from ..integrators.selection import Choice
 from ..integrators.stick_slip import NON_UNIQUE, Transition
-from ..settling.nearest import Nearest
+from ..settling.settling import Nearest
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import replace
 from functools import partial
+from itertools import repeat
 from typing import Any
 
 import numpy as np
@@ -25,7 +26,8 @@ from ..integrators.stick_slip import integrate as integrate_dry
 from ..integrators.taylor import CORES
 from ..jobs.pipeline import Counted, here, ordered
 from ..jobs.shared import shared
-from ..settling.growth import LARGEST, NONE, growth, growth_along
+from ..settling.settling import Nearest
+from .growth import LARGEST, NONE, growth, growth_along
 from .neighbours import (
     COMPARED,
     HIDDEN,
@@ -147,7 +149,7 @@ def _grown(
             path = integrate_by_steps(shadow, method="lsoda", trail=trail)
             grown = growth_along(leg.flow, leg.p, trail)
             choice = Choice("lsoda", "its steps show how errors grow")
-            other = _judge(shadow, path, choice, launches, settings, None)
+            [other] = _judged([shadow], [(path, choice)], launches, settings)
             if fine * grown.largest < SMALL or fine == FINE_ENOUGH:
                 break
     if grown.largest > shown:
@@ -216,7 +218,6 @@ def _run(
     progress: Callable[[int, int], None] | None,
 ) -> list[Result]:  # fmt: skip
     """Run legs, each by its method, and judge how they ended."""
-    found: list[Result | None] = [None] * len(legs)
     if launches.dry:
         asked = shared(legs[0].flow, settings.executor)
 
@@ -228,20 +229,19 @@ def _run(
             workers=settings.workers or CORES, own=here, progress=Counted(progress, len(legs)),
         )) as results:  # fmt: skip
             dries = [dry for _, dry in results]
-        for i, (leg, method, dry) in enumerate(zip(legs, methods, dries, strict=True)):
-            name = explicit() if method == "auto" else method
-            choice = Choice(name, "sliding and sticking; landings by LSODA, onsets by CVODES")
-            found[i] = _judge(leg, dry.path, choice, launches, settings, dry)
-    else:
-        for method in dict.fromkeys(methods):
-            mine = [i for i, name in enumerate(methods) if name == method]
-            paths, choices = run(
-                [legs[i] for i in mine], method, workers=settings.workers, progress=progress,
-                executor=settings.executor,
-            )  # fmt: skip
-            for i, path, choice in zip(mine, paths, choices, strict=True):
-                found[i] = _judge(legs[i], path, choice, launches, settings, None)
-    return [result for result in found if result is not None]
+        names = [explicit() if method == "auto" else method for method in methods]
+        said = "sliding and sticking; landings by LSODA, onsets by CVODES"
+        ran = [(dry.path, Choice(name, said)) for dry, name in zip(dries, names, strict=True)]
+        return _judged(legs, ran, launches, settings, dries)
+    found: dict[int, tuple[Path, Choice]] = {}
+    for method in dict.fromkeys(methods):
+        mine = [i for i, name in enumerate(methods) if name == method]
+        paths, choices = run(
+            [legs[i] for i in mine], method, workers=settings.workers, progress=progress,
+            executor=settings.executor,
+        )  # fmt: skip
+        found |= zip(mine, zip(paths, choices, strict=True), strict=True)
+    return _judged(legs, [found[i] for i in range(len(legs))], launches, settings)
 
 
 def _dry(flow: Callable[[], Flow], numbers: tuple[Any, ...], method: str) -> DryPath:
@@ -260,19 +260,37 @@ def _finer(tolerance: float, turning: Floats) -> float:
     return tolerance if fast <= 1 else max(tolerance * 10.0 ** -np.ceil(np.log10(fast)), TIGHTEST)
 
 
-def _judge(
-    leg: Leg, path: Path, choice: Choice, launches: Starts, settings: Settings,
-    dry: DryPath | None,
+def _judged(
+    legs: Sequence[Leg], ran: Sequence[tuple[Path, Choice]], launches: Starts, settings: Settings,
+    dries: Sequence[DryPath] | None = None,
+) -> list[Result]:  # fmt: skip
+    """How each of some paths ended; the motions nearest to their ends are found together."""
+    paths, why = [], []
+    for leg, (path, _) in zip(legs, ran, strict=True):
+        contact = launches.law is not None and dries is None
+        moved = None
+        if path.end is not None and contact and path.end.kind != FLAT:
+            moved = closer(leg, path)
+        paths.append(moved[0] if moved else path)
+        why.append(moved[1] if moved else "")
+    ends = np.array([path.states[-1] if path.end is None else path.end.state for path in paths])
+    p = np.array([leg.p[: len(leg.flow.system.parameters)] for leg in legs])
+    near = launches.settling.each(legs[0].flow.reported(ends), p, settings.settle)
+    return [
+        _judge(leg, path, end, choice, one, launches, settings, dry, said)
+        for leg, path, end, (_, choice), one, dry, said in zip(
+            legs, paths, ends, ran, near, dries or repeat(None, len(legs)), why, strict=True
+        )
+    ]
+
+
+def _judge(  # noqa: PLR0913
+    leg: Leg, path: Path, final: Floats, choice: Choice, near: Nearest, launches: Starts,
+    settings: Settings, dry: DryPath | None, why: str,
 ) -> Result:  # fmt: skip
-    why = ""
-    contact = launches.law is not None and dry is None
-    if path.end is not None and contact and path.end.kind != FLAT:
-        path, why = closer(leg, path) or (path, "")
     end: End | None = path.end
-    final = path.states[-1] if end is None else end.state
     time = float(leg.times[-1]) if end is None else end.time
     p = leg.p[: len(leg.flow.system.parameters)]
-    near = launches.settling.nearest(leg.flow.reported(final), p, settings.settle)
     since = time
     if end is not None:
         outcome, evidence = _ending(leg, end)

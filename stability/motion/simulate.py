@@ -20,10 +20,8 @@ from ..bodies.thin_disk.disk_model import FLAT
 from ..integrators.flow import CASADI, flow_of
 from ..integrators.selection import check_flow, check_method
 from ..jobs.pipeline import check_run
-from ..settling.body_settling import BodySettling
 from ..settling.departure import departures
-from ..settling.nearest import SETTLE
-from ..settling.system_settling import SystemSettling, length
+from ..settling.settling import SETTLE
 from ..systems.family import Family
 from ..systems.sources.numeric import NumericSystem
 from ..systems.system import System
@@ -225,8 +223,7 @@ def simulate(
                 launches = gather(disk, contact, start, times, pose=pose)
             _not_flat(launches, settings)
         found = results(launches, settings, progress)
-        if isinstance(launches.settling, (SystemSettling, BodySettling)):
-            found = _departed(launches, settings, found, launches.settling)
+        found = _departed(launches, settings, found)
         dataset = assemble(launches, settings, found)
     _warn(found)
     return dataset
@@ -247,16 +244,14 @@ def _warn(found: list[Result]) -> None:
         warned(f"{which}the error{said[2]}{more}.")
 
 
-def _departed(
-    launches: Starts, settings: Settings, found: list[Result],
-    settling: SystemSettling | BodySettling,
-) -> list[Result]:  # fmt: skip
+def _departed(launches: Starts, settings: Settings, found: list[Result]) -> list[Result]:
     """The results, whose evidence says which motions have departed from an unstable member."""
     reported = flow_of(launches.model).reported
     ends = np.array([reported(result.final) for result in found])
     errors = np.array([r.doubt.final_error if r.doubt else 0.0 for r in found])
-    errors *= length(np.maximum(1.0, np.abs(ends)))
-    said = departures(settling, launches.starts, ends, launches.p, settings.settle, errors)
+    errors *= np.hypot.reduce(np.maximum(1.0, np.abs(ends)), axis=-1)
+    within = settings.settle
+    said = departures(launches.settling, launches.starts, ends, launches.p, within, errors)
     return [
         replace(r, evidence=f"{r.evidence}; {why}")
         if why and r.outcome is not Outcome.UNDETERMINED else r

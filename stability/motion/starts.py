@@ -25,8 +25,8 @@ from ..bodies.thin_disk.disk_equations import STATES, disk_system
 from ..bodies.thin_disk.disk_model import FLAT, LIFT_OFF, NO_CONTACT, disk_model, moving_system
 from ..integrators.friction_at_rest import continuations
 from ..integrators.stick_slip import REST
-from ..settling.disk_settling import DiskSettling
-from ..settling.nearest import Settling
+from ..settling.disk_lines import disk_settling
+from ..settling.settling import Settling
 
 FASTEST = 1e9
 """Largest dimensionless rate or slip of a start: beyond it forces are lost in rounding."""
@@ -161,7 +161,7 @@ def _gathered(
     return Starts(
         disk_model(law, pose=pose), shape, starts, p, when, flat, units,
         disk.dimensionless, seen[:, -1],
-        DiskSettling(law), law, unfit_of(fit, [FLAT, FLAT], len(disk_system(law).conditions)),
+        disk_settling(law), law, unfit_of(fit, [FLAT, FLAT], len(disk_system(law).conditions)),
     )  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from ..base.errors import DomainError, NameUnknownError, ParameterError, listed,
 from ..base.quantities import Units
 from ..base.types import Floats
 from ..bodies.model import system_model
-from ..settling.system_settling import SystemSettling, members
+from ..settling.system_lines import system_settling
 from ..systems.family import Family
 from ..systems.system import System
 from .starts import Starts, Unfit, counted, times_of
@@ -88,7 +88,7 @@ def gather_system(
     return Starts(
         model, shape, starts, values, when, {n: np.asarray(v) for n, v in given.items()},
         Units(), True, energies,
-        SystemSettling(_families(system, families, starts, values)), unfit=unfit or None,
+        system_settling(_families(system, families, starts, values)), unfit=unfit or None,
     )  # fmt: skip
 
 
@@ -167,4 +167,5 @@ def _families(system: System, families: Any, starts: Floats, values: Floats) -> 
 def _steady_nearby(family: Family, starts: Floats, values: Floats) -> bool:
     """Whether the family has a member at states near some starts, other than by chance."""
     near = starts[:SAMPLES] * 1.0173 + 0.0137
-    return any(members(family, y[None], p) is not None for y, p in zip(near, values, strict=False))
+    line, p = system_settling((family,)).lines[0], values[:SAMPLES]
+    return bool(np.isfinite(line.near(near, p).distance).any())

@@ -24,8 +24,7 @@ from ..integrators.flow import flow_of
 from ..motion.body_starts import accepted, gather_body
 from ..motion.starts import Starts, gather
 from ..motion.system_starts import gather_system
-from ..settling.body_settling import BodySettling
-from ..settling.round_body.fixed_axes import FixedSettling, fixed_model, fixed_states
+from ..settling.fixed_axes import FixedSettling, fixed_model, fixed_states
 from ..systems.sources.numeric import NumericSystem
 from ..systems.system import System
 
@@ -334,13 +333,13 @@ def _changed(disk: Disk | Body, moved: Mapping[str, float]) -> Disk | Body:
 
 def _along_fixed_axes(launches: Starts) -> Starts:
     """The launch of a body that is smooth at a pole, told along fixed axes."""
-    model, settling = launches.model, launches.settling
-    if model.chart is None or not isinstance(settling, BodySettling):
+    model = launches.model
+    if model.chart is None:
         return launches
     fixed = fixed_model(model)
     starts = fixed_states(model.chart, len(flow_of(fixed).system.states), launches.starts)
-    told = FixedSettling(settling, model.chart)
-    return replace(launches, model=fixed, starts=starts, settling=told)
+    settling = FixedSettling(launches.settling.lines, chart=model.chart)
+    return replace(launches, model=fixed, starts=starts, settling=settling)
 
 
 def _of_system(

@@ -14,7 +14,6 @@ from ..base.verdict import Verdict
 from ..bodies.disk import Disk
 from ..bodies.families import named_by
 from ..boundary.changes import boundaries
-from ..settling.round_body.fixed_axes import FixedSettling
 from ..spectra.spectrum import spectrum
 from .answer import Answer
 from .inputs import unit_of
@@ -116,13 +115,9 @@ def about_nearest(
     sizes = {n: float(launches.size(kind)) for n, kind in kinds.items()}
     thin = isinstance(disk, Disk)
     arguments: dict[str, Any] = {"disk" if thin else "body": disk, "contact": law}
-    family, between = near.family, (0.0, math.pi)
-    if not thin:
-        settling: Any = launches.settling
-        body = settling.inner if isinstance(settling, FixedSettling) else settling
-        call = next(one.call for one in body.lines if one.name == near.family)
-        family, between = call.pop("family"), disk.between
-        arguments |= call
+    arguments |= next(v.call for v in launches.settling.lines if v.name == near.family)
+    between = (0.0, math.pi) if thin else disk.between
+    family = arguments.pop("family")
     member = Member(family, near.at * sizes["boundary"], arguments, between)
     told = answer(member, names, tolerance, only, sizes)
     values = {n: f.value for n, f in told.found.items()}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,8 +14,8 @@ from ..base.quantities import Kind
 from ..base.types import Floats
 from ..bodies.round_body.pole_equations import AXIS
 from ..motion.neighbours import signs
-from ..settling.nearest import Nearest
-from ..settling.round_body.fixed_axes import STATES
+from ..settling.fixed_axes import STATES
+from ..settling.settling import Nearest
 from .rungs.elements import chebyshev
 from .rungs.track import Problem, Track
 
@@ -77,11 +77,11 @@ def outcome(problem: Problem, track: Track) -> Found:
         return Found(track.finish.kind, 0.0 if sure else math.inf, track.finish.evidence)
     if not np.isfinite(track.errors[-1]):
         return Found("unresolved", math.inf, "the error of the end has no bound")
-    near = _near(problem, track)
+    [near] = _near(problem, track)
     sides = [near.settled]
     room = float(np.linalg.norm(track.errors[-1] * np.maximum(1.0, np.abs(track.states[-1]))))
     if room > SMALL * near.reach or near.distance + room > problem.settle > near.distance:
-        sides += [_near(problem, track, side).settled for side in SIDES]
+        sides += [one.settled for one in _near(problem, track, SIDES)]
     if len(set(sides)) > 1:
         said = "settling is proved for the end, and not for another within its error"
         return Found("undetermined", math.inf, said)
@@ -93,7 +93,7 @@ def settling_time(problem: Problem, track: Track) -> Found:
     word = outcome(problem, track)
     if word.value != "settled":
         return Found(None, word.error, f"it has not settled: {word.says}")
-    near = _near(problem, track)
+    [near] = _near(problem, track)
     settling, p = problem.launches.settling, problem.p
     apart = settling.distances(track.states, p, near)
     wide = math.sqrt(problem.own) * np.maximum.accumulate(track.errors[::-1])[::-1]
@@ -227,12 +227,15 @@ QUESTIONS = {
 """Every quantity of a motion by name."""
 
 
-def _near(problem: Problem, track: Track, side: tuple[float, float] = (0.0, 0.0)) -> Nearest:
-    """The nearest steady motion of the end, displaced by its error to one side."""
+def _near(
+    problem: Problem, track: Track, sides: Sequence[tuple[float, float]] = ((0.0, 0.0),)
+) -> list[Nearest]:
+    """The steady motions nearest to the end, displaced by its error to some sides."""
     last = track.states[-1]
-    share = np.where(np.arange(len(last)) % 2, *side) * signs(len(last))
-    off = share * track.errors[-1] * np.maximum(1.0, np.abs(last))
-    return problem.launches.settling.nearest(last + off, problem.p, problem.settle)
+    odd = np.arange(len(last)) % 2 == 1
+    shares = np.array([np.where(odd, *side) for side in sides]) * signs(len(last))
+    off = shares * track.errors[-1] * np.maximum(1.0, np.abs(last))
+    return problem.launches.settling.each(last + off, problem.p, problem.settle)
 
 
 def _states(track: Track, low: float, high: float) -> tuple[Floats, Floats]:

@@ -1,9 +1,9 @@
 """Convergence to steady motions.
 
-The steady motion nearest to a state, and the proof in ball arithmetic that a motion converges to
-it: `proof.py` tries the tube of a member (`tube/`) and then a box about the state
-(`attraction.py`); `disk_settling.py` has the members of the disk, `system_settling.py` those of any
-`Family`.  `together/` has both proofs for many states at once.
+`settling.py` says which states have settled, for one launch or many; `proof.py` tries a tube
+(`tube/`), then a box (`box/`), from the equations near a family (`surroundings.py`).  Disk, body
+and system differ by their families alone: a `Line` (`line.py`) of each, from `disk_lines.py`,
+`body_lines.py`, `system_lines.py`; `fixed_axes.py` reads states along fixed axes.
 May import `spectra`, `derivation`, `integrators` and the floors below.
-To add a body: a class with the two methods of `Settling` in `nearest.py`.
+To add what motions settle on: a `Line` for each family.
 """

@@ -1,4 +1,4 @@
-"""Departure of a user's system from an unstable steady motion near which it began.
+"""Departure of a motion from an unstable steady motion near which it began.
 
 The phase of an oscillation changes the distance from a steady motion even where nothing grows.
 Growth is therefore measured in modal coordinates of the linearisation without its structural zeros,
@@ -17,9 +17,8 @@ from ..spectra.deflation import lowered
 from ..spectra.problem import system_problem
 from ..spectra.rows import Rows
 from ..systems.family import Family
-from .body_settling import BodySettling
-from .nearest import Nearest
-from .system_settling import SystemSettling, in_words, length
+from .line import Line
+from .settling import Settling
 
 GROWTH = 10.0
 """Ratio of the sizes at the end and at the start from which a motion counts as departed."""
@@ -28,9 +27,8 @@ WORST_CONDITION = 1e8
 
 
 def departures(
-    settling: SystemSettling | BodySettling, starts: Floats, ends: Floats, p: Floats, within: float,
-    errors: Floats,
-) -> list[str]:  # fmt: skip
+    settling: Settling, starts: Floats, ends: Floats, p: Floats, within: float, errors: Floats
+) -> list[str]:
     """Whether each motion has departed from the steady motion nearest to its start, in words.
 
     It has where that member is unstable, its verdict given by a bound, and where the distance from
@@ -40,7 +38,7 @@ def departures(
     Parameters
     ----------
     settling
-        The families of the system, or of the body.
+        The families.
     starts, ends
         States, shape (N, n).
     p
@@ -58,29 +56,43 @@ def departures(
     Source: tests/motion/test_unresolved_and_departing.py.
     """
     said = [""] * len(starts)
-    gone: dict[str, list[tuple[int, Nearest, Floats]]] = {}
-    families = {family.name: family for family in settling.families}
-    for i, (start, end, own) in enumerate(zip(starts, ends, p, strict=True)):
-        near = settling.closest(start, own)
-        if near.member is None:
+    if not any(line.family for line in settling.lines):
+        return said
+    before = settling.many(starts, p, -1.0)
+    for number, line in enumerate(settling.lines):
+        family, mine = line.family, before.family == number
+        if family is None or not mine.any():
             continue
-        off = settling.deviation(families[near.family], end, own)
-        if off is not None and length(off) - errors[i] > max(within, GROWTH * near.distance):
-            gone.setdefault(near.family, []).append((i, near, off))
-    for name, mine in gone.items():
-        family, rows = families[name], [i for i, _, _ in mine]
-        before = np.array([settling.deviation(family, starts[i], p[i]) for i in rows])
-        after = np.array([off for _, _, off in mine])
-        a = np.vstack([settling.at_of(family, starts[i], p[i]) for i in rows])
-        departed = _grown(family, a, p[rows], before, after, errors[rows])
-        for (i, near, off), at, sure in zip(mine, a, departed, strict=True):
+        both = [settling.read(x[mine]) for x in (starts, ends)]
+        first, last = (line.near(x, p[mine]) for x in both)
+        near, far = first.distance, last.distance
+        gone = np.isfinite(far) & (far - errors[mine] > np.maximum(within, GROWTH * near))
+        if not gone.any():
+            continue
+        rows = np.flatnonzero(mine)[gone]
+        at = np.array([line.at(y, q) for y, q in zip(first.y[gone], p[rows], strict=True)])
+        off, later = (
+            _in_states(line, line.deviations(x, one)[gone])
+            for x, one in zip(both, (first, last), strict=True)
+        )
+        departed = _grown(family, at.reshape(len(rows), -1), p[rows], off, later, errors[rows])
+        sizes = zip(rows, at, near[gone], far[gone], departed, strict=True)
+        for row, values, start, end, sure in sizes:
             if sure:
-                where = in_words(family, family.at, at)
-                said[i] = (
+                where = line.worded(family.at, values)
+                said[row] = (
                     f"departs from {family.name}, unstable{f' at {where}' if where else ''}: "
-                    f"{near.distance:.3g} away at the start, {length(off):.3g} at the end"
+                    f"{start:.3g} away at the start, {end:.3g} at the end"
                 )
     return said
+
+
+def _in_states(line: Line, off: Floats) -> Floats:
+    """Deviations in the states of the family's equations."""
+    assert line.family is not None
+    known = dict(zip(line.across, off.T, strict=True))
+    still = np.zeros(len(off))
+    return np.column_stack([known.get(n, still) for n in line.family.system.states])
 
 
 def _grown(
@@ -110,5 +122,5 @@ def _in_modes(before: Floats, after: Floats, modes: Complexes, error: float) -> 
         return False
     inverse = np.linalg.inv(modes)
     doubt = error * float(np.linalg.norm(inverse, 2))
-    first, last = (float(length(np.abs(inverse @ off))) for off in (before, after))
+    first, last = (float(np.hypot.reduce(np.abs(inverse @ off))) for off in (before, after))
     return last - doubt > GROWTH * first

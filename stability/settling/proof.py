@@ -1,50 +1,106 @@
-"""Proof that a motion converges: by the tube of a member, otherwise by a box about the state."""
+"""Proof that motions converge to one steady motion each: by the tube of a member, then by a box.
+
+A tube belongs to a member that one number names, and all launches near it share it (`tube/`).
+Where no tube is proved about a member, or none is known, a box about the state is tried (`box/`).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
-
 import numpy as np
+from numpy.typing import NDArray
 
 from ..base.errors import StabilityError
 from ..base.types import Floats
-from .attraction import Attraction, Surroundings, attraction
+from .box.alone import attraction
+from .box.together import LEAST, NEARER, Balls, Settled, boxes, nothing, tapes
+from .surroundings import Surroundings
 from .tube.nodes import in_tube
 
+INSIDE = 0.98
+"""Part of a tube's radius over the distance at which the next try is made."""
 
-def settles(
-    around: Surroundings, given: Sequence[float], y: Sequence[Any], e: Sequence[Any]
-) -> Attraction | None:
-    """A proof that a motion converges to one steady motion of a family.
+
+def settled(  # noqa: PLR0913
+    around: Surroundings,
+    y: Balls,
+    given: Floats,
+    e: Balls,
+    *,
+    alone: bool = False,
+    plain: bool = False,
+) -> Settled:
+    """Which launches are proved to converge to one steady motion of a family.
 
     Parameters
     ----------
-    around, given, y, e
-        As for `attraction`.
+    around
+        The family's surroundings.
+    y, e
+        Parameters of the nearest members and deviations, as balls that contain the true values,
+        shapes (launches, n) and (launches, m).
+    given
+        Second argument of its programs, shape (launches, ·).
+    alone
+        Whether boxes are tried one by one in flint's balls.  One launch is then soonest done.
+    plain
+        Whether NumPy does the work although Numba is installed.
 
     Returns
     -------
-    Attraction or None
-        None where it is not proved.
+    Settled
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> from stability.settling.disk_lines import disk_settling
+    >>> spinning = disk_settling(st.Viscous).lines[1]
+    >>> y, e = np.array([[2.5], [1.9]]), np.full((2, 5), 1e-5)
+    >>> given = np.array([[1, 0.25, 0.3]] * 2)
+    >>> settled(spinning.around, Balls(y, 0 * y), given, Balls(e, 0 * e)).proved
+    array([ True, False])
     """
-    if around.field is not None:
-        try:
-            found = in_tube(around, [v[:, 0] for v in _doubles(y)], np.array([given], dtype=float),
-                            _doubles(e))  # fmt: skip
-        except StabilityError:  # a function without a kernel
-            return attraction(around, given, y, e)
-        if found.proved[0]:
-            numbers = (float(v[0]) for v in (found.limit, found.error, found.rate, found.half))
-            limit, *rest = numbers
-            return Attraction((limit,), *rest)
-        if found.known[0]:
-            return None
-    return attraction(around, given, y, e)
+    found, left = nothing(len(given), around.along), np.ones(len(given), bool)
+    try:
+        tapes(around)
+        if around.field is not None:
+            left = ~_by_tubes(around, y, given, e, found)
+        if left.any() and not alone:
+            boxes(around, y, given, e, found, left, plain=plain)
+            return found
+    except StabilityError:  # a function without a kernel
+        pass
+    for i in np.flatnonzero(left):
+        _alone(around, y, given, e, found, int(i))
+    return found
 
 
-def _doubles(balls: Sequence[Any]) -> tuple[Floats, Floats]:
-    """Balls of doubles that hold balls, as centres and radii of one launch."""
-    mid = [float(v.mid()) for v in balls]
-    rad = [float(abs(v - m).abs_upper()) * (1 + 2.0**-50) for v, m in zip(balls, mid, strict=True)]
-    return np.array([mid]), np.array([rad])
+def _by_tubes(
+    around: Surroundings, y: Balls, given: Floats, e: Balls, found: Settled
+) -> NDArray[np.bool_]:
+    """Which launches are near a member with a tube; those in it are proved."""
+    near = np.asarray(np.isfinite(np.hstack([y.mid, given, e.mid])).all(1), dtype=bool)
+    if not near.any():
+        return near
+    balls = (y.mid[near, 0], y.rad[near, 0]), (e.mid[near], e.rad[near])
+    told = in_tube(around, balls[0], given[near], balls[1])
+    some = np.flatnonzero(near)
+    fine = some[told.proved]
+    found.proved[fine], found.limit[fine, 0] = True, told.limit[told.proved]
+    for name, values in (("error", told.error), ("rate", told.rate), ("reach", told.half)):
+        getattr(found, name)[fine] = values[told.proved]
+    found.nearer[some] = np.where(told.known, np.clip(INSIDE * told.share, LEAST, INSIDE), NEARER)
+    near[some] = told.known
+    return near
+
+
+def _alone(around: Surroundings, y: Balls, given: Floats, e: Balls, found: Settled, i: int) -> None:
+    """Try the box of one launch in flint's balls."""
+    from flint import arb
+
+    own, off = (
+        [arb(*v) for v in zip(b.mid[i].tolist(), b.rad[i].tolist(), strict=True)] for b in (y, e)
+    )
+    proof = attraction(around, given[i].tolist(), own, off)
+    if proof is not None:
+        found.proved[i], found.limit[i] = True, proof.limit
+        found.error[i], found.rate[i], found.reach[i] = proof.error, proof.rate, proof.reach

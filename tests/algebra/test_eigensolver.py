@@ -14,7 +14,7 @@ import scipy.linalg
 import stability as st
 import stability.spectra.eigenvalues as spectra
 from stability.algebra.eigensolver import EigenSolver, eigenpairs, eigensolver, lapack
-from stability.settling.attraction import _modal
+from stability.settling.box.alone import _modal
 from stability.spectra.modes import _match
 
 EIG = np.linalg.eig

@@ -14,7 +14,7 @@ from stability.basin.outcomes import Judging, Outcomes, outcomes
 from stability.integrators.leg import Leg
 from stability.integrators.taylor import _on_guard
 from stability.motion.result import BY_CODE, CODES, Outcome
-from stability.settling.nearest import SETTLE
+from stability.settling.settling import SETTLE
 
 STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
 DISKS = {"uniform": 0.25, "annulus": 0.4, "hoop": 0.5}

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 import stability as st
 from stability.basin.outcomes import Judging
 from stability.scene.rungs.track import Problem
-from stability.settling.nearest import SETTLE
+from stability.settling.settling import SETTLE
 
 STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
 

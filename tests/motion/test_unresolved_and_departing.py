@@ -9,7 +9,7 @@ import pytest
 
 import stability as st
 from stability.settling.departure import departures
-from stability.settling.system_settling import SystemSettling
+from stability.settling.system_lines import system_settling
 
 METHODS = ("auto", "heyoka", "dop853", "lsoda", "radau", "bdf", "cvodes")
 LIBRARY_WORDS = ("taylor", "outcome", "err_", "spacing between", "heyoka stopped")
@@ -92,7 +92,7 @@ def test_the_phase_of_a_swing_is_no_departure(c: float, departs: bool) -> None:
 def test_no_departure_is_told_where_the_error_hides_it() -> None:
     _, rest = growing()
     ends = np.array([[0.2], [0.2]])
-    found = departures(SystemSettling((rest,)), ends / 100, ends, np.array([[0.5], [0.5]]), 1e-3,
+    found = departures(system_settling((rest,)), ends / 100, ends, np.array([[0.5], [0.5]]), 1e-3,
                        np.array([0.1, 0.199]))  # fmt: skip
     assert [bool(words) for words in found] == [True, False]
 

@@ -1,8 +1,6 @@
 """What the kernel calls settled is settled: by the flint test, and by independent motions."""
 
 import math
-from dataclasses import replace
-from functools import lru_cache
 from importlib.util import find_spec
 from types import SimpleNamespace
 from typing import Any
@@ -10,19 +8,23 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
+from disk_members import deviation
 from flint import arb, ctx
 from kane_disk import fixed_axes
 from scipy.integrate import solve_ivp
 
 import stability as st
 from stability.algebra.program import Program
-from stability.settling import disk_settling
-from stability.settling.attraction import Surroundings, attraction
-from stability.settling.disk_settling import DiskSettling, deviation, nearest, settled
-from stability.settling.round_body.families import body_settling
-from stability.settling.system_settling import SystemSettling
-from stability.settling.together import box_kernel, kernel
-from stability.settling.together.kernel import Balls, settled_many
+from stability.settling import proof
+from stability.settling.body_lines import body_settling
+from stability.settling.box import kernel, together
+from stability.settling.box.alone import attraction
+from stability.settling.box.together import Balls
+from stability.settling.disk_lines import disk_settling
+from stability.settling.proof import settled
+from stability.settling.settling import Nearest
+from stability.settling.surroundings import Surroundings
+from stability.settling.system_lines import system_settling
 
 RIGHT = math.pi / 2
 WITHIN = 1e-3
@@ -44,10 +46,16 @@ def launches(count: int, seed: int, largest: float = -3.0) -> tuple[Any, Any, An
 
 
 def one(six: Any, p: Any, law: Any = st.Viscous) -> Any:
-    """The proof in flint's balls for the nearest family of a state."""
-    family, _, _ = disk_settling._closest(six, law, float(p[0]))
-    sign = math.copysign(1.0, six[2])
-    return settled(law, family, p, sign, *disk_settling._balls(six, float(p[0]), family, sign))
+    """The proof in flint's balls for the nearest family of a state; None where there is none."""
+    found = disk_settling(law).many(six[None], p, math.inf, alone=True).settled
+    if not found.proved[0]:
+        return None
+    parts = found.limit[0], float(found.error[0]), float(found.rate[0])
+    return SimpleNamespace(**dict(zip(("limit", "error", "rate"), parts, strict=True)))
+
+
+def nearest(six: Any, law: Any, p: Any) -> Nearest:
+    return disk_settling(law).nearest(six, p, WITHIN)
 
 
 def final(six: Any, p: Any, span: float) -> Any:
@@ -64,15 +72,7 @@ def final(six: Any, p: Any, span: float) -> Any:
 @pytest.fixture(autouse=True)
 def _boxes_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """These are tests of the box about a state; tests/settling/test_tube.py has those of tubes."""
-    whole = disk_settling.surroundings
-    monkeypatch.setattr(
-        disk_settling, "surroundings", lambda law, name: _without_field(whole(law, name))
-    )
-
-
-@lru_cache(maxsize=32)
-def _without_field(around: Surroundings) -> Surroundings:
-    return replace(around, field=None)
+    monkeypatch.setattr(proof, "_by_tubes", lambda _, y, *__: np.zeros(len(y.mid), dtype=bool))
 
 
 def converges(found: Any, six: Any, p: Any, some: Any, lives: float = 12) -> Any:
@@ -91,7 +91,7 @@ def converges(found: Any, six: Any, p: Any, some: Any, lives: float = 12) -> Any
 
 def every_proof_is_true(count: int, seed: int) -> None:
     _, six, p = launches(count, seed)
-    found = DiskSettling(st.Viscous).many(six, p, WITHIN)
+    found = disk_settling(st.Viscous).many(six, p, WITHIN)
     proved = np.flatnonzero(found.settled.proved)
     assert len(proved) > 0.35 * count
     alone = np.array([i for i in proved if one(six[i], p[i]) is None], dtype=int)
@@ -112,7 +112,7 @@ def test_every_proof_of_twenty_thousand_launches_is_true() -> None:
 @pytest.mark.long
 def test_two_hundred_proved_motions_end_within_the_stated_error() -> None:
     _, six, p = launches(4000, 12)
-    found = DiskSettling(st.Viscous).many(six, p, WITHIN)
+    found = disk_settling(st.Viscous).many(six, p, WITHIN)
     wide = found.settled.error > 1e-7  # above the errors of the integration
     some = np.flatnonzero(found.settled.proved & (found.settled.rate > 0.02) & wide)
     assert converges(found, six, p, some[:200]).all()
@@ -121,10 +121,10 @@ def test_two_hundred_proved_motions_end_within_the_stated_error() -> None:
 @pytest.mark.parametrize("count", [60, pytest.param(200, marks=pytest.mark.long)])
 def test_the_kernel_proves_what_flint_proves(count: int) -> None:
     _, six, p = launches(count, 2)
-    found = DiskSettling(st.Viscous).many(six, p, WITHIN)
+    found = disk_settling(st.Viscous).many(six, p, WITHIN)
     ours, theirs, bounds = [], [], found.settled
     for i in range(len(six)):
-        near = nearest(six[i], st.Viscous, p[i], WITHIN)
+        near = nearest(six[i], st.Viscous, p[i])
         assert found.names[found.family[i]] == near.family
         assert found.at[i, 0] == pytest.approx(near.at, rel=1e-12)
         assert found.distance[i] == pytest.approx(near.distance, rel=1e-9, abs=1e-14)
@@ -146,7 +146,7 @@ def test_proved_motions_end_within_the_stated_error_of_the_stated_limit(
     count: int, followed: int
 ) -> None:
     _, six, p = launches(count, 3)
-    found = DiskSettling(st.Viscous).many(six, p, WITHIN)
+    found = disk_settling(st.Viscous).many(six, p, WITHIN)
     wide = found.settled.error > 1e-7  # above the errors of the integration
     fast = np.flatnonzero(found.settled.proved & (found.settled.rate > 0.12) & wide)
     assert len(fast) >= followed
@@ -167,7 +167,7 @@ def test_the_reach_is_that_of_the_test_in_flint(family: str, size: float) -> Non
     six = (six + size * direction / np.linalg.norm(direction))[None]
     p = np.array([0.25, 0.3])
     assert one(six[0], p) is not None
-    assert DiskSettling(st.Viscous).many(six, p, WITHIN).settled.proved.all()
+    assert disk_settling(st.Viscous).many(six, p, WITHIN).settled.proved.all()
 
 
 @pytest.mark.skipif(find_spec("numba") is None, reason="no numba")
@@ -178,7 +178,7 @@ def test_without_numba_the_same_launches_are_proved_with_the_same_bounds(
 ) -> None:
     _, six, p = launches(count, 4)
     p = np.array([0.25, 0.3]) if shared else p
-    both = [DiskSettling(st.Viscous).many(six, p, WITHIN, plain=v).settled for v in (False, True)]
+    both = [disk_settling(st.Viscous).many(six, p, WITHIN, plain=v).settled for v in (False, True)]
     assert both[0].proved.sum() > 0.08 * count
     for name in ("proved", "limit", "error", "rate", "reach"):
         assert np.array_equal(*(getattr(v, name) for v in both), equal_nan=True), name
@@ -194,9 +194,9 @@ def test_shared_bases_prove_what_own_bases_prove(
     six[:, 2] = 1 / np.sqrt(0.25 * np.sin(six[:, 0]))
     six += rng.normal(size=six.shape) * 1e-4
     p = np.array([0.25, 0.3])
-    shared = DiskSettling(st.Viscous).many(six, p, WITHIN).settled.proved
-    monkeypatch.setattr(kernel, "STEP", 2.0**-40)
-    own = DiskSettling(st.Viscous).many(six, p, WITHIN).settled.proved
+    shared = disk_settling(st.Viscous).many(six, p, WITHIN).settled.proved
+    monkeypatch.setattr(together, "STEP", 2.0**-40)
+    own = disk_settling(st.Viscous).many(six, p, WITHIN).settled.proved
     assert own.sum() > count / 4
     assert not (own & ~shared).any()
 
@@ -207,7 +207,7 @@ def test_a_proof_that_misses_in_a_shared_basis_is_tried_in_the_launchs_own() -> 
                     -2.59795893e-05, 2.42116199e-05])  # fmt: skip
     p = np.array([0.4, 0.3])
     exact = one(six, p)
-    found = DiskSettling(st.Viscous).many(six[None], p, 0.05).settled
+    found = disk_settling(st.Viscous).many(six[None], p, 0.05).settled
     assert exact is not None and found.proved[0]
     assert found.rate[0] == pytest.approx(exact.rate, rel=0.01)
     assert found.error[0] == pytest.approx(exact.error, rel=0.01)
@@ -216,16 +216,16 @@ def test_a_proof_that_misses_in_a_shared_basis_is_tried_in_the_launchs_own() -> 
 def test_nothing_is_proved_where_nothing_settles() -> None:
     _, six, p = launches(400, 6)
     for law in (st.Smooth, st.Coulomb):
-        assert not DiskSettling(law).many(six, p, WITHIN).settled.proved.any()
+        assert not disk_settling(law).many(six, p, WITHIN).settled.proved.any()
     rolling = np.tile([RIGHT + 1e-6, 0, 0, 3.0, 0, 0], (4, 1))
-    found = DiskSettling(st.Viscous).many(rolling, np.array([0.25, 1.0]), WITHIN)
+    found = disk_settling(st.Viscous).many(rolling, np.array([0.25, 1.0]), WITHIN)
     assert (found.family == found.names.index("rolling")).all()
     assert not found.settled.proved.any()
     strange = np.array([[math.nan] * 6, [math.inf] * 6, [0.0] * 6, [1e300] * 6, [-1.0] * 6])
     assert (
-        not DiskSettling(st.Viscous).many(strange, np.array([0.25, 1.0]), 1.0).settled.proved.any()
+        not disk_settling(st.Viscous).many(strange, np.array([0.25, 1.0]), 1.0).settled.proved.any()
     )
-    none = DiskSettling(st.Viscous).many(six[:0], p[:0], WITHIN)
+    none = disk_settling(st.Viscous).many(six[:0], p[:0], WITHIN)
     assert none.family.shape == none.settled.proved.shape == (0,)
 
 
@@ -233,7 +233,7 @@ def test_unstable_members_and_boundaries_prove_nothing() -> None:
     at = np.array([1.9, 2.0, 2.0 + 1e-12, 2.01])
     six = np.zeros((4, 6))
     six[:, 0], six[:, 2] = RIGHT, at
-    found = DiskSettling(st.Viscous).many(six, np.array([0.25, 0.3]), WITHIN)
+    found = disk_settling(st.Viscous).many(six, np.array([0.25, 0.3]), WITHIN)
     assert found.settled.proved.tolist() == [False, False, False, True]
 
 
@@ -243,8 +243,8 @@ def test_other_laws_agree_with_flint(law: Any, count: int) -> None:
     _, six, p = launches(count, 7, -4.0)
     if law is st.RegularisedCoulomb:
         p = np.column_stack([p, np.full(len(p), 0.05)])
-    found = DiskSettling(law).many(six, p, WITHIN)
-    theirs = np.array([nearest(s, law, q, WITHIN).settled for s, q in zip(six, p, strict=True)])
+    found = disk_settling(law).many(six, p, WITHIN)
+    theirs = np.array([nearest(s, law, q).settled for s, q in zip(six, p, strict=True)])
     assert theirs.any()
     assert not (found.settled.proved & ~theirs).any()
     assert (theirs & ~found.settled.proved).sum() <= 0.03 * theirs.sum()
@@ -265,7 +265,7 @@ def test_a_system_of_ones_own_agrees_with_the_single_test(pull: Any) -> None:
     families = [
         st.Family(system, n, at=("c",), held=v) for n, v in zip(("rest", "top"), held, strict=True)
     ]
-    settling = SystemSettling(tuple(families[: 2 if pull is ca.sin else 1]))
+    settling = system_settling(tuple(families[: 2 if pull is ca.sin else 1]))
     rng = np.random.default_rng(8)
     states = rng.normal(size=(60, 2)) * 10 ** rng.uniform(-6, 0.3, (60, 1))
     p = rng.uniform(0.2, 1.5, (60, 1))
@@ -309,7 +309,7 @@ def test_the_chart_at_a_pole_is_enclosed_and_not_rounded() -> None:
     rng = np.random.default_rng(15)
     six = rng.normal(size=(300, 6))
     six[:, 0] = math.pi - 1e-3 * rng.random(300)
-    y, e, _ = line.place(six, p, plain=True)
+    y, e = line.enclosed(six, np.tile(p, (300, 1)), plain=True)
     m, r = np.hstack([y.mid, e.mid]), np.hstack([y.rad, e.rad])
     ctx.prec = 200
     try:
@@ -331,7 +331,7 @@ def test_a_basin_is_never_claimed_beyond_its_known_border() -> None:
     rng = np.random.default_rng(9)
     gap, share = 10.0 ** rng.uniform(-6, -2, (5000, 1)), rng.uniform(-2, 2, (5000, 1))
     rest = st.Family(system, "rest", at=("h",), held={"x": 0.0})
-    found = SystemSettling((rest,)).many(gap * share, gap, 0.1)
+    found = system_settling((rest,)).many(gap * share, gap, 0.1)
     assert (share[found.settled.proved] < 1).all()
     assert found.settled.proved[np.abs(share[:, 0]) < 0.2].all()  # well within
 
@@ -359,7 +359,7 @@ def test_a_member_that_is_not_known_exactly_exists_within_the_error(
     push = pull**2 / 4 * 10 ** rng.uniform(-3, 0.3, count)
     off = rng.uniform(-1, 1.5, count) * pull
     none = np.zeros((count, 0))
-    found = settled_many(
+    found = settled(
         around, Balls(none, none), np.column_stack([pull, push]),
         Balls(off[:, None], 0 * off[:, None]),
     )  # fmt: skip
@@ -379,21 +379,21 @@ def test_members_that_are_solved_for_attract_and_those_along_a_state_do_not() ->
     unknown = {"x": 1.0, "y": 1.0}
     rest = st.Family(cube, "rest", at=("p",), unknown=unknown, equations=("x", "y"))
     p = np.linspace(0.5, 4, 50)[:, None]
-    found = SystemSettling((rest,)).many(np.cbrt(p) + [1e-3, -1e-3], p, 1e-2)
+    found = system_settling((rest,)).many(np.cbrt(p) + [1e-3, -1e-3], p, 1e-2)
     assert found.settled.proved.all()
     assert (found.settled.error < 1e-12).all()
     assert found.distance == pytest.approx(math.sqrt(2) * 1e-3, rel=1e-9)
     slide = bare(lambda x, _: (0 * x[0], x[0] ** 2 + 1 - x[1]), "x", "y")
     floor = st.Family(slide, "floor", at=("x",), unknown={"y": 1.0}, equations=("y",))
     states = np.array([[0.5, 1.25 + 1e-6]])
-    found = SystemSettling((floor,)).many(states, np.zeros(0), 1e-2)
+    found = system_settling((floor,)).many(states, np.zeros(0), 1e-2)
     assert not found.settled.proved.any()
     assert found.distance == pytest.approx(1e-6, rel=1e-3)
 
 
 def test_a_line_of_members_of_a_system_has_its_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     system = bare(lambda x, p: (x[1], -p[0] * x[1]), "x", "v", parameters=("c",))
-    settling = SystemSettling((st.Family(system, "stopped", at=("x",), held={"v": 0.0}),))
+    settling = system_settling((st.Family(system, "stopped", at=("x",), held={"v": 0.0}),))
     states = np.array([[1.0, 0.01], [-2.0, -0.02]])
     p = np.array([[0.5], [2.0]])
     found = settling.many(states, p, 0.1)
@@ -401,10 +401,10 @@ def test_a_line_of_members_of_a_system_has_its_limit(monkeypatch: pytest.MonkeyP
     stop = states[:, 0] + states[:, 1] / p[:, 0]  # solved by hand
     assert (np.abs(found.settled.limit[:, 0] - stop) <= found.settled.error).all()
     assert (found.settled.error < 1e-12).all()
-    monkeypatch.setattr(kernel, "MOST", 0)  # too many states: one by one in balls
-    kernel.tapes.cache_clear()
+    monkeypatch.setattr(together, "MOST", 0)  # too many states: one by one in balls
+    together.tapes.cache_clear()
     again = settling.many(states, p, 0.1)
-    kernel.tapes.cache_clear()
+    together.tapes.cache_clear()
     assert again.settled.proved.all()
     assert again.settled.limit == pytest.approx(found.settled.limit, abs=1e-12)
     assert not np.array_equal(again.settled.error, found.settled.error)
@@ -414,12 +414,12 @@ def test_a_bound_left_out_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     import inspect
 
     # the rate without the coupling of the states
-    source = inspect.getsource(box_kernel).replace("from ...algebra", "from stability.algebra")
+    source = inspect.getsource(kernel).replace("from ...algebra", "from stability.algebra")
     right = "s = s + 0.5 * (both + loose[i] + loose[k])"
     assert right in source
     broken: dict[str, Any] = {}
     exec(source.replace(right, "s = s - 9.0 * both"), broken)
-    monkeypatch.setattr(kernel, "compiled", lambda *_, **__: SimpleNamespace(**broken))
+    monkeypatch.setattr(together, "compiled", lambda *_, **__: SimpleNamespace(**broken))
     with pytest.raises(AssertionError):
         every_proof_is_true(200, 1)
 
@@ -428,15 +428,15 @@ def test_a_bad_basis_proves_nothing_wrong(monkeypatch: pytest.MonkeyPatch) -> No
     # any basis is sound: the inverse is enclosed, however poor
     _, six, p = launches(300, 9)
     rng = np.random.default_rng(10)
-    true = kernel._modal
+    true = together._modal
 
     def bent(a: Any) -> Any:
         stable, z, x, rate = true(a)
         return stable, z, x * (1 + 1e-4 * rng.normal(size=x.shape)), rate
 
-    good = DiskSettling(st.Viscous).many(six, p, WITHIN)
-    monkeypatch.setattr(kernel, "_modal", bent)
-    found = DiskSettling(st.Viscous).many(six, p, WITHIN)
+    good = disk_settling(st.Viscous).many(six, p, WITHIN)
+    monkeypatch.setattr(together, "_modal", bent)
+    found = disk_settling(st.Viscous).many(six, p, WITHIN)
     assert 20 < found.settled.proved.sum() <= good.settled.proved.sum()
     both = found.settled.proved & good.settled.proved
     apart = np.abs(found.settled.limit - good.settled.limit)[both, 0]
@@ -445,15 +445,14 @@ def test_a_bad_basis_proves_nothing_wrong(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def test_balls_that_are_wide_are_kept_in_the_bound() -> None:
-    around = disk_settling.surroundings(st.Viscous, "spinning")
+    around = disk_settling(st.Viscous).lines[1].around
+    assert isinstance(around, Surroundings)
     y, e = np.full((3, 1), 2.5), np.full((3, 5), 1e-6)
     given = np.tile([1.0, 0.25, 0.3], (3, 1))
     wide = np.array([[0.0], [1e-5], [1e-3]])
-    found = settled_many(around, Balls(y, wide), given, Balls(e, 0.1 * wide + 0 * e))
+    found = settled(around, Balls(y, wide), given, Balls(e, 0.1 * wide + 0 * e))
     assert found.proved[:2].all()
     assert found.error[1] > 1e-5 > found.error[0]
-    exact = settled(
-        st.Viscous, "spinning", given[0, 1:], 1.0, arb(2.5, 1e-5), [arb(1e-6, 1e-6)] * 5
-    )
+    exact = attraction(around, given[0].tolist(), [arb(2.5, 1e-5)], [arb(1e-6, 1e-6)] * 5)
     assert exact is not None
     assert found.error[1] == pytest.approx(exact.error, rel=0.05)

@@ -1,18 +1,25 @@
 """What is called settled stays so; slow passages and drifts are not called settled."""
 
 import math
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from disk_members import deviation
 from hypothesis import given, settings
 from hypothesis import strategies as some
 
 import stability as st
+from stability.bodies.contact_laws import MOTION_LAWS
 from stability.bodies.families import lines_under
 from stability.bodies.thin_disk.disk_equations import STATES
 from stability.motion.result import BY_CODE, Outcome
-from stability.settling.disk_settling import _balls, deviation, nearest, settled
+from stability.settling.disk_lines import disk_settling
+from stability.settling.settling import Settling
+from stability.settling.surroundings import Surroundings
+
+SETTLING = disk_settling(st.Viscous)
 
 
 def outcome(run: Any) -> Outcome:
@@ -62,11 +69,11 @@ def test_near_a_stable_motion_but_beyond_what_is_proved_is_not_settled() -> None
     six = np.array([math.pi / 2 + 0.03, 0, 2.5, 0, 0, 0.03])
     p = np.array([0.25, 0.3])
     assert st.spectrum("spinning", at=2.5, contact=st.Viscous(0.3)).verdict is st.Verdict.STABLE
-    far = nearest(six, st.Viscous, p, 0.1)
+    far = SETTLING.nearest(six, p, 0.1)
     assert far.distance < 0.1
     assert not far.settled
     assert "not proved" in far.evidence
-    close = nearest(six * [1, 0, 1, 0, 0, 0.01] - [0.0299, 0, 0, 0, 0, 0], st.Viscous, p, 0.1)
+    close = SETTLING.nearest(six * [1, 0, 1, 0, 0, 0.01] - [0.0299, 0, 0, 0, 0, 0], p, 0.1)
     assert close.settled
 
 
@@ -95,7 +102,7 @@ def test_members_are_at_no_distance_from_their_family(family: str, at: float, k:
     where, e = deviation(six, k, family)
     assert float(where) == pytest.approx(at, rel=1e-15)
     assert np.abs(e).max() < 1e-15
-    found = nearest(six, st.Viscous, np.array([k, 0.3]), 1e-3)
+    found = SETTLING.nearest(six, np.array([k, 0.3]), 1e-3)
     assert found.distance < 1e-15
 
 
@@ -115,7 +122,7 @@ def test_what_counts_as_settled_is_stable_by_the_spectrum_and_does_fall(
     direction = np.random.default_rng(seed).normal(size=6)
     six = member + 3e-4 * direction / np.linalg.norm(direction)
     p = np.array([k, mu])
-    found = nearest(six, st.Viscous, p, 1e-3)
+    found = SETTLING.nearest(six, p, 1e-3)
     verdict = st.spectrum(found.family, at=found.at, disk=disk, contact=contact, certify=True)
     if verdict.verdict is not st.Verdict.STABLE:
         assert not found.settled
@@ -148,9 +155,15 @@ def near(family: str, member: Any, k: float, direction: Any, size: float) -> Any
     return six + size * np.array(direction) / np.linalg.norm(direction)
 
 
-def proof(six: Any, law: str, family: str, p: Any) -> Any:
-    sign = math.copysign(1.0, six[2])
-    return settled(law, family, p, sign, *_balls(np.asarray(six), float(p[0]), family, sign))
+def proof(six: Any, family: str, p: Any) -> Any:
+    """What is proved of the motion from a state about one family; None where nothing is."""
+    line = next(v for v in SETTLING.lines if v.name == family)
+    state = np.array([six], dtype=float)
+    found = Settling((line,)).many(state, p, math.inf, alone=True).settled
+    if not found.proved[0]:
+        return None
+    parts = found.limit[0], float(found.error[0]), float(found.rate[0]), float(found.reach[0])
+    return SimpleNamespace(**dict(zip(("limit", "error", "rate", "reach"), parts, strict=True)))
 
 
 @pytest.mark.parametrize(("family", "member", "k", "mu", "direction", "size"), STARTS)
@@ -158,7 +171,7 @@ def test_the_motion_converges_to_the_proved_member_at_the_proved_rate(
     family: str, member: Any, k: float, mu: float, direction: Any, size: float
 ) -> None:
     six = near(family, member, k, direction, size)
-    found = proof(six, "viscous", family, np.array([k, mu]))
+    found = proof(six, family, np.array([k, mu]))
     assert found is not None
     span = min(14 / found.rate, 600.0)
     times = np.linspace(0, span, 60)
@@ -176,7 +189,7 @@ def test_the_members_parameter_moves_by_the_first_order_of_the_deviation() -> No
     # the linearisation fixed, left out a term of the order of those that it bounded
     for size in (1e-4, 1e-6, 1e-8):
         six = near("tumbling", [0.7, 0, 0, 0, 0, 0], 0.25, [0, 0, 1, 0, 0, 0], size)
-        found = proof(six, "viscous", "tumbling", np.array([0.25, 0.3]))
+        found = proof(six, "tumbling", np.array([0.25, 0.3]))
         assert 0.1 * size < abs(found.limit[0] - 0.7) < 10 * size
         assert found.error < 0.01 * abs(found.limit[0] - 0.7) + 1e-15 or size == 1e-4
 
@@ -187,8 +200,10 @@ def test_the_slopes_in_balls_enclose_differences_of_the_plain_rates(law: str, fa
     from flint import arb
 
     from stability.algebra.number_types import balls
-    from stability.settling.disk_settling import surroundings
 
+    lines = disk_settling(MOTION_LAWS[law]).lines
+    around = next(line.around for line in lines if line.name == family)
+    assert isinstance(around, Surroundings)
     rng = np.random.default_rng(11)
     p = [0.3, 0.7, 0.02][: 3 if law == "coulomb-regularised" else 2]
     system = st.disk_system(law)
@@ -210,7 +225,7 @@ def test_the_slopes_in_balls_enclose_differences_of_the_plain_rates(law: str, fa
     for _ in range(5):
         y, e = rng.uniform(0.5, 1.2), rng.uniform(-1e-3, 1e-3, 5)
         arguments = [[arb(y)], [arb(v) for v in (1, *p)], [arb(float(v)) for v in e]]
-        rows = surroundings(law, family).slopes.dense(balls(), arguments)
+        rows = around.slopes.dense(balls(), arguments)
         dense = np.array([[float(v.mid()) for v in row] for row in rows])
         for j in range(5):
             h = 1e-6 * np.eye(5)[j]
@@ -221,13 +236,13 @@ def test_the_slopes_in_balls_enclose_differences_of_the_plain_rates(law: str, fa
 def test_nothing_is_proved_near_unstable_members_or_on_a_boundary() -> None:
     for at in (1.9, 2.0, 2.0 + 1e-12):
         six = [math.pi / 2, 0, at, 0, 0, 0]
-        assert proof(six, "viscous", "spinning", np.array([0.25, 0.3])) is None
-    assert proof([math.pi / 2, 0, 2.01, 0, 0, 0], "viscous", "spinning", np.array([0.25, 0.3]))
+        assert proof(six, "spinning", np.array([0.25, 0.3])) is None
+    assert proof([math.pi / 2, 0, 2.01, 0, 0, 0], "spinning", np.array([0.25, 0.3]))
 
 
 def test_no_state_has_its_nearest_motion_fail() -> None:
     for theta in (0.0, math.pi, 3.2, -0.1):
-        found = nearest(np.array([theta, 0, 1.0, 0, 0, 0]), st.Viscous, np.array([0.25, 1]), 1e-3)
+        found = SETTLING.nearest(np.array([theta, 0, 1.0, 0, 0, 0]), np.array([0.25, 1]), 1e-3)
         assert math.isfinite(found.distance)
         assert found.family != "tumbling"
 

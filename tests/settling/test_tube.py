@@ -6,15 +6,16 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
+from disk_members import deviation
 from flint import arb
 from kane_disk import fixed_axes
 from scipy.integrate import solve_ivp
 
 import stability as st
-from stability.settling.attraction import attraction
-from stability.settling.disk_settling import DiskSettling, deviation, nearest, surroundings
-from stability.settling.round_body.families import body_settling
-from stability.settling.system_settling import SystemSettling
+from stability.settling.body_lines import body_settling
+from stability.settling.box.alone import attraction
+from stability.settling.disk_lines import disk_settling
+from stability.settling.system_lines import system_settling
 from stability.settling.tube.derivatives import derivatives
 from stability.settling.tube.normal_form import normal_form
 from stability.settling.tube.radius import STEP, tubes
@@ -25,7 +26,8 @@ MEMBERS = {"tumbling": [0.25, 0.43, 0.7, 1.0, 1.3], "spinning": [2.05, 2.5, 4.0]
 
 def members(family: str) -> tuple[Any, Any, Any]:
     y = np.round(np.array(MEMBERS[family]) / STEP) * STEP
-    return surroundings(st.Viscous, family), y, np.tile(GIVEN, (len(y), 1))
+    line = next(v for v in disk_settling(st.Viscous).lines if v.name == family)
+    return line.around, y, np.tile(GIVEN, (len(y), 1))
 
 
 def launches(count: int, seed: int) -> tuple[Any, Any]:
@@ -55,7 +57,7 @@ def final(six: Any, p: Any, span: float) -> Any:
 def misses(count: int, most: int, seed: int, share: float = 0.0) -> tuple[Any, Any]:
     """Distances of ends from stated limits, over what is allowed, and of the starts' members."""
     six, p = launches(count, seed)
-    found = DiskSettling(st.Viscous).many(six, p, 0.05)
+    found = disk_settling(st.Viscous).many(six, p, 0.05)
     told = found.settled
     some = np.flatnonzero(told.proved & (told.rate > 0.01) & (found.distance > share))[:most]
     some = some[np.argsort(told.rate[some])]
@@ -101,7 +103,8 @@ def broken(family: str, turned: float = 1.0) -> int:
         w = rng.uniform(-0.75 * STEP, 0.75 * STEP, 3000)
         e = zs @ np.linalg.inv(z).T
         whole = around.field.function.map(3000)(
-            (y[i] + w + e @ ell)[None], np.tile(GIVEN, (3000, 1)).T, e.T)  # fmt: skip
+            (y[i] + w + e @ ell)[None], np.tile(GIVEN, (3000, 1)).T, e.T,
+            np.tile(around.field.constants, (3000, 1)).T)  # fmt: skip
         rates = np.array(whole)
         dz, dw = (z @ rates[:5]).T, rates[5] - ell @ rates[:5]
         u = zs + np.einsum("abc,kb,kc->ka", p, zs, zs) + w[:, None] * (zs @ n.T)
@@ -134,7 +137,9 @@ def left(around: Any, y: float, form: list[Any], direction: Any, size: float) ->
     m, turn = z @ a[1] @ back, z @ ((a[2] - a[0]) / 2e-5) @ back
     zs, w = size * direction, 0.3 * size
     e = back @ zs
-    rates = np.array(around.field.function(y + w + ell @ e, GIVEN, e)).ravel()
+    rates = np.array(
+        around.field.function(y + w + ell @ e, GIVEN, e, around.field.constants)
+    ).ravel()
     dz, dw = z @ rates[:5], rates[5] - ell @ rates[:5]
     u = zs + p @ zs @ zs + w * n @ zs
     du = dz + p @ zs @ dz + p @ dz @ zs + dw * n @ zs + w * n @ dz
@@ -182,10 +187,10 @@ def test_tubes_reach_many_times_farther_than_boxes() -> None:
 
 def test_one_state_and_many_are_told_the_same() -> None:
     six, p = launches(60, 5)
-    found = DiskSettling(st.Viscous).many(six, p, 0.05)
+    found = disk_settling(st.Viscous).many(six, p, 0.05)
     proved = 0
     for i in range(0, 60, 2):
-        near = nearest(six[i], st.Viscous, p[i], 0.05)
+        near = disk_settling(st.Viscous).nearest(six[i], p[i], 0.05)
         assert near.settled == bool(found.settled.proved[i])
         proved += near.settled
     assert 6 < proved < 27
@@ -193,9 +198,9 @@ def test_one_state_and_many_are_told_the_same() -> None:
 
 def test_a_launch_is_told_the_same_in_any_company() -> None:
     six, p = launches(300, 6)
-    whole = DiskSettling(st.Viscous).many(six, p, 0.05).settled
+    whole = disk_settling(st.Viscous).many(six, p, 0.05).settled
     rows = np.random.default_rng(1).permutation(300)[:90]
-    some = DiskSettling(st.Viscous).many(six[rows], p[rows], 0.05).settled
+    some = disk_settling(st.Viscous).many(six[rows], p[rows], 0.05).settled
     for name in ("proved", "limit", "error", "rate", "reach", "nearer"):
         np.testing.assert_array_equal(getattr(some, name), getattr(whole, name)[rows])
 
@@ -206,7 +211,7 @@ def test_the_true_limit_is_in_the_error_where_it_is_known() -> None:
     rates = ca.vertcat(-x[0] + b * x[0] ** 2, x[0] ** 2)
     system = st.System("line", x, b, rates, states=("e", "y"), parameters=("b",))
     family = st.Family(system, "rest", at=("y",), held={"e": 0.0})
-    settling = SystemSettling((family,))
+    settling = system_settling((family,))
     start = np.array([[e, y] for e in (0.004, -0.01, 0.03) for y in (0.3, -1.2, 7.0)])
     found = settling.many(start, np.tile([0.5], (len(start), 1)), 0.1).settled
     assert found.proved.all()
@@ -224,7 +229,7 @@ def test_nothing_is_claimed_beyond_a_known_border() -> None:
     family = st.Family(system, "rest", at=("y",), held={"e": 0.0})
     e = np.geomspace(0.01, 3, 60)
     start = np.column_stack([e, np.full(60, 0.25)])
-    told = SystemSettling((family,)).many(start, np.zeros((60, 0)), 5.0).settled.proved
+    told = system_settling((family,)).many(start, np.zeros((60, 0)), 5.0).settled.proved
     assert told[e < 0.1].all() and not told[e >= 1].any()
 
 
@@ -239,7 +244,7 @@ def test_members_that_are_unstable_or_about_to_lift_off_have_no_tube() -> None:
                        conditions=(guard,))  # fmt: skip
     family = st.Family(system, "rest", at=("y",), held={"e": 0.0})
     start = np.array([[e, 0.5] for e in (0.001, 0.019, 0.021, 0.05)])
-    told = SystemSettling((family,)).many(start, np.zeros((4, 0)), 1.0).settled.proved
+    told = system_settling((family,)).many(start, np.zeros((4, 0)), 1.0).settled.proved
     assert told[0] and not told[2:].any()
 
 
@@ -285,7 +290,7 @@ def test_a_kink_has_no_tube(name: str) -> None:
     family = st.Family(system, "rest", at=("y",), held={"e": 0.0})
     e = np.array([0.005, 0.012, 0.03, 0.05, 0.1])
     start = np.column_stack([e, np.zeros(5)])
-    told = SystemSettling((family,)).many(start, np.zeros((5, 0)), 1.0).settled
+    told = system_settling((family,)).many(start, np.zeros((5, 0)), 1.0).settled
     for i in np.flatnonzero(told.proved):
         run = solve_ivp(lambda _, v: np.array(system_rates(system, v)), (0, 60), start[i],
                         rtol=1e-11, atol=1e-13)  # fmt: skip
@@ -304,7 +309,7 @@ def test_a_tube_is_the_same_in_any_company() -> None:
     y = np.round(rng.uniform(0.2, 1.5, 300) / STEP) * STEP
     given = np.column_stack([np.ones(300), rng.uniform(0.05, 0.5, 300),
                              10 ** rng.uniform(-1.3, 1.0, 300)])  # fmt: skip
-    around = surroundings(st.Viscous, "tumbling")
+    around, _, _ = members("tumbling")
     whole = tubes(around, y, given)
     alone = [tubes(around, y[i : i + 1], given[i : i + 1]) for i in range(300)]
     for name in ("reach", "rate", "half"):

@@ -19,8 +19,6 @@ import numpy as np
 from ...algebra.eigensolver import eigenpairs
 from ...algebra.program import Program
 from ...base.types import Floats
-from ...settling.round_body.fixed_axes import FixedSettling
-from ...settling.system_settling import SystemSettling
 from ...systems.system import System
 from .track import Problem, Refused, Track, relative
 
@@ -275,10 +273,10 @@ def near_steady(
     near = problem.near
     if near.member is None:
         why = "no steady motion is known near the start"
-        settling = problem.launches.settling
-        if isinstance(settling, SystemSettling):
-            why += f": {near.evidence}" if settling.families else "; name some with families="
-        elif isinstance(settling, FixedSettling) and near.family:
+        if problem.launches.law is None:
+            named = problem.launches.settling.lines
+            why += f": {near.evidence}" if named else "; name some with families="
+        elif near.family:
             why = f"near {near.family} the heading turns without end, and no closed form follows it"
         return dict.fromkeys(every, Refused(why))
     size = float(relative(problem.start - near.member, near.member))

@@ -11,10 +11,10 @@ import numpy as np
 
 from ...base.quantities import Kind
 from ...base.types import Floats
+from ...bodies.thin_disk.disk_equations import disk_system
 from ...integrators.flow import Flow, flow_of
 from ...motion.starts import Starts
-from ...settling.disk_settling import DiskSettling
-from ...settling.nearest import SETTLE, Nearest
+from ...settling.settling import SETTLE, Nearest
 
 SPACING = 0.25
 """Distance of the samples of a whole path, in units of the motion's own time."""
@@ -74,10 +74,12 @@ class Problem:
         names = self.flow.system.parameters
         return float(self.p[names.index(name)]) if name else 0.0
 
-    @property
+    @cached_property
     def thin(self) -> bool:
         """Whether the disk moves, and not another body or a system."""
-        return isinstance(self.launches.settling, DiskSettling)
+        law = self.launches.law
+        systems = [line.system for line in self.launches.settling.lines[:1]]
+        return law is not None and systems == [disk_system(law)]
 
     @cached_property
     def near(self) -> Nearest:

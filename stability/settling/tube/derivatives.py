@@ -21,7 +21,7 @@ from ...algebra.kernels.tape import Tape, recorded
 from ...algebra.number_types import Algebra
 from ...algebra.program import Program
 from ...base.types import Floats
-from ..attraction import Surroundings
+from ..surroundings import Surroundings
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from itertools import accumulate, pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...base.types import Floats
-from ..attraction import Surroundings
+from ..surroundings import Surroundings
 from .derivatives import derivatives
 from .normal_form import LOOSE, WIDE, norm, slow_rows
-from .radius import OFF, STEP, Tubes, tubes
+from .radius import INNER, OFF, STEP, Tubes, tubes
 
 MOST = 40_000
 """Tubes that are kept for one family."""
@@ -144,7 +145,9 @@ class _Kept:
     def rows(self, node: Floats, given: Floats) -> _Row:
         """The tubes about `node` steps, launch by launch."""
         asked = np.column_stack([node, given]) + 0.0  # -0 has other bytes than 0
-        unique, mine = np.unique(asked, axis=0, return_inverse=True)
+        unique, mine = asked, np.zeros(1, int)
+        if len(asked) != 1:  # one launch needs no sorting
+            unique, mine = np.unique(asked, axis=0, return_inverse=True)
         keys, known = [row.tobytes() for row in unique], self.known
         new = unique[[key not in known for key in keys]]
         if len(new):
@@ -180,9 +183,9 @@ def _flat(found: Tubes) -> Floats:
 
 
 def _row(table: Floats, m: int) -> _Row:
-    ends = np.cumsum([m, m * m, m * m, m, *[1] * 7])
-    ell, z, q, c, *sizes, last = np.split(table, ends, axis=1)
-    shape, (inner, drift) = (-1, m, m), np.split(last, 2, axis=1)
+    ends = accumulate([0, m, m * m, m * m, m, *[1] * 7, 1 + len(INNER), 1 + len(INNER)])
+    ell, z, q, c, *sizes, inner, drift = (table[:, a:b] for a, b in pairwise(ends))
+    shape = (-1, m, m)
     flat = (v[:, 0] for v in sizes)
     parts: list[Floats] = [ell, z.reshape(shape), q.reshape(shape), c, *flat, inner, drift]
     return _Row(*parts)

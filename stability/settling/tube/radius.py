@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.types import Floats
-from ..attraction import Surroundings
+from ..surroundings import Surroundings
 from .derivatives import Derivatives, derivatives
 from .normal_form import ROOM, WIDE, Bounds, Form, normal_form
 

@@ -26,14 +26,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
-from ..algebra.eigensolver import eigenpairs, eigenvalues_alone
-from ..algebra.number_types import balls
-from ..algebra.program import Program
-from ..algebra.upright import Upright
-from ..base.types import Floats
+from ...algebra.eigensolver import eigenpairs, eigenvalues_alone
+from ...algebra.number_types import balls
+from ...base.types import Floats
+from ..surroundings import Surroundings
 
 BITS = 64
 """Precision of the balls: their width comes from the box, not from rounding."""
@@ -57,77 +55,6 @@ class Attraction:
     """Least rate at which the deviation falls, in the norm of the basis."""
     reach: float
     """Half the diagonal of the box across the family."""
-
-
-class Tilted(Upright):
-    """The exact angle π/2 + e."""
-
-    def __init__(self, e: Any) -> None:
-        self.e = e
-
-    def sin(self) -> Any:
-        """Cos e."""
-        return ca.cos(self.e)
-
-    def cos(self) -> Any:
-        """−sin e."""
-        return -ca.sin(self.e)
-
-
-@dataclass(frozen=True, eq=False)
-class Field:
-    """The graph of (y, given, e, constants) → G, then g."""
-
-    function: ca.Function
-    """The graph; without constants it takes three arguments."""
-    constants: tuple[float, ...] | None = None
-    """Values of the last argument, which the graph keeps as symbols; None where there is none."""
-
-    @property
-    def symbols(self) -> list[ca.SX]:
-        """Fresh symbols of the constants, in a list; empty where there are none."""
-        count = self.function.n_in() - 3
-        return [ca.SX.sym("constant", self.function.numel_in(3))] if count else []
-
-
-MOST_ACROSS = 16
-"""Most states across a family for which the roundings of a tube are bounded."""
-KINKED = (ca.OP_FABS, ca.OP_SIGN)
-"""Operations whose graphs have a kink that no derivative shows: |x|' = sign x, and sign' = 0."""
-
-
-def smooth_field(function: ca.Function, constants: tuple[float, ...] | None = None) -> Field | None:
-    """The field of a family, or None where a Taylor series does not say how far it is true.
-
-    Parameters
-    ----------
-    function
-        As in `Field`; an SX function.
-    constants
-        As in `Field`.
-    """
-    codes = {function.instruction_id(i) for i in range(function.n_instructions())}
-    if codes.intersection(KINKED) or function.numel_in(2) > MOST_ACROSS:
-        return None
-    return Field(function, constants)
-
-
-@dataclass(frozen=True, eq=False)
-class Surroundings:
-    """Surroundings of a family: programs of (y, given, e)."""
-
-    along: int
-    """Number of entries of y."""
-    across: int
-    """Number of entries of e."""
-    slopes: Program
-    """∂G/∂e, then ∂g/∂e, shape (across + along, across)."""
-    positive: Program
-    """The guards."""
-    remainder: Program | None = None
-    """G at e = 0 for a family without y; None for a family with y, where G is zero by structure."""
-    field: Field | None = None
-    """The field itself, for a family that one number names; None where no tube is sought."""
 
 
 def attraction(

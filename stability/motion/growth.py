@@ -59,7 +59,7 @@ def growth(flow: Flow, p: Floats, times: Floats, states: Floats, enough: float =
         The size of an error is the largest over the states, each over 1 or the state's own size.  A
         state that is zero all along has no error: a symmetry keeps it there.
 
-    Source: tests/settling/test_growth.py compares it with closed forms.
+    Source: tests/motion/test_growth.py compares it with closed forms.
 
     Examples
     --------

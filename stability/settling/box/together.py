@@ -1,9 +1,9 @@
-"""Settling of many states at once: the proof of `stability.settling.attraction` by a kernel.
+"""Settling of many states at once: the proof of `stability.settling.box.alone` by a kernel.
 
 The same box and the same inequality, in balls of doubles.  The basis is the real modal basis of a
 member nearby, by LAPACK; launches with the same parameters share the bases of members on a grid.
 One whose proof just misses tries the two bases of the single test, each its own.
-Any basis is sound: its inverse is enclosed (`stability.settling.together.box_kernel`).  Where Numba
+Any basis is sound: its inverse is enclosed (`stability.settling.box.kernel`).  Where Numba
 is missing NumPy runs the same functions, with the same results to the last bit of each bound.
 """
 
@@ -24,11 +24,11 @@ from ...algebra.kernels.tape import LANES, Tape, recorded
 from ...algebra.number_types import Algebra
 from ...base.errors import StabilityError
 from ...base.types import Floats
-from ..attraction import ROOM, TURNS, WIDEN, Surroundings
-from ..tube.nodes import in_tube
-from . import box_kernel
+from ..surroundings import Surroundings
+from . import kernel
+from .alone import ROOM, TURNS, WIDEN
 
-KERNELS: tuple[ModuleType, ...] = (double_balls, box_kernel)
+KERNELS: tuple[ModuleType, ...] = (double_balls, kernel)
 MOST = 60
 """Most states across a family for which the roundings are bounded."""
 STEP = 2.0**-12
@@ -40,8 +40,6 @@ JUST = 4.0
 NEARER, MARGIN, LEAST = 0.6, 0.8, 0.05
 """Part of the distance where the next proof may succeed: without an estimate, over the estimate,
 and at least."""
-INSIDE = 0.98
-"""Part of a tube's radius over the distance at which the next try is made."""
 SPARE = 2.0**-46
 """Half-width of the first box along the family, over the size of its centre: above rounding."""
 
@@ -134,81 +132,40 @@ def tapes(around: Surroundings) -> Tapes:
     )
 
 
-def settled_many(
-    around: Surroundings, y: Balls, given: Floats, e: Balls, *, plain: bool = False
-) -> Settled:
-    """Which launches are proved to converge to one steady motion.
+def boxes(  # noqa: PLR0913
+    around: Surroundings, y: Balls, given: Floats, e: Balls, found: Settled,
+    left: NDArray[np.bool_], *, plain: bool = False,
+) -> None:  # fmt: skip
+    """Write down which launches are proved to converge by a box about each.
 
     Parameters
     ----------
-    around
-        The family's surroundings.
-    y, e
-        Parameters of the nearest members and deviations, as balls that contain the true values,
-        shapes (launches, n) and (launches, m).
-    given
-        Second argument of its programs, shape (launches, ·).
-    plain
-        Whether NumPy does the work although Numba is installed.
-
-    Returns
-    -------
-    Settled
+    around, y, given, e, plain
+        As for `stability.settling.proof.settled`.
+    found
+        Where proofs are written.
+    left
+        Launches that are tried, shape (launches,).
 
     Raises
     ------
     StabilityError
         If the family's graph has a function without a kernel, such as exp.
-
-    Examples
-    --------
-    >>> import stability as st
-    >>> from stability.settling.disk_settling import surroundings
-    >>> y, e = np.array([[2.5], [1.9]]), np.full((2, 5), 1e-5)
-    >>> given = np.array([[1, 0.25, 0.3]] * 2)
-    >>> around = surroundings(st.Viscous, "spinning")
-    >>> settled_many(around, Balls(y, 0 * y), given, Balls(e, 0 * e)).proved
-    array([ True, False])
     """
-    made, count, n = tapes(around), len(given), around.along
-    found = nothing(count, n)
-    left = np.ones(count, bool) if around.field is None else ~_by_tubes(around, y, given, e, found)
-    if not left.any():
-        return found
-    test = _Test(around, made, y, given, e, found, plain, np.zeros(count, bool))
+    test = _Test(around, tapes(around), y, given, e, found, plain, np.zeros(len(given), bool))
     with np.errstate(all="ignore"):  # nan is never proved
         some, centre, slow, a = test.centres(left)
-        if n == 1:  # launches with the same parameters share bases
+        if around.along == 1:  # launches with the same parameters share bases
             test.proofs(some, centre, slow, test.shared_bases(some, centre, a))
             some, centre, slow, a = test.missed(some, centre, slow, a)
         test.proofs(some, centre, slow, _modal(a))
         some, centre, slow, a = test.missed(some, centre, slow, a)
         test.proofs(some, centre, slow, _lyapunov(a))
-    return found
-
-
-def _by_tubes(
-    around: Surroundings, y: Balls, given: Floats, e: Balls, found: Settled
-) -> NDArray[np.bool_]:
-    """Which launches are near a member with a tube; those in it are proved."""
-    near = np.asarray(np.isfinite(np.hstack([y.mid, given, e.mid])).all(1), dtype=bool)
-    if not near.any():
-        return near
-    balls = (y.mid[near, 0], y.rad[near, 0]), (e.mid[near], e.rad[near])
-    told = in_tube(around, balls[0], given[near], balls[1])
-    some = np.flatnonzero(near)
-    fine = some[told.proved]
-    found.proved[fine], found.limit[fine, 0] = True, told.limit[told.proved]
-    for name, values in (("error", told.error), ("rate", told.rate), ("reach", told.half)):
-        getattr(found, name)[fine] = values[told.proved]
-    found.nearer[some] = np.where(told.known, np.clip(INSIDE * told.share, LEAST, INSIDE), NEARER)
-    near[some] = told.known
-    return near
 
 
 @dataclass(frozen=True, eq=False)
 class _Test:
-    """One call of `settled_many`; `some` are numbers of launches that may still be proved."""
+    """One call of `boxes`; `some` are numbers of launches that may still be proved."""
 
     around: Surroundings
     made: Tapes
@@ -269,20 +226,20 @@ class _Test:
         stable, *rest = bases
         whole = [v[stable] for v in (some, centre, slow, *rest)]
         for low in range(0, len(whole[0]), LANES):
-            self.boxes(*(v[low : low + LANES] for v in whole))
+            self.widened(*(v[low : low + LANES] for v in whole))
 
-    def boxes(
+    def widened(
         self, some: Any, centre: Floats, slow: Floats, z: Floats, x: Floats, rate: Floats
     ) -> None:
         """Widen the boxes of launches until each is proved or given up."""
-        kernel, made, m = compiled(*KERNELS, plain=self.plain), self.made, self.around.across
+        loops, made, m = compiled(*KERNELS, plain=self.plain), self.made, self.around.across
         c, ell, z, x = (_lanes(v) for v in (centre, slow, z, x))
         y, ry, e, re = (_lanes(v[some]) for v in (*self.y, *self.e))
         given = _lanes(self.given[some])
-        f, kappa, r, eta, rows, turned = kernel.start(z, x, ell, y, ry, e[:, None], re[:, None], c)
+        f, kappa, r, eta, rows, turned = loops.start(z, x, ell, y, ry, e[:, None], re[:, None], c)
         rho = np.zeros_like(r)
         if made.rest is not None:
-            rho, slowest = self._remainder(kernel, given, z, x)
+            rho, slowest = self._remainder(loops, given, z, x)
             r = (r + ROOM * rho / slowest) * UP + 2.0**-64
         across, sideways = rows * r * UP, turned * r * UP
         delta = 2 * (eta + sideways) + SPARE * (1 + np.abs(c))
@@ -292,7 +249,7 @@ class _Test:
             mid, rad = made.box.run(mid, rad, plain=self.plain)
             cut = (len(c) + m) * m
             j, rj = (v[:cut].reshape(-1, m, len(some)) for v in (mid, rad))
-            beta, error = kernel.turn(z, x, ell, j, rj, f, kappa, r, eta)
+            beta, error = loops.turn(z, x, ell, j, rj, f, kappa, r, eta)
             if not turn:  # the rate of a box falls in proportion to its size, about
                 share = np.maximum(MARGIN * rate / (rate - beta), LEAST)
                 before = np.where(self.just[some], self.found.nearer[some], 0.0)
@@ -313,18 +270,18 @@ class _Test:
                 for v in (c, ell, z, x, given, f, kappa, r, eta, across, sideways, rho, rows)
             )
 
-    def _remainder(self, kernel: Any, given: Floats, z: Floats, x: Floats) -> tuple[Floats, Floats]:
+    def _remainder(self, loops: Any, given: Floats, z: Floats, x: Floats) -> tuple[Floats, Floats]:
         """|Z G| at e = 0, and the rate at which deviations fall there, in double precision."""
         m, made = self.around.across, self.made
         points = np.vstack([given, np.zeros((m, given.shape[1]))])
         assert made.rest is not None
         rest, off = (v[:, None] for v in made.rest.run(points, plain=self.plain))
         moved, wide = np.zeros_like(rest), np.zeros_like(rest)
-        kernel.product(z, rest, off, moved, wide)
+        loops.product(z, rest, off, moved, wide)
         zs, xs = np.moveaxis(z, -1, 0), np.moveaxis(x, -1, 0)
         j = zs @ self.slopes(np.zeros((len(zs), 0)), given.T) @ xs
         highest = np.linalg.eigvalsh((j + j.swapaxes(1, 2)) / 2).max(1)
-        return kernel.length(moved[:, 0], wide[:, 0]), np.maximum(-highest, 1e-300)
+        return loops.length(moved[:, 0], wide[:, 0]), np.maximum(-highest, 1e-300)
 
     def _keep(self, some: Any, c: Floats, error: Floats, beta: Floats, across: Floats) -> None:
         found = self.found

@@ -1,4 +1,4 @@
-"""The inequality of `stability.settling.attraction` in balls of doubles: a kernel for `compiled`.
+"""The inequality of `stability.settling.box.alone` in balls of doubles: a kernel for `compiled`.
 
 Z is an exact basis of doubles, z = Z e, and X an approximate inverse.  With F = Z X - 1 and
 f ≥ |F|, Z⁻¹ = X (1 + F)⁻¹, |(1 + F)⁻¹| ≤ κ = 1/(1 - f), and |(1 + F)⁻¹ - 1| ≤ f κ.  So

@@ -1,0 +1,213 @@
+"""Settling: the steady motions nearest to states, and which of the states settle on them.
+
+A state has settled where it lies within a distance of a family and its motion is proved to converge
+to one member (`proof.py`).  A slow passage near an unstable member is not settling: nothing
+attracts there.  A body, a disk and a system differ by their families alone (`line.py`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.types import Floats
+from .box.together import Settled, nothing
+from .line import Line, Near
+from .proof import settled
+from .surroundings import NOT_PROVED, Surroundings
+
+SETTLE = 1e-3
+"""Largest distance from a steady motion, dimensionless, at which a motion counts as settled: the
+default of launches, basins and scenes.  No eye sees such a distance; its convergence is proved."""
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """The steady motion nearest to a state, and whether the state has settled on it."""
+
+    family: str
+    """Name of its family; empty where no family was given, or none has a member there."""
+    at: float
+    """First of the states that name the member; 0 where it stands alone, nan where none is near."""
+    distance: float
+    """Norm of the deviation; infinite where there is no member."""
+    settled: bool
+    """Whether the state counts as settled."""
+    reach: float
+    """Size of the box across the family in which convergence is proved; 0 where it is not."""
+    evidence: str
+    """Evidence, in one sentence."""
+    member: Floats | None = None
+    """The states of the steady motion; None where they are not known."""
+    limit: float = np.nan
+    """First of the numbers that name the steady motion that is converged to; nan where none."""
+    error: float = np.nan
+    """Bound on the error of the limit; nan where convergence is not proved."""
+
+
+@dataclass(frozen=True, eq=False)
+class NearestMany:
+    """The steady motions nearest to many states, and which of the states have settled."""
+
+    names: tuple[str, ...]
+    """Names of the families."""
+    family: NDArray[np.int64]
+    """Number of the nearest family among `names`, shape (launches,); -1 where there is none."""
+    at: Floats
+    """States y that name the nearest members, shape (launches, n), n the most of any family."""
+    distance: Floats
+    """Distances from them, shape (launches,)."""
+    settled: Settled
+    """Proofs; `limit` has the shape of `at`."""
+    near: tuple[Near, ...]
+    """The nearest members of each family."""
+    states: Floats
+    """The states, as the families name them, shape (launches, s)."""
+    p: Floats
+    """The parameters, shape (launches, ·)."""
+
+    @property
+    def limit(self) -> Floats:
+        """First of the numbers that name the motion each launch converges to, nan for none."""
+        limit = self.settled.limit
+        return limit[:, 0] if limit.shape[1] else np.full(len(limit), np.nan)
+
+
+@dataclass(frozen=True, eq=False)
+class Settling:
+    """The families of steady motions on which motions of one body or system may settle."""
+
+    lines: tuple[Line, ...]
+    """The families."""
+    none: str = "no steady motion is near"
+    """What is said where no family has a member."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the families."""
+        return tuple(line.name for line in self.lines)
+
+    def many(
+        self,
+        states: Floats,
+        p: Floats,
+        within: float | Floats,
+        *,
+        alone: bool = False,
+        plain: bool = False,
+    ) -> NearestMany:
+        """The nearest family of each state, and whether its motion is proved to converge there.
+
+        Distances come first, by array operations.  Only states within the limit, near a family on
+        which motions settle, meet the proof.
+
+        Parameters
+        ----------
+        states, p
+            States, shape (launches, s), taken as exact; parameters, shape (launches, ·) or (·,).
+        within
+            Largest distance that counts as settled, shape () or (launches,).
+        alone, plain
+            As for `stability.settling.proof.settled`.
+
+        Returns
+        -------
+        NearestMany
+        """
+        states, count = self.read(states), len(states)
+        p = np.broadcast_to(p, (count, np.shape(p)[-1]))
+        near = [line.near(states, p) for line in self.lines]
+        apart = np.array([one.distance for one in near]).reshape(len(near), count)
+        apart[np.isnan(apart)] = np.inf
+        best = np.argmin(apart, axis=0) if near else np.zeros(count, int)
+        distance = apart.min(axis=0, initial=np.inf)
+        family = np.where(np.isfinite(distance), best, -1)
+        most = max((one.y.shape[1] for one in near), default=0)
+        at, whole = np.full((count, most), np.nan), nothing(count, most)
+        for i, (line, one) in enumerate(zip(self.lines, near, strict=True)):
+            here, n = family == i, one.y.shape[1]
+            if not here.any():
+                continue
+            at[here, :n] = one.y[here]
+            some = (here & (distance <= within)).nonzero()[0]
+            if not (len(some) and isinstance(around := line.around, Surroundings)):
+                continue
+            with np.errstate(all="ignore"):
+                y, e = line.enclosed(states[some], one.given[some], plain=plain or alone)
+            found = settled(around, y, one.given[some], e, alone=alone, plain=plain)
+            whole.limit[some, :n] = found.limit
+            for name in ("proved", "error", "rate", "reach", "nearer"):
+                getattr(whole, name)[some] = getattr(found, name)
+        return NearestMany(self.names, family, at, distance, whole, tuple(near), states, p)
+
+    def closest(self, state: Floats, p: Floats) -> Nearest:
+        """The steady motion nearest to a state; settling is not tested."""
+        return self.nearest(state, p, -1.0)
+
+    def nearest(self, state: Floats, p: Floats, within: float) -> Nearest:
+        """The steady motion nearest to a state, and whether the state has settled on it."""
+        return self.each(state[None], p, within)[0]
+
+    def each(self, states: Floats, p: Floats, within: float) -> list[Nearest]:
+        """What is nearest to each of some states, which share all work but proofs by boxes.
+
+        Parameters
+        ----------
+        states, p, within
+            As for `many`; a negative distance asks for no proof.
+
+        Returns
+        -------
+        list of Nearest
+        """
+        found = self.many(states, p, within, alone=True)
+        members: dict[int, Floats] = {}
+        for number, (line, near) in enumerate(zip(self.lines, found.near, strict=True)):
+            mine = (found.family == number).nonzero()[0]
+            if len(mine):
+                table = line.members(found.states[mine], near.y[mine], near.given[mine])
+                members |= zip(mine.tolist(), table, strict=True)
+        return [self._one(found, i, members.get(i), within) for i in range(len(states))]
+
+    def _one(self, found: NearestMany, i: int, member: Floats | None, within: float) -> Nearest:
+        """What is nearest to one of some launches, in words."""
+        if member is None:
+            return Nearest("", np.nan, np.inf, False, 0.0, self.none)
+        number, distance, proof = int(found.family[i]), float(found.distance[i]), found.settled
+        line, y, done = self.lines[number], found.near[number].y[i], bool(proof.proved[i])
+        error, called = float(proof.error[i]), line.called(y, found.p[i])
+        evidence = f"{distance:.3g} from {called}; "
+        if line.idle or distance > within:
+            idle = f"; {line.idle}" if line.idle and within >= 0 else ""
+            evidence = f"nearest is {called}, {distance:.3g} away{idle}"
+        elif done:
+            evidence += line.proved(proof.limit[i, : len(y)], error, float(proof.rate[i]))
+        else:
+            evidence += line.around if isinstance(line.around, str) else NOT_PROVED
+        return Nearest(
+            line.name,
+            float(y[0]) if len(y) else 0.0,
+            distance,
+            done,
+            float(proof.reach[i]) if done else 0.0,
+            evidence,
+            self.member(line, member),
+            float(found.limit[i]),
+            error,
+        )
+
+    def distances(self, states: Floats, p: Floats, near: Nearest) -> Floats:
+        """Distances of states, shape (t, s), from the family of a nearest member, shape (t,)."""
+        line = next(line for line in self.lines if line.name == near.family)
+        p = np.broadcast_to(p, (len(states), np.shape(p)[-1]))
+        return np.nan_to_num(line.near(self.read(states), p).distance, nan=np.inf)
+
+    def read(self, states: Floats) -> Floats:
+        """The states as the families name them."""
+        return states
+
+    def member(self, line: Line, states: Floats) -> Floats | None:  # noqa: ARG002
+        """The states of a member, as launches are read, from those that the family names."""
+        return states
