@@ -27,6 +27,7 @@ from ..jobs.filling import fill, kept_on_stop
 from ..jobs.pipeline import Counted
 from ..jobs.shared import shared
 from ..jobs.zarr_store import ZarrStore
+from ..motion.gather import moving
 from ..motion.starts import Starts
 from ..systems.family import Family
 from ..systems.system import System
@@ -43,7 +44,7 @@ from .dataset import (
     works,
 )
 from .launch_labels import LaunchLabels
-from .launches import Launches, moving, prepare
+from .launches import Launches, prepare
 from .linear import LINEAR, linear_verdict
 from .outcomes import Judging, judged_by, last_time, outcomes
 from .refinement.refine import refine

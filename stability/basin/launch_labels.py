@@ -17,6 +17,7 @@ from ..integrators.flow import CASADI
 from ..integrators.taylor import CORES
 from ..jobs.pipeline import check_run, ordered, threads
 from ..jobs.shared import shared
+from ..motion.gather import moving
 from ..motion.result import BY_CODE
 from .dataset import works
 from .lattice.labels import Ints
@@ -170,7 +171,7 @@ def launch_labels(
     """
     if isinstance(varied, str):
         raise ParameterError(f"varied is {shown(varied)}; give a list of names.")
-    thing = body if disk is None else disk
+    thing = moving(disk, body)
     asked = prepare(thing, contact, tuple(varied), held, family, families, parameters, theta, pole)
     check_run(workers, None, executor)
     judging = judged_by(tolerance, check)

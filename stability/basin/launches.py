@@ -24,11 +24,9 @@ from ..bodies.round_body.families import place_of
 from ..bodies.round_body.shape import refuse_constants
 from ..bodies.thin_disk.disk_equations import STATES
 from ..integrators.flow import CASADI
-from ..motion.body_starts import gather_body
-from ..motion.starts import Starts, gather
-from ..motion.system_starts import gather_system
+from ..motion.gather import launches_of
+from ..motion.starts import Starts
 from ..systems.family import Family
-from ..systems.sources.numeric import NumericSystem
 from ..systems.system import System
 
 TILT = "tilt"
@@ -109,13 +107,12 @@ class Launches:
         if isinstance(self.thing, System):
             x, p = ({n: given[n] for n in names}
                     for names in (self.thing.states, self.thing.parameters))  # fmt: skip
-            return gather_system(self.thing, p or None, x, times, self.families, mark=True)
-        contact = self._law(given)
+            return launches_of(self.thing, p or None, x, times, families=self.families, mark=True)
         if isinstance(self.thing, Body):
-            body = self.body(given)
-            return gather_body(body, contact, self._six(body, given), times, mark=True)
-        disk = replace(self.thing, **{n: given[n] for n in SCALES if n in given})
-        return gather(disk, contact, self._six(disk, given), times, mark=True)
+            thing: Disk | Body = self.body(given)
+        else:
+            thing = replace(self.thing, **{n: given[n] for n in SCALES if n in given})
+        return launches_of(thing, self._law(given), self._six(thing, given), times, mark=True)
 
     def body(self, given: Mapping[str, Any]) -> Body:
         """The body with those of some numbers that are its own."""
@@ -176,28 +173,6 @@ def _with(body: Body, given: Mapping[str, Floats]) -> Body:
     return replace(body, shape=shape, **others)
 
 
-def moving(first: Any, body: Any) -> Any:
-    """What moves: the first argument, or `body`.
-
-    Parameters
-    ----------
-    first, body
-        `disk` and `body` of `basins`.
-
-    Raises
-    ------
-    ParameterError
-        If both are given, or `body` is none.
-    """
-    if body is None:
-        return first
-    if first is not None:
-        raise ParameterError("body is given, and another one in the first place; give one of them.")
-    if not isinstance(body, (Body, Disk)):
-        raise ParameterError(f"body is {shown(body)}; give a stability.Body or a stability.Disk.")
-    return body
-
-
 def prepare(
     thing: Any, contact: Any, varied: Sequence[str], held: Mapping[str, Any] | None,
     family: str, families: Any, parameters: dict[str, Any], theta: Any = None, pole: Any = None,
@@ -229,8 +204,6 @@ def prepare(
         In one sentence, if a name is unknown, given twice or missing.
     """
     held = _held(held)
-    if isinstance(thing, NumericSystem):
-        raise ParameterError(thing.no_graph)
     if isinstance(thing, System):
         others = ("contact", contact), ("family", family or None), ("theta", theta), ("pole", pole)
         for name, value in others:
@@ -241,11 +214,6 @@ def prepare(
         held |= _held(parameters)
         found = Launches(thing, None, tuple(varied), held, families=_families(families))
     else:
-        thing = Disk() if thing is None else thing
-        if not isinstance(thing, (Disk, Body)):
-            raise ParameterError(
-                f"disk is {shown(thing)}; give a stability.Disk, a Body or a System."
-            )
         if families is not None and not (isinstance(families, (tuple, list)) and not families):
             raise ParameterError("families belong to a stability.System; leave them out.")
         contact = law_given(contact, parameters, motion=True, swept=(*varied, *held))

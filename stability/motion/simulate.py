@@ -15,7 +15,6 @@ from ..bodies.disk import Disk
 from ..bodies.law_names import law_only
 from ..bodies.resistance import Resistance
 from ..bodies.round_body.body import Body
-from ..bodies.round_body.shapes.named import of_disk
 from ..bodies.thin_disk.disk_model import FLAT
 from ..integrators.flow import CASADI, flow_of
 from ..integrators.selection import check_flow, check_method
@@ -23,12 +22,10 @@ from ..jobs.pipeline import check_run
 from ..settling.departure import departures
 from ..settling.settling import SETTLE
 from ..systems.family import Family
-from ..systems.sources.numeric import NumericSystem
 from ..systems.system import System
-from .body_starts import gather_body
+from .gather import launches_of, moving
 from .result import Outcome, Result, Settings
-from .starts import Starts, gather
-from .system_starts import gather_system
+from .starts import Starts
 
 if TYPE_CHECKING:
     import xarray
@@ -189,38 +186,17 @@ def simulate(
         raise ParameterError(f"start is missing; give the states by name or in order: {states}.")
     if times is None:
         raise ParameterError("times is missing; give a last time, or rising times.")
-    moving = _moving(disk, body)
-    disk = _resisted(moving, resistance)
-    contact = _named(disk, contact, parameters)
+    thing = moving(disk, body)
+    own = isinstance(thing, System)
+    contact = _named(thing, contact, parameters)
+    if own and flat != FLAT_ANGLE:
+        raise ParameterError(f"flat is {flat:g}, and only a disk falls flat; leave it out.")
     with CASADI:  # calls from several threads take turns; a batch uses its own threads
-        if isinstance(disk, System):
-            if pose:
-                raise ParameterError("pose is True, and only a disk has one; leave it out.")
-            if settings.flat != FLAT_ANGLE:
-                raise ParameterError(
-                    f"flat is {settings.flat:g}, and only a disk falls flat; leave it out."
-                )
-            launches = gather_system(disk, contact, start, times, families)
-            check_flow(settings.method, flow_of(launches.model))
-        elif isinstance(disk, NumericSystem):
-            raise ParameterError(disk.no_graph)
-        else:
-            if not isinstance(disk, (Disk, Body)):
-                raise ParameterError(
-                    f"disk is {shown(disk)}; give a stability.Disk, a Body or a System."
-                )
-            if not isinstance(families, Sequence) or families:
-                raise ParameterError("families belong to a stability.System; leave them out.")
-            if isinstance(disk, Body):
-                launches = gather_body(
-                    disk, contact, start, times, pose=pose, resistance=resistance
-                )
-                check_flow(settings.method, flow_of(launches.model))
-                if isinstance(moving, Disk):  # a file of a disk, as figures and films know it
-                    own = {"radius" if n == "length" else n: v for n, v in launches.given.items()}
-                    launches = replace(launches, given=own)
-            else:
-                launches = gather(disk, contact, start, times, pose=pose)
+        launches = launches_of(
+            thing, contact, start, times, families=families, resistance=resistance, pose=pose
+        )
+        check_flow(settings.method, flow_of(launches.model))
+        if not own:
             _not_flat(launches, settings)
         found = results(launches, settings, progress)
         found = _departed(launches, settings, found)
@@ -257,30 +233,6 @@ def _departed(launches: Starts, settings: Settings, found: list[Result]) -> list
         if why and r.outcome is not Outcome.UNDETERMINED else r
         for r, why in zip(found, said, strict=True)
     ]  # fmt: skip
-
-
-def _moving(first: Any, body: Any) -> Any:
-    """What moves: the first argument, or `body`, or else the disk."""
-    if body is None:
-        return Disk() if first is None else first
-    if first is not None:
-        raise ParameterError("body is given, and another one in the first place; give one of them.")
-    if not isinstance(body, (Body, Disk)):
-        raise ParameterError(f"body is {shown(body)}; give a stability.Body or a stability.Disk.")
-    return body
-
-
-def _resisted(disk: Any, resistance: Any) -> Any:
-    """What moves; a disk with resistances is a body like any other."""
-    if resistance is None:
-        return disk
-    if isinstance(disk, Disk):
-        return of_disk(disk)
-    if not isinstance(disk, Body):
-        raise ParameterError(
-            "resistance belongs to a disk or a body; put it into the equations of a system."
-        )
-    return disk
 
 
 def _named(disk: Any, contact: Any, parameters: dict[str, Any]) -> Any:

@@ -21,34 +21,11 @@ from ..bodies.round_body.shape import SCALES
 from ..bodies.thin_disk.disk_equations import STATES
 from ..bodies.thin_disk.disk_model import disk_model
 from ..integrators.flow import flow_of
-from ..motion.body_starts import accepted, gather_body
-from ..motion.starts import Starts, gather
-from ..motion.system_starts import gather_system
+from ..motion.body_starts import accepted
+from ..motion.gather import launches_of
+from ..motion.starts import Starts
 from ..settling.fixed_axes import FixedSettling, fixed_model, fixed_states
-from ..systems.sources.numeric import NumericSystem
 from ..systems.system import System
-
-
-def moving(disk: Any, body: Any) -> Any:
-    """What moves: the first argument, or `body`, or else a disk.
-
-    Parameters
-    ----------
-    disk, body
-        As for `Scene`.
-
-    Raises
-    ------
-    ParameterError
-        If both are given, or `body` is none.
-    """
-    if body is None:
-        return Disk() if disk is None else disk
-    if disk is not None:
-        raise ParameterError("body is given, and disk too; give one of them.")
-    if not isinstance(body, (Body, Disk)):
-        raise ParameterError(f"body is {shown(body)}; give a stability.Body or a stability.Disk.")
-    return body
 
 
 def law_in(disk: Any, contact: Any, mu: float | None) -> Any:
@@ -88,10 +65,6 @@ def laws_of(disk: Any, contact: Any) -> dict[str, Any]:
     """
     if isinstance(disk, System):
         return {"": contact}
-    if isinstance(disk, NumericSystem):
-        raise ParameterError(disk.no_graph)
-    if not isinstance(disk, (Disk, Body)):
-        raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk, a Body or a System.")
     found = dict(contact) if isinstance(contact, Mapping) else {"": contact}
     for name in found if isinstance(contact, Mapping) else ():
         if not (isinstance(name, str) and name.strip() and name.isprintable()):
@@ -304,16 +277,18 @@ def launched(
     Starts
         One launch.
     """
+    given, first = contact, start
     if isinstance(disk, System):
-        found = _of_system(disk, contact, start, horizon, families, moved)
-    else:
-        law, first = contact, start
-        if moved:
-            given = {n: v * (1 + moved.get(n, 0.0)) for n, v in contact.given.items()}
-            disk, law = _changed(disk, moved), type(contact)(**given)
-            first = _moved(start, STATES, moved)
-        gathered = gather if isinstance(disk, Disk) else gather_body
-        found = _along_fixed_axes(gathered(disk, law, first, horizon))
+        if moved and contact is not None:
+            p = _named(contact, disk.parameters)
+            given = {n: v * (1 + moved.get(n, 0.0)) for n, v in p.items()}
+        first = _moved(start, disk.states, moved) if moved else start
+    elif moved:
+        numbers = {n: v * (1 + moved.get(n, 0.0)) for n, v in contact.given.items()}
+        disk, given = _changed(disk, moved), type(contact)(**numbers)
+        first = _moved(start, STATES, moved)
+    found = launches_of(disk, given, first, horizon, families=families or ())
+    found = _along_fixed_axes(found)
     if found.count != 1:
         raise ParameterError(
             f"the scene has {found.count} launches; give one, and a scene for each."
@@ -340,18 +315,6 @@ def _along_fixed_axes(launches: Starts) -> Starts:
     starts = fixed_states(model.chart, len(flow_of(fixed).system.states), launches.starts)
     settling = FixedSettling(launches.settling.lines, chart=model.chart)
     return replace(launches, model=fixed, starts=starts, settling=settling)
-
-
-def _of_system(
-    system: System, parameters: Any, start: Any, horizon: float, families: Any,
-    moved: Mapping[str, float],
-) -> Starts:  # fmt: skip
-    given = parameters
-    if moved and parameters is not None:
-        p = _named(parameters, system.parameters)
-        given = {n: v * (1 + moved.get(n, 0.0)) for n, v in p.items()}
-    x = _moved(start, system.states, moved) if moved else start
-    return gather_system(system, given, x, horizon, families)
 
 
 def _named(given: Any, names: Sequence[str]) -> dict[str, Any]:

@@ -16,6 +16,7 @@ from ..base.checks import flag, known, one_number
 from ..base.errors import DomainError, NameUnknownError, ParameterError, listed, shown
 from ..base.types import Record
 from ..bodies.thin_disk.disk_equations import STATES
+from ..motion.gather import moving
 from ..storage.files import atomic_write
 from ..storage.targets import PICTURES, check_suffix, check_target
 from ..systems.system import System
@@ -26,7 +27,6 @@ from .inputs import (
     launched,
     law_in,
     laws_of,
-    moving,
     names_of,
     setting,
     weights_of,

@@ -104,7 +104,7 @@ def test_outcomes_do_not_depend_on_the_company() -> None:
 
 
 def test_a_start_without_contact_has_ended_already() -> None:
-    asked = prepare(None, "viscous", ("theta", "theta_dot", "slip_x"), {}, "", (), {"mu": 3.0})
+    asked = prepare(st.Disk(), "viscous", ("theta", "theta_dot", "slip_x"), {}, "", (), {"mu": 3.0})
     points = {
         "theta": np.array([1.5, 1.0, 1e-7, 4.0, 1.0]),
         "theta_dot": np.array([0.0, 3, 0, 0, 0]),
@@ -235,7 +235,7 @@ def test_a_systems_launches_settle_where_an_independent_integration_ends(
 @pytest.mark.few(1)
 @pytest.mark.parametrize("contact", [st.Rough(), st.Smooth(), st.Coulomb(0.3)])
 def test_laws_that_settle_on_nothing_give_the_outcomes_of_simulate(contact: Any) -> None:
-    asked = prepare(None, contact, ("phi_dot", "tilt"), {}, "spinning", (), {})
+    asked = prepare(st.Disk(), contact, ("phi_dot", "tilt"), {}, "spinning", (), {})
     points = {"phi_dot": np.array([0.5, 1.5, 2.5, 3.4]), "tilt": np.array([0.5, 0.3, 0.2, 0.5])}
     launches = asked.starts(points, 8.0)
     found = outcomes(launches, Judging())
