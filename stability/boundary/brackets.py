@@ -50,6 +50,9 @@ LOW = 1e-3
 """Frequency, over the largest eigenvalue, below which an eigenvalue counts as real there."""
 ON_AXIS = 1e-7
 """Largest real part, over the largest eigenvalue, of one that may be on the axis at a boundary."""
+NOISE = 1e-60
+"""Real part, over the largest eigenvalue, below which one next to a boundary has stayed on the axis;
+rounding is smaller where up to four eigenvalues coincide, and what crosses is larger."""
 HALVINGS = 256
 """Most halvings of a bracket in which a zero eigenvalue is not excluded.
 
@@ -402,7 +405,7 @@ def crossed(line: AxisScan, point: BoundaryPoint) -> BoundaryPoint:
         return point
     largest = float(np.abs(here).max(initial=0.0))
     turns = np.abs(here.imag[np.abs(here.real) <= ON_AXIS * largest])
-    unstable = np.abs(beyond.imag[beyond.real > 0])
+    unstable = np.abs(beyond.imag[beyond.real > NOISE * largest])
     unclear = (turns > ZERO * largest) & (turns < LOW * largest)
     if not turns.size or not unstable.size or unclear.any():
         return point

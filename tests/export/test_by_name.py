@@ -33,7 +33,7 @@ def test_a_missing_law_of_a_motion_or_of_friction_names_the_laws_that_it_takes()
         "Viscous(mu) or LinearViscous(c).": lambda: st.drift(at=1.8, tilt=0.01),
         "Viscous(mu) or LinearViscous(c). ": lambda: st.hopf("spinning"),
         "Creep3(mu).": lambda: st.simulate(st.Disk(), None, {"theta": 1.3, "omega3": 2.0}, 1.0),
-        "RegularisedCoulomb(mu, epsilon).": lambda: st.simulate(
+        "Creep3(mu).   ": lambda: st.simulate(
             st.Torus(0.2), None, {"theta": 1.3, "omega3": 2.0}, 1.0),
         "Creep3(mu). ": lambda: st.basins(family="rolling", x=("at", 1, 2, 2),
                                           y=("tilt", 0.01, 0.1, 2), horizon=0.1),
