@@ -51,7 +51,7 @@ LOW = 1e-3
 ON_AXIS = 1e-7
 """Largest real part, over the largest eigenvalue, of one that may be on the axis at a boundary."""
 NOISE = 1e-60
-"""Real part, over the largest eigenvalue, below which one next to a boundary has stayed on the axis;
+"""Real part, over the largest eigenvalue, below which one next to a boundary counts as on the axis;
 rounding is smaller where up to four eigenvalues coincide, and what crosses is larger."""
 HALVINGS = 256
 """Most halvings of a bracket in which a zero eigenvalue is not excluded.

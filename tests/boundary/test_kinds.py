@@ -212,18 +212,6 @@ def test_points_of_a_rest_with_quadratic_drag() -> None:
     assert birth.reason.endswith("or the rates have no second derivative")
 
 
-def test_a_pair_that_stays_on_the_axis_is_not_what_crosses() -> None:
-    """Another eigenvalue is irrational, so that rounding moves the pair off the axis a little."""
-    x, p, q = ca.SX.sym("x", 3), ca.SX.sym("p"), ca.SX.sym("q")
-    pair = ca.sqrt(2 + q + q**2) * (q + 0.25)
-    rates = ca.vertcat(ca.sqrt(2 + q**2) * p * x[0], x[2], -2 * x[1] + pair * x[2] - x[2] ** 3)
-    system = st.System("stays", x, ca.vertcat(p, q), rates, states=("a", "u", "v"),
-                       parameters=("p", "q"))  # fmt: skip
-    rest = st.Family(system, "rest", at=("p",), held=dict.fromkeys(system.states, 0.0))
-    [found] = st.boundaries(rest, axis=("p", -1.5, 1.75, 5), q=-0.25)
-    assert (found.value, found.crossing.word, found.frequencies) == (0.0, "static", ())
-
-
 def test_a_crossing_next_to_another_is_not_one_with_it() -> None:
     x, p = ca.SX.sym("x", 3), ca.SX.sym("p")
     rates = ca.vertcat(x[1], -p * x[1] - 5 * x[0], -(p + 1e-14) * x[2])

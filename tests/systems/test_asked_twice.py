@@ -274,6 +274,14 @@ def test_questions_on_branches_have_the_planted_answer_twice_in_any_order(seed: 
     assert count["refused"] <= 8  # members on another branch than the conditions
 
 
+def test_a_pair_that_stays_on_the_axis_is_not_what_crosses() -> None:
+    """Its real part is 0 for all p, and 3e-309 by rounding, since another eigenvalue is irrational."""
+    case = cases_of(20074, 5, 0)[0][3]
+    [found] = st.boundaries(case.family, axis=("p", LOW, HIGH, 5), q=-0.25, at=case.at)
+    assert case.planted(0.0, 1.0, -0.25)[1].real == 0
+    assert (found.value, found.crossing.word, found.frequencies) == (0.0, "static", ())
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("seed", range(100, 108))
 def test_a_campaign_of_questions_in_any_order(seed: int) -> None:
