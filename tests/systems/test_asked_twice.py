@@ -53,15 +53,24 @@ class Case:
         """Arguments for a member."""
         return {"at": p, "q": q} if self.at is None else {"at": self.at, "p": p, "q": q}
 
-    def growth(self, p: float, q: float) -> float | None:
-        """The largest planted real part at the member; None where there is none."""
+    def there(self, p: float, q: float) -> list[complex]:
+        """The planted eigenvalues at the member; empty where there is none."""
         try:
             found = st.spectrum(self.family, **self.given(p, q))
         except st.StabilityError:
-            return None
+            return []
         y = float(found.states[0]) if self.family.unknown else 0.0
         assert abs(self.rate(y, p, q)) < 1e-8
-        return max(v.real for v in self.planted(y, p, q))
+        return self.planted(y, p, q)
+
+    def growth(self, p: float, q: float) -> float | None:
+        """The largest planted real part at the member; None where there is none."""
+        return max((v.real for v in self.there(p, q)), default=None)
+
+    def kind(self, p: float, q: float) -> str:
+        """What an unstable member next to a boundary has crossed."""
+        found = {abs(v.imag) > 1e-6 for v in self.there(p, q) if v.real > ROUNDING}
+        return "static and flutter" if len(found) > 1 else "flutter" if True in found else "static"
 
 
 def pair(trace: float, stiffness: float) -> list[complex]:
@@ -164,6 +173,9 @@ def questions(case: Case, p: float, q: float) -> dict[str, tuple[Callable[[], An
             sides = [case.growth(float(point.value) + s, q) for s in (-step, step)]
             # a pair may stay on the axis: one side is then neutral, its rate 0 but for rounding
             if None in sides or (sides[0] > ROUNDING) == (sides[1] > ROUNDING):
+                return True
+            way = step if point.stable_below else -step
+            if point.crossing.word.replace("_", " ") != case.kind(float(point.value) + way, q):
                 return True
         ends = [LOW, *(float(b.value) for b in found), HIGH]
         for low, high in zip(ends, ends[1:], strict=False) if found.complete else ():
@@ -275,7 +287,7 @@ def test_questions_on_branches_have_the_planted_answer_twice_in_any_order(seed: 
 
 
 def test_a_pair_that_stays_on_the_axis_is_not_what_crosses() -> None:
-    """Its real part is 0 for all p, and 3e-309 by rounding, since another eigenvalue is irrational."""
+    """Its real part is 0 for all p, and 3e-309 by rounding: another eigenvalue is irrational."""
     case = cases_of(20074, 5, 0)[0][3]
     [found] = st.boundaries(case.family, axis=("p", LOW, HIGH, 5), q=-0.25, at=case.at)
     assert case.planted(0.0, 1.0, -0.25)[1].real == 0
