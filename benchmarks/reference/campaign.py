@@ -28,7 +28,7 @@ import numpy as np
 import stability as st
 from stability.bodies.thin_disk.disk_equations import STATES
 from stability.motion.result import BY_CODE
-from stability.motion.starts import gather
+from stability.motion.round_starts import gather_round as gather
 
 SOURCE = Path(__file__).with_name("motion.cpp")
 STAGES = ((14, 14.0), (10, 14.5))

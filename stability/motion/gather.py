@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 from numpy.typing import ArrayLike
@@ -11,11 +10,10 @@ from numpy.typing import ArrayLike
 from ..base.errors import ParameterError, shown
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
-from ..bodies.round_body.shapes.named import of_disk
 from ..systems.sources.numeric import NumericSystem
 from ..systems.system import System
-from .body_starts import gather_body
-from .starts import Starts, gather
+from .round_starts import gather_round
+from .starts import Starts
 from .system_starts import gather_system
 
 Moving = Disk | Body | System
@@ -80,12 +78,4 @@ def launches_of(
         return gather_system(thing, contact, start, times, families, mark=mark)
     if not isinstance(families, Sequence) or families:
         raise ParameterError("families belong to a stability.System; leave them out.")
-    if isinstance(thing, Disk) and resistance is None:
-        return gather(thing, contact, start, times, pose=pose, mark=mark)
-    body = of_disk(thing) if isinstance(thing, Disk) else thing
-    found = gather_body(body, contact, start, times, pose=pose, resistance=resistance, mark=mark)
-    if isinstance(thing, Body):
-        return found
-    # a file of a disk, as figures and films know it
-    own = {"radius" if n == "length" else n: v for n, v in found.given.items()}
-    return replace(found, given=own)
+    return gather_round(thing, contact, start, times, resistance=resistance, pose=pose, mark=mark)

@@ -21,8 +21,8 @@ from ..bodies.round_body.shape import SCALES
 from ..bodies.thin_disk.disk_equations import STATES
 from ..bodies.thin_disk.disk_model import disk_model
 from ..integrators.flow import flow_of
-from ..motion.body_starts import accepted
 from ..motion.gather import launches_of
+from ..motion.round_starts import accepted
 from ..motion.starts import Starts
 from ..settling.fixed_axes import FixedSettling, fixed_model, fixed_states
 from ..systems.system import System

@@ -8,7 +8,7 @@ import pytest
 import stability as st
 from stability.integrators import taylor
 from stability.integrators.flow import flow_of
-from stability.motion.starts import gather
+from stability.motion.round_starts import gather_round as gather
 
 pytestmark = pytest.mark.skipif(not taylor.available(), reason="heyoka is an extra")
 START = {"theta": 1.2, "omega3": 2.0}

@@ -9,7 +9,7 @@ import pytest
 import stability as st
 from stability.bodies.thin_disk.disk_equations import STATES
 from stability.motion.result import BY_CODE, Outcome
-from stability.motion.starts import gather
+from stability.motion.round_starts import gather_round as gather
 
 pytestmark = pytest.mark.long
 LAUNCH = np.array([np.pi / 2 - 0.1, 0, 0, 1.2, 0, 0])

@@ -7,7 +7,7 @@ import pytest
 
 import stability as st
 from stability.compare.motion.reference_motions import scene as reference
-from stability.motion.starts import gather
+from stability.motion.round_starts import gather_round as gather
 from stability.scene.rungs.creep import creep_path, held_of, transient
 from stability.scene.rungs.creeping import creeping
 from stability.scene.rungs.full import full

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.motion.starts import gather
+from stability.motion.round_starts import gather_round as gather
 from stability.scene.rungs.near_steady import LINEARISED, SECOND, STEADY, near_steady
 from stability.scene.rungs.track import Problem, Refused, Track, relative
 

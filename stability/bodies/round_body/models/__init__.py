@@ -2,5 +2,5 @@
 
 May import what `bodies/round_body` may.
 To add a chart: a module that makes a `Model` with a `Chart`, and its place in
-`motion/body_starts.py`.
+`motion/round_starts.py`.
 """

@@ -1,0 +1,322 @@
+"""Launches of a disk or another body: starts and parameters, checked and made dimensionless."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..algebra.program import Program
+from ..base.checks import broadcast
+from ..base.errors import DomainError, NameUnknownError, ParameterError, if_degrees, shown
+from ..base.quantities import Units
+from ..base.types import Floats
+from ..bodies.contact import Contact
+from ..bodies.contact_laws import MOTION_LAWS, law_missing, spelled
+from ..bodies.disk import Disk
+from ..bodies.model import TAKEN, Dry, Model
+from ..bodies.resistance import UNITS, Resistance, resistances
+from ..bodies.round_body.body import Body
+from ..bodies.round_body.equations import Resistances
+from ..bodies.round_body.models.angle_model import round_model
+from ..bodies.round_body.models.pole_model import pole_model
+from ..bodies.round_body.pole_equations import smooth_at
+from ..bodies.round_body.shapes.named import of_disk
+from ..bodies.thin_disk.disk_model import FLAT, disk_model
+from ..integrators.flow import flow_of
+from ..integrators.friction_at_rest import continuations
+from ..integrators.stick_slip import REST
+from ..settling.body_lines import body_settling
+from ..settling.disk_lines import disk_settling
+from ..settling.settling import Settling
+from ..systems.system import System
+from .starts import Starts, Unfit, counted, six_states, times_of, unfit_of
+
+FASTEST = 1e9
+"""Largest dimensionless rate or slip of a start: beyond it forces are lost in rounding."""
+ROUGHEST = 1e8
+"""Largest dimensionless friction."""
+LONGEST, BRIEFEST = 1e12, 1e-200
+"""Range of the last time, dimensionless."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Round:
+    """What a launch of a disk or body needs: its equations, its numbers, and where they hold."""
+
+    model: Model
+    fields: Mapping[str, Any]
+    """Every number by name, in the user's units."""
+    length: str
+    """Name of the unit of length among them."""
+    scaled: Callable[[Mapping[str, Floats], Units], Mapping[str, Any]]
+    """(numbers, units) → those that are no pure numbers, dimensionless."""
+    coefficients: tuple[str, ...]
+    """Names of the law's coefficients among the parameters of the system."""
+    settling: Settling
+    between: tuple[float, float]
+    """Range of theta."""
+    ends: str
+    """Why it has ends, in words."""
+
+
+def gather_round(
+    thing: Disk | Body, contact: Contact, start: Any, times: ArrayLike, *,
+    resistance: Any = None, pose: bool = False, mark: bool = False,
+) -> Starts:  # fmt: skip
+    """Check the arguments of `simulate` for a disk or body and make them dimensionless.
+
+    Parameters
+    ----------
+    thing
+        The disk or body.
+    contact, start, times, resistance, pose
+        As for `simulate`.
+    mark
+        Whether a start without contact is marked, in place of an error.
+
+    Returns
+    -------
+    Starts
+
+    Raises
+    ------
+    StabilityError
+        In one sentence, if something is not accepted.
+    """
+    accepted(contact)
+    with np.errstate(all="ignore"):  # an overflow is refused by _check
+        if isinstance(thing, Disk) and resistance is None:
+            setting = _of_disk(thing, contact, pose=pose)
+        else:
+            body = of_disk(thing) if isinstance(thing, Disk) else thing
+            setting = _of_body(body, contact, resistance, pose=pose)
+        found = _gathered(setting, thing, contact, start, times, mark=mark)
+    if isinstance(thing, Body) or setting.length == "radius":
+        return found
+    # a file of a disk, as figures and films know it
+    return replace(
+        found, given={"radius" if n == "length" else n: v for n, v in found.given.items()}
+    )
+
+
+def accepted(contact: Any) -> type[Contact]:
+    """The class of a law that a motion can have.
+
+    Parameters
+    ----------
+    contact
+        The law.
+
+    Raises
+    ------
+    StabilityError
+        If it is none.
+    """
+    if contact is None:
+        raise law_missing(MOTION_LAWS)
+    if not isinstance(contact, Contact) or not contact.name:
+        raise NameUnknownError(f"contact is {shown(contact)}; give one of {spelled(MOTION_LAWS)}.")
+    return type(contact)
+
+
+def _of_disk(disk: Disk, contact: Contact, *, pose: bool) -> _Round:
+    law = type(contact)
+    fields = {n: getattr(disk, n) for n in ("mass", "radius", "gravity", "k")} | contact.given
+    return _Round(
+        disk_model(law, pose=pose), fields, "radius", contact.arguments, tuple(law.symbols()),
+        disk_settling(law), (0.0, np.pi),
+        "theta must lie strictly between 0 and π, because the disk is flat at both and its "
+        "equations of motion end there",
+    )  # fmt: skip
+
+
+def _of_body(body: Body, contact: Contact, resistance: Any, *, pose: bool) -> _Round:
+    against, law, given = _acting(body, contact, resistance), type(contact), tuple(contact.given)
+    kinds = tuple(type(r) for r in against)
+    model = _model(body, law, given, kinds, pose=pose)
+    _check_names(body, model)
+
+    def scaled(flat: Mapping[str, Floats], units: Units) -> Mapping[str, Any]:
+        found = {p.name: p.dimensionless(flat[p.name], units)
+                 for p in law.parameters if p.name in flat}  # fmt: skip
+        own = flat["mass"], flat["length"], units.time, units.force
+        sizes = dict(zip(UNITS, own, strict=True))
+        return found | {
+            r.coefficient: replace(r, **{r.coefficient: flat[r.coefficient]}).dimensionless(sizes)
+            for r in against
+        }
+
+    low, high = body.between
+    return _Round(
+        model, body.given | contact.given | {r.coefficient: r.value for r in against}, "length",
+        scaled, given, body_settling(body, law, given, kinds), body.between,
+        f"the height of {body.name} holds for theta between {low:.6g} and {high:.6g}",
+    )  # fmt: skip
+
+
+def _acting(body: Body, contact: Contact, given: Any) -> tuple[Resistance, ...]:
+    """The resistances of a call that are not zero everywhere."""
+    found = tuple(r for r in resistances(given) if np.any(r.value))
+    for r in found:
+        if r.coefficient in body.given | contact.given:
+            raise ParameterError(
+                f"{r.coefficient} is the coefficient of {r.name}, and a number of {body.name} or "
+                f"of the {contact.name} law; give that another name."
+            )
+    return found
+
+
+def _model(
+    body: Body, law: type[Contact], given: tuple[str, ...], resistance: Resistances, *, pose: bool
+) -> Model:
+    """Fixed axes where the body can pass a pole, and otherwise angles."""
+    if smooth_at(body, 1) or smooth_at(body, -1):
+        with suppress(ParameterError):  # of a law that needs the directions that angles give
+            return pole_model(body, law, given, pose=pose, resistance=resistance)
+    return round_model(body, law, given, pose=pose, resistance=resistance)
+
+
+def _check_names(body: Body, model: Model) -> None:
+    """Refuse a number of the shape with a name that the motion has for itself."""
+    for name in body.shape:
+        if (
+            name in TAKEN
+            or name in model.series
+            or name in {*model.names, "kinetic", "determinant"}
+        ):
+            raise ParameterError(
+                f"{body.name} has a number called {name!r}, a name that a motion has for itself; "
+                "give it another one."
+            )
+
+
+def _gathered(
+    setting: _Round, thing: Disk | Body, contact: Contact, start: Any, times: ArrayLike, *,
+    mark: bool,
+) -> Starts:  # fmt: skip
+    six, when = six_states(start, contact), times_of(times)
+    model, fields, law = setting.model, setting.fields, type(contact)
+    shape = broadcast(start=six.shape[:-1], **{n: np.shape(v) for n, v in fields.items()})
+    count = counted(shape, when)
+    flat = {
+        n: a if (a := np.asarray(v, dtype=float)).ndim == 0
+        else np.broadcast_to(a, shape).reshape(-1)
+        for n, v in fields.items()
+    }  # fmt: skip
+    units = Units(flat["mass"], flat[setting.length], flat["gravity"], np.sqrt)
+    starts = np.broadcast_to(six, (*shape, 6)).reshape(count, 6).copy()
+    starts[:, 1:4] *= np.asarray(units.time)[..., None]
+    starts[:, 4:] /= np.asarray(units.speed)[..., None]
+    if law.holds:
+        starts[:, 4:] = 0.0
+    own = {**flat, **setting.scaled(flat, units)}
+    columns = [np.broadcast_to(own[n], (count,)) for n in model.system.parameters]
+    p = np.column_stack(columns) if columns else np.zeros((count, 0))
+    last = when[-1] / units.time
+    if not (np.all(last <= LONGEST) and np.all(last >= BRIEFEST)):
+        unit = "R" if setting.length == "radius" else "length"
+        raise ParameterError(
+            f"times end at {when[-1]:g}; in units of √({unit}/g) give a last time from "
+            f"{BRIEFEST:g} to {LONGEST:g}."
+        )
+    energies, unfit = _check(setting, thing, contact, shape, starts, p, mark=mark)
+    return Starts(
+        model, shape, starts, p, when, flat, units, thing.dimensionless, energies,
+        setting.settling, law, unfit,
+    )  # fmt: skip
+
+
+@lru_cache(maxsize=64)
+def _look(model: Model) -> Program:
+    """The conditions of a model's system, then gn and the energy."""
+    return _seen(model.system)
+
+
+@lru_cache(maxsize=32)
+def _look_held(dry: Dry) -> Program:
+    """The same for a body that is held at rest."""
+    return _seen(dry.held)
+
+
+def _seen(system: System) -> Program:
+    seen = system.observables
+    values = [c.value for c in system.conditions] + [seen["normal_force"], seen["energy"]]
+    column = ca.densify(ca.vertcat(*values))
+    return Program(ca.Function("start", [system.x, system.p], [column]))
+
+
+def _look_at_rest(dry: Dry, starts: Floats, p: Floats, values: Floats) -> None:
+    """Fill in what a start without slip needs to be positive: dry friction is set-valued there."""
+    rest = np.flatnonzero(np.hypot(starts[:, 4], starts[:, 5]) <= REST)
+    if not len(rest):
+        return
+    four, held = list(starts[rest, :4].T), dry.at_rest(p[rest].T)
+    values[rest] = _look_held(dry).arrays([four, held], rest.shape)[0][..., 0]
+    for row in rest:
+        # without sticking the body may slip, or do neither although gn of sticking is positive
+        pressed, normal = continuations(dry, starts[row, :4], p[row]).pressed, values[row, -2]
+        values[row, -2] = max(normal, 1e-300) if pressed else min(normal, 0.0)
+
+
+def _check(
+    setting: _Round, thing: Disk | Body, contact: Contact, shape: tuple[int, ...], starts: Floats,
+    p: Floats, *, mark: bool,
+) -> tuple[Floats, Unfit | None]:  # fmt: skip
+    """Energies of the starts; a start without contact is marked, or refused with the reason."""
+    model, theta = setting.model, starts[:, 0]
+    system, zeros = model.system, {one.place for one in contact.parameters if one.zero}
+    forces = {n: p[:, system.parameters.index(n)] for n in setting.coefficients}
+    lost = any((v < 0).any() or (n not in zeros and (v == 0).any()) for n, v in forces.items())
+    finite = np.isfinite(starts).all() and np.isfinite(p).all() and not lost
+    if not (finite and np.abs(starts).max() < FASTEST):
+        raise ParameterError(
+            "a dimensionless number of the start or the body leaves the range of double precision "
+            f"(rates up to {FASTEST:g}); give values nearer to 1."
+        )
+    for name, values in forces.items():
+        if values.max() > ROUGHEST:
+            raise ParameterError(
+                f"the dimensionless {name} is {values.max():.3g}, above {ROUGHEST:g}, where double "
+                "precision cannot resolve the slip; take Rough(), to which the motion tends."
+            )
+    low, high = setting.between
+    inside = (theta > low) & (theta < high)
+    if model.chart and isinstance(thing, Body):  # a smooth pole belongs to the motion
+        for pole, end in ((1, low), (-1, high)):
+            inside |= (theta == end) & smooth_at(thing, pole)
+    if not (mark or inside.all()):
+        row = int(np.argmin(inside))
+        raise DomainError(
+            f"start{_place(row, shape)}: theta is {theta[row]:g}; {setting.ends}"
+            f"{if_degrees(float(theta[row]))}."
+        )
+    own = flow_of(model).pack(starts)[:, : len(system.states)]
+    seen = _look(model).arrays([list(own.T), list(p.T)], starts.shape[:1])[0][..., 0]
+    if model.dry is not None:
+        _look_at_rest(model.dry, starts, p, seen)
+    bad = np.argwhere(~(seen[:, :-1] > 0))
+    fit = np.column_stack([inside, seen[:, :-1] > 0])
+    if len(bad) and not mark:
+        row, column = (int(i) for i in bad[0])
+        where, value = _place(row, shape), float(seen[row, column])
+        if column < len(system.conditions):
+            raise DomainError(f"start{where}: {system.conditions[column].refusal(value)}")
+        what = "disk" if isinstance(thing, Disk) else "body"
+        raise DomainError(
+            f"start{where}: the normal force is {value:.4g} m g, which is not positive: "
+            f"the {what} is not in contact; turn it slower."
+        )
+    energies: Floats = seen[:, -1]
+    return energies, unfit_of(fit, [FLAT], len(system.conditions) + 1)
+
+
+def _place(row: int, shape: tuple[int, ...]) -> str:
+    """Index of a launch, as text; nothing for a single one."""
+    return f" {[int(j) for j in np.unravel_index(row, shape)]}" if shape else ""
