@@ -452,7 +452,7 @@ GOOD: dict[str, Any] = {
         ({"start": {"omega3": 1}}, "does not name theta"),
         ({"start": {"theta": 1, "spin": 2}}, "start names 'spin'"),
         ({"start": {"theta": [1, 1], "omega3": [1, 2, 3]}}, "make them fit"),
-        ({"start": np.ones((3, 6)), "contact": st.Viscous([0.1, 0.2])}, "the arrays do not broadcast"),
+        ({"start": np.ones((3, 6)), "contact": st.Viscous([0.1, 0.2])}, "do not broadcast"),
         ({"contact": st.Rough(), "start": [1, 0, 0, 0, 0.1, 0]}, "leave them out or give 0"),
         ({"contact": "viscous"}, "mu is missing; give Viscous(mu)"),
         ({"disk": 0.25}, "disk is 0.25"),
