@@ -11,7 +11,7 @@ from ..base.errors import ParameterError
 from ..base.quantities import Kind, Units, readable
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
-from .subject import Quantity
+from .quantity import Quantity
 
 CURVES = {"time": Kind.TIME, "growth rate": Kind.GROWTH_RATE, "energy": Kind.ENERGY,
           "normal force": Kind.FORCE}  # fmt: skip

@@ -140,7 +140,7 @@ def test_bounds_of_the_signs_hold_in_balls(asked: tuple[str, Engine]) -> None:
     """
     name, view = asked
     from stability.algebra.number_types import balls
-    from stability.explorer.bodies.closed_subject import Closed
+    from stability.explorer.verdicts.closed import Closed
 
     generator, wide = np.random.default_rng(SEED), 0
     for law in ("viscous", "rough"):

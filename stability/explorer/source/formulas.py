@@ -1,8 +1,9 @@
-"""Formulas of a family in its quantities: coefficients in λ, conditions with their sizes, text."""
+"""What decides a family's verdict: formulas in its quantities, and the text of each condition."""
 
 from __future__ import annotations
 
 import html
+import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -10,6 +11,10 @@ from typing import Any
 
 from ...algebra.number_types import Algebra
 from ...algebra.polynomial import Polynomial
+from ...algebra.upright import Upright
+from ...base.verdict import Verdict
+from ...systems.family import Family
+from .solver import Solver
 
 ROUNDINGS = 3
 """Roundings of a coefficient, of the bound itself, and one to spare."""
@@ -62,22 +67,63 @@ class Rule:
         return value_of(self.polynomial, self.shift, values), value_of(positive, self.shift, sizes)
 
 
+@dataclass(frozen=True)
+class Formulas:
+    """What decides the verdict of a family, as functions of a number type and its quantities."""
+
+    names: tuple[str, ...]
+    """Names of the quantities in their order, then of states that the page solves for."""
+    even: tuple[bool, ...]
+    """Whether each factor of the characteristic polynomial has even powers of λ alone."""
+    zeros: int
+    """Number of eigenvalues that vanish by structure."""
+    coefficients: Coefficients
+    """Coefficients of each factor in λ, lowest first."""
+    rules: tuple[Rule | Sign, ...]
+    """What decides by its sign."""
+    signs: Conditions
+    """(value, size) of each rule; the share of the rule times the size bounds the error."""
+    texts: tuple[tuple[str, str], ...]
+    """Each rule as HTML, with symbols and with {name} for numbers."""
+    unknown: Callable[[Algebra, Values], Mapping[str, Any]]
+    """Further states of a member by name, those that follow from the quantities."""
+    good: Verdict
+    """Verdict where every rule is positive."""
+    bounds: Conditions | None = None
+    """(value, error bound) of each rule where that is no share of the size; None where it is."""
+    members: Callable[[Algebra, Values], list[Any]] | None = None
+    """Numbers that are positive where the family has a member; None where it always has one."""
+    solver: Solver | None = None
+    """How the page solves for states; None where it solves for none."""
+    proved: bool = True
+    """Whether the signs have a bound on their errors."""
+    note: str = ""
+    """What the letters of the conditions are."""
+    numbers: str = ""
+    """How decimals in the equations were read; empty where all numbers are exact."""
+
+    def states(self, family: Family, algebra: Algebra, q: Values) -> list[Any]:
+        """States of a member of the family."""
+        given = dict(zip(self.names, q, strict=True))
+        known = {**family.fixed, **self.unknown(algebra, q), **given}
+        found = [known[n] for n in family.system.states]
+        return [math.pi / 2 if isinstance(v, Upright) else v for v in found]
+
+
 def polynomial_signs(
-    rules: Sequence[Rule], variables: Callable[[Algebra, Values], list[Any]], algebra: Algebra,
-    q: Values,
-) -> list[tuple[Any, Any]]:  # fmt: skip
+    rules: Sequence[Rule], algebra: Algebra, point: Values
+) -> list[tuple[Any, Any]]:
     """(value, sum of the sizes of the monomials) of each rule.
 
     Parameters
     ----------
     rules
         The polynomials.
-    variables
-        Function of the number type and the quantities to the variables of the polynomials.
-    algebra, q
-        The number type and the quantities.
+    algebra
+        The number type.
+    point
+        Values of the variables of the polynomials.
     """
-    point = variables(algebra, q)
     return [rule.sizes(algebra, point) for rule in rules]
 
 

@@ -9,7 +9,6 @@ from typing import Any
 from ...algebra.number_types import Algebra
 from ...base.errors import StabilityError
 from ...systems.family import Family
-from .formulas import Values
 from .source_text import graph
 
 MOST = 4
@@ -44,7 +43,7 @@ class Solver:
             if known else None,
         }  # fmt: skip
 
-    def polished(self, algebra: Algebra, q: Values) -> tuple[list[Any], list[Any]]:
+    def polished(self, algebra: Algebra, q: Sequence[Any]) -> tuple[list[Any], list[Any]]:
         """Quantities with unknowns after some steps of Newton's method, and what is positive there.
 
         Parameters

@@ -10,24 +10,33 @@ from typing import Any
 
 import numpy as np
 
-from ...base.checks import one_number
-from ...base.errors import NameUnknownError, ParameterError, StabilityError, listed, shown
-from ...bodies.contact_laws import LAWS
-from ...bodies.families import FAMILIES
-from ...bodies.round_body.body import Body
-from ...bodies.round_body.inclinations import tumbling_ranges
-from ...bodies.round_body.pole_equations import smooth_at
-from ...bodies.round_body.shape import refuse_constants
-from ...bodies.round_body.shapes import named
-from ...systems.family import Family
-from ..disk_subjects import WORDS
-from ..own_subject import member_states, own_subject
-from ..page import shared
-from ..pages import LAW_NAMES, common, foot, law_of, proved
-from ..subject import Quantity, Subject
-from ..units import PageUnits, units_of, without_scales
-from .body_motion import States, body_motion, meridian, mode_pose, start_of
-from .closed_subject import closed_states, closed_subject
+from ..base.checks import one_number
+from ..base.errors import NameUnknownError, ParameterError, StabilityError, listed, shown
+from ..base.quantities import Kind
+from ..base.quantities import Quantity as Known
+from ..bodies.contact_laws import LAWS
+from ..bodies.families import FAMILIES
+from ..bodies.round_body.body import Body
+from ..bodies.round_body.inclinations import tumbling_ranges
+from ..bodies.round_body.pole_equations import smooth_at
+from ..bodies.round_body.shape import refuse_constants
+from ..bodies.round_body.shapes import named
+from .certificates import own_certificates
+from .motion import (
+    body_of,
+    launch_model,
+    meridian,
+    motion_of,
+    start_along_axes,
+    through_poles,
+)
+from .page import shared
+from .pages import LAW_NAMES, law_of, page_data
+from .quantity import Quantity
+from .subject import Subject
+from .units import PageUnits, units_of, without_scales
+from .verdicts.closed import closed_formulas
+from .verdicts.derived import derived_formulas
 
 LAW_KEYS = ("smooth", "viscous", "rough")
 """Laws of the page."""
@@ -39,8 +48,6 @@ FRICTION = (0.02, 3.0, 0.3)
 """Range of friction and its value at first [1/√(gR)]."""
 MOST = 720_000
 """Largest size of families and motions [bytes]; a page of 1.5 MB has the library and proofs too."""
-RATE = "√(g/R)"
-"""Unit of an angular velocity; R is the body's length."""
 
 
 @dataclass(frozen=True)
@@ -110,47 +117,35 @@ def body_page(
     if theta is not None and first.theta is None:
         raise ParameterError(f"theta chooses where a body rolls; leave it out for {family}.")
     subjects: list[Subject] = []
-    members: dict[str, Family] = {}
     for one in families:
         for name in LAW_KEYS:
-            start = one == first and name == law
             try:
-                found, member = _subject(body, one, name, mu, at if one == first else None, units)
+                subjects.append(_subject(body, one, name, mu, at if one == first else None, units))
             except StabilityError:
-                if start:
+                if one == first and name == law:
                     raise
-                continue
-            subjects.append(found)
-            members[found.key] = member
-    start_key = f"{first.key} {law}"
-    motions = {n: body_motion(body, n) for n in LAW_KEYS}
-    kept = _fitting(subjects, motions, start_key)
+    motions = {n: motion_of(launch_model(body, n), solid=True) for n in LAW_KEYS}
+    [start] = [s for s in subjects if s.key == f"{first.key} {law}"]
+    kept = _fitting(subjects, motions, start)
     left = _left_out(families, subjects, kept, first)
-    subjects, motions = kept, {s.law: motions[s.law] for s in kept}
-    [start_subject] = [s for s in subjects if s.key == start_key]
-    values = {q.name: q.checked(q.value) for q in start_subject.quantities}
-    planes = {
-        s.key: proved(members[s.key], s, {q.name: q.value for q in s.quantities}) if certify else []
-        for s in subjects
-    }
-    return {
-        **common(subjects, start_subject, values, axes, units), "solid": True,
-        "certificates": planes,
-        "motions": motions,
-        "names": {"families": {f.key: f.button for f in families}, "laws": LAW_NAMES, "says": {
-            law: f"A body of revolution on a plane; {WORDS[law]}." for law in LAW_KEYS}},
-        "foot": foot("polynomials that were derived exactly from the equations of motion", units)
-        + left,
-    }  # fmt: skip
+    return page_data(
+        kept, start, {}, axes, units=units, more=left,
+        motions={s.law: motions[s.law] for s in kept},
+        certificates={s.key: own_certificates(s, s.values) if certify else [] for s in kept},
+        families={f.key: f.button for f in families}, says="A body of revolution on a plane",
+        source="polynomials that were derived exactly from the equations of motion",
+    )  # fmt: skip
 
 
-def _fitting(subjects: Sequence[Subject], motions: Mapping[str, Any], start: str) -> list[Subject]:
+def _fitting(
+    subjects: Sequence[Subject], motions: Mapping[str, Any], first: Subject
+) -> list[Subject]:
     """What fits into the size of a page: that asked for, its other laws, then whole families."""
-    [first] = [s for s in subjects if s.key == start]
-    groups: dict[str, list[Subject]] = {start: [first]}
+    groups: dict[str, list[Subject]] = {first.key: [first]}
     for one in subjects:
         if one is not first:
-            groups.setdefault(one.key if one.family == first.family else one.family, []).append(one)
+            group = one.key if one.button == first.button else one.button
+            groups.setdefault(group, []).append(one)
     kept: list[Subject] = []
     for some in groups.values():
         more = [*kept, *some]
@@ -168,8 +163,8 @@ def _left_out(
 ) -> str:
     """The sentence that names the families and laws without room on the page."""
     gone = [s for s in subjects if s not in kept]
-    laws = [LAW_NAMES[s.law] for s in gone if s.family == first.key]
-    names = {s.family for s in gone} - {first.key}
+    laws = [LAW_NAMES[s.law] for s in gone if s.button == first.key]
+    names = {s.button for s in gone} - {first.key}
     words = [f.button for f in families if f.key in names]
     words += [f"{first.button} ({law.lower()})" for law in laws]
     if not words:
@@ -188,44 +183,38 @@ def _chosen(families: Sequence[Shown], name: str, pole: Any) -> Shown:
     return next((f for f in found if f.pole == wanted), found[0])
 
 
-def _subject(
-    body: Body, one: Shown, law: str, mu: float, at: Any, units: PageUnits
-) -> tuple[Subject, Family]:  # fmt: skip
-    """A family under a law, and its `Family`."""
-    kind = LAWS[law]
+def _subject(body: Body, one: Shown, law: str, mu: float, at: Any, units: PageUnits) -> Subject:
+    """A family under a law."""
     family = body.family(one.name, law, **one.choice)
-    friction = {p.name: mu for p in kind.parameters}
-    values = {n: float(v) for n, v in (body.given | friction).items()}
+    numbers = body.given | {p.name: mu for p in LAWS[law].parameters}
     low, high, value = _range(body, one)
-    values[family.at[0]] = value
-    quantities = tuple(
-        _quantity(body, family, n, values[n], (low, high)) for n in (*family.at, *family.parameters)
-    )
+    first = _member(body, family.system.quantities[family.at[0]], low, high, value)
     if at is not None:
-        first = quantities[0]
-        quantities = (replace(first, value=units.plain(first, first.checked(at))), *quantities[1:])
-    axes = (family.at[0], "mu" if "mu" in values else family.parameters[0])
-    words: dict[str, Any] = {
-        "key": f"{one.key} {law}", "family": one.key, "law": law,
-        "title": f"{body.name}: {FAMILIES[one.name].motion}", "model": law,
-        "call": _call(body, one, law),
-        "symbols": {n: family.system.quantities[n].symbol or n for n in family.system.states},
-    }  # fmt: skip
-    states: States
-    if family.formulas is not None:
-        found = closed_subject(family, quantities, axes, words)
-        states = closed_states(family, [q.value for q in quantities[1:]])
-    else:
-        given = {q.name: q.value for q in quantities}
-        ends = {q.name: (q.name, q.low, q.high) for q in quantities}
-        drawn = ends[axes[0]], ends[axes[1]]
-        found = own_subject(family, given, drawn, (), {"family": one.key, "law": law})
-        found = replace(found, quantities=quantities, **words)
-        states = member_states(family, [q.name for q in quantities])
-    return replace(
-        found, **mode_pose(body, family, one.pole), meridian=meridian(body, family),
-        start=start_of(body, law, states, len(quantities), one.pole),
-    ), family  # fmt: skip
+        first = replace(first, value=units.plain(first, first.checked(at)))
+    quantities = {first.name: first}
+    for name in family.parameters:
+        quantities[name] = _number(body, family.system.quantities[name], float(numbers[name]))
+    derive = derived_formulas if family.formulas is None else closed_formulas
+    formulas = derive(family, quantities)
+    if formulas.solver:
+        raise StabilityError(
+            f"{family.name}: {', '.join(family.unknown)} of its members is solved for; of a body "
+            "the page draws families whose members are known in closed form."
+        )
+    start = (
+        start_along_axes(family, formulas, launch_model(body, law), one.pole)
+        if through_poles(body)
+        else ""
+    )
+    return Subject(
+        key=f"{one.key} {law}", family=family, button=one.key, law=law,
+        title=f"{body.name}: {FAMILIES[one.name].motion}", quantities=quantities,
+        axes=(first.name, "mu" if "mu" in quantities else family.parameters[0]),
+        formulas=formulas, model=law, call=_call(body, one, law),
+        symbols={n: q.symbol for n, q in family.system.quantities.items()},
+        body=body_of(body, family, one.pole)
+        | {"meridian": meridian(body, family), "start": start},
+    )  # fmt: skip
 
 
 def _range(body: Body, one: Shown) -> tuple[float, float, float]:
@@ -239,26 +228,26 @@ def _range(body: Body, one: Shown) -> tuple[float, float, float]:
     return round(low + room, 3), round(high - room, 3), round((low + high) / 2, 2)
 
 
-def _quantity(
-    body: Body, family: Family, name: str, value: Any, drawn: tuple[float, float]
-) -> Quantity:
-    """A quantity of a body's family with its symbol, words, unit and range."""
-    known = family.system.quantities[name]
-    symbol, label = (known.symbol or name).removesuffix("/mR²"), known.long_name
-    label = "" if label == symbol else label
-    if name == family.at[0]:
-        if name == "theta":
-            return Quantity(name, symbol, label, "rad", *drawn, value, *body.between)
-        return Quantity(name, symbol, label, RATE, *drawn, value, kind=known.kind)
-    if name == "mu":
-        return Quantity(name, symbol, label, "1/√(gR)", *FRICTION[:2], value, 0.0, kind=known.kind)
-    least, most = body.limits.get(name, (0.0, math.inf))
+def _member(body: Body, known: Known, low: float, high: float, value: float) -> Quantity:
+    """The number that names a member."""
+    ends: dict[str, Any] = {}
+    if known.kind is Kind.ANGLE:
+        ends = dict(zip(("least", "most"), body.between, strict=True))
+    return Quantity.of(known, low, high, value, **ends)
+
+
+def _number(body: Body, known: Known, value: float) -> Quantity:
+    """A coefficient of friction, or a number of the body."""
+    if known.name == "mu":
+        return Quantity.of(known, *FRICTION[:2], value, least=0.0)
+    least, most = body.limits.get(known.name, (0.0, math.inf))
     high = min(2.0 * value if value > 0 else 1.0, most)
-    low = max(least, 0.0) + 0.02 * high
-    unit = "m R²" if name in ("axial", "transverse") else "R"
-    beyond = float(np.nextafter(most, math.inf)) if math.isfinite(most) else None
-    least_one = least if math.isfinite(least) else None
-    return Quantity(name, symbol, label, unit, low, high, value, least_one, beyond)
+    return Quantity.of(
+        known, max(least, 0.0) + 0.02 * high, high, value,
+        unit="m R²" if known.name in ("axial", "transverse") else "R",
+        least=least if math.isfinite(least) else None,
+        most=float(np.nextafter(most, math.inf)) if math.isfinite(most) else None,
+    )  # fmt: skip
 
 
 def _call(body: Body, one: Shown, law: str) -> dict[str, Any]:

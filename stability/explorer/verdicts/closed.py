@@ -9,8 +9,7 @@ that method ends at another inclination than the one that Python means, the page
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -19,14 +18,13 @@ import numpy as np
 
 from ...algebra.number_types import Algebra
 from ...algebra.program import Program
-from ...algebra.upright import Upright
 from ...base.errors import NoMemberError
+from ...base.verdict import best
 from ...systems.family import Family
 from ...systems.graph.implicit_form import ImplicitForm
-from ..source.formulas import FLOAT, Sign, Values
-from ..source.source_text import graph, javascript
+from ..quantity import Quantity
+from ..source.formulas import FLOAT, Formulas, Sign, Values
 from ..source.tracked import with_bounds
-from ..subject import Quantity, Subject
 
 STEPS = 7
 """Steps of Newton's method for an inclination."""
@@ -188,58 +186,29 @@ def _minors(rows: Sequence[Sequence[ca.SX]], sign: int) -> ca.SX:
     return total
 
 
-def closed_subject(
-    family: Family, quantities: tuple[Quantity, ...], axes: tuple[str, str],
-    words: Mapping[str, Any],
-) -> Subject:  # fmt: skip
-    """A family of a body in closed form, for the page.
+def closed_formulas(family: Family, quantities: Mapping[str, Quantity]) -> Formulas:
+    """What decides the verdict of a family of a body in closed form.
 
     Parameters
     ----------
     family
         The family, with `formulas`.
     quantities
-        Its quantities, in the order of `at`, then parameters.
-    axes
-        Quantities on the axes at first.
-    words
-        `key`, `family`, `law`, `title`, `model`, `call` and `symbols` of the subject.
+        What names a member, by name in the family: `at`, then parameters.
 
     Source: tests/explorer/test_bodies.py compares with `spectrum` at random points.
     """
-    names = [q.name for q in quantities]
-    closed = Closed(family, [q.value for q in quantities[len(family.at) :]])
-    system = family.system
-    x, p = system.x, system.p
+    closed = Closed(family, [q.value for q in quantities.values()][len(family.at) :])
     degree = closed.form.function.numel_out(0) - 1
-    signs = tuple(Sign(kind, FLOAT) for kind, _, _ in closed.rules)
-    return Subject(
-        quantities=quantities, axes=axes, even=(closed.even,), zeros=closed.form.zeros,
-        coefficients=closed.coefficients, rules=signs, signs=closed.signs,
-        bounds=None if closed.solved else closed.bounds,
-        members=closed.members, texts=tuple((text, "") for _, text, _ in closed.rules),
-        states=system.states, member=javascript([len(names)], partial(_member, family, closed)),
-        jacobian=graph(Program(ca.Function("slopes", [x, p], [ca.jacobian(system.rhs, x)]))),
-        parameters=tuple(names.index(n) for n in system.parameters),
-        good="neutral" if closed.even else "stable", proved=not closed.solved,
-        note=_note(degree, even=closed.even), **words,
+    note = "c₀, c₁, …: coefficients of the characteristic polynomial, lowest power first"
+    if not closed.even and degree >= 3:
+        note += "; Δ: Hurwitz's determinants of it"
+    return Formulas(
+        names=tuple(quantities), even=(closed.even,), zeros=closed.form.zeros,
+        coefficients=closed.coefficients, signs=closed.signs,
+        rules=tuple(Sign(kind, FLOAT) for kind, _, _ in closed.rules),
+        texts=tuple((text, "") for _, text, _ in closed.rules),
+        unknown=lambda a, q: dict(zip(family.unknown, closed.unknown(a, q), strict=True)),
+        good=best(even=closed.even), bounds=None if closed.solved else closed.bounds,
+        members=closed.members, proved=not closed.solved, note=note,
     )  # fmt: skip
-
-
-def closed_states(family: Family, first: Sequence[float]) -> Callable[[Algebra, Values], list[Any]]:
-    """States of a member as a function of the number type and the quantities."""
-    return partial(_member, family, Closed(family, first))
-
-
-def _note(degree: int, *, even: bool) -> str:
-    """What the letters of the conditions are."""
-    said = "c₀, c₁, …: coefficients of the characteristic polynomial, lowest power first"
-    return said if even or degree < 3 else f"{said}; Δ: Hurwitz's determinants of it"
-
-
-def _member(family: Family, closed: Closed, algebra: Algebra, q: Values) -> list[Any]:
-    names = (*family.at, *family.parameters)
-    given = dict(zip(names, q, strict=True))
-    solved = dict(zip(family.unknown, closed.unknown(algebra, q), strict=True))
-    found = [given.get(n, solved.get(n, family.fixed.get(n))) for n in family.system.states]
-    return [math.pi / 2 if isinstance(v, Upright) else v for v in found]
