@@ -9,7 +9,7 @@ that method ends at another inclination than the one that Python means, the page
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -18,8 +18,10 @@ import numpy as np
 
 from ...algebra.number_types import Algebra
 from ...algebra.program import Program
+from ...algebra.running_error import Sized
 from ...base.errors import NoMemberError
 from ...base.verdict import best
+from ...boundary.interval_search.formula_meetings import hurwitz
 from ...systems.family import Family
 from ...systems.graph.implicit_form import ImplicitForm
 from ..quantity import Quantity
@@ -37,73 +39,59 @@ SAME = 1e-6
 """Angle within which a change of sign is rounding, in the shader's single precision [rad]."""
 
 
-class Closed:
-    """Coefficients, conditions and members of a family in closed form, as graphs.
+def closed_formulas(family: Family, quantities: Mapping[str, Quantity]) -> Formulas:
+    """What decides the verdict of a family of a body in closed form.
 
     Parameters
     ----------
     family
-        A family with `formulas`.
-    first
-        Parameters at which the page begins.
+        The family, with `formulas`.
+    quantities
+        What names a member, by name in the family: `at`, then parameters.
 
     Raises
     ------
     NoMemberError
-        If the family has no member at these parameters.
+        If the family has no member at the parameters at which the page begins.
+
+    Source: tests/explorer/test_bodies.py compares with `spectrum` at random points.
     """
+    form: Any = family.formulas
+    count, solved = len(family.at), isinstance(form, ImplicitForm)
+    a, p = ca.SX.sym("a", count), ca.SX.sym("p", len(family.parameters))
+    c = ca.SX.sym("c", len(form.constants))
+    theta, there = ca.SX(0, 1), ca.SX(0, 1)
+    if solved:
+        theta, there = _nearest(form, p, [q.value for q in quantities.values()][count:])
+    powers, unknown, positive = form.function(ca.vertcat(a, theta), p, c)
+    degree = powers.numel() - 1
+    rules = _rules(degree, even=form.even)
+    found = [rule([Sized(one, ca.fabs(one), 0) for one in ca.vertsplit(powers)])
+             for _, _, rule in rules]  # fmt: skip
 
-    def __init__(self, family: Family, first: Sequence[float]) -> None:
-        form: Any = family.formulas
-        self.form, self.count = form, len(family.at)
-        a, p = ca.SX.sym("a", len(family.at)), ca.SX.sym("p", len(family.parameters))
-        c = ca.SX.sym("c", len(form.constants))
-        self.solved = isinstance(form, ImplicitForm)
-        theta, there = _nearest(form, p, first) if self.solved else (ca.SX(0, 1), ca.SX(0, 1))
-        powers, unknown, positive = form.function(ca.vertcat(a, theta), p, c)
-        self.even = form.even
-        self.rules = _rules(powers.numel() - 1, even=form.even)
-        values, sizes = zip(*[rule(powers) for _, _, rule in self.rules], strict=True)
-        inputs = [a, p, c]
-        self._coefficients = self._program(inputs, ca.densify(powers))
-        self._unknown = self._program(inputs, ca.densify(unknown))
-        self._members = self._program(inputs, ca.densify(ca.vertcat(positive, there)))
-        self._values = self._program(inputs, ca.densify(ca.vertcat(*values)))
-        self._sizes = self._program(inputs, ca.densify(ca.vertcat(*sizes)))
+    def part(*entries: Any) -> Callable[[Algebra, Values], list[Any]]:
+        function = ca.Function("part", [a, p, c], [ca.densify(ca.vertcat(*entries))])
+        program = Program(function, form.constants)
+        return lambda algebra, q: [
+            value for (value,) in program.dense(algebra, [list(q[:count]), list(q[count:])])
+        ]
 
-    def _program(self, inputs: list[ca.SX], output: ca.SX) -> Program:
-        return Program(ca.Function("part", inputs, [output]), self.form.constants)
-
-    def _run(self, program: Program, algebra: Algebra, q: Values) -> list[list[Any]]:
-        zero: list[list[Any]] = []
-        found = program.run(algebra, [list(q[: self.count]), list(q[self.count :])])
-        for values, places, (rows, _) in zip(found, program.places, program.shapes, strict=True):
-            column = [0.0] * rows
-            for (row, _), value in zip(places, values, strict=True):
-                column[row] = value
-            zero.append(column)
-        return zero
-
-    def coefficients(self, algebra: Algebra, q: Values) -> list[list[Any]]:
-        """The one factor: coefficients in λ, lowest first, those of even powers if it is even."""
-        return self._run(self._coefficients, algebra, q)
-
-    def unknown(self, algebra: Algebra, q: Values) -> list[Any]:
-        """States that follow from the quantities, in the order of the family."""
-        return self._run(self._unknown, algebra, q)[0]
-
-    def members(self, algebra: Algebra, q: Values) -> list[Any]:
-        """Numbers that are positive at every member."""
-        return self._run(self._members, algebra, q)[0]
-
-    def signs(self, algebra: Algebra, q: Values) -> list[tuple[Any, Any]]:
-        """(value, size of its products) of each condition."""
-        values, sizes = (self._run(p, algebra, q)[0] for p in (self._values, self._sizes))
-        return list(zip(values, sizes, strict=True))
-
-    def bounds(self, algebra: Algebra, q: Values) -> list[tuple[Any, Any]]:
-        """(value, bound on its error) of each condition."""
-        return with_bounds(lambda a, z: self._run(self._values, a, z)[0], algebra, q)
+    coefficients, states = part(powers), part(unknown)
+    values, sizes = part(*(one.value for one in found)), part(*(one.size for one in found))
+    note = "c₀, c₁, …: coefficients of the characteristic polynomial, lowest power first"
+    if not form.even and degree >= 3:
+        note += "; Δ: Hurwitz's determinants of it"
+    return Formulas(
+        names=tuple(quantities), even=(form.even,), zeros=form.zeros,
+        coefficients=lambda algebra, q: [coefficients(algebra, q)],
+        rules=tuple(Sign(kind, FLOAT) for kind, _, _ in rules),
+        signs=lambda algebra, q: list(zip(values(algebra, q), sizes(algebra, q), strict=True)),
+        texts=tuple((text, "") for _, text, _ in rules),
+        unknown=lambda algebra, q: dict(zip(family.unknown, states(algebra, q), strict=True)),
+        good=best(even=form.even),
+        bounds=None if solved else lambda algebra, q: with_bounds(values, algebra, q),
+        members=part(positive, there), proved=not solved, note=note,
+    )  # fmt: skip
 
 
 def _nearest(form: ImplicitForm, p: ca.SX, first: Sequence[float]) -> tuple[ca.SX, ca.SX]:
@@ -136,79 +124,27 @@ def _within(u: ca.SX, low: float, high: float) -> ca.SX:
     return (above + high - ca.fabs(high - above)) / 2
 
 
-def _rules(degree: int, *, even: bool) -> list[tuple[str, str, Any]]:
-    """(kind, text, function of the coefficients to value and size): Liénard and Chipart's signs."""
+def _rules(degree: int, *, even: bool) -> list[tuple[str, str, Callable[[list[Any]], Any]]]:
+    """(kind, text, function of the coefficients): Liénard and Chipart's signs.
 
-    def product(i: int, j: int, c: ca.SX) -> tuple[ca.SX, ca.SX]:
-        return c[i] * c[j], ca.fabs(c[i] * c[j])
-
-    if even:
-        return [("static", f"c<sub>0</sub> c<sub>{degree}</sub>", partial(product, 0, degree))]
-    rules = [
+    Each has the sign that it has for a polynomial with positive leading coefficient.
+    """
+    rules: list[Any] = [
         ("auxiliary" if i else "static", f"c<sub>{i}</sub> c<sub>{degree}</sub>",
-         partial(product, i, degree)) for i in range(0, degree, 2)
+         partial(_product, i, degree)) for i in range(0, 1 if even else degree, 2)
     ]  # fmt: skip
-    for order in range(degree - 1, 0, -2):
+    for order in range(degree - 1, 0, -2) if not even else ():
         kind = "flutter" if order == degree - 1 else "auxiliary"
         text = f"Δ<sub>{order}</sub>" if order > 1 else f"c<sub>{degree - 1}</sub>"
         text += f" c<sub>{degree}</sub>" * (order % 2)
-        rules.append((kind, text, partial(_hurwitz, degree, order)))
+        rules.append((kind, text, partial(_determinant, order)))
     return rules
 
 
-def _hurwitz(degree: int, order: int, c: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """A Hurwitz determinant by its minors, and the same with every product positive.
-
-    Its sign is that for a polynomial with positive leading coefficient where the order is even; an
-    odd one is multiplied by the leading coefficient.
-    """
-    odd = c[degree] if order % 2 else ca.SX(1)
-    places = [[degree - (2 * i - j + 1) for j in range(order)] for i in range(order)]
-
-    def entry(i: int, j: int) -> ca.SX:
-        inside = 0 <= places[j][i] <= degree
-        return c[places[j][i]] if inside else ca.SX(0)
-
-    value = _minors([[entry(i, j) for j in range(order)] for i in range(order)], -1)
-    size = _minors([[ca.fabs(entry(i, j)) for j in range(order)] for i in range(order)], 1)
-    return odd * value, ca.fabs(odd) * size
+def _product(i: int, j: int, c: list[Any]) -> Any:
+    return c[i] * c[j]
 
 
-def _minors(rows: Sequence[Sequence[ca.SX]], sign: int) -> ca.SX:
-    """Determinant (`sign` -1) or permanent (1) by the first row."""
-    if len(rows) == 1:
-        return rows[0][0]
-    total = ca.SX(0)
-    for j, first in enumerate(rows[0]):
-        if not first.is_zero():
-            rest = [[*row[:j], *row[j + 1 :]] for row in rows[1:]]
-            total += sign**j * first * _minors(rest, sign)
-    return total
-
-
-def closed_formulas(family: Family, quantities: Mapping[str, Quantity]) -> Formulas:
-    """What decides the verdict of a family of a body in closed form.
-
-    Parameters
-    ----------
-    family
-        The family, with `formulas`.
-    quantities
-        What names a member, by name in the family: `at`, then parameters.
-
-    Source: tests/explorer/test_bodies.py compares with `spectrum` at random points.
-    """
-    closed = Closed(family, [q.value for q in quantities.values()][len(family.at) :])
-    degree = closed.form.function.numel_out(0) - 1
-    note = "c₀, c₁, …: coefficients of the characteristic polynomial, lowest power first"
-    if not closed.even and degree >= 3:
-        note += "; Δ: Hurwitz's determinants of it"
-    return Formulas(
-        names=tuple(quantities), even=(closed.even,), zeros=closed.form.zeros,
-        coefficients=closed.coefficients, signs=closed.signs,
-        rules=tuple(Sign(kind, FLOAT) for kind, _, _ in closed.rules),
-        texts=tuple((text, "") for _, text, _ in closed.rules),
-        unknown=lambda a, q: dict(zip(family.unknown, closed.unknown(a, q), strict=True)),
-        good=best(even=closed.even), bounds=None if closed.solved else closed.bounds,
-        members=closed.members, proved=not closed.solved, note=note,
-    )  # fmt: skip
+def _determinant(order: int, c: list[Any]) -> Any:
+    value = hurwitz(c, order)
+    return c[-1] * value if order % 2 else value
