@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -210,7 +211,11 @@ def _subject(body: Body, one: Shown, law: str, mu: float, at: Any, units: PageUn
         key=f"{one.key} {law}", family=family, button=one.key, law=law,
         title=f"{body.name}: {FAMILIES[one.name].motion}", quantities=quantities,
         axes=(first.name, "mu" if "mu" in quantities else family.parameters[0]),
-        formulas=formulas, model=law, call=_call(body, one, law),
+        formulas=formulas, model=law, call={
+            "what": "body", "made": _made(body), "name": body.name, "family": one.name,
+            "law": law, "class": LAWS[law].__name__, "si": {}, "pole": one.choice.get("pole"),
+            "theta": one.theta, "state": "" if through_poles(body) else first.name,
+        },
         symbols={n: q.symbol for n, q in family.system.quantities.items()},
         body=body_of(body, family, one.pole)
         | {"meridian": meridian(body, family), "start": start},
@@ -250,22 +255,17 @@ def _number(body: Body, known: Known, value: float) -> Quantity:
     )  # fmt: skip
 
 
-def _call(body: Body, one: Shown, law: str) -> dict[str, Any]:
-    """How Python is asked for the same; the body as text with a place for each number."""
-    places = [f"{n}={{{n}}}" for n in body.given if n not in ("mass", "gravity", "length")]
-    text, make = "", named.NAMED.get(body.name.replace(" ", "-"))
+def _made(body: Body) -> str:
+    """How Python makes the body, with a place for each number; empty for one of the user's own."""
+    make = named.NAMED.get(body.name.replace(" ", "-"))
     numbers = {n: v for n, v in body.given.items() if n not in ("mass", "gravity", "length")}
+    places = [f"{n}={{{n}}}" for n in numbers]
+    if make is None:
+        return ""
     for more in ({}, {"solid": False}):
-        if make is None:
-            break
-        try:
+        with suppress(TypeError, StabilityError):
             same = make(**numbers, **more)
-        except (TypeError, StabilityError):
-            continue
-        if same.moments() == body.moments() and same.name == body.name:
-            given = [*places, *(f"{n}={v}" for n, v in more.items())]
-            text = f"st.{make.__name__}({', '.join(given)})"
-            break
-    return {"kind": "body", "family": one.name, "law": law, "pole": one.choice.get("pole"),
-            "theta": one.theta, "class": LAWS[law].__name__, "body": text,
-            "name": body.name}  # fmt: skip
+            if same.moments() == body.moments() and same.name == body.name:
+                given = [*places, *(f"{n}={v}" for n, v in more.items())]
+                return f"st.{make.__name__}({', '.join(given)})"
+    return ""

@@ -115,8 +115,9 @@ def disk_subject(name: str, law: str) -> Subject:
         key=f"{name} {law}", family=family, law=law, title=record.disk_motion,
         quantities=quantities, axes=("at", "mu" if "mu" in quantities else "k"),
         formulas=stored_formulas(family, law, quantities), model=law,
-        call={"kind": "disk", "family": name, "law": law, "state": state.name,
-              "class": LAWS[law].__name__, "si": renamed},
+        call={"what": "disk", "made": "st.Disk(k={k})", "family": name, "law": law,
+              "class": LAWS[law].__name__, "si": renamed, "pole": None, "theta": None,
+              "state": state.name},
         symbols={n: q.symbol for n, q in QUANTITIES.items()}, body=body_of(of_disk(Disk()), family),
     )  # fmt: skip
 

@@ -62,7 +62,7 @@ def own_page(
     subject = Subject(
         key=family.name, family=family, title=f"{family.system.name}: {family.name}",
         quantities=quantities, axes=(first, second), formulas=formulas, model=family.name,
-        call={"kind": "own", "at": family.at, "parameters": family.parameters,
+        call={"what": "system", "si": {}, "at": family.at, "parameters": family.parameters,
               "given": family.system.parameters, "zeros": zeros, "system": family.system.name,
               "numbers": formulas.numbers},
     )  # fmt: skip

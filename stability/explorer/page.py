@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from importlib.resources import files
+from posixpath import dirname, join, normpath
 from typing import Any
 
 from ..base.errors import StabilityError
@@ -142,10 +143,9 @@ def _collect(name: str, done: dict[str, str], above: tuple[str, ...]) -> None:
     if name in above:
         raise StabilityError(f"modules of the page import each other: {' → '.join(above)}.")
     text = _read(f"script/{name}")
-    folder = name.rpartition("/")[0]
 
     def imported(match: re.Match[str]) -> str:
-        place = _joined(folder, match.group(2))
+        place = normpath(join(dirname(name), match.group(2)))
         _collect(place, done, (*above, name))
         return f"const {match.group(1)} = {_variable(place)};\n"
 
@@ -158,17 +158,6 @@ def _collect(name: str, done: dict[str, str], above: tuple[str, ...]) -> None:
 def _variable(name: str) -> str:
     """The variable that holds the exports of a module."""
     return "of_" + re.sub(r"\W", "_", name.removesuffix(".js"))
-
-
-def _joined(folder: str, place: str) -> str:
-    """The path of an import, from `script/`."""
-    parts = [p for p in folder.split("/") if p]
-    for part in place.split("/"):
-        if part == "..":
-            parts.pop()
-        elif part != ".":
-            parts.append(part)
-    return "/".join(parts)
 
 
 def _read(name: str) -> str:

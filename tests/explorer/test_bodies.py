@@ -167,6 +167,27 @@ def test_bounds_of_the_signs_hold_in_balls(asked: tuple[str, Engine]) -> None:
     assert wide > 20  # the two do differ
 
 
+NEAR_MEMBER = """([at, tilt, until]) => {
+  const {view, motion} = stabilityExplorer;
+  view.choose("spinning viscous");
+  view.move({phi_dot: at});
+  view.set({tilt, until});
+  motion.run();
+  return motion.near(motion.launch);
+}"""
+"""What the page says of the steady motion near which a launch has come."""
+
+
+@pytest.mark.parametrize("written", ["torus"], indirect=True)
+def test_a_launch_names_the_member_that_it_has_come_near(asked: tuple[str, Engine]) -> None:
+    name, view = asked
+    told = view.page.evaluate(NEAR_MEMBER, [2.0, 0.1, 200.0])
+    body = body_with(name, {"tube": 0.2})
+    start = st.launch("spinning", at=2.0, tilt=0.1, body=body)
+    run = st.simulate(body, st.Viscous(0.3), start, 200.0)
+    assert f"of spinning with φ̇ = {float(run.phi_dot[-1]):.4g} (float" in told
+
+
 RUN = """(runs) => runs.map(({key, q, tilt, times}) => {
   const {view, launched} = stabilityExplorer, subject = view.subjects.get(key);
   const motion = view.data.motions[subject.model];
