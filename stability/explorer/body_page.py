@@ -91,15 +91,7 @@ def body_page(
     parameters: Mapping[str, Any], *, certify: bool, pole: Any = None,
     theta: Any = None,
 ) -> dict[str, Any]:  # fmt: skip
-    """Data of the page of a body of revolution.
-
-    Parameters
-    ----------
-    family, at, contact, body, parameters, certify, pole, theta
-        As for `explore`.
-    axes
-        The two axes, or None for each.
-    """
+    """Data of the page of a body of revolution."""
     refuse_constants(body, [axis.name for axis in axes if axis is not None])
     families = _families(body, None if theta is None else one_number("theta", theta))
     names = list(dict.fromkeys(f.name for f in families))
@@ -151,7 +143,7 @@ def _fitting(
     for some in groups.values():
         more = [*kept, *some]
         told = {
-            "subjects": [s.told() for s in more],
+            "subjects": [s.record for s in more],
             "motions": {s.law: motions[s.law] for s in more},
         }
         if not kept or len(json.dumps(shared(told))) < MOST:

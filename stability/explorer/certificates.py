@@ -58,12 +58,7 @@ def certificate(
 def own_certificates(subject: Subject, values: Mapping[str, float]) -> list[Any]:
     """What is proved over the first axes of a family by its graph; none where nothing is.
 
-    Parameters
-    ----------
-    subject
-        A family whose quantities have in calls the names that they have in the family.
-    values
-        Values of its quantities.
+    Its quantities have in calls the names that they have in the family.
     """
     family = subject.family
 
@@ -82,13 +77,6 @@ def own_certificates(subject: Subject, values: Mapping[str, float]) -> list[Any]
 
 def packed(boxes: Boxes, x: Axis, y: Axis) -> str:
     """The rectangles as a tree, the first corner first: `+` for one that is cut in four.
-
-    Parameters
-    ----------
-    boxes
-        Rectangles that cover the axes.
-    x, y
-        The axes.
 
     Examples
     --------

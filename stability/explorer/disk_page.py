@@ -46,15 +46,7 @@ def disk_page(
     family: Any, at: Any, contact: Any, disk: Disk | None, axes: Sequence[Any],
     parameters: Mapping[str, Any], *, certify: bool,
 ) -> dict[str, Any]:  # fmt: skip
-    """Data of the page of the disk.
-
-    Parameters
-    ----------
-    family, at, contact, disk, parameters, certify
-        As for `explore`.
-    axes
-        The two axes, or None for each.
-    """
+    """Data of the page of the disk."""
     if not isinstance(family, str) or family not in FAMILY_NAMES:
         raise NameUnknownError(
             f"family is {shown(family)}; give {listed(FAMILY_NAMES, 'or')}, or a Family of your "
@@ -83,13 +75,6 @@ def disk_page(
 
 def disk_subject(name: str, law: str) -> Subject:
     """One of the disk's families under a stored law.
-
-    Parameters
-    ----------
-    name
-        rolling, spinning or tumbling.
-    law
-        A key of `stability.bodies.contact_laws.LAWS`.
 
     Examples
     --------

@@ -43,20 +43,7 @@ def launch_model(body: Body, law: str) -> Model:
 
 
 def motion_of(model: Model, *, solid: bool) -> dict[str, Any]:
-    """Equations, guards, observables and, of a body, its place: a launch as the page runs it.
-
-    Parameters
-    ----------
-    model
-        The model of a disk or body with its pose, or that of a user's system.
-    solid
-        Whether there is a body to draw.
-
-    Returns
-    -------
-    dict
-        Record of the page.
-    """
+    """Equations, guards, observables and, of a body, its place: a launch as the page runs it."""
     kept = len(model.names) - (PROBE in model.names)
     y, p, series = model.x[:kept], model.p, model.series
     if solid:
@@ -94,12 +81,7 @@ def _frame(model: Model) -> ca.SX:
 def body_of(body: Body, family: Family, pole: int = 0) -> dict[str, Any]:
     """How the states of the spectrum move the body: `pose`, `frame` and `still` of a subject.
 
-    Parameters
-    ----------
-    body, family
-        The body and one of its families.
-    pole
-        1 or -1 for vertical spin at θ = 0 or π; 0 for every other family.
+    The pole is 1 or -1 for vertical spin at θ = 0 or π, and 0 for every other family.
     """
     x, p = family.system.x, family.system.p
     numbers = ca.vertsplit(p)[: len(body.shape)]
@@ -159,20 +141,10 @@ def meridian(body: Body, family: Family) -> dict[str, Any]:
 
 
 def start_along_axes(family: Family, formulas: Formulas, model: Model, pole: int) -> str:
-    """JavaScript: quantities, tilt → start of a launch along fixed axes, as `launch` gives it.
-
-    Parameters
-    ----------
-    family, formulas
-        A family and its members; of vertical spin its angular velocity alone counts.
-    model
-        From `launch_model`.
-    pole
-        As for `body_of`.
-    """
+    """JavaScript: quantities, tilt → start of a launch along fixed axes, as `launch` gives it."""
 
     def start(algebra: Algebra, q: Values, tilt: Values) -> list[Any]:
-        if pole:
+        if pole:  # of vertical spin the angular velocity alone counts
             upright = 0.0 if pole == 1 else math.pi
             six = [upright + pole * tilt[0], 0.0, 0.0, pole * q[0], 0.0, 0.0]
         else:

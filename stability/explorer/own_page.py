@@ -33,15 +33,7 @@ def own_page(
     family: Family, at: Any, axes: Sequence[Any], positive: Sequence[str],
     parameters: Mapping[str, Any], *, certify: bool,
 ) -> dict[str, Any]:  # fmt: skip
-    """Data of the page of one family of a user's system.
-
-    Parameters
-    ----------
-    family, at, positive, parameters, certify
-        As for `explore`.
-    axes
-        The two axes, or None for each.
-    """
+    """Data of the page of one family of a user's system."""
     family, values, zeros = without_inputs(family, given_values(family, at, parameters))
     names = [*family.at, *family.parameters]
     if len(names) < 2:

@@ -22,19 +22,7 @@ EXPORT = re.compile(r"^export (?:async )?(?:const|let|function\*?|class) (\w+)",
 
 
 def page(data: Mapping[str, Any], title: str) -> str:
-    """One HTML file that needs no other file, no server and no network.
-
-    Parameters
-    ----------
-    data
-        Subjects, motions and the view at first.
-    title
-        Title of the page.
-
-    Returns
-    -------
-    str
-    """
+    """One HTML file that needs no other file, no server and no network."""
     parts = {
         "TITLE": title.replace("&", "&amp;").replace("<", "&lt;"),
         "STYLE": _read("style.css"),
@@ -47,13 +35,7 @@ def page(data: Mapping[str, Any], title: str) -> str:
 
 
 def module(data: Mapping[str, Any]) -> str:
-    """The same page as the module of a widget.
-
-    Parameters
-    ----------
-    data
-        As for `page`.
-    """
+    """The same page as the module of a widget."""
     return "\n".join([
         script(), f"const DATA = {json.dumps(shared(data))};",
         f"const THREE_TEXT = {json.dumps(library())};",
@@ -74,16 +56,6 @@ LONG = 200
 
 def shared(data: Mapping[str, Any]) -> dict[str, Any]:
     """The data with each long text that occurs twice in one list, `texts`.
-
-    Parameters
-    ----------
-    data
-        As for `page`.
-
-    Returns
-    -------
-    dict
-        `texts`, and `data`, where {"text": i} is the entry i of `texts`.
 
     Examples
     --------
@@ -121,10 +93,6 @@ def json_in_html(data: Mapping[str, Any]) -> str:
 @lru_cache(maxsize=1)
 def script() -> str:
     """The modules of `script/` as one text, each after those that it imports.
-
-    Returns
-    -------
-    str
 
     Raises
     ------

@@ -73,7 +73,7 @@ def page_data(
     sizes = {n: units.sizes[q.kind] if units else 1.0 for n, q in quantities.items()}
     laws = dict.fromkeys(s.law for s in subjects)
     return {
-        "format": 1, "version": __version__, "subjects": [s.told() for s in subjects],
+        "format": 1, "version": __version__, "subjects": [s.record for s in subjects],
         "start": {"subject": start.key, "values": values, "axes": [
             None if a is None else told_axis(a, sizes[a.name]) for a in axes]},
         "units": {n: kind.words for n, kind in CURVES.items()} if stated is None else stated,
@@ -88,28 +88,12 @@ def page_data(
 
 
 def told_axis(axis: Axis, size: float = 1.0) -> list[Any]:
-    """Name, ends and spacing of an axis in the page.
-
-    Parameters
-    ----------
-    axis
-        The axis.
-    size
-        Size of its unit, in the units of the axis.
-    """
+    """Name, ends and spacing of an axis in the page, whose unit has a size."""
     return [axis.name, axis.low / size, axis.high / size, *["log"] * axis.log]
 
 
 def foot(source: str, units: PageUnits | None = None) -> str:
-    """The last line of a page.
-
-    Parameters
-    ----------
-    source
-        What the page computes from.
-    units
-        Units of a body; None for a system of one's own.
-    """
+    """The last line of a page."""
     made = f"Made by stability {__version__}. This page computes everything itself, from {source}"
     words = f"{PROOFS} {made}"
     if units is None:
@@ -121,15 +105,7 @@ def foot(source: str, units: PageUnits | None = None) -> str:
 
 
 def axis(given: Any, which: str) -> Axis | None:
-    """An axis from (name, low, high) and perhaps "log", as of a map without its count.
-
-    Parameters
-    ----------
-    given
-        What the caller gave.
-    which
-        x or y, for the message.
-    """
+    """An axis from (name, low, high) and perhaps "log", as of a map without its count."""
     if given is None:
         return None
     if not isinstance(given, (list, tuple)) or len(given) not in (3, 4):

@@ -43,17 +43,7 @@ class Quantity:
         cls, known: Known, low: float, high: float, value: float, *, name: str = "",
         unit: str | None = None, **limits: Any,
     ) -> Quantity:  # fmt: skip
-        """A quantity of a disk or body, its unit that of its kind where no other is given.
-
-        Parameters
-        ----------
-        known
-            Its name, symbol and words.
-        low, high, value, unit, **limits
-            The fields of the record.
-        name
-            Its name in calls, where that is another.
-        """
+        """A quantity of a disk or body: name in calls and unit are its own where none is given."""
         symbol = (known.symbol or known.name).removesuffix("/mR²")
         label = "" if known.long_name == symbol else known.long_name
         unit = known.kind.label(dimensionless=True) if unit is None else unit

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import casadi as ca
@@ -52,7 +53,8 @@ class Subject:
         """The numbers at first, by their names in calls."""
         return {q.name: q.value for q in self.quantities.values()}
 
-    def told(self) -> dict[str, Any]:
+    @cached_property
+    def record(self) -> dict[str, Any]:
         """The record in the page."""
         formulas, system, names = self.formulas, self.family.system, list(self.quantities)
         solver, count = formulas.solver, len(formulas.names)
@@ -96,8 +98,8 @@ class Subject:
         }  # fmt: skip
 
     def _degrees(self, count: int) -> list[int]:
-        record = Record(JAVASCRIPT)
+        lines = Record(JAVASCRIPT)
         found = self.formulas.coefficients(
-            record.algebra(), [Line(record, f"a0[{i}]") for i in range(count)]
+            lines.algebra(), [Line(lines, f"a0[{i}]") for i in range(count)]
         )
         return [len(factor) - 1 for factor in found]

@@ -60,11 +60,6 @@ class PageUnits:
 def units_of(body: Disk | Body) -> PageUnits:
     """Units of a disk, or of a body.
 
-    Parameters
-    ----------
-    body
-        The disk or body, with one number for each of mass, length and gravity.
-
     Raises
     ------
     ParameterError
@@ -84,11 +79,5 @@ def units_of(body: Disk | Body) -> PageUnits:
 
 
 def without_scales(body: Body) -> Body:
-    """The same shape with m = R = g = 1.
-
-    Parameters
-    ----------
-    body
-        A body.
-    """
+    """The same shape with m = R = g = 1."""
     return body if body.dimensionless else replace(body, mass=1.0, gravity=1.0, length=1.0)

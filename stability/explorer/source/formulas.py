@@ -113,17 +113,7 @@ class Formulas:
 def polynomial_signs(
     rules: Sequence[Rule], algebra: Algebra, point: Values
 ) -> list[tuple[Any, Any]]:
-    """(value, sum of the sizes of the monomials) of each rule.
-
-    Parameters
-    ----------
-    rules
-        The polynomials.
-    algebra
-        The number type.
-    point
-        Values of the variables of the polynomials.
-    """
+    """(value, sum of the sizes of the monomials) of each rule."""
     return [rule.sizes(algebra, point) for rule in rules]
 
 
@@ -217,26 +207,13 @@ def filled(polynomial: Polynomial, names: Mapping[str, tuple[str, int]], shift: 
 
 
 def shift_of(polynomials: Sequence[Polynomial]) -> int:
-    """The power of two over which the largest coefficient is about 1; 0 where all are small.
-
-    Parameters
-    ----------
-    polynomials
-        Polynomials with one factor.
-    """
+    """The power of two over which the largest coefficient is about 1; 0 where all are small."""
     largest = max((abs(c) for p in polynomials for c, _ in p.terms), default=1)
     return 0 if largest < 2**40 else largest.bit_length() - 1
 
 
 def value_of(polynomial: Polynomial, shift: int, point: Sequence[Any]) -> Any:
     """A polynomial over a power of two, with each coefficient rounded once.
-
-    Parameters
-    ----------
-    polynomial, shift
-        The polynomial and the power.
-    point
-        Values of its variables.
 
     Examples
     --------

@@ -45,15 +45,7 @@ class Solver:
         }  # fmt: skip
 
     def polished(self, algebra: Algebra, q: Sequence[Any]) -> tuple[list[Any], list[Any]]:
-        """Quantities with unknowns after some steps of Newton's method, and what is positive there.
-
-        Parameters
-        ----------
-        algebra
-            The number type.
-        q
-            Quantities, then a guess of each unknown.
-        """
+        """Quantities with unknowns, by Newton's method from a guess, and what is positive there."""
         family, count = self.family, len(q) - len(self.unknown)
         cut, program, size = len(family.at), family.graph.along, algebra.functions["fabs"]
         given, u = list(q[:count]), list(q[count:])
@@ -70,11 +62,6 @@ class Solver:
 
 def solver_of(family: Family) -> Solver | None:
     """How the members of a family are found; None where they are known in closed form.
-
-    Parameters
-    ----------
-    family
-        The family.
 
     Raises
     ------

@@ -63,11 +63,6 @@ def javascript(inputs: Sequence[int], formula: Callable[..., Sequence[Any]]) -> 
 def graph(program: Program) -> str:
     """A graph as a JavaScript function; each output dense, row by row, one after the other.
 
-    Parameters
-    ----------
-    program
-        The graph.
-
     Examples
     --------
     >>> import casadi as ca

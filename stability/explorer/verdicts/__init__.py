@@ -1,4 +1,5 @@
 """What decides a family's verdict: stored polynomials, a closed form, or conditions over Q.
 
-May import `source`.  A new way gives one `Formulas`, which a page is built from.
+May import `source` and `quantity` of `explorer`.
+To add another way: a function that gives one `Formulas`, called where a page makes its subjects.
 """

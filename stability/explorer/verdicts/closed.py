@@ -42,13 +42,6 @@ SAME = 1e-6
 def closed_formulas(family: Family, quantities: Mapping[str, Quantity]) -> Formulas:
     """What decides the verdict of a family of a body in closed form.
 
-    Parameters
-    ----------
-    family
-        The family, with `formulas`.
-    quantities
-        What names a member, by name in the family: `at`, then parameters.
-
     Raises
     ------
     NoMemberError

@@ -45,15 +45,6 @@ def derived_formulas(
 ) -> Formulas:
     """What decides the verdict of a family, derived with every quantity as a variable.
 
-    Parameters
-    ----------
-    family
-        A family whose conditions are polynomials in its quantities and its unknowns.
-    quantities
-        What names a member, by name in the family.
-    positive
-        Quantities that are positive.
-
     Raises
     ------
     StabilityError

@@ -16,17 +16,7 @@ from ..source.formulas import Formulas, Rule, Values, filled, polynomial_signs, 
 
 
 def stored_formulas(family: Family, law: str, quantities: Mapping[str, Quantity]) -> Formulas:
-    """What decides the verdict of a family of the disk.
-
-    Parameters
-    ----------
-    family
-        The family under the law.
-    law
-        A key of `stability.bodies.contact_laws.LAWS`.
-    quantities
-        What names a member, by name in the family.
-    """
+    """What decides the verdict of a family of the disk."""
     record, exact = FAMILIES[family.name], DiskPolynomial(exact_polynomial(family.name, law))
     known, [at] = exact.known, family.at
     written, put = {}, {}
