@@ -78,8 +78,8 @@ def disk_subject(name: str, law: str) -> Subject:
 
     Examples
     --------
-    >>> disk_subject("rolling", "viscous").formulas.texts
-    (('2<i>k</i><i>ω₃</i><sup>2</sup> − 1', '2 · {k} · {at}<sup>2</sup> − 1'),)
+    >>> [(rule.text, rule.filled) for rule in disk_subject("rolling", "viscous").formulas.rules]
+    [('2<i>k</i><i>ω₃</i><sup>2</sup> − 1', '2 · {k} · {at}<sup>2</sup> − 1')]
     """
     record, family = FAMILIES[name], disk_family(name, law)
     state = QUANTITIES[record.at[0]]

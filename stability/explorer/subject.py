@@ -82,10 +82,7 @@ class Subject:
                 lambda f, q: [c for factor in formulas.coefficients(f, q) for c in factor]
             ),
             "conditions": paired(formulas.signs), "bounds": paired(formulas.bounds),
-            "rules": [
-                {"kind": rule.kind, "text": text, "filled": put, "share": rule.share}
-                for rule, (text, put) in zip(formulas.rules, formulas.texts, strict=True)
-            ],
+            "rules": [vars(rule) for rule in formulas.rules],
             "shader": look(count, seen, formulas.even), "states": system.states,
             "member": source(lambda f, q: formulas.states(self.family, f, q)),
             "jacobian": graph(Program(slopes)), "model": self.model, "call": dict(self.call),

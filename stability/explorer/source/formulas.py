@@ -29,42 +29,17 @@ Conditions = Callable[[Algebra, Values], list[tuple[Any, Any]]]
 
 
 @dataclass(frozen=True)
-class Sign:
-    """A number whose sign decides, with no polynomial to show."""
+class Rule:
+    """A number whose sign decides; all positive means stable or neutral."""
 
     kind: str
     """What happens where it vanishes: static, flutter or auxiliary."""
     share: float
     """Error bound over the size that is given with its value."""
-
-
-@dataclass(frozen=True)
-class Rule:
-    """A polynomial whose sign decides."""
-
-    kind: str
-    """What happens where it vanishes: static, flutter or auxiliary."""
-    polynomial: Polynomial
-    """The polynomial; all positive means stable or neutral."""
-    roundings: Mapping[str, int]
-    """Roundings in the value of each variable."""
-    shift: int = 0
-    """The polynomial is divided by 2 to this power, where its coefficients are large."""
-
-    @property
-    def share(self) -> float:
-        """Error bound over the sum of the sizes of all monomials, rounded up."""
-        count = self.polynomial.roundings(self.roundings) + ROUNDINGS
-        return UP * count * 2.0**-53
-
-    def sizes(self, algebra: Algebra, values: Values) -> tuple[Any, Any]:
-        """Value, and the sum of the sizes of all monomials; every line is used for both."""
-        positive = Polynomial(
-            self.polynomial.variables, tuple((abs(c), e) for c, e in self.polynomial.terms)
-        )
-        size = algebra.functions["fabs"]
-        sizes = [size(v) for v in values]
-        return value_of(self.polynomial, self.shift, values), value_of(positive, self.shift, sizes)
+    text: str
+    """The number as HTML with symbols."""
+    filled: str = ""
+    """The same with {name} for numbers; empty where that is too long."""
 
 
 @dataclass(frozen=True)
@@ -79,12 +54,10 @@ class Formulas:
     """Number of eigenvalues that vanish by structure."""
     coefficients: Coefficients
     """Coefficients of each factor in λ, lowest first."""
-    rules: tuple[Rule | Sign, ...]
+    rules: tuple[Rule, ...]
     """What decides by its sign."""
     signs: Conditions
     """(value, size) of each rule; the share of the rule times the size bounds the error."""
-    texts: tuple[tuple[str, str], ...]
-    """Each rule as HTML, with symbols and with {name} for numbers."""
     unknown: Callable[[Algebra, Values], Mapping[str, Any]]
     """Further states of a member by name, those that follow from the quantities."""
     good: Verdict
@@ -110,11 +83,20 @@ class Formulas:
         return [math.pi / 2 if isinstance(v, Upright) else v for v in found]
 
 
-def polynomial_signs(
-    rules: Sequence[Rule], algebra: Algebra, point: Values
-) -> list[tuple[Any, Any]]:
-    """(value, sum of the sizes of the monomials) of each rule."""
-    return [rule.sizes(algebra, point) for rule in rules]
+def share_of(polynomial: Polynomial, roundings: Mapping[str, int]) -> float:
+    """Error bound over the sum of the sizes of all monomials, rounded up.
+
+    The roundings are those in the value of each variable.
+    """
+    return UP * (polynomial.roundings(roundings) + ROUNDINGS) * 2.0**-53
+
+
+def sized(polynomial: Polynomial, shift: int, algebra: Algebra, point: Values) -> tuple[Any, Any]:
+    """Value, and the sum of the sizes of all monomials; every line is used for both."""
+    terms = tuple((abs(c), e) for c, e in polynomial.terms)
+    sizes = [algebra.functions["fabs"](v) for v in point]
+    positive = Polynomial(polynomial.variables, terms)
+    return value_of(polynomial, shift, point), value_of(positive, shift, sizes)
 
 
 def _size(coefficient: int, shift: int) -> str:

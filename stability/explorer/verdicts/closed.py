@@ -25,7 +25,7 @@ from ...boundary.interval_search.formula_meetings import hurwitz
 from ...systems.family import Family
 from ...systems.graph.implicit_form import ImplicitForm
 from ..quantity import Quantity
-from ..source.formulas import FLOAT, Formulas, Sign, Values
+from ..source.formulas import FLOAT, Formulas, Rule, Values
 from ..source.tracked import with_bounds
 
 STEPS = 7
@@ -77,9 +77,8 @@ def closed_formulas(family: Family, quantities: Mapping[str, Quantity]) -> Formu
     return Formulas(
         names=tuple(quantities), even=(form.even,), zeros=form.zeros,
         coefficients=lambda algebra, q: [coefficients(algebra, q)],
-        rules=tuple(Sign(kind, FLOAT) for kind, _, _ in rules),
+        rules=tuple(Rule(kind, FLOAT, text) for kind, text, _ in rules),
         signs=lambda algebra, q: list(zip(values(algebra, q), sizes(algebra, q), strict=True)),
-        texts=tuple((text, "") for _, text, _ in rules),
         unknown=lambda algebra, q: dict(zip(family.unknown, states(algebra, q), strict=True)),
         good=best(even=form.even),
         bounds=None if solved else lambda algebra, q: with_bounds(values, algebra, q),

@@ -20,11 +20,11 @@ from ..source.formulas import (
     FLOAT,
     Formulas,
     Rule,
-    Sign,
     Values,
     filled,
-    polynomial_signs,
+    share_of,
     shift_of,
+    sized,
     typeset,
     value_of,
 )
@@ -63,7 +63,7 @@ def derived_formulas(
     put = {v: (_in_braces(*one), 1) for v, one in parts.items()}
     roundings = {v: 2 * (v not in quantities) for v in variables}
     deciding = [c for c in found.deciding if str(c.polynomial) != ONE]
-    rules = tuple(Rule(c.kind, c.polynomial, roundings, shift_of([c.polynomial])) for c in deciding)
+    polynomials = [(c.polynomial, shift_of([c.polynomial])) for c in deciding]
     factors = [f for f in found.factors for _ in range(f.multiplicity)]
 
     def point(algebra: Algebra, q: Values) -> list[Any]:
@@ -80,6 +80,10 @@ def derived_formulas(
             out.append([value_of(c, shift, at) for c in factor.coefficients])
         return out
 
+    def signs(algebra: Algebra, q: Values) -> list[tuple[Any, Any]]:
+        at = point(algebra, q)
+        return [sized(p, shift, algebra, at) for p, shift in polynomials]
+
     system: Any = family.system
     exists = Program(
         ca.Function("exists", [system.x, system.p], [c.value for c in system.conditions])
@@ -95,12 +99,12 @@ def derived_formulas(
     formulas = Formulas(
         names=names, even=tuple(f.even for f in factors), zeros=found.zeros,
         coefficients=coefficients,
-        rules=tuple(Sign(rule.kind, FLOAT) for rule in rules) if solver else rules,
-        signs=lambda algebra, q: polynomial_signs(rules, algebra, point(algebra, q)),
-        texts=tuple(
-            (typeset(r.polynomial, written, r.shift), filled(r.polynomial, put, r.shift))
-            for r in rules
+        rules=tuple(
+            Rule(c.kind, FLOAT if solver else share_of(p, roundings),
+                 typeset(p, written, shift), filled(p, put, shift))
+            for c, (p, shift) in zip(deciding, polynomials, strict=True)
         ),
+        signs=signs,
         unknown=lambda _, __: {} if solver else family.unknown,
         good=_good(family, even=any(f.even for f in found.factors) or found._extra_zeros > 0),
         members=members, solver=solver, proved=solver is None, numbers=found.numbers,

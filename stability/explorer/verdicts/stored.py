@@ -12,7 +12,7 @@ from ...bodies.families import FAMILIES
 from ...bodies.thin_disk.disk_polynomials import PLAIN, DiskPolynomial, exact_polynomial
 from ...systems.family import Family
 from ..quantity import Quantity
-from ..source.formulas import Formulas, Rule, Values, filled, polynomial_signs, typeset
+from ..source.formulas import Formulas, Rule, Values, filled, share_of, sized, typeset
 
 
 def stored_formulas(family: Family, law: str, quantities: Mapping[str, Quantity]) -> Formulas:
@@ -26,7 +26,6 @@ def stored_formulas(family: Family, law: str, quantities: Mapping[str, Quantity]
             sine = variable == "s"
             written[variable] = (f"sin {one.symbol}" if sine else one.symbol, power)
             put[variable] = (f"(sin {{{one.name}}})" if sine else f"{{{one.name}}}", power)
-    rules = tuple(Rule(kind, rule, PLAIN) for kind, rule in known.conditions)
 
     def given(q: Values) -> dict[str, Any]:
         # with the units of the dimensionless disk, the member as `at`
@@ -46,6 +45,10 @@ def stored_formulas(family: Family, law: str, quantities: Mapping[str, Quantity]
             found.append([c * s for c, s in zip(factor, reversed(powers), strict=True)])
         return found
 
+    def signs(algebra: Algebra, q: Values) -> list[tuple[Any, Any]]:
+        at = point(algebra, q)
+        return [sized(p, 0, algebra, at) for _, p in known.conditions]
+
     def unknown(algebra: Algebra, q: Values) -> dict[str, Any]:
         values, functions = given(q), SimpleNamespace(**algebra.functions)
         states = record.member(functions, values["at"], values["k"])
@@ -53,8 +56,8 @@ def stored_formulas(family: Family, law: str, quantities: Mapping[str, Quantity]
 
     return Formulas(
         names=tuple(quantities), even=(known.even,) * len(known.factors), zeros=known.zeros,
-        coefficients=coefficients, rules=rules,
-        signs=lambda algebra, q: polynomial_signs(rules, algebra, point(algebra, q)),
-        texts=tuple((typeset(r, written), filled(r, put)) for _, r in known.conditions),
+        coefficients=coefficients, signs=signs,
+        rules=tuple(Rule(kind, share_of(p, PLAIN), typeset(p, written), filled(p, put))
+                    for kind, p in known.conditions),
         unknown=unknown, good=best(even=known.even),
     )  # fmt: skip
