@@ -32,7 +32,7 @@ from .motion import (
     through_poles,
 )
 from .page import shared
-from .pages import LAW_NAMES, law_of, page_data
+from .pages import FRICTION, LAW_NAMES, law_of, page_data
 from .quantity import Quantity
 from .subject import Subject
 from .units import PageUnits, units_of, without_scales
@@ -45,8 +45,6 @@ SPEEDS = (0.05, 5.0)
 """Range of angular velocities [√(g/R)]."""
 FIRST = {"rolling": 1.5, "spinning": 1.5, "vertical": 2.0}
 """Member that is shown at first; of tumbling the middle of its range."""
-FRICTION = (0.02, 3.0, 0.3)
-"""Range of friction and its value at first [1/√(gR)]."""
 MOST = 720_000
 """Largest size of families and motions [bytes]; a page of 1.5 MB has the library and proofs too."""
 
@@ -124,7 +122,7 @@ def body_page(
     return page_data(
         kept, start, {}, axes, units=units, more=left,
         motions={s.law: motions[s.law] for s in kept},
-        certificates={s.key: own_certificates(s, s.values) if certify else [] for s in kept},
+        certificates={s.key: own_certificates(s) if certify else [] for s in kept},
         families={f.key: f.button for f in families}, says="A body of revolution on a plane",
         source="polynomials that were derived exactly from the equations of motion",
     )  # fmt: skip

@@ -44,7 +44,7 @@ def certificate(
     dict
         Axes, held values, and the tree of rectangles.
     """
-    known = {q.name: q for q in subject.quantities.values()}
+    known = subject.called
     axes = [
         Axis(n, known[n].low, known[n].high, (1 << levels) + 1, log=False) for n in subject.axes
     ]
@@ -55,7 +55,7 @@ def certificate(
     }  # fmt: skip
 
 
-def own_certificates(subject: Subject, values: Mapping[str, float]) -> list[Any]:
+def own_certificates(subject: Subject) -> list[Any]:
     """What is proved over the first axes of a family by its graph; none where nothing is.
 
     Its quantities have in calls the names that they have in the family.
@@ -66,7 +66,7 @@ def own_certificates(subject: Subject, values: Mapping[str, float]) -> list[Any]
         at = [held.pop(n) for n in family.at if n in held]
         return prepare(family, axes, None, None, at[0] if len(at) == 1 else None, held)
 
-    held = {n: v for n, v in values.items() if n not in subject.axes}
+    held = {n: float(q.value) for n, q in subject.called.items() if n not in subject.axes}
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", StabilityWarning)

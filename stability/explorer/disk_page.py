@@ -20,7 +20,7 @@ from ..spectra.arguments import prepare
 from ..spectra.problem import Problem
 from .certificates import certificate
 from .motion import body_of, motion_of
-from .pages import law_of, page_data
+from .pages import FRICTION, law_of, page_data
 from .quantity import Quantity
 from .subject import Subject
 from .units import units_of
@@ -30,8 +30,6 @@ FAMILY_NAMES = tuple(f.name for f in FAMILIES.values() if f.drawn)
 """Families of the page, which one number names."""
 STARTS = {"rolling": 1.2, "spinning": 2.2, "tumbling": 0.9}
 """Member that is shown at first, dimensionless."""
-FRICTION = 0.02, 3.0, 0.3
-"""Range of mu* on the page, and its value at first."""
 INERTIA = 0.05, 0.5, 0.25
 """Range of k on the page, and its value at first."""
 BODIES = ((0.25, "uniform disk"), (0.3125, "ring, inner radius R/2"), (0.5, "hoop"))
@@ -61,7 +59,7 @@ def disk_page(
     start = subjects[family, law]
     values["k"] = start.quantities["k"].checked(disk.k)
     if at is not None:
-        first = next(iter(start.quantities.values()))
+        first = start.called["at"]
         values["at"] = units.plain(first, first.checked(at))
     return page_data(
         list(subjects.values()), start, values, axes, units=units,

@@ -64,7 +64,7 @@ def own_page(
     return page_data(
         [subject], subject, values, axes, stated=own_units(family),
         motions={subject.model: motion_of(system_model(family.system), solid=False)},
-        certificates={subject.key: own_certificates(subject, values) if certify else []},
+        certificates={subject.key: own_certificates(subject) if certify else []},
         families={},
         says="A family of a user's system, its conditions derived exactly by the package",
         source=f"conditions that were derived exactly from the system's equations{where}",

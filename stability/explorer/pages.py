@@ -17,6 +17,8 @@ LAW_NAMES = {
     "smooth": "Smooth", "viscous": "Viscous", "linear-viscous": "Linear", "rough": "Rough",
 }  # fmt: skip
 """Words on the buttons."""
+FRICTION = 0.02, 3.0, 0.3
+"""Range of a coefficient of friction on the page, dimensionless, and its value at first."""
 WORDS = {
     "smooth": "no friction", "viscous": "viscous friction, −μ\u00a0N\u00a0v",
     "linear-viscous": "linear viscous friction, −c\u00a0v", "rough": "no slip",
@@ -63,14 +65,13 @@ def page_data(
     more
         Further sentences of the last line.
     """
-    quantities = {q.name: q for q in start.quantities.values()}
-    values = {n: q.checked(given.get(n, q.value)) for n, q in quantities.items()}
+    values = {n: q.checked(given.get(n, q.value)) for n, q in start.called.items()}
     for axis_ in axes:
         if axis_ is not None and axis_.name not in values:
             raise NameUnknownError(
                 f"axis is {shown(axis_.name)}; give {listed(list(values), 'or')}."
             )
-    sizes = {n: units.sizes[q.kind] if units else 1.0 for n, q in quantities.items()}
+    sizes = {n: units.sizes[q.kind] if units else 1.0 for n, q in start.called.items()}
     laws = dict.fromkeys(s.law for s in subjects)
     return {
         "format": 1, "version": __version__, "subjects": [s.record for s in subjects],

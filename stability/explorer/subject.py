@@ -49,9 +49,9 @@ class Subject:
     """How the body moves and looks (`motion.body_of`); empty where there is none to draw."""
 
     @property
-    def values(self) -> dict[str, float]:
-        """The numbers at first, by their names in calls."""
-        return {q.name: q.value for q in self.quantities.values()}
+    def called(self) -> dict[str, Quantity]:
+        """What names a member, by its name in calls."""
+        return {q.name: q for q in self.quantities.values()}
 
     @cached_property
     def record(self) -> dict[str, Any]:
