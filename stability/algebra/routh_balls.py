@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import islice
 from typing import Any
 
 from flint import arb, arb_mat
@@ -64,6 +65,30 @@ def product(factors: Sequence[Sequence[Any]]) -> list[Any]:
     return [c / out[-1] for c in out[:-1]] + [arb(1)]
 
 
+def routh(polynomial: Sequence[Any]) -> Iterator[Any]:
+    """First column of Routh's array, over any number type: all positive for a Hurwitz polynomial.
+
+    Parameters
+    ----------
+    polynomial
+        Coefficients, lowest first, leading one positive.
+
+    Examples
+    --------
+    >>> list(routh([6.0, 11.0, 6.0, 1.0]))
+    [1.0, 6.0, 10.0, 6.0]
+    """
+    high = list(reversed(polynomial))
+    upper, lower = high[0::2], high[1::2]
+    yield upper[0]
+    while lower:
+        yield lower[0]
+        ratio = upper[0] / lower[0]
+        padded = [*lower[1:], *[0] * len(upper)]
+        following = [u - ratio * low for u, low in zip(upper[1:], padded, strict=False)]
+        upper, lower = lower, following
+
+
 def hurwitz_sign(polynomial: Sequence[Any]) -> int:
     """Whether all roots have negative real part, by Routh's array in balls.
 
@@ -90,19 +115,11 @@ def hurwitz_sign(polynomial: Sequence[Any]) -> int:
     """
     if any(c < 0 for c in polynomial):
         return -1
-    high = list(reversed(polynomial))
-    upper, lower = high[0::2], high[1::2]
-    while lower:
-        if lower[0] < 0:
+    for first in islice(routh(polynomial), 1, None):  # ends before a division by zero
+        if first < 0:
             return -1
-        if not lower[0] > 0:
+        if not first > 0:
             return 0
-        ratio = upper[0] / lower[0]
-        following = [
-            u - ratio * low
-            for u, low in zip(upper[1:], [*lower[1:], *[0] * len(upper)], strict=False)
-        ]
-        upper, lower = lower, following
     return 1
 
 

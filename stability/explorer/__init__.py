@@ -1,8 +1,8 @@
 """Diagrams alive in a browser.
 
-`explore.py` holds the public function.  Polynomials and graphs become JavaScript and shader source
-(`source/`), a family becomes one record of the page (`disk_subjects.py`,
-`own_subject.py`), and `page.py` joins the modules of `script/` into one file.
+`explore.py` holds the public function.  `disk_page.py`, `body_page.py` and `own_page.py` say which
+families a page has; each is a `Subject` (`subject.py`): a `Family` with its numbers.  Its formulas
+become JavaScript and shader source (`source/`); `page.py` joins `script/` and data into one file.
 May import `atlas`, `compare` and the floors below.
-To add something to the page: a module in `script/`, imported by another one there.
+To add what a page tells of a family: `subject.py`, and a module in `script/` that shows it.
 """

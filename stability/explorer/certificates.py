@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import warnings
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
 from ..base.axis import Axis
+from ..base.errors import StabilityError, StabilityWarning
 from ..base.verdict import CODES
-from ..bodies.contact_laws import LAWS
-from ..bodies.disk import Disk
 from ..maps.proved_boxes import Boxes, prove_boxes
 from ..spectra.arguments import prepare
+from ..spectra.problem import Problem
 from .subject import Subject
 
-LEVELS = 7
-"""Halvings of a diagram in both directions."""
+OWN_LEVELS = 5
+"""Halvings of a diagram in both directions where the verdict is proved from a graph."""
 SPLIT, LETTERS = "+", {code: verdict.name[0] for verdict, code in CODES.items()} | {0: "?"}
 """A rectangle that is halved, and the letter of each proved verdict by its flag."""
 
 
-def certificate(subject: Subject, held: Mapping[str, float], levels: int = LEVELS) -> Any:
-    """What is proved over the axes of a diagram of the disk at fixed other quantities.
+def certificate(
+    subject: Subject, held: Mapping[str, float], levels: int,
+    problem: Callable[[list[Axis], dict[str, float]], Problem],
+) -> Any:  # fmt: skip
+    """What is proved over the axes of a diagram at fixed other quantities.
 
     Parameters
     ----------
@@ -32,36 +36,47 @@ def certificate(subject: Subject, held: Mapping[str, float], levels: int = LEVEL
         Values of the quantities that are not on an axis.
     levels
         Halvings.
+    problem
+        Function of the axes and of these values to what `stability_map` would be asked.
 
     Returns
     -------
     dict
         Axes, held values, and the tree of rectangles.
     """
-    known = {q.name: q for q in subject.quantities}
+    known = subject.called
     axes = [
         Axis(n, known[n].low, known[n].high, (1 << levels) + 1, log=False) for n in subject.axes
     ]
-    law: Any = LAWS[subject.law]
-    contact = law(held["mu"]) if "mu" in held else subject.law
-    disk = Disk(k=held["k"]) if "k" in held else None
-    problem = prepare(subject.family, axes, disk, contact, held.get("at"), {})
-    boxes = prove_boxes(problem, (axes[0], axes[1]), levels)
+    boxes = prove_boxes(problem(axes, dict(held)), (axes[0], axes[1]), levels)
     return {
         "axes": [[a.name, a.low, a.high] for a in axes], "held": dict(held), "levels": levels,
         "proved": boxes.proved, "tree": packed(boxes, axes[0], axes[1]),
     }  # fmt: skip
 
 
+def own_certificates(subject: Subject) -> list[Any]:
+    """What is proved over the first axes of a family by its graph; none where nothing is.
+
+    Its quantities have in calls the names that they have in the family.
+    """
+    family = subject.family
+
+    def problem(axes: list[Axis], held: dict[str, float]) -> Problem:
+        at = [held.pop(n) for n in family.at if n in held]
+        return prepare(family, axes, None, None, at[0] if len(at) == 1 else None, held)
+
+    held = {n: float(q.value) for n, q in subject.called.items() if n not in subject.axes}
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", StabilityWarning)
+            return [certificate(subject, held, OWN_LEVELS, problem)]
+    except StabilityError:
+        return []
+
+
 def packed(boxes: Boxes, x: Axis, y: Axis) -> str:
     """The rectangles as a tree, the first corner first: `+` for one that is cut in four.
-
-    Parameters
-    ----------
-    boxes
-        Rectangles that cover the axes.
-    x, y
-        The axes.
 
     Examples
     --------

@@ -15,9 +15,11 @@ from ..bodies.round_body.body import Body
 from ..storage.files import atomic_write
 from ..storage.targets import check_suffix, check_target
 from ..systems.family import Family
-from .bodies.body_page import body_page
+from .body_page import body_page
+from .disk_page import disk_page
+from .own_page import own_page
 from .page import page
-from .pages import axis, disk_page, own_page
+from .pages import axis
 
 ENDINGS = (".html",)
 """Endings of the file."""

@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from importlib.resources import files
+from posixpath import dirname, join, normpath
 from typing import Any
 
 from ..base.errors import StabilityError
@@ -21,19 +22,7 @@ EXPORT = re.compile(r"^export (?:async )?(?:const|let|function\*?|class) (\w+)",
 
 
 def page(data: Mapping[str, Any], title: str) -> str:
-    """One HTML file that needs no other file, no server and no network.
-
-    Parameters
-    ----------
-    data
-        Subjects, motions and the view at first.
-    title
-        Title of the page.
-
-    Returns
-    -------
-    str
-    """
+    """One HTML file that needs no other file, no server and no network."""
     parts = {
         "TITLE": title.replace("&", "&amp;").replace("<", "&lt;"),
         "STYLE": _read("style.css"),
@@ -46,13 +35,7 @@ def page(data: Mapping[str, Any], title: str) -> str:
 
 
 def module(data: Mapping[str, Any]) -> str:
-    """The same page as the module of a widget.
-
-    Parameters
-    ----------
-    data
-        As for `page`.
-    """
+    """The same page as the module of a widget."""
     return "\n".join([
         script(), f"const DATA = {json.dumps(shared(data))};",
         f"const THREE_TEXT = {json.dumps(library())};",
@@ -73,16 +56,6 @@ LONG = 200
 
 def shared(data: Mapping[str, Any]) -> dict[str, Any]:
     """The data with each long text that occurs twice in one list, `texts`.
-
-    Parameters
-    ----------
-    data
-        As for `page`.
-
-    Returns
-    -------
-    dict
-        `texts`, and `data`, where {"text": i} is the entry i of `texts`.
 
     Examples
     --------
@@ -121,10 +94,6 @@ def json_in_html(data: Mapping[str, Any]) -> str:
 def script() -> str:
     """The modules of `script/` as one text, each after those that it imports.
 
-    Returns
-    -------
-    str
-
     Raises
     ------
     StabilityError
@@ -142,10 +111,9 @@ def _collect(name: str, done: dict[str, str], above: tuple[str, ...]) -> None:
     if name in above:
         raise StabilityError(f"modules of the page import each other: {' → '.join(above)}.")
     text = _read(f"script/{name}")
-    folder = name.rpartition("/")[0]
 
     def imported(match: re.Match[str]) -> str:
-        place = _joined(folder, match.group(2))
+        place = normpath(join(dirname(name), match.group(2)))
         _collect(place, done, (*above, name))
         return f"const {match.group(1)} = {_variable(place)};\n"
 
@@ -158,17 +126,6 @@ def _collect(name: str, done: dict[str, str], above: tuple[str, ...]) -> None:
 def _variable(name: str) -> str:
     """The variable that holds the exports of a module."""
     return "of_" + re.sub(r"\W", "_", name.removesuffix(".js"))
-
-
-def _joined(folder: str, place: str) -> str:
-    """The path of an import, from `script/`."""
-    parts = [p for p in folder.split("/") if p]
-    for part in place.split("/"):
-        if part == "..":
-            parts.pop()
-        elif part != ".":
-            parts.append(part)
-    return "/".join(parts)
 
 
 def _read(name: str) -> str:

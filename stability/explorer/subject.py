@@ -1,177 +1,102 @@
-"""One family under one law, as the page needs it: formulas, states, motion, words."""
+"""One family with its numbers, under one law, as the page needs it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
+import casadi as ca
+
 from ..algebra.number_types import Algebra
+from ..algebra.program import Program
 from ..algebra.source.straight_lines import Line, Record
-from ..base.checks import checked
-from ..base.errors import ParameterError, shown
-from ..base.quantities import Kind
-from .source.formulas import Coefficients, Conditions, Rule, Sign, Values
+from ..systems.family import Family
+from .quantity import Quantity
+from .source.formulas import Formulas, Values
 from .source.shader import Seen, look
-from .source.solver import Solver
-from .source.source_text import JAVASCRIPT, javascript
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """A number that the reader of the page may change."""
-
-    name: str
-    """Name in calls."""
-    symbol: str
-    """Symbol on the page."""
-    label: str
-    """The quantity in words."""
-    unit: str
-    """Unit, or what it is measured in; empty for a plain number."""
-    low: float
-    """Lower end of its slider and axis."""
-    high: float
-    """Upper end."""
-    value: float
-    """Value at first."""
-    least: float | None = None
-    """Largest number that is too small, or None."""
-    most: float | None = None
-    """Largest number that is accepted, or None."""
-    marks: tuple[tuple[float, str], ...] = ()
-    """Values with a name."""
-    kind: Kind = Kind.NUMBER
-    """Kind, which gives it a unit where the body has SI units."""
-
-    def told(self) -> dict[str, Any]:
-        """The record in the page."""
-        return vars(self) | {"kind": self.kind.name}
-
-    def checked(self, value: Any) -> float:
-        """A number that the quantity may have, or an error that says which it may."""
-        number = checked(self.name, value)
-        if not isinstance(number, float):
-            raise ParameterError(f"{self.name} is {shown(value)}; give one number.")
-        low = self.least is not None and number <= self.least
-        if low or (self.most is not None and number >= self.most):
-            ends = [f"above {self.least:g}" if self.least is not None else "",
-                    f"below {self.most:.6g}" if self.most is not None else ""]  # fmt: skip
-            raise ParameterError(
-                f"{self.name} is {number:g}; give a number {' and '.join(e for e in ends if e)}."
-            )
-        return number
+from .source.source_text import JAVASCRIPT, graph, javascript
 
 
 @dataclass(frozen=True)
 class Subject:
-    """One family under one contact law."""
+    """A family on the page; of the disk, of a body and of a user's system it differs by data."""
 
     key: str
     """Name in the link of a view."""
-    family: str
-    """Name of the family."""
-    law: str
-    """Name of the law; empty for a system of one's own."""
+    family: Family
+    """The family."""
     title: str
     """The motion in words."""
-    quantities: tuple[Quantity, ...]
-    """What names a point, in the order of every function."""
+    quantities: Mapping[str, Quantity]
+    """What names a member, by name in the family and in the order of every function."""
     axes: tuple[str, str]
-    """Quantities on the axes at first."""
-    even: tuple[bool, ...]
-    """Whether each factor has even powers of λ alone."""
-    zeros: int
-    """Number of eigenvalues that vanish by structure."""
-    coefficients: Coefficients
-    """Coefficients of each factor in λ, lowest first."""
-    rules: tuple[Rule | Sign, ...]
-    """What decides by its sign."""
-    signs: Conditions
-    """(value, size) of each rule; the share of the rule times the size bounds the error."""
-    texts: tuple[tuple[str, str], ...]
-    """Each rule as HTML, with symbols and with {name} for numbers."""
-    states: tuple[str, ...]
-    """Names of the states of the spectrum."""
-    member: str
-    """JavaScript: quantities → states."""
-    jacobian: str
-    """JavaScript: states, parameters → ∂ẋ/∂x, row by row."""
+    """Quantities on the axes at first, by their names in calls."""
+    formulas: Formulas
+    """What decides the verdict."""
     model: str
-    """Key of the motion's equations; empty where a launch is not offered."""
+    """Key of the motion's equations."""
     call: Mapping[str, Any]
     """How Python is asked for the same: kind, family, law, names."""
-    pose: str = ""
-    """JavaScript: states, parameters, pose → rates of the pose; empty for a system of one's own."""
-    parameters: tuple[int, ...] = ()
-    """Indices of the quantities that are parameters of the equations, in their order."""
-    good: str = ""
-    """Verdict where every rule is positive; from the factors when left out."""
+    button: str = ""
+    """Key of the family's button; the family's name when left out."""
+    law: str = ""
+    """Name of the law; empty for a system of one's own."""
     symbols: Mapping[str, str] = field(default_factory=dict)
-    """Symbols of the states."""
+    """Symbols of the states that have one."""
+    body: Mapping[str, Any] = field(default_factory=dict)
+    """How the body moves and looks (`motion.body_of`); empty where there is none to draw."""
 
-    bounds: Conditions | None = None
-    """(value, error bound) of each rule where that is no share of the size; None where it is."""
-    members: Callable[[Algebra, Values], list[Any]] | None = None
-    """Numbers that are positive where the family has a member; None where it always has one."""
-    frame: str = ""
-    """JavaScript: states, parameters, pose → place of the body (`source.frames`)."""
-    still: tuple[float, ...] = ()
-    """The pose at time zero."""
-    start: str = ""
-    """JavaScript: quantities, tilt → start of a launch; empty where a state takes the tilt."""
-    meridian: Mapping[str, Any] = field(default_factory=dict)
-    """Surface of a body of revolution; empty for the thin disk."""
-    proved: bool = True
-    """Whether the signs have a bound on their errors."""
-    note: str = ""
-    """What the letters of the conditions are."""
-    solver: Solver | None = None
-    """How unknowns are found, which follow the quantities in every formula; None without any."""
+    @property
+    def called(self) -> dict[str, Quantity]:
+        """What names a member, by its name in calls."""
+        return {q.name: q for q in self.quantities.values()}
 
-    def told(self) -> dict[str, Any]:
+    @cached_property
+    def record(self) -> dict[str, Any]:
         """The record in the page."""
-        solver, bounds = self.solver, self.bounds
-        count = len(self.quantities) + len(solver.unknown if solver else ())
+        formulas, system, names = self.formulas, self.family.system, list(self.quantities)
+        solver, count = formulas.solver, len(formulas.names)
+
+        def source(formula: Any) -> str:
+            return javascript([count], formula) if formula else ""
+
+        def paired(formula: Any) -> str:
+            return source(formula and (lambda f, q: [v for pair in formula(f, q) for v in pair]))
 
         def seen(algebra: Algebra, q: Values) -> Seen:
             more: list[Any] = []
             if solver:
                 q, more = solver.polished(algebra, q)
-            found = self.members(algebra, q) if self.members else []
-            return self.coefficients(algebra, q), self.signs(algebra, q), [*found, *more]
+            found = formulas.members(algebra, q) if formulas.members else []
+            return formulas.coefficients(algebra, q), formulas.signs(algebra, q), [*found, *more]
 
+        slopes = ca.Function("slopes", [system.x, system.p], [ca.jacobian(system.rhs, system.x)])
         return {
-            "key": self.key, "family": self.family, "law": self.law, "title": self.title,
-            "quantities": [q.told() for q in self.quantities],
-            "axes": self.axes, "even": self.even, "zeros": self.zeros,
+            "key": self.key, "family": self.button or self.family.name, "law": self.law,
+            "title": self.title, "quantities": [q.told() for q in self.quantities.values()],
+            "axes": self.axes, "even": formulas.even, "zeros": formulas.zeros,
             "degrees": self._degrees(count),
-            "coefficients": javascript(
-                [count], lambda f, q: [c for factor in self.coefficients(f, q) for c in factor]
+            "coefficients": source(
+                lambda f, q: [c for factor in formulas.coefficients(f, q) for c in factor]
             ),
-            "conditions": javascript(
-                [count], lambda f, q: [v for pair in self.signs(f, q) for v in pair]
-            ),
-            "bounds": javascript(
-                [count], lambda f, q: [v for pair in bounds(f, q) for v in pair]
-            ) if bounds else "",
-            "rules": [
-                {"kind": rule.kind, "text": text, "filled": put, "share": rule.share}
-                for rule, (text, put) in zip(self.rules, self.texts, strict=True)
-            ],
-            "shader": look(count, seen, self.even), "states": self.states,
-            "member": self.member, "jacobian": self.jacobian, "model": self.model,
-            "call": dict(self.call), "pose": self.pose, "parameters": self.parameters,
-            "good": self.good or ("neutral" if any(self.even) else "stable"),
-            "symbols": dict(self.symbols), "frame": self.frame, "still": self.still,
-            "members": javascript([count], self.members) if self.members else "",
-            "start": self.start, "meridian": dict(self.meridian), "proved": self.proved,
-            "note": self.note, "solver": solver.told() if solver else None,
+            "conditions": paired(formulas.signs), "bounds": paired(formulas.bounds),
+            "rules": [vars(rule) for rule in formulas.rules],
+            "shader": look(count, seen, formulas.even), "states": system.states,
+            "member": source(lambda f, q: formulas.states(self.family, f, q)),
+            "jacobian": graph(Program(slopes)), "model": self.model, "call": dict(self.call),
+            "parameters": [names.index(n) for n in system.parameters],
+            "good": formulas.good.word,
+            "symbols": {n: self.symbols.get(n) or n for n in system.states},
+            "members": source(formulas.members), "proved": formulas.proved, "note": formulas.note,
+            "solver": solver.told() if solver else None,
+            "pose": "", "frame": "", "still": [], "start": "", "meridian": {}, **self.body,
         }  # fmt: skip
 
     def _degrees(self, count: int) -> list[int]:
-        record = Record(JAVASCRIPT)
-        found = self.coefficients(
-            record.algebra(), [Line(record, f"a0[{i}]") for i in range(count)]
+        lines = Record(JAVASCRIPT)
+        found = self.formulas.coefficients(
+            lines.algebra(), [Line(lines, f"a0[{i}]") for i in range(count)]
         )
         return [len(factor) - 1 for factor in found]

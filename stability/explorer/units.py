@@ -11,7 +11,7 @@ from ..base.errors import ParameterError
 from ..base.quantities import Kind, Units, readable
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
-from .subject import Quantity
+from .quantity import Quantity
 
 CURVES = {"time": Kind.TIME, "growth rate": Kind.GROWTH_RATE, "energy": Kind.ENERGY,
           "normal force": Kind.FORCE}  # fmt: skip
@@ -60,11 +60,6 @@ class PageUnits:
 def units_of(body: Disk | Body) -> PageUnits:
     """Units of a disk, or of a body.
 
-    Parameters
-    ----------
-    body
-        The disk or body, with one number for each of mass, length and gravity.
-
     Raises
     ------
     ParameterError
@@ -84,11 +79,5 @@ def units_of(body: Disk | Body) -> PageUnits:
 
 
 def without_scales(body: Body) -> Body:
-    """The same shape with m = R = g = 1.
-
-    Parameters
-    ----------
-    body
-        A body.
-    """
+    """The same shape with m = R = g = 1."""
     return body if body.dimensionless else replace(body, mass=1.0, gravity=1.0, length=1.0)

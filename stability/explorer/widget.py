@@ -12,15 +12,6 @@ from .page import module
 def widget(data: Mapping[str, Any]) -> Any:
     """A widget that a notebook shows.
 
-    Parameters
-    ----------
-    data
-        Data of the page.
-
-    Returns
-    -------
-    anywidget.AnyWidget
-
     Raises
     ------
     StabilityError

@@ -207,7 +207,7 @@ def _series(
         found = model.chart.along(y, found)
     elif settings.pose:
         found |= dict(zip(POSE, POSE_UNIT * np.moveaxis(y[..., own + 1 :], -1, 0), strict=True))
-        reach = found.pop("reach") if "reach" in found else np.cos(found["theta"])
+        reach = found.pop("reach")
         found["contact_x"] = found["centre_x"] + reach * np.cos(found["phi"])
         found["contact_y"] = found["centre_y"] + reach * np.sin(found["phi"])
     if launches.law is None:

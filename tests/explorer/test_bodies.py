@@ -140,12 +140,15 @@ def test_bounds_of_the_signs_hold_in_balls(asked: tuple[str, Engine]) -> None:
     """
     name, view = asked
     from stability.algebra.number_types import balls
-    from stability.explorer.bodies.closed_subject import Closed
+    from stability.explorer.quantity import Quantity
+    from stability.explorer.verdicts.closed import closed_formulas
 
     generator, wide = np.random.default_rng(SEED), 0
     for law in ("viscous", "rough"):
         family = st.Torus(0.2).family("tumbling", law)
-        closed, key = Closed(family, ()), f"tumbling {law}"
+        names, key = (*family.at, *family.parameters), f"tumbling {law}"
+        quantities = {n: Quantity(n, n, "", "", 0.0, 1.0, 0.5) for n in names}
+        closed = closed_formulas(family, quantities)
         [subject] = [s for s in subjects(view.page) if s["key"] == key]
         for q in points(name, subject, generator).tolist():
             rows = view.page.evaluate(
@@ -162,6 +165,27 @@ def test_bounds_of_the_signs_hold_in_balls(asked: tuple[str, Engine]) -> None:
                 assert error < 1e-6 * max(1.0, abs(value))
                 wide += abs(float(exact) - value) > 0
     assert wide > 20  # the two do differ
+
+
+NEAR_MEMBER = """([at, tilt, until]) => {
+  const {view, motion} = stabilityExplorer;
+  view.choose("spinning viscous");
+  view.move({phi_dot: at});
+  view.set({tilt, until});
+  motion.run();
+  return motion.near(motion.launch);
+}"""
+"""What the page says of the steady motion near which a launch has come."""
+
+
+@pytest.mark.parametrize("written", ["torus"], indirect=True)
+def test_a_launch_names_the_member_that_it_has_come_near(asked: tuple[str, Engine]) -> None:
+    name, view = asked
+    told = view.page.evaluate(NEAR_MEMBER, [2.0, 0.1, 200.0])
+    body = body_with(name, {"tube": 0.2})
+    start = st.launch("spinning", at=2.0, tilt=0.1, body=body)
+    run = st.simulate(body, st.Viscous(0.3), start, 200.0)
+    assert f"of spinning with φ̇ = {float(run.phi_dot[-1]):.4g} (float" in told
 
 
 RUN = """(runs) => runs.map(({key, q, tilt, times}) => {

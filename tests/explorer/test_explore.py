@@ -12,8 +12,8 @@ import pytest
 import stability as st
 from stability.algebra.number_types import numpy_algebra
 from stability.algebra.program import Program
+from stability.algebra.routh_balls import routh
 from stability.explorer import page
-from stability.explorer.source.shader import routh
 from stability.explorer.source.source_text import graph
 
 FOLDER = Path(page.__file__).parent

@@ -124,6 +124,8 @@ def _disk_model(law: type[Contact], pose: bool, sticking: bool) -> Model:  # noq
         "force_x": seen["contact_force"][0], "force_y": seen["contact_force"][1],
         "power": seen["power"],
     }  # fmt: skip
+    if pose:
+        series["reach"] = ca.cos(x[0])
     if issubclass(law, Creep):
         [guards[CREEP_ENDS]] = (c.value for c in system.conditions if c.sentence == CREEPS)
         series |= {"slip_x": seen["slip"][0], "slip_y": seen["slip"][1]}

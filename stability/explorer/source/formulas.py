@@ -1,8 +1,9 @@
-"""Formulas of a family in its quantities: coefficients in λ, conditions with their sizes, text."""
+"""What decides a family's verdict: formulas in its quantities, and the text of each condition."""
 
 from __future__ import annotations
 
 import html
+import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -10,6 +11,10 @@ from typing import Any
 
 from ...algebra.number_types import Algebra
 from ...algebra.polynomial import Polynomial
+from ...algebra.upright import Upright
+from ...base.verdict import Verdict
+from ...systems.family import Family
+from .solver import Solver
 
 ROUNDINGS = 3
 """Roundings of a coefficient, of the bound itself, and one to spare."""
@@ -24,61 +29,74 @@ Conditions = Callable[[Algebra, Values], list[tuple[Any, Any]]]
 
 
 @dataclass(frozen=True)
-class Sign:
-    """A number whose sign decides, with no polynomial to show."""
+class Rule:
+    """A number whose sign decides; all positive means stable or neutral."""
 
     kind: str
     """What happens where it vanishes: static, flutter or auxiliary."""
     share: float
     """Error bound over the size that is given with its value."""
+    text: str
+    """The number as HTML with symbols."""
+    filled: str = ""
+    """The same with {name} for numbers; empty where that is too long."""
 
 
 @dataclass(frozen=True)
-class Rule:
-    """A polynomial whose sign decides."""
+class Formulas:
+    """What decides the verdict of a family, as functions of a number type and its quantities."""
 
-    kind: str
-    """What happens where it vanishes: static, flutter or auxiliary."""
-    polynomial: Polynomial
-    """The polynomial; all positive means stable or neutral."""
-    roundings: Mapping[str, int]
-    """Roundings in the value of each variable."""
-    shift: int = 0
-    """The polynomial is divided by 2 to this power, where its coefficients are large."""
+    names: tuple[str, ...]
+    """Names of the quantities in their order, then of states that the page solves for."""
+    even: tuple[bool, ...]
+    """Whether each factor of the characteristic polynomial has even powers of λ alone."""
+    zeros: int
+    """Number of eigenvalues that vanish by structure."""
+    coefficients: Coefficients
+    """Coefficients of each factor in λ, lowest first."""
+    rules: tuple[Rule, ...]
+    """What decides by its sign."""
+    signs: Conditions
+    """(value, size) of each rule; the share of the rule times the size bounds the error."""
+    unknown: Callable[[Algebra, Values], Mapping[str, Any]]
+    """Further states of a member by name, those that follow from the quantities."""
+    good: Verdict
+    """Verdict where every rule is positive."""
+    bounds: Conditions | None = None
+    """(value, error bound) of each rule where that is no share of the size; None where it is."""
+    members: Callable[[Algebra, Values], list[Any]] | None = None
+    """Numbers that are positive where the family has a member; None where it always has one."""
+    solver: Solver | None = None
+    """How the page solves for states; None where it solves for none."""
+    proved: bool = True
+    """Whether the signs have a bound on their errors."""
+    note: str = ""
+    """What the letters of the conditions are."""
+    numbers: str = ""
+    """How decimals in the equations were read; empty where all numbers are exact."""
 
-    @property
-    def share(self) -> float:
-        """Error bound over the sum of the sizes of all monomials, rounded up."""
-        count = self.polynomial.roundings(self.roundings) + ROUNDINGS
-        return UP * count * 2.0**-53
-
-    def sizes(self, algebra: Algebra, values: Values) -> tuple[Any, Any]:
-        """Value, and the sum of the sizes of all monomials; every line is used for both."""
-        positive = Polynomial(
-            self.polynomial.variables, tuple((abs(c), e) for c, e in self.polynomial.terms)
-        )
-        size = algebra.functions["fabs"]
-        sizes = [size(v) for v in values]
-        return value_of(self.polynomial, self.shift, values), value_of(positive, self.shift, sizes)
+    def states(self, family: Family, algebra: Algebra, q: Values) -> list[Any]:
+        """States of a member of the family."""
+        given = dict(zip(self.names, q, strict=True))
+        known = {**family.fixed, **self.unknown(algebra, q), **given}
+        found = [known[n] for n in family.system.states]
+        return [math.pi / 2 if isinstance(v, Upright) else v for v in found]
 
 
-def polynomial_signs(
-    rules: Sequence[Rule], variables: Callable[[Algebra, Values], list[Any]], algebra: Algebra,
-    q: Values,
-) -> list[tuple[Any, Any]]:  # fmt: skip
-    """(value, sum of the sizes of the monomials) of each rule.
+def share_of(polynomial: Polynomial, roundings: Mapping[str, int]) -> float:
+    """Error bound over the sum of the sizes of all monomials, rounded up.
 
-    Parameters
-    ----------
-    rules
-        The polynomials.
-    variables
-        Function of the number type and the quantities to the variables of the polynomials.
-    algebra, q
-        The number type and the quantities.
+    The roundings are those in the value of each variable.
     """
-    point = variables(algebra, q)
-    return [rule.sizes(algebra, point) for rule in rules]
+    return UP * (polynomial.roundings(roundings) + ROUNDINGS) * 2.0**-53
+
+
+def sized(polynomial: Polynomial, shift: int, algebra: Algebra, point: Values) -> tuple[Any, Any]:
+    """Value, and the sum of the sizes of all monomials; every line is used for both."""
+    terms = tuple((abs(c), e) for c, e in polynomial.terms)
+    sizes = [algebra.functions["fabs"](v) for v in point]
+    positive = Polynomial(polynomial.variables, terms)
+    return value_of(polynomial, shift, point), value_of(positive, shift, sizes)
 
 
 def _size(coefficient: int, shift: int) -> str:
@@ -171,26 +189,13 @@ def filled(polynomial: Polynomial, names: Mapping[str, tuple[str, int]], shift: 
 
 
 def shift_of(polynomials: Sequence[Polynomial]) -> int:
-    """The power of two over which the largest coefficient is about 1; 0 where all are small.
-
-    Parameters
-    ----------
-    polynomials
-        Polynomials with one factor.
-    """
+    """The power of two over which the largest coefficient is about 1; 0 where all are small."""
     largest = max((abs(c) for p in polynomials for c, _ in p.terms), default=1)
     return 0 if largest < 2**40 else largest.bit_length() - 1
 
 
 def value_of(polynomial: Polynomial, shift: int, point: Sequence[Any]) -> Any:
     """A polynomial over a power of two, with each coefficient rounded once.
-
-    Parameters
-    ----------
-    polynomial, shift
-        The polynomial and the power.
-    point
-        Values of its variables.
 
     Examples
     --------

@@ -13,21 +13,7 @@ ENTRIES = 12
 
 
 def frame_of_angles(theta: Any, pose: ca.SX, height: Any, slope: Any) -> ca.SX:
-    """The place of a body from its angles.
-
-    Parameters
-    ----------
-    theta
-        Inclination of the axis.
-    pose
-        φ, ψ and the place of the centre, in the unit of `POSE_UNIT`.
-    height, slope
-        Height of the centre and its derivative by θ.
-
-    Returns
-    -------
-    SX
-        Shape (12,).
+    """The place of a body from its angles; that of the centre has the unit `POSE_UNIT`.
 
     Source: docs/explanation/bodies.md, frames and contact point a = h' x̂ - h ẑ.
 
@@ -48,22 +34,6 @@ def frame_of_angles(theta: Any, pose: ca.SX, height: Any, slope: Any) -> ca.SX:
 
 def frame_of_axis(axis: ca.SX, front: ca.SX, place: ca.SX, height: Any, arm: ca.SX) -> ca.SX:
     """The place of a body from its axis and a direction fixed in it, made a unit and normal to it.
-
-    Parameters
-    ----------
-    axis, front
-        The symmetry axis and a direction across it, nearly.
-    place
-        Place of the centre, in the unit of `POSE_UNIT`.
-    height
-        Height of the centre.
-    arm
-        From the centre to the contact point.
-
-    Returns
-    -------
-    SX
-        Shape (12,).
 
     Source: docs/explanation/bodies.md, the chart along fixed axes.
     """

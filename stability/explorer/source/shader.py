@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from ...algebra.routh_balls import routh
 from ...algebra.source.straight_lines import Line, Record
 from .source_text import SHADER
 
@@ -99,35 +100,7 @@ def _hurwitz(degree: int) -> str:
     for start in range(degree):  # Taylor's shift by repeated synthetic division
         for i in range(degree - 1, start - 1, -1):
             shifted[i] = shifted[i] + shifted[i + 1] * shift
-    first = routh(shifted)
     parameters = ", ".join(f"float a{i}" for i in range(degree))
-    asked = " && ".join(f"{record.text(v)} > 0.0" for v in first if isinstance(v, Line))
+    asked = " && ".join(f"{record.text(v)} > 0.0" for v in routh(shifted) if isinstance(v, Line))
     body = "\n".join([*record.lines, f"return {asked};"])
     return f"bool hurwitz{degree}({parameters}, float s) {{\n{body}\n}}"
-
-
-def routh(coefficients: Sequence[Any]) -> list[Any]:
-    """First column of Routh's array, over any number type.
-
-    Parameters
-    ----------
-    coefficients
-        Coefficients, lowest power first, the last one positive.
-
-    Returns
-    -------
-    list
-        All positive for a Hurwitz polynomial.
-
-    Examples
-    --------
-    >>> routh([6.0, 11.0, 6.0, 1.0])
-    [1.0, 6.0, 10.0, 6.0]
-    """
-    rows = [list(coefficients[::-1][start::2]) for start in (0, 1)]
-    while len(rows) <= len(coefficients) - 1:
-        above, last = rows[-2:]
-        share = above[0] / last[0]
-        padded = [*last[1:], *[0.0] * len(above)]
-        rows.append([a - share * b for a, b in zip(above[1:], padded, strict=False)])
-    return [row[0] for row in rows if row]

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ...algebra.linear_systems import solution
 from ...algebra.number_types import Algebra
 from ...base.errors import StabilityError
 from ...systems.family import Family
-from .formulas import Values
 from .source_text import graph
 
 MOST = 4
@@ -44,24 +44,16 @@ class Solver:
             if known else None,
         }  # fmt: skip
 
-    def polished(self, algebra: Algebra, q: Values) -> tuple[list[Any], list[Any]]:
-        """Quantities with unknowns after some steps of Newton's method, and what is positive there.
-
-        Parameters
-        ----------
-        algebra
-            The number type.
-        q
-            Quantities, then a guess of each unknown.
-        """
+    def polished(self, algebra: Algebra, q: Sequence[Any]) -> tuple[list[Any], list[Any]]:
+        """Quantities with unknowns, by Newton's method from a guess, and what is positive there."""
         family, count = self.family, len(q) - len(self.unknown)
         cut, program, size = len(family.at), family.graph.along, algebra.functions["fabs"]
         given, u = list(q[:count]), list(q[count:])
         trust: list[Any] = []
         for _ in range(STEPS):
-            values = program.run(algebra, [given[:cut], u, given[cut:]])
-            r, slope = (_dense(program, values, i) for i in (0, 1))
-            step = _solved(slope, [row[0] for row in r])
+            at = [given[:cut], u, given[cut:]]
+            r, slope = (program.dense(algebra, at, i) for i in (0, 1))
+            step = [row[0] for row in solution(algebra, slope, r)]
             u = [a - b for a, b in zip(u, step, strict=True)]
             trust = [CLOSE * (1.0 + size(a)) - size(b) for a, b in zip(u, step, strict=True)]
         trust += [a for a, name in zip(u, self.unknown, strict=True) if name in family.positive]
@@ -70,11 +62,6 @@ class Solver:
 
 def solver_of(family: Family) -> Solver | None:
     """How the members of a family are found; None where they are known in closed form.
-
-    Parameters
-    ----------
-    family
-        The family.
 
     Raises
     ------
@@ -89,34 +76,3 @@ def solver_of(family: Family) -> Solver | None:
             f"finds up to {MOST} unknowns, which their equations fix."
         )
     return Solver(family)
-
-
-def _dense(program: Any, values: Sequence[Any], which: int) -> list[list[Any]]:
-    """An output of a program as rows, with zeros where nothing is stored."""
-    rows, columns = program.shapes[which]
-    table = dict(zip(program.places[which], values[which], strict=True))
-    return [[table.get((i, j), 0.0) for j in range(columns)] for i in range(rows)]
-
-
-def _solved(rows: list[list[Any]], right: list[Any]) -> list[Any]:
-    """Solution of a small system by elimination, over any number type."""
-    count = len(right)
-    rows = [[*row, value] for row, value in zip(rows, right, strict=True)]
-    for i in range(count):  # a number 0 is no pivot; of other entries the size is not known
-        first = next((j for j in range(i, count) if not _zero(rows[j][i])), i)
-        rows[i], rows[first] = rows[first], rows[i]
-        for j in range(i + 1, count):
-            if not _zero(rows[j][i]):
-                share = rows[j][i] / rows[i][i]
-                rows[j] = [b - share * a for a, b in zip(rows[i], rows[j], strict=True)]
-    found: list[Any] = [0.0] * count
-    for i in reversed(range(count)):
-        rest = rows[i][count]
-        for j in range(i + 1, count):
-            rest = rest - rows[i][j] * found[j]
-        found[i] = rest / rows[i][i]
-    return found
-
-
-def _zero(value: Any) -> bool:
-    return isinstance(value, (int, float)) and value == 0

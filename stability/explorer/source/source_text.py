@@ -60,15 +60,8 @@ def javascript(inputs: Sequence[int], formula: Callable[..., Sequence[Any]]) -> 
     return "\n".join([f"({names}) => {{", *lines, f"return [{found}];", "}"])
 
 
-def graph(program: Program, outputs: Sequence[int] | None = None) -> str:
+def graph(program: Program) -> str:
     """A graph as a JavaScript function; each output dense, row by row, one after the other.
-
-    Parameters
-    ----------
-    program
-        The graph.
-    outputs
-        Which outputs; every one when left out.
 
     Examples
     --------
@@ -77,15 +70,9 @@ def graph(program: Program, outputs: Sequence[int] | None = None) -> str:
     >>> graph(Program(ca.Function("f", [x], [x[0] / x[1]]))).splitlines()[1:3]
     ['const t0 = a0[0] / a0[1];', 'return [t0];']
     """
-    which = range(len(program.shapes)) if outputs is None else outputs
 
     def formula(algebra: Algebra, *inputs: Any) -> list[Any]:
-        values = program.run(algebra, inputs)
-        flat: list[Any] = []
-        for i in which:
-            rows, columns = program.shapes[i]
-            table = dict(zip(program.places[i], values[i], strict=True))
-            flat += [table.get((r, c), 0.0) for r in range(rows) for c in range(columns)]
-        return flat
+        every = (program.dense(algebra, inputs, i) for i in range(len(program.shapes)))
+        return [v for output in every for row in output for v in row]
 
     return javascript(program.inputs, formula)

@@ -17,16 +17,6 @@ ULPS = 2.0
 def tracked(algebra: Algebra) -> Algebra:
     """The number type whose numbers have a value and a bound, both of another number type.
 
-    Parameters
-    ----------
-    algebra
-        Number type of values and bounds, such as lines of source.
-
-    Returns
-    -------
-    Algebra
-        With sine, cosine, root, size and whole powers.
-
     Source: stability/algebra/running_error.py; tests/explorer/test_bodies.py compares with balls.
     """
     plain = algebra.functions
@@ -60,17 +50,7 @@ def tracked(algebra: Algebra) -> Algebra:
 def with_bounds(
     formula: Callable[..., list[Any]], algebra: Algebra, *inputs: Any
 ) -> list[tuple[Any, Any]]:
-    """(value, bound) of each entry of a formula.
-
-    Parameters
-    ----------
-    formula
-        Function of a number type and entries to a list.
-    algebra
-        Number type of values and bounds.
-    inputs
-        Exact entries of that type.
-    """
+    """(value, bound) of each entry of a formula."""
     given = [[RunningError(v, 0.0) for v in some] for some in inputs]
     found = formula(tracked(algebra), *given)
     return [(v.value, WIDER * v.error) if isinstance(v, RunningError) else (v, 0.0) for v in found]

@@ -33,7 +33,7 @@ export function launched(subject, motion, q, tilt, until, options = {}) {
   const seen = states.map((y) => observe(y, p));
   const series = Object.fromEntries(motion.observed.map((name, i) => [name, seen.map((v) => v[i])]));
   return {outcome, times: kept, states, series, until: run.time, final: run.state, steps: run.steps,
-    refused: false, p, work: motion.work === undefined ? null : states.map((y) => y[motion.work])};
+    refused: false, p};
 }
 
 /** Place of the body at a time of a launch, between two samples: axis, mark, centre, contact point. */

@@ -258,8 +258,8 @@ export class MotionPanel {
     const {subject, motion} = this.view, index = subject.states.indexOf(subject.call.state);
     if (index < 0 || run.outcome !== "moving") return "";
     const q = this.view.point();
-    q[subject.names.indexOf("at")] = run.final[index];
-    const member = subject.steady(q), {size} = this.view.shown(subject.quantity.at);
+    q[0] = run.final[index]; // the quantity that names a member is the first
+    const member = subject.steady(q), {size} = this.view.shown(subject.quantities[0]);
     const apart = Math.max(...member.slice(0, motion.states).map((v, i) => Math.abs(v - run.final[i])));
     if (!(apart < NEAR)) return "";
     return `, within ${text(apart, 2)}${this.view.state.si ? " (dimensionless)" : ""} of ${subject.family} with ${subject.symbols[subject.call.state]} = ${text(run.final[index] * size, 4)} (float; no proof that it stays there)`;

@@ -5,7 +5,7 @@ import {exactText} from "../drawing/elements.js";
 /** The calls for the diagram, the point and the launch of a view. */
 export function pythonCall(view) {
   const {subject} = view;
-  return {disk: ofDisk, body: ofBody, own: ofOwn}[subject.call.kind](view);
+  return subject.call.what === "system" ? ofSystem(view) : ofBody(view);
 }
 
 function axis(view, which, count) {
@@ -16,7 +16,7 @@ function axis(view, which, count) {
 
 /** What Python calls a quantity: c of the linear law is a force in SI units. */
 function called(view, name) {
-  return (view.state.si && (view.subject.call.si || {})[name]) || name;
+  return (view.state.si && view.subject.call.si[name]) || name;
 }
 
 /** A number in the units of the call; times a size it has one digit less, which rounding leaves right. */
@@ -33,58 +33,37 @@ function scales(view) {
   return view.state.si ? Object.entries(view.data.si.given).map(([n, v]) => `${n}=${exactText(v)}`) : [];
 }
 
-function ofDisk(view) {
-  const {subject, state} = view, {values} = state, {family, law, class: name} = subject.call;
-  const axes = [state.x, state.y], has = subject.names.includes("mu");
-  const mu = has ? number(view, subject.quantity.mu, values.mu) : "";
-  const friction = law === "linear-viscous" ? `${called(view, "mu")}=${mu}` : mu;
-  const contact = `st.${name}(${friction})`, at = number(view, subject.quantity.at, values.at);
-  const body = [...scales(view), `k=${exactText(values.k)}`].join(", "), until = inUnits(state.until, view.curve("time").size);
-  const held = [];
-  if (!axes.includes("at")) held.push(`at=${at}`);
-  held.push(axes.includes("mu") ? `contact="${law}"` : "contact=contact");
-  if (!axes.includes("k") || state.si) held.push("disk=disk");
-  return [
-    "import stability as st", "",
-    `disk, contact = st.Disk(${body}), ${contact}`,
-    `point = st.spectrum("${family}", at=${at}, contact=contact, disk=disk, certify=True)`,
-    `diagram = st.stability_map("${family}", x=${axis(view, "x", 300)}, y=${axis(view, "y", 200)}, ${held.join(", ")})`,
-    "figure = st.plot_map(diagram)",
-    `start = st.launch("${family}", at=${at}, tilt=${exactText(state.tilt)}, disk=disk)`,
-    `motion = st.simulate(disk, contact, start, ${until})`,
-    "print(point.verdict, point.eigenvalues, motion.attrs[\"outcome\"])", "",
-  ].join("\n");
-}
-
+/** `what` is disk or body, which names it in the calls; `made` says how it is made, with a place for each of its numbers. */
 function ofBody(view) {
-  const {subject, state} = view, {values} = state, {family, law, class: name, body, pole, theta} = subject.call;
+  const {subject, state} = view, {values} = state, {family, law, class: name, what, made, pole, theta} = subject.call;
   const [first] = subject.names, at = number(view, subject.quantity[first], values[first]), axes = [state.x, state.y];
   const more = scales(view).join(", "), until = inUnits(state.until, view.curve("time").size);
-  const made = body.replace(/\{(\w+)\}/g, (_, n) => exactText(values[n])).replace(/\)$/, more ? `, ${more})` : ")").replace("(, ", "(");
+  const body = made.replace(/\{(\w+)\}/g, (_, n) => exactText(values[n])).replace(/\)$/, more ? `, ${more})` : ")").replace("(, ", "(");
   const shape = subject.names.filter((n) => n !== first && n !== "mu").map((n) => `${n}=${exactText(values[n])}`).join(", ");
-  const contact = `st.${name}(${"mu" in values ? number(view, subject.quantity.mu, values.mu) : ""})`;
-  const where = pole === undefined || pole === null ? "" : `, pole=${JSON.stringify(pole)}`;
+  const mu = "mu" in values ? number(view, subject.quantity.mu, values.mu) : "", coefficient = called(view, "mu");
+  const contact = `st.${name}(${law === "linear-viscous" ? `${coefficient}=` : ""}${mu})`;
+  const where = pole === null ? "" : `, pole=${JSON.stringify(pole)}`;
   const placed = theta === null ? where : `, theta=${exactText(theta)}`;
   const held = [axes.includes("mu") ? `contact="${law}"` : "contact=contact", ...(axes.includes(first) ? [] : [`at=${at}`])];
   return [
     "import stability as st", "",
-    made ? `body, contact = ${made}, ${contact}` : `contact = ${contact}  # body: your ${subject.call.name}${[shape, more].some((w) => w) ? ` with ${[shape, more].filter((w) => w).join(", ")}` : ""}`,
-    `point = st.spectrum("${family}", at=${at}, body=body, contact=contact${placed}, certify=True)`,
-    `diagram = st.stability_map("${family}", x=${axis(view, "x", 300)}, y=${axis(view, "y", 200)}, body=body, ${held.join(", ")}${placed})`,
+    made ? `${what}, contact = ${body}, ${contact}` : `contact = ${contact}  # body: your ${subject.call.name}${[shape, more].some((w) => w) ? ` with ${[shape, more].filter((w) => w).join(", ")}` : ""}`,
+    `point = st.spectrum("${family}", at=${at}, ${what}=${what}, contact=contact${placed}, certify=True)`,
+    `diagram = st.stability_map("${family}", x=${axis(view, "x", 300)}, y=${axis(view, "y", 200)}, ${what}=${what}, ${held.join(", ")}${placed})`,
     "figure = st.plot_map(diagram)",
-    `start = st.launch("${family}", at=${at}, tilt=${exactText(state.tilt)}, body=body${placed})`,
-    `motion = st.simulate(body, contact, start, ${until})`,
+    `start = st.launch("${family}", at=${at}, tilt=${exactText(state.tilt)}, ${what}=${what}${placed})`,
+    `motion = st.simulate(${what}, contact, start, ${until})`,
     "print(point.verdict, point.eigenvalues, motion.attrs[\"outcome\"])", "",
   ].join("\n");
 }
 
-function ofOwn(view) {
+function ofSystem(view) {
   const {subject, state} = view, {call} = subject, {values} = state;
   const named = (names) => [...names.map((n) => `${n}=${exactText(values[n])}`), ...call.zeros.map((n) => `${n}=0`)].join(", ");
   const at = call.at.length === 1 ? exactText(values[call.at[0]]) : `[${call.at.map((n) => exactText(values[n])).join(", ")}]`;
   const others = subject.names.filter((n) => n !== state.x && n !== state.y);
   const fixed = named(call.parameters) && `, ${named(call.parameters)}`;
-  const held = named(others) && `, ${named(others)}`, launch = launchOfOwn(view);
+  const held = named(others) && `, ${named(others)}`, launch = launchOfSystem(view);
   return [
     "import stability as st", "",
     `# family is your own Family, "${subject.family}" of the system "${call.system}": define or import it first`,
@@ -96,7 +75,7 @@ function ofOwn(view) {
 }
 
 /** The launch of a system of one's own: the steady states, one of them disturbed; nothing without a member. */
-function launchOfOwn(view) {
+function launchOfSystem(view) {
   const {subject, state, motion} = view, q = view.point();
   if (!motion || !subject.exists(q)) return [];
   const steady = subject.steady(q), kick = state.kick || 0;
