@@ -338,13 +338,14 @@ def _creep(ladder: _Ladder) -> None:
     if problem.launches.law is None or not ladder.asked("creep", *ORDERS):
         return
     whole, began = price_of_full(problem), time.perf_counter()
+    states = problem.own - len(problem.launches.model.sliding)
     if not applies(problem):
-        ladder.note("creep", 4, began, 0.0, creeping(problem)[2])
+        ladder.note("creep", states, began, 0.0, creeping(problem)[2])
         return
     price = _price_of_creep(problem)
     if price > WORTH * whole and ladder.only is None:
         why = f"not tried: expected to take {price / whole:.2g} times as long as the full model"
-        ladder.rungs.append(Rung("creep", 4, 0.0, price, math.inf, False, why))
+        ladder.rungs.append(Rung("creep", states, 0.0, price, math.inf, False, why))
         return
     order = ORDERS.index(ladder.only) if ladder.only in ORDERS else None
     work = Work()
@@ -369,8 +370,8 @@ def _creep(ladder: _Ladder) -> None:
         why = f"its error is {share:.3g} times the tolerance on the way"
         if share <= 1:
             why += ", more than one of several stretches may have"
-        ladder.rungs.append(Rung(name_of(i), 4, 0.0, price, share, False, why))
-    ladder.note("creep" if isinstance(track, Refused) else name, 4, began, price, track)
+        ladder.rungs.append(Rung(name_of(i), states, 0.0, price, share, False, why))
+    ladder.note("creep" if isinstance(track, Refused) else name, states, began, price, track)
 
 
 def _price_of_creep(problem: Problem) -> float:

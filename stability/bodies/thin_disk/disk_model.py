@@ -10,13 +10,15 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from ...algebra.program import Program
 from ...base.types import Floats
 from ...systems.system import System
 from ..contact import Contact
-from ..contact_laws import Creep, law_class
+from ..contact_laws import Creep, Rough, law_class
 from ..creep import CREEPS
-from ..model import WORK, Dry, Model
-from .disk_equations import STATES, disk_system
+from ..held_motion import SLIP, held_in_angles
+from ..model import WORK, Dry, Held, Model
+from .disk_equations import STATES, DiskBody, disk_system
 from .disk_momenta import momenta_model
 from .disk_quantities import QUANTITIES
 
@@ -131,10 +133,18 @@ def _disk_model(law: type[Contact], pose: bool, sticking: bool) -> Model:  # noq
         turning=(1, 2, 3), sliding=() if law.sticks or len(system.states) < 6 else (4, 5),
         parking=partial(_park, friction), sound=_stands, short=_short(law, sticking or pose),
         dry=_dry(law, pose) if law.sticks and not sticking else None,
+        held=Held(partial(disk_model, Rough), held_disk) if law.relaxes else None,
         title=f"motion of a disk, {law.name} contact",
         source="equations of Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) "
         "204-231, integrated",
     )  # fmt: skip
+
+
+@lru_cache(maxsize=1)
+def held_disk() -> tuple[Program, Program]:
+    """The disk held to a slip, as programs of (x, k, slip, rate of slip)."""
+    x, k = ca.SX.sym("x", 4), ca.SX.sym("k")
+    return held_in_angles(DiskBody(x, k, Rough, 0, False, ca.vertsplit(SLIP)), k)
 
 
 def _dry(law: type[Contact], pose: bool) -> Dry:  # noqa: FBT001

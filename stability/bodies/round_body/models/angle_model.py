@@ -17,7 +17,7 @@ from ...contact import Contact
 from ...contact_laws import Creep, Rough
 from ...creep import CREEPS
 from ...dry_friction import DIRECTION, MU, CoulombAlong
-from ...model import WORK, Dry, Model
+from ...model import WORK, Dry, Held, Model
 from ...newton_euler import STATES
 from ...thin_disk.disk_model import (
     CONE,
@@ -31,9 +31,9 @@ from ...thin_disk.disk_model import (
 )
 from ...thin_disk.disk_quantities import disk_quantities
 from ..body import Body
-from ..equations import Resistances, round_system
-from ..height.expression import Expression
+from ..equations import Resistances, held_round, rough_round, round_system
 from ..height.pole_height import height_of_angle
+from ..si_law import Shape, shape_of
 
 LOWEST, HIGHEST = "lower end of theta", "upper end of theta"
 """Names of the guards of the ends of a height, other than those at which the body lies flat."""
@@ -87,8 +87,8 @@ def round_model(
         at_rest = system(CoulombAlong, (*given, DIRECTION)), system(Rough, ())
     kind: Any = law  # a class is hashable
     return _round_model(
-        system(law, given), body.name, body.height, tuple(body.shape), body.between,
-        flat_poles(body), kind, given, bool(pose), at_rest, sticking=False,
+        system(law, given), shape_of(body), flat_poles(body), kind, given, bool(pose), at_rest,
+        resistance, sticking=False,
     )  # fmt: skip
 
 
@@ -112,18 +112,18 @@ def flat_poles(body: Body) -> tuple[bool, bool]:
 
 @lru_cache(maxsize=32)
 def _round_model(  # noqa: PLR0913
-    system: System, name: str, height: Expression, shape: tuple[str, ...],
-    between: tuple[float, float], flat_at: tuple[bool, bool], law: type[Contact],
+    system: System, of: Shape, flat_at: tuple[bool, bool], law: type[Contact],
     given: tuple[str, ...], pose: bool, at_rest: tuple[System, System] | None,  # noqa: FBT001
-    *, sticking: bool,
+    resistance: Resistances, *, sticking: bool,
 ) -> Model:  # fmt: skip
+    name, height, _, shape, between = of
     p, mu, dry = system.p, ca.SX.sym(MU), None
     if at_rest is not None and sticking:  # the parameters of sliding
         sliding, system = system, at_rest[1]
         own = dict(zip(system.parameters, ca.vertsplit(system.p), strict=True)) | {MU: mu}
         p = ca.vertcat(*(own[n] for n in sliding.parameters))
     elif at_rest is not None:
-        every: Any = system, name, height, shape, between, flat_at, law, given, pose, at_rest
+        every: Any = system, of, flat_at, law, given, pose, at_rest, resistance
         dry = Dry(*at_rest, partial(_round_model, *every, sticking=True))
     x, seen, flat = system.x, system.observables, ca.SX.sym("flat")
     h = height_of_angle(height, x[0], ca.vertsplit(system.p)[: len(shape)])
@@ -152,17 +152,28 @@ def _round_model(  # noqa: PLR0913
     if issubclass(law, Creep):
         [guards[CREEP_ENDS]] = (c.value for c in system.conditions if c.sentence == CREEPS)
         series |= {"slip_x": seen["slip"][0], "slip_y": seen["slip"][1]}
+    held = None
+    if law.relaxes:
+        held = Held(partial(_rough_model, of, flat_at, resistance),
+                    partial(held_round, of, resistance))  # fmt: skip
     return Model(
         system, STATES, ca.vertcat(*columns), ca.vertcat(p, flat), ca.vertcat(*rates),
         tuple(names), guards, WORDS | words, series, quantities_with(law, shape),
         given[0] if law.relaxes else "",
         turning=(1, 2, 3), sliding=() if law.sticks or len(system.states) < 6 else (4, 5),
-        dry=dry,
+        dry=dry, held=held,
         title=f"motion of {name}, {law.name} contact",
         source=system.qualified(
             "equations of a convex body of revolution (docs/explanation/bodies.md), integrated"
         ),
     )  # fmt: skip
+
+
+def _rough_model(of: Shape, flat_at: tuple[bool, bool], resistance: Resistances) -> Model:
+    kind: Any = Rough
+    return _round_model(
+        rough_round(of, resistance), of, flat_at, kind, (), False, None, resistance, sticking=False
+    )
 
 
 def _ends(
