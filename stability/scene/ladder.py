@@ -53,9 +53,9 @@ ORDERS = tuple(map(name_of, range(MOST_ORDERS + 1)))
 """Names of the orders of creep."""
 RETRY = 1e4
 """Error over the tolerance up to which creep is tried again with smaller errors on the way."""
-DRIFTS, EXPENSIVE = 10.0, 0.02
-"""Square of the distance from rolling over the tolerance up to which its drift is tried, and the
-least expected time of the full model [s]."""
+DRIFTS, EXPENSIVE, DEARER = 10.0, 0.02, 3.0
+"""Square of the distance from rolling over the tolerance up to which its drift is tried; the least
+expected time of the full model [s]; the factor on it for a body whose drift has no closed form."""
 FINER = 2
 """Runs of the full model at a finer tolerance where a quantity needs it."""
 CREEP_BASE, CREEP_ORDER, CREEP_FIXED, SLOWER = 1e-3, 1.2e-5, 3.0, 5.0
@@ -314,11 +314,12 @@ def _drift(ladder: _Ladder) -> None:
         return
     began = time.perf_counter()
     if ladder.only is None:
-        if not problem.thin or not problem.friction:
+        if not problem.friction:
             return
         near = problem.near
         hopeless = near.distance**2 > DRIFTS * problem.tolerance
-        if near.family != ROLLING or hopeless or price_of_full(problem) < EXPENSIVE:
+        least = EXPENSIVE if problem.thin else DEARER * EXPENSIVE
+        if near.family != ROLLING or hopeless or price_of_full(problem) < least:
             return
     with np.errstate(all="ignore"):
         ladder.note(DRIFT, 0, began, 0.0, drifting(problem))
