@@ -80,7 +80,7 @@ class Held:
     """What creep needs beside the model: the body without slip, and held to a stated slip."""
 
     rough: Callable[[], Model]
-    """Gives the model without slip; its states are those of the model, the slip left out."""
+    """Gives the model without slip; y holds the states of the model's system, the slip left out."""
     programs: Callable[[], tuple[Program, Program]]
     """As `stability.bodies.held_motion.held_programs`, of the parameters without the law's."""
 

@@ -68,11 +68,12 @@ def pole_system(
     NoMemberError
         If the body is not smooth at this pole (at both, for `near` = 0).
     ParameterError
-        If the law is made for the disk alone, or its force depends on the direction of slip.
+        If the law is made for the disk's angles, or its force depends on the direction of slip.
     """
     if issubclass(law, Creep):
         raise ParameterError(
-            f"the {law.name} law is made for the disk; for {body.name} take Viscous(mu)."
+            f"the {law.name} law is made for the disk's angles, which have no meaning at a pole; "
+            f"for {body.name} take Viscous(mu)."
         )
     if law.sticks:
         raise ParameterError(f"the {law.name} law sticks, which has no equations at a pole yet.")

@@ -30,7 +30,6 @@ from ...integrators.dense import dense
 from ...integrators.flow import Flow, flow_of
 from ...integrators.leg import Leg
 from ...integrators.selection import METHODS, explicit
-from ...settling.round_body.fixed_axes import fixed_model
 from .elements import Elements, Linear
 from .track import Problem, decade, relative
 
@@ -203,10 +202,7 @@ def held_of(problem: Problem) -> HeldMotion:
     """The held body of a problem to which creep applies."""
     held = problem.launches.model.held
     assert held is not None
-    rough = held.rough()
-    return HeldMotion(
-        problem, flow_of(fixed_model(rough) if rough.chart else rough), held.programs()
-    )
+    return HeldMotion(problem, flow_of(held.rough()), held.programs())
 
 
 def creep_path(

@@ -24,7 +24,6 @@ import numpy as np
 from ...base.types import Floats
 from ...bodies.contact_laws import LinearViscous, Viscous
 from ...boundary.drift import FORMULAS
-from ...settling.round_body.fixed_axes import FixedSettling
 from .elements import Elements, chebyshev
 from .near_steady import SAMPLES, Modes, modes, modes_of, rates_at, slope_at
 from .track import Problem, Refused, Track, relative
@@ -201,9 +200,9 @@ def drifting(problem: Problem) -> Track | Refused:
     """
     if problem.launches.law not in (Viscous, LinearViscous):
         return Refused("no rolling drifts under this law")
-    if isinstance(problem.launches.settling, FixedSettling):
-        return Refused("along fixed axes the heading turns without end, and no drift follows it")
     near = problem.near
+    if near.member is None and near.family:
+        return Refused(f"near {near.family} the heading turns without end: no drift follows it")
     if near.member is None or near.family != ROLLING:
         return Refused(f"the nearest steady motion is {near.family or 'unknown'}, not rolling")
     if near.member[0] != np.pi / 2:

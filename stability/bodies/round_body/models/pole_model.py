@@ -8,6 +8,7 @@ over sin θ; where the axis is exactly vertical, φ̇ is 0 and x̂ such that θ�
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import lru_cache, partial
 from typing import Any
 
@@ -119,10 +120,11 @@ def _pole_model(  # noqa: PLR0913
     )  # fmt: skip
 
 
+@lru_cache(maxsize=32)
 def _rough_model(shape: Shape, smooth: tuple[bool, bool], resistance: Resistances) -> Model:
     kind: Any = Rough
     system = rough_at_pole(shape, resistance)
-    return _pole_model(system, shape, smooth, kind, (), False, resistance)
+    return replace(_pole_model(system, shape, smooth, kind, (), False, resistance), chart=None)
 
 
 AXES = ("axis_x", "axis_y", "axis_z")
