@@ -10,6 +10,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from ..algebra.program import Program
 from ..base.errors import ParameterError, shown
 from ..base.quantities import Quantity, time_unit
 from ..base.types import Floats, Same
@@ -75,6 +76,16 @@ class Dry:
 
 
 @dataclass(frozen=True, eq=False)
+class Held:
+    """What creep needs beside the model: the body without slip, and held to a stated slip."""
+
+    rough: Callable[[], Model]
+    """Gives the model without slip; y holds the states of the model's system, the slip left out."""
+    programs: Callable[[], tuple[Program, Program]]
+    """As `stability.bodies.held_motion.held_programs`, of the parameters without the law's."""
+
+
+@dataclass(frozen=True, eq=False)
 class Model:
     """Equations, guards, observables and names that a launch needs.
 
@@ -119,6 +130,8 @@ class Model:
     """(this model) → the same motion in states that need fewer operations, in a chart."""
     dry: Dry | None = None
     """The body at rest, under a law that sticks."""
+    held: Held | None = None
+    """The body held to a slip, under a law whose slip decays."""
     title: str = ""
     """Title of a motion's dataset."""
     source: str = ""

@@ -41,6 +41,8 @@ class NewtonEuler:
     """Mass in the units of the equations."""
     weight: Any = 1
     """Mass times gravity."""
+    slip_rate: ca.SX | None = None
+    """Rate of a slip that is stated and is a symbol; None where it follows from the states."""
 
     def __init__(
         self, x: ca.SX, contact: type[Contact], mu: Any, slips: bool,
@@ -128,7 +130,10 @@ class NewtonEuler:
         rates = [self.x[1], self.d_theta_dot, self.d_phi_dot, self.d_omega3]
         if self.slips:
             rates += self.extra
-        return ca.jtimes(expression, self.x, ca.vertcat(*rates))
+        found = ca.jtimes(expression, self.x, ca.vertcat(*rates))
+        if self.slip_rate is not None:
+            found += ca.jtimes(expression, ca.vertcat(*self.slip), self.slip_rate)
+        return found
 
     def implicit_form(self) -> tuple[ca.SX, ca.SX]:
         """The mass matrix and forcing of m s̈ = -mgẑ + force, L̇ = a × force."""

@@ -53,9 +53,9 @@ ORDERS = tuple(map(name_of, range(MOST_ORDERS + 1)))
 """Names of the orders of creep."""
 RETRY = 1e4
 """Error over the tolerance up to which creep is tried again with smaller errors on the way."""
-DRIFTS, EXPENSIVE = 10.0, 0.02
-"""Square of the distance from rolling over the tolerance up to which its drift is tried, and the
-least expected time of the full model [s]."""
+DRIFTS, EXPENSIVE, DEARER = 10.0, 0.02, 3.0
+"""Square of the distance from rolling over the tolerance up to which its drift is tried; the least
+expected time of the full model [s]; the factor on it for a body whose drift has no closed form."""
 FINER = 2
 """Runs of the full model at a finer tolerance where a quantity needs it."""
 CREEP_BASE, CREEP_ORDER, CREEP_FIXED, SLOWER = 1e-3, 1.2e-5, 3.0, 5.0
@@ -314,11 +314,12 @@ def _drift(ladder: _Ladder) -> None:
         return
     began = time.perf_counter()
     if ladder.only is None:
-        if not problem.thin or not problem.friction:
+        if not problem.friction:
             return
         near = problem.near
         hopeless = near.distance**2 > DRIFTS * problem.tolerance
-        if near.family != ROLLING or hopeless or price_of_full(problem) < EXPENSIVE:
+        least = EXPENSIVE if problem.thin else DEARER * EXPENSIVE
+        if near.family != ROLLING or hopeless or price_of_full(problem) < least:
             return
     with np.errstate(all="ignore"):
         ladder.note(DRIFT, 0, began, 0.0, drifting(problem))
@@ -338,13 +339,14 @@ def _creep(ladder: _Ladder) -> None:
     if problem.launches.law is None or not ladder.asked("creep", *ORDERS):
         return
     whole, began = price_of_full(problem), time.perf_counter()
+    states = problem.own - len(problem.launches.model.sliding)
     if not applies(problem):
-        ladder.note("creep", 4, began, 0.0, creeping(problem)[2])
+        ladder.note("creep", states, began, 0.0, creeping(problem)[2])
         return
     price = _price_of_creep(problem)
     if price > WORTH * whole and ladder.only is None:
         why = f"not tried: expected to take {price / whole:.2g} times as long as the full model"
-        ladder.rungs.append(Rung("creep", 4, 0.0, price, math.inf, False, why))
+        ladder.rungs.append(Rung("creep", states, 0.0, price, math.inf, False, why))
         return
     order = ORDERS.index(ladder.only) if ladder.only in ORDERS else None
     work = Work()
@@ -369,8 +371,8 @@ def _creep(ladder: _Ladder) -> None:
         why = f"its error is {share:.3g} times the tolerance on the way"
         if share <= 1:
             why += ", more than one of several stretches may have"
-        ladder.rungs.append(Rung(name_of(i), 4, 0.0, price, share, False, why))
-    ladder.note("creep" if isinstance(track, Refused) else name, 4, began, price, track)
+        ladder.rungs.append(Rung(name_of(i), states, 0.0, price, share, False, why))
+    ladder.note("creep" if isinstance(track, Refused) else name, states, began, price, track)
 
 
 def _price_of_creep(problem: Problem) -> float:

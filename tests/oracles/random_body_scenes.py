@@ -1,4 +1,4 @@
-"""Random scenes of three bodies, and the truth by `simulate` at a tolerance 100 times finer."""
+"""Random scenes of bodies, and the truth by `simulate` at a tolerance 100 times finer."""
 
 from __future__ import annotations
 
@@ -48,6 +48,32 @@ def random_scene(number: int, seed: int) -> st.Scene:
         start[4:] = rng.normal(size=2) * 10 ** rng.uniform(-4, -1)
     quantity = str(rng.choice(QUANTITIES))
     return st.Scene(body, law, start, horizon, tolerance, (quantity,))
+
+
+def stiff_scene(number: int, seed: int) -> st.Scene:
+    """A scene of large friction, away from steady motions, of one of five bodies."""
+    rng = np.random.default_rng([seed, number, 1])
+    kind = rng.integers(5)
+    if kind == 0:
+        body = st.Torus(float(rng.choice([0.05, 0.2, 0.5])))
+    elif kind == 1:
+        body = st.Spheroid(float(rng.choice([0.5, 0.8, 1.3])))
+    elif kind == 2:
+        body = st.ThickDisk(float(rng.choice([0.1, 0.4])))
+    elif kind == 3:
+        body = st.Egg(float(rng.choice([0.1, 0.2])))
+    else:
+        body = st.EccentricSphere(float(rng.choice([0.1, 0.3])), axial=0.4, transverse=0.4)
+    mu = 10 ** rng.uniform(1.3, 5)
+    law: Any = st.Viscous(mu) if rng.random() < 0.6 else st.LinearViscous(mu)
+    low, high = body.between
+    start = np.zeros(6)
+    start[0] = rng.uniform(low + 0.3, high - 0.3)
+    start[1:4] = rng.normal(size=3) * [0.5, 0.7, 1.5]
+    if rng.random() < 0.5:
+        start[4:] = rng.normal(size=2) * 10 ** rng.uniform(-4, -1)
+    horizon, tolerance = 10 ** rng.uniform(0, 1.7), 10 ** rng.uniform(-9, -2)
+    return st.Scene(body, law, start, horizon, tolerance, (str(rng.choice(QUANTITIES)),))
 
 
 def columns(run: Any) -> np.ndarray:

@@ -91,6 +91,17 @@ def test_no_full_model_runs_where_the_motion_ends_before_creep(
     assert not orders
 
 
+def test_elements_that_stay_coarse_have_the_path_at_their_own_points(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The divisions of elements may end before all resolve the motion."""
+    monkeypatch.setattr("stability.scene.rungs.creep.SPLITS", 1)
+    monkeypatch.setattr("stability.scene.rungs.creep.RESOLVED", 1e-6)
+    orders, _, told = creeping(_problem(3000.0, 5.0, 1e-6))
+    assert isinstance(told, Track)
+    assert min(orders.values()) < 1e-6
+
+
 def test_laws_whose_slip_does_not_relax_have_no_creep() -> None:
     for law in (st.Smooth(), st.Rough(), st.Coulomb(0.3)):
         launches = gather(st.Disk(), law, {"theta": 1.3, "omega3": 1.2}, 1.0)

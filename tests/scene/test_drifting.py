@@ -1,13 +1,19 @@
-"""The drift of rolling in closed form, against the full model and `stability.drift`."""
+"""The drift of rolling bodies, against the full model, `stability.drift` and its closed form."""
 
 from __future__ import annotations
 
+import os
+from typing import Any
+
+import casadi as ca
 import numpy as np
 import pytest
+from random_body_scenes import columns, far
 
 import stability as st
+from stability.bodies.round_body.shapes.named import of_disk
 from stability.motion.round_starts import gather_round as gather
-from stability.scene.rungs.drifting import SlowManifold, drifting
+from stability.scene.rungs.drifting import NumericManifold, SlowManifold, _numeric, drifting
 from stability.scene.rungs.track import Problem, Refused, Track, relative
 
 STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
@@ -75,6 +81,145 @@ def test_a_scene_of_long_rolling_is_answered_by_the_drift() -> None:
     true = np.array([float(run[n].values[-1]) for n in STATES])
     error = float(relative(np.array(list(answer.value.values())) - true, true))
     assert error <= answer.estimate <= 1e-4
+
+
+# --- other bodies ---
+
+SEED = int(os.environ.get("STABILITY_SEED", "20261128"))
+UNEVEN = st.Body(
+    lambda theta: 0.8 * ca.sin(theta) + 0.2 + 0.02 * ca.cos(theta) ** 3, axial=1.0, transverse=0.55,
+    name="uneven ring",
+)  # fmt: skip
+
+
+def _of_body(body: st.Body, law: Any, start: Any, last: float) -> Problem:
+    times = np.linspace(0.0, last, 9)
+    return Problem(gather(body, law, start, times), 1e-4, times)
+
+
+def _off(body: st.Body, law: Any, start: Any, last: float) -> tuple[float, float] | Refused:
+    """True and stated error of the drift of a body."""
+    problem = _of_body(body, law, start, last)
+    track = drifting(problem)
+    if isinstance(track, Refused):
+        return track
+    run = st.simulate(body, law, start, problem.times, tolerance=1e-13, check=False)
+    return far(track.states, columns(run)), track.error
+
+
+@pytest.mark.parametrize("law", [st.Viscous(0.7), st.LinearViscous(2.0)])
+@pytest.mark.parametrize(("k", "spin", "last"), [(0.25, 1.8, 4e3), (0.45, -1.4, 2e3)])
+def test_the_drift_of_a_body_is_the_closed_form_of_the_disk(
+    k: float, spin: float, last: float, law: Any
+) -> None:
+    disk, start = st.Disk(k=k), st.launch("rolling", at=spin, tilt=-5e-3)
+    one = drifting(_problem(k, law, start, last))
+    other = drifting(_of_body(of_disk(disk), law, start, last))
+    assert isinstance(one, Track) and isinstance(other, Track)
+    assert far(other.states, one.states) < 1e-9
+    assert other.errors == pytest.approx(one.errors, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("tube", "law", "spin", "tilt", "last"),
+    [
+        (0.2, st.Viscous(1.0), 1.8, 1e-2, 2000.0), (0.5, st.Viscous(0.5), -2.0, -1e-2, 2000.0),
+        (0.1, st.LinearViscous(3.0), 2.0, -1e-2, 3000.0),
+    ],
+)  # fmt: skip
+def test_a_torus_drifts_within_the_stated_error(
+    tube: float, law: Any, spin: float, tilt: float, last: float
+) -> None:
+    body = st.Torus(tube)
+    told = _off(body, law, st.launch("rolling", at=spin, tilt=tilt, body=body), last)
+    assert not isinstance(told, Refused)
+    true, stated = told
+    assert true <= stated < 30 * true
+    assert true < 0.3 * tilt**2
+
+
+def test_the_error_of_a_torus_falls_as_the_square_of_the_tilt() -> None:
+    body, errors = st.Torus(0.2), []
+    for tilt in (2e-2, 1e-2):
+        start = st.launch("rolling", at=1.8, tilt=tilt, body=body)
+        told = _off(body, st.Viscous(1.0), start, 0.4 / tilt**2)
+        assert not isinstance(told, Refused)
+        errors.append(told[0])
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.15)
+
+
+def test_the_manifold_of_a_body_obeys_its_rates() -> None:
+    problem = _of_body(st.Torus(0.2), st.Viscous(1.0), st.launch("rolling", at=1.8, tilt=2e-2), 2e3)
+    slow = _numeric(problem, 0.02, 1.8)
+    assert isinstance(slow, NumericManifold)
+    times = np.linspace(20.0, 1900.0, 7)
+    tilt, spin = slow.at(times)
+    ahead, back = slow.at(times + 1e-1), slow.at(times - 1e-1)
+    for i, rate in enumerate(slow.rates(tilt, spin)):
+        assert (ahead[i] - back[i]) / 2e-1 == pytest.approx(rate, rel=1e-5)
+    assert tilt[-1] > tilt[0] > 0 and spin[-1] < spin[0]
+
+
+def test_a_long_roll_of_a_torus_is_answered_by_the_drift() -> None:
+    body = st.Torus(0.2)
+    start = st.launch("rolling", at=2.5, tilt=5e-3, body=body)
+    answer = st.Scene(body, st.Viscous(1.0), start, 1.5e4, 1e-4).verify()
+    assert answer.model == "drift"
+    assert answer.true_error <= answer.estimate <= 1e-4
+
+
+def test_fast_modes_that_hardly_decay_lose_their_phase_as_the_spin_drifts() -> None:
+    """Near the threshold a change of the spin by 1e-4 is a phase of 0.05 after long."""
+    start, law = [1.566, 0.0, 0.0, 1.5837, 0.0, 0.0], st.LinearViscous(24.18)
+    track = drifting(_problem(0.2283, law, np.array(start), 460.0))
+    assert isinstance(track, Track)
+    run = st.simulate(st.Disk(k=0.2283), law, start, track.times, tolerance=1e-13, check=False)
+    assert far(track.states, columns(run)) <= track.error
+
+
+@pytest.mark.parametrize(
+    ("count", "seed"), [(5, 20261128), pytest.param(150, SEED, marks=pytest.mark.long)]
+)
+def test_random_bodies_drift_within_the_stated_error(count: int, seed: int) -> None:
+    low, answered = [], 0
+    for number in range(count):
+        rng = np.random.default_rng([seed, number])
+        body = st.Torus(float(rng.uniform(0.03, 0.6)))
+        if rng.random() < 0.3:
+            body = of_disk(st.Disk(k=float(rng.uniform(0.15, 0.5))))
+        mu = 10 ** rng.uniform(-0.5, 1.5)
+        law: Any = st.Viscous(mu) if rng.random() < 0.6 else st.LinearViscous(mu)
+        spin, tilt = rng.uniform(0.9, 3) * rng.choice([-1, 1]), 10 ** rng.uniform(-3, -1.5)
+        start = st.launch("rolling", at=spin, tilt=tilt * rng.choice([-1, 1]), body=body)
+        start[1:4] += rng.normal(size=3) * tilt * rng.choice([0, 0.3])
+        told = _off(body, law, start, 10 ** rng.uniform(2, 4))
+        if isinstance(told, Refused):
+            continue
+        answered += 1
+        if told[0] > told[1] + 1e-12:
+            low.append((number, body.name, law, start, *told))
+    assert not low, low
+    assert answered > count / 2
+
+
+@pytest.mark.parametrize(
+    ("body", "start", "words"),
+    [
+        (st.ThickDisk(0.2), {"at": 3.0}, "leans by 0.0997 rad as it rolls"),
+        (st.Egg(0.2), {"at": 3.0}, "the heading turns without end"),
+        (UNEVEN, {"at": 3.0}, "alike on both sides"),
+        (st.Torus(0.2), {"at": 1.0}, "two zero eigenvalues and decaying ones"),
+        (st.Torus(0.2), {"at": 3.0, "tilt": 0.0}, "nothing drifts"),
+    ],
+)
+def test_a_body_that_has_no_known_drift_is_told_so(body: st.Body, start: Any, words: str) -> None:
+    six = st.launch("rolling", **({"tilt": 5e-3} | start), body=body)
+    answer = st.Scene(body, st.Viscous(1.0), six, 100.0, 1e-4).answer(only="drift")
+    assert words in answer.sentence
+    assert answer.model == "none"
+
+
+# --- what does not drift ---
 
 
 @pytest.mark.parametrize(

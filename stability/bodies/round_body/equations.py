@@ -15,13 +15,15 @@ from typing import Any
 
 import casadi as ca
 
+from ...algebra.program import Program
 from ...base.quantities import Units
 from ...systems.condition import Condition
 from ...systems.equations import eliminate
 from ...systems.system import System
 from ..contact import Contact
-from ..contact_laws import CREEP, Creep
+from ..contact_laws import CREEP, Creep, Rough
 from ..creep import CREEPS, follows, slip_of
+from ..held_motion import SLIP, held_in_angles
 from ..newton_euler import STATES, NewtonEuler
 from ..resistance import Resistance, total_moment
 from ..round_quantities import round_quantities
@@ -98,6 +100,22 @@ def _system(  # noqa: PLR0913
         states=states, parameters=numbers.names,
     )  # fmt: skip
     return with_quantities(system, shape, law, resistance, physical=physical)
+
+
+def rough_round(shape: Shape, resistance: Resistances) -> System:
+    """The body that does not slip, dimensionless."""
+    return _system(shape, Rough, (), False, resistance, False)
+
+
+@lru_cache(maxsize=32)
+def held_round(shape: Shape, resistance: Resistances) -> tuple[Program, Program]:
+    """A body held to a slip in its angles, dimensionless: see `held_programs`."""
+    numbers = Numbers.of(shape, [r.coefficient for r in resistance], physical=False)
+    x = ca.SX.sym("x", 4)
+    along = height_of_angle(shape[1], x[0], numbers.own)
+    body = RoundBody(x, along, numbers.table, Rough, (), False, ca.vertsplit(SLIP))
+    body.against = [(r, numbers.table[r.coefficient]) for r in resistance]
+    return held_in_angles(body, numbers.p)
 
 
 def conditions_along(

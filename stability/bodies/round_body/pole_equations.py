@@ -15,12 +15,15 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from ...algebra.program import Program
 from ...base.errors import NoMemberError, ParameterError
 from ...systems.condition import Condition
 from ...systems.equations import eliminate
 from ...systems.system import System
 from ..contact import Contact
-from ..contact_laws import Creep
+from ..contact_laws import Creep, Rough
+from ..held_motion import SLIP as STATED
+from ..held_motion import SLIP_RATE, held_programs
 from ..resistance import Resistance, total_moment
 from .equations import Resistances, with_quantities
 from .height.pole_height import NotSmoothError, height_of_cosine
@@ -65,11 +68,12 @@ def pole_system(
     NoMemberError
         If the body is not smooth at this pole (at both, for `near` = 0).
     ParameterError
-        If the law is made for the disk alone, or its force depends on the direction of slip.
+        If the law is made for the disk's angles, or its force depends on the direction of slip.
     """
     if issubclass(law, Creep):
         raise ParameterError(
-            f"the {law.name} law is made for the disk; for {body.name} take Viscous(mu)."
+            f"the {law.name} law is made for the disk's angles, which have no meaning at a pole; "
+            f"for {body.name} take Viscous(mu)."
         )
     if law.sticks:
         raise ParameterError(f"the {law.name} law sticks, which has no equations at a pole yet.")
@@ -186,6 +190,25 @@ def _system(  # noqa: PLR0913
     return with_quantities(system, shape, law, resistance, physical=physical)
 
 
+def rough_at_pole(shape: Shape, resistance: Resistances) -> System:
+    """The body that does not slip along fixed axes, dimensionless."""
+    return _system(shape, Rough, (), False, 0, resistance, False)
+
+
+@lru_cache(maxsize=32)
+def held_at_pole(shape: Shape, resistance: Resistances) -> tuple[Program, Program]:
+    """A body held to a slip along fixed axes, dimensionless: see `held_programs`."""
+    numbers = Numbers.of(shape, [r.coefficient for r in resistance], physical=False)
+    x, cosine = ca.SX.sym("x", 6), ca.SX.sym("c")
+    height = cosine, height_of_cosine(shape[1], cosine, numbers.own)
+    law = Law(Rough, numbers.table, ())
+    body = PoleBody(x[:3], x[3:], STATED, height, law, numbers.table)
+    body.against = [(r, numbers.table[r.coefficient]) for r in resistance]
+    turning, force, normal, _ = body.held(SLIP_RATE)
+    rates = ca.vertcat(body.moving, turning)
+    return held_programs(x, numbers.p, rates, ca.vertcat(force, normal))
+
+
 class PoleBody:
     """Newton's and Euler's equations along fixed axes, solved for one contact law.
 
@@ -244,7 +267,7 @@ class PoleBody:
 
     def solved(self) -> tuple[ca.SX, dict[str, ca.SX]]:
         """Rates of angular velocity and slip, and the observables."""
-        turning, force, normal, determinant = self._held() if self.law.holds else self._free()
+        turning, force, normal, determinant = self.held() if self.law.holds else self._free()
         rates = [turning]
         if self.slips:
             swing = ca.cross(turning, self.point) + ca.cross(self.turn, self.drift)
@@ -278,12 +301,18 @@ class PoleBody:
         turning = free + value * one
         return turning, rest + value * part, value, pivot * self.across / self.square
 
-    def _held(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
-        """A force that holds the slip: (I + m(a²1 - a aᵀ)) ω̇ is known, and positive definite."""
+    def held(self, slip_rate: Any = (0, 0)) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:
+        """A force that holds the slip: (I + m(a²1 - a aᵀ)) ω̇ is known, and positive definite.
+
+        Parameters
+        ----------
+        slip_rate
+            Rate of the slip along X and Y.
+        """
         a, e = self.point, self.axis
         inertia = self.across * ca.SX.eye(3) + (self.along - self.across) * e @ e.T
         inertia += self.mass * (ca.sumsqr(a) * ca.SX.eye(3) - a @ a.T)
-        swing = ca.cross(self.turn, self.drift)
+        swing = ca.cross(self.turn, self.drift) - ca.vertcat(slip_rate[0], slip_rate[1], 0)
         known = ca.cross(a, self.law.weight * self.z - self.mass * swing) - self.gyro
         if self.against:  # N = m g - m (ω̇×a + ω×ȧ)·Ẑ
             normal = ca.SX.sym("normal")

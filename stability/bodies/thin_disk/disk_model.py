@@ -10,14 +10,16 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from ...algebra.program import Program
 from ...base.types import Floats
 from ...systems.system import System
 from ..contact import Contact
-from ..contact_laws import Creep, law_class
+from ..contact_laws import Creep, Rough, law_class
 from ..creep import CREEPS
 from ..explicit import Surface, explicit
-from ..model import WORK, Dry, Model
-from .disk_equations import STATES, disk_system
+from ..held_motion import SLIP, held_in_angles
+from ..model import WORK, Dry, Held, Model
+from .disk_equations import STATES, DiskBody, disk_system
 from .disk_momenta import momenta_model
 from .disk_quantities import QUANTITIES
 
@@ -136,6 +138,7 @@ def _disk_model(law: type[Contact], pose: bool, sticking: bool) -> Model:  # noq
         turning=(1, 2, 3), sliding=() if law.sticks or len(system.states) < 6 else (4, 5),
         parking=partial(_park, friction), sound=_stands, short=_short(law, sticking or pose),
         dry=_dry(law, pose) if law.sticks and not sticking else None,
+        held=Held(partial(disk_model, Rough), held_disk) if law.relaxes else None,
         title=f"motion of a disk, {law.name} contact",
         source="equations of Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) "
         "204-231, integrated",
@@ -151,6 +154,13 @@ def _solved(system: System, law: type[Contact]) -> tuple[list[ca.SX], ca.SX, ca.
     found = explicit(x, Surface(s, c, -s, 1, 0, k, 2), lambda v, n: stated.force(v, n, mu))
     power = ca.SX(stated.power([x[4], x[5]], found.normal, mu))
     return [found.rates, power], found.pressing, found.determinant
+
+
+@lru_cache(maxsize=1)
+def held_disk() -> tuple[Program, Program]:
+    """The disk held to a slip, as programs of (x, k, slip, rate of slip)."""
+    x, k = ca.SX.sym("x", 4), ca.SX.sym("k")
+    return held_in_angles(DiskBody(x, k, Rough, 0, False, ca.vertsplit(SLIP)), k)
 
 
 def _dry(law: type[Contact], pose: bool) -> Dry:  # noqa: FBT001

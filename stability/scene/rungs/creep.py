@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import casadi as ca
@@ -26,9 +26,8 @@ from ...base.types import Floats
 from ...bodies.contact_laws import LinearViscous, Viscous
 from ...bodies.creep import LEAST_RELAXATION
 from ...bodies.thin_disk.disk_model import LIFT_OFF, NO_CONTACT
-from ...bodies.thin_disk.held_disk import held_disk
 from ...integrators.dense import dense
-from ...integrators.flow import Flow, flow
+from ...integrators.flow import Flow, flow_of
 from ...integrators.leg import Leg
 from ...integrators.selection import METHODS, explicit
 from .elements import Elements, Linear
@@ -67,15 +66,15 @@ class Order:
     """The motion of one order of creep on the elements."""
 
     path: Floats
-    """θ, θ̇, φ̇, ω₃ at the points, shape (E, N, 4)."""
+    """The n states without slip at the points, shape (E, N, n)."""
     slip: Floats
     """The slip, shape (E, N, 2)."""
     errors: Floats = field(default_factory=lambda: np.empty(0))
-    """What the next order changes in the six states, shape (E, N, 6)."""
+    """What the next order changes in all states, shape (E, N, n + 2)."""
 
     @property
     def states(self) -> Floats:
-        """The six states at the points, shape (E, N, 6)."""
+        """All states at the points, shape (E, N, n + 2)."""
         return np.concatenate([self.path, self.slip], axis=-1)
 
 
@@ -102,33 +101,55 @@ class CreepPath:
 
 
 @dataclass(frozen=True, eq=False)
-class Held:
-    """The disk held to a slip, at all points of a path."""
+class HeldMotion:
+    """The body of a problem held to a slip, at all points of a path."""
 
-    k: float
-    """Inertia factor."""
-    mu: float
-    """Friction coefficient."""
-    by_force: bool
-    """Whether slip follows from the force alone and not from the force over the normal force."""
+    problem: Problem
+    """The problem, whose law has creep."""
+    rough: Flow
+    """The body without slip."""
+    programs: tuple[Program, Program]
+    """From `stability.bodies.held_motion.held_programs`."""
+
+    @cached_property
+    def n(self) -> int:
+        """Number of states without slip."""
+        return len(self.rough.system.states)
+
+    @cached_property
+    def p(self) -> Floats:
+        """Parameters without the law's."""
+        names = self.problem.flow.system.parameters
+        return self.problem.p[[names.index(n) for n in self.rough.system.parameters]]
+
+    @cached_property
+    def mu(self) -> float:
+        """Friction coefficient."""
+        return self.problem.friction
+
+    @cached_property
+    def by_force(self) -> bool:
+        """Whether slip follows from the force alone and not from that over the normal force."""
+        return self.problem.launches.law is LinearViscous
 
     def motion(self, path: Floats, *slip: Floats) -> tuple[Floats, Floats]:
-        """Rates, (E, N, 4), and forces, (E, N, 3), with a slip and its rate, (E, N, 2), or none."""
+        """Rates, (E, N, n), and forces, (E, N, 3), with a slip and its rate, (E, N, 2), or none."""
         found = self._run(0, path, *slip)
-        return found[..., :4], found[..., 4:]
+        return found[..., : self.n], found[..., self.n :]
 
     def slope(self, path: Floats, *slip: Floats) -> Floats:
-        """Slope of the rates in the states, shape (E, N, 4, 4)."""
+        """Slope of the rates in the states, shape (E, N, n, n)."""
         found = self._run(1, path, *slip)
-        columns = found.reshape(*path.shape[:-1], 4, 4)
+        columns = found.reshape(*path.shape[:-1], self.n, self.n)
         return np.ascontiguousarray(columns.swapaxes(-1, -2))
 
     def _run(self, which: int, path: Floats, *slip: Floats) -> Floats:
-        points = np.zeros((9, path.size // 4))
-        points[:4], points[4] = path.reshape(-1, 4).T, self.k
+        n, own = self.n, self.n + len(self.p)
+        points = np.zeros((own + 4, path.size // n))
+        points[:n], points[n:own] = path.reshape(-1, n).T, self.p[:, None]
         for i, part in enumerate(slip):
-            points[5 + 2 * i : 7 + 2 * i] = part.reshape(-1, 2).T
-        found = held_disk()[which].many(points)
+            points[own + 2 * i : own + 2 * i + 2] = part.reshape(-1, 2).T
+        found = self.programs[which].many(points)
         return np.ascontiguousarray(found.T).reshape(*path.shape[:-1], -1)
 
     def slip(self, forces: Floats) -> Floats:
@@ -151,23 +172,41 @@ class Held:
         """
         if self.by_force:
             return np.ones(path.shape[:-1], dtype=bool)
-        sine, cosine = np.sin(path[..., 0]), np.cos(path[..., 0])
-        most = self.k + cosine**2
-        return np.asarray(self.mu * slip[..., 0] * sine * cosine < (1 - CLEAR) * most)
+        states = np.concatenate([path, slip], axis=-1).reshape(-1, self.n + 2)
+        _, share = contact_at(self.problem, states)
+        return share.reshape(path.shape[:-1]) > CLEAR
+
+
+def contact_at(problem: Problem, states: Floats) -> tuple[Floats, Floats]:
+    """The normal force of the full model, and D over its value without slip.
+
+    Parameters
+    ----------
+    problem
+        A problem whose D depends on the slip.
+    states
+        All states, shape (t, n + 2).
+    """
+    own = problem.flow
+    rows = [own.pack(states).T, np.tile(problem.flow_p[:, None], len(states))]
+    normal, share = _contact(own).many(np.concatenate(rows))
+    return normal, share
 
 
 def applies(problem: Problem) -> bool:
     """Whether creep is solved for the body and the law of a problem."""
-    return problem.thin and problem.launches.law in LAWS
+    return problem.launches.law in LAWS and problem.launches.model.held is not None
 
 
-def held_of(problem: Problem) -> Held:
-    """The held disk of a problem whose law has creep."""
-    return Held(float(problem.p[0]), float(problem.p[1]), problem.launches.law is LinearViscous)
+def held_of(problem: Problem) -> HeldMotion:
+    """The held body of a problem to which creep applies."""
+    held = problem.launches.model.held
+    assert held is not None
+    return HeldMotion(problem, flow_of(held.rough()), held.programs())
 
 
 def creep_path(
-    problem: Problem, held: Held, start: Floats, begin: float, last: float, tolerance: float,
+    problem: Problem, held: HeldMotion, start: Floats, begin: float, last: float, tolerance: float,
 ) -> CreepPath | str:  # fmt: skip
     """Creep from a state whose slip has decayed.
 
@@ -176,9 +215,9 @@ def creep_path(
     problem
         The problem.
     held
-        Its held disk.
+        Its held body.
     start
-        The six states, shape (6,).
+        All states, shape (n + 2,).
     begin, last
         Their time, and the time to which creep runs at most.
     tolerance
@@ -204,7 +243,7 @@ def creep_path(
     bound = valid == len(path)
     linear = Linear.along(elements.first(valid), slope[:valid])
     rates, _ = held.motion(path[:valid], slip[:valid], rate[:valid])
-    change = linear.solve(rates - linear.elements.derivative(path[:valid]), np.zeros(4))
+    change = linear.solve(rates - linear.elements.derivative(path[:valid]), np.zeros(held.n))
     near = _window(change, path[:valid])
     if near < valid:
         valid, bound, linear, change = near, True, linear.first(near), change[:near]
@@ -225,13 +264,13 @@ def _window(change: Floats, path: Floats) -> int:
 
 
 def _orders(
-    held: Held, linear: Linear, path: Floats, slip: Floats, rate: Floats, change: Floats,
+    held: HeldMotion, linear: Linear, path: Floats, slip: Floats, rate: Floats, change: Floats,
     tolerance: float,
 ) -> tuple[Order, ...]:  # fmt: skip
     """Orders from the first change on, until one is fine enough or they no longer fall."""
     found: list[Order] = []
     size, elements = np.inf, linear.elements
-    now, zero = Order(path, np.zeros_like(slip)), np.zeros(4)
+    now, zero = Order(path, np.zeros_like(slip)), np.zeros(held.n)
     for _ in range(MOST_ORDERS + 1):
         then = Order(now.path + change, slip)
         errors = np.concatenate([change, slip - now.slip], axis=-1)
@@ -265,26 +304,31 @@ def _follows(relaxation: Floats) -> int:
 
 
 def _rough(
-    problem: Problem, held: Held, start: Floats, begin: float, last: float, tolerance: float
+    problem: Problem, held: HeldMotion, start: Floats, begin: float, last: float, tolerance: float
 ) -> tuple[Elements, Floats, Floats] | str:
     """The rough disk's path on elements that resolve it, up to its own end, and its slope."""
-    rough = flow("rough")
+    rough = held.rough
     points = int(np.clip(8 + np.ceil(-0.75 * np.log10(tolerance)), 8, 18))
-    p = np.array([held.k, np.sin(problem.flat)])
+    p = np.append(held.p, [np.sin(problem.flat)] * (rough.p.numel() - len(held.p)))
     fine = decade(tolerance / 100, most=1e-12)
     span = np.array([begin, last])
-    leg = Leg(rough, p, rough.pack(start[:4]), span, fine, 10_000_000, problem.max_seconds)
+    leg = Leg(rough, p, rough.pack(start[: held.n]), span, fine, 10_000_000, problem.max_seconds)
     run = dense(leg)
     if len(run.steps) < 2 or not run.steps[-1] > begin:
-        return "the rough disk ends at once"
+        return "the body without slip ends at once"
+
+    def along(elements: Elements) -> Floats:
+        return run.at(elements.times.ravel())[:, : held.n].reshape(-1, points, held.n)
+
     elements = Elements(np.append(run.steps[:-1:STEPS], run.steps[-1]), points)
+    path = along(elements)
     for _ in range(SPLITS):
-        path = run.at(elements.times.ravel())[:, :4].reshape(-1, points, 4)
         coarse = elements.tails(path) > RESOLVED * tolerance / len(path)
         if not coarse.any():
             break
         halves = (elements.edges[:-1] + elements.edges[1:])[coarse] / 2
         elements = Elements(np.union1d(elements.edges, halves), points)
+        path = along(elements)
     slope = held.slope(path)
     pieces = _pieces(elements, slope)
     if (pieces > 1).any():
@@ -292,7 +336,7 @@ def _rough(
         share = np.concatenate([np.arange(n) / n for n in pieces])
         edges = inner + share * np.repeat(elements.lengths, pieces)
         elements = Elements(np.append(edges, elements.edges[-1]), points)
-        path = run.at(elements.times.ravel())[:, :4].reshape(-1, points, 4)
+        path = along(elements)
         slope = held.slope(path)
     return elements, path, slope
 
@@ -323,7 +367,7 @@ def _pieces(elements: Elements, slope: Floats) -> NDArray[np.intp]:
 
 
 def transient(
-    problem: Problem, held: Held, start: Floats, begin: float, tolerance: float
+    problem: Problem, held: HeldMotion, start: Floats, begin: float, tolerance: float
 ) -> tuple[Floats, Floats, Any] | str:
     """The full model until the slip of the start has decayed.
 
@@ -335,12 +379,12 @@ def transient(
     Returns
     -------
     times, states, end
-        Times, shape (t,), and states, shape (t, 6), of which the last begin creep; the end of the
-        run where a guard failed.  Or the reason why the slip does not decay.
+        Times, shape (t,), and states, shape (t, n + 2), of which the last begin creep; the end of
+        the run where a guard failed.  Or the reason why the slip does not decay.
     """
     own, p = problem.flow, problem.flow_p
     pull = _pull(problem, held, start[None])[0]
-    apart = max(float(np.abs(start[4:6]).max()), 1.0 / held.mu)
+    apart = max(float(np.abs(start[held.n :]).max()), 1.0 / held.mu)
     needed = np.log(max(apart / (LAYER * tolerance), 1.0))
     times, states = np.array([begin]), start[None]
     done, now = 0.0, begin
@@ -356,13 +400,13 @@ def transient(
                   100_000, problem.max_seconds)  # fmt: skip
         run = METHODS[explicit(own)](leg)
         times = np.concatenate([times, grid[1 : len(run.states)]])
-        states = np.concatenate([states, run.states[1:, :6]])
+        states = np.concatenate([states, run.states[1:, : problem.own]])
         if run.end is not None:
             return times, states, run.end
         pulls = _pull(problem, held, run.states)
         decay = np.minimum(pulls[1:], pulls[:-1]) * np.diff(grid)
         past = done + np.append(0.0, np.cumsum(decay))
-        free = np.maximum(_free(held, run.states[:, :6]) / (LAYER * tolerance), 1e-300)
+        free = np.maximum(_free(held, run.states[:, : problem.own]) / (LAYER * tolerance), 1e-300)
         needed = max(needed, float((past + np.log(free)).max()))
         done = float(past[-1])
         now = float(grid[-1])
@@ -374,30 +418,36 @@ def transient(
     return times, states, None
 
 
-def _free(held: Held, states: Floats) -> Floats:
+def _free(held: HeldMotion, states: Floats) -> Floats:
     """Distance of slip from the slip that the rough disk's force gives, 0 where it is bound.
 
     Slip that was bound is free again while the normal force fades, and has to decay again.
     """
-    _, forces = held.motion(states[None, :, :4])
+    _, forces = held.motion(states[None, :, : held.n])
     bound = held.slip(forces)[0]
-    apart = np.abs(states[:, 4:6] - bound).max(axis=1)
+    apart = np.abs(states[:, held.n :] - bound).max(axis=1)
     fades = (forces[0, :, 2] <= 0) | (apart > np.abs(bound).max(axis=1))
-    apart = np.where(forces[0, :, 2] > 0, apart, np.abs(states[:, 4:6]).max(axis=1))
+    apart = np.where(forces[0, :, 2] > 0, apart, np.abs(states[:, held.n :]).max(axis=1))
     return np.where(fades, apart, 0.0)
 
 
-def _pull(problem: Problem, held: Held, states: Floats) -> Floats:
-    """Least rate at which slip decays: the inverse inertia at the rim is at least 1/m."""
+def _pull(problem: Problem, held: HeldMotion, states: Floats) -> Floats:
+    """Least rate at which slip decays.
+
+    A force at the contact meets an inverse inertia of at least 1/m.  The normal force falls as D
+    grows with the slip along x̂, which leaves the share D(0)/D of that rate.
+    """
     if held.by_force:
         return np.full(len(states), held.mu)
-    rows = [problem.flow.pack(states[:, :6]).T, np.tile(problem.flow_p[:, None], len(states))]
-    found: Floats = held.mu * _normal(problem.flow).many(np.concatenate(rows))[0]
-    return found
+    normal, share = contact_at(problem, states[:, : problem.own])
+    return held.mu * normal / np.maximum(1.0, share)
 
 
 @lru_cache(maxsize=8)
-def _normal(own: Flow) -> Program:
-    """Program of (y, p) → the normal force of the full model."""
-    force = own.guards[LIFT_OFF] / own.guards[NO_CONTACT]
-    return Program(ca.Function("normal", [own.x, own.p], [force]))
+def _contact(own: Flow) -> Program:
+    """Program of (y, p) → the normal force of the full model, and D over its value without slip."""
+    there = own.guards[NO_CONTACT]
+    slip = own.x[list(own.model.sliding)]
+    share = there / ca.substitute(there, slip, ca.SX.zeros(2))
+    normal = own.guards[LIFT_OFF] / there
+    return Program(ca.Function("contact", [own.x, own.p], [ca.vertcat(normal, share)]))

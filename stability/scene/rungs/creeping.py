@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...base.types import Floats
-from .creep import CreepPath, Held, applies, creep_path, held_of, transient
+from .creep import CreepPath, HeldMotion, applies, creep_path, held_of, transient
 from .full import between, full
 from .track import Finish, Problem, Refused, Track, relative
 
@@ -93,8 +93,8 @@ class Climb:
 
     problem: Problem
     """The problem."""
-    held: Held
-    """The held disk of its law."""
+    held: HeldMotion
+    """The held body of its law."""
     work: Work
     """What creep may cost."""
     order: int | None = None
@@ -102,9 +102,9 @@ class Climb:
     now: float = 0.0
     """Time reached."""
     state: Floats = field(default_factory=lambda: np.empty(0))
-    """State reached, shape (6,)."""
-    carried: Floats = field(default_factory=lambda: np.zeros(6))
-    """Its error, shape (6,)."""
+    """State reached, shape (n,)."""
+    carried: Floats = field(default_factory=lambda: np.empty(0))
+    """Its error, shape (n,)."""
     pieces: list[Piece] = field(default_factory=list)
     """The pieces so far."""
     notes: list[str] = field(default_factory=list)
@@ -159,10 +159,10 @@ def creeping(
     """
     if not applies(problem):
         word = "the law" if problem.launches.law is None else problem.launches.law.name
-        why = "its slip does not decay at a rate mu"
-        why = f"{word} has no creep: {why}" if problem.thin else "creep is solved for a disk alone"
+        why = f"{word} has no creep: its slip does not decay at a rate mu"
         return {}, "creep", Refused(why)
-    climb = Climb(problem, held_of(problem), work, order, state=problem.start, reach=work.probe)
+    climb = Climb(problem, held_of(problem), work, order, state=problem.start,
+                  carried=np.zeros(problem.own), reach=work.probe)  # fmt: skip
     turns, why = 0, ""
     while climb.finish is None and climb.now < problem.last:
         if climb.spent > work.least and climb.spent + climb.ahead > work.most:
@@ -226,10 +226,10 @@ def _forward(climb: Climb) -> str:
     done = path.elements.edges[-1]
     if not path.bound and done - climb.now < SHARE * (problem.last - climb.now):
         return f"slip follows the motion only up to {problem.when(done)}"
-    _use(climb, times, states, path)
     climb.spent += climb.work.element * path.tried
-    if climb.lost:
-        return climb.lost
+    said = _use(climb, times, states, path)
+    if said:
+        return said
     stretches = (problem.last - done) / (done - begin) if path.bound else 0.0
     climb.ahead = climb.work.element * REPEATED * len(path.relaxation) * stretches
     whole = climb.reach == climb.work.probe and done >= last  # what follows is tried at once
@@ -237,13 +237,17 @@ def _forward(climb: Climb) -> str:
     return ""
 
 
-def _use(climb: Climb, times: Floats, states: Floats, path: CreepPath) -> None:
-    """Add the transient and the lowest order of creep that is fine enough."""
+def _use(climb: Climb, times: Floats, states: Floats, path: CreepPath) -> str:
+    """Add the transient and the lowest order of creep that is fine enough; or why none is.
+
+    Where the first stretch is too coarse, creep is given up; later the full model takes over.
+    """
     elements, tolerance = path.elements, climb.problem.tolerance
-    deviation = np.zeros((*path.orders[0].path.shape[:-1], 6))
+    deviation = np.zeros((*path.orders[0].path.shape[:-1], climb.problem.own))
     if climb.carried.any():
-        along = path.linear.solve(np.zeros_like(deviation[..., :4]), climb.carried[:4])
-        deviation[..., :4] = along
+        n = climb.held.n
+        along = path.linear.solve(np.zeros_like(deviation[..., :n]), climb.carried[:n])
+        deviation[..., :n] = along
     sizes = []
     for i, order in enumerate(path.orders):
         # signs of the parts are known, their higher orders are not
@@ -255,7 +259,9 @@ def _use(climb: Climb, times: Floats, states: Floats, path: CreepPath) -> None:
     fine = [i for i, size in enumerate(sizes) if size.max() <= left]
     best = fine[0] if fine else int(np.argmin([size.max() for size in sizes]))
     if not fine and climb.order is None and sizes[best].max() > UNABLE * tolerance:
-        climb.lost = f"its orders end at an error of {sizes[best].max():.2g}"
+        why = f"its orders end at an error of {sizes[best].max():.2g}"
+        climb.lost = why if climb.highest < 0 else ""
+        return why
     if climb.order is not None:
         best = min(climb.order, len(sizes) - 1)
     chosen, size = path.orders[best], sizes[best]
@@ -291,6 +297,7 @@ def _use(climb: Climb, times: Floats, states: Floats, path: CreepPath) -> None:
     climb.now, climb.state = float(elements.edges[-1]), six[-1, -1]
     last = (chosen.errors + deviation)[-1, -1]
     climb.carried = last + np.copysign(path.unresolved, last)
+    return ""
 
 
 def _by_full(climb: Climb, last: float) -> None:
@@ -305,7 +312,8 @@ def _by_full(climb: Climb, last: float) -> None:
     climb.steps += track.steps
     climb.finish = track.finish
     climb.now, climb.state = float(track.times[-1]), track.states[-1]
-    climb.carried = np.full(6, track.errors[-1] / 6**0.5)
+    own = climb.problem.own
+    climb.carried = np.full(own, track.errors[-1] / own**0.5)
     if not np.isfinite(climb.carried).all():
         climb.lost = "the error of the full model between two stretches has no bound"
 
@@ -329,7 +337,7 @@ def _joined(climb: Climb) -> Track:
 
     def at(asked: Floats) -> Floats:
         order = np.argsort(asked, kind="stable")
-        found = np.empty((len(asked), 6))
+        found = np.empty((len(asked), problem.own))
         found[order] = gather(asked[order], lambda piece: piece.states)
         return found
 

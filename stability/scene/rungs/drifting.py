@@ -1,4 +1,4 @@
-"""Long rolling with slip: the slow drift of tilt and spin on the centre manifold, in closed form.
+"""Long rolling with slip: the slow drift of tilt and spin on the centre manifold.
 
 Straight rolling beyond its threshold is spectrally stable, with two zero eigenvalues: the spin, and
 a slow circling with a tilt.  Both drift, the tilt at the rate of its cube, until the threshold is
@@ -7,20 +7,25 @@ of 1/tilt².  The drift keeps it at any time before the threshold, at the same c
 
 With C = α²(2(2k+1)w² - 1)/w² constant, the spin obeys
 (2k+1)w² - ln w = (2k+1)w0² - ln w0 - C t/(mu (2k+1)³).
+
+Of another body that is alike on both sides of its equator the rates are a(w) α³ and b(w) α² too,
+with a and b from its graph at a small tilt.  Then ln α is the integral of a/b over the spin, and
+the time that of 1/(b α²).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from ...algebra.eigensolver import eigenpairs
 from ...base.types import Floats
 from ...bodies.contact_laws import LinearViscous, Viscous
 from ...boundary.drift import FORMULAS
-from .near_steady import SAMPLES, Modes, modes
+from .elements import Elements, chebyshev
+from .near_steady import SAMPLES, Modes, modes, modes_of, rates_at, slope_at
 from .track import Problem, Refused, Track, relative
 
 DRIFT, ROLLING = "drift", "rolling"
@@ -37,6 +42,15 @@ SAFETY = 2.0
 """Factor on the estimate, for higher powers of the tilt."""
 FADED = 12.0
 """Exponent of decay after which the fast modes have faded."""
+REFERENCE, CHORDS = 1e-2, 6
+"""Tilt at which rates are found, with half of it for their limit; corrections of the manifold."""
+NODES, REACHES = 10, 12
+"""Spins at which rates are found; intervals of the spin that are tried."""
+RESOLVED, UNEVEN = 1e-6, 1e-4
+"""Largest last coefficient of the rates as a function of the spin; largest difference of the rates
+of two opposite tilts of a body that is alike on both sides; both relative."""
+STEP = 1e-4
+"""Relative step of the spin for the slope of the circling mode."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,8 +92,102 @@ class SlowManifold:
         return float(self.mu * many**3 * way / kept) if kept else np.inf
 
 
+@dataclass(frozen=True, eq=False)
+class NumericManifold:
+    """Tilt and spin of a body with their drift, as functions of the spin."""
+
+    tilt: float
+    """Tilt θ - π/2 on the slow manifold at the start [rad]."""
+    spin: float
+    """ω₃ there."""
+    reach: float
+    """Change of the spin over the interval that is known."""
+    known: Floats
+    """Time, ln |tilt|, a and b at the Chebyshev points of the interval, shape (NODES, 4)."""
+
+    def _seen(self, share: Floats) -> Floats:
+        """Time, ln |tilt|, a and b at shares of the interval, shape (t, 4)."""
+        return Elements(np.array([0.0, 1.0]), NODES).at(share, self.known[None])
+
+    def at(self, times: Floats) -> tuple[Floats, Floats]:
+        """Tilt and spin at times, shape (t,)."""
+        share = np.interp(times, self.known[:, 0], chebyshev(NODES)[0])
+        for _ in range(NEWTON):
+            time, log, _, b = self._seen(share).T
+            share = np.clip(share - (time - times) * b * np.exp(2 * log) / self.reach, 0.0, 1.0)
+        return np.sign(self.tilt) * np.exp(self._seen(share)[:, 1]), self.spin + share * self.reach
+
+    def rates(self, tilt: Floats, spin: Floats) -> tuple[Floats, Floats]:
+        """Rates of tilt and spin."""
+        share = (np.atleast_1d(spin) - self.spin) / self.reach
+        a, b = self._seen(share)[:, 2:].T.reshape(2, *np.shape(spin))
+        return a * tilt**3, b * tilt**2
+
+
+def _numeric(problem: Problem, tilt: float, spin: float) -> NumericManifold | Refused:
+    """The drift of a body up to the horizon, on an interval of the spin that is found."""
+    first = _coefficients(problem, np.array([spin]))
+    if isinstance(first, Refused):
+        return first
+    reach = 2 * float(first[0, 1]) * tilt**2 * problem.last
+    why = Refused("its drift is not resolved")
+    points, derivative, _ = chebyshev(NODES)
+    integral = np.zeros((NODES, NODES))
+    integral[1:, 1:] = np.linalg.inv(derivative[1:, 1:])
+    shortest = np.inf
+    for _ in range(REACHES):
+        found = _coefficients(problem, spin + reach * points)
+        if isinstance(found, Refused):
+            why, shortest, reach = found, abs(reach), reach / 2
+            continue
+        a, b = found.T
+        log = np.log(abs(tilt)) + reach * integral @ (a / b)
+        time = reach * integral @ (1 / (b * np.exp(2 * log)))
+        tails = Elements(np.array([0.0, 1.0]), NODES).tails(
+            np.stack([a / a[0], b / b[0]], -1)[None]
+        )
+        if not tails.max() < RESOLVED:
+            shortest, reach = abs(reach), reach / 2
+        elif time[-1] >= problem.last:
+            return NumericManifold(tilt, spin, reach, np.stack([time, log, a, b], axis=-1))
+        elif 2 * abs(reach) < shortest:
+            reach *= 2
+        else:
+            break
+    return why
+
+
+def _coefficients(problem: Problem, spins: Floats) -> Floats | Refused:
+    """Both coefficients a and b at spins, shape (s, 2), to fourth order in the reference tilt."""
+    step = STEP * np.abs(spins)
+    every = [_here(problem, spin) for spin in np.concatenate([spins, spins + step, spins - step])]
+    known = [here for here in every if here is not None and here.decays]
+    if len(known) < len(every):
+        return Refused("the drift ends before the horizon, where rolling no longer decays")
+    member, slow, follow, mode = (
+        np.stack([getattr(here, n) for here in known])
+        for n in ("member", "slow", "follow", "circling")
+    )
+    many = len(spins)
+    slow, follow = slow[:many, None], follow[:many, None]
+    bend = ((mode[many : 2 * many] - mode[2 * many :]) / (2 * step[:, None]))[:, None]
+    tilts = np.array([REFERENCE, REFERENCE / 2, -REFERENCE])[:, None]
+    first = member[:many, None] + tilts * mode[:many, None]
+    e = moving = np.zeros_like(first)
+    for _ in range(CHORDS):
+        rates = rates_at(problem, first + e)
+        moving = (slow @ rates[..., None])[..., 1, :] * tilts * bend
+        e = e - (follow @ (rates - moving)[..., None])[..., 0]
+    true = (slow @ (rates_at(problem, first + e) - moving)[..., None])[..., 0]
+    large, small, other = np.moveaxis(true / np.hstack([tilts**3, tilts**2]), 1, 0)
+    if not (np.abs(large - other) <= UNEVEN * np.abs(large)).all():
+        return Refused("its drift is known for bodies alone that are alike on both sides")
+    found: Floats = (4 * small - large) / 3
+    return found
+
+
 def drifting(problem: Problem) -> Track | Refused:
-    """The track of a rolling disk that drifts, and of its fast modes while they decay.
+    """The track of a rolling body that drifts, and of its fast modes while they decay.
 
     Parameters
     ----------
@@ -90,15 +198,17 @@ def drifting(problem: Problem) -> Track | Refused:
     -------
     Track or Refused
     """
-    if not problem.thin:
-        return Refused("the drift of rolling is known in closed form for a disk alone")
     if problem.launches.law not in (Viscous, LinearViscous):
         return Refused("no rolling drifts under this law")
-    near = problem.launches.settling.closest(problem.start, problem.p)
+    near = problem.near
+    if near.member is None and near.family:
+        return Refused(f"near {near.family} the heading turns without end: no drift follows it")
     if near.member is None or near.family != ROLLING:
         return Refused(f"the nearest steady motion is {near.family or 'unknown'}, not rolling")
-    k, mu = (float(v) for v in problem.p[:2])
-    if 2 * k * near.at**2 <= 1:
+    if near.member[0] != np.pi / 2:
+        return Refused(f"the body leans by {np.pi / 2 - near.member[0]:.3g} rad as it rolls, where "
+                       "no drift is known")  # fmt: skip
+    if problem.thin and 2 * float(problem.p[0]) * near.at**2 <= 1:
         return Refused("rolling is below its threshold, where nothing lasts")
     found = modes(problem, near.member, near.family)
     if isinstance(found, Refused):
@@ -107,8 +217,15 @@ def drifting(problem: Problem) -> Track | Refused:
     if zero.sum() != 2 or not (found.values[~zero].real < 0).all():
         return Refused("rolling has not two zero eigenvalues and decaying ones")
     slow, fast = _split(found, zero)
-    manifold = SlowManifold(k, mu, float(slow[0]), float(found.member[3] + slow[1]))
-    where = {"time of crossing the threshold": manifold.crossing, "tilt": abs(manifold.tilt)}
+    tilt, spin = float(slow[0]), float(found.member[3] + slow[1])
+    where = {"tilt": abs(tilt)}
+    if not problem.thin:
+        drift = (
+            _numeric(problem, tilt, spin) if tilt else Refused("it does not lean: nothing drifts")
+        )
+        return drift if isinstance(drift, Refused) else _track(problem, found, drift, fast, where)
+    manifold = SlowManifold(float(problem.p[0]), problem.friction, tilt, spin)
+    where = {"time of crossing the threshold": manifold.crossing} | where
     if problem.last > (1 - MARGIN) * manifold.crossing:
         return Refused(
             f"the drift crosses the threshold at {problem.when(manifold.crossing)}", where
@@ -124,21 +241,22 @@ def _split(found: Modes, zero: Floats) -> tuple[Floats, Floats]:
 
 
 def _track(
-    problem: Problem, start: Modes, manifold: SlowManifold, fast: Floats,
+    problem: Problem, start: Modes, manifold: SlowManifold | NumericManifold, fast: Floats,
     where: dict[str, float],
 ) -> Track | Refused:  # fmt: skip
     looks = problem.last * (np.arange(1, LOOKS + 1) / LOOKS)
-    sizes, mode = np.empty(LOOKS), np.empty((LOOKS + 1, 6))
+    sizes, mode, moved = np.empty(LOOKS), np.empty((LOOKS + 1, 6)), np.empty((LOOKS + 1, 6))
     every = np.append(0.0, looks)
     for i, (tilt, spin) in enumerate(zip(*manifold.at(every), strict=True)):
         here = _here(problem, float(spin))
         if here is None:
             return Refused("rolling has not two zero eigenvalues on the way", where)
         mode[i] = here.circling
+        moved[i] = np.abs(here.values[:, None] - start.values).min(axis=0)
         if i:
             sizes[i - 1] = _size(problem, here, manifold, (float(tilt), float(spin)), mode[i])
     size = SAFETY * (np.maximum.accumulate(sizes) + _offset(start, manifold, problem.last))
-    size += _phase(problem, start, fast, looks)
+    size += _phase(problem, start, fast, every, moved)
     if not (np.isfinite(size).all() and size.max() < 0.1):
         return Refused("the tilt is too large for the drift to leading order", where)
     spins = manifold.at(every)[1]
@@ -181,8 +299,26 @@ class Linear:
         mode: Floats = basis @ np.linalg.solve(basis[[0, 3]], np.array([1.0, 0.0]))
         return mode
 
+    @property
+    def decays(self) -> bool:
+        """Whether all other modes decay."""
+        return bool((self.values[~self.zero].real < 0).all())
 
-def _offset(start: Modes, manifold: SlowManifold, last: float) -> float:
+    @cached_property
+    def slow(self) -> Floats:
+        """Matrix that gives tilt and spin of the part that does not decay, shape (2, 6)."""
+        found: Floats = (self.vectors[:, self.zero] @ self.back[self.zero]).real[[0, 3]]
+        return found
+
+    @cached_property
+    def follow(self) -> Floats:
+        """Matrix from rates to a displacement with these linear rates, in the modes that decay."""
+        over = np.where(self.zero, 0, 1 / np.where(self.zero, 1, self.values))
+        found: Floats = (self.vectors * over @ self.back).real
+        return found
+
+
+def _offset(start: Modes, manifold: SlowManifold | NumericManifold, last: float) -> float:
     """Second order of the start in tilt and spin: that of the motion, less the drift itself."""
     decay = float(-start.values.real[np.abs(start.values.real) > ZERO].max())
     early = min(last, FADED / decay)
@@ -193,10 +329,17 @@ def _offset(start: Modes, manifold: SlowManifold, last: float) -> float:
     return float(relative(second, start.member))
 
 
-def _phase(problem: Problem, start: Modes, fast: Any, looks: Floats) -> Floats:
-    """Error of the fast modes: their rates change by the slow tilt, and by their own size.
+def _phase(problem: Problem, start: Modes, fast: Any, every: Floats, moved: Floats) -> Floats:
+    """Error of the fast modes: their rates change by tilt, spin and their own size.
 
     They may decay so slowly that a small change of a frequency is a large phase in the end.
+
+    Parameters
+    ----------
+    problem, start, fast
+        The problem, and the fast modes of its start.
+    every, moved
+        Times from 0 on, and by how much the drift of the spin has moved each rate, shape (t, 6).
     """
     kept = np.where(fast == 0, 0.0, 1.0)
     shares = np.arange(1, SAMPLES + 1) / SAMPLES
@@ -204,38 +347,40 @@ def _phase(problem: Problem, start: Modes, fast: Any, looks: Floats) -> Floats:
     slow = start.member + (start.vectors @ np.where(kept == 0, start.first, 0)).real
     there = np.linalg.eigvals(problem.flow.system.linearise(slow, problem.p))
     apart = np.abs(there[:, None] - start.values).min(axis=0)
+    apart = apart + np.stack([np.interp(times, every, m) for m in moved.T], axis=-1)
     lost = np.exp(np.multiply.outer(times, start.values)) * fast * apart * times[:, None]
     error = own + SAFETY * relative(np.abs(lost) @ np.abs(start.vectors).T, start.member)
     error = np.append(0.0, np.maximum.accumulate(error))
-    found: Floats = np.interp(looks, np.append(0.0, times), error)
+    found: Floats = np.interp(every[1:], np.append(0.0, times), error)
     return found
 
 
 def _here(problem: Problem, spin: float) -> Linear | None:
     """The linear motion about rolling at a spin; None where not exactly two modes are zero."""
     member = np.array([np.pi / 2, 0.0, 0.0, spin, 0.0, 0.0])
-    values, vectors = eigenpairs(problem.flow.system.linearise(member, problem.p))
+    values, vectors, back = modes_of(slope_at(problem, member))
     zero = np.abs(values) < ZERO * np.abs(values).max()
-    if zero.sum() != 2:
+    if zero.sum() != 2 or back is None:
         return None
-    return Linear(member, values, vectors, np.linalg.inv(vectors), zero)
+    return Linear(member, values, vectors, back, zero)
 
 
 def _size(
-    problem: Problem, here: Linear, manifold: SlowManifold, place: tuple[float, float], mode: Floats
+    problem: Problem,
+    here: Linear,
+    manifold: SlowManifold | NumericManifold,
+    place: tuple[float, float],
+    mode: Floats,
 ) -> float:
     """Error at a point: what the fast modes follow, and the relative error of the drift so far."""
     tilt, spin = place
-    back = np.where(here.zero[:, None], 0, here.back)
     rates = manifold.rates(np.array(tilt), np.array(spin))
     moving = rates[0] * mode + rates[1] * np.eye(6)[3]
-    over = back / np.where(here.zero, 1, here.values)[:, None]
     e, first = np.zeros(6), here.member + tilt * mode
     for _ in range(TURNS):
-        defect = problem.flow.system.rates(first + e, problem.p) - moving
-        e = e - (here.vectors @ (over @ defect)).real
-    found = np.where(here.zero, here.back @ problem.flow.system.rates(first + e, problem.p), 0)
-    true = (here.vectors @ found).real[[0, 3]]
+        defect = rates_at(problem, first + e) - moving
+        e = e - here.follow @ defect
+    true = here.slow @ rates_at(problem, first + e)
     off = np.abs(true - np.array(rates)) / np.maximum(np.abs(rates), 1e-300)
     gone = np.array([tilt - manifold.tilt, spin - manifold.spin])
     return float(relative(e, first)) + float(np.abs(off * gone).max())

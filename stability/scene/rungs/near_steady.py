@@ -70,6 +70,19 @@ def _rates(system: System) -> Program:
     return Program(ca.Function("rates", [system.x, system.p], [ca.densify(system.rhs)]))
 
 
+def rates_at(problem: Problem, states: Floats) -> Floats:
+    """Rates of a problem's equations at states, shape (…, n), without a check of conditions."""
+    given = [list(np.moveaxis(states, -1, 0)), list(problem.p)]
+    found: Floats = _rates(problem.flow.system).arrays(given, states.shape[:-1])[0][..., 0]
+    return found
+
+
+def slope_at(problem: Problem, state: Floats) -> Floats:
+    """J of a problem's equations at a state, shape (n, n), without a check of conditions."""
+    found: Floats = _slope(problem.flow.system).arrays([list(state), list(problem.p)], ())[0]
+    return found
+
+
 @dataclass(frozen=True, eq=False)
 class Modes:
     """The deviation from a steady motion in the modes of its Jacobian, to second order."""
@@ -171,13 +184,21 @@ class Modes:
         return ends, SAFETY * relative(size, self.member)
 
 
-def _eigen(matrix: Floats) -> tuple[Any, Any, Any]:
-    """Eigenvalues, modes and their inverse, which is None where two modes are parallel."""
-    values, vectors = eigenpairs(matrix)
-    with suppress(np.linalg.LinAlgError):
-        back = np.linalg.inv(vectors)
-        if np.abs(back).max() < PARALLEL:
-            return values, vectors, back
+def modes_of(matrix: Floats) -> tuple[Any, Any, Any]:
+    """Eigenvalues, modes and their inverse, which is None where two modes are parallel.
+
+    Parameters
+    ----------
+    matrix
+        J, shape (n, n).
+    """
+    clean = np.where(np.abs(matrix) < ROUNDING * np.abs(matrix).max(), 0.0, matrix)
+    for tried in (matrix, clean):  # an entry of rounding may join two zeros
+        values, vectors = eigenpairs(tried)
+        with suppress(np.linalg.LinAlgError):
+            back = np.linalg.inv(vectors)
+            if np.abs(back).max() < PARALLEL:
+                return values, vectors, back
     return values, vectors, None
 
 
@@ -221,13 +242,10 @@ def modes(
     n, system = problem.own, problem.flow.system
     at = member[:n]
     place = [list(at), list(problem.p)]
-    matrix = _slope(system).arrays(place, ())[0]
+    matrix = slope_at(problem, at)
     if not np.isfinite(matrix).all():
         return Refused("the rates have no derivative at the steady motion")
-    values, vectors, back = _eigen(matrix)
-    if back is None:  # two zeros that an entry of rounding joins
-        matrix = np.where(np.abs(matrix) < ROUNDING * np.abs(matrix).max(), 0.0, matrix)
-        values, vectors, back = _eigen(matrix)
+    values, vectors, back = modes_of(matrix)
     if back is None:
         return Refused(f"two modes of {family} are parallel: the linear motion grows with time")
     growth = float(values.real.max(initial=0.0)) * problem.last

@@ -18,7 +18,7 @@ from ...contact_laws import Creep, Rough
 from ...creep import CREEPS
 from ...dry_friction import DIRECTION, MU, CoulombAlong
 from ...explicit import Surface, angular_velocity, explicit
-from ...model import WORK, Dry, Model
+from ...model import WORK, Dry, Held, Model
 from ...newton_euler import STATES
 from ...resistance import total_moment
 from ...thin_disk.disk_model import (
@@ -33,7 +33,7 @@ from ...thin_disk.disk_model import (
 )
 from ...thin_disk.disk_quantities import disk_quantities
 from ..body import Body
-from ..equations import Resistances, round_system
+from ..equations import Resistances, held_round, rough_round, round_system
 from ..height.pole_height import height_of_angle
 from ..si_law import Law, Numbers, Shape, shape_of
 
@@ -157,12 +157,16 @@ def _round_model(  # noqa: PLR0913
     if issubclass(law, Creep):
         [guards[CREEP_ENDS]] = (c.value for c in system.conditions if c.sentence == CREEPS)
         series |= {"slip_x": seen["slip"][0], "slip_y": seen["slip"][1]}
+    held = None
+    if law.relaxes:
+        held = Held(partial(_rough_model, of, flat_at, resistance),
+                    partial(held_round, of, resistance))  # fmt: skip
     return Model(
         system, STATES, ca.vertcat(*columns), ca.vertcat(p, flat), ca.vertcat(*rates),
         tuple(names), guards, WORDS | words, series, quantities_with(law, shape),
         given[0] if law.relaxes else "",
         turning=(1, 2, 3), sliding=() if law.sticks or len(system.states) < 6 else (4, 5),
-        dry=dry,
+        dry=dry, held=held,
         title=f"motion of {name}, {law.name} contact",
         source=system.qualified(
             "equations of a convex body of revolution (docs/explanation/bodies.md), integrated"
@@ -198,6 +202,13 @@ def _solved(
     every = [found.rates, ca.SX(power), found.pressing, found.determinant]
     rates, power, pressing, determinant = ca.substitute(every, [numbers.p], [system.p])
     return rates, power, pressing, determinant
+
+
+def _rough_model(of: Shape, flat_at: tuple[bool, bool], resistance: Resistances) -> Model:
+    kind: Any = Rough
+    return _round_model(
+        rough_round(of, resistance), of, flat_at, kind, (), resistance, False, None, sticking=False
+    )
 
 
 def _ends(

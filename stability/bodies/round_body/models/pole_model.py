@@ -8,7 +8,9 @@ over sin θ; where the axis is exactly vertical, φ̇ is 0 and x̂ such that θ�
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import lru_cache, partial
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -16,13 +18,14 @@ import numpy as np
 from ....base.types import Floats
 from ....systems.system import System
 from ...contact import Contact
-from ...model import WORK, Chart, Model
+from ...contact_laws import Rough
+from ...model import WORK, Chart, Held, Model
 from ...newton_euler import STATES
 from ...thin_disk.disk_model import LIFT_OFF, NO_CONTACT, POSE, POSE_UNIT, WORDS
 from ..body import Body
 from ..equations import Resistances
 from ..height.pole_height import height_of_cosine
-from ..pole_equations import SLIP, pole_system, smooth_at
+from ..pole_equations import SLIP, held_at_pole, pole_system, rough_at_pole, smooth_at
 from ..si_law import Shape, shape_of
 from .angle_model import quantities_with, words_of_end
 
@@ -62,13 +65,13 @@ def pole_model(
     """
     system = pole_system(body, law, given, physical=False, slip_states=True, resistance=resistance)
     smooth = smooth_at(body, 1), smooth_at(body, -1)
-    return _pole_model(system, shape_of(body), smooth, law, given, bool(pose))  # type: ignore[arg-type]  # a class is hashable
+    return _pole_model(system, shape_of(body), smooth, law, given, bool(pose), resistance)  # type: ignore[arg-type]  # a class is hashable
 
 
 @lru_cache(maxsize=32)
 def _pole_model(  # noqa: PLR0913
     system: System, shape: Shape, smooth: tuple[bool, bool], law: type[Contact],
-    given: tuple[str, ...], pose: bool,  # noqa: FBT001
+    given: tuple[str, ...], pose: bool, resistance: Resistances,  # noqa: FBT001
 ) -> Model:  # fmt: skip
     name, height, _, own, between = shape
     x, seen, slips = system.x, system.observables, SLIP[0] in system.states
@@ -96,6 +99,10 @@ def _pole_model(  # noqa: PLR0913
     guards = {LIFT_OFF: normal * seen["determinant"]} | guards
     if slips and ca.depends_on(seen["determinant"], x[6:]):
         guards[NO_CONTACT] = seen["determinant"]
+    held = None
+    if law.relaxes:
+        held = Held(partial(_rough_model, shape, smooth, resistance),
+                    partial(held_at_pole, shape, resistance))  # fmt: skip
     return Model(
         system, STATES, ca.vertcat(*columns), ca.vertcat(system.p, ca.SX.sym("flat")),
         ca.vertcat(*rates), tuple(names), guards, WORDS | words, series,
@@ -109,7 +116,15 @@ def _pole_model(  # noqa: PLR0913
             partial(_packed, slips, len(names), pose), partial(_angles, slips),
             partial(_along, len(system.states)),
         ),
+        held=held,
     )  # fmt: skip
+
+
+@lru_cache(maxsize=32)
+def _rough_model(shape: Shape, smooth: tuple[bool, bool], resistance: Resistances) -> Model:
+    kind: Any = Rough
+    system = rough_at_pole(shape, resistance)
+    return replace(_pole_model(system, shape, smooth, kind, (), False, resistance), chart=None)
 
 
 AXES = ("axis_x", "axis_y", "axis_z")
