@@ -10,7 +10,7 @@ import pytest
 import stability as st
 from stability.bodies.model import Model
 from stability.bodies.round_body.shapes.named import of_disk
-from stability.motion.starts import gather
+from stability.motion.round_starts import gather_round as gather
 
 RNG = np.random.default_rng(7)
 COUNT = 50
