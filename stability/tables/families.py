@@ -61,7 +61,7 @@ def condition(name: str) -> str:
 
     record = FAMILIES[name]
     family = disk_family(name, record.law or "viscous")
-    if family.closed:
+    if family.closed or not family.unknown:
         return f"none: every {family.at[0]}"
     symbols = {n: sympy.Symbol(n, positive=True) for n in (*family.at, *family.unknown, "k", "mu")}
     arguments = [

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.bodies.families import FAMILIES
+from stability.bodies.families import FAMILIES, families_of_disk
 from stability.bodies.launch import launch
 from stability.motion.result import BY_CODE
+from stability.tables.families import condition
 from stability.tables.launches import contact_lines, launch_rows
 
 
@@ -108,3 +109,11 @@ def test_launches_refuse_what_they_do_not_know() -> None:
         with pytest.raises(st.StabilityError) as caught:
             call()
         assert str(caught.value).endswith(".")
+
+
+def test_every_family_of_the_disk_has_its_condition_in_words() -> None:
+    found = {name: condition(name) for name in families_of_disk()}
+    assert found["rolling"] == "none: every omega3"
+    assert found["spinning"] == "none: every phi_dot"
+    assert found["tumbling"] == "phi_dot**2 = 1/(k*sin(theta))"
+    assert set(found) == {"rolling", "spinning", "tumbling", "circling", "precession"}
