@@ -48,7 +48,7 @@ def _unproved(_: Floats) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class Dry:
-    """What dry friction needs beside the model of sliding: the body at rest."""
+    """What dry friction needs in addition to the model of sliding: the body at rest."""
 
     sliding: System
     """Sliding in a direction that is a parameter, so that the rates have a value at rest."""
@@ -77,7 +77,7 @@ class Dry:
 
 @dataclass(frozen=True, eq=False)
 class Held:
-    """What creep needs beside the model: the body without slip, and held to a stated slip."""
+    """What creep needs in addition to the model: the body without slip, and held to a stated slip."""
 
     rough: Callable[[], Model]
     """Gives the model without slip; y holds the states of the model's system, the slip left out."""

@@ -122,7 +122,7 @@ class Subject:
     family: Any
     """The name of a family of the disk or a body, or a user's `Family`."""
     arguments: dict[str, Any]
-    """Arguments of `spectrum`, `boundaries`, `stability_map`, `stream_map` beside the family."""
+    """Arguments of `spectrum`, `boundaries`, `stability_map`, `stream_map` other than the family."""
     thing: Any = None
     """The disk or body; None for a user's system."""
     law: Any = None
@@ -251,7 +251,7 @@ def own_family(options: argparse.Namespace) -> Any:
 
 
 def refuse_of_body(options: argparse.Namespace, *more: str) -> None:
-    """Refuse options of the disk and bodies beside --system."""
+    """Refuse options of the disk and bodies with --system."""
     for key in (*OF_BODY, *more):
         given = getattr(options, key, None)
         if given is not None and given is not False:
