@@ -77,7 +77,7 @@ class Dry:
 
 @dataclass(frozen=True, eq=False)
 class Held:
-    """What creep needs in addition to the model: the body without slip, and held to a stated slip."""
+    """What creep needs as well as the model: the body without slip, and held to a stated slip."""
 
     rough: Callable[[], Model]
     """Gives the model without slip; y holds the states of the model's system, the slip left out."""

@@ -122,7 +122,7 @@ class Subject:
     family: Any
     """The name of a family of the disk or a body, or a user's `Family`."""
     arguments: dict[str, Any]
-    """Arguments of `spectrum`, `boundaries`, `stability_map`, `stream_map` other than the family."""
+    """Arguments of `spectrum`, `boundaries`, `stability_map`, `stream_map` without the family."""
     thing: Any = None
     """The disk or body; None for a user's system."""
     law: Any = None

@@ -53,7 +53,7 @@ ORDERS = tuple(map(name_of, range(MOST_ORDERS + 1)))
 """Names of the orders of creep."""
 RETRY = 1e4
 """Error over the tolerance up to which creep is tried again with smaller errors on the way."""
-DRIFTS, EXPENSIVE, DEARER = 10.0, 0.02, 3.0
+DRIFTS, EXPENSIVE, BODY_COST = 10.0, 0.02, 3.0
 """Square of the distance from rolling over the tolerance up to which its drift is tried; the least
 expected time of the full model [s]; the factor on it for a body whose drift has no closed form."""
 FINER = 2
@@ -318,7 +318,7 @@ def _drift(ladder: _Ladder) -> None:
             return
         near = problem.near
         hopeless = near.distance**2 > DRIFTS * problem.tolerance
-        least = EXPENSIVE if problem.thin else DEARER * EXPENSIVE
+        least = EXPENSIVE if problem.thin else BODY_COST * EXPENSIVE
         if near.family != ROLLING or hopeless or price_of_full(problem) < least:
             return
     with np.errstate(all="ignore"):
