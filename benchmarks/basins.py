@@ -56,17 +56,22 @@ def raw(some: Starts, tolerance: float, most: int, *, short: bool = False) -> fl
 
     whole = flow_of(some.model)
     lean = lean_of(whole)
-    which = lean.flow if short else whole.having(
-        x=whole.x[:-1], rhs=whole.rhs[:-1], names=whole.names[:-1]
-    )  # fmt: skip
+    which = (
+        lean.flow
+        if short
+        else whole.having(x=whole.x[:-1], rhs=whole.rhs[:-1], names=whole.names[:-1])
+    )
     symbols, rates, guards = taylor.expressions(which)
     width = hy.recommended_simd_size()
     batch = hy.taylor_adaptive_batch(
-        list(zip(symbols, rates, strict=True)), np.zeros((len(symbols), width)), tol=tolerance,
-        t_events=[hy.t_event_batch(guards[0], direction=hy.event_direction.negative,
-                                   callback=_Park(some))],
+        list(zip(symbols, rates, strict=True)),
+        np.zeros((len(symbols), width)),
+        tol=tolerance,
+        t_events=[
+            hy.t_event_batch(guards[0], direction=hy.event_direction.negative, callback=_Park(some))
+        ],
         pars=np.ones((which.p.numel(), width)),
-    )  # fmt: skip
+    )
     fit = [i for i in range(some.count) if i not in (some.unfit or {})]
     y, p = whole.pack(some.starts), np.column_stack([some.p, np.full(some.count, 1e-6)])
     y = lean.pack(y) if short else y[:, :-1]
@@ -105,14 +110,18 @@ def reference(count: int, repeats: int) -> None:
         begin = time.process_time()
         outcomes(some, Judging(check=False))
         shares.append(bare / ((time.process_time() - begin) / count))
-    print(f"reference batch, {count} launches to T = 100, tolerance 1e-9: throughput "
-          f"{statistics.median(shares):.2f} of raw heyoka's batch")  # fmt: skip
+    print(
+        f"reference batch, {count} launches to T = 100, tolerance 1e-9: throughput "
+        f"{statistics.median(shares):.2f} of raw heyoka's batch"
+    )
 
 
 def scene(count: int, repeats: int, horizon: float) -> None:
     """The scene of rolling and spinning starts, against raw batches."""
-    print(f"rolling and spinning starts, mu = {MU}, to T = {horizon:g}, tolerance 1e-9, "
-          f"{count} launches each")  # fmt: skip
+    print(
+        f"rolling and spinning starts, mu = {MU}, to T = {horizon:g}, tolerance 1e-9, "
+        f"{count} launches each"
+    )
     all_raw = all_own = 0.0
     for body, k in BODIES.items():
         for family in SCENES:
@@ -134,22 +143,38 @@ def scene(count: int, repeats: int, horizon: float) -> None:
             once, twice = (1e6 * min(seconds) for seconds in (single, checked))
             all_own += statistics.median(single)
             all_raw += statistics.median(ratios) * statistics.median(single)
-            print(f"  {body}, {family}: {once:.0f} us a launch, run twice {twice:.0f} us; "
-                  f"{statistics.median(ratios):.1f} times raw batches, "
-                  f"{statistics.median(shorter):.1f} times those in momenta; {ends}",
-                  flush=True)  # fmt: skip
+            print(
+                f"  {body}, {family}: {once:.0f} us a launch, run twice {twice:.0f} us; "
+                f"{statistics.median(ratios):.1f} times raw batches, "
+                f"{statistics.median(shorter):.1f} times those in momenta; {ends}",
+                flush=True,
+            )
     print(f"  the whole scene: {all_raw / all_own:.1f} times raw batches")
 
 
 def predicted() -> None:
     """The cost that is predicted, over that which it takes."""
     for family, own in SCENES.items():
-        plan = planned(None, "viscous", mu=MU, family=family, horizon=300.0,
-                       x=(own, 0.3, 4.0, 64), y=("tilt", 0.01, 0.6, 32))  # fmt: skip
+        plan = planned(
+            None,
+            "viscous",
+            mu=MU,
+            family=family,
+            horizon=300.0,
+            x=(own, 0.3, 4.0, 64),
+            y=("tilt", 0.01, 0.6, 32),
+        )
         cost = predict(plan)
         begin = time.process_time()
-        st.basins(contact="viscous", mu=MU, family=family, horizon=300.0, workers=1,
-                  x=(own, 0.3, 4.0, 64), y=("tilt", 0.01, 0.6, 32))  # fmt: skip
+        st.basins(
+            contact="viscous",
+            mu=MU,
+            family=family,
+            horizon=300.0,
+            workers=1,
+            x=(own, 0.3, 4.0, 64),
+            y=("tilt", 0.01, 0.6, 32),
+        )
         real = time.process_time() - begin
         print(f"predicted cost, {family}: {cost.computing:.1f} s, real {real:.1f} s")
 
@@ -161,21 +186,33 @@ def million(count: int, family: str, horizon: float, workers: int, *, check: boo
     side = round(count**0.5)
     with tempfile.TemporaryDirectory() as folder, Together() as memory:
         begin, before = time.perf_counter(), _spent()
-        found = st.basins(contact="viscous", mu=MU, family=family, horizon=horizon,
-                          x=(SCENES[family], 0.3, 4.0, side), y=("tilt", 0.0, 0.6, side),
-                          check=check, store=f"{folder}/map.zarr", executor="processes",
-                          workers=workers)  # fmt: skip
+        found = st.basins(
+            contact="viscous",
+            mu=MU,
+            family=family,
+            horizon=horizon,
+            x=(SCENES[family], 0.3, 4.0, side),
+            y=("tilt", 0.0, 0.6, side),
+            check=check,
+            store=f"{folder}/map.zarr",
+            executor="processes",
+            workers=workers,
+        )
         wall, spent = time.perf_counter() - begin, _spent() - before
         codes, many = np.unique(found.outcome.values, return_counts=True)
-    own, theirs = (resource.getrusage(who).ru_maxrss / 2**20
-                   for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))  # fmt: skip
+    own, theirs = (
+        resource.getrusage(who).ru_maxrss / 2**20
+        for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+    )
     ends = ", ".join(f"{n} {BY_CODE[c].word}" for c, n in zip(codes, many, strict=True))
     runs = "twice" if check else "once"
-    print(f"{side * side} launches, {family}, to T = {horizon:g}, run {runs}, "
-          f"{workers} processes: {wall:.0f} s, computing time {spent:.0f} s, peak memory "
-          f"{own:.2f} and {theirs:.2f} GiB a process, {memory.peak / 2**30:.2f} GiB together; "
-          f"{ends}; load {os.getloadavg()[0]:.1f}",
-          flush=True)  # fmt: skip
+    print(
+        f"{side * side} launches, {family}, to T = {horizon:g}, run {runs}, "
+        f"{workers} processes: {wall:.0f} s, computing time {spent:.0f} s, peak memory "
+        f"{own:.2f} and {theirs:.2f} GiB a process, {memory.peak / 2**30:.2f} GiB together; "
+        f"{ends}; load {os.getloadavg()[0]:.1f}",
+        flush=True,
+    )
     return wall
 
 

@@ -39,11 +39,21 @@ K = 0.25
 """The disk's number times x."""
 STEP = 1e-3
 """Change of that number from call to call, so that no call finds the numbers of another."""
-AXES = {"rolling": (0.2, 3.0), "spinning": (0.5, 5.0), "tumbling": (0.05, 1.55),
-        "vertical": (0.5, 5.0), "circling": (0.3, 1.3), "precession": (0.3, 1.3)}  # fmt: skip
+AXES = {
+    "rolling": (0.2, 3.0),
+    "spinning": (0.5, 5.0),
+    "tumbling": (0.05, 1.55),
+    "vertical": (0.5, 5.0),
+    "circling": (0.3, 1.3),
+    "precession": (0.3, 1.3),
+}
 """Interval of `at` of each family."""
-RANGES = {("tumbling", "spheroid"): (1.6, 3.0), ("tumbling", "eccentric sphere"): (0.1, 1.5),
-          ("tumbling", "egg"): (1.0, 1.7), ("tumbling", "thick disk"): (0.2, 1.3)}  # fmt: skip
+RANGES = {
+    ("tumbling", "spheroid"): (1.6, 3.0),
+    ("tumbling", "eccentric sphere"): (0.1, 1.5),
+    ("tumbling", "egg"): (1.0, 1.7),
+    ("tumbling", "thick disk"): (0.2, 1.3),
+}
 """Intervals of bodies that tumble elsewhere."""
 PAIRS = {"circling": "rough", "precession": "smooth"}
 """Families named by two numbers, and their one law."""

@@ -224,9 +224,11 @@ def report(count: int, seed: int) -> None:
 
 def table(rows: list[Choice], seed: int) -> None:
     """Print what the scenes have shown."""
-    print(f"{len(rows)} random scenes, seed {seed}: how many take a rung that costs at most "
-          f"{FACTOR} times the cheapest\nwhose true error is within the tolerance; the ratio: "
-          "median, 90 %, largest")  # fmt: skip
+    print(
+        f"{len(rows)} random scenes, seed {seed}: how many take a rung that costs at most "
+        f"{FACTOR} times the cheapest\nwhose true error is within the tolerance; the ratio: "
+        "median, 90 %, largest"
+    )
     choosy = [r for r in rows if r.open]
     print(f"  {'all':<28}{_share(r.loss for r in rows)}")
     print(f"  {'a smaller model is fine':<28}{_share(r.loss for r in choosy)}")
@@ -247,9 +249,13 @@ def table(rows: list[Choice], seed: int) -> None:
 
 def _show(row: Choice) -> None:
     name, best = row.best()
-    print(f"\nscene {row.number}, {row.kind}: {row.answer.model} {1e3 * row.chosen.time:.2f} ms, "
-          f"{name} {1e3 * best.time:.2f} ms at a true error of {best.error:.2g} and an estimate of "
-          f"{best.estimate:.2g} times the tolerance")  # fmt: skip
-    print(f"  horizon {row.scene.horizon:.3g}, tolerance {row.scene.tolerance:.2g}, "
-          f"{row.scene.quantities[0]}, {row.scene.contact}")  # fmt: skip
+    print(
+        f"\nscene {row.number}, {row.kind}: {row.answer.model} {1e3 * row.chosen.time:.2f} ms, "
+        f"{name} {1e3 * best.time:.2f} ms at a true error of {best.error:.2g} and an estimate of "
+        f"{best.estimate:.2g} times the tolerance"
+    )
+    print(
+        f"  horizon {row.scene.horizon:.3g}, tolerance {row.scene.tolerance:.2g}, "
+        f"{row.scene.quantities[0]}, {row.scene.contact}"
+    )
     print("  " + row.answer.report().replace("\n", "\n  "))

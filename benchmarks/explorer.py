@@ -56,9 +56,11 @@ def swept(browser: Any, path: Path, name: str, link: str = "") -> None:
         all_found = seen.page.evaluate(SWEEP, FRAMES)
     found = max(all_found, key=lambda one: quantile(one["times"][20:], 0.5))
     times = found["times"][20:]
-    print(f"  {name:26} frame {quantile(times, 0.5):5.1f} ms (9 in 10 below "
-          f"{quantile(times, 0.9):.0f}), slider {found['name']}, resolution "
-          f"{found['share']:.2f}")  # fmt: skip
+    print(
+        f"  {name:26} frame {quantile(times, 0.5):5.1f} ms (9 in 10 below "
+        f"{quantile(times, 0.9):.0f}), slider {found['name']}, resolution "
+        f"{found['share']:.2f}"
+    )
 
 
 def governor(st: Any) -> Any:
@@ -67,8 +69,14 @@ def governor(st: Any) -> Any:
 
     x, y, z, a, b, e = (ca.SX.sym(n) for n in ("x", "y", "z", "a", "b", "e"))
     rhs = ca.vertcat(y, z**2 * ca.sin(x) * ca.cos(x) - ca.sin(x) - e * y, a * (ca.cos(x) - b))
-    system = st.System("governor", ca.vertcat(x, y, z), ca.vertcat(a, b, e), rhs,
-                       states=("x", "y", "z"), parameters=("a", "b", "e"))  # fmt: skip
+    system = st.System(
+        "governor",
+        ca.vertcat(x, y, z),
+        ca.vertcat(a, b, e),
+        rhs,
+        states=("x", "y", "z"),
+        parameters=("a", "b", "e"),
+    )
     near = {"x": 1.0, "z": 1.4, "a": 0.5, "b": 0.5, "e": 0.4}
     return system.steady("e", held={"y": 0.0}, guess=near, equations=("y", "z"), name="running")
 
@@ -98,8 +106,10 @@ def main() -> None:
                 drawn_by = seen.page.evaluate(RENDERER)
                 paints.append(seen.page.evaluate(PAINT) / 1000)
         least, most = min(paints), max(paints)
-        print(f"first picture after {quantile(paints, 0.5):.2f} s (median of 5; {least:.2f} to "
-              f"{most:.2f}), 3-D after {quantile(readies, 0.5):.2f} s")  # fmt: skip
+        print(
+            f"first picture after {quantile(paints, 0.5):.2f} s (median of 5; {least:.2f} to "
+            f"{most:.2f}), 3-D after {quantile(readies, 0.5):.2f} s"
+        )
         print(f"a slider swept, 1280 x 800, drawn by {drawn_by}:")
         for link in ("rolling-viscous", "spinning-viscous", "tumbling-viscous", "spinning-rough"):
             swept(browser, path, link, f"#show={link}")

@@ -102,8 +102,10 @@ def ratios(family: str, law: str, side: int = 1000) -> dict[str, Any]:
     verdicts = GridVerdicts(question, axes[0].name, axes[1].name)
     by_numpy, by_loops = GrowthKernel(question), GrowthKernel(question, quick=True)
     rows = min(side, 262144 // side)
-    some = dict(question.values) | {axes[0].name: axes[0].values[None, :],
-                                    axes[1].name: axes[1].values[:rows, None]}  # fmt: skip
+    some = dict(question.values) | {
+        axes[0].name: axes[0].values[None, :],
+        axes[1].name: axes[1].values[:rows, None],
+    }
     rounds: dict[str, list[float]] = {
         name: [] for name in ("eigvals", "verdicts", "memory", "map", "numpy")
     }
@@ -124,13 +126,16 @@ def ratios(family: str, law: str, side: int = 1000) -> dict[str, Any]:
     both = [a + b for a, b in zip(rounds["memory"], rounds["map"], strict=True)]
     whole = [a / b for a, b in zip(rounds["eigvals"], both, strict=True)]
     return {
-        "family": family, "law": law, "points": side**2,
+        "family": family,
+        "law": law,
+        "points": side**2,
         "ns_per_point": {name: round(1e9 * t, 2) for name, t in point.items()},
-        "ratio": round(statistics.median(each)), "least_ratio": round(min(each)),
+        "ratio": round(statistics.median(each)),
+        "least_ratio": round(min(each)),
         "ratio_with_memory": round(statistics.median(whole)),
         "ratio_of_numpy": round(point["eigvals"] / (point["numpy"] + point["verdicts"]), 1),
         "exactly": cells.handed_on,
-    }  # fmt: skip
+    }
 
 
 def touched(cells: Cells) -> None:
@@ -199,8 +204,13 @@ def fresh(body: str, nx: int, ny: int, cache: str | None = None) -> dict[str, An
     here = str(Path(__file__).parent)
     code = FRESH.format(here=here, nx=nx, ny=ny, body=body)
     extra = {} if cache is None else {"STABILITY_CACHE_DIR": cache}
-    done = subprocess.run([sys.executable, "-c", code], env=os.environ | extra, check=True,
-                          capture_output=True, text=True)  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env=os.environ | extra,
+        check=True,
+        capture_output=True,
+        text=True,
+    )
     found: dict[str, Any] = json.loads(done.stdout)
     return found
 
@@ -299,9 +309,11 @@ def packed(family: str, distance: float) -> dict[str, Any]:
     codes, left = grid(xs, ys)
     used = time.perf_counter() - start
     return {
-        "distance": distance, "ns_per_point": round(1e9 * used / codes.size, 1),
-        "handed_to_exact": left / codes.size, "undecided": int((codes == 0).sum()),
-    }  # fmt: skip
+        "distance": distance,
+        "ns_per_point": round(1e9 * used / codes.size, 1),
+        "handed_to_exact": left / codes.size,
+        "undecided": int((codes == 0).sum()),
+    }
 
 
 def queries() -> dict[str, float]:
@@ -314,14 +326,19 @@ def queries() -> dict[str, float]:
             at, mu = random.uniform(low, high), 10 ** random.uniform(-3, 3)
             law = st.Viscous(mu)
             whole.append(
-                timed(lambda at=at, law=law, family=family: st.spectrum(
-                    family, at=at, contact=law, certify=True))
-            )  # fmt: skip
+                timed(
+                    lambda at=at, law=law, family=family: st.spectrum(
+                        family, at=at, contact=law, certify=True
+                    )
+                )
+            )
             question = disk_problem(family, st.Disk(), law, at)
             values = {n: float(v) for n, v in question.values.items()}
             alone.append(timed(lambda q=question, v=values: certify(q, v)))
-    return {"spectrum(certify=True)_ms": 1e3 * statistics.median(whole),
-            "verdict_and_eigenvalues_alone_ms": 1e3 * statistics.median(alone)}  # fmt: skip
+    return {
+        "spectrum(certify=True)_ms": 1e3 * statistics.median(whole),
+        "verdict_and_eigenvalues_alone_ms": 1e3 * statistics.median(alone),
+    }
 
 
 def streamed(side: int) -> dict[str, Any]:
@@ -334,11 +351,13 @@ def streamed(side: int) -> dict[str, Any]:
             corner = int(dataset.verdict[-1, -1])
         opened = time.perf_counter() - start
         return {
-            "cells": side * side, "seconds": round(used, 1), "corner": corner,
+            "cells": side * side,
+            "seconds": round(used, 1),
+            "corner": corner,
             "file_MiB": round(target.stat().st_size / 2**20, 2),
             "peak_memory_MiB": round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10),
             "opened_lazily_in_s": round(opened, 3),
-        }  # fmt: skip
+        }
 
 
 def settling(count: int = 20_000, singles: int = 1000) -> dict[str, Any]:
@@ -350,18 +369,21 @@ def settling(count: int = 20_000, singles: int = 1000) -> dict[str, Any]:
     from stability.settling.disk_lines import disk_settling
 
     rng = np.random.default_rng(1)
-    near, own = np.zeros((count, 6)), np.column_stack([
-        rng.uniform(0.15, 0.5, count), 10 ** rng.uniform(-0.8, 0.5, count)])  # fmt: skip
+    near, own = (
+        np.zeros((count, 6)),
+        np.column_stack([rng.uniform(0.15, 0.5, count), 10 ** rng.uniform(-0.8, 0.5, count)]),
+    )
     near[:, 0], near[:, 2] = np.pi / 2, rng.uniform(2.3, 4, count)
     off = rng.normal(size=near.shape)
     near += off * (10 ** rng.uniform(-6, -3.2, count) / np.linalg.norm(off, axis=1))[:, None]
     far, p, test = near + [0.3, 0, 0, 0.5, 0, 0], np.array([0.25, 0.3]), disk_settling(st.Viscous)
     runs = {
-        f"{word}_{'numpy' if plain else 'compiled'}":
-            lambda x=x, q=q, plain=plain: test.many(x, q, 1e-3, plain=plain)
+        f"{word}_{'numpy' if plain else 'compiled'}": lambda x=x, q=q, plain=plain: test.many(
+            x, q, 1e-3, plain=plain
+        )
         for word, x, q in (("own", near, own), ("shared", near, p), ("far", far, p))
         for plain in (False, True)
-    }  # fmt: skip
+    }
     one = [(near[i], own[i]) for i in range(singles)]
     runs["own_flint"] = lambda: [test.nearest(x, q, 1e-3) for x, q in one]
     for run in runs.values():
@@ -375,10 +397,12 @@ def settling(count: int = 20_000, singles: int = 1000) -> dict[str, Any]:
             spent[name].append(1e6 * (time.process_time() - start) / each)
     return {
         "us_per_test": {name: round(statistics.median(v), 2) for name, v in spent.items()},
-        "proved_share": {"own": float(test.many(near, own, 1e-3).settled.proved.mean()),
-                         "shared": float(test.many(near, p, 1e-3).settled.proved.mean())},
+        "proved_share": {
+            "own": float(test.many(near, own, 1e-3).settled.proved.mean()),
+            "shared": float(test.many(near, p, 1e-3).settled.proved.mean()),
+        },
         "first_call_s": first_calls(),
-    }  # fmt: skip
+    }
 
 
 def first_calls() -> dict[str, float]:
@@ -408,8 +432,15 @@ def main() -> None:
     large, only = "--large" in sys.argv[1:], "--growth" in sys.argv[1:]
     if large and not only:  # first, so that the peak memory is that of the stream
         print(json.dumps({"streamed": streamed(31623)}), flush=True)
-    print(json.dumps({"machine": platform.machine(), "python": platform.python_version(),
-                      "numpy": np.__version__}))  # fmt: skip
+    print(
+        json.dumps(
+            {
+                "machine": platform.machine(),
+                "python": platform.python_version(),
+                "numpy": np.__version__,
+            }
+        )
+    )
     growth(large)
     if only:
         return

@@ -100,10 +100,12 @@ def compare(family: str) -> dict[str, Any]:
         "obvious_wrong_signs": wrong,
         "boundary_points": found.sizes["boundary_point"],
         "largest_relative_bracket": float(
-            (found.boundary_error / np.where(found.boundary_axis == 0, found.boundary_at,
-                                             found.boundary_mu)).max()
+            (
+                found.boundary_error
+                / np.where(found.boundary_axis == 0, found.boundary_at, found.boundary_mu)
+            ).max()
         ),
-    }  # fmt: skip
+    }
 
 
 def import_time() -> list[float]:

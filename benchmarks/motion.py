@@ -74,9 +74,19 @@ def lsoda(tolerance: float, mu: float = 0.3) -> Callable[[Any], Any]:
     run = Evaluator(which, np.array([0.25, mu, 1e-6]))
 
     def call(start: Any) -> Any:
-        return solve_ivp(
-            run.rates, (0, 100), which.pack(start), "LSODA", GRID, rtol=tolerance, atol=tolerance
-        ).y[:6].T  # fmt: skip
+        return (
+            solve_ivp(
+                run.rates,
+                (0, 100),
+                which.pack(start),
+                "LSODA",
+                GRID,
+                rtol=tolerance,
+                atol=tolerance,
+            )
+            .y[:6]
+            .T
+        )
 
     return call
 
@@ -124,12 +134,16 @@ def reference() -> None:
         errors["checked"] = errors["simulate"]
         for name, seconds in found.items():
             once = compiled if name == "raw heyoka" else first
-            print(f"  {tolerance:.0e}  {name:<11} {1e3 * seconds:7.2f} ms  error "
-                  f"{errors[name]:.1e}  first call {once:.2f} s")  # fmt: skip
+            print(
+                f"  {tolerance:.0e}  {name:<11} {1e3 * seconds:7.2f} ms  error "
+                f"{errors[name]:.1e}  first call {once:.2f} s"
+            )
         raw_time = found["raw heyoka"]
-        print(f"         guards and energy account: {found['our route'] / raw_time:.2f} of raw; "
-              f"with outcome, labels: {found['simulate'] / raw_time:.2f}; "
-              f"run thrice for its error: {found['checked'] / raw_time:.2f}")  # fmt: skip
+        print(
+            f"         guards and energy account: {found['our route'] / raw_time:.2f} of raw; "
+            f"with outcome, labels: {found['simulate'] / raw_time:.2f}; "
+            f"run thrice for its error: {found['checked'] / raw_time:.2f}"
+        )
     run = lsoda(1e-6)
     error = np.abs(run(LAUNCH) - exact).max()
     seconds = best({"lsoda": lambda: run(LAUNCH)}, 5)["lsoda"]
@@ -187,8 +201,10 @@ def batches(count: int = 1000) -> None:
     print(f"batch of {count} starts near it, tolerance 1e-9, lanes of {width}")
     for n in sorted({1, cores}):
         a, b = found[f"raw {n}"], found[f"ours {n}"]
-        print(f"  {n} thread(s): raw heyoka batch {a:.3f} s, simulate {b:.3f} s: throughput "
-              f"{a / b:.2f} of it; LSODA loop {loop:.1f} s: {loop / b:.0f} times")  # fmt: skip
+        print(
+            f"  {n} thread(s): raw heyoka batch {a:.3f} s, simulate {b:.3f} s: throughput "
+            f"{a / b:.2f} of it; LSODA loop {loop:.1f} s: {loop / b:.0f} times"
+        )
     print(f"  each run thrice for its error: {found['checked']:.3f} s on {cores} threads")
 
 
@@ -201,16 +217,26 @@ def stiff() -> None:
     print("stiff launch: k = 1/4, tilt 0.1, omega3 = 1.2, T = 100, 101 samples: ms (error)")
     methods = ["heyoka"] * taylor.available() + ["cvodes", "lsoda", "auto"]
     for tolerance in (1e-6, 1e-9):
-        print(f"  tolerance {tolerance:.0e}\n      mu  "
-              + "".join(f"{m:>18}" for m in methods) + "   auto / lower")  # fmt: skip
+        print(
+            f"  tolerance {tolerance:.0e}\n      mu  "
+            + "".join(f"{m:>18}" for m in methods)
+            + "   auto / lower"
+        )
         for mu in (0.3, 3.0, 30.0, 100.0, 300.0, 3000.0, 30000.0):
             kept: dict[str, Any] = {}
 
             def ask(method: str, mu: float, tolerance: float, kept: dict[str, Any]) -> None:
                 kept[method] = st.simulate(
-                    st.Disk(), st.Viscous(mu), LAUNCH, GRID, method=method, tolerance=tolerance,
-                    max_steps=10**8, max_seconds=1e4, check=False,
-                )  # fmt: skip
+                    st.Disk(),
+                    st.Viscous(mu),
+                    LAUNCH,
+                    GRID,
+                    method=method,
+                    tolerance=tolerance,
+                    max_steps=10**8,
+                    max_seconds=1e4,
+                    check=False,
+                )
 
             fine = "heyoka" if taylor.available() and mu <= 3000 else "cvodes"
             ask(fine, mu, 1e-14, kept)
@@ -241,19 +267,29 @@ def neighbours(count: int) -> None:
     run = st.simulate(st.Disk(), st.Viscous(0.3), starts, np.linspace(0, 100, 101))
     took = time.perf_counter() - begin
     words = Counter(BY_CODE[int(o)].word for o in run.outcome.values)
-    print(f"{count} neighbours within 0.1: {dict(words)}, {took:.2f} s in all, each run thrice, "
-          f"worst audit {float(run.energy_error.max()):.1e}")  # fmt: skip
+    print(
+        f"{count} neighbours within 0.1: {dict(words)}, {took:.2f} s in all, each run thrice, "
+        f"worst audit {float(run.energy_error.max()):.1e}"
+    )
     slowest = {}
     for method in ("lsoda", "cvodes"):
         times = []
         for start in starts[: min(count, 128)]:
             begin = time.perf_counter()
-            st.simulate(st.Disk(), st.Viscous(0.3), start, np.linspace(0, 100, 101),
-                        method=method, check=False)  # fmt: skip
+            st.simulate(
+                st.Disk(),
+                st.Viscous(0.3),
+                start,
+                np.linspace(0, 100, 101),
+                method=method,
+                check=False,
+            )
             times.append(time.perf_counter() - begin)
         slowest[method] = max(times)
-    print("  slowest single launch of 128: "
-          + ", ".join(f"{m} {1e3 * s:.0f} ms" for m, s in slowest.items()))  # fmt: skip
+    print(
+        "  slowest single launch of 128: "
+        + ", ".join(f"{m} {1e3 * s:.0f} ms" for m, s in slowest.items())
+    )
 
 
 def audits() -> None:
@@ -263,9 +299,13 @@ def audits() -> None:
         line = f"audit over T = 100 by {method}: viscous {float(run.energy_error):.1e}"
         for contact in (st.Rough(), st.Smooth()):
             long = st.simulate(
-                st.Disk(), contact, [1.3, 0.1, 0.4, 1.1, 0, 0], [1000.0], method=method,
+                st.Disk(),
+                contact,
+                [1.3, 0.1, 0.4, 1.1, 0, 0],
+                [1000.0],
+                method=method,
                 tolerance=1e-16,
-            )  # fmt: skip
+            )
             line += f"; {contact.name} over T = 1000 {float(long.energy_error):.1e}"
         print(line)
 

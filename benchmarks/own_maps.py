@@ -40,11 +40,31 @@ CLEAR = 1e-9
 """Share of the largest modulus beyond which LAPACK's sign is taken as clear."""
 
 BICYCLE = {
-    "w": 1.02, "trail": 0.08, "tilt": np.pi / 10, "g": 9.81, "rR": 0.3, "mR": 2, "IRxx": 0.0603,
-    "IRyy": 0.12, "xB": 0.3, "zB": -0.9, "mB": 85, "IBxx": 9.2, "IBxz": 2.4, "IBzz": 2.8,
-    "xH": 0.9, "zH": -0.7, "mH": 4, "IHxx": 0.05892, "IHxz": -0.00756, "IHzz": 0.00708,
-    "rF": 0.35, "mF": 3, "IFxx": 0.1405, "IFyy": 0.28,
-}  # fmt: skip
+    "w": 1.02,
+    "trail": 0.08,
+    "tilt": np.pi / 10,
+    "g": 9.81,
+    "rR": 0.3,
+    "mR": 2,
+    "IRxx": 0.0603,
+    "IRyy": 0.12,
+    "xB": 0.3,
+    "zB": -0.9,
+    "mB": 85,
+    "IBxx": 9.2,
+    "IBxz": 2.4,
+    "IBzz": 2.8,
+    "xH": 0.9,
+    "zH": -0.7,
+    "mH": 4,
+    "IHxx": 0.05892,
+    "IHxz": -0.00756,
+    "IHzz": 0.00708,
+    "rF": 0.35,
+    "mF": 3,
+    "IFxx": 0.1405,
+    "IFyy": 0.28,
+}
 
 
 def matrices(s: Any) -> tuple[Any, Any, Any, Any]:
@@ -77,9 +97,11 @@ def matrices(s: Any) -> tuple[Any, Any, Any, Any]:
     cross = alx + mu * ixz
     mass = _two(ixx, cross, cross, all_ + 2 * mu * alz + mu**2 * izz)
     damping = _two(
-        0, mu * st_ + sf * cs + ixz / s["w"] * cs - mu * total * z,
-        -(mu * st_ + sf * cs), alz / s["w"] * cs + mu * (sa + izz / s["w"] * cs),
-    )  # fmt: skip
+        0,
+        mu * st_ + sf * cs + ixz / s["w"] * cs - mu * total * z,
+        -(mu * st_ + sf * cs),
+        alz / s["w"] * cs + mu * (sa + izz / s["w"] * cs),
+    )
     still = _two(total * z, -sa, -sa, -sa * sn)
     moving = _two(0, (st_ - total * z) / s["w"] * cs, 0, (sa + sf * sn) / s["w"] * cs)
     return mass, damping, still, moving
@@ -96,12 +118,19 @@ def bicycle() -> Any:
     x, v = ca.SX.sym("x", 4), s["v"]
     forces = ca.mtimes(v * damping, x[2:]) + ca.mtimes(s["g"] * still + v**2 * moving, x[:2])
     system = st.System.from_mass_matrix(
-        "bicycle", x, ca.vertcat(*s.values()), mass=mass, forcing=-forces,
-        unknowns=("d_lean_rate", "d_steer_rate"), rates={"lean": x[2], "steer": x[3]},
-        states=("lean", "steer", "lean_rate", "steer_rate"), parameters=tuple(s),
-    )  # fmt: skip
-    return st.Family(system, "upright", at=("v",), held=dict.fromkeys(system.states, 0.0),
-                     typical=dict(BICYCLE))  # fmt: skip
+        "bicycle",
+        x,
+        ca.vertcat(*s.values()),
+        mass=mass,
+        forcing=-forces,
+        unknowns=("d_lean_rate", "d_steer_rate"),
+        rates={"lean": x[2], "steer": x[3]},
+        states=("lean", "steer", "lean_rate", "steer_rate"),
+        parameters=tuple(s),
+    )
+    return st.Family(
+        system, "upright", at=("v",), held=dict.fromkeys(system.states, 0.0), typical=dict(BICYCLE)
+    )
 
 
 def magnet() -> Any:
@@ -109,10 +138,11 @@ def magnet() -> Any:
     x, p = ca.SX.sym("x", 4), ca.SX.sym("p", 2)
     pull = ca.exp(-p[0]) * ca.sin(x[0] + p[1]) - ca.exp(-p[0]) * ca.sin(p[1])
     rhs = ca.vertcat(
-        x[2], x[3],
+        x[2],
+        x[3],
         -pull - 0.3 * ca.tanh(p[0] * x[2]) + 0.2 * x[1],
         -ca.sinh(x[1]) * ca.cos(p[1]) - 0.1 * p[1] * x[3] - 0.4 * x[0],
-    )  # fmt: skip
+    )
     system = st.System("magnets", x, p, rhs, states=("q1", "q2", "v1", "v2"), parameters=("a", "b"))
     return st.Family(system, "rest", at=("a",), held=dict.fromkeys(system.states, 0.0))
 
@@ -126,8 +156,12 @@ def other(
     x, y = (g.values[::every] for g in axes)
     grid = dict(zip((g.name for g in axes), np.meshgrid(x, y), strict=True))
     count = len(x) * len(y)
-    numbers = np.array([np.broadcast_to(grid.get(n, fixed.get(n)), (len(y), len(x))).ravel()
-                        for n in system.parameters])  # fmt: skip
+    numbers = np.array(
+        [
+            np.broadcast_to(grid.get(n, fixed.get(n)), (len(y), len(x))).ravel()
+            for n in system.parameters
+        ]
+    )
     jacobian = ca.Function("J", [system.x, system.p], [ca.densify(system.jacobian)]).map(count)
     state = ca.DM.zeros(size, count)
 

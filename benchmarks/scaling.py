@@ -52,8 +52,9 @@ class Launches:
     def __call__(self, block: tuple[int, ...], part: slice) -> Mapping[str, NDArray[Any]]:
         starts = np.random.default_rng([20261123, *block]).uniform(-1.0, 1.0, (self.size, 6))
         starts = [1.3, 0, 0, 1.2, 0, 0] + starts * [0.2, 0.2, 0.2, 0.4, 1e-3, 1e-3]
-        found = st.simulate(st.Disk(), st.Viscous(0.3), starts[part], [0.0, 40.0], workers=1,
-                            check=False)  # fmt: skip
+        found = st.simulate(
+            st.Disk(), st.Viscous(0.3), starts[part], [0.0, 40.0], workers=1, check=False
+        )
         return {name: found[name].values for name in ("outcome", "end_time")}
 
 
@@ -70,8 +71,9 @@ def blank(count: int) -> dict[str, NDArray[Any]]:
 
 
 def filled(folder: Path, chunks: int, size: int, work: Any, **how: Any) -> Any:
-    store = ZarrStore(folder / "a.zarr", Layout(("launch",), (chunks * size,), (size,)), VARIABLES,
-                      overwrite=True)  # fmt: skip
+    store = ZarrStore(
+        folder / "a.zarr", Layout(("launch",), (chunks * size,), (size,)), VARIABLES, overwrite=True
+    )
     for block in store.layout.blocks():  # of the turn before
         (store.folder / "outcome" / f"c.{block[0]}").unlink(missing_ok=True)
     return fill(store, work, blank=blank, **how)
@@ -107,8 +109,9 @@ def turns(
         for turn in range(count):
             for workers in (1, 2) if turn % 2 else (2, 1):
                 begin = time.perf_counter()
-                found = filled(folder, chunks, size, Launches(size), executor=pools[workers],
-                               workers=workers)  # fmt: skip
+                found = filled(
+                    folder, chunks, size, Launches(size), executor=pools[workers], workers=workers
+                )
                 took = time.perf_counter() - begin
                 times[workers].append(took)
                 shares[workers].append(sum(found.seconds) / (workers * took))
@@ -197,8 +200,10 @@ def table(runs: Mapping[int, Run], chunks: Mapping[int, int], size: int, start: 
     print(f"{'workers':>8} {'launches':>9} {'time [s]':>9} {'efficiency':>10}  loses most")
     for n in SHOWN:
         run = runs[n]
-        print(f"{n:8d} {chunks[n] * size:9.1e} {run.time + start:9.1f} "
-              f"{efficiency(run, n, start):10.3f}  {bottleneck(run, n, start)}")  # fmt: skip
+        print(
+            f"{n:8d} {chunks[n] * size:9.1e} {run.time + start:9.1f} "
+            f"{efficiency(run, n, start):10.3f}  {bottleneck(run, n, start)}"
+        )
 
 
 def main() -> None:
@@ -231,15 +236,18 @@ def main() -> None:
                 f"\n{kind}: 1 worker {took[1]:.2f} s, 2 workers {took[2]:.2f} s, efficiency "
                 f"{took[1] / took[2] / 2:.3f}; share of chunks {share[1]:.3f} and {share[2]:.3f}"
             )
-            print(f"driver's time for a chunk {per} workers; start {start:.1f} s")  # fmt: skip
+            print(f"driver's time for a chunk {per} workers; start {start:.1f} s")
             whole = dict.fromkeys(WORKERS, round(options.launches / size))
             each = {n: EACH * n for n in WORKERS}
             for words, chunks, larger in (
-                ("", whole, 1), (f"{EACH} chunks a worker", each, 1),
+                ("", whole, 1),
+                (f"{EACH} chunks a worker", each, 1),
                 (f"{EACH} chunks a worker, {LARGER} times as long", each, LARGER),
-            ):  # fmt: skip
-                runs = {n: simulated(larger * random.choice(times, chunks[n]), n,
-                                     overhead(driver, n)) for n in WORKERS}  # fmt: skip
+            ):
+                runs = {
+                    n: simulated(larger * random.choice(times, chunks[n]), n, overhead(driver, n))
+                    for n in WORKERS
+                }
                 print(words or f"{options.launches:.0e} launches")
                 table(runs, chunks, larger * size, start)
                 if words:
@@ -248,8 +256,12 @@ def main() -> None:
                         efficiency(run, n, start) for n, run in runs.items()
                     ]
     if not options.no_record:
-        shares = {"workers": WORKERS, "chunks a worker": EACH, "simulated": curves,
-                  "measured with two workers": measured}  # fmt: skip
+        shares = {
+            "workers": WORKERS,
+            "chunks a worker": EACH,
+            "simulated": curves,
+            "measured with two workers": measured,
+        }
         RECORD.write_text(json.dumps(shares, indent=1) + "\n", encoding="utf-8")
         print(f"\n{RECORD.name}; `python docs/scaling_picture.py` draws it")
 

@@ -26,36 +26,54 @@ from stability.scene.chart import chart
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples" / "scenes"
 STIFF = ("stiff-300", "stiff-10000", "stiff-100000")
 REDUCED = {
-    "friction 3000": st.Scene(contact=st.Viscous(3e3), start={"theta": 1.3, "omega3": 2.0},
-                              horizon=20.0),
-    "friction 1e5": st.Scene(contact=st.Viscous(1e5), start={"theta": 1.3, "omega3": 2.0},
-                             horizon=20.0),
-    "near rolling, long": st.Scene(contact=st.Viscous(0.3), horizon=1000.0,
-                                   start={"theta": 1.5706, "omega3": 2.2}),
-    "friction 3e3, long": st.Scene(contact=st.Viscous(3e3), start={"theta": 1.3, "omega3": 2.0},
-                                   horizon=200.0, tolerance=1e-8),
-    "friction 1e5, long": st.Scene(contact=st.Viscous(1e5), start={"theta": 1.3, "omega3": 2.0},
-                                   horizon=200.0, tolerance=1e-8),
-    "near rolling, stiff": st.Scene(contact=st.Viscous(300.0), horizon=1000.0,
-                                    start={"theta": 1.5706, "omega3": 1.2}),
-    "drift of rolling": st.Scene(contact=st.Viscous(1.0), horizon=1e4, tolerance=1e-4,
-                                 start=st.launch("rolling", at=1.8, tilt=3e-3)),
-    "steady spinning": st.Scene(contact=st.Viscous(0.3), horizon=100.0,
-                                start=st.launch("spinning", at=3.0, tilt=0.0)),
-}  # fmt: skip
+    "friction 3000": st.Scene(
+        contact=st.Viscous(3e3), start={"theta": 1.3, "omega3": 2.0}, horizon=20.0
+    ),
+    "friction 1e5": st.Scene(
+        contact=st.Viscous(1e5), start={"theta": 1.3, "omega3": 2.0}, horizon=20.0
+    ),
+    "near rolling, long": st.Scene(
+        contact=st.Viscous(0.3), horizon=1000.0, start={"theta": 1.5706, "omega3": 2.2}
+    ),
+    "friction 3e3, long": st.Scene(
+        contact=st.Viscous(3e3), start={"theta": 1.3, "omega3": 2.0}, horizon=200.0, tolerance=1e-8
+    ),
+    "friction 1e5, long": st.Scene(
+        contact=st.Viscous(1e5), start={"theta": 1.3, "omega3": 2.0}, horizon=200.0, tolerance=1e-8
+    ),
+    "near rolling, stiff": st.Scene(
+        contact=st.Viscous(300.0), horizon=1000.0, start={"theta": 1.5706, "omega3": 1.2}
+    ),
+    "drift of rolling": st.Scene(
+        contact=st.Viscous(1.0),
+        horizon=1e4,
+        tolerance=1e-4,
+        start=st.launch("rolling", at=1.8, tilt=3e-3),
+    ),
+    "steady spinning": st.Scene(
+        contact=st.Viscous(0.3), horizon=100.0, start=st.launch("spinning", at=3.0, tilt=0.0)
+    ),
+}
 """Scenes that a reduced model answers."""
 WHOLE = {
-    "friction 0.3": st.Scene(contact=st.Viscous(0.3), start={"theta": 1.2, "omega3": 1.2},
-                             horizon=100.0),
-    "friction 30": st.Scene(contact=st.Viscous(30.0), start={"theta": 1.2, "omega3": 1.2},
-                            horizon=100.0),
-    "smooth": st.Scene(contact=st.Smooth(), start={"theta": 1.2, "phi_dot": 1.0, "omega3": 1.2},
-                       horizon=100.0),
-    "rough": st.Scene(contact=st.Rough(), start={"theta": 1.2, "phi_dot": 1.0, "omega3": 1.2},
-                      horizon=100.0),
-    "dry friction": st.Scene(contact=st.Coulomb(0.15), horizon=10.0,
-                             start={"theta": 1.12, "omega3": -1.45, "slip_x": -0.49}),
-}  # fmt: skip
+    "friction 0.3": st.Scene(
+        contact=st.Viscous(0.3), start={"theta": 1.2, "omega3": 1.2}, horizon=100.0
+    ),
+    "friction 30": st.Scene(
+        contact=st.Viscous(30.0), start={"theta": 1.2, "omega3": 1.2}, horizon=100.0
+    ),
+    "smooth": st.Scene(
+        contact=st.Smooth(), start={"theta": 1.2, "phi_dot": 1.0, "omega3": 1.2}, horizon=100.0
+    ),
+    "rough": st.Scene(
+        contact=st.Rough(), start={"theta": 1.2, "phi_dot": 1.0, "omega3": 1.2}, horizon=100.0
+    ),
+    "dry friction": st.Scene(
+        contact=st.Coulomb(0.15),
+        horizon=10.0,
+        start={"theta": 1.12, "omega3": -1.45, "slip_x": -0.49},
+    ),
+}
 """Scenes that the full model alone answers."""
 
 
@@ -82,14 +100,18 @@ def examples(out: Path | None) -> None:
         scene = st.Scene.from_toml(path)
         found = chart(scene)
         print(f"{path.stem}: {found.sentence}")
-        print(f"  the answer took {1e3 * float(found.answer_cost):.2f} ms; tolerance "
-              f"{scene.tolerance:g}, spread {float(found.spread):.2g}")  # fmt: skip
+        print(
+            f"  the answer took {1e3 * float(found.answer_cost):.2f} ms; tolerance "
+            f"{scene.tolerance:g}, spread {float(found.spread):.2g}"
+        )
         for i in range(found.sizes["model"]):
             one = found.isel(model=i)
             mark = "*" if bool(one.chosen) else " "
-            print(f" {mark}{str(one.model.values):<24}{1e3 * float(one.cost):9.2f} ms   estimate "
-                  f"{float(one.estimate):8.1e}  true {float(one.true_error):8.1e}  "
-                  f"{str(one.why.values)[:60]}")  # fmt: skip
+            print(
+                f" {mark}{str(one.model.values):<24}{1e3 * float(one.cost):9.2f} ms   estimate "
+                f"{float(one.estimate):8.1e}  true {float(one.true_error):8.1e}  "
+                f"{str(one.why.values)[:60]}"
+            )
         if out is not None:
             scene.plot(out / f"{path.stem}.png", overwrite=True)
 
@@ -102,16 +124,19 @@ def ratios(scenes: dict[str, st.Scene], heading: str, turns: int) -> None:
 
         # the loosest tolerance of simulate whose stated error is that of the scene
         def run(tolerance: float, scene: st.Scene = scene) -> Any:
-            return st.simulate(scene.disk, scene.contact, scene.start, [scene.horizon],
-                               tolerance=tolerance)  # fmt: skip
+            return st.simulate(
+                scene.disk, scene.contact, scene.start, [scene.horizon], tolerance=tolerance
+            )
 
         # the loosest tolerance of simulate whose stated error is that of the scene
         tolerance = scene.tolerance
         while float(run(tolerance).final_error) > scene.tolerance and tolerance > 1e-14:
             tolerance /= 10
         mine, full, ratio = pairs(scene.answer, lambda t=tolerance: run(t), turns)
-        print(f"  {name:<20}{told.model:<14}{1e3 * mine:9.2f} ms   full model at {tolerance:.0e} "
-              f"{1e3 * full:9.2f} ms   ratio {ratio:.3f}")  # fmt: skip
+        print(
+            f"  {name:<20}{told.model:<14}{1e3 * mine:9.2f} ms   full model at {tolerance:.0e} "
+            f"{1e3 * full:9.2f} ms   ratio {ratio:.3f}"
+        )
 
 
 def stiff(turns: int) -> None:
@@ -119,24 +144,34 @@ def stiff(turns: int) -> None:
     print("stiff launches to 1e-10, against their stored truth")
     for name in STIFF:
         motion = known_motion(name)
-        scene = st.Scene(disk=motion.disk(), contact=motion.contact(), tolerance=1e-10,
-                         start=dict(zip(STATES, motion.start, strict=True)),
-                         horizon=float(motion.times[-1]))  # fmt: skip
+        scene = st.Scene(
+            disk=motion.disk(),
+            contact=motion.contact(),
+            tolerance=1e-10,
+            start=dict(zip(STATES, motion.start, strict=True)),
+            horizon=float(motion.times[-1]),
+        )
         told = scene.answer()
         final = np.array([told.value[n] for n in STATES])
         true = motion.states[-1]
         error = float((np.abs(final - true) / np.maximum(1, np.abs(true))).max())
         costs = [scene.answer().cost for _ in range(turns)]
-        print(f"  {name:<14}{told.model:<10}{1e3 * statistics.median(costs):9.2f} ms   estimate "
-              f"{told.estimate:.1e}   true {error:.1e}")  # fmt: skip
+        print(
+            f"  {name:<14}{told.model:<10}{1e3 * statistics.median(costs):9.2f} ms   estimate "
+            f"{told.estimate:.1e}   true {error:.1e}"
+        )
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, help="folder for the charts of the examples")
     parser.add_argument("--large", action="store_true", help="more turns")
-    parser.add_argument("--choice", type=int, metavar="N",
-                        help="instead: N random scenes, every rung against the choice")  # fmt: skip
+    parser.add_argument(
+        "--choice",
+        type=int,
+        metavar="N",
+        help="instead: N random scenes, every rung against the choice",
+    )
     parser.add_argument("--seed", type=int, default=0, help="of the random scenes")
     options = parser.parse_args()
     if options.choice is not None:

@@ -283,9 +283,13 @@ def launched(scene: Scene, stops: bool) -> Any:
     return hy.taylor_adaptive(
         [(s, r[0]) for s, r in zip(symbols, rates, strict=True)],
         reals([*start[: len(symbols) - 1], 0.0]),  # the work is the last state
-        pars=reals(numbers), t_events=[hy.t_event(g[0], **falls) for g in guards],
-        fp_type=hy.real, prec=PRECISION, tol=reals([arb(TOLERANCE)])[0], compact_mode=True,
-    )  # fmt: skip
+        pars=reals(numbers),
+        t_events=[hy.t_event(g[0], **falls) for g in guards],
+        fp_type=hy.real,
+        prec=PRECISION,
+        tol=reals([arb(TOLERANCE)])[0],
+        compact_mode=True,
+    )
 
 
 def graph_motion(scene: Scene, times: list[float]) -> tuple[str, arb, list[list[arb]]]:
@@ -337,11 +341,20 @@ def truth(name: str) -> dict[str, Any]:
     error, gap = max(apart(x, y) for x, y in pairs), apart(stop, end)
     agreed = outcome == kind and gap <= AGREE and len(two) >= len(one)
     entry: dict[str, Any] = {
-        "name": name, "law": law, "k": k, "mu": mu, "start": start, "times": times,
+        "name": name,
+        "law": law,
+        "k": k,
+        "mu": mu,
+        "start": start,
+        "times": times,
         "states": [[written(v, error) for v in row] for row in one],
-        "outcome": outcome if agreed else "undetermined", "end_time": written(stop, gap),
-        "error": error, "end_time_error": gap, "digits": -magnitude(error) - 1, "events": [],
-    }  # fmt: skip
+        "outcome": outcome if agreed else "undetermined",
+        "end_time": written(stop, gap),
+        "error": error,
+        "end_time_error": gap,
+        "digits": -magnitude(error) - 1,
+        "events": [],
+    }
     if grazes:
         least, when = min(dips, key=lambda dip: float(dip[0]))
         # at the bottom, an error of the time changes the force by its square only
@@ -368,12 +381,20 @@ def dry(name: str) -> dict[str, Any]:
     lifts = events[-1]["kind"] == LIFT_OFF
     kind, last = (LIFT_OFF, events[-1]["time"]) if lifts else (MOVING, times[-1])
     return {
-        "name": name, "law": "coulomb", "k": k, "mu": mu, "start": start, "times": times,
+        "name": name,
+        "law": "coulomb",
+        "k": k,
+        "mu": mu,
+        "start": start,
+        "times": times,
         "states": [[*map(repr, row)] for row in states],
-        "outcome": kind, "end_time": repr(last),
-        "error": error, "digits": -magnitude(error) - 1, "events": events,
+        "outcome": kind,
+        "end_time": repr(last),
+        "error": error,
+        "digits": -magnitude(error) - 1,
+        "events": events,
         "package_difference": far,
-    }  # fmt: skip
+    }
 
 
 SOURCE = (

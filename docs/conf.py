@@ -46,8 +46,13 @@ suppress_warnings = ["mystnb.unknown_mime_type", "config.cache"]
 # --- pages ---
 
 myst_enable_extensions = [
-    "colon_fence", "deflist", "dollarmath", "fieldlist", "attrs_inline", "attrs_block",
-]  # fmt: skip
+    "colon_fence",
+    "deflist",
+    "dollarmath",
+    "fieldlist",
+    "attrs_inline",
+    "attrs_block",
+]
 myst_heading_anchors = 4
 myst_links_external_new_tab = False
 

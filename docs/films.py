@@ -30,12 +30,15 @@ def kept(run: Any, path: Path, **options: Any) -> Path:
         with Image.open(large) as film:
             size = (WIDTH, round(WIDTH * film.height / film.width))
             pause = film.info["duration"]
-            frames = [f.convert("RGB").resize(size, Image.Resampling.LANCZOS)
-                      for f in ImageSequence.Iterator(film)]  # fmt: skip
+            frames = [
+                f.convert("RGB").resize(size, Image.Resampling.LANCZOS)
+                for f in ImageSequence.Iterator(film)
+            ]
     middle = frames[len(frames) // 2].quantize(COLOURS, Image.Quantize.MAXCOVERAGE)
     few = [f.quantize(palette=middle, dither=Image.Dither.NONE) for f in frames]
-    few[0].save(path, "GIF", save_all=True, append_images=few[1:], duration=pause, loop=0,
-                optimize=True)  # fmt: skip
+    few[0].save(
+        path, "GIF", save_all=True, append_images=few[1:], duration=pause, loop=0, optimize=True
+    )
     return path
 
 
@@ -96,8 +99,12 @@ def rolled(inner: float, start: dict[str, float], times: Any, rho: float) -> Any
 def turning_start(inner: float) -> dict[str, float]:
     """A ring at 50°, whose centre would rest, with a kick that makes it nutate."""
     theta, k = math.radians(50), (1 + inner**2) / 4
-    return {"theta": theta, "theta_dot": 0.7, "phi_dot": 1 / math.sqrt(k * math.sin(theta)),
-            "omega3": 0.0}  # fmt: skip
+    return {
+        "theta": theta,
+        "theta_dot": 0.7,
+        "phi_dot": 1 / math.sqrt(k * math.sin(theta)),
+        "omega3": 0.0,
+    }
 
 
 def ring(path: Path) -> Path:
@@ -119,8 +126,11 @@ def retrograde(path: Path) -> Path:
 
 
 PICTURES: dict[str, Callable[[Path], Path]] = {
-    "tippe-top.gif": tippe_top, "egg.gif": egg, "ring.gif": ring, "retrograde.png": retrograde,
-}  # fmt: skip
+    "tippe-top.gif": tippe_top,
+    "egg.gif": egg,
+    "ring.gif": ring,
+    "retrograde.png": retrograde,
+}
 """What is kept, and the function that makes it."""
 
 

@@ -281,15 +281,20 @@ def draw(shown: House) -> Figure:
     for i, (row, y) in enumerate(zip(spots, levels, strict=True)):
         if i % 2 == 0:
             axes.axhspan(y - ROW / 2, y + ROW / 2, color="#f5f5f5", lw=0)
-        axes.text(-0.14, y, str(len(spots) - 1 - i), ha="center", va="center", fontsize=7,
-                  color=LINES)  # fmt: skip
+        axes.text(
+            -0.14, y, str(len(spots) - 1 - i), ha="center", va="center", fontsize=7, color=LINES
+        )
         for item, x in row.items():
             if len(item) == 1:
                 _folder(axes, shown, item[0], x, y)
     for chain in chains(shown):
         points = [(spots[k][item], levels[k]) for item, k in _levels(chain, shown)]
-        _arrow(axes, points, _port(shown, spots, chain, first=True),
-               _port(shown, spots, chain, first=False))  # fmt: skip
+        _arrow(
+            axes,
+            points,
+            _port(shown, spots, chain, first=True),
+            _port(shown, spots, chain, first=False),
+        )
     _legend(axes)
     return figure
 
@@ -322,13 +327,29 @@ def _folder(axes: Axes, shown: House, name: str, x: float, y: float) -> None:
     colour = KNOWING if "bodies" in below(shown.needs, name) else GENERAL
     colour = BODIES if name == "bodies" else colour
     width, height = BOX
-    axes.add_patch(FancyBboxPatch(
-        (x - width / 2, y - height / 2), width, height, boxstyle="round,pad=0,rounding_size=0.05",
-        facecolor=colour, edgecolor="#1a1a1a", linewidth=0.7, zorder=3))  # fmt: skip
+    axes.add_patch(
+        FancyBboxPatch(
+            (x - width / 2, y - height / 2),
+            width,
+            height,
+            boxstyle="round,pad=0,rounding_size=0.05",
+            facecolor=colour,
+            edgecolor="#1a1a1a",
+            linewidth=0.7,
+            zorder=3,
+        )
+    )
     count = f"{shown.files[name]} file" + "s" * (shown.files[name] != 1)
     style: dict[str, Any] = {"va": "center", "zorder": 4}
-    axes.text(x - width / 2 + MARGIN, y + 0.09, f"{name}/", ha="left", fontsize=8.5,
-              fontweight="bold", **style)  # fmt: skip
+    axes.text(
+        x - width / 2 + MARGIN,
+        y + 0.09,
+        f"{name}/",
+        ha="left",
+        fontsize=8.5,
+        fontweight="bold",
+        **style,
+    )
     axes.text(
         x + width / 2 - MARGIN, y + 0.09, count, ha="right", fontsize=6.5, color=LINES, **style
     )
@@ -349,9 +370,18 @@ def _arrow(axes: Axes, points: Sequence[tuple[float, float]], start: float, end:
         vertices += [(xa, (ya + top) / 2), (x, (ya + top) / 2), (x, top), (x, y - half)]
         codes += [Curve.CURVE4] * 3 + [Curve.LINETO]
     vertices, codes = vertices[:-1], codes[:-1]
-    axes.add_patch(FancyArrowPatch(
-        path=Curve(vertices, codes), arrowstyle="-|>,head_length=2.6,head_width=1.5",
-        color=LINES, linewidth=0.8, zorder=2, shrinkA=0, shrinkB=0, capstyle="butt"))  # fmt: skip
+    axes.add_patch(
+        FancyArrowPatch(
+            path=Curve(vertices, codes),
+            arrowstyle="-|>,head_length=2.6,head_width=1.5",
+            color=LINES,
+            linewidth=0.8,
+            zorder=2,
+            shrinkA=0,
+            shrinkB=0,
+            capstyle="butt",
+        )
+    )
 
 
 def _legend(axes: Axes) -> None:
@@ -359,14 +389,24 @@ def _legend(axes: Axes) -> None:
     from matplotlib.patches import Rectangle
 
     x = 0.0
-    for colour, text in ((GENERAL, "knows no body"), (BODIES, "the bodies"),
-                         (KNOWING, "knows the bodies")):  # fmt: skip
-        axes.add_patch(Rectangle((x, 0.11), 0.22, 0.12, facecolor=colour, edgecolor="#1a1a1a",
-                                 linewidth=0.6))  # fmt: skip
+    for colour, text in (
+        (GENERAL, "knows no body"),
+        (BODIES, "the bodies"),
+        (KNOWING, "knows the bodies"),
+    ):
+        axes.add_patch(
+            Rectangle((x, 0.11), 0.22, 0.12, facecolor=colour, edgecolor="#1a1a1a", linewidth=0.6)
+        )
         axes.text(x + 0.28, 0.17, text, va="center", fontsize=6.8)
         x += 1.3
-    axes.text(WIDTH, 0.17, "arrow: imports, directly; what follows from other arrows is left out",
-              ha="right", va="center", fontsize=6.8)  # fmt: skip
+    axes.text(
+        WIDTH,
+        0.17,
+        "arrow: imports, directly; what follows from other arrows is left out",
+        ha="right",
+        va="center",
+        fontsize=6.8,
+    )
 
 
 # --- the file ---

@@ -44,10 +44,13 @@ def run(path: Path) -> dict[str, Any]:
     page = jupytext.read(path)
     with TemporaryDirectory() as folder:  # a notebook may write files
         NotebookClient(
-            page, timeout=600, resources={"metadata": {"path": folder}}, record_timing=False,
+            page,
+            timeout=600,
+            resources={"metadata": {"path": folder}},
+            record_timing=False,
             coalesce_streams=True,  # otherwise cut where the kernel happens to flush
             extra_arguments=list(SHARP),
-        ).execute()  # fmt: skip
+        ).execute()
     for number, cell in enumerate(page.cells):
         cell.id = f"cell-{number}"  # otherwise random
         for output in cell.get("outputs", ()):

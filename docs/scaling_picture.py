@@ -32,10 +32,16 @@ def main(path: Path = PICTURE) -> None:
             lines += axes.plot(workers, values, style, label=name)
         measured = found["measured with two workers"]
         for (name, value), mark in zip(measured.items(), "os", strict=False):
-            lines += axes.plot([2], [value], mark, ms=4, mfc="none", color="black",
-                               label=f"{name}, measured")  # fmt: skip
-        axes.set(xscale="log", xlim=(1, workers[-1]), xlabel="workers",
-                 ylim=(0, 1.05), ylabel="share of time in chunks")  # fmt: skip
+            lines += axes.plot(
+                [2], [value], mark, ms=4, mfc="none", color="black", label=f"{name}, measured"
+            )
+        axes.set(
+            xscale="log",
+            xlim=(1, workers[-1]),
+            xlabel="workers",
+            ylim=(0, 1.05),
+            ylabel="share of time in chunks",
+        )
         key(axes, lines, f"Simulated, {found['chunks a worker']} chunks a worker")
     save_figure(figure, path)
 

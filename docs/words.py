@@ -12,26 +12,64 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 REPORT = ROOT / "docs" / "report"
 """An example of what `make report` writes, in the words of the version that wrote it."""
-FOREIGN = (REPORT, ROOT / "stability" / "explorer" / "library", ROOT / "docs" / "_made",
-           ROOT / "docs" / "notebooks")  # fmt: skip
+FOREIGN = (
+    REPORT,
+    ROOT / "stability" / "explorer" / "library",
+    ROOT / "docs" / "_made",
+    ROOT / "docs" / "notebooks",
+)
 """Folders left out: that example, a library of others, and what the build of the site makes."""
-FOLDERS = ("stability", "docs", "tests", "benchmarks", "examples", "notebooks", "paper",
-           "conda-recipe", ".github")  # fmt: skip
+FOLDERS = (
+    "stability",
+    "docs",
+    "tests",
+    "benchmarks",
+    "examples",
+    "notebooks",
+    "paper",
+    "conda-recipe",
+    ".github",
+)
 """Folders with pages, beyond the files next to the README."""
 TEXTS = (".py", ".md", ".js", ".html", ".css", ".toml", ".yaml", ".cff")
 """Endings of files with sentences; the Makefile has none."""
 PLAIN = {
-    "told apart": "distinguished", "anew": "again", "dearer": "more expensive",
-    "handed on": "passed on", "gone on with": "resumed", "so long as": "while",
-    "anybody": "a user", "whatever": "any, for every", "goes with": "belongs to",
-    "stands for": "means", "stand for": "mean", "way on": "continuation",
-    "deaf": "ignores signals", "beside": "next to, near", "besides": "also, apart from",
-    "in vain": "for nothing", "otherwise than": "in another way than", "hand on": "pass on",
-    "hands on": "passes on", "hence": "so", "thus": "so", "upon": "on", "likewise": "the same",
-    "whilst": "while", "amongst": "among", "thereby": "so, by this", "wherein": "in which",
-    "whereby": "by which", "thereof": "of it", "herein": "in this", "albeit": "though",
-    "lest": "so that not", "henceforth": "from now on", "hitherto": "so far", "nought": "zero",
-}  # fmt: skip
+    "told apart": "distinguished",
+    "anew": "again",
+    "dearer": "more expensive",
+    "handed on": "passed on",
+    "gone on with": "resumed",
+    "so long as": "while",
+    "anybody": "a user",
+    "whatever": "any, for every",
+    "goes with": "belongs to",
+    "stands for": "means",
+    "stand for": "mean",
+    "way on": "continuation",
+    "deaf": "ignores signals",
+    "beside": "next to, near",
+    "besides": "also, apart from",
+    "in vain": "for nothing",
+    "otherwise than": "in another way than",
+    "hand on": "pass on",
+    "hands on": "passes on",
+    "hence": "so",
+    "thus": "so",
+    "upon": "on",
+    "likewise": "the same",
+    "whilst": "while",
+    "amongst": "among",
+    "thereby": "so, by this",
+    "wherein": "in which",
+    "whereby": "by which",
+    "thereof": "of it",
+    "herein": "in this",
+    "albeit": "though",
+    "lest": "so that not",
+    "henceforth": "from now on",
+    "hitherto": "so far",
+    "nought": "zero",
+}
 """What to write in place of each."""
 WORD = re.compile(rf"\b({'|'.join(PLAIN)})\b", re.IGNORECASE)
 

@@ -53,10 +53,27 @@ FORMULATIONS = {
     "naive-fd": "all six states, AUTO's own differences",
 }
 CONSTANTS = {
-    "IPS": 1, "IRS": 0, "ILP": 0, "NTST": 1, "NCOL": 4, "IAD": 3, "ISP": 2, "ISW": 1, "IPLT": 0,
-    "NBC": 0, "NINT": 0, "NMX": 500, "NPR": 1000, "IID": 0, "ITMX": 20, "ITNW": 7, "NWTN": 3,
-    "DSMIN": 1e-9, "IADS": 1, "NPAR": 36,
-}  # fmt: skip
+    "IPS": 1,
+    "IRS": 0,
+    "ILP": 0,
+    "NTST": 1,
+    "NCOL": 4,
+    "IAD": 3,
+    "ISP": 2,
+    "ISW": 1,
+    "IPLT": 0,
+    "NBC": 0,
+    "NINT": 0,
+    "NMX": 500,
+    "NPR": 1000,
+    "IID": 0,
+    "ITMX": 20,
+    "ITNW": 7,
+    "NWTN": 3,
+    "DSMIN": 1e-9,
+    "IADS": 1,
+    "NPAR": 36,
+}
 WRAPPER = """\
 #include "auto_f2c.h"
 #include "rates.c"
@@ -219,12 +236,19 @@ def write_constants(case: Case, begin: float, tolerance: float, folder: Path) ->
     par, u = start_of(case, begin)
     free = PARAMETERS.index(case.free)
     up = case.stop > begin
-    constants = CONSTANTS | dict.fromkeys(("EPSL", "EPSU", "EPSS"), tolerance) | {
-        "NDIM": len(u), "JAC": int(case.formulation != "naive-fd"),
-        "ICP": f"[{free + 1}, 4, 5, 11]", "MXBF": -1 if case.switches else 0,
-        "DS": math.copysign(case.step / 10, case.stop - begin), "DSMAX": case.step,
-        ("RL1" if up else "RL0"): case.stop,
-    }  # fmt: skip
+    constants = (
+        CONSTANTS
+        | dict.fromkeys(("EPSL", "EPSU", "EPSS"), tolerance)
+        | {
+            "NDIM": len(u),
+            "JAC": int(case.formulation != "naive-fd"),
+            "ICP": f"[{free + 1}, 4, 5, 11]",
+            "MXBF": -1 if case.switches else 0,
+            "DS": math.copysign(case.step / 10, case.stop - begin),
+            "DSMAX": case.step,
+            ("RL1" if up else "RL0"): case.stop,
+        }
+    )
     (folder / "fort.2").write_text("".join(f"{n} = {v}\n" for n, v in constants.items()))
     asked = -1 if case.read == "theta" else free
     (folder / "start").write_text(" ".join([str(asked), *(repr(v) for v in par + u)]))
@@ -239,9 +263,13 @@ def run_auto(case: Case, begin: float, tolerance: float, folder: Path) -> dict[s
     clock = time.perf_counter()
     try:
         done = subprocess.run(
-            ["./disk"], cwd=folder, capture_output=True, text=True, timeout=TIME_LIMIT,
+            ["./disk"],
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            timeout=TIME_LIMIT,
             preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (LOG_LIMIT, LOG_LIMIT)),
-        )  # fmt: skip
+        )
     except subprocess.TimeoutExpired:
         return out | {"failure": f"time-out of {TIME_LIMIT:.0f} s"}
     out["process_s"] = time.perf_counter() - clock
@@ -277,10 +305,12 @@ def ask(case: Case) -> tuple[float, Any]:
     """The package's answer and the time it took [s]."""
     begin = time.perf_counter()
     points = st.boundaries(
-        case.family, axis=case.axis, at=case.at,
+        case.family,
+        axis=case.axis,
+        at=case.at,
         disk=None if case.k is None else st.Disk(k=case.k),
         contact=None if case.mu is None else st.Viscous(case.mu),
-    )  # fmt: skip
+    )
     taken = time.perf_counter() - begin
     word = {"HB": "flutter", "BP": "static"}[case.point]
     return taken, next((p for p in points if p.crossing.word == word), None)
@@ -300,16 +330,20 @@ def compare(case: Case, tolerance: float, folder: Path) -> dict[str, Any]:
     point = asked[0][1]
     hits = [r for r in runs if r["value"] is not None]
     row: dict[str, Any] = {
-        "formulation": case.formulation, "quantity": case.name, "axis": case.axis,
-        "found": len(hits), "starts": STARTS,
+        "formulation": case.formulation,
+        "quantity": case.name,
+        "axis": case.axis,
+        "found": len(hits),
+        "starts": STARTS,
         "failures": dict(Counter(r["failure"] for r in runs if "failure" in r)),
         "singular_pivots": statistics.median(r.get("singular_pivots", 0) for r in runs),
         "package": None if point is None else point.value,
         "package_error": None if point is None else point.error,
         "package_frequency": None if point is None else point.frequency,
         "package_median_s": statistics.median(t for t, _ in asked),
-        "package_first_call_s": first_call(case), "runs": runs,
-    }  # fmt: skip
+        "package_first_call_s": first_call(case),
+        "runs": runs,
+    }
     if hits:
         row |= {"auto": hits[0]["value"], "auto_frequency": hits[0]["frequency"]}
         for name in ("continuation_s", "process_s"):
@@ -333,11 +367,15 @@ def measure(tolerance: float) -> dict[str, Any]:
 
 def show(report: dict[str, Any]) -> None:
     print("Viscous disk: AUTO-07p, generated from the package's graph, and `boundaries`, one run.")
-    print(f"AUTO: {STARTS} starts each, tolerance {report['tolerance']:g}; "
-          f"package: {REPEATS} repeats, scan of {SCAN} points.\n")  # fmt: skip
+    print(
+        f"AUTO: {STARTS} starts each, tolerance {report['tolerance']:g}; "
+        f"package: {REPEATS} repeats, scan of {SCAN} points.\n"
+    )
     for name, built in report["built"].items():
-        print(f"  {name:<8} {FORMULATIONS[name]}: written in {built['write_s']:.2f} s, "
-              f"compiled in {built['compile_s']:.2f} s")  # fmt: skip
+        print(
+            f"  {name:<8} {FORMULATIONS[name]}: written in {built['write_s']:.2f} s, "
+            f"compiled in {built['compile_s']:.2f} s"
+        )
     print("\nValues; ±: proved half-width; difference: AUTO - package, the largest of all starts\n")
     print(f"{'':13}{'quantity':<33}{'AUTO':<17}{'package':<17}{'±':<8}difference")
     for number, row in enumerate(report["rows"], 1):
@@ -346,15 +384,19 @@ def show(report: dict[str, Any]) -> None:
         proved = "none", "-"
         if row["package"] is not None:
             proved = f"{row['package']:.13f}", f"{row['package_error']:.0e}"
-        print(f"{number:>2}  {row['formulation']:<9}{row['quantity']:<33}{value:<17}"
-              f"{proved[0]:<17}{proved[1]:<8}{off}")  # fmt: skip
+        print(
+            f"{number:>2}  {row['formulation']:<9}{row['quantity']:<33}{value:<17}"
+            f"{proved[0]:<17}{proved[1]:<8}{off}"
+        )
     show_times(report["rows"])
 
 
 def show_times(rows: list[dict[str, Any]]) -> None:
-    print("\nTimes [ms], medians; AUTO: the continuation by its own clock; process: with start and "
-          "files;\npackage: repeats; fresh: its first call in a new interpreter; pivots: zero "
-          "pivots that AUTO\nnotes in its log, and only there, per run\n")  # fmt: skip
+    print(
+        "\nTimes [ms], medians; AUTO: the continuation by its own clock; process: with start and "
+        "files;\npackage: repeats; fresh: its first call in a new interpreter; pivots: zero "
+        "pivots that AUTO\nnotes in its log, and only there, per run\n"
+    )
     head = ("reported", "pivots", "AUTO", "process", "package", "fresh", "package/AUTO")
     print("  " + "".join(f"{h:>{len(h) + 4}}" for h in head))
     names = ("auto_continuation_s", "auto_process_s", "package_median_s", "package_first_call_s")
@@ -362,8 +404,9 @@ def show_times(rows: list[dict[str, Any]]) -> None:
         cells = [f"{row['found']}/{row['starts']}", f"{row['singular_pivots']:.0f}"]
         cells += [f"{1e3 * row[n]:.1f}" if n in row else "-" for n in names]
         cells.append(f"{row['ratio']:.1f}" if "ratio" in row else "-")
-        print(f"{number:>2}" + "".join(
-            f"{c:>{len(h) + 4}}" for c, h in zip(cells, head, strict=True)))  # fmt: skip
+        print(
+            f"{number:>2}" + "".join(f"{c:>{len(h) + 4}}" for c, h in zip(cells, head, strict=True))
+        )
     print("\nStarts from which AUTO did not come through with the point:")
     for number, row in enumerate(rows, 1):
         for why, count in row["failures"].items():

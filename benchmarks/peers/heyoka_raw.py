@@ -59,8 +59,12 @@ def by_hand(hy: Any, law: str) -> list[tuple[Any, Any]]:
         pull = sine * phi_dot * omega3 + cosine
         theta_ddot = (turning - pull) / (k + 1.0)
         omega3_dot = phi_dot * theta_dot * sine / (2.0 * k + 1.0)
-        return [(theta, theta_dot), (theta_dot, theta_ddot), (phi_dot, phi_ddot),
-                (omega3, omega3_dot)]  # fmt: skip
+        return [
+            (theta, theta_dot),
+            (theta_dot, theta_ddot),
+            (phi_dot, phi_ddot),
+            (omega3, omega3_dot),
+        ]
     lever = cosine - mu * vx * sine
     hanging = 1.0 - sine * theta_dot**2
     theta_ddot = (turning - hanging * lever) / (k + cosine * lever)
@@ -68,8 +72,14 @@ def by_hand(hy: Any, law: str) -> list[tuple[Any, Any]]:
     omega3_dot = -drag * vy / (2.0 * k)
     vx_dot = -drag * vx + phi_dot * (vy - omega3) - theta_ddot * sine - theta_dot**2 * cosine
     vy_dot = -drag * vy + omega3_dot - phi_dot * (vx + theta_dot * sine)
-    return [(theta, theta_dot), (theta_dot, theta_ddot), (phi_dot, phi_ddot),
-            (omega3, omega3_dot), (vx, vx_dot), (vy, vy_dot)]  # fmt: skip
+    return [
+        (theta, theta_dot),
+        (theta_dot, theta_ddot),
+        (phi_dot, phi_ddot),
+        (omega3, omega3_dot),
+        (vx, vx_dot),
+        (vy, vy_dot),
+    ]
 
 
 def verified(hy: Any, count: int = 1000) -> list[Any]:
@@ -90,7 +100,7 @@ def verified(hy: Any, count: int = 1000) -> list[Any]:
         states, numbers = states[kept], numbers[kept]
         hand = hy.cfunc([right for _, right in equations], [left for left, _ in equations])(
             np.ascontiguousarray(states.T), pars=np.ascontiguousarray(numbers.T[: system.p.numel()])
-        ).T  # fmt: skip
+        ).T
         theirs = package_rates(system, states, numbers)
         largest = np.abs(theirs).max(axis=1)
         worst = float((np.abs(hand - theirs).max(axis=1) / np.maximum(1, largest)).max())
@@ -118,9 +128,15 @@ def ours(
     six = np.zeros((*np.shape(starts)[:-1], 6))
     six[..., : np.shape(starts)[-1]] = starts
     run = st.simulate(
-        st.Disk(k=K), contact, six, [LAST], method="heyoka", tolerance=tolerance, workers=workers,
+        st.Disk(k=K),
+        contact,
+        six,
+        [LAST],
+        method="heyoka",
+        tolerance=tolerance,
+        workers=workers,
         check=check,
-    )  # fmt: skip
+    )
     meanings = run.outcome.attrs["flag_meanings"].split()
     if not set(np.ravel(run.outcome.values)) <= {meanings.index(n) for n in ("moving", "settled")}:
         raise RuntimeError(f"{law}: a run of the package ended early or undetermined")
@@ -133,9 +149,12 @@ def finest(hy: Any, law: str) -> Any:
     wide = np.longdouble
     pars = [K, MU] if law == "viscous" else [K]
     motion = hy.taylor_adaptive(
-        by_hand(hy, law), np.array(STARTS[law], dtype=wide), pars=np.array(pars, dtype=wide),
-        tol=wide(1e-18), fp_type=wide,
-    )  # fmt: skip
+        by_hand(hy, law),
+        np.array(STARTS[law], dtype=wide),
+        pars=np.array(pars, dtype=wide),
+        tol=wide(1e-18),
+        fp_type=wide,
+    )
     reached(motion.propagate_until(wide(LAST))[0], hy)
     return motion.state.astype(float)
 
@@ -238,8 +257,10 @@ def batches(hy: Any) -> list[Any]:
 def deviations(there: Any, here: Any, exact: Any) -> list[Any]:
     pairs = ((there, exact), (here, exact), (there, here))
     gaps = [np.abs(a - b).max(axis=1) for a, b in pairs]
-    return [["largest", *(float(g.max()) for g in gaps)],
-            ["median", *(float(np.median(g)) for g in gaps)]]  # fmt: skip
+    return [
+        ["largest", *(float(g.max()) for g in gaps)],
+        ["median", *(float(np.median(g)) for g in gaps)],
+    ]
 
 
 def lanes(hy: Any, motion: Any, starts: Any, width: int, threads: int) -> Callable[[], Any]:
@@ -281,8 +302,11 @@ def parts() -> list[tuple[str, Callable[[], Any]]]:
         return []
     hy, imported = timed(lambda: importlib.import_module("heyoka"))
     hy.llvm_state.set_diskcache_enabled(False)
-    return [("rates", lambda: verified(hy)), ("one motion", lambda: singles(hy, imported)),
-            ("a thousand", lambda: batches(hy))]  # fmt: skip
+    return [
+        ("rates", lambda: verified(hy)),
+        ("one motion", lambda: singles(hy, imported)),
+        ("a thousand", lambda: batches(hy)),
+    ]
 
 
 if __name__ == "__main__":

@@ -46,9 +46,13 @@ START = (math.radians(80), 0.0, 0.0, 0.4)  # theta, theta_dot, phi_dot, omega3 o
 TURNS = 5  # repeats of what is timed
 STATES = ("theta", "phi_dot", "omega3")
 COLUMNS = {  # head, width and format of each column behind the first
-    "MuJoCo": (10, ".6f"), "stability": (10, ".6f"), "difference": (11, ".1e"),
-    "MuJoCo ms": (10, ".1f"), "stab. ms": (9, ".2f"), "ratio": (8, ".1f"),
-}  # fmt: skip
+    "MuJoCo": (10, ".6f"),
+    "stability": (10, ".6f"),
+    "difference": (11, ".1e"),
+    "MuJoCo ms": (10, ".1f"),
+    "stab. ms": (9, ".2f"),
+    "ratio": (8, ".1f"),
+}
 
 
 @dataclass(frozen=True)
@@ -127,12 +131,16 @@ def from_mujoco(qpos: Any, qvel: Any, half: float) -> dict[str, Any]:
     omega, touch = np.einsum("nij,nj->ni", turn, qvel[:, 3:]), arm(theta, phi, half)
     along = {n: (omega * v).sum(1) for n, v in (("one", one), ("two", two), ("three", three))}
     return {
-        "theta": theta, "lean": np.arctan2(axis[:, 2], flat), "phi": phi,
+        "theta": theta,
+        "lean": np.arctan2(axis[:, 2], flat),
+        "phi": phi,
         "psi": np.arctan2((mark * two).sum(1), (mark * one).sum(1)),
-        "theta_dot": along["two"], "phi_dot": -along["one"] / np.sin(theta),
-        "omega3": along["three"], "contact": (qpos[:, :3] + touch)[:, :2],
+        "theta_dot": along["two"],
+        "phi_dot": -along["one"] / np.sin(theta),
+        "omega3": along["three"],
+        "contact": (qpos[:, :3] + touch)[:, :2],
         "slip": np.linalg.norm(qvel[:, :2] + np.cross(omega, touch)[:, :2], axis=1),
-    }  # fmt: skip
+    }
 
 
 def check_conversions() -> tuple[float, float]:

@@ -83,10 +83,15 @@ def rolling_disk(me: Any) -> tuple[Any, Body]:
     contact = body.contact(x * body.fixed.x + y * body.fixed.y + z * body.fixed.z)
     shifts = [q.diff(t) - u for q, u in zip(body.q[3:], body.u[3:], strict=True)]
     method = me.KanesMethod(
-        body.fixed, body.q[:5], body.u[:3], kd_eqs=body.kinematic + shifts, q_dependent=body.q[5:],
-        configuration_constraints=[body.q[5] - sp.sin(body.q[1])], u_dependent=body.u[3:],
+        body.fixed,
+        body.q[:5],
+        body.u[:3],
+        kd_eqs=body.kinematic + shifts,
+        q_dependent=body.q[5:],
+        configuration_constraints=[body.q[5] - sp.sin(body.q[1])],
+        u_dependent=body.u[3:],
         velocity_constraints=[contact.vel(body.fixed).dot(e) for e in body.fixed],
-    )  # fmt: skip
+    )
     method.kanes_equations([body.rigid(me)], [(body.centre, -body.fixed.z)])
     return method, body
 
@@ -149,8 +154,12 @@ def rolling(me: Any, imported: Seconds) -> tuple[list[Any], Any]:
     def eigenvalues(value: float, rows: Any = slice(None)) -> Any:
         return np.linalg.eigvals(np.array(entries(value, K), dtype=float)[rows][:, rows])
 
-    build = [("import sympy.physics.mechanics", imported), ("derive (KanesMethod)", derived),
-             ("linearize about rolling", linear), ("lambdify", compiled)]  # fmt: skip
+    build = [
+        ("import sympy.physics.mechanics", imported),
+        ("derive (KanesMethod)", derived),
+        ("linearize about rolling", linear),
+        ("lambdify", compiled),
+    ]
     values = rolling_values(matrix, body, omega3, eigenvalues)
     rest = rolling_verdicts(eigenvalues), rolling_times(build, eigenvalues)
     return [values, *rest], (method, body, imported + derived)
@@ -166,8 +175,14 @@ def rolling_values(matrix: Any, body: Body, omega3: Any, eigenvalues: Any) -> An
         theirs = eigenvalues(value)
         largest = theirs[np.argmax(np.abs(theirs))]
         same = ours.eigenvalues[np.argmin(np.abs(ours.eigenvalues - largest))]
-        rows.append([f"eigenvalue at omega3 = {value}", f"{complex(largest):.8f}",
-                     f"{complex(same):.8f}", farthest(theirs, ours.eigenvalues)])  # fmt: skip
+        rows.append(
+            [
+                f"eigenvalue at omega3 = {value}",
+                f"{complex(largest):.8f}",
+                f"{complex(same):.8f}",
+                farthest(theirs, ours.eigenvalues),
+            ]
+        )
     last = matrix.charpoly(sp.Symbol("lam")).all_coeffs()[-1 - exact]
     roots = sp.roots(sp.numer(sp.together(last.subs(body.k, sp.Rational(1, 4)))), omega3)
     (square,) = (root**2 for root in roots if root > 0)
@@ -180,10 +195,12 @@ def rolling_values(matrix: Any, body: Body, omega3: Any, eigenvalues: Any) -> An
     rows.append(["zeros by structure", exact, seen, exact - seen])
     rows.append(["zeros that LAPACK returns as 0", f"{min(exactly)} to {max(exactly)}", None, None])
     return table(
-        "1. rolling without slip, k = 1/4", ("quantity", "SymPy", "package", "difference"), rows,
+        "1. rolling without slip, k = 1/4",
+        ("quantity", "SymPy", "package", "difference"),
+        rows,
         "The difference of an eigenvalue is the largest over all that are not zero by structure.",
         "SymPy keeps phi, psi, X, Y, which add zeros; its threshold is solved from the polynomial.",
-    )  # fmt: skip
+    )
 
 
 def rolling_verdicts(eigenvalues: Any) -> Any:
@@ -207,8 +224,9 @@ def rolling_verdicts(eigenvalues: Any) -> Any:
     rows.append(["not 'neutral', of 200 above", *counts])
     return table(
         "verdicts near the threshold (largest real part)",
-        ("omega3", "SymPy, 8 states", "SymPy, 4 states", "package", "certified"), rows,
-    )  # fmt: skip
+        ("omega3", "SymPy, 8 states", "SymPy, 4 states", "package", "certified"),
+        rows,
+    )
 
 
 def rolling_times(build: Any, eigenvalues: Any) -> Any:
@@ -257,8 +275,11 @@ def tumbling(me: Any) -> list[Any]:
         return np.linalg.eigvals(np.array(entries(theta, spin, K, mu), dtype=float))
 
     exact = zeros(matrix.subs(rate, 1 / sp.sqrt(body.k * sp.sin(tilt))))
-    build = [("derive, with and without the auxiliary speed", Seconds(derived + again)),
-             ("linearize about tumbling", linear), ("lambdify", compiled)]  # fmt: skip
+    build = [
+        ("derive, with and without the auxiliary speed", Seconds(derived + again)),
+        ("linearize about tumbling", linear),
+        ("lambdify", compiled),
+    ]
     notes = (
         f"KanesMethod.linearize with u_auxiliary: {direct}",
         "So a second KanesMethod without it has gn as an input; the auxiliary equation gives",
@@ -275,13 +296,22 @@ def tumbling_values(eigenvalues: Any, exact: int, notes: Sequence[str]) -> Any:
             theirs = eigenvalues(theta, mu)
             name = f"largest real part, theta = {theta}, mu = {mu}"
             kept = theirs[np.argsort(-np.abs(theirs))][: len(ours.eigenvalues)]
-            rows.append([name, f"{kept.real.max():.10f}", f"{ours.abscissa:.10f}",
-                         farthest(theirs, ours.eigenvalues)])  # fmt: skip
+            rows.append(
+                [
+                    name,
+                    f"{kept.real.max():.10f}",
+                    f"{ours.abscissa:.10f}",
+                    farthest(theirs, ours.eigenvalues),
+                ]
+            )
     rows.append(["zeros by structure", exact, ours.structural_zeros, exact - ours.structural_zeros])
     return table(
-        "2. tumbling, viscous friction, k = 1/4", ("quantity", "SymPy", "package", "difference"),
-        rows, "The difference is the largest over all eigenvalues not zero by structure.", *notes,
-    )  # fmt: skip
+        "2. tumbling, viscous friction, k = 1/4",
+        ("quantity", "SymPy", "package", "difference"),
+        rows,
+        "The difference is the largest over all eigenvalues not zero by structure.",
+        *notes,
+    )
 
 
 def tumbling_times(build: Any, eigenvalues: Any) -> Any:
@@ -289,8 +319,9 @@ def tumbling_times(build: Any, eigenvalues: Any) -> Any:
     before = 'import stability as st\nst.spectrum("rolling", at=1.2, contact=st.Rough())'
     one = medians(
         lambda: eigenvalues(0.8, 0.3),
-        lambda: st.spectrum("tumbling", at=0.8, contact=st.Viscous(0.3)), 25,
-    )  # fmt: skip
+        lambda: st.spectrum("tumbling", at=0.8, contact=st.Viscous(0.3)),
+        25,
+    )
     found = times(build, first_call(ask, before), [("one point", *one)], "SymPy")
     found["notes"].append("Imports are not counted again, on either side.")
     return found
@@ -311,9 +342,15 @@ def system(method: Any, body: Body) -> Any:
     _, theta, _, _, _, height = method.q
     u1, u2, u3, u4, u5, u6 = method.u
     start = {
-        theta: tilt, height: np.sin(tilt), u1: -yaw_rate * np.sin(tilt), u2: tilt_rate, u3: spin,
-        u4: tilt_rate * np.sin(tilt), u5: -spin, u6: tilt_rate * np.cos(tilt),
-    }  # fmt: skip
+        theta: tilt,
+        height: np.sin(tilt),
+        u1: -yaw_rate * np.sin(tilt),
+        u2: tilt_rate,
+        u3: spin,
+        u4: tilt_rate * np.sin(tilt),
+        u5: -spin,
+        u6: tilt_rate * np.cos(tilt),
+    }
     return System(method, constants={body.k: K}, initial_conditions=start, times=GRID)
 
 
@@ -340,13 +377,19 @@ def pydy(shared: tuple[Any, Body, float]) -> list[Any]:
         rest = []
         for run, tolerance, mine in zip(runs, tolerances, here, strict=True):
             there = run()
-            gaps = [float(np.abs(a - b).max()) for a, b in
-                    ((there, exact), (mine, exact), (there, mine))]  # fmt: skip
+            gaps = [
+                float(np.abs(a - b).max())
+                for a, b in ((there, exact), (mine, exact), (there, mine))
+            ]
             errors.append([f"{generator}, tolerance {tolerance:.0e}", *gaps])
             spent = medians(run, lambda tolerance=tolerance: ours_to_the_end(tolerance))
             rest.append((f"repeated run, tolerance {tolerance:.0e}", *spent))
-        build = [("import SymPy, derive (as in 1)", Seconds(before)), ("import PyDy", imported),
-                 (f"System and {generator} code", coded), ("first run", begun)]  # fmt: skip
+        build = [
+            ("import SymPy, derive (as in 1)", Seconds(before)),
+            ("import PyDy", imported),
+            (f"System and {generator} code", coded),
+            ("first run", begun),
+        ]
         found.append(times(build, first, rest, f"PyDy {generator}"))
     columns = ("error of the final state", "PyDy", "package", "difference")
     title = f"3. rough disk to T = {LAST:g} from theta, rates, omega3 = {START}"

@@ -188,9 +188,17 @@ def random_launch(seed: int, number: int) -> Launch:
         if law == "coulomb":  # the reference knows no more
             digits = min(digits, 5)
         launch = Launch(
-            number, law, k, float(mu), float(epsilon), [float(v) for v in start], float(last),
-            10.0**-digits, str(rng.choice(METHODS, p=WEIGHTS)), int(rng.choice([1, 11, 201])),
-        )  # fmt: skip
+            number,
+            law,
+            k,
+            float(mu),
+            float(epsilon),
+            [float(v) for v in start],
+            float(last),
+            10.0**-digits,
+            str(rng.choice(METHODS, p=WEIGHTS)),
+            int(rng.choice([1, 11, 201])),
+        )
         fast = max(1.0, *(abs(v) for v in start[1:4])) * last
         if launch.method in ("dop853", "heyoka") and stiff and mu * last > 1e4:
             continue  # an explicit method takes minutes
@@ -209,21 +217,30 @@ def judged(launch: Launch, truth: Truth) -> dict[str, Any]:
     """What `simulate` says of a launch, and the truth."""
     began = time.perf_counter()
     run = st.simulate(
-        st.Disk(k=launch.k), launch.contact(), launch.start,
-        np.linspace(0, launch.last, launch.samples + 1)[1:], method=launch.method,
+        st.Disk(k=launch.k),
+        launch.contact(),
+        launch.start,
+        np.linspace(0, launch.last, launch.samples + 1)[1:],
+        method=launch.method,
         tolerance=launch.tolerance,
-    )  # fmt: skip
+    )
     took = time.perf_counter() - began
     outcome = BY_CODE[int(run.outcome)].word
     final = np.array([np.longdouble(run[name].values[-1]) for name in STATES])
     found: dict[str, Any] = {
-        **asdict(launch), "outcome": outcome, "truth": truth.outcome,
+        **asdict(launch),
+        "outcome": outcome,
+        "truth": truth.outcome,
         "used": str(run.method.values),
-        "truth_error": truth.error, "seconds": took, "end": float(run.end_time),
-        "true_end": float(truth.time), "stated": float(run.get("final_error", math.inf)),
-        "stated_time": float(run.get("end_time_error", math.inf)), "steps": int(run.steps),
+        "truth_error": truth.error,
+        "seconds": took,
+        "end": float(run.end_time),
+        "true_end": float(truth.time),
+        "stated": float(run.get("final_error", math.inf)),
+        "stated_time": float(run.get("end_time_error", math.inf)),
+        "steps": int(run.steps),
         "evidence": str(run.evidence.values),
-    }  # fmt: skip
+    }
     found["error"] = distance(truth.state, final)
     found["late"] = float(abs(np.longdouble(float(run.end_time)) - truth.time))
     found["verdict"] = verdict(found)
@@ -281,11 +298,15 @@ def summary(found: list[dict[str, Any]]) -> str:
     """Counts, and how far stated errors lie above true ones."""
     lines = [f"{len(found)} launches: {dict(Counter(f['verdict'] for f in found))}"]
     lines.append(f"outcomes: {dict(Counter(f['outcome'] for f in found))}")
-    factors = np.array([
-        f["stated"] / max(f["error"], 1e-18) for f in found
-        if f["verdict"] in ("right", "below") and f["outcome"] in LASTING
-        and math.isfinite(f["stated"])
-    ])  # fmt: skip
+    factors = np.array(
+        [
+            f["stated"] / max(f["error"], 1e-18)
+            for f in found
+            if f["verdict"] in ("right", "below")
+            and f["outcome"] in LASTING
+            and math.isfinite(f["stated"])
+        ]
+    )
     if factors.size:
         at = [0, 0.1, 1, 10, 50, 90, 99]
         text = ", ".join(

@@ -34,8 +34,14 @@ def commands() -> dict[str, argparse.ArgumentParser]:
 
 def plain(text: str) -> str:
     """A text of the help, where stars and underscores are letters."""
-    marked = (text or "").replace("%%", "%").replace("\\", "\\\\").replace("*", "\\*").replace(
-        "_", "\\_").replace("`", "")  # fmt: skip
+    marked = (
+        (text or "")
+        .replace("%%", "%")
+        .replace("\\", "\\\\")
+        .replace("*", "\\*")
+        .replace("_", "\\_")
+        .replace("`", "")
+    )
     return re.sub(r"\btcp://\S+", r"``\g<0>``", marked)  # otherwise a link that leads nowhere
 
 

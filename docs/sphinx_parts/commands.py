@@ -48,14 +48,25 @@ def environment() -> dict[str, str]:
 def output(command: str, where: Path, expected: int, page: str) -> str:
     """What a command prints; a warning where its exit code is not the expected one."""
     done = subprocess.run(
-        ["bash", "-ec", command], cwd=where, env=environment(), text=True, timeout=LONGEST,
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,
-    )  # fmt: skip
+        ["bash", "-ec", command],
+        cwd=where,
+        env=environment(),
+        text=True,
+        timeout=LONGEST,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        check=False,
+    )
     if done.returncode != expected:
         _log.warning(
-            "%r ended with %d, expected %d:\n%s", command, done.returncode, expected, done.stdout,
-            location=page, type="command",
-        )  # fmt: skip
+            "%r ended with %d, expected %d:\n%s",
+            command,
+            done.returncode,
+            expected,
+            done.stdout,
+            location=page,
+            type="command",
+        )
     lines = [re.sub(r"^.*\r", "", line).rstrip() for line in done.stdout.splitlines()]
     return "\n".join(line for line in lines if not re.match(r"^\w+: +\d+%\|", line))
 
@@ -71,8 +82,9 @@ class Run(SphinxDirective):
 
     has_content = True
     option_spec: ClassVar[dict[str, Any]] = {
-        "lines": directives.positive_int, "exit": directives.nonnegative_int,
-    }  # fmt: skip
+        "lines": directives.positive_int,
+        "exit": directives.nonnegative_int,
+    }
 
     def run(self) -> list[nodes.Node]:
         """One block: each command behind `$`, then its output."""
@@ -113,8 +125,9 @@ class Made(SphinxDirective):
     has_content = True
     required_arguments = 1
     option_spec: ClassVar[dict[str, Any]] = {
-        "alt": directives.unchanged_required, "width": directives.unchanged,
-    }  # fmt: skip
+        "alt": directives.unchanged_required,
+        "width": directives.unchanged,
+    }
 
     def run(self) -> list[nodes.Node]:
         """The figure."""
@@ -141,9 +154,11 @@ class Checkout(SphinxDirective):
         """Nothing: the copy is all."""
         target = folder(self.env.docname) / "stability"
         shutil.copytree(
-            ROOT / "stability", target, ignore=shutil.ignore_patterns("__pycache__"),
+            ROOT / "stability",
+            target,
+            ignore=shutil.ignore_patterns("__pycache__"),
             dirs_exist_ok=True,
-        )  # fmt: skip
+        )
         return []
 
 

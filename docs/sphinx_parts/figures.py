@@ -44,9 +44,14 @@ def command(words: str, result: str, path: Path) -> None:
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     done = subprocess.run(
-        ["bash", "-ec", words.replace("OUT", str(folder))], cwd=ROOT, env=environment(),
-        text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,
-    )  # fmt: skip
+        ["bash", "-ec", words.replace("OUT", str(folder))],
+        cwd=ROOT,
+        env=environment(),
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        check=False,
+    )
     if done.returncode:
         raise RuntimeError(f"{words!r} ended with {done.returncode}:\n{done.stdout}")
     (folder / result).rename(path)
@@ -57,24 +62,29 @@ def basins(path: Path) -> None:
     """The picture of launches near rolling, with fewer launches."""
     command(
         "stability basins --family rolling --x at:0.02:3:48 --y tilt:0.01:1.2:36 --mu 0.3 "
-        "--time 1000 --out OUT/rolling.zarr --plot OUT/rolling.png", "rolling.png", path,
-    )  # fmt: skip
+        "--time 1000 --out OUT/rolling.zarr --plot OUT/rolling.png",
+        "rolling.png",
+        path,
+    )
 
 
 def scene(path: Path) -> None:
     """The chart of a scene, measured now."""
     command(
         "stability scene examples/scenes/hoop-on-a-rough-floor.toml --plot OUT/scene.png",
-        "scene.png", path,
-    )  # fmt: skip
+        "scene.png",
+        path,
+    )
 
 
 def launch(path: Path) -> None:
     """A disk that rolls too slowly."""
     command(
         "stability simulate --theta 1.47 --omega3 1.2 --mu 0.3 --time 100 --points 2001 "
-        "--plot OUT/launch.png", "launch.png", path,
-    )  # fmt: skip
+        "--plot OUT/launch.png",
+        "launch.png",
+        path,
+    )
 
 
 def towed_wheel(path: Path) -> None:
@@ -136,15 +146,21 @@ def _report_figure(name: str) -> Any:
     part, _, what = name.partition("-")
     if part == "failures":
         cases = failures.from_csv((REPORT / "failures.csv").read_text(encoding="utf-8"))
-        return report._ladder_figure(cases) if what == "ladder" else (
-            report._failure_figure(cases, what))  # fmt: skip
+        return (
+            report._ladder_figure(cases)
+            if what == "ladder"
+            else (report._failure_figure(cases, what))
+        )
     if part == "motion":
         found = data("motion")
         if what == "first":
             return cost_error.first_call_figure(found)
         return cost_error.motion_figure(found, what)
-    draw = {"verdict": cost_error.verdict_figure, "eigenvalues": cost_error.spectrum_figure,
-            "boundary": cost_error.boundary_figure}  # fmt: skip
+    draw = {
+        "verdict": cost_error.verdict_figure,
+        "eigenvalues": cost_error.spectrum_figure,
+        "boundary": cost_error.boundary_figure,
+    }
     return draw[what](data("spectrum"))
 
 
@@ -163,16 +179,30 @@ def house(path: Path) -> None:
 
 
 FROM_REPORT = (
-    "spectrum-verdict", "spectrum-eigenvalues", "spectrum-boundary", "motion-path", "motion-event",
-    "motion-first", "failures-linear", "failures-motion", "failures-ladder",
-)  # fmt: skip
+    "spectrum-verdict",
+    "spectrum-eigenvalues",
+    "spectrum-boundary",
+    "motion-path",
+    "motion-event",
+    "motion-first",
+    "failures-linear",
+    "failures-motion",
+    "failures-ladder",
+)
 MAKERS: dict[str, Callable[[Path], Any]] = {
-    "basins.png": basins, "explorer.png": explorer, "launch.png": launch, "scene.png": scene,
-    "towed-wheel.png": towed_wheel, "house.svg": house, "scaling.png": scaling,
-    **{f"films/{n}": of_films(n) for n in ("tippe-top.gif", "egg.gif", "ring.gif",
-                                           "retrograde.png")},
+    "basins.png": basins,
+    "explorer.png": explorer,
+    "launch.png": launch,
+    "scene.png": scene,
+    "towed-wheel.png": towed_wheel,
+    "house.svg": house,
+    "scaling.png": scaling,
+    **{
+        f"films/{n}": of_films(n)
+        for n in ("tippe-top.gif", "egg.gif", "ring.gif", "retrograde.png")
+    },
     **{f"report/{n}.png": of_report(n) for n in FROM_REPORT},
-}  # fmt: skip
+}
 """Function that makes each figure, by its path within `docs`."""
 
 

@@ -23,8 +23,8 @@ from .notebooks import written
 PARTS = {
     "atlas": "stability atlas --out OUT/atlas --resolution 60",
     "report": "stability report --out OUT/report --cases hoop,gentle,near "
-              "--methods ad,sympy,simulate,lsoda",
-}  # fmt: skip
+    "--methods ad,sympy,simulate,lsoda",
+}
 """Command of each part."""
 EXPLORER = "stability explore --out OUT/explorer/index.html"
 PAGE = """# The explorer
@@ -84,9 +84,13 @@ def make(place: str) -> None:
 
 def _start(lines: str) -> subprocess.Popen[str]:
     return subprocess.Popen(
-        ["bash", "-ec", lines], cwd=ROOT, env=environment(), text=True,
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-    )  # fmt: skip
+        ["bash", "-ec", lines],
+        cwd=ROOT,
+        env=environment(),
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+    )
 
 
 def _wait(one: subprocess.Popen[str]) -> None:
@@ -133,9 +137,10 @@ class Live(SphinxDirective):
 
     required_arguments = 1
     option_spec: ClassVar[dict[str, Any]] = {
-        "title": directives.unchanged_required, "height": directives.positive_int,
+        "title": directives.unchanged_required,
+        "height": directives.positive_int,
         "from-page": directives.flag,
-    }  # fmt: skip
+    }
 
     def run(self) -> list[nodes.Node]:
         """The frame."""

@@ -35,36 +35,72 @@ class Group:
 
 
 GROUPS = (
-    Group("bodies", "Bodies and contact",
-          "A disk, or another body of revolution; the law of its contact with the plane; "
-          "resistance to rolling and turning.", ("bodies",)),
-    Group("systems", "Systems",
-          "Equations of motion of your own, and what they say about themselves.",
-          ("systems.system", "systems.mechanics", "systems.condition")),
-    Group("families", "Families",
-          "Steady motions with a name, and how they are followed.",
-          ("systems", "algebra.upright", "bodies.thin_disk")),
-    Group("spectra", "Spectra and verdicts",
-          "Eigenvalues of the linearisation, the verdict, and how it is known.",
-          ("spectra", "base.verdict", "algebra", "derivation")),
-    Group("boundaries", "Boundaries",
-          "Where a verdict changes, what happens there, and what lies beyond linear theory.",
-          ("boundary",)),
-    Group("maps", "Maps", "Verdicts and growth rates over two quantities, in memory or in files.",
-          ("maps",)),
-    Group("motion", "Motion", "Launches: how each goes on, and how it ends.",
-          ("motion", "bodies.launch", "integrators", "settling")),
-    Group("scene", "Scenes", "The least model that answers a question, with its error.",
-          ("scene",)),
+    Group(
+        "bodies",
+        "Bodies and contact",
+        "A disk, or another body of revolution; the law of its contact with the plane; "
+        "resistance to rolling and turning.",
+        ("bodies",),
+    ),
+    Group(
+        "systems",
+        "Systems",
+        "Equations of motion of your own, and what they say about themselves.",
+        ("systems.system", "systems.mechanics", "systems.condition"),
+    ),
+    Group(
+        "families",
+        "Families",
+        "Steady motions with a name, and how they are followed.",
+        ("systems", "algebra.upright", "bodies.thin_disk"),
+    ),
+    Group(
+        "spectra",
+        "Spectra and verdicts",
+        "Eigenvalues of the linearisation, the verdict, and how it is known.",
+        ("spectra", "base.verdict", "algebra", "derivation"),
+    ),
+    Group(
+        "boundaries",
+        "Boundaries",
+        "Where a verdict changes, what happens there, and what lies beyond linear theory.",
+        ("boundary",),
+    ),
+    Group(
+        "maps",
+        "Maps",
+        "Verdicts and growth rates over two quantities, in memory or in files.",
+        ("maps",),
+    ),
+    Group(
+        "motion",
+        "Motion",
+        "Launches: how each goes on, and how it ends.",
+        ("motion", "bodies.launch", "integrators", "settling"),
+    ),
+    Group(
+        "scene", "Scenes", "The least model that answers a question, with its error.", ("scene",)
+    ),
     Group("basins", "Basins", "Which launch ends where, and how sensitive that is.", ("basin",)),
-    Group("figures", "Figures", "Diagrams, loci, motions, films and live pages.",
-          ("figures", "explorer")),
-    Group("tables", "Tables and reports",
-          "Tables of numbers, measured comparisons, and what to cite.",
-          ("tables", "compare", "export", "base.citation", "atlas")),
-    Group("errors", "Errors", "Every error is one sentence: the value, and what is accepted.",
-          ("base",)),
-)  # fmt: skip
+    Group(
+        "figures",
+        "Figures",
+        "Diagrams, loci, motions, films and live pages.",
+        ("figures", "explorer"),
+    ),
+    Group(
+        "tables",
+        "Tables and reports",
+        "Tables of numbers, measured comparisons, and what to cite.",
+        ("tables", "compare", "export", "base.citation", "atlas"),
+    ),
+    Group(
+        "errors",
+        "Errors",
+        "Every error is one sentence: the value, and what is accepted.",
+        ("base",),
+    ),
+)
 """The pages, in their order."""
 
 
@@ -196,8 +232,10 @@ def sections_of(lines: list[str]) -> list[str]:
 
 def _attributes(match: re.Match[str]) -> str:
     """The attributes of a class as a list; `a, b` on one line would else be a name and its type."""
-    lines = [line if line.startswith(" ") else ", ".join(f"``{n}``" for n in line.split(", "))
-             for line in match[1].split("\n")]  # fmt: skip
+    lines = [
+        line if line.startswith(" ") else ", ".join(f"``{n}``" for n in line.split(", "))
+        for line in match[1].split("\n")
+    ]
     return ".. rubric:: Attributes\n\n" + "\n".join(lines)
 
 
@@ -229,9 +267,14 @@ def alone(app: Any) -> None:
 
 
 def defaults(
-    _app: Any, _what: str, _name: str, thing: Any, _options: Any, signature: str | None,
+    _app: Any,
+    _what: str,
+    _name: str,
+    thing: Any,
+    _options: Any,
+    signature: str | None,
     returned: str | None,
-) -> tuple[str, str | None] | None:  # fmt: skip
+) -> tuple[str, str | None] | None:
     """A signature with numbers and words in the places of the constants that name them."""
     if not signature:
         return None

@@ -32,8 +32,9 @@ class Sh(SphinxDirective):
 
     has_content = True
     option_spec: ClassVar[dict[str, Any]] = {
-        "with": directives.unchanged_required, "not": directives.unchanged_required,
-    }  # fmt: skip
+        "with": directives.unchanged_required,
+        "not": directives.unchanged_required,
+    }
 
     def run(self) -> list[nodes.Node]:
         """The block, and a line where it is not run as it stands."""

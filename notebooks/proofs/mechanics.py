@@ -49,8 +49,9 @@ class StatedForce(Contact):
     """Force along ŷ."""
     name: ClassVar[str] = "stated-force"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("force_x", "1"), Parameter("force_y", "1"),
-    )  # fmt: skip
+        Parameter("force_x", "1"),
+        Parameter("force_y", "1"),
+    )
 
     def force(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
         """The two numbers."""

@@ -53,15 +53,22 @@ def polynomial(family: str, law: str) -> Entry:
     )
     verdict: tuple[str, ...] = ()
     if family in PAIRS:
-        verdict = ("Neutral where the coefficient of λ⁰ is positive, and unstable where it is "
-                   "negative; that of λ² is positive.",)  # fmt: skip
+        verdict = (
+            "Neutral where the coefficient of λ⁰ is positive, and unstable where it is "
+            "negative; that of λ² is positive.",
+        )
     return Entry(
-        f"{family}, {law}", "derived from the general graph",
-        (f"λ = 0 with multiplicity {found.zeros}; the other eigenvalues are roots of the "
-         "polynomial with coefficients", *lines, *verdict),
+        f"{family}, {law}",
+        "derived from the general graph",
+        (
+            f"λ = 0 with multiplicity {found.zeros}; the other eigenvalues are roots of the "
+            "polynomial with coefficients",
+            *lines,
+            *verdict,
+        ),
         assumptions=(PLACES[family], UNITS),
         refuters=(f"{BODY_TESTS}::test_polynomials_have_the_eigenvalues_of_the_spectrum",),
-    )  # fmt: skip
+    )
 
 
 def _by_rates(expression: Expr) -> str:
@@ -85,10 +92,17 @@ def _vertical(law: str) -> Entry:
             parts.append(f"i ({written(imaginary)})")
         lines.append(f"λ{raised(degree - i)}: {' + '.join(parts)}")
     return Entry(
-        f"vertical, {law}", "derived from the general graph around a pole",
-        ("λ = 0 with multiplicity 1; the other eigenvalues are roots of the complex polynomial "
-         "with coefficients", *lines, "and the conjugates of these roots."),
+        f"vertical, {law}",
+        "derived from the general graph around a pole",
+        (
+            "λ = 0 with multiplicity 1; the other eigenvalues are roots of the complex polynomial "
+            "with coefficients",
+            *lines,
+            "and the conjugates of these roots.",
+        ),
         assumptions=("θ = 0 or π, where h is a smooth function of cosθ; n = omega_Z", UNITS),
-        refuters=(f"{POLE_TESTS}::"
-                  "test_exact_jacobians_of_another_formulation_have_the_printed_polynomial",),
-    )  # fmt: skip
+        refuters=(
+            f"{POLE_TESTS}::"
+            "test_exact_jacobians_of_another_formulation_have_the_printed_polynomial",
+        ),
+    )

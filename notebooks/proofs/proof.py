@@ -91,6 +91,10 @@ def shown(theorem: Theorem) -> None:
 def paragraph(text: str, mark: str = "") -> list[str]:
     """A text as lines of at most `WIDTH` columns, the first after a mark."""
     return wrap(
-        text, WIDTH, initial_indent=mark, subsequent_indent=" " * len(mark),
-        break_long_words=False, break_on_hyphens=False,
-    )  # fmt: skip
+        text,
+        WIDTH,
+        initial_indent=mark,
+        subsequent_indent=" " * len(mark),
+        break_long_words=False,
+        break_on_hyphens=False,
+    )

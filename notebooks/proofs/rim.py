@@ -110,13 +110,16 @@ def tumbling_polynomials(rounded: str, law: str = "viscous") -> tuple[Expr, Expr
     top, bottom = sympy.fraction(sympy.cancel(SQUARE.subs(COIN).subs(place)))
     if bottom.subs({K: 1, SIN: 1, EPS: 0}) < 0:
         top, bottom = -top, -bottom
-    parts = [sympy.Poly(c.subs(COIN).subs(place), PHI) for c in characteristic("tumbling", law)
-             .coefficients]  # fmt: skip
+    parts = [
+        sympy.Poly(c.subs(COIN).subs(place), PHI)
+        for c in characteristic("tumbling", law).coefficients
+    ]
     degree = max(p.degree() for p in parts) // 2
     pairs = []
     for part in parts:  # every coefficient times the same power of the denominator
-        whole = folded(sum(c * top ** (n // 2) * bottom ** (degree - n // 2)
-                           for (n,), c in part.terms()))  # fmt: skip
+        whole = folded(
+            sum(c * top ** (n // 2) * bottom ** (degree - n // 2) for (n,), c in part.terms())
+        )
         if whole.has(COS):
             raise ValueError("a coefficient is not even in cosθ")
         by_eps = sympy.Poly(whole, EPS)

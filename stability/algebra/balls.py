@@ -56,9 +56,9 @@ def precision(bits: int) -> Iterator[None]:
 
 
 MIXED = Algebra(
-    "rationals and balls", arb,
-    {name: partial(lambda method, x: getattr(arb(x), method)(), name)
-     for name in (*UNARY, *MORE)}
+    "rationals and balls",
+    arb,
+    {name: partial(lambda method, x: getattr(arb(x), method)(), name) for name in (*UNARY, *MORE)}
     | {"pow": ball_power, "fabs": abs, "atan2": ball_angle},
-)  # fmt: skip
+)
 """Rationals stay rational; a function makes them balls."""

@@ -154,13 +154,15 @@ def _tracked(matrix: Rows, right: Rows) -> list[list[Any]]:
     value, error = solve(*(s.reshape(-1, *s.shape[-2:]) for s in stacks))
     size = stacks[2].shape
     both = _split(value.reshape(size)), _split(error.reshape(size))
-    return [[RunningError(v, e) for v, e in zip(*row, strict=True)]
-            for row in zip(*both, strict=True)]  # fmt: skip
+    return [
+        [RunningError(v, e) for v, e in zip(*row, strict=True)] for row in zip(*both, strict=True)
+    ]
 
 
 def _parts(rows: Rows) -> tuple[Rows, Rows]:
-    tracked = [[v if isinstance(v, RunningError) else RunningError(v, 0.0) for v in row]
-               for row in rows]  # fmt: skip
+    tracked = [
+        [v if isinstance(v, RunningError) else RunningError(v, 0.0) for v in row] for row in rows
+    ]
     values = [[v.value for v in row] for row in tracked]
     # a bound that is no number says nothing
     return values, [[np.where(np.isnan(v.error), np.inf, v.error) for v in row] for row in tracked]
@@ -183,8 +185,12 @@ def _in_series(matrix: Rows, right: Rows) -> list[list[Any]]:
     from flint import arb_mat, arb_series, ctx
 
     def order(rows: Rows, k: int) -> Any:
-        return arb_mat([[v[k] if isinstance(v, arb_series) else (v if k == 0 else 0) for v in row]
-                        for row in rows])  # fmt: skip
+        return arb_mat(
+            [
+                [v[k] if isinstance(v, arb_series) else (v if k == 0 else 0) for v in row]
+                for row in rows
+            ]
+        )
 
     terms = [order(matrix, k) for k in range(ctx.cap)]
     found: list[Any] = []
@@ -211,8 +217,10 @@ def _eliminated(matrix: Rows, right: Rows) -> list[list[Any]]:
         for i in range(size):
             if i != k and not _is_zero(rows[i][k]):
                 share = rows[i][k]
-                rows[i] = [v if _is_zero(w) else v - share * w
-                           for v, w in zip(rows[i], rows[k], strict=True)]  # fmt: skip
+                rows[i] = [
+                    v if _is_zero(w) else v - share * w
+                    for v, w in zip(rows[i], rows[k], strict=True)
+                ]
     return [row[size:] for row in rows]
 
 

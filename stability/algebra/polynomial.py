@@ -85,8 +85,9 @@ class Polynomial:
     @property
     def degrees(self) -> tuple[int, ...]:
         """Degree in each variable."""
-        return tuple(max((e[i] for _, e in self.terms), default=0)
-                     for i in range(len(self.variables)))  # fmt: skip
+        return tuple(
+            max((e[i] for _, e in self.terms), default=0) for i in range(len(self.variables))
+        )
 
     def ordered(self) -> tuple[Polynomial, list[int]]:
         """The polynomial with the least-degree variable outermost, and the order of its arguments.
@@ -122,8 +123,9 @@ class Polynomial:
     def __str__(self) -> str:
         words = []
         for c, e in self.terms:
-            powers = [f"{n}**{p}" if p > 1 else n
-                      for n, p in zip(self.variables, e, strict=True) if p]  # fmt: skip
+            powers = [
+                f"{n}**{p}" if p > 1 else n for n, p in zip(self.variables, e, strict=True) if p
+            ]
             size = [str(abs(c))] if abs(c) != 1 or not powers else []
             words.append(("-" if c < 0 else "+") + " " + "*".join([*size, *powers]))
         text = " ".join(words) or "0"

@@ -306,8 +306,10 @@ def _enclose(a: Sequence[Array], error: Sequence[Array], factors: Factors) -> Ro
         product = _times(product, p, q)
         size = _times(size, np.abs(p), np.abs(q))
     steps = 2 * len(factors.pairs) + 1  # in units of two roundings: product and sum, twice a pair
-    off = [np.abs(c - m) + e + steps * unit * s
-           for c, m, e, s in zip(a, product, error, size, strict=False)]  # fmt: skip
+    off = [
+        np.abs(c - m) + e + steps * unit * s
+        for c, m, e, s in zip(a, product, error, size, strict=False)
+    ]
     pairs = [_pair(p, q, unit) for p, q in factors.pairs]
     spread, closest = _distances(factors.r, pairs)
     weights = []

@@ -347,8 +347,9 @@ def _power(x: Any, y: Any) -> Sized:
     return Sized.__pow__(x if isinstance(x, Sized) else Sized(x, ca.fabs(x), 0), y)
 
 
-SIZED = Algebra("sized", ca.SX, {"sin": _wave(ca.sin), "cos": _wave(ca.cos), "sqrt": _root,
-                                 "pow": _power})  # fmt: skip
+SIZED = Algebra(
+    "sized", ca.SX, {"sin": _wave(ca.sin), "cos": _wave(ca.cos), "sqrt": _root, "pow": _power}
+)
 """Expressions with the sizes of their terms; other functions have no entry."""
 
 

@@ -71,10 +71,20 @@ def atlas_of_bodies(
     counted = Counted(progress, len(jobs))
     counted.add(0)
     count = min(workers or os.cpu_count() or 1, len(jobs))
-    with resumable(keep.folder, counted, said="figures are kept in"), closing(ordered(
-        jobs, lambda job: partial(draw, *job, str(keep.folder), resolution), executor=executor,
-        workers=count, own=here if workers == 1 else processes, keep=keep, progress=counted,
-    )) as results:  # fmt: skip
+    with (
+        resumable(keep.folder, counted, said="figures are kept in"),
+        closing(
+            ordered(
+                jobs,
+                lambda job: partial(draw, *job, str(keep.folder), resolution),
+                executor=executor,
+                workers=count,
+                own=here if workers == 1 else processes,
+                keep=keep,
+                progress=counted,
+            )
+        ) as results,
+    ):
         found = dict(results)
     for name, text in pages(BODIES, found, absent, resolution).items():
         (keep.folder / name).write_text(text, encoding="utf-8")

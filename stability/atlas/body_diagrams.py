@@ -33,9 +33,10 @@ POLES: dict[str, Any] = {"vertical": 0, "vertical-pi": "pi"}
 PLANES = {"circling": "rough", "precession": "smooth"}
 """Families of two numbers, drawn over both of them, and the law under which they exist."""
 ON = {
-    "viscous": "under viscous friction", "rough": "on a rough plane, without slip",
+    "viscous": "under viscous friction",
+    "rough": "on a rough plane, without slip",
     "smooth": "on a smooth plane, without friction",
-}  # fmt: skip
+}
 """A contact law in a caption."""
 LAWS: dict[str, Any] = {"rough": Rough(), "smooth": Smooth()}
 """Laws without a coefficient by name."""
@@ -68,28 +69,64 @@ class Shown:
 
 
 BODIES: dict[str, Shown] = {
-    "torus": Shown("torus", lambda: Torus(0.2), "tube", (0.02, 0.9), "A solid ring of uniform "
-                   "density. Tube: radius b of the tube over R, the radius of the circle of its "
-                   "centres."),
-    "oblate": Shown("oblate spheroid", lambda: Spheroid(0.5), "aspect", (0.05, 0.95), "A solid "
-                    "spheroid of uniform density. Aspect: half length a of the axis over R, the "
-                    "radius of the equator."),
-    "prolate": Shown("prolate spheroid", lambda: Spheroid(1.5), "aspect", (1.05, 3.0), "A solid "
-                     "spheroid of uniform density. Aspect: half length a of the axis over R, the "
-                     "radius of the equator."),
-    "eccentric": Shown("eccentric sphere", lambda: EccentricSphere(0.2), "offset", (0.02, 0.9),
-                       "A uniform ball with a point of mass on its surface, a tippe top without "
-                       "its stem. Offset: distance e of the centre of mass from the centre, over "
-                       "the radius R.", ("centre of mass below", "centre of mass above")),
-    "thick": Shown("thick disk", lambda: ThickDisk(0.3), "thickness", (0.05, 1.5), "A uniform "
-                   "cylinder that rolls on the rim of its lower face. Thickness: t over the radius "
-                   "R."),
-    "egg": Shown("egg", lambda: Egg(0.2), "axial", (0.25, 0.6), "A solid egg of uniform density, "
-                 "r = sin u (1 + taper cos u), z = −aspect cos u. Axial: moment of inertia about "
-                 "the axis, over mR², as other distributions of mass have it with the same centre "
-                 "of mass and the same moment across; the shape is the same in all diagrams.",
-                 ("blunt end below", "sharp end below")),
-}  # fmt: skip
+    "torus": Shown(
+        "torus",
+        lambda: Torus(0.2),
+        "tube",
+        (0.02, 0.9),
+        "A solid ring of uniform "
+        "density. Tube: radius b of the tube over R, the radius of the circle of its "
+        "centres.",
+    ),
+    "oblate": Shown(
+        "oblate spheroid",
+        lambda: Spheroid(0.5),
+        "aspect",
+        (0.05, 0.95),
+        "A solid "
+        "spheroid of uniform density. Aspect: half length a of the axis over R, the "
+        "radius of the equator.",
+    ),
+    "prolate": Shown(
+        "prolate spheroid",
+        lambda: Spheroid(1.5),
+        "aspect",
+        (1.05, 3.0),
+        "A solid "
+        "spheroid of uniform density. Aspect: half length a of the axis over R, the "
+        "radius of the equator.",
+    ),
+    "eccentric": Shown(
+        "eccentric sphere",
+        lambda: EccentricSphere(0.2),
+        "offset",
+        (0.02, 0.9),
+        "A uniform ball with a point of mass on its surface, a tippe top without "
+        "its stem. Offset: distance e of the centre of mass from the centre, over "
+        "the radius R.",
+        ("centre of mass below", "centre of mass above"),
+    ),
+    "thick": Shown(
+        "thick disk",
+        lambda: ThickDisk(0.3),
+        "thickness",
+        (0.05, 1.5),
+        "A uniform "
+        "cylinder that rolls on the rim of its lower face. Thickness: t over the radius "
+        "R.",
+    ),
+    "egg": Shown(
+        "egg",
+        lambda: Egg(0.2),
+        "axial",
+        (0.25, 0.6),
+        "A solid egg of uniform density, "
+        "r = sin u (1 + taper cos u), z = −aspect cos u. Axial: moment of inertia about "
+        "the axis, over mR², as other distributions of mass have it with the same centre "
+        "of mass and the same moment across; the shape is the same in all diagrams.",
+        ("blunt end below", "sharp end below"),
+    ),
+}
 """The bodies of the atlas by key."""
 
 
@@ -212,8 +249,9 @@ def draw(key: str, name: str, kind: str, folder: str, resolution: int) -> Diagra
     contact: Contact | str = LAWS.get(law, "viscous" if kind == "mu" else Viscous(MU))
     x, y = _across(shown, name, resolution), _up(shown, kind, 3 * resolution // 4)
     given = {} if pole is None else {"pole": pole}
-    dataset = stability_map(family, x=x, y=y, body=shown.make(), contact=contact, workers=1,
-                            **given)  # fmt: skip
+    dataset = stability_map(
+        family, x=x, y=y, body=shown.make(), contact=contact, workers=1, **given
+    )
     target, stem = Path(folder), f"{name}-{key}" if kind == "plane" else f"{name}-{key}-{kind}"
     write_map(dataset, target / f"{stem}.nc", overwrite=True)
     end = shown.ends[list(POLES).index(name)] if name in POLES and shown.ends else ""
@@ -245,9 +283,14 @@ def _told(shown: Shown, kind: str) -> str:
 
 
 def _neutral(
-    shown: Shown, family: str, said: str, law: str, dataset: Any, x: tuple[Any, ...],
+    shown: Shown,
+    family: str,
+    said: str,
+    law: str,
+    dataset: Any,
+    x: tuple[Any, ...],
     y: tuple[Any, ...],
-) -> str:  # fmt: skip
+) -> str:
     """The sentence in place of a map without a boundary and without a colour."""
     missing = int((dataset.verdict == NO_MEMBER).sum())
     blank = f", but for {missing} without a member" * bool(missing)

@@ -20,9 +20,11 @@ ABOUT = (
 
 
 def pages(
-    bodies: Mapping[str, Shown], found: Mapping[Key, Diagram],
-    absent: Mapping[tuple[str, str], str], resolution: int,
-) -> dict[str, str]:  # fmt: skip
+    bodies: Mapping[str, Shown],
+    found: Mapping[Key, Diagram],
+    absent: Mapping[tuple[str, str], str],
+    resolution: int,
+) -> dict[str, str]:
     """The text of every page by its file name.
 
     Parameters
@@ -44,8 +46,10 @@ def pages(
 
 def _links(bodies: Mapping[str, Shown], here: str = "") -> str:
     index = "" if not here else '<a href="index.html">all bodies</a>'
-    others = (f'<a href="{k}.html">{s.name}</a>' if k != here else f"<strong>{s.name}</strong> "
-              for k, s in bodies.items())  # fmt: skip
+    others = (
+        f'<a href="{k}.html">{s.name}</a>' if k != here else f"<strong>{s.name}</strong> "
+        for k, s in bodies.items()
+    )
     return f"<nav>{index}{''.join(others)}</nav>"
 
 
@@ -58,8 +62,10 @@ def _index(bodies: Mapping[str, Shown], found: Mapping[Key, Diagram]) -> list[st
         count = f"{len(drawn)} diagrams" if len(drawn) != 1 else "1 diagram"
         picture = (
             f'<img src="{drawn[0].stem}.png" alt="{html.escape(drawn[0].alternative)}" '
-            'loading="lazy">' if drawn else ""
-        )  # fmt: skip
+            'loading="lazy">'
+            if drawn
+            else ""
+        )
         lines.append(
             f'<figure><a href="{key}.html">{picture}</a><figcaption><a href="{key}.html">'
             f"<strong>{shown.name.capitalize()}</strong></a> ({shown.told}): {count}. "
@@ -69,17 +75,20 @@ def _index(bodies: Mapping[str, Shown], found: Mapping[Key, Diagram]) -> list[st
 
 
 def _page(
-    key: str, bodies: Mapping[str, Shown], found: Mapping[Key, Diagram],
+    key: str,
+    bodies: Mapping[str, Shown],
+    found: Mapping[Key, Diagram],
     absent: Mapping[tuple[str, str], str],
-) -> list[str]:  # fmt: skip
+) -> list[str]:
     """The page of one body."""
     shown = bodies[key]
     axial, transverse = shown.make().moments()
     lines = [
-        *_head(f"Stability atlas: {shown.name}"), _links(bodies, key),
+        *_head(f"Stability atlas: {shown.name}"),
+        _links(bodies, key),
         f'<p class="lead">{html.escape(shown.profile)} At {shown.told} the moments of inertia are '
         f"{axial:.4g} (about the axis) and {transverse:.4g} (across it) mR². {ABOUT}</p>",
-    ]  # fmt: skip
+    ]
     for name in names(shown):
         family, _ = family_of(name)
         end = shown.ends[name.endswith("-pi")] if family == "vertical" and shown.ends else ""

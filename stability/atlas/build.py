@@ -47,9 +47,19 @@ from .page import (
 FINEST = 4000
 """Most points along the axis of a family."""
 COLUMNS = (
-    "body", "k", "family", "contact", "curve", "quantity", "at", "mu", "crossing", "frequency",
-    "error", "error_along",
-)  # fmt: skip
+    "body",
+    "k",
+    "family",
+    "contact",
+    "curve",
+    "quantity",
+    "at",
+    "mu",
+    "crossing",
+    "frequency",
+    "error",
+    "error_along",
+)
 """Columns of the CSV of boundaries."""
 _Key = tuple[str, str, float | None] | None
 """A figure: body, family, and the friction coefficient of loci or None for the diagram; None for
@@ -120,11 +130,16 @@ def atlas(
         counted = Counted(progress, len(jobs))
         counted.add(0)
         count = min(workers or os.cpu_count() or 1, len(jobs))
-        with closing(ordered(
-            jobs, lambda job: partial(_job, job, str(folder), resolution, draft),
-            executor=executor, workers=count, own=here if workers == 1 else processes,
-            progress=counted,
-        )) as results:  # fmt: skip
+        with closing(
+            ordered(
+                jobs,
+                lambda job: partial(_job, job, str(folder), resolution, draft),
+                executor=executor,
+                workers=count,
+                own=here if workers == 1 else processes,
+                progress=counted,
+            )
+        ) as results:
             found = dict(results)
         pages = [_page(*pair, found, frictions) for pair in pairs]
         _write_csv(folder / "boundaries.csv", pages)
@@ -233,9 +248,12 @@ def _diagram(
     disk, stem = make(), f"{family}-{body}"
     low, high = drawn()[family]
     dataset = stability_map(
-        family, x=("at", low, high, resolution), y=("mu", *FRICTION, 3 * resolution // 4, "log"),
-        disk=disk, workers=1,
-    )  # fmt: skip
+        family,
+        x=("at", low, high, resolution),
+        y=("mu", *FRICTION, 3 * resolution // 4, "log"),
+        disk=disk,
+        workers=1,
+    )
     write_map(dataset, here / f"{stem}.nc", overwrite=True)
     rows = _curve_rows(body, disk, family, dataset)
     strips, limits = [], []
@@ -246,10 +264,22 @@ def _diagram(
         changes = tuple(p.value for p in points)
         strips.append(Strip(law.name, at, found.abscissa, changes, found.codes))
         rows += [
-            (body, disk.k, family, law.name, i, FAMILIES[family].at[0], p.value, "",
-             p.crossing.word, p.frequency, p.error, "at")
+            (
+                body,
+                disk.k,
+                family,
+                law.name,
+                i,
+                FAMILIES[family].at[0],
+                p.value,
+                "",
+                p.crossing.word,
+                p.frequency,
+                p.error,
+                "at",
+            )
             for i, p in enumerate(points)
-        ]  # fmt: skip
+        ]
         where = ", ".join(f"{p.value:.6g}" for p in points)
         limits.append(
             f"{law.name}: " + (f"verdict changes at {where}" if where else "neutral throughout")
@@ -334,14 +364,33 @@ def zeros_of_rates(spectra: Any) -> list[float]:
 
 
 def _curve_rows(body: str, disk: Disk, family: str, dataset: Any) -> list[tuple[Any, ...]]:
-    names = ("boundary_curve", "boundary_at", "boundary_mu", "boundary_kind", "boundary_frequency",
-             "boundary_error", "boundary_axis")  # fmt: skip
+    names = (
+        "boundary_curve",
+        "boundary_at",
+        "boundary_mu",
+        "boundary_kind",
+        "boundary_frequency",
+        "boundary_error",
+        "boundary_axis",
+    )
     columns = [dataset[n].values.tolist() for n in names]
     return [
-        (body, disk.k, family, "viscous", curve, FAMILIES[family].at[0], at, mu,
-         CODE_KINDS[kind].word, frequency, error, ("at", "mu")[axis])
+        (
+            body,
+            disk.k,
+            family,
+            "viscous",
+            curve,
+            FAMILIES[family].at[0],
+            at,
+            mu,
+            CODE_KINDS[kind].word,
+            frequency,
+            error,
+            ("at", "mu")[axis],
+        )
         for curve, at, mu, kind, frequency, error, axis in zip(*columns, strict=True)
-    ]  # fmt: skip
+    ]
 
 
 # --- data and page ---

@@ -65,9 +65,14 @@ def _diagram(folder: Path, body: str, family: str, resolution: int) -> tuple[Any
     make, name, inertia = BODIES[body]
     along, across = launches_along(resolution)
     dataset = basins(
-        make(), Viscous(MU), family=family, x=("at", *AT, along), y=("tilt", *TILT, across),
-        horizon=TIME, workers=1,
-    )  # fmt: skip
+        make(),
+        Viscous(MU),
+        family=family,
+        x=("at", *AT, along),
+        y=("tilt", *TILT, across),
+        horizon=TIME,
+        workers=1,
+    )
     stem = f"basins-{family}-{body}"
     with atomic_write(folder / f"{stem}.nc", overwrite=True) as draft:
         draft.write_bytes(packed(dataset))

@@ -77,17 +77,25 @@ def _zeros(count: int) -> str:
 
 
 def _diagram_caption(
-    family: str, name: str, inertia: str, dataset: Any, limits: list[str], strips: Sequence[Any],
+    family: str,
+    name: str,
+    inertia: str,
+    dataset: Any,
+    limits: list[str],
+    strips: Sequence[Any],
     where: str = "under viscous friction",
-) -> str:  # fmt: skip
+) -> str:
     y, x = (str(name) for name in dataset.verdict.dims)
     count = {v.word: int((dataset.verdict == c).sum()) for v, c in CODES.items()}
     verdicts = ", ".join(f"{n:,} {word}".replace(",", "\u00a0") for word, n in count.items() if n)
     undecided = "" if count["undecided"] else "; none undecided"
     kinds = [CODE_KINDS[c] for c in np.unique(dataset.boundary_kind.values).tolist()]
-    style = {Crossing.STATIC: "static (solid)", Crossing.FLUTTER: "flutter (dashed)",
-             Crossing.TOUCHING: "touching (dotted)",
-             Crossing.STATIC_AND_FLUTTER: "static and flutter (solid)"}  # fmt: skip
+    style = {
+        Crossing.STATIC: "static (solid)",
+        Crossing.FLUTTER: "flutter (dashed)",
+        Crossing.TOUCHING: "touching (dotted)",
+        Crossing.STATIC_AND_FLUTTER: "static and flutter (solid)",
+    }
     curve = "No boundary between verdicts in this range."
     if kinds:
         size = np.where(
@@ -145,10 +153,13 @@ footer { margin-top: 3rem; border-top: 1px solid #ccc; font-size: .82rem; color:
 
 def _head(title: str) -> list[str]:
     return [
-        "<!doctype html>", '<html lang="en"><head><meta charset="utf-8">',
+        "<!doctype html>",
+        '<html lang="en"><head><meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        f"<title>{title}</title><style>{_STYLE}</style>", "</head><body>", f"<h1>{title}</h1>",
-    ]  # fmt: skip
+        f"<title>{title}</title><style>{_STYLE}</style>",
+        "</head><body>",
+        f"<h1>{title}</h1>",
+    ]
 
 
 def _html(pages: list[Page], ends: Sequence[Picture], resolution: int, draft: bool) -> str:
@@ -160,10 +171,11 @@ def _html(pages: list[Page], ends: Sequence[Picture], resolution: int, draft: bo
         "where they grow (vermilion, hatched), with the exact boundary in between. Numbers are "
         "dimensionless (m = R = g = 1). The equations are those of Przybylska &amp; "
         "Rauch-Wojciechowski, <cite>Regul. Chaotic Dyn.</cite> 21(2), 2016, 204–231; every result "
-        "is recomputed. All boundaries: <a href=\"boundaries.csv\">boundaries.csv</a>.</p>",
-        "<nav>" + "".join(f'<a href="#{f}">{f}</a>' for f in (*drawn(), *["launches"] * bool(ends)))
+        'is recomputed. All boundaries: <a href="boundaries.csv">boundaries.csv</a>.</p>',
+        "<nav>"
+        + "".join(f'<a href="#{f}">{f}</a>' for f in (*drawn(), *["launches"] * bool(ends)))
         + "</nav>",
-    ]  # fmt: skip
+    ]
     if draft:
         parts.append(
             "<p><strong>Draft:</strong> the diagrams alone, as PNG. "
@@ -185,8 +197,10 @@ def _html(pages: list[Page], ends: Sequence[Picture], resolution: int, draft: bo
             '<h2 id="launches">Launches</h2>',
             "<p>Which launch ends where: the disk starts near a steady motion, its axis tilted, "
             "and moves until its end is proved. <code>make basins</code> draws large ones.</p>",
-            '<div class="row">', *(_figure(p, True, True) for p in ends), "</div>",
-        ]  # fmt: skip
+            '<div class="row">',
+            *(_figure(p, True, True) for p in ends),
+            "</div>",
+        ]
     other = (" --draft" if draft else " --no-draft") * (draft != (resolution < DRAFT))
     parts.append(_foot(command + other))
     return "\n".join(parts) + "\n"

@@ -30,10 +30,13 @@ def machine() -> dict[str, str]:
     True
     """
     found = {
-        "processor": _processor(), "cores": str(os.cpu_count() or 1), "memory": _memory(),
+        "processor": _processor(),
+        "cores": str(os.cpu_count() or 1),
+        "memory": _memory(),
         "system": f"{platform.system()} {platform.machine()}",
-        "python": platform.python_version(), "stability": __version__,
-    }  # fmt: skip
+        "python": platform.python_version(),
+        "stability": __version__,
+    }
     for name in LIBRARIES:
         try:
             found[name] = version(name)

@@ -58,9 +58,12 @@ def best(*, even: bool) -> Verdict:
 NO_MEMBER = 4
 """Flag value of a cell of a map without a member; it is no verdict."""
 CODES = {
-    Verdict.UNDECIDED: 0, Verdict.STABLE: 1, Verdict.UNSTABLE: 2, Verdict.NEUTRAL: 3,
+    Verdict.UNDECIDED: 0,
+    Verdict.STABLE: 1,
+    Verdict.UNSTABLE: 2,
+    Verdict.NEUTRAL: 3,
     Verdict.DRIFTING: 5,
-}  # fmt: skip
+}
 """Flag value of each verdict, in arrays and files."""
 BY_CODE = {code: verdict for verdict, code in CODES.items()}
 """Verdict of each flag value."""

@@ -254,12 +254,30 @@ def basins(
     (('tilt', 'phi_dot'), [[1, 1, 1], [1, 1, 1]])
     """
     plan = planned(
-        disk, contact, x=x, y=y, more=more, distribution=distribution, count=count, seed=seed,
-        held=held, family=family, theta=theta, pole=pole, horizon=horizon, body=body,
+        disk,
+        contact,
+        x=x,
+        y=y,
+        more=more,
+        distribution=distribution,
+        count=count,
+        seed=seed,
+        held=held,
+        family=family,
+        theta=theta,
+        pole=pole,
+        horizon=horizon,
+        body=body,
         families=families,
-        tolerance=tolerance, check=check, settle=settle, flat=flat, max_steps=max_steps,
-        max_seconds=max_seconds, chunk=chunk, **parameters,
-    )  # fmt: skip
+        tolerance=tolerance,
+        check=check,
+        settle=settle,
+        flat=flat,
+        max_steps=max_steps,
+        max_seconds=max_seconds,
+        chunk=chunk,
+        **parameters,
+    )
     check_pool(executor, workers, progress)
     levels = whole_number("levels", levels, 0, MOST_LEVELS)
     if levels and len(plan.axes) != 2:
@@ -272,14 +290,31 @@ def basins(
 
 
 def planned(
-    disk: Any, contact: Any, *, x: Any = None, y: Any = None, more: Sequence[Any] = (),
-    distribution: Any = None, count: Any = None, seed: Any = 0, held: Any = None,
-    family: str = "", theta: Any = None, pole: Any = None, horizon: Any, body: Any = None,
+    disk: Any,
+    contact: Any,
+    *,
+    x: Any = None,
+    y: Any = None,
+    more: Sequence[Any] = (),
+    distribution: Any = None,
+    count: Any = None,
+    seed: Any = 0,
+    held: Any = None,
+    family: str = "",
+    theta: Any = None,
+    pole: Any = None,
+    horizon: Any,
+    body: Any = None,
     families: Any = (),
-    tolerance: Any = Judging.tolerance, check: Any = Judging.check, settle: Any = Judging.settle,
-    flat: Any = Judging.flat, max_steps: Any = Judging.most, max_seconds: Any = Judging.seconds,
-    chunk: Any = None, **parameters: Any,
-) -> Plan:  # fmt: skip
+    tolerance: Any = Judging.tolerance,
+    check: Any = Judging.check,
+    settle: Any = Judging.settle,
+    flat: Any = Judging.flat,
+    max_steps: Any = Judging.most,
+    max_seconds: Any = Judging.seconds,
+    chunk: Any = None,
+    **parameters: Any,
+) -> Plan:
     """Check the arguments of `basins`; parameters and errors are its own.
 
     Returns
@@ -335,9 +370,15 @@ def _named(name: Any, family: Any) -> Any:
 
 
 def run(
-    plan: Plan, store: Any, overwrite: bool, executor: Any, workers: int | None,
-    progress: Progress | None, levels: int = 0, later: int = 0,
-) -> Store:  # fmt: skip
+    plan: Plan,
+    store: Any,
+    overwrite: bool,
+    executor: Any,
+    workers: int | None,
+    progress: Progress | None,
+    levels: int = 0,
+    later: int = 0,
+) -> Store:
     """Fill the store of a plan, and refine the borders of its map.
 
     Parameters
@@ -362,8 +403,14 @@ def run(
             pool, number = stack.enter_context(pool_of(executor, workers))
             work = _Work(shared(plan, pool))
         told = progress and (lambda done, total: progress(done, total + later))
-        fill(kept, work, blank=_Blank(len(some.model.states), varied), executor=pool,
-             workers=number, progress=told)  # fmt: skip
+        fill(
+            kept,
+            work,
+            blank=_Blank(len(some.model.states), varied),
+            executor=pool,
+            workers=number,
+            progress=told,
+        )
         if levels:
             axes = plan.axes[1], plan.axes[0]
             order = replace(plan.launches, varied=tuple(a.name for a in axes))
@@ -388,8 +435,9 @@ def store_of(plan: Plan, store: Any = None, overwrite: bool = False) -> Store:
         Variable(n, "float64", np.nan, label(plan.launches, some, n), coordinate=True)
         for n in varied
     )
-    more = {} if plan.distribution is None else {
-        "sample": repr(plan.distribution), "seed": plan.seed}  # fmt: skip
+    more = (
+        {} if plan.distribution is None else {"sample": repr(plan.distribution), "seed": plan.seed}
+    )
     coords = coordinates(plan.launches, some, plan.axes)
     coords |= linear_verdict(plan.launches, plan.axes)
     told = attributes(plan.launches, some, plan.horizon, plan.judging, more)

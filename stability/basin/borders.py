@@ -189,14 +189,24 @@ def _result(tree: Tree, reached: int) -> Borders:
     ends = [_ends(tree, way, reached) for way in (0, 1)]
     pairs = np.concatenate([e for e, _ in ends])
     return Borders(
-        x=tree.axes[0], y=tree.axes[1], levels=reached, points=tree.places(tree.keys),
-        labels=tree.labels, index=np.stack(pair(tree.keys), axis=1), lattice_levels=tree.levels,
-        cells=cells, mixed=tuple(map(len, mixed)), pairs=pairs,
+        x=tree.axes[0],
+        y=tree.axes[1],
+        levels=reached,
+        points=tree.places(tree.keys),
+        labels=tree.labels,
+        index=np.stack(pair(tree.keys), axis=1),
+        lattice_levels=tree.levels,
+        cells=cells,
+        mixed=tuple(map(len, mixed)),
+        pairs=pairs,
         crossings=np.array([[_unlike(tree, way, n) for way in (0, 1)] for n in range(reached + 1)]),
         counts=tuple(int((c != c[:, :1]).any(axis=1).sum()) for c in corners),
-        pair_labels=np.concatenate([n for _, n in ends]), lines=tuple(lines),
-        asked=sum(tree.calls), calls=tuple(tree.calls), note=_note(tree, reached),
-    )  # fmt: skip
+        pair_labels=np.concatenate([n for _, n in ends]),
+        lines=tuple(lines),
+        asked=sum(tree.calls),
+        calls=tuple(tree.calls),
+        note=_note(tree, reached),
+    )
 
 
 def _corners(tree: Tree, level: int, cells: Ints) -> Ints:

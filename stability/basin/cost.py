@@ -92,9 +92,12 @@ class _Trial:
 
 
 def predict(
-    plan: Plan, workers: int = 1, missing: Sequence[Block] | None = None,
-    clock: Callable[[], float] = time.process_time, levels: int = 0,
-) -> Cost:  # fmt: skip
+    plan: Plan,
+    workers: int = 1,
+    missing: Sequence[Block] | None = None,
+    clock: Callable[[], float] = time.process_time,
+    levels: int = 0,
+) -> Cost:
     """Expected cost of a plan, from trials of launches that are spread over it.
 
     The steps at which the launches of a trial end say how many steps whole batches make for any
@@ -152,8 +155,17 @@ def predict(
     computing = sum(map(sum, parts)) + workers * sum(map(sum, share))
     size = (_compressed(found) * layout.total) + border
     done = layout.total - launches
-    return Cost(launches, done, trial.count, computing, seconds, least or seconds, workers,
-                round(size), border)  # fmt: skip
+    return Cost(
+        launches,
+        done,
+        trial.count,
+        computing,
+        seconds,
+        least or seconds,
+        workers,
+        round(size),
+        border,
+    )
 
 
 def _along_borders(

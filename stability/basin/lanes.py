@@ -53,9 +53,14 @@ class Ends:
 
 
 def ends(
-    flow: Flow, starts: Floats, p: Floats, horizon: Floats, tolerance: float, most: int,
+    flow: Flow,
+    starts: Floats,
+    p: Floats,
+    horizon: Floats,
+    tolerance: float,
+    most: int,
     watch: Watch | None = None,
-) -> Ends:  # fmt: skip
+) -> Ends:
     """Run launches of one flow to their ends.
 
     Parameters
@@ -81,8 +86,12 @@ def ends(
     Source: tests/basin/test_lanes.py.
     """
     count = len(starts)
-    found = Ends(np.zeros(count, dtype=np.int8), np.zeros(count), np.array(starts, dtype=float),
-                 np.zeros(count, dtype=np.int64))  # fmt: skip
+    found = Ends(
+        np.zeros(count, dtype=np.int8),
+        np.zeros(count),
+        np.array(starts, dtype=float),
+        np.zeros(count, dtype=np.int64),
+    )
     if not count:
         return found
     with _lent(flow, max(tolerance, FINEST), count) as batches:
@@ -94,9 +103,16 @@ class _Run:
     """Lanes in use: which launch each carries, and the launches that wait."""
 
     def __init__(
-        self, flow: Flow, batches: list[Any], p: Floats, horizon: Floats, tolerance: float,
-        most: int, watch: Watch | None, found: Ends,
-    ) -> None:  # fmt: skip
+        self,
+        flow: Flow,
+        batches: list[Any],
+        p: Floats,
+        horizon: Floats,
+        tolerance: float,
+        most: int,
+        watch: Watch | None,
+        found: Ends,
+    ) -> None:
         self.batches, self.p, self.horizon, self.most = batches, p, horizon, most
         self.watch, self.found, self.next = watch, found, 0
         self.width = batches[0].batch_size
@@ -250,10 +266,12 @@ def _outcomes() -> dict[int, int]:
     """Standing of a lane by the library's outcome; any other is an event."""
     known = heyoka().taylor_outcome
     return {
-        int(known.success): RUNNING, int(known.step_limit): RUNNING,
-        int(known.time_limit): LASTED, int(known.err_nf_state): FAILED,
+        int(known.success): RUNNING,
+        int(known.step_limit): RUNNING,
+        int(known.time_limit): LASTED,
+        int(known.err_nf_state): FAILED,
         int(known.cb_stop): FAILED,
-    }  # fmt: skip
+    }
 
 
 @contextmanager
@@ -276,10 +294,13 @@ def _compiled(flow: Flow, tolerance: float) -> tuple[Any, list[Any]]:
     width = lanes_of_batch()
     down = hy.event_direction.negative
     batch = hy.taylor_adaptive_batch(
-        list(zip(symbols, rates, strict=True)), np.zeros((len(symbols), width)), tol=tolerance,
-        t_events=[hy.t_event_batch(g, direction=down) for g in guards], fast_math=True,
+        list(zip(symbols, rates, strict=True)),
+        np.zeros((len(symbols), width)),
+        tol=tolerance,
+        t_events=[hy.t_event_batch(g, direction=down) for g in guards],
+        fast_math=True,
         compact_mode=compact(flow),
-    )  # fmt: skip
+    )
     return batch, []
 
 

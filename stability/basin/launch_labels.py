@@ -75,10 +75,15 @@ class LaunchLabels:
         mine = shared(replace(self, executor=None), self.executor)
         pieces = [table[n : n + size] for n in range(0, len(table), size)]
         found = [np.zeros(0, dtype=np.int64)]
-        with closing(ordered(
-            range(len(pieces)), lambda i: partial(_labels, mine, pieces[i]),
-            executor=self.executor, workers=workers, own=threads,
-        )) as results:  # fmt: skip
+        with closing(
+            ordered(
+                range(len(pieces)),
+                lambda i: partial(_labels, mine, pieces[i]),
+                executor=self.executor,
+                workers=workers,
+                own=threads,
+            )
+        ) as results:
             found += [labels for _, labels in results]
         return np.concatenate(found)
 
@@ -127,12 +132,23 @@ def coded(outcome: Any, family: Any) -> Ints:
 
 
 def launch_labels(
-    disk: Any = None, contact: Any = None, *, varied: Sequence[str], horizon: float,
-    held: Mapping[str, float] | None = None, family: str = "", theta: float | None = None,
-    pole: Any = None, families: Any = (),
-    body: Any = None, tolerance: float = Judging.tolerance, check: bool = Judging.check,
-    executor: Executor | None = None, workers: int | None = None, **parameters: Any,
-) -> LaunchLabels:  # fmt: skip
+    disk: Any = None,
+    contact: Any = None,
+    *,
+    varied: Sequence[str],
+    horizon: float,
+    held: Mapping[str, float] | None = None,
+    family: str = "",
+    theta: float | None = None,
+    pole: Any = None,
+    families: Any = (),
+    body: Any = None,
+    tolerance: float = Judging.tolerance,
+    check: bool = Judging.check,
+    executor: Executor | None = None,
+    workers: int | None = None,
+    **parameters: Any,
+) -> LaunchLabels:
     """Labels of launches by outcome and family, for `uncertainty_exponent` and `fatal_shock`.
 
     Parameters

@@ -105,8 +105,9 @@ class Launches:
         }
         times = [0.0, horizon]
         if isinstance(self.thing, System):
-            x, p = ({n: given[n] for n in names}
-                    for names in (self.thing.states, self.thing.parameters))  # fmt: skip
+            x, p = (
+                {n: given[n] for n in names} for names in (self.thing.states, self.thing.parameters)
+            )
             return launches_of(self.thing, p or None, x, times, families=self.families, mark=True)
         if isinstance(self.thing, Body):
             thing: Disk | Body = self.body(given)
@@ -157,8 +158,9 @@ class Launches:
         count = len(next(iter(given.values())))
         six = np.zeros((count, 6))
         if self.family:
-            six = launch(self.family, at=given[self.own], tilt=given.get(TILT, 0.0), body=body,
-                         **self.where)  # fmt: skip
+            six = launch(
+                self.family, at=given[self.own], tilt=given.get(TILT, 0.0), body=body, **self.where
+            )
             six = np.array(np.broadcast_to(six, (count, 6)))
         for column, name in enumerate(STATES):
             if name in given and not (self.family and name == self.own):
@@ -174,9 +176,16 @@ def _with(body: Body, given: Mapping[str, Floats]) -> Body:
 
 
 def prepare(
-    thing: Any, contact: Any, varied: Sequence[str], held: Mapping[str, Any] | None,
-    family: str, families: Any, parameters: dict[str, Any], theta: Any = None, pole: Any = None,
-) -> Launches:  # fmt: skip
+    thing: Any,
+    contact: Any,
+    varied: Sequence[str],
+    held: Mapping[str, Any] | None,
+    family: str,
+    families: Any,
+    parameters: dict[str, Any],
+    theta: Any = None,
+    pole: Any = None,
+) -> Launches:
     """Check what is launched.
 
     Parameters
@@ -278,8 +287,9 @@ def _complete(found: Launches) -> None:
     refuse_constants(found.thing, (*found.varied, *found.held))
     for name in (*found.varied, *found.held):
         if name not in found.names:
-            raise NameUnknownError(f"{shown(name)} varies nothing here; known are "
-                                   f"{', '.join(found.names)}.")  # fmt: skip
+            raise NameUnknownError(
+                f"{shown(name)} varies nothing here; known are {', '.join(found.names)}."
+            )
     double = [n for n in found.varied if n in found.held] or [
         n for n in found.varied if found.varied.count(n) > 1
     ]

@@ -61,14 +61,19 @@ class Judging:
     @property
     def single(self) -> Settings:
         """Settings of a launch that is decided alone."""
-        return Settings("auto", self.tolerance, False, self.flat, self.settle, self.most, 1,
-                        True, self.seconds)  # fmt: skip
+        return Settings(
+            "auto", self.tolerance, False, self.flat, self.settle, self.most, 1, True, self.seconds
+        )
 
 
 def judged_by(
-    tolerance: Any, check: Any, settle: Any = Judging.settle, flat: Any = Judging.flat,
-    most: Any = Judging.most, seconds: Any = Judging.seconds,
-) -> Judging:  # fmt: skip
+    tolerance: Any,
+    check: Any,
+    settle: Any = Judging.settle,
+    flat: Any = Judging.flat,
+    most: Any = Judging.most,
+    seconds: Any = Judging.seconds,
+) -> Judging:
     """Settings from a user's values, refused in one sentence where they are out of range.
 
     Parameters
@@ -84,8 +89,14 @@ def judged_by(
     found = Judging(tolerance, flag("check", check), settle, flat, most, seconds)
     single = found.single
     single.refuse()
-    return replace(found, tolerance=single.tolerance, settle=single.settle, flat=single.flat,
-                   most=single.max_steps, seconds=single.max_seconds)  # fmt: skip
+    return replace(
+        found,
+        tolerance=single.tolerance,
+        settle=single.settle,
+        flat=single.flat,
+        most=single.max_steps,
+        seconds=single.max_seconds,
+    )
 
 
 def last_time(horizon: Any) -> float:
@@ -175,10 +186,14 @@ def on_lanes(launches: Starts) -> bool:
 def _blank(count: int) -> Outcomes:
     nan = np.full(count, np.nan)
     return Outcomes(
-        np.full(count, CODES[Outcome.MOVING], dtype=np.int8), np.zeros(count),
-        np.full(count, NONE, dtype=np.int8), nan.copy(), nan.copy(), nan.copy(),
+        np.full(count, CODES[Outcome.MOVING], dtype=np.int8),
+        np.zeros(count),
+        np.full(count, NONE, dtype=np.int8),
+        nan.copy(),
+        nan.copy(),
+        nan.copy(),
         np.zeros(count, dtype=np.int64),
-    )  # fmt: skip
+    )
 
 
 def _unfit(launches: Starts, judging: Judging) -> dict[int, str]:
@@ -248,9 +263,14 @@ class _Run(Outcomes):
 
 
 def _judged(
-    flow: Flow, starts: Floats, p: Floats, horizon: Floats, tolerance: float, judging: Judging,
+    flow: Flow,
+    starts: Floats,
+    p: Floats,
+    horizon: Floats,
+    tolerance: float,
+    judging: Judging,
     settling: Settling,
-) -> _Run:  # fmt: skip
+) -> _Run:
     """One run of launches, and what its ends mean; rare ends count as unresolved."""
     lean = lean_of(flow)
     watch = Watcher(settling, lean.report, flow.system.parameters, p, horizon, judging.settle)
@@ -370,7 +390,12 @@ def subset(launches: Starts, rows: NDArray[np.intp]) -> Starts:
     own = {n: some(getattr(units, n)) for n in ("mass", "length", "gravity")}
 
     return replace(
-        launches, shape=(len(rows),), starts=launches.starts[rows], p=launches.p[rows],
-        given={n: some(v) for n, v in launches.given.items()}, units=replace(units, **own),
-        energies=launches.energies[rows], unfit=None,
-    )  # fmt: skip
+        launches,
+        shape=(len(rows),),
+        starts=launches.starts[rows],
+        p=launches.p[rows],
+        given={n: some(v) for n, v in launches.given.items()},
+        units=replace(units, **own),
+        energies=launches.energies[rows],
+        unfit=None,
+    )

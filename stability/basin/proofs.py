@@ -34,9 +34,14 @@ class Watcher:
     """
 
     def __init__(
-        self, settling: Settling, report: Callable[[Floats], Floats], parameters: Sequence[str],
-        p: Floats, horizon: Floats, within: float,
-    ) -> None:  # fmt: skip
+        self,
+        settling: Settling,
+        report: Callable[[Floats], Floats],
+        parameters: Sequence[str],
+        p: Floats,
+        horizon: Floats,
+        within: float,
+    ) -> None:
         self.settling, self.report, self.horizon, self.within = settling, report, horizon, within
         self.p = p[:, : len(parameters)]
         count = len(p)

@@ -118,8 +118,9 @@ class LinearViscous(Contact):
     """Friction coefficient of the viscous law with the same linearisation [s/m], or None."""
     name: ClassVar[str] = "linear-viscous"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("c", "kg/s", _drag, "mu"), Parameter("mu", "s/m", _times_speed, "mu"),
-    )  # fmt: skip
+        Parameter("c", "kg/s", _drag, "mu"),
+        Parameter("mu", "s/m", _times_speed, "mu"),
+    )
     relaxes: ClassVar[bool] = True
 
     def __post_init__(self) -> None:

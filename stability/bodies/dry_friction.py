@@ -101,8 +101,9 @@ class RegularisedCoulomb(Contact):
     """Slip speed below which the force decreases to zero [m/s]."""
     name: ClassVar[str] = "coulomb-regularised"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("mu", "1"), Parameter("epsilon", "m/s", _over_speed),
-    )  # fmt: skip
+        Parameter("mu", "1"),
+        Parameter("epsilon", "m/s", _over_speed),
+    )
     linearises: ClassVar[bool] = False
 
     @OVER_ANY_NUMBER

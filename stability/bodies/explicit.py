@@ -61,9 +61,11 @@ def angular_velocity(x: ca.SX) -> list[ca.SX]:
 
 
 def explicit(
-    x: ca.SX, surface: Surface, force: Callable[[Sequence[Any], Any], Sequence[Any]],
+    x: ca.SX,
+    surface: Surface,
+    force: Callable[[Sequence[Any], Any], Sequence[Any]],
     moment: Callable[[Sequence[Any], Any], Sequence[Any]] | None = None,
-) -> Explicit:  # fmt: skip
+) -> Explicit:
     """The rates of a body under a law that states its force.
 
     Parameters
@@ -108,8 +110,11 @@ def explicit(
     rim_rate = precessing * slope + phi_dot * curve * turning + relative * (h + curve) * c * turning
     rim_rate += (spinning - precessing * c + phi_dot * s * turning) * r
     rates = ca.vertcat(
-        turning, tilting, precessing, spinning,
+        turning,
+        tilting,
+        precessing,
+        spinning,
         phi_dot * (slip_y - rim) + fx - tilting * h - turning**2 * slope,
         fy + rim_rate - phi_dot * (slip_x + turning * h),
-    )  # fmt: skip
+    )
     return Explicit(rates, normal, pressing, determinant)

@@ -23,9 +23,15 @@ LEVEL = 1e-9
 
 
 def launch(
-    family: str, *, at: ArrayLike, tilt: ArrayLike = TILT, disk: Disk | None = None,
-    body: Body | Disk | None = None, theta: float | None = None, pole: Any = None,
-) -> Floats:  # fmt: skip
+    family: str,
+    *,
+    at: ArrayLike,
+    tilt: ArrayLike = TILT,
+    disk: Disk | None = None,
+    body: Body | Disk | None = None,
+    theta: float | None = None,
+    pole: Any = None,
+) -> Floats:
     """The start of a launch near a steady motion, its symmetry axis tilted.
 
     Parameters

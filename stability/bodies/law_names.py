@@ -15,9 +15,14 @@ from .dry_friction import RegularisedCoulomb
 
 
 def law_named(
-    name: str, mu: float | None, *, needed: bool = True, motion: bool = False,
-    epsilon: float | None = None, others: Mapping[str, float] | None = None,
-) -> Contact:  # fmt: skip
+    name: str,
+    mu: float | None,
+    *,
+    needed: bool = True,
+    motion: bool = False,
+    epsilon: float | None = None,
+    others: Mapping[str, float] | None = None,
+) -> Contact:
     """The contact law of that name, with its parameters.
 
     Parameters
@@ -104,8 +109,11 @@ def law_given(
         contact = Viscous
     if not isinstance(contact, (str, type)):
         return contact
-    law = class_named(contact, motion=motion) if isinstance(contact, str) else law_class(
-        contact, motion=motion)  # fmt: skip
+    law = (
+        class_named(contact, motion=motion)
+        if isinstance(contact, str)
+        else law_class(contact, motion=motion)
+    )
     own: dict[str, Any] = {}
     for p in law.parameters:
         if p.name in swept and p.name in given:
@@ -202,9 +210,12 @@ def _imported(place: str) -> Any:
     if not all(part.isidentifier() for part in (*module.split("."), name)):
         raise NameUnknownError(f"contact is {shown(place)}; give `module:Class`.")
     found = imported(
-        "contact", place, lambda: getattr(import_module(module), name), os.getcwd(),
+        "contact",
+        place,
+        lambda: getattr(import_module(module), name),
+        os.getcwd(),
         "give a module on Python's path or in this folder, and a class in it",
-    )  # fmt: skip
+    )
     if not (isinstance(found, type) and issubclass(found, Contact) and found.name):
         raise NameUnknownError(
             f"contact is {shown(place)}, which is not a subclass of Contact with a name of its own."

@@ -22,11 +22,35 @@ WORK, PROBE = "work", "probe"
 PROBE_UNIT = 1024.0
 """Unit of the probe, so large that the probe never decides a step that another entry can decide."""
 TAKEN = (
-    "time", "outcome", "evidence", "end_time", "end_time_error", "settled_time", "energy_error",
-    "final_error", "steps", "method", "running", "number", "nearest_family", "nearest_distance",
-    "nearest_member", "event_launch", "event_time", "event_kind", "event_state", "event_direction",
-    "start_state", "dissipated", "audit", "launch", "event", "state", WORK, PROBE,
-)  # fmt: skip
+    "time",
+    "outcome",
+    "evidence",
+    "end_time",
+    "end_time_error",
+    "settled_time",
+    "energy_error",
+    "final_error",
+    "steps",
+    "method",
+    "running",
+    "number",
+    "nearest_family",
+    "nearest_distance",
+    "nearest_member",
+    "event_launch",
+    "event_time",
+    "event_kind",
+    "event_state",
+    "event_direction",
+    "start_state",
+    "dissipated",
+    "audit",
+    "launch",
+    "event",
+    "state",
+    WORK,
+    PROBE,
+)
 """Names of a motion's dataset that no state, parameter or observable can have."""
 
 
@@ -220,10 +244,18 @@ def _system_model(same: Same) -> Model:
     x, rhs, names = [*x, probe], [*rhs, _probed(system.x, probe)], [*names, PROBE]
     sentences = {f"condition {i}": c.sentence for i, c in enumerate(system.conditions, 1)}
     return Model(
-        system, system.states, ca.vertcat(*x), system.p, ca.vertcat(*rhs), tuple(names),
-        dict(zip(sentences, (c.value for c in system.conditions), strict=True)), sentences, series,
-        title=f"motion of {system.name}", source="user's system, integrated",
-    )  # fmt: skip
+        system,
+        system.states,
+        ca.vertcat(*x),
+        system.p,
+        ca.vertcat(*rhs),
+        tuple(names),
+        dict(zip(sentences, (c.value for c in system.conditions), strict=True)),
+        sentences,
+        series,
+        title=f"motion of {system.name}",
+        source="user's system, integrated",
+    )
 
 
 def _probed(x: ca.SX, probe: ca.SX) -> ca.SX:

@@ -45,9 +45,13 @@ class NewtonEuler:
     """Rate of a slip that is stated and is a symbol; None where it follows from the states."""
 
     def __init__(
-        self, x: ca.SX, contact: type[Contact], mu: Any, slips: bool,
+        self,
+        x: ca.SX,
+        contact: type[Contact],
+        mu: Any,
+        slips: bool,
         slip: list[ca.SX] | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.x, self.mu, self.slips = x, mu, slips
         self.law = contact.__new__(contact)  # only its formulas are used, never its coefficient
         self.holds = holds = contact.holds

@@ -30,7 +30,7 @@ from ..systems.structure.enclosure import (
     characteristic,
     in_one_box,
     matrix_polynomial,
-)  # fmt: skip
+)
 from ..systems.structure.multiplicity import certain, symmetric
 from ..systems.structure.structural_zeros import structure
 from .critical import frequency
@@ -158,8 +158,10 @@ class AxisScan:
         if self.problem.derived or self.formulas is not None:
             return True
         with precision(BITS):
-            places = [self.problem.balls(self.fixed | {self.axis: v}) for v in (
-                arb(middle), arb(low).union(arb(high)), arb(low), arb(high))]  # fmt: skip
+            places = [
+                self.problem.balls(self.fixed | {self.axis: v})
+                for v in (arb(middle), arb(low).union(arb(high)), arb(low), arb(high))
+            ]
             return in_one_box(self.problem.family, *places)
 
     def polynomial(self, value: float, bits: int = BITS) -> list[Any]:

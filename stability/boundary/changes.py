@@ -112,10 +112,12 @@ def boundaries(
     works = cited(law, model=of_package(problem), proofs=True)
     fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
     found = replace(
-        found, points=tuple(replace(b, good=_good(problem, fixed, grid.name, b)) for b in found),
+        found,
+        points=tuple(replace(b, good=_good(problem, fixed, grid.name, b)) for b in found),
         how=problem.family.system.qualified(found.how),
-        searched=(grid.name, grid.low, grid.high), citation=works,
-    )  # fmt: skip
+        searched=(grid.name, grid.low, grid.high),
+        citation=works,
+    )
     found.warn(grid.name)
     return found
 
@@ -245,17 +247,27 @@ def located(line: AxisScan, found: Search) -> Boundaries:
         proof = bracket(sign, root, room)
         if proof is None:
             ends = float(np.nextafter(root, -np.inf)), float(np.nextafter(root, np.inf))
-            left.append(Unresolved(
-                *ends, "the verdict changes here, but no two doubles next to the change have "
-                "proved verdicts that differ: another change is too near.",
-            ))  # fmt: skip
+            left.append(
+                Unresolved(
+                    *ends,
+                    "the verdict changes here, but no two doubles next to the change have "
+                    "proved verdicts that differ: another change is too near.",
+                )
+            )
             continue
         crossing = CROSSINGS[mark.kind]
         rate = _rate(line, found, mark, root, crossing)
         points.append(BoundaryPoint(root, proof[0], crossing, rate, proof[1]))
     touching, unclear = _touching(line, found)
-    left += [Unresolved(v, v, f"whether the member of {line.problem.family.name} there is neutral, "
-                        "between unstable ones, is not decided.") for v in unclear]  # fmt: skip
+    left += [
+        Unresolved(
+            v,
+            v,
+            f"whether the member of {line.problem.family.name} there is neutral, "
+            "between unstable ones, is not decided.",
+        )
+        for v in unclear
+    ]
     left = list(dict.fromkeys(left))
     how = EXACT + (f", {OWN}" if line.problem.family.exact else "")
     return Boundaries(tuple(points), tuple(sorted(left)), tuple(touching), how)
@@ -319,6 +331,7 @@ def _pole(line: AxisScan, mark: Mark) -> Unresolved:
     value = float(mark.value.mid())
     said = "differs on the two sides" if mark.below != mark.above else "is the same on both sides"
     return Unresolved(
-        value, value,
+        value,
+        value,
         f"the linearisation of {line.problem.family.name} has no value there; the verdict {said}.",
-    )  # fmt: skip
+    )

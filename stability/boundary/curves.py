@@ -119,13 +119,15 @@ def trace(
     if progress:
         progress(total, total)
     return Curves(
-        np.array([r.place(0) for r in rows]), np.array([r.place(1) for r in rows]),
+        np.array([r.place(0) for r in rows]),
+        np.array([r.place(1) for r in rows]),
         np.array([r.axis for r in rows], dtype=np.int8),
         np.array([r.point.error for r in rows]),
         np.array([KINDS[r.point.crossing] for r in rows], dtype=np.int8),
         np.array([r.point.frequency for r in rows]),
-        np.array([r.curve for r in rows], dtype=np.int32), missing,
-    )  # fmt: skip
+        np.array([r.curve for r in rows], dtype=np.int32),
+        missing,
+    )
 
 
 class _Placed(NamedTuple):
@@ -209,9 +211,13 @@ class Tips:
         return self._with(middle, first, up, last, down)
 
     def _with(
-        self, middle: list[_Placed], first: _Placed, up: list[_Placed], last: _Placed,
+        self,
+        middle: list[_Placed],
+        first: _Placed,
+        up: list[_Placed],
+        last: _Placed,
         down: list[_Placed],
-    ) -> list[_Placed]:  # fmt: skip
+    ) -> list[_Placed]:
         """Both sides, and each of the tip's own points on the side that it belongs to."""
         axis = first.axis
         if not up:
@@ -219,8 +225,11 @@ class Tips:
 
         def off(side: list[_Placed], one: _Placed) -> float:
             order = sorted(side, key=lambda p: p.place(1 - axis))
-            at = np.interp(one.place(1 - axis), [p.place(1 - axis) for p in order],
-                           [p.place(axis) for p in order])  # fmt: skip
+            at = np.interp(
+                one.place(1 - axis),
+                [p.place(1 - axis) for p in order],
+                [p.place(axis) for p in order],
+            )
             return abs(float(at) - one.place(axis))
 
         sides = [first, *up], [last, *down]
@@ -250,8 +259,14 @@ class Tips:
         tries += np.linspace(outer[0], outer[1], TRIES).tolist()
         try:
             ground = line.quick_sign(outer[0])
-            inside = next((float(v) for v in tries if outer[0] < v < outer[1]
-                           and line.quick_sign(float(v)) == -ground), None)  # fmt: skip
+            inside = next(
+                (
+                    float(v)
+                    for v in tries
+                    if outer[0] < v < outer[1] and line.quick_sign(float(v)) == -ground
+                ),
+                None,
+            )
             if not ground or inside is None or line.quick_sign(outer[1]) != ground:
                 return None
             sides = refine(line, outer[0], inside), refine(line, inside, outer[1])
@@ -296,9 +311,16 @@ def _extended(side: tuple[_Placed, ...], axis: int, height: float) -> float:
 
 
 def _edge(
-    problem: Problem, axes: tuple[Axis, Axis], fixed: dict[str, float],
-    axis: int, x: float, y: float, end: float, *, neutral: bool,
-) -> BoundaryPoint | None:  # fmt: skip
+    problem: Problem,
+    axes: tuple[Axis, Axis],
+    fixed: dict[str, float],
+    axis: int,
+    x: float,
+    y: float,
+    end: float,
+    *,
+    neutral: bool,
+) -> BoundaryPoint | None:
     other = axes[1 - axis]
     line = AxisScan(problem, axes[axis].name, fixed | {other.name: (x, y)[1 - axis]})
     line.neutral = neutral
@@ -309,9 +331,13 @@ def _edge(
 
 
 def _signs(
-    problem: Problem, axes: tuple[Axis, Axis], codes: NDArray[np.int8], abscissa: Floats,
-    *, neutral: bool,
-) -> Floats:  # fmt: skip
+    problem: Problem,
+    axes: tuple[Axis, Axis],
+    codes: NDArray[np.int8],
+    abscissa: Floats,
+    *,
+    neutral: bool,
+) -> Floats:
     """+1 good, -1 unstable; balls settle cells that double precision leaves open."""
     sign = np.where(codes == CODES[Verdict.UNSTABLE], -1.0, 1.0)
     sign[codes == CODES[Verdict.NEUTRAL]] = float(neutral)

@@ -148,9 +148,14 @@ def drift(
 
 
 def _drift(
-    w: Floats, k: Floats, mu: Floats, lean: Floats, rate: Floats, shape: tuple[int, ...],
+    w: Floats,
+    k: Floats,
+    mu: Floats,
+    lean: Floats,
+    rate: Floats,
+    shape: tuple[int, ...],
     launch: bool,
-) -> Drift:  # fmt: skip
+) -> Drift:
     bad = 2 * k * w**2 <= 1
     if bad.any():
         limit = float((rate / np.sqrt(2 * k))[bad][0])
@@ -181,6 +186,10 @@ def _drift(
         return float(value[0]) if not shape else value.reshape(shape)
 
     return Drift(
-        shaped(rate / np.sqrt(2 * k)), shaped(time / rate), shaped(start), shaped(end),
-        shaped(rates[0]), shaped(-rates[1]),
-    )  # fmt: skip
+        shaped(rate / np.sqrt(2 * k)),
+        shaped(time / rate),
+        shaped(start),
+        shaped(end),
+        shaped(rates[0]),
+        shaped(-rates[1]),
+    )

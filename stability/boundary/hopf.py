@@ -247,10 +247,16 @@ def _scanned(problem: Problem, record: SteadyFamily, unit: float, points: int) -
         f"{high:.6g} at {points} points; two boundaries between two points are not excluded."
     )
     return [
-        Mark(arb(b.value, b.error), "flutter", 1 if b.stable_below else -1,
-             -1 if b.stable_below else 1, arb(b.value, b.error))
-        for b in found if b.crossing is Crossing.FLUTTER
-    ]  # fmt: skip
+        Mark(
+            arb(b.value, b.error),
+            "flutter",
+            1 if b.stable_below else -1,
+            -1 if b.stable_below else 1,
+            arb(b.value, b.error),
+        )
+        for b in found
+        if b.crossing is Crossing.FLUTTER
+    ]
 
 
 def _point(problem: Problem, mark: Mark, unit: float) -> HopfPoint:
@@ -261,9 +267,15 @@ def _point(problem: Problem, mark: Mark, unit: float) -> HopfPoint:
     clear = not form.crossing.contains(0) and not form.push.contains(0)
     kind = HopfKind.ELLIPTIC if crossing * push < 0 else HopfKind.HYPERBOLIC
     return HopfPoint(
-        float(mark.value.mid()), kind if clear else HopfKind.DEGENERATE, mark.below > 0,
-        float((form.frequency * rate).mid()), crossing, push, form.mode, unit,
-    )  # fmt: skip
+        float(mark.value.mid()),
+        kind if clear else HopfKind.DEGENERATE,
+        mark.below > 0,
+        float((form.frequency * rate).mid()),
+        crossing,
+        push,
+        form.mode,
+        unit,
+    )
 
 
 @lru_cache(maxsize=16)

@@ -57,10 +57,14 @@ def scanned(line: AxisScan, grid: Floats, why: str = "") -> Boundaries:
             left.append(Unresolved(values[i], values[j], reason))
         elif j > i + 1:
             left.append(Unresolved(values[i], values[j], _open(values[i + 1])))
-    left.append(Unresolved(
-        values[0], values[-1], f"between neighbours of the {len(grid)} points of the scan a pair "
-        "of changes is not excluded" + (f": {why}." if why else "."),
-    ))  # fmt: skip
+    left.append(
+        Unresolved(
+            values[0],
+            values[-1],
+            f"between neighbours of the {len(grid)} points of the scan a pair "
+            "of changes is not excluded" + (f": {why}." if why else "."),
+        )
+    )
     return Boundaries(tuple(points), tuple(left), how=SCANNED)
 
 

@@ -189,9 +189,12 @@ def _cleared(value: Any) -> Any:
 
 
 def _marks(
-    source: Conditions | Characteristic, angle: str, edge: bool, ends: tuple[Any, ...],
+    source: Conditions | Characteristic,
+    angle: str,
+    edge: bool,
+    ends: tuple[Any, ...],
     positive: bool,
-) -> list[Mark]:  # fmt: skip
+) -> list[Mark]:
     polynomials = [p for _, p in source.critical if not p.is_constant()]
     if source.poles is not None:
         polynomials.append(multivariate(source.poles))

@@ -32,8 +32,11 @@ def _shape_options() -> dict[str, list[str]]:
 def _numbers_of(make: Callable[..., Any]) -> dict[str, Parameter]:
     """The parameters of a body's function that have a name."""
     every = signature(make).parameters
-    return {n: p for n, p in every.items()
-            if n != ACCURACY and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)}  # fmt: skip
+    return {
+        n: p
+        for n, p in every.items()
+        if n != ACCURACY and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)
+    }
 
 
 def add_body(
@@ -57,19 +60,26 @@ def add_body(
     from ..bodies.round_body.shapes.named import NAMED
 
     bodies = ", ".join(
-        " ".join([
-            body, *(f"--{n} X" for n, p in _numbers_of(make).items() if p.default is p.empty),
-            *(f"[--{n} X]" for n, p in _numbers_of(make).items() if type(p.default) is float),
-        ])
+        " ".join(
+            [
+                body,
+                *(f"--{n} X" for n, p in _numbers_of(make).items() if p.default is p.empty),
+                *(f"[--{n} X]" for n, p in _numbers_of(make).items() if type(p.default) is float),
+            ]
+        )
         for body, make in NAMED.items()
-    )  # fmt: skip
+    )
     group = parser.add_argument_group(
         "bodies of revolution",
         "in place of the disk, such as --body torus --tube 0.2",
     )
-    group.add_argument("--body", metavar="NAME", help=f"{bodies}; or module:name or file.py:name "
-                       "of a body of your own, or of a function that returns one, each of whose "
-                       "numbers is an option --NAME X")  # fmt: skip
+    group.add_argument(
+        "--body",
+        metavar="NAME",
+        help=f"{bodies}; or module:name or file.py:name "
+        "of a body of your own, or of a function that returns one, each of whose "
+        "numbers is an option --NAME X",
+    )
     for name, owners in _shape_options().items():
         of = listed([f"of {owner}" for owner in owners], "or")
         if name == "solid":

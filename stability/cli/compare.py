@@ -31,18 +31,29 @@ def add_arguments(parser: argparse.ArgumentParser, *, chart: bool) -> None:
     """
     if chart:
         parser.add_argument("what", metavar="WHAT", help="spectrum or motion")
-    parser.add_argument("--out", required=True, metavar="DIR",
-                        help="folder to write; finished cells are kept there, and a run "
-                        "that was stopped is resumed")  # fmt: skip
-    parser.add_argument("--workers", type=int, metavar="N",
-                        help="processes for the catalogue (default: all cores); charts are timed, "
-                        "and take one")  # fmt: skip
+    parser.add_argument(
+        "--out",
+        required=True,
+        metavar="DIR",
+        help="folder to write; finished cells are kept there, and a run "
+        "that was stopped is resumed",
+    )
+    parser.add_argument(
+        "--workers",
+        type=int,
+        metavar="N",
+        help="processes for the catalogue (default: all cores); charts are timed, and take one",
+    )
     what = "hardness classes, `boundary`, or motions" if chart else "hard cases"
-    parser.add_argument("--cases", metavar="NAMES",
-                        help=f"{what}, comma-separated; a word of a name or of a heading "
-                        "chooses all that have it (default: all)")  # fmt: skip
-    parser.add_argument("--methods", metavar="NAMES",
-                        help="routes or integrators, in the same way (default: all)")  # fmt: skip
+    parser.add_argument(
+        "--cases",
+        metavar="NAMES",
+        help=f"{what}, comma-separated; a word of a name or of a heading "
+        "chooses all that have it (default: all)",
+    )
+    parser.add_argument(
+        "--methods", metavar="NAMES", help="routes or integrators, in the same way (default: all)"
+    )
     overwriting(parser, "write into a folder that holds other files")
 
 
@@ -72,9 +83,13 @@ def run(options: argparse.Namespace) -> None:
 
         parts = parts or tuple(PARTS)
         page = report(
-            options.out, parts, **choice, overwrite=options.force, workers=options.workers,
+            options.out,
+            parts,
+            **choice,
+            overwrite=options.force,
+            workers=options.workers,
             progress=progress,
-        )  # fmt: skip
+        )
         found = summary(page.parent, planned(parts, **choice))
     if options.json:
         print(json_text(found))
@@ -118,10 +133,13 @@ def summary(folder: Path, plan: Mapping[str, Sequence[Sequence[Task]]]) -> dict[
         files += [str(folder / f"{plate.stem}.png") for plate in one.plates]
         if name == SCENES:
             told = {n: choice(data) for n, data in one.chart.items()}
-            out[name] = {"files": files, "models": {
-                n: {"chosen": mine, "cheapest": best, "factor": ratio}
-                for n, (mine, best, ratio) in told.items()
-            }}  # fmt: skip
+            out[name] = {
+                "files": files,
+                "models": {
+                    n: {"chosen": mine, "cheapest": best, "factor": ratio}
+                    for n, (mine, best, ratio) in told.items()
+                },
+            }
             continue
         if name != FAILURES:
             out[name] = {"files": files, "standings": [vars(s) for s in standings(one)]}

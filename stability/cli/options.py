@@ -18,8 +18,9 @@ MOST_VALUES = 1000
 def of_own_body(words: Sequence[str]) -> bool:
     """Whether a command line names a user's body, whose numbers are options too."""
     joined = zip(words, [*words, ""][1:], strict=True)
-    return any(":" in (w if w.startswith("--body=") else n if w == "--body" else "")
-               for w, n in joined)  # fmt: skip
+    return any(
+        ":" in (w if w.startswith("--body=") else n if w == "--body" else "") for w, n in joined
+    )
 
 
 class _Parser(argparse.ArgumentParser):
@@ -77,9 +78,13 @@ def overwriting(parser: argparse.ArgumentParser, what: str) -> None:
 
 def scheduling(parser: argparse.ArgumentParser, default: str | None = "threads") -> None:
     """Options of the workers of a job; `default` is the scheduler where none is given."""
-    parser.add_argument("--scheduler", metavar="WHERE", default=default,
-                        help="threads (default), processes, dask, or the address of a scheduler of "
-                        "dask such as tcp://127.0.0.1:8786")  # fmt: skip
+    parser.add_argument(
+        "--scheduler",
+        metavar="WHERE",
+        default=default,
+        help="threads (default), processes, dask, or the address of a scheduler of "
+        "dask such as tcp://127.0.0.1:8786",
+    )
     parser.add_argument("--workers", type=int, metavar="N", help="workers (default: all cores)")
 
 

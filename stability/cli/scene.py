@@ -33,18 +33,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         The command's parser.
     """
     parser.add_argument("file", metavar="FILE.toml", help="the scene; see examples/scenes")
-    parser.add_argument("--verify", action="store_true",
-                        help="run the full model at a finer tolerance too, and tell the true "
-                        "error")  # fmt: skip
-    parser.add_argument("--only", metavar="RUNG",
-                        help="run one model, with its error: steady, linearised, second-order, "
-                        "creep, or the name of the law")  # fmt: skip
-    parser.add_argument("--out", metavar="F.nc",
-                        help="NetCDF file to write: the motion at many times, each within the "
-                        "tolerance")  # fmt: skip
-    parser.add_argument("--plot", metavar="F.png",
-                        help="figure to write (PNG, PDF or SVG): time against true error of every "
-                        "model; of several laws the first is taken for the truth")  # fmt: skip
+    parser.add_argument(
+        "--verify",
+        action="store_true",
+        help="run the full model at a finer tolerance too, and tell the true error",
+    )
+    parser.add_argument(
+        "--only",
+        metavar="RUNG",
+        help="run one model, with its error: steady, linearised, second-order, "
+        "creep, or the name of the law",
+    )
+    parser.add_argument(
+        "--out",
+        metavar="F.nc",
+        help="NetCDF file to write: the motion at many times, each within the tolerance",
+    )
+    parser.add_argument(
+        "--plot",
+        metavar="F.png",
+        help="figure to write (PNG, PDF or SVG): time against true error of every "
+        "model; of several laws the first is taken for the truth",
+    )
     overwriting(parser, "replace existing files")
 
 
@@ -182,8 +192,11 @@ def _record(
 ) -> dict[str, Any]:
     """The answer as one object."""
     several = bool(answer.parts)
-    value = {n: _asked(_columns(v), names) for n, v in answer.value.items()} if several else (
-        _asked(_columns(answer.value), names))  # fmt: skip
+    value = (
+        {n: _asked(_columns(v), names) for n, v in answer.value.items()}
+        if several
+        else (_asked(_columns(answer.value), names))
+    )
     plain = scene.disk.dimensionless
     record: dict[str, Any] = {
         "title": title,
@@ -218,13 +231,20 @@ def _about(answer: Answer, names: tuple[str, ...]) -> dict[str, Any]:
         "sentence": answer.sentence,
         "notes": answer.notes,
         "rungs": [asdict(r) for r in answer.rungs],
-        "spread": None if spread is None else {
-            "inputs": spread.inputs, "moves": spread.moves, "outcomes": spread.outcomes,
-            "contrary": spread.contrary, "size": spread.size, "wasted": spread.wasted,
-            "routes": spread.routes, "enough": spread.enough,
+        "spread": None
+        if spread is None
+        else {
+            "inputs": spread.inputs,
+            "moves": spread.moves,
+            "outcomes": spread.outcomes,
+            "contrary": spread.contrary,
+            "size": spread.size,
+            "wasted": spread.wasted,
+            "routes": spread.routes,
+            "enough": spread.enough,
         },
         "cost": answer.cost,
-    }  # fmt: skip
+    }
 
 
 def _length(scene: Scene) -> str:

@@ -20,11 +20,12 @@ MOST = 10_000_000
 """Most samples of a run."""
 STATES = {
     "theta": "angle of the symmetry axis from the vertical [rad], π/2 is upright (needed)",
-    "theta_dot": "its rate (default 0, as below)", "phi_dot": "precession rate",
+    "theta_dot": "its rate (default 0, as below)",
+    "phi_dot": "precession rate",
     "omega3": "angular velocity along the symmetry axis",
     "slip_x": "slip of the contact point across the disk",
     "slip_y": "slip along the disk's tangent",
-}  # fmt: skip
+}
 """Options of the start of a disk or body, in the order of its states."""
 RESISTANCES = {
     "rolling_resistance": ("RHO", "moment -RHO·N·ω along the plane, against rolling [m s]"),
@@ -46,23 +47,38 @@ def add_arguments(parser: argparse.ArgumentParser, words: Sequence[str] | None =
     """
     for name, text in STATES.items():
         parser.add_argument(_option(name), type=float, metavar="X", help=text)
-    parser.add_argument("--start", metavar="NAME=X,…",
-                        help="with --system: every state by name, such as q=0.1,v=0")  # fmt: skip
+    parser.add_argument(
+        "--start", metavar="NAME=X,…", help="with --system: every state by name, such as q=0.1,v=0"
+    )
     add_subject(parser, words, motion=True)
     for name, (letter, text) in RESISTANCES.items():
         parser.add_argument(_option(name), type=float, metavar=letter, help=text)
     parser.add_argument("--time", type=float, metavar="T", help="last time (needed)")
-    parser.add_argument("--points", type=int, default=None, metavar="N",
-                        help="samples from 0 to T (default 201)")  # fmt: skip
-    parser.add_argument("--method", default="auto",
-                        help="auto, heyoka, dop853, lsoda, radau, bdf, cvodes, idas")  # fmt: skip
-    parser.add_argument("--tolerance", type=float, default=1e-9, metavar="E",
-                        help="error allowed in a step (default 1e-9)")  # fmt: skip
-    parser.add_argument("--max-seconds", type=float, default=8.0, metavar="S",
-                        help="computing time after which it gives up (default 8)")  # fmt: skip
-    parser.add_argument("--no-check", action="store_true",
-                        help="do not run the neighbours of each launch, which tell the error "
-                        "of its end: faster")  # fmt: skip
+    parser.add_argument(
+        "--points", type=int, default=None, metavar="N", help="samples from 0 to T (default 201)"
+    )
+    parser.add_argument(
+        "--method", default="auto", help="auto, heyoka, dop853, lsoda, radau, bdf, cvodes, idas"
+    )
+    parser.add_argument(
+        "--tolerance",
+        type=float,
+        default=1e-9,
+        metavar="E",
+        help="error allowed in a step (default 1e-9)",
+    )
+    parser.add_argument(
+        "--max-seconds",
+        type=float,
+        default=8.0,
+        metavar="S",
+        help="computing time after which it gives up (default 8)",
+    )
+    parser.add_argument(
+        "--no-check",
+        action="store_true",
+        help="do not run the neighbours of each launch, which tell the error of its end: faster",
+    )
     parser.add_argument("--pose", action="store_true", help="φ, ψ and the paths in the plane too")
     parser.add_argument("--out", metavar="F.nc", help="NetCDF file to write")
     parser.add_argument("--plot", metavar="F.png", help="figure to write (PNG, PDF or SVG)")
@@ -89,9 +105,13 @@ def run(options: argparse.Namespace) -> None:
         from ..motion.simulate import simulate
 
         dataset = simulate(
-            times=_times(options), method=options.method, tolerance=options.tolerance,
-            check=not options.no_check, max_seconds=options.max_seconds, **launch,
-        )  # fmt: skip
+            times=_times(options),
+            method=options.method,
+            tolerance=options.tolerance,
+            check=not options.no_check,
+            max_seconds=options.max_seconds,
+            **launch,
+        )
     with together():
         _draw(options, dataset, targets, thing)
         if options.out is not None:

@@ -16,9 +16,11 @@ def _spectrum(options: argparse.Namespace) -> None:
 
     subject = members(options)
     result = spectrum(
-        subject.family, certify=options.certify, escalate=not options.no_escalate,
+        subject.family,
+        certify=options.certify,
+        escalate=not options.no_escalate,
         **subject.arguments,
-    )  # fmt: skip
+    )
     record = {
         **subject.who,
         **_member(options, subject, result),

@@ -31,8 +31,17 @@ SCALES = ("mass", "radius", "gravity")
 NUMBERS = ("mu", "epsilon", "k", *SCALES, "length")
 """Options of numbers of the disk, other bodies and laws."""
 OF_BODY = (
-    "mu", "epsilon", "contact", "disk", "k", *SCALES, "length", "lean", "theta", "pole",
-)  # fmt: skip
+    "mu",
+    "epsilon",
+    "contact",
+    "disk",
+    "k",
+    *SCALES,
+    "length",
+    "lean",
+    "theta",
+    "pole",
+)
 """Options of the disk and of bodies, which a system of one's own does not have."""
 
 
@@ -40,9 +49,12 @@ OF_BODY = (
 
 
 def add_subject(
-    parser: argparse.ArgumentParser, words: Sequence[str] | None, *, motion: bool = False,
+    parser: argparse.ArgumentParser,
+    words: Sequence[str] | None,
+    *,
+    motion: bool = False,
     place: bool = False,
-) -> None:  # fmt: skip
+) -> None:
     """Add the options that say what a command is about.
 
     Parameters
@@ -57,34 +69,49 @@ def add_subject(
         Whether motions may start near a family, of which a body may have several.
     """
     if motion:
-        parser.add_argument("--system", metavar="MODULE:NAME",
-                            help="a system of your own in place of the disk, or a family of it: "
-                            "module:name, or file.py:name; it may settle on its families that the "
-                            "module names")  # fmt: skip
+        parser.add_argument(
+            "--system",
+            metavar="MODULE:NAME",
+            help="a system of your own in place of the disk, or a family of it: "
+            "module:name, or file.py:name; it may settle on its families that the "
+            "module names",
+        )
     else:
         add_family(parser)
-        parser.add_argument("--system", metavar="MODULE:FAMILY",
-                            help="a family of your own in place of FAMILY: module:name, or "
-                            "file.py:name")  # fmt: skip
+        parser.add_argument(
+            "--system",
+            metavar="MODULE:FAMILY",
+            help="a family of your own in place of FAMILY: module:name, or file.py:name",
+        )
     add_body(parser, words, place=place or not motion)
-    parser.add_argument("--contact", help=f"{MOTION_CONTACTS if motion else CONTACTS}, or "
-                        "module:Class for a law of your own (default viscous)")  # fmt: skip
     parser.add_argument(
-        "--mu", type=float, help="friction coefficient [s/m] (viscous; c = mu m g for linear)"
+        "--contact",
+        help=f"{MOTION_CONTACTS if motion else CONTACTS}, or "
+        "module:Class for a law of your own (default viscous)",
+    )
+    parser.add_argument(
+        "--mu",
+        type=float,
+        help="friction coefficient [s/m] (viscous; c = mu m g for linear)"
         + "; dry friction [-]" * motion,
-    )  # fmt: skip
+    )
     if motion:
         parser.add_argument("--epsilon", type=float, help="slip speed of coulomb-regularised")
     parser.add_argument("--disk", help="a real disk: quarter, le-saux, gymnastics-hoop")
     parser.add_argument("--k", type=float, help="inertia factor in (0, 1/2] (default 1/4)")
-    for name, of, unit in (("mass", "body", "kg"), ("radius", "disk", "m"),
-                           ("gravity", "body", "m/s²")):  # fmt: skip
+    for name, of, unit in (
+        ("mass", "body", "kg"),
+        ("radius", "disk", "m"),
+        ("gravity", "body", "m/s²"),
+    ):
         parser.add_argument(
-            f"--{name}", type=float,
+            f"--{name}",
+            type=float,
             help=f"of the {of} [{unit}] (default 1; all three 1: dimensionless)",
-        )  # fmt: skip
-    add_numbers(parser, "a number by name, of the body, the law, or a system of your own; once for "
-                "each")  # fmt: skip
+        )
+    add_numbers(
+        parser, "a number by name, of the body, the law, or a system of your own; once for each"
+    )
 
 
 def add_family(parser: argparse.ArgumentParser) -> None:
@@ -156,8 +183,11 @@ class Subject:
         """The numbers that no axis has; without moments of inertia that depend on an axis."""
         found = self.numbers
         if set(swept) & set(getattr(self.thing, "shape", ())):
-            own = {**self.thing.given, **self.law.given} if not isinstance(self.law, type) else (
-                self.thing.given)  # fmt: skip
+            own = (
+                {**self.thing.given, **self.law.given}
+                if not isinstance(self.law, type)
+                else (self.thing.given)
+            )
             found = {n: v for n, v in found.items() if n in own}
         return {n: v for n, v in found.items() if n not in swept}
 
@@ -182,7 +212,7 @@ def body_numbers(thing: Any) -> dict[str, Any]:
 
 def members(
     options: argparse.Namespace, axes: Mapping[str, Any] | None = None, *, exact: bool = False
-) -> Subject:  # fmt: skip
+) -> Subject:
     """The family that the options name, with all its numbers but those of the axes.
 
     Parameters
@@ -260,9 +290,13 @@ def refuse_of_body(options: argparse.Namespace, *more: str) -> None:
 
 
 def _of_system(
-    options: argparse.Namespace, family: Any, swept: Mapping[str, Any], *, single: bool,
+    options: argparse.Namespace,
+    family: Any,
+    swept: Mapping[str, Any],
+    *,
+    single: bool,
     exact: bool,
-) -> Subject:  # fmt: skip
+) -> Subject:
     """A user's family with its numbers."""
     if options.at is not None and swept and (len(family.at) > 1 or family.at[0] in swept):
         raise ParameterError(
@@ -341,9 +375,12 @@ def disk_of(options: argparse.Namespace) -> Any:
 
 
 def contact_of(
-    options: argparse.Namespace, given: Mapping[str, float], *, motion: bool = False,
+    options: argparse.Namespace,
+    given: Mapping[str, float],
+    *,
+    motion: bool = False,
     swept: Collection[str] = (),
-) -> Any:  # fmt: skip
+) -> Any:
     """The contact law that the options name; a coefficient that an axis has gets the value 1."""
     from ..bodies.law_names import class_named, law_named
 
@@ -358,8 +395,9 @@ def contact_of(
     if coefficients and set(coefficients) <= set(swept) and options.mu is None:
         return law
     epsilon = getattr(options, "epsilon", None)
-    return law_named(options.contact, options.mu, motion=motion, epsilon=epsilon,
-                     others=coefficients)  # fmt: skip
+    return law_named(
+        options.contact, options.mu, motion=motion, epsilon=epsilon, others=coefficients
+    )
 
 
 def set_numbers(options: argparse.Namespace) -> dict[str, float]:
@@ -390,9 +428,11 @@ def set_numbers(options: argparse.Namespace) -> dict[str, float]:
 
 
 def moving(
-    options: argparse.Namespace, swept: Mapping[str, Any] | None = None, *,
+    options: argparse.Namespace,
+    swept: Mapping[str, Any] | None = None,
+    *,
     coefficients: Collection[str] = (),
-) -> dict[str, Any]:  # fmt: skip
+) -> dict[str, Any]:
     """What moves, as arguments of `simulate` or `basins`: body and law, or system and families.
 
     Parameters

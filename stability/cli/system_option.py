@@ -76,9 +76,12 @@ def contents(option: str, what: str, place: str) -> tuple[str, str, dict[str, An
             return vars(import_module(module))
 
     table = imported(
-        option, place, names_of, folder or os.getcwd(),
+        option,
+        place,
+        names_of,
+        folder or os.getcwd(),
         f"give a module on Python's path or a file, and a {what} in it",
-    )  # fmt: skip
+    )
     return module, name, table
 
 

@@ -102,51 +102,81 @@ def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None = No
         help="families, conditions, drift, hopf, codimension, launches, painleve, benchmarks, "
         "circular, thresholds, flatness or list",
     )
-    sub.add_argument("--list", action="store_true",
-                     help="the tables with source, what is published and recomputed, difference "
-                     "and status; the same as `table list`")  # fmt: skip
-    sub.add_argument("--csv", action="store_true",
-                     help="print CSV: one header line with units, all digits")  # fmt: skip
-    sub.add_argument("--latex", action="store_true",
-                     help="print LaTeX, with booktabs; `conditions`: the formulas too")  # fmt: skip
+    sub.add_argument(
+        "--list",
+        action="store_true",
+        help="the tables with source, what is published and recomputed, difference "
+        "and status; the same as `table list`",
+    )
+    sub.add_argument(
+        "--csv", action="store_true", help="print CSV: one header line with units, all digits"
+    )
+    sub.add_argument(
+        "--latex",
+        action="store_true",
+        help="print LaTeX, with booktabs; `conditions`: the formulas too",
+    )
     sub.add_argument("--out", metavar="FILE", help="write a .csv, .json, .tex or .txt file")
     overwriting(sub, "replace an existing file")
     lists = "`conditions`, `drift`, `hopf`, `launches`: {} of the disk, comma-separated; "
     one = "`codimension --family`: one, where it is no axis"
     sub.add_argument("--k", type=_list, help=lists.format("inertia factors") + one)
     sub.add_argument("--mu", type=_list, help=lists.format("friction coefficients") + one)
-    sub.add_argument("--tilt", type=_list,
-                     help="`drift`: tilts [rad], comma-separated; `launches`: one")  # fmt: skip
-    sub.add_argument("--at", type=_list,
-                     help="`launches`: initial angular velocities, comma-separated; `codimension "
-                     "--family`: what names the member, one, where it is no axis")  # fmt: skip
+    sub.add_argument(
+        "--tilt", type=_list, help="`drift`: tilts [rad], comma-separated; `launches`: one"
+    )
+    sub.add_argument(
+        "--at",
+        type=_list,
+        help="`launches`: initial angular velocities, comma-separated; `codimension "
+        "--family`: what names the member, one, where it is no axis",
+    )
     sub.add_argument("--time", type=float, help="`launches`: length of each run")
-    sub.add_argument("--systems", metavar="NAMES",
-                     help="`benchmarks`: names of systems or words of names, comma-separated "
-                     "(default: all)")  # fmt: skip
-    sub.add_argument("--contact", help=f"`conditions`, `drift`, `hopf`, `launches`, `codimension "
-                     f"--family`: one law of {CONTACTS}, or module:Class of your own")  # fmt: skip
+    sub.add_argument(
+        "--systems",
+        metavar="NAMES",
+        help="`benchmarks`: names of systems or words of names, comma-separated (default: all)",
+    )
+    sub.add_argument(
+        "--contact",
+        help=f"`conditions`, `drift`, `hopf`, `launches`, `codimension "
+        f"--family`: one law of {CONTACTS}, or module:Class of your own",
+    )
     for name, unit in (("mass", "kg"), ("radius", "m"), ("gravity", "m/s²")):
-        sub.add_argument(f"--{name}", type=float, help=f"{name} of the disk [{unit}], where --k is "
-                         "taken (default 1)")  # fmt: skip
+        sub.add_argument(
+            f"--{name}",
+            type=float,
+            help=f"{name} of the disk [{unit}], where --k is taken (default 1)",
+        )
     _of_family(sub)
     add_body(sub, words, place=False)
 
 
 def _of_family(sub: argparse.ArgumentParser) -> None:
     """Arguments of tables of one family."""
-    sub.add_argument("--system", metavar="MODULE:FAMILY",
-                     help="`conditions`, `hopf` or `codimension` of a family of your own: "
-                     "module:name, or file.py:name")  # fmt: skip
+    sub.add_argument(
+        "--system",
+        metavar="MODULE:FAMILY",
+        help="`conditions`, `hopf` or `codimension` of a family of your own: "
+        "module:name, or file.py:name",
+    )
     sub.add_argument("--family", help="`codimension` of one of the disk's families")
     axis = "NAME:LO:HI:N[:log]"
-    sub.add_argument("--x", metavar=axis,
-                     help="`codimension`: the first axis; `hopf --system`: the axis")  # fmt: skip
+    sub.add_argument(
+        "--x", metavar=axis, help="`codimension`: the first axis; `hopf --system`: the axis"
+    )
     sub.add_argument("--y", metavar=axis, help="`codimension`: the second axis")
-    sub.add_argument("--positive", metavar="NAMES",
-                     help="`conditions --system`: positive names, comma-separated")  # fmt: skip
-    sub.add_argument("--decimals", action="store_true",
-                     help="`conditions --system`: read a number of the equations, such as 9.81, as "
-                     "the decimal, not as its nearest double")  # fmt: skip
-    add_numbers(sub, "--system: a number for a parameter, such as g=9.81 or r=3/10, which "
-                "`conditions` takes exactly; once for each")  # fmt: skip
+    sub.add_argument(
+        "--positive", metavar="NAMES", help="`conditions --system`: positive names, comma-separated"
+    )
+    sub.add_argument(
+        "--decimals",
+        action="store_true",
+        help="`conditions --system`: read a number of the equations, such as 9.81, as "
+        "the decimal, not as its nearest double",
+    )
+    add_numbers(
+        sub,
+        "--system: a number for a parameter, such as g=9.81 or r=3/10, which "
+        "`conditions` takes exactly; once for each",
+    )

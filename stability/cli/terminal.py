@@ -249,9 +249,14 @@ def allowed_memory() -> int:
 
 
 STARVED = (
-    "bad_alloc", "failed to map segment", "annot allocate memory", "nable to allocate",
-    "can't start new thread", "out of memory", "ot enough memory",
-)  # fmt: skip
+    "bad_alloc",
+    "failed to map segment",
+    "annot allocate memory",
+    "nable to allocate",
+    "can't start new thread",
+    "out of memory",
+    "ot enough memory",
+)
 """Parts of the messages of libraries without memory, whose classes of error differ."""
 
 

@@ -62,10 +62,21 @@ def spectrum_csv(cells: Mapping[str, Cell]) -> str:
     str
     """
     columns = (
-        "hardness", "route", "status", "points", "wrong", "undecided", "worst_eigenvalue_error",
-        "worst_abscissa_error", "first_call_s", "one_point_s", "a_point_of_many_s",
-        "one_point_timings_s", "many_timings_s", "message",
-    )  # fmt: skip
+        "hardness",
+        "route",
+        "status",
+        "points",
+        "wrong",
+        "undecided",
+        "worst_eigenvalue_error",
+        "worst_abscissa_error",
+        "first_call_s",
+        "one_point_s",
+        "a_point_of_many_s",
+        "one_point_timings_s",
+        "many_timings_s",
+        "message",
+    )
     rows = []
     for key, cell in cells.items():
         if not key.startswith("spectrum/"):
@@ -76,11 +87,23 @@ def spectrum_csv(cells: Mapping[str, Cell]) -> str:
             rows.append((hardness, route, cell.status, *[""] * 10, cell.message))
             continue
         worst = ["" if v[q] is None else max(v[q]) for q in ("eigenvalues", "abscissa")]
-        rows.append((
-            hardness, route, cell.status, v["count"], v["wrong"], v["undecided"], *worst,
-            v["first"], _least(v["one"]), _least(v["many"]), _timings(v["one"]),
-            _timings(v["many"]), "",
-        ))  # fmt: skip
+        rows.append(
+            (
+                hardness,
+                route,
+                cell.status,
+                v["count"],
+                v["wrong"],
+                v["undecided"],
+                *worst,
+                v["first"],
+                _least(v["one"]),
+                _least(v["many"]),
+                _timings(v["one"]),
+                _timings(v["many"]),
+                "",
+            )
+        )
     return csv_text(columns, rows)
 
 
@@ -96,8 +119,17 @@ def boundary_csv(cells: Mapping[str, Cell]) -> str:
     -------
     str
     """
-    columns = ("route", "family", "contact", "k", "mu", "relative_error", "stated_half_width",
-               "seconds", "status")  # fmt: skip
+    columns = (
+        "route",
+        "family",
+        "contact",
+        "k",
+        "mu",
+        "relative_error",
+        "stated_half_width",
+        "seconds",
+        "status",
+    )
     rows: list[Sequence[Any]] = []
     for key, cell in cells.items():
         if not key.startswith("boundary/"):
@@ -109,8 +141,16 @@ def boundary_csv(cells: Mapping[str, Cell]) -> str:
                 rows.append((route, *where, "", "", "", cell.status))
             elif (seconds := cell.value["seconds"][i]) is not None:
                 error = cell.value["error"][i]
-                rows.append((route, *where, _known(error), _known(cell.value["width"][i]), seconds,
-                             "not found" if error is None else "found"))  # fmt: skip
+                rows.append(
+                    (
+                        route,
+                        *where,
+                        _known(error),
+                        _known(cell.value["width"][i]),
+                        seconds,
+                        "not found" if error is None else "found",
+                    )
+                )
     return csv_text(columns, rows)
 
 
@@ -127,8 +167,18 @@ def motion_csv(cells: Mapping[str, Cell]) -> str:
     str
     """
     metrics = ("final", "path", "audit", "event", "stated")
-    columns = ("scene", "driver", "tolerance", "outcome", *(f"{m}_error" for m in metrics[:4]),
-               "stated_error", "least_s", "timings_s", "first_call_s", "message")  # fmt: skip
+    columns = (
+        "scene",
+        "driver",
+        "tolerance",
+        "outcome",
+        *(f"{m}_error" for m in metrics[:4]),
+        "stated_error",
+        "least_s",
+        "timings_s",
+        "first_call_s",
+        "message",
+    )
     rows: list[Sequence[Any]] = []
     for key, cell in cells.items():
         if not key.startswith("motion/"):
@@ -139,11 +189,28 @@ def motion_csv(cells: Mapping[str, Cell]) -> str:
             continue
         for tolerance, row in zip(cell.value["tolerance"], cell.value["rows"], strict=True):
             if row["message"]:
-                rows.append((which, driver, tolerance, *[""] * 8, _known(cell.value["first"]),
-                             row["message"]))  # fmt: skip
+                rows.append(
+                    (
+                        which,
+                        driver,
+                        tolerance,
+                        *[""] * 8,
+                        _known(cell.value["first"]),
+                        row["message"],
+                    )
+                )
                 continue
-            rows.append((
-                which, driver, tolerance, row["outcome"], *(_known(row[m]) for m in metrics),
-                _least(row["seconds"]), _timings(row["seconds"]), cell.value["first"], "",
-            ))  # fmt: skip
+            rows.append(
+                (
+                    which,
+                    driver,
+                    tolerance,
+                    row["outcome"],
+                    *(_known(row[m]) for m in metrics),
+                    _least(row["seconds"]),
+                    _timings(row["seconds"]),
+                    cell.value["first"],
+                    "",
+                )
+            )
     return csv_text(columns, rows)

@@ -18,16 +18,42 @@ from .spectrum.cases import CASES, DECADES
 from .spectrum.measure import ROUTES
 
 _FIRST = (
-    "forward-1e-4", "forward", "forward-1e-12", "central", "complex-step", "ad-raw", "ad",
-    "ad-1e-9", "sympy", "sympy-solved", "polynomial", "hurwitz", "mpmath-30", "mpmath-50",
+    "forward-1e-4",
+    "forward",
+    "forward-1e-12",
+    "central",
+    "complex-step",
+    "ad-raw",
+    "ad",
+    "ad-1e-9",
+    "sympy",
+    "sympy-solved",
+    "polynomial",
+    "hurwitz",
+    "mpmath-30",
+    "mpmath-50",
     "mpmath-100",
-)  # fmt: skip
+)
 ROUTE_NAMES = (*_FIRST, *(name for name in ROUTES if name not in _FIRST))
 """Columns of the linear part: routes that people use, then those of the package."""
 _LEADING = (
-    "rk4", "rk45-default", "rk45", "rough-model", "smooth-model", "regularised", "dop853", "lsoda",
-    "radau", "bdf", "cvodes", "idas", "heyoka", "unchecked", "simulate", "simulate-fine",
-)  # fmt: skip
+    "rk4",
+    "rk45-default",
+    "rk45",
+    "rough-model",
+    "smooth-model",
+    "regularised",
+    "dop853",
+    "lsoda",
+    "radau",
+    "bdf",
+    "cvodes",
+    "idas",
+    "heyoka",
+    "unchecked",
+    "simulate",
+    "simulate-fine",
+)
 DRIVER_NAMES = (*_LEADING, *(name for name in drivers.DRIVERS if name not in _LEADING))
 """Columns of the part on motion."""
 STEPS = ("right", "undecided", "wrong")
@@ -66,10 +92,12 @@ def tasks() -> list[list[Task]]:
         for name in ROUTE_NAMES
     ]
     motion = [
-        [Task(f"failure/{MOTION}/{case}/{name}", weigh_motion, (case, name), LIMIT)
-         for case in MOTION_CASES]
+        [
+            Task(f"failure/{MOTION}/{case}/{name}", weigh_motion, (case, name), LIMIT)
+            for case in MOTION_CASES
+        ]
         for name in DRIVER_NAMES
-    ]  # fmt: skip
+    ]
     return sorted([*linear, *motion], key=_slow, reverse=True)
 
 
@@ -104,8 +132,12 @@ def weigh_motion(case: str, method: str) -> dict[str, Any] | None:
 def _kept(judgement: Judgement | None) -> dict[str, Any] | None:
     if judgement is None:
         return None
-    return {"mark": judgement.mark.word, "digits": judgement.digits, "note": judgement.note,
-            "steps": judgement.steps}  # fmt: skip
+    return {
+        "mark": judgement.mark.word,
+        "digits": judgement.digits,
+        "note": judgement.note,
+        "steps": judgement.steps,
+    }
 
 
 def attempt(judge: Callable[[], Judgement | None]) -> Judgement | None:
@@ -147,8 +179,9 @@ def entries(cells: Mapping[str, Cell]) -> list[Entry]:
     """
     found = []
     parts: list[tuple[str, Mapping[str, Any], Sequence[str]]] = [
-        (LINEAR, CASES, ROUTE_NAMES), (MOTION, MOTION_CASES, DRIVER_NAMES),
-    ]  # fmt: skip
+        (LINEAR, CASES, ROUTE_NAMES),
+        (MOTION, MOTION_CASES, DRIVER_NAMES),
+    ]
     for part, cases, methods in parts:
         for case in cases.values():
             for method in methods:
@@ -263,10 +296,18 @@ def from_csv(text: str) -> list[Entry]:
     True
     """
     return [
-        Entry(r["part"], r["group"], r["case"], r["method"], BY_WORD.get(r["mark"]),
-              float(r["digits"] or "nan"), r["note"], r["steps"])
+        Entry(
+            r["part"],
+            r["group"],
+            r["case"],
+            r["method"],
+            BY_WORD.get(r["mark"]),
+            float(r["digits"] or "nan"),
+            r["note"],
+            r["steps"],
+        )
         for r in csv.DictReader(text.splitlines())
-    ]  # fmt: skip
+    ]
 
 
 def as_markdown(found: Sequence[Entry]) -> str:

@@ -46,9 +46,14 @@ ANOTHER = {
 }
 """More specific reasons: for a route and a word in the panel or the rival."""
 SIGNS = {
-    Mark.RIGHT: "✓", Mark.DEGRADED: "≈", Mark.UNDECIDED: "?", Mark.REFUSED: "–", Mark.WRONG: "✗",
-    Mark.CRASHED: "‼", Mark.LATE: "…",
-}  # fmt: skip
+    Mark.RIGHT: "✓",
+    Mark.DEGRADED: "≈",
+    Mark.UNDECIDED: "?",
+    Mark.REFUSED: "–",
+    Mark.WRONG: "✗",
+    Mark.CRASHED: "‼",
+    Mark.LATE: "…",
+}
 """Sign of each mark, next to its colour."""
 STYLE = """
 :root { color-scheme: light; }
@@ -96,13 +101,15 @@ def write(folder: Path, parts: Sequence[Part]) -> Path:
         `index.html` in the folder.
     """
     body = [
-        "<!doctype html>", '<html lang="en"><head><meta charset="utf-8">',
+        "<!doctype html>",
+        '<html lang="en"><head><meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
         "<title>stability: cost against error, and where methods fail</title>",
         f"<style>{STYLE}</style></head><body>",
-        "<h1>Cost against error, and where methods fail</h1>", _lead(machine()),
+        "<h1>Cost against error, and where methods fail</h1>",
+        _lead(machine()),
         "<nav>" + "".join(f'<a href="#{p.name}">{TITLES[p.name]}</a>' for p in parts) + "</nav>",
-    ]  # fmt: skip
+    ]
     for one in parts:
         body += [f'<h2 id="{one.name}">{TITLES[one.name]}</h2>', *_section(one)]
     body.append(_footer(machine()))
@@ -169,17 +176,20 @@ def _figure(plate: Plate) -> str:
 def _methods(one: Part) -> list[str]:
     """The methods of a part, a line each, and why some of them crash."""
     asked = {
-        "spectrum": spectrum_methods.CHARTED, "motion": motion_methods.NAMES,
-        "failures": (*catalogue.ROUTE_NAMES, *catalogue.DRIVER_NAMES), "scenes": (),
-    }[one.name]  # fmt: skip
+        "spectrum": spectrum_methods.CHARTED,
+        "motion": motion_methods.NAMES,
+        "failures": (*catalogue.ROUTE_NAMES, *catalogue.DRIVER_NAMES),
+        "scenes": (),
+    }[one.name]
     if not asked:
         return []
     known: dict[str, Any] = {**spectrum_methods.ROUTES, **DRIVERS}
     given = set(_asked(one))
     lines = [
         f"<dt{' class=own' if known[n].own else ''}>{n}</dt><dd>{html.escape(known[n].title)}</dd>"
-        for n in asked if n in given
-    ]  # fmt: skip
+        for n in asked
+        if n in given
+    ]
     found = ["<h3>Methods</h3>", '<dl class="methods">', *lines, "</dl>"]
     if one.name == "failures":
         found += _crashes(one.chart, known)
@@ -256,10 +266,11 @@ def _standings(one: Part) -> tuple[str, list[str]]:
     ]
     for s in found:
         rest = (
-            "<td></td><td></td><td></td>" if s.on_front else
-            f'<td class="number">{s.factor:.3g}</td><td>{s.rival}</td>'
+            "<td></td><td></td><td></td>"
+            if s.on_front
+            else f'<td class="number">{s.factor:.3g}</td><td>{s.rival}</td>'
             f"<td>{html.escape(reason(s))}</td>"
-        )  # fmt: skip
+        )
         mark = "yes" if s.on_front else "no"
         lines.append(
             f'<tr><td>{html.escape(s.panel)}</td><td class="own">{s.route}</td>'

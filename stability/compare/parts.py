@@ -17,15 +17,19 @@ if TYPE_CHECKING:
 
 
 METRICS = {
-    "path": "the whole path", "final": "the last state", "audit": "the energy account",
+    "path": "the whole path",
+    "final": "the last state",
+    "audit": "the energy account",
     "event": "the time of the end or of the events",
-}  # fmt: skip
+}
 """Errors of motions, in words."""
 
 QUANTITIES = {
-    "eigenvalues": "eigenvalues", "abscissa": "the abscissa", "verdict": "verdicts",
+    "eigenvalues": "eigenvalues",
+    "abscissa": "the abscissa",
+    "verdict": "verdicts",
     "boundary": "places of boundaries",
-}  # fmt: skip
+}
 """Quantities of the spectrum chart, in words."""
 
 

@@ -15,8 +15,11 @@ from .spectrum import measure as spectral
 
 SPECTRUM, MOTION, FAILURES, SCENES = "spectrum", "motion", "failures", "scenes"
 PARTS: dict[str, Callable[[], list[list[Task]]]] = {
-    SPECTRUM: spectral.tasks, MOTION: works.tasks, SCENES: scenes.tasks, FAILURES: catalogue.tasks,
-}  # fmt: skip
+    SPECTRUM: spectral.tasks,
+    MOTION: works.tasks,
+    SCENES: scenes.tasks,
+    FAILURES: catalogue.tasks,
+}
 """Parts of a report, each with the function that returns its tasks."""
 BOUNDARY = "boundary"
 """Case of the spectrum chart next to its hardness classes."""

@@ -19,13 +19,21 @@ if TYPE_CHECKING:
     import xarray
 
 SCENES: dict[str, tuple[str, Scene]] = {
-    "rolling": ("A disk rolls almost steadily, for a long time.", Scene(
-        Disk(), Viscous(0.3), {"theta": 1.57, "omega3": 2.2}, 1000.0, 1e-5)),
-    "sticky": ("The plane is a thousand times stickier: slip follows the motion.", Scene(
-        Disk(), Viscous(300.0), {"theta": 1.3, "omega3": 2.0}, 10.0, 1e-6, uncertain={"mu": 0.2})),
-    "falling": ("A disk falls far from every steady motion.", Scene(
-        Disk(), Viscous(3.0), {"theta": 1.1, "omega3": 1.2}, 10.0, 1e-6)),
-}  # fmt: skip
+    "rolling": (
+        "A disk rolls almost steadily, for a long time.",
+        Scene(Disk(), Viscous(0.3), {"theta": 1.57, "omega3": 2.2}, 1000.0, 1e-5),
+    ),
+    "sticky": (
+        "The plane is a thousand times stickier: slip follows the motion.",
+        Scene(
+            Disk(), Viscous(300.0), {"theta": 1.3, "omega3": 2.0}, 10.0, 1e-6, uncertain={"mu": 0.2}
+        ),
+    ),
+    "falling": (
+        "A disk falls far from every steady motion.",
+        Scene(Disk(), Viscous(3.0), {"theta": 1.1, "omega3": 1.2}, 10.0, 1e-6),
+    ),
+}
 """Scenes of the report by name, each with a sentence."""
 COLUMNS = ("scene", "model", "kind", "states", "time [s]", "true error", "estimate", "chosen")
 """Columns of the table."""
@@ -79,8 +87,9 @@ def datasets(cells: Mapping[str, Cell]) -> dict[str, xarray.Dataset]:
     wanted = {name: cells.get(f"scenes/{name}") for name in SCENES}
     return {
         name: xarray.Dataset.from_dict(cell.value)
-        for name, cell in wanted.items() if cell is not None and cell.value is not None
-    }  # fmt: skip
+        for name, cell in wanted.items()
+        if cell is not None and cell.value is not None
+    }
 
 
 def choice(dataset: xarray.Dataset) -> tuple[str, str, float]:
@@ -115,9 +124,14 @@ def rows(charts: Mapping[str, xarray.Dataset]) -> Iterator[list[Any]]:
         for i in range(data.sizes["model"]):
             one = data.isel(model=i)
             numbers = (float(one[key]) for key in ("cost", "true_error", "estimate"))
-            yield [name, str(one.model.values), str(one.kind.values), int(one.dimension),
-                   *(f"{v:.3e}" if math.isfinite(v) else "" for v in numbers),
-                   "yes" if bool(one.chosen) else "no"]  # fmt: skip
+            yield [
+                name,
+                str(one.model.values),
+                str(one.kind.values),
+                int(one.dimension),
+                *(f"{v:.3e}" if math.isfinite(v) else "" for v in numbers),
+                "yes" if bool(one.chosen) else "no",
+            ]
 
 
 def sentence(charts: Mapping[str, xarray.Dataset]) -> str:

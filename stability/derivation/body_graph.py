@@ -39,9 +39,16 @@ THETA_DDOT, PHI_DDOT, SPIN_DOT, SLIP_X_DOT, SLIP_Y_DOT = RATES
 SPEEDS = (THETA_DOT, PHI, SPIN, SLIP_X, SLIP_Y)
 STILL = {THETA_DOT: 0} | dict.fromkeys((THETA_DDOT, PHI_DDOT, SPIN_DOT), 0)
 """θ̇ and the accelerations of a steady motion."""
-KNOWN = {"d_theta_dot": THETA_DDOT, "d_phi_dot": PHI_DDOT, "d_omega3": SPIN_DOT,
-         "normal": NORMAL, "force_x": FORCE_X, "force_y": FORCE_Y,
-         "d_slip_x": SLIP_X_DOT, "d_slip_y": SLIP_Y_DOT}  # fmt: skip
+KNOWN = {
+    "d_theta_dot": THETA_DDOT,
+    "d_phi_dot": PHI_DDOT,
+    "d_omega3": SPIN_DOT,
+    "normal": NORMAL,
+    "force_x": FORCE_X,
+    "force_y": FORCE_Y,
+    "d_slip_x": SLIP_X_DOT,
+    "d_slip_y": SLIP_Y_DOT,
+}
 """Symbols of the unknowns of the equations."""
 
 
@@ -80,19 +87,34 @@ def equations(law: str | type[Contact]) -> Equations:
     """
     contact = LAWS[law] if isinstance(law, str) else law
     shape = {"here": 1.5, "h": 1.0, "slope": 0.0, "bend": 0.0, "third": 0.0}
-    body = Body(_height, axial=0.5, transverse=0.4, shape=shape, name="any body",
-                between=(1.4, 1.6))  # fmt: skip
+    body = Body(
+        _height, axial=0.5, transverse=0.4, shape=shape, name="any body", between=(1.4, 1.6)
+    )
     system = round_system(body, contact, tuple(p.name for p in contact.parameters), physical=False)
     assert system.mass is not None and system.forcing is not None
     unknown = ca.SX.sym("u", len(system.unknowns))
     rows = system.mass @ unknown - system.forcing
-    out = [rows, ca.jacobian(rows, system.x), ca.jacobian(rows, unknown),
-           ca.SX(system.observables["energy"])]  # fmt: skip
+    out = [
+        rows,
+        ca.jacobian(rows, system.x),
+        ca.jacobian(rows, unknown),
+        ca.SX(system.observables["energy"]),
+    ]
     program = Program(ca.Function("implicit", [system.x, unknown, system.p], out))
     here = sympy.Symbol("theta")
-    table = {"here": here, "h": H, "slope": SLOPE, "bend": BEND, "third": THIRD, "axial": I3,
-             "transverse": I1, "mu": MU, "c": MU, "force_x": FORCE_X,
-             "force_y": FORCE_Y}  # fmt: skip
+    table = {
+        "here": here,
+        "h": H,
+        "slope": SLOPE,
+        "bend": BEND,
+        "third": THIRD,
+        "axial": I3,
+        "transverse": I1,
+        "mu": MU,
+        "c": MU,
+        "force_x": FORCE_X,
+        "force_y": FORCE_Y,
+    }
     state = [here, *SPEEDS][: len(system.states)]
     given = [state, [KNOWN[n] for n in system.unknowns], [table[n] for n in system.parameters]]
     algebra = sympy_algebra()
@@ -115,8 +137,12 @@ def pencil(law: str) -> sympy.Matrix:
     """
     found = equations(law)
     x, u = found.by_state, found.by_unknown
-    columns = [x[:, 0] + LAM * x[:, 1] + LAM**2 * u[:, 0], x[:, 2] + LAM * u[:, 1],
-               x[:, 3] + LAM * u[:, 2], u[:, 3]]  # fmt: skip
+    columns = [
+        x[:, 0] + LAM * x[:, 1] + LAM**2 * u[:, 0],
+        x[:, 2] + LAM * u[:, 1],
+        x[:, 3] + LAM * u[:, 2],
+        u[:, 3],
+    ]
     more = u[:, 4:]
     if LAWS[law].slips:
         more = x[:, 4:] + LAM * more

@@ -120,8 +120,16 @@ def _of_pair(family: str, place: dict[Expr, Expr]) -> sympy.Poly:
 
 def _negative(expression: Expr) -> bool:
     """Whether an expression is negative at one body, which only chooses a sign."""
-    point = {I1: sympy.Rational(1, 3), I3: sympy.Rational(1, 2), H: 1, SLOPE: 0, R: 1, Z: 0,
-             SIN: sympy.Rational(4, 5), COS: sympy.Rational(3, 5)}  # fmt: skip
+    point = {
+        I1: sympy.Rational(1, 3),
+        I3: sympy.Rational(1, 2),
+        H: 1,
+        SLOPE: 0,
+        R: 1,
+        Z: 0,
+        SIN: sympy.Rational(4, 5),
+        COS: sympy.Rational(3, 5),
+    }
     return bool(expression.subs(point) < 0)
 
 
@@ -154,7 +162,8 @@ def stored() -> dict[str, Any]:
 def _record(zeros: int, coefficients: Sequence[Expr]) -> dict[str, Any]:
     used = [v for v in VARIABLES if any(sympy.sympify(c).has(v) for c in coefficients)]
     return {
-        "variables": [str(v) for v in used], "zeros": int(zeros),
+        "variables": [str(v) for v in used],
+        "zeros": int(zeros),
         "even": all(c == 0 for c in coefficients[1::2]),
         "coefficients": [terms(c, used) for c in coefficients],
-    }  # fmt: skip
+    }

@@ -18,7 +18,8 @@ _PRECESSION = (
 )
 WHERE = {
     ("spinning", "phi_dot**2"): (
-        NOWHERE, "4*k/(2*k + 1)**2 < mu**2 < 24*k/((2*k + 1)*(4*k + 3))",
+        NOWHERE,
+        "4*k/(2*k + 1)**2 < mu**2 < 24*k/((2*k + 1)*(4*k + 3))",
     ),
     ("spinning", "mu**2"): (NOWHERE, "phi_dot**2 > 1/k"),
     ("tumbling", "mu**2"): (
@@ -27,7 +28,7 @@ WHERE = {
     ),
     ("circling", "phi_dot**2"): (_CIRCLING, _CIRCLING),
     ("precession", "phi_dot**2"): (_PRECESSION, _PRECESSION),
-}  # fmt: skip
+}
 """Ranges of the root with +√ and of the root with -√, by family and solved quantity."""
 LIMITS = "limits in mu hold at each member, not uniformly along the family"
 """Meaning of the limits."""

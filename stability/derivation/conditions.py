@@ -405,8 +405,10 @@ def conditions(
     family = instance("family", family, Family, A_FAMILY)
     reads = Numbers(flag("decimals", decimals))
     intervals = reads.intervals(family, positive, between or {})
-    values = {known("parameter", n, family.parameters): reads.rational(n, v)
-              for n, v in parameters.items()}  # fmt: skip
+    values = {
+        known("parameter", n, family.parameters): reads.rational(n, v)
+        for n, v in parameters.items()
+    }
     family = steady_where(family, values)
     own, family = family, reads.family(family)
     budget = Budget(whole_number("terms", terms, 1), float(above_zero("seconds", seconds)))

@@ -72,9 +72,9 @@ def expression(polynomial: Polynomial) -> Expr:
     2*k*z - 1
     """
     names = [sympy.Symbol(n) for n in polynomial.variables]
-    return sympy.Add(*[
-        c * sympy.prod(x**p for x, p in zip(names, e, strict=True)) for c, e in polynomial.terms
-    ])  # fmt: skip
+    return sympy.Add(
+        *[c * sympy.prod(x**p for x, p in zip(names, e, strict=True)) for c, e in polynomial.terms]
+    )
 
 
 def derived(known: Exact) -> Derived:
@@ -147,13 +147,16 @@ def _formulas(family: str, law: str, k: tuple[str, ...]) -> Formulas:
     asked, proved = decisive(whole)
     in_lambda = [_in_lambda(f, known) for f in whole.factors]
     found = Formulas(
-        family, law, known.zeros, [str(f) for f in in_lambda],
+        family,
+        law,
+        known.zeros,
+        [str(f) for f in in_lambda],
         {name: str(value) for name, value in conditions(whole)},
         [{"kind": c.kind, "positive": str(factored(c.polynomial.as_expr()))} for c in asked],
         [{"name": o.name, "positive": str(o.polynomial), "proof": o.proof} for o in proved],
         [b for c in asked for b in _solved(c.kind, c.polynomial.as_expr(), family)],
         _limits([c.polynomial.as_expr() for c in asked]),
-    )  # fmt: skip
+    )
     return Formulas(**(asdict(found) | _statements(family, known, asked, k)))
 
 

@@ -224,10 +224,15 @@ def _merged(edges: Sequence[Expr], patterns: Sequence[str]) -> list[Range]:
         if i + 1 < len(patterns) and patterns[i + 1] == pattern:
             continue
         low, high = edges[start], edges[i + 1]
-        out.append(Range(
-            _exactly(low), _exactly(high), float(sympy.sqrt(sympy.N(low, 30))),
-            float("inf") if high is sympy.oo else float(sympy.sqrt(sympy.N(high, 30))), pattern,
-        ))  # fmt: skip
+        out.append(
+            Range(
+                _exactly(low),
+                _exactly(high),
+                float(sympy.sqrt(sympy.N(low, 30))),
+                float("inf") if high is sympy.oo else float(sympy.sqrt(sympy.N(high, 30))),
+                pattern,
+            )
+        )
         start = i + 1
     return out
 

@@ -169,8 +169,10 @@ def positive(expression: Expr, given: Expr | None = None) -> str | None:
     'every coefficient is positive after k = 1/(2 + u), s = 1/(1 + t)'
     """
     u, t, v = SLACK
-    domain = [(K, sympy.Integer(1), 2 + u, "k = 1/(2 + u)"),
-              (SIN, sympy.Integer(1), 1 + t, "s = 1/(1 + t)")]  # fmt: skip
+    domain = [
+        (K, sympy.Integer(1), 2 + u, "k = 1/(2 + u)"),
+        (SIN, sympy.Integer(1), 1 + t, "s = 1/(1 + t)"),
+    ]
     trials: list[list[tuple[sympy.Symbol, Expr, Expr, str]]] = [[]]
     if given is not None:
         trials = []
@@ -267,8 +269,9 @@ def _condition(expression: Expr, name: str, derived: Derived) -> StabilityCondit
     kind = "auxiliary"
     if name == "constant term":
         kind = "static"
-    elif name in {f"Hurwitz determinant {sympy.Poly(f.as_expr(), LAM).degree() - 1}"
-                  for f in derived.factors}:  # fmt: skip
+    elif name in {
+        f"Hurwitz determinant {sympy.Poly(f.as_expr(), LAM).degree() - 1}" for f in derived.factors
+    }:
         kind = "flutter"
     variables: Sequence[sympy.Symbol] = derived.factors[0].gens[1:]
     return StabilityCondition(kind, sympy.Poly(expression, *variables))

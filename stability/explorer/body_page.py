@@ -80,15 +80,25 @@ def _families(body: Body, near: float | None) -> list[Shown]:
     both = smooth_at(body, 1) and smooth_at(body, -1)
     if both and np.allclose(body.height_at(theta), body.height_at(math.pi - theta), rtol=1e-13):
         return [*known, Shown("vertical", "vertical", "Vertical", 1)]
-    return [*known, Shown("vertical", "vertical", "Vertical, θ = 0", 1),
-            Shown("vertical-pi", "vertical", "Vertical, θ = π", -1)]  # fmt: skip
+    return [
+        *known,
+        Shown("vertical", "vertical", "Vertical, θ = 0", 1),
+        Shown("vertical-pi", "vertical", "Vertical, θ = π", -1),
+    ]
 
 
 def body_page(
-    family: Any, at: Any, contact: Any, body: Body, axes: Sequence[Any],
-    parameters: Mapping[str, Any], *, certify: bool, pole: Any = None,
+    family: Any,
+    at: Any,
+    contact: Any,
+    body: Body,
+    axes: Sequence[Any],
+    parameters: Mapping[str, Any],
+    *,
+    certify: bool,
+    pole: Any = None,
     theta: Any = None,
-) -> dict[str, Any]:  # fmt: skip
+) -> dict[str, Any]:
     """Data of the page of a body of revolution."""
     refuse_constants(body, [axis.name for axis in axes if axis is not None])
     families = _families(body, None if theta is None else one_number("theta", theta))
@@ -120,12 +130,18 @@ def body_page(
     kept = _fitting(subjects, motions, start)
     left = _left_out(families, subjects, kept, first)
     return page_data(
-        kept, start, {}, axes, units=units, more=left,
+        kept,
+        start,
+        {},
+        axes,
+        units=units,
+        more=left,
         motions={s.law: motions[s.law] for s in kept},
         certificates={s.key: own_certificates(s) if certify else [] for s in kept},
-        families={f.key: f.button for f in families}, says="A body of revolution on a plane",
+        families={f.key: f.button for f in families},
+        says="A body of revolution on a plane",
         source="polynomials that were derived exactly from the equations of motion",
-    )  # fmt: skip
+    )
 
 
 def _fitting(
@@ -198,18 +214,30 @@ def _subject(body: Body, one: Shown, law: str, mu: float, at: Any, units: PageUn
         else ""
     )
     return Subject(
-        key=f"{one.key} {law}", family=family, button=one.key, law=law,
-        title=f"{body.name}: {FAMILIES[one.name].motion}", quantities=quantities,
+        key=f"{one.key} {law}",
+        family=family,
+        button=one.key,
+        law=law,
+        title=f"{body.name}: {FAMILIES[one.name].motion}",
+        quantities=quantities,
         axes=(first.name, "mu" if "mu" in quantities else family.parameters[0]),
-        formulas=formulas, model=law, call={
-            "what": "body", "made": _made(body), "name": body.name, "family": one.name,
-            "law": law, "class": LAWS[law].__name__, "si": {}, "pole": one.choice.get("pole"),
-            "theta": one.theta, "state": "" if through_poles(body) else first.name,
+        formulas=formulas,
+        model=law,
+        call={
+            "what": "body",
+            "made": _made(body),
+            "name": body.name,
+            "family": one.name,
+            "law": law,
+            "class": LAWS[law].__name__,
+            "si": {},
+            "pole": one.choice.get("pole"),
+            "theta": one.theta,
+            "state": "" if through_poles(body) else first.name,
         },
         symbols={n: q.symbol for n, q in family.system.quantities.items()},
-        body=body_of(body, family, one.pole)
-        | {"meridian": meridian(body, family), "start": start},
-    )  # fmt: skip
+        body=body_of(body, family, one.pole) | {"meridian": meridian(body, family), "start": start},
+    )
 
 
 def _range(body: Body, one: Shown) -> tuple[float, float, float]:
@@ -238,11 +266,14 @@ def _number(body: Body, known: Known, value: float) -> Quantity:
     least, most = body.limits.get(known.name, (0.0, math.inf))
     high = min(2.0 * value if value > 0 else 1.0, most)
     return Quantity.of(
-        known, max(least, 0.0) + 0.02 * high, high, value,
+        known,
+        max(least, 0.0) + 0.02 * high,
+        high,
+        value,
         unit="m R²" if known.name in ("axial", "transverse") else "R",
         least=least if math.isfinite(least) else None,
         most=float(np.nextafter(most, math.inf)) if math.isfinite(most) else None,
-    )  # fmt: skip
+    )
 
 
 def _made(body: Body) -> str:

@@ -23,9 +23,11 @@ SPLIT, LETTERS = "+", {code: verdict.name[0] for verdict, code in CODES.items()}
 
 
 def certificate(
-    subject: Subject, held: Mapping[str, float], levels: int,
+    subject: Subject,
+    held: Mapping[str, float],
+    levels: int,
     problem: Callable[[list[Axis], dict[str, float]], Problem],
-) -> Any:  # fmt: skip
+) -> Any:
     """What is proved over the axes of a diagram at fixed other quantities.
 
     Parameters
@@ -50,9 +52,12 @@ def certificate(
     ]
     boxes = prove_boxes(problem(axes, dict(held)), (axes[0], axes[1]), levels)
     return {
-        "axes": [[a.name, a.low, a.high] for a in axes], "held": dict(held), "levels": levels,
-        "proved": boxes.proved, "tree": packed(boxes, axes[0], axes[1]),
-    }  # fmt: skip
+        "axes": [[a.name, a.low, a.high] for a in axes],
+        "held": dict(held),
+        "levels": levels,
+        "proved": boxes.proved,
+        "tree": packed(boxes, axes[0], axes[1]),
+    }
 
 
 def own_certificates(subject: Subject) -> list[Any]:

@@ -41,9 +41,15 @@ LEVELS = 7
 
 
 def disk_page(
-    family: Any, at: Any, contact: Any, disk: Disk | None, axes: Sequence[Any],
-    parameters: Mapping[str, Any], *, certify: bool,
-) -> dict[str, Any]:  # fmt: skip
+    family: Any,
+    at: Any,
+    contact: Any,
+    disk: Disk | None,
+    axes: Sequence[Any],
+    parameters: Mapping[str, Any],
+    *,
+    certify: bool,
+) -> dict[str, Any]:
     """Data of the page of the disk."""
     if not isinstance(family, str) or family not in FAMILY_NAMES:
         raise NameUnknownError(
@@ -62,13 +68,17 @@ def disk_page(
         first = start.called["at"]
         values["at"] = units.plain(first, first.checked(at))
     return page_data(
-        list(subjects.values()), start, values, axes, units=units,
+        list(subjects.values()),
+        start,
+        values,
+        axes,
+        units=units,
         motions={n: motion_of(disk_model(n, pose=True), solid=True) for n in LAWS},
         certificates={s.key: _certificates(s, values["k"]) for s in subjects.values() if certify},
         families={n: n.capitalize() for n in FAMILY_NAMES},
         says="A thin disk, ring or hoop on a plane",
         source="the exact polynomials and the equations of motion of the package",
-    )  # fmt: skip
+    )
 
 
 def disk_subject(name: str, law: str) -> Subject:
@@ -95,14 +105,28 @@ def disk_subject(name: str, law: str) -> Subject:
         QUANTITIES["k"], *INERTIA, unit="m R²", least=0.0, most=0.5 + 1e-12, marks=BODIES
     )
     return Subject(
-        key=f"{name} {law}", family=family, law=law, title=record.disk_motion,
-        quantities=quantities, axes=("at", "mu" if "mu" in quantities else "k"),
-        formulas=stored_formulas(family, law, quantities), model=law,
-        call={"what": "disk", "made": "st.Disk(k={k})", "family": name, "law": law,
-              "class": LAWS[law].__name__, "si": renamed, "pole": None, "theta": None,
-              "state": state.name},
-        symbols={n: q.symbol for n, q in QUANTITIES.items()}, body=body_of(of_disk(Disk()), family),
-    )  # fmt: skip
+        key=f"{name} {law}",
+        family=family,
+        law=law,
+        title=record.disk_motion,
+        quantities=quantities,
+        axes=("at", "mu" if "mu" in quantities else "k"),
+        formulas=stored_formulas(family, law, quantities),
+        model=law,
+        call={
+            "what": "disk",
+            "made": "st.Disk(k={k})",
+            "family": name,
+            "law": law,
+            "class": LAWS[law].__name__,
+            "si": renamed,
+            "pole": None,
+            "theta": None,
+            "state": state.name,
+        },
+        symbols={n: q.symbol for n, q in QUANTITIES.items()},
+        body=body_of(of_disk(Disk()), family),
+    )
 
 
 def _certificates(subject: Subject, k: float) -> list[Any]:

@@ -53,16 +53,22 @@ def motion_of(model: Model, *, solid: bool) -> dict[str, Any]:
         observed = dict(energy_first[:SERIES])
         words = dict.fromkeys(model.guards, "a condition of the system reaches zero")
     guards = model.guards or {"none": ca.SX(1)}
-    parts = {"rates": model.rhs[:kept], "guard": ca.vertcat(*guards.values()),
-             "observe": ca.vertcat(*observed.values(), ca.SX(0, 1))}  # fmt: skip
+    parts = {
+        "rates": model.rhs[:kept],
+        "guard": ca.vertcat(*guards.values()),
+        "observe": ca.vertcat(*observed.values(), ca.SX(0, 1)),
+    }
     if solid:
         parts["frame"] = _frame(model)
     return {
         **{n: graph(Program(ca.Function(n, [y, p], [value]))) for n, value in parts.items()},
-        "names": model.names[:kept], "states": len(model.system.states),
-        "guards": list(guards), "observed": list(observed),
-        "more": [FLAT] * (p.numel() - model.system.p.numel()), "words": words,
-    }  # fmt: skip
+        "names": model.names[:kept],
+        "states": len(model.system.states),
+        "guards": list(guards),
+        "observed": list(observed),
+        "more": [FLAT] * (p.numel() - model.system.p.numel()),
+        "words": words,
+    }
 
 
 def _frame(model: Model) -> ca.SX:

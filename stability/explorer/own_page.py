@@ -30,9 +30,14 @@ DECIMALS = (
 
 
 def own_page(
-    family: Family, at: Any, axes: Sequence[Any], positive: Sequence[str],
-    parameters: Mapping[str, Any], *, certify: bool,
-) -> dict[str, Any]:  # fmt: skip
+    family: Family,
+    at: Any,
+    axes: Sequence[Any],
+    positive: Sequence[str],
+    parameters: Mapping[str, Any],
+    *,
+    certify: bool,
+) -> dict[str, Any]:
     """Data of the page of one family of a user's system."""
     family, values, zeros = without_inputs(family, given_values(family, at, parameters))
     names = [*family.at, *family.parameters]
@@ -52,24 +57,40 @@ def own_page(
     if not isinstance(family.system, System):
         raise StabilityError(f"{family.name}: the page needs a family of a stability.System.")
     subject = Subject(
-        key=family.name, family=family, title=f"{family.system.name}: {family.name}",
-        quantities=quantities, axes=(first, second), formulas=formulas, model=family.name,
-        call={"what": "system", "si": {}, "at": family.at, "parameters": family.parameters,
-              "given": family.system.parameters, "zeros": zeros, "system": family.system.name,
-              "numbers": formulas.numbers},
-    )  # fmt: skip
+        key=family.name,
+        family=family,
+        title=f"{family.system.name}: {family.name}",
+        quantities=quantities,
+        axes=(first, second),
+        formulas=formulas,
+        model=family.name,
+        call={
+            "what": "system",
+            "si": {},
+            "at": family.at,
+            "parameters": family.parameters,
+            "given": family.system.parameters,
+            "zeros": zeros,
+            "system": family.system.name,
+            "numbers": formulas.numbers,
+        },
+    )
     if formulas.solver:  # an error says why there is no member to start from
         family.member([values[n] for n in family.at], [values[n] for n in family.parameters])
     where = f" where {', '.join(f'{n} = 0' for n in zeros)}" if zeros else ""
     return page_data(
-        [subject], subject, values, axes, stated=own_units(family),
+        [subject],
+        subject,
+        values,
+        axes,
+        stated=own_units(family),
         motions={subject.model: motion_of(system_model(family.system), solid=False)},
         certificates={subject.key: own_certificates(subject) if certify else []},
         families={},
         says="A family of a user's system, its conditions derived exactly by the package",
         source=f"conditions that were derived exactly from the system's equations{where}",
         more=DECIMALS if formulas.numbers else "",
-    )  # fmt: skip
+    )
 
 
 def _quantity(
@@ -78,9 +99,14 @@ def _quantity(
     unit = family.system.units.get(name, "1")
     around = (0.0, 2 * value) if value > 0 else (2 * value, 0.0) if value < 0 else (-1.0, 1.0)
     return Quantity(
-        name, name, "", "" if unit == "1" else readable(unit), *(ends or around), value,
+        name,
+        name,
+        "",
+        "" if unit == "1" else readable(unit),
+        *(ends or around),
+        value,
         0.0 if positive else None,
-    )  # fmt: skip
+    )
 
 
 def own_units(family: Family) -> dict[str, str]:
@@ -119,10 +145,13 @@ def without_inputs(
     if known_zero is family:
         return family, dict(values), []
     needed = [
-        n for n in family.parameters
-        if values[n] == 0 and not structure(replace(
-            known_zero, typical={m: v for m, v in known_zero.typical.items() if m != n})).steady
-    ]  # fmt: skip
+        n
+        for n in family.parameters
+        if values[n] == 0
+        and not structure(
+            replace(known_zero, typical={m: v for m, v in known_zero.typical.items() if m != n})
+        ).steady
+    ]
     system = family.system
     kept = [n for n in system.parameters if n not in needed]
     symbols = dict(zip(system.parameters, ca.vertsplit(system.p), strict=True))
@@ -131,12 +160,16 @@ def without_inputs(
     rates, *rest = ca.substitute([system.rhs, *named.values()], [system.p], [put])
     seen = dict(zip(named, rest, strict=True))
     smaller = System(
-        system.name, system.x, ca.vertcat(*(symbols[n] for n in kept)), rates,
-        states=system.states, parameters=tuple(kept),
+        system.name,
+        system.x,
+        ca.vertcat(*(symbols[n] for n in kept)),
+        rates,
+        states=system.states,
+        parameters=tuple(kept),
         observables={n: seen[n] for n in system.observables},
         conditions=tuple(replace(c, value=seen[str(i)]) for i, c in enumerate(system.conditions)),
         units={n: u for n, u in system.units.items() if n not in needed},
-    )  # fmt: skip
+    )
     sizes = {n: v for n, v in family.typical.items() if n not in needed}
     left = {n: v for n, v in values.items() if n not in needed}
     return replace(family, system=smaller, typical=sizes), left, needed

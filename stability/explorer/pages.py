@@ -14,15 +14,20 @@ from .subject import Subject
 from .units import CURVES, PageUnits
 
 LAW_NAMES = {
-    "smooth": "Smooth", "viscous": "Viscous", "linear-viscous": "Linear", "rough": "Rough",
-}  # fmt: skip
+    "smooth": "Smooth",
+    "viscous": "Viscous",
+    "linear-viscous": "Linear",
+    "rough": "Rough",
+}
 """Words on the buttons."""
 FRICTION = 0.02, 3.0, 0.3
 """Range of a coefficient of friction on the page, dimensionless, and its value at first."""
 WORDS = {
-    "smooth": "no friction", "viscous": "viscous friction, −μ\u00a0N\u00a0v",
-    "linear-viscous": "linear viscous friction, −c\u00a0v", "rough": "no slip",
-}  # fmt: skip
+    "smooth": "no friction",
+    "viscous": "viscous friction, −μ\u00a0N\u00a0v",
+    "linear-viscous": "linear viscous friction, −c\u00a0v",
+    "rough": "no slip",
+}
 """Each law in words."""
 PROOFS = (
     "Float: computed in floating point, without a proof. Proved in this page: at this point the "
@@ -33,11 +38,20 @@ PROOFS = (
 
 
 def page_data(
-    subjects: Sequence[Subject], start: Subject, given: Mapping[str, Any], axes: Sequence[Any], *,
-    motions: Mapping[str, Any], certificates: Mapping[str, list[Any]], source: str,
-    families: Mapping[str, str], says: str, units: PageUnits | None = None,
-    stated: Mapping[str, str] | None = None, more: str = "",
-) -> dict[str, Any]:  # fmt: skip
+    subjects: Sequence[Subject],
+    start: Subject,
+    given: Mapping[str, Any],
+    axes: Sequence[Any],
+    *,
+    motions: Mapping[str, Any],
+    certificates: Mapping[str, list[Any]],
+    source: str,
+    families: Mapping[str, str],
+    says: str,
+    units: PageUnits | None = None,
+    stated: Mapping[str, str] | None = None,
+    more: str = "",
+) -> dict[str, Any]:
     """Data of a page.
 
     Parameters
@@ -74,18 +88,27 @@ def page_data(
     sizes = {n: units.sizes[q.kind] if units else 1.0 for n, q in start.called.items()}
     laws = dict.fromkeys(s.law for s in subjects)
     return {
-        "format": 1, "version": __version__, "subjects": [s.record for s in subjects],
-        "start": {"subject": start.key, "values": values, "axes": [
-            None if a is None else told_axis(a, sizes[a.name]) for a in axes]},
+        "format": 1,
+        "version": __version__,
+        "subjects": [s.record for s in subjects],
+        "start": {
+            "subject": start.key,
+            "values": values,
+            "axes": [None if a is None else told_axis(a, sizes[a.name]) for a in axes],
+        },
         "units": {n: kind.words for n, kind in CURVES.items()} if stated is None else stated,
-        "si": units.told() if units else {}, "kinds": {n: k.name for n, k in CURVES.items()},
-        "solid": bool(start.body), "motions": motions, "certificates": certificates,
+        "si": units.told() if units else {},
+        "kinds": {n: k.name for n, k in CURVES.items()},
+        "solid": bool(start.body),
+        "motions": motions,
+        "certificates": certificates,
         "names": {
-            "families": families, "laws": {law: LAW_NAMES[law] for law in laws if law},
+            "families": families,
+            "laws": {law: LAW_NAMES[law] for law in laws if law},
             "says": {law: f"{says}; {WORDS[law]}." if law else f"{says}." for law in laws},
         },
         "foot": foot(source, units) + more,
-    }  # fmt: skip
+    }
 
 
 def told_axis(axis: Axis, size: float = 1.0) -> list[Any]:
@@ -116,9 +139,7 @@ def axis(given: Any, which: str) -> Axis | None:
     return Axis.of((*given[:3], 2, *given[3:]), which)
 
 
-def law_of(
-    contact: Any, numbers: dict[str, Any], units: PageUnits
-) -> tuple[str, dict[str, Any]]:  # fmt: skip
+def law_of(contact: Any, numbers: dict[str, Any], units: PageUnits) -> tuple[str, dict[str, Any]]:
     """Name of the law and its dimensionless number."""
     if not numbers and contact is None:
         return Viscous.name, {}

@@ -40,15 +40,23 @@ class Quantity:
 
     @classmethod
     def of(
-        cls, known: Known, low: float, high: float, value: float, *, name: str = "",
-        unit: str | None = None, **limits: Any,
-    ) -> Quantity:  # fmt: skip
+        cls,
+        known: Known,
+        low: float,
+        high: float,
+        value: float,
+        *,
+        name: str = "",
+        unit: str | None = None,
+        **limits: Any,
+    ) -> Quantity:
         """A quantity of a disk or body: name in calls and unit are its own where none is given."""
         symbol = (known.symbol or known.name).removesuffix("/mR²")
         label = "" if known.long_name == symbol else known.long_name
         unit = known.kind.label(dimensionless=True) if unit is None else unit
-        return cls(name or known.name, symbol, label, unit, low, high, value, kind=known.kind,
-                   **limits)  # fmt: skip
+        return cls(
+            name or known.name, symbol, label, unit, low, high, value, kind=known.kind, **limits
+        )
 
     def told(self) -> dict[str, Any]:
         """The record in the page."""
@@ -61,8 +69,10 @@ class Quantity:
             raise ParameterError(f"{self.name} is {shown(value)}; give one number.")
         low = self.least is not None and number <= self.least
         if low or (self.most is not None and number >= self.most):
-            ends = [f"above {self.least:g}" if self.least is not None else "",
-                    f"below {self.most:.6g}" if self.most is not None else ""]  # fmt: skip
+            ends = [
+                f"above {self.least:g}" if self.least is not None else "",
+                f"below {self.most:.6g}" if self.most is not None else "",
+            ]
             raise ParameterError(
                 f"{self.name} is {number:g}; give a number {' and '.join(e for e in ends if e)}."
             )

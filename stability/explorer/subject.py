@@ -74,25 +74,41 @@ class Subject:
 
         slopes = ca.Function("slopes", [system.x, system.p], [ca.jacobian(system.rhs, system.x)])
         return {
-            "key": self.key, "family": self.button or self.family.name, "law": self.law,
-            "title": self.title, "quantities": [q.told() for q in self.quantities.values()],
-            "axes": self.axes, "even": formulas.even, "zeros": formulas.zeros,
+            "key": self.key,
+            "family": self.button or self.family.name,
+            "law": self.law,
+            "title": self.title,
+            "quantities": [q.told() for q in self.quantities.values()],
+            "axes": self.axes,
+            "even": formulas.even,
+            "zeros": formulas.zeros,
             "degrees": self._degrees(count),
             "coefficients": source(
                 lambda f, q: [c for factor in formulas.coefficients(f, q) for c in factor]
             ),
-            "conditions": paired(formulas.signs), "bounds": paired(formulas.bounds),
+            "conditions": paired(formulas.signs),
+            "bounds": paired(formulas.bounds),
             "rules": [vars(rule) for rule in formulas.rules],
-            "shader": look(count, seen, formulas.even), "states": system.states,
+            "shader": look(count, seen, formulas.even),
+            "states": system.states,
             "member": source(lambda f, q: formulas.states(self.family, f, q)),
-            "jacobian": graph(Program(slopes)), "model": self.model, "call": dict(self.call),
+            "jacobian": graph(Program(slopes)),
+            "model": self.model,
+            "call": dict(self.call),
             "parameters": [names.index(n) for n in system.parameters],
             "good": formulas.good.word,
             "symbols": {n: self.symbols.get(n) or n for n in system.states},
-            "members": source(formulas.members), "proved": formulas.proved, "note": formulas.note,
+            "members": source(formulas.members),
+            "proved": formulas.proved,
+            "note": formulas.note,
             "solver": solver.told() if solver else None,
-            "pose": "", "frame": "", "still": [], "start": "", "meridian": {}, **self.body,
-        }  # fmt: skip
+            "pose": "",
+            "frame": "",
+            "still": [],
+            "start": "",
+            "meridian": {},
+            **self.body,
+        }
 
     def _degrees(self, count: int) -> list[int]:
         lines = Record(JAVASCRIPT)

@@ -13,8 +13,12 @@ from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from .quantity import Quantity
 
-CURVES = {"time": Kind.TIME, "growth rate": Kind.GROWTH_RATE, "energy": Kind.ENERGY,
-          "normal force": Kind.FORCE}  # fmt: skip
+CURVES = {
+    "time": Kind.TIME,
+    "growth rate": Kind.GROWTH_RATE,
+    "energy": Kind.ENERGY,
+    "normal force": Kind.FORCE,
+}
 """Kinds of times, rates and curves of a body."""
 
 

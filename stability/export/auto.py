@@ -172,12 +172,22 @@ def _equations(problem: SteadyProblem, name: str, title: str) -> str:
     values += [(f"par[{i - 1}]", v, n) for i, v, n in named]
     start = [f"  {entry} = {float(v)!r}; /* {n} */" for entry, v, n in values]
     return EQUATIONS.format(
-        title=title, name=name, code=generated(function)[0], function=function.name(),
-        states=", ".join(problem.states), parameters=", ".join(problem.parameters),
-        count=count, ndim=ndim, entries=count * ndim, places=", ".join(str(i - 1) for i in at),
-        work=function.sz_w(), iwork=function.sz_iw(), args=function.sz_arg(),
-        results=function.sz_res(), start="\n".join(start),
-    )  # fmt: skip
+        title=title,
+        name=name,
+        code=generated(function)[0],
+        function=function.name(),
+        states=", ".join(problem.states),
+        parameters=", ".join(problem.parameters),
+        count=count,
+        ndim=ndim,
+        entries=count * ndim,
+        places=", ".join(str(i - 1) for i in at),
+        work=function.sz_w(),
+        iwork=function.sz_iw(),
+        args=function.sz_arg(),
+        results=function.sz_res(),
+        start="\n".join(start),
+    )
 
 
 def _constants(problem: SteadyProblem, name: str, title: str) -> str:
@@ -185,8 +195,12 @@ def _constants(problem: SteadyProblem, name: str, title: str) -> str:
     # a name is that of a state or of a parameter; a state that names the member is both
     labels = {n: f"{n}_at" if n in problem.states else n for n in problem.parameters}
     return CONSTANTS.format(
-        title=title, name=name, ndim=len(problem.states), free=labels[problem.free],
-        stop=problem.stop, **problem.steps,
+        title=title,
+        name=name,
+        ndim=len(problem.states),
+        free=labels[problem.free],
+        stop=problem.stop,
+        **problem.steps,
         unames=", ".join(f"{i}: '{n}'" for i, n in enumerate(problem.states, start=1)),
         parnames=", ".join(f"{i}: '{n}'" for i, n in zip(at, labels.values(), strict=True)),
-    )  # fmt: skip
+    )

@@ -100,14 +100,23 @@ def _file(problem: SteadyProblem, name: str, title: str) -> str:
     named = zip(problem.parameters, problem.values, strict=True)
     words = [c_name(n) for n in problem.parameters]
     return JULIA.format(
-        title=title, name=name, states=", ".join(problem.states), rates=rates, slopes=slopes,
-        outputs=", ".join(found), entries=", ".join(entries), ndim=len(problem.states),
-        unpacked=", ".join(f"p.{w}" for w in words), free=c_name(problem.free),
+        title=title,
+        name=name,
+        states=", ".join(problem.states),
+        rates=rates,
+        slopes=slopes,
+        outputs=", ".join(found),
+        entries=", ".join(entries),
+        ndim=len(problem.states),
+        unpacked=", ".join(f"p.{w}" for w in words),
+        free=c_name(problem.free),
         start=", ".join(repr(float(v)) for v in problem.start),
         values=", ".join(f"{c_name(n)} = {float(v)!r}" for n, v in named),
         recorded=", ".join(f"{c_name(n)} = u[{i}]" for i, n in enumerate(problem.states, start=1)),
-        low=problem.low, high=problem.high, **problem.steps,
-    )  # fmt: skip
+        low=problem.low,
+        high=problem.high,
+        **problem.steps,
+    )
 
 
 TWO = (("atan2", "atan"), ("hypot", "hypot"))
@@ -129,7 +138,9 @@ def _straight(function: ca.Function) -> tuple[str, list[str]]:
     table = {n: two(name) for n, name in TWO}
     table["sign"] = lambda x: record.line(f"sign({record.text(x)})")
     number = Algebra(own.name, own.constant, own.functions | table, lasting=False)
-    inputs = [[Line(record, f"{word}[{i + 1}]") for i in range(function.numel_in(j))]
-              for j, word in enumerate(("u", "par"))]  # fmt: skip
+    inputs = [
+        [Line(record, f"{word}[{i + 1}]") for i in range(function.numel_in(j))]
+        for j, word in enumerate(("u", "par"))
+    ]
     values = Program(function).run(number, inputs)[0]
     return "\n".join(record.lines), [record.text(v) for v in values]

@@ -139,8 +139,9 @@ def c_code(
     files = {f"{function.name()}.c": source, f"{function.name()}.h": header, "example.c": example}
     folder = write_folder(out, files, overwrite=overwrite)
     command = f"cc -O2 example.c {function.name()}.c -lm -o example && ./example"
-    return CCode(folder, function.name(), tuple(function.name_in()), tuple(function.name_out()),
-                 command)  # fmt: skip
+    return CCode(
+        folder, function.name(), tuple(function.name_in()), tuple(function.name_out()), command
+    )
 
 
 def dense(subject: Any, name: str | None = None) -> ca.Function:
@@ -162,13 +163,15 @@ def dense(subject: Any, name: str | None = None) -> ca.Function:
     if isinstance(subject, Equations):
         rates = ca.densify(subject.rhs)
         both = ca.cse([rates, ca.densify(ca.jacobian(subject.rhs, subject.x))])
-        return ca.Function(c_name(name or subject.name), [subject.x, subject.p], both,
-                           ["x", "p"], ["f", "J"])  # fmt: skip
+        return ca.Function(
+            c_name(name or subject.name), [subject.x, subject.p], both, ["x", "p"], ["f", "J"]
+        )
     if isinstance(subject, ca.Function):
         given = [ca.SX.sym(n, *subject.size_in(i)) for i, n in enumerate(subject.name_in())]
         found = [ca.densify(v) for v in subject.call(given)]
-        return ca.Function(c_name(name or subject.name()), given, found, subject.name_in(),
-                           subject.name_out())  # fmt: skip
+        return ca.Function(
+            c_name(name or subject.name()), given, found, subject.name_in(), subject.name_out()
+        )
     raise ParameterError(
         f"subject is {shown(subject)}; give a System, a Family, or a casadi.Function."
     )
@@ -230,14 +233,22 @@ def _example(function: ca.Function, points: int) -> str:
     given, wanted = _points(function, points)
     n_in, n_out = function.n_in(), function.n_out()
     return EXAMPLE.format(
-        name=function.name(), points=points, agrees=AGREES,
-        wide=max(1, given.shape[1]), tall=wanted.shape[1],
-        given=_rows(given), wanted=_rows(wanted),
+        name=function.name(),
+        points=points,
+        agrees=AGREES,
+        wide=max(1, given.shape[1]),
+        tall=wanted.shape[1],
+        given=_rows(given),
+        wanted=_rows(wanted),
         inputs=", ".join(str(function.numel_in(i)) for i in range(n_in)),
         outputs=", ".join(str(function.numel_out(i)) for i in range(n_out)),
-        args=function.sz_arg(), results=function.sz_res(), iwork=function.sz_iw(),
-        work=function.sz_w(), n_in=n_in, n_out=n_out,
-    )  # fmt: skip
+        args=function.sz_arg(),
+        results=function.sz_res(),
+        iwork=function.sz_iw(),
+        work=function.sz_w(),
+        n_in=n_in,
+        n_out=n_out,
+    )
 
 
 def _rows(table: Floats) -> str:

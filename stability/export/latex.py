@@ -118,10 +118,11 @@ def _of_system(system: Equations) -> list[str]:
     title = rf"\section*{{Equations of motion: {_words(system.name)}}}"
     left = [_rate(names[n]) for n in system.states]
     return [
-        title, *_lines(sheet.lines, list(zip(left, rates, strict=True))),
+        title,
+        *_lines(sheet.lines, list(zip(left, rates, strict=True))),
         r"\section*{Jacobian}",
         *_lines([], _entries(slopes, places, system.states, names)),
-    ]  # fmt: skip
+    ]
 
 
 def _of_family(family: Family) -> list[str]:
@@ -137,16 +138,21 @@ def _of_family(family: Family) -> list[str]:
     given = r",\quad ".join([*state, *left_out])
     said = [rf"\[ {given},\quad \text{{named by }} {at} \]"] if given else []
     program = family.graph.matrix
-    inputs = [[Node("symbol", text=names[n]) for n in group]
-              for group in (family.at, family.unknown, others)]  # fmt: skip
+    inputs = [
+        [Node("symbol", text=names[n]) for n in group]
+        for group in (family.at, family.unknown, others)
+    ]
     values = program.run(algebra(), inputs)[0]
     sheet = Sheet("v")
     slopes = sheet.typeset(values)
     entries = _entries(slopes, program.places[0], system.states, names)
     return [
-        *_of_system(system), text, *said, r"\section*{Jacobian at the steady motions}",
+        *_of_system(system),
+        text,
+        *said,
+        r"\section*{Jacobian at the steady motions}",
         *_lines(sheet.lines, entries),
-    ]  # fmt: skip
+    ]
 
 
 def _rate(symbol: str) -> str:
@@ -199,8 +205,9 @@ def _display(rows: Sequence[str]) -> list[str]:
 def _of_conditions(found: Conditions) -> list[str]:
     """The characteristic polynomial by its factors, and the sign conditions."""
     every = [v.name for v in found.variables]
-    names = symbols((*every, *(v for c in found.conditions for v in c.polynomial.variables),
-                     "lambda"))  # fmt: skip
+    names = symbols(
+        (*every, *(v for c in found.conditions for v in c.polynomial.variables), "lambda")
+    )
     lam = names["lambda"]
     out = [r"\section*{Characteristic polynomial}"]
     powers = [_power(lam, found.zeros)] if found.zeros else []

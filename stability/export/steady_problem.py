@@ -110,9 +110,14 @@ def steady_problem(
     whole = family.member(values[: len(family.at)], values[len(family.at) :])
     keep = [i for i, n in enumerate(family.system.states) if n not in family.left_out]
     return SteadyProblem(
-        tuple(family.system.states[i] for i in keep), names, _function(family, keep), whole[keep],
-        values, free, float(stop),
-    )  # fmt: skip
+        tuple(family.system.states[i] for i in keep),
+        names,
+        _function(family, keep),
+        whole[keep],
+        values,
+        free,
+        float(stop),
+    )
 
 
 def _check(names: tuple[str, ...], free: str, given: Mapping[str, Any]) -> None:
@@ -149,10 +154,13 @@ def _function(family: Family, keep: list[int]) -> ca.Function:
     own = ca.vertcat(*[table.get(n, 0) for n in system.parameters])
     rates, seen = ca.substitute(
         [system.rhs, ca.vertcat(*[system.observables[n] for n in _seen(family)])],
-        [system.x, system.p], [state, own],
-    )  # fmt: skip
-    rows = [*(rates[system.states.index(n)] for n in family.equations if n in system.states),
-            *ca.vertsplit(seen)]  # fmt: skip
+        [system.x, system.p],
+        [state, own],
+    )
+    rows = [
+        *(rates[system.states.index(n)] for n in family.equations if n in system.states),
+        *ca.vertsplit(seen),
+    ]
     f = rates[keep]
     position = {system.states[i]: row for row, i in enumerate(keep)}
     for name in (n for n in family.at if n in system.states):

@@ -50,13 +50,23 @@ def styled(fontsize: float = BASE) -> dict[Any, Any]:
         Size of text [pt].
     """
     return {
-        "font.size": fontsize, "axes.labelsize": fontsize + 0.5, "axes.titlesize": fontsize + 0.5,
-        "xtick.labelsize": fontsize - 0.5, "ytick.labelsize": fontsize - 0.5,
+        "font.size": fontsize,
+        "axes.labelsize": fontsize + 0.5,
+        "axes.titlesize": fontsize + 0.5,
+        "xtick.labelsize": fontsize - 0.5,
+        "ytick.labelsize": fontsize - 0.5,
         "legend.fontsize": fontsize - 1,
-        "axes.linewidth": 0.6, "xtick.major.width": 0.6, "ytick.major.width": 0.6,
-        "hatch.linewidth": 0.35, "hatch.color": "#2b1000", "savefig.dpi": DOTS, "pdf.fonttype": 42,
-        "ps.fonttype": 42, "mathtext.fontset": "dejavusans", "lines.linewidth": 1.3,
-    }  # fmt: skip
+        "axes.linewidth": 0.6,
+        "xtick.major.width": 0.6,
+        "ytick.major.width": 0.6,
+        "hatch.linewidth": 0.35,
+        "hatch.color": "#2b1000",
+        "savefig.dpi": DOTS,
+        "pdf.fonttype": 42,
+        "ps.fonttype": 42,
+        "mathtext.fontset": "dejavusans",
+        "lines.linewidth": 1.3,
+    }
 
 
 STYLE = styled()
@@ -68,10 +78,20 @@ RENDERERS = {"png": "agg", "pdf": "pdf", "svg": "svg"}
 COLUMN = 3.39
 """Width of a journal column [in]."""
 OF_THE_SESSION = (
-    "backend", "interactive", "toolbar", "webagg.", "tk.", "keymap.", "date.epoch", "timezone",
-    "docstring.", "figure.max_open_warning", "figure.raise_window", "savefig.directory",
+    "backend",
+    "interactive",
+    "toolbar",
+    "webagg.",
+    "tk.",
+    "keymap.",
+    "date.epoch",
+    "timezone",
+    "docstring.",
+    "figure.max_open_warning",
+    "figure.raise_window",
+    "savefig.directory",
     "animation.",
-)  # fmt: skip
+)
 """Settings that are not style, by the start of their names."""
 
 

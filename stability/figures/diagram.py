@@ -38,8 +38,12 @@ if TYPE_CHECKING:
 
 YELLOW, OCHRE, STRIP = "#f7d038", "#6b5900", 1.2
 """Colours and least width [pt] of the strip that encloses the boundary of a certified map."""
-LINES = {Crossing.STATIC: "-", Crossing.FLUTTER: (0, (4, 1.6)), Crossing.TOUCHING: ":",
-         Crossing.STATIC_AND_FLUTTER: "-"}  # fmt: skip
+LINES = {
+    Crossing.STATIC: "-",
+    Crossing.FLUTTER: (0, (4, 1.6)),
+    Crossing.TOUCHING: ":",
+    Crossing.STATIC_AND_FLUTTER: "-",
+}
 
 
 def plot_map(
@@ -131,9 +135,12 @@ def _rows(figure: Figure, above: Strip | None, below: Strip | None) -> list[Axes
     """Panels of a figure, from the top."""
     heights = [s for s, strip in ((0.075, above), (1.0, True), (0.075, below)) if strip]
     panels = figure.subplots(
-        len(heights), 1, sharex=True, squeeze=False,
+        len(heights),
+        1,
+        sharex=True,
+        squeeze=False,
         gridspec_kw={"height_ratios": heights, "hspace": 0.05},
-    )  # fmt: skip
+    )
     return [row[0] for row in panels]
 
 
@@ -154,10 +161,12 @@ def _fixed(dataset: xarray.Dataset) -> str:
     at = {"at": str(told["at"])} if told.get("contact") else {}
     values, units = (json.loads(told.get(n, "{}")) for n in ("parameters", "parameter_units"))
     return fixed(
-        {at.get(n, n): v for n, v in values.items()}, known, units,
+        {at.get(n, n): v for n, v in values.items()},
+        known,
+        units,
         law=str(told.get("contact", _body(dataset))),
         dimensionless=bool(told.get("dimensionless", 0)),
-    )  # fmt: skip
+    )
 
 
 def _body(dataset: xarray.Dataset) -> str:
@@ -201,9 +210,7 @@ def caption(dataset: xarray.Dataset, points: CodimensionTwo | None = None) -> st
     missing = int((codes == NO_MEMBER).sum())
     cells = ", ".join(f"{n} {word}" for word, n in words.items() if n)
     none = f", {missing} without a member" * bool(missing)
-    hatched = "; ".join(
-        f"{way}: {v.word}" for v, (_, way) in TEXTURES.items() if words[v.word]
-    )  # fmt: skip
+    hatched = "; ".join(f"{way}: {v.word}" for v, (_, way) in TEXTURES.items() if words[v.word])
     texture = f"; {hatched}" * bool(hatched)
     title = str(dataset.attrs["family"])
     blank = "  Blank: no member, since no steady motion of the family is reached there." * bool(
@@ -241,9 +248,14 @@ def _colour(axes: Axes, dataset: xarray.Dataset) -> Any:
     missing = dataset.verdict.values == NO_MEMBER
     norm = norm_of(*_linear(dataset))
     mesh = axes.pcolormesh(
-        x, y, np.ma.masked_where(missing, values), cmap=DIVERGING, norm=norm, shading="nearest",
+        x,
+        y,
+        np.ma.masked_where(missing, values),
+        cmap=DIVERGING,
+        norm=norm,
+        shading="nearest",
         rasterized=True,
-    )  # fmt: skip
+    )
     for name, scale in ((_x(dataset), axes.set_xscale), (_y(dataset), axes.set_yscale)):
         if _is_log(dataset, name):
             scale("log")
@@ -270,9 +282,10 @@ def _boxes(axes: Axes, dataset: xarray.Dataset) -> None:
     strip = dataset.box_verdict.values == CODES[Verdict.UNDECIDED]
     dark: dict[str, Any] = {"facecolors": YELLOW, "edgecolors": OCHRE, "linewidths": STRIP + 0.8}
     looks: tuple[dict[str, Any], ...] = (
-        {"facecolors": "none", "edgecolors": "white", "linewidths": 0.4}, dark,
+        {"facecolors": "none", "edgecolors": "white", "linewidths": 0.4},
+        dark,
         dark | {"edgecolors": YELLOW, "linewidths": STRIP},
-    )  # fmt: skip
+    )
     for where, look, z in zip((~strip, strip, strip), looks, (2.0, 2.1, 2.2), strict=True):
         axes.add_collection(PolyCollection(corners[where], zorder=z, **look), autolim=False)
 
@@ -294,10 +307,16 @@ def _curves(axes: Axes, dataset: xarray.Dataset) -> None:
         last = min(stop + 1, len(x)) if stop < len(x) and curve[stop] == curve[start] else stop
         label = {Crossing.STATIC: "static", Crossing.FLUTTER: "flutter"}.get(crossing, "touching")
         axes.plot(
-            x[start:last], y[start:last], color="black", linestyle=LINES[crossing],
-            label=None if crossing in seen else f"{label} boundary", path_effects=halo,
-            solid_capstyle="butt", linewidth=0.5 if boxed else 1.3, zorder=3,
-        )  # fmt: skip
+            x[start:last],
+            y[start:last],
+            color="black",
+            linestyle=LINES[crossing],
+            label=None if crossing in seen else f"{label} boundary",
+            path_effects=halo,
+            solid_capstyle="butt",
+            linewidth=0.5 if boxed else 1.3,
+            zorder=3,
+        )
         seen.add(crossing)
 
 
@@ -305,10 +324,12 @@ def _handles(axes: Axes, dataset: xarray.Dataset, nameless: set[Verdict]) -> lis
     """Entries of the legend: boundaries, points, boxes, and verdicts whose region has no word."""
     handles, _ = axes.get_legend_handles_labels()
     if "box_verdict" in dataset:
-        handles.append(Patch(facecolor=YELLOW, edgecolor=OCHRE, linewidth=0.4,
-                             label="strip that encloses it"))  # fmt: skip
-        handles.append(Patch(facecolor=DIVERGING(0.2), edgecolor="white", linewidth=0.8,
-                             label="proved box"))  # fmt: skip
+        handles.append(
+            Patch(facecolor=YELLOW, edgecolor=OCHRE, linewidth=0.4, label="strip that encloses it")
+        )
+        handles.append(
+            Patch(facecolor=DIVERGING(0.2), edgecolor="white", linewidth=0.8, label="proved box")
+        )
     return handles + [patch(v) for v in Verdict if v in nameless]
 
 
@@ -384,8 +405,16 @@ def _region_names(axes: Axes, dataset: xarray.Dataset) -> set[Verdict]:
         i, j = int(rows[nearest]), int(columns[nearest])
         x = float(dataset[_x(dataset)][min(max(j - 1, 0) // fine[1], codes.shape[1] - 1)])
         y = float(dataset[_y(dataset)][min(max(i - 1, 0) // fine[0], codes.shape[0] - 1)])
-        axes.text(x, y, word, ha="center", va="center", path_effects=halo, zorder=5,
-                  fontsize=small() + 1.5)  # fmt: skip
+        axes.text(
+            x,
+            y,
+            word,
+            ha="center",
+            va="center",
+            path_effects=halo,
+            zorder=5,
+            fontsize=small() + 1.5,
+        )
         named |= {v for v in Verdict if v.word == word}
     present = {v for v in TEXTURES if (codes == CODES[v]).any()}
     return present - named

@@ -67,11 +67,31 @@ def letters(axes: Axes, marks: Sequence[Letter], size: float = MARK) -> None:
             far = np.hypot(*np.maximum(np.abs(shift) - box, 0)) > size + 4
         # the line starts at the near end of a wide text
         start = (float(shift[0] < 0) if wide else 0.5, 0.5)
-        arrow = {"arrowstyle": "-", "linewidth": 0.35, "color": mark.colour, "shrinkA": 0.5,
-                 "shrinkB": size - 0.2, "relpos": start} if far else None  # fmt: skip
-        axes.annotate(mark.text, (mark.x, mark.y), tuple(shift), textcoords="offset points",
-                      fontsize=SMALL, color=_dark(mark.colour), ha="center", va="center",
-                      path_effects=HALO, arrowprops=arrow, zorder=6)  # fmt: skip
+        arrow = (
+            {
+                "arrowstyle": "-",
+                "linewidth": 0.35,
+                "color": mark.colour,
+                "shrinkA": 0.5,
+                "shrinkB": size - 0.2,
+                "relpos": start,
+            }
+            if far
+            else None
+        )
+        axes.annotate(
+            mark.text,
+            (mark.x, mark.y),
+            tuple(shift),
+            textcoords="offset points",
+            fontsize=SMALL,
+            color=_dark(mark.colour),
+            ha="center",
+            va="center",
+            path_effects=HALO,
+            arrowprops=arrow,
+            zorder=6,
+        )
 
 
 def _dark(colour: str) -> tuple[float, ...]:
@@ -126,11 +146,15 @@ def _apart(
             cost = cost + 500.0 * outside.any(axis=-1)
             others = np.arange(len(at)) != i
             # nearer to another marker than to its own, a text seems to name that one
-            gaps = [np.hypot(*np.maximum(np.abs(spots[:, None] - m) - half[i], 0).T)
-                    for m in (at[i : i + 1], at[others])]  # fmt: skip
+            gaps = [
+                np.hypot(*np.maximum(np.abs(spots[:, None] - m) - half[i], 0).T)
+                for m in (at[i : i + 1], at[others])
+            ]
             cost = cost + 10.0 * (gaps[1] < gaps[0] - 0.1).any(axis=0)
-            for centre, extent, price in (((at + off)[others], half[others], 300.0),
-                                        (at, np.full_like(at, size), 40.0)):  # fmt: skip
+            for centre, extent, price in (
+                ((at + off)[others], half[others], 300.0),
+                (at, np.full_like(at, size), 40.0),
+            ):
                 gap = np.abs(spots[:, None] - centre) - half[i] - extent
                 cost = cost + price * (gap < 0).all(axis=-1).sum(axis=-1)
             cost = cost + 12.0 * _crossings(at[i], spots, at[others], (at + off)[others])

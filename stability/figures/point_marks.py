@@ -54,10 +54,18 @@ def mark(axes: Axes, found: CodimensionTwo, known: tuple[str, str]) -> None:
         x, y = (p.y, p.x) if swapped else (p.x, p.y)
         filled = p.others != "unstable"
         axes.plot(
-            [x], [y], MARKERS[p.kind], color="black", markersize=4.5, zorder=6,
-            markerfacecolor="#f7d038" if filled else "none", markeredgewidth=0.9,
-            label=None if p.kind in seen else LABELS[p.kind], path_effects=halo, clip_on=False,
-        )  # fmt: skip
+            [x],
+            [y],
+            MARKERS[p.kind],
+            color="black",
+            markersize=4.5,
+            zorder=6,
+            markerfacecolor="#f7d038" if filled else "none",
+            markeredgewidth=0.9,
+            label=None if p.kind in seen else LABELS[p.kind],
+            path_effects=halo,
+            clip_on=False,
+        )
         seen.add(p.kind)
 
 

@@ -75,10 +75,13 @@ def plot_retrograde(dataset: xarray.Dataset, *, width: float | None = None) -> F
         bar = figure.colorbar(mesh, ax=axes, pad=0.02, aspect=32, fraction=0.05)
         bar.set_label(r"largest nutation over precession, $\Omega/\dot\varphi$ [-]")
         figure.legend(
-            handles=_keys(dataset), loc="outside lower center", ncols=1, frameon=False,
+            handles=_keys(dataset),
+            loc="outside lower center",
+            ncols=1,
+            frameon=False,
             title="edge of turning back, by start",
             title_fontsize=matplotlib.rcParams["legend.fontsize"],
-        )  # fmt: skip
+        )
         spacing(figure, hspace=0.02, h_pad=0.03, w_pad=0.02)
     return figure
 
@@ -94,9 +97,14 @@ def _lines(axes: Axes, x: Any, y: Any, values: Any) -> None:
     for index, ratio in enumerate(values):
         if np.nanmin(ratio) < 1 < np.nanmax(ratio):
             axes.contour(
-                x, y, ratio, levels=[1.0], colors=CURVE, linestyles=LINES[index % len(LINES)],
+                x,
+                y,
+                ratio,
+                levels=[1.0],
+                colors=CURVE,
+                linestyles=LINES[index % len(LINES)],
                 linewidths=1.4 if index == 0 else 1.1,
-            )  # fmt: skip
+            )
 
 
 def _words(axes: Axes, x: Any, y: Any, first: Any) -> None:
@@ -107,9 +115,13 @@ def _words(axes: Axes, x: Any, y: Any, first: Any) -> None:
     if where.mean() > 0.02:
         upright = x[np.nonzero(where)[1]].max() - x[0] < 0.3 * wide
         axes.text(
-            x[0] + 0.02 * wide, y[0] + 0.03 * tall, "does not", ha="left", va="bottom",
+            x[0] + 0.02 * wide,
+            y[0] + 0.03 * tall,
+            "does not",
+            ha="left",
+            va="bottom",
             rotation=90 if upright else 0,
-        )  # fmt: skip
+        )
     if first[-1, -1] > 1:
         axes.text(
             x[-1] - 0.04 * wide, y[-1] - 0.04 * tall, "turns back", ha="right", va="top", bbox=white
@@ -118,10 +130,15 @@ def _words(axes: Axes, x: Any, y: Any, first: Any) -> None:
 
 def _keys(dataset: xarray.Dataset) -> list[Line2D]:
     return [
-        Line2D([], [], color=CURVE, ls=LINES[i % len(LINES)],
-               label=rf"$\theta_0$ = {angle:g}°, {_speed(speed)}")
+        Line2D(
+            [],
+            [],
+            color=CURVE,
+            ls=LINES[i % len(LINES)],
+            label=rf"$\theta_0$ = {angle:g}°, {_speed(speed)}",
+        )
         for i, (angle, speed) in enumerate(_starts(dataset))
-    ]  # fmt: skip
+    ]
 
 
 def _speed(speed: float) -> str:

@@ -80,8 +80,9 @@ def scene_figure(dataset: xarray.Dataset) -> Figure:
         low = UNDER + KEY_LINE * -(-len(handles) // COLUMNS) + foot
         height = TOP + BODY + low
         figure = StyledFigure(figsize=(WIDTH, height))
-        axes = figure.add_axes((LEFT / WIDTH, low / height, (WIDTH - LEFT - RIGHT) / WIDTH,
-                                BODY / height))  # fmt: skip
+        axes = figure.add_axes(
+            (LEFT / WIDTH, low / height, (WIDTH - LEFT - RIGHT) / WIDTH, BODY / height)
+        )
         _limits(axes, dataset)
         _lines(axes, dataset)
         _marks(axes, dataset)
@@ -89,12 +90,20 @@ def scene_figure(dataset: xarray.Dataset) -> Figure:
         axes.set_xlabel("time of a run, with the estimate of its error [s]", labelpad=2, fontsize=7)
         axes.set_ylabel("true error of the states", labelpad=1, fontsize=7)
         figure.legend(
-            handles=handles, ncols=COLUMNS, loc="upper center", frameon=False,
-            bbox_to_anchor=(0.5, (low - UNDER + 0.02) / height), borderaxespad=0, borderpad=0,
-            columnspacing=1.4, handletextpad=0.6, labelspacing=0.3,
-        )  # fmt: skip
-        figure.text(0.5, 0.04 / height, text, fontsize=SMALL, va="bottom", ha="center",
-                    linespacing=1.4)  # fmt: skip
+            handles=handles,
+            ncols=COLUMNS,
+            loc="upper center",
+            frameon=False,
+            bbox_to_anchor=(0.5, (low - UNDER + 0.02) / height),
+            borderaxespad=0,
+            borderpad=0,
+            columnspacing=1.4,
+            handletextpad=0.6,
+            labelspacing=0.3,
+        )
+        figure.text(
+            0.5, 0.04 / height, text, fontsize=SMALL, va="bottom", ha="center", linespacing=1.4
+        )
     return figure
 
 
@@ -154,8 +163,9 @@ def _note(dataset: xarray.Dataset) -> list[str]:
     told, plain = dataset.attrs, dataset.attrs["time_unit"] == "1"
     law, start = str(told["law"]), json.loads(told["start"])
     known = quantities_of(SYSTEM + law) if told["title"].startswith(OF_DISK) else {}
-    given = fixed(json.loads(told["parameters"]), known, {}, dimensionless=plain,
-                  law=law if known else "")  # fmt: skip
+    given = fixed(
+        json.loads(told["parameters"]), known, {}, dimensionless=plain, law=law if known else ""
+    )
     moving = fixed({n: v for n, v in start.items() if v}, known, {}, dimensionless=plain)
     last = fixed({"time": told["horizon"]}, known, {"time": told["time_unit"]}, dimensionless=plain)
     lines = [given or law, f"start: {moving or 'rest'}, horizon {last.partition(' = ')[2]}"]
@@ -224,9 +234,18 @@ def _lines(axes: Axes, dataset: xarray.Dataset) -> None:
         words.append((spread, f"spread\n{spread:.2g}", "#6b6200"))
     places = _apart([float(axes.transScale.transform((1, v))[1]) for v, _, _ in words], axes)
     for place, (value, word, colour) in zip(places, words, strict=True):
-        axes.annotate(word, (1.0, value), (1.02, place), xycoords=axes.get_yaxis_transform(),
-                      textcoords="axes fraction", fontsize=SMALL, color=colour, va="center",
-                      linespacing=1.0, annotation_clip=False)  # fmt: skip
+        axes.annotate(
+            word,
+            (1.0, value),
+            (1.02, place),
+            xycoords=axes.get_yaxis_transform(),
+            textcoords="axes fraction",
+            fontsize=SMALL,
+            color=colour,
+            va="center",
+            linespacing=1.0,
+            annotation_clip=False,
+        )
 
 
 def _apart(heights: Sequence[float], axes: Axes) -> list[float]:
@@ -243,8 +262,14 @@ def _marks(axes: Axes, dataset: xarray.Dataset) -> None:
     """A mark and a label for each model; a line through the orders of creep."""
     finite = np.isfinite(dataset.true_error.values) & np.isfinite(dataset.cost.values)
     creep = dataset.isel(model=finite & (dataset.kind.values == "creep"))
-    axes.plot(creep.cost.values, np.maximum(creep.true_error.values, LOWEST), linewidth=0.7,
-              color=LOOKS["creep"]["color"], alpha=0.5, zorder=2)  # fmt: skip
+    axes.plot(
+        creep.cost.values,
+        np.maximum(creep.true_error.values, LOWEST),
+        linewidth=0.7,
+        color=LOOKS["creep"]["color"],
+        alpha=0.5,
+        zorder=2,
+    )
     written = []
     for one in _rows(dataset, finite):
         x, y = float(one.cost), max(float(one.true_error), LOWEST)

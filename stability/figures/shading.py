@@ -23,9 +23,11 @@ DIVERGING = LinearSegmentedColormap.from_list(
 )
 """Colours of the abscissa."""
 TEXTURES = {
-    Verdict.UNSTABLE: ("////", "slanted lines"), Verdict.NEUTRAL: ("....", "dots"),
-    Verdict.UNDECIDED: ("xxxx", "crosses"), Verdict.DRIFTING: ("----", "level lines"),
-}  # fmt: skip
+    Verdict.UNSTABLE: ("////", "slanted lines"),
+    Verdict.NEUTRAL: ("....", "dots"),
+    Verdict.UNDECIDED: ("xxxx", "crosses"),
+    Verdict.DRIFTING: ("----", "level lines"),
+}
 """Hatching of each verdict, and its name; stable cells have none."""
 FINEST = 600
 """Most cells along an axis whose edges the hatching follows exactly."""
@@ -101,9 +103,12 @@ def patch(verdict: Verdict) -> Patch:
     shade = {Verdict.STABLE: 0.3, Verdict.UNSTABLE: 0.8}.get(verdict, 0.5)
     texture = TEXTURES.get(verdict, ("", ""))[0]
     return Patch(
-        facecolor=DIVERGING(shade), edgecolor=matplotlib.rcParams["hatch.color"], linewidth=0.3,
-        hatch=texture and texture + texture[:2], label=verdict.word,
-    )  # fmt: skip
+        facecolor=DIVERGING(shade),
+        edgecolor=matplotlib.rcParams["hatch.color"],
+        linewidth=0.3,
+        hatch=texture and texture + texture[:2],
+        label=verdict.word,
+    )
 
 
 def colour_bar(figure: Any, mesh: Any, axes: Any, label: str, *, hatched: bool) -> None:

@@ -90,8 +90,14 @@ def _words(axes: Axes, strip: Strip) -> set[Verdict]:
     ends = [end for _, _, end in zones]
     said: set[Verdict] = set()
     style: dict[str, Any] = {"va": "center", "fontsize": size, "path_effects": HALO}
-    arrow = {"arrowstyle": "-|>", "linewidth": 0.6, "color": "black", "shrinkA": 0, "shrinkB": 0,
-             "mutation_scale": 5}  # fmt: skip
+    arrow = {
+        "arrowstyle": "-|>",
+        "linewidth": 0.6,
+        "color": "black",
+        "shrinkA": 0,
+        "shrinkB": 0,
+        "mutation_scale": 5,
+    }
     lead = 9 / room * (high - low)
     for i, (verdict, begin, end) in enumerate(zones):
         if need(verdict) <= end - begin:
@@ -104,9 +110,13 @@ def _words(axes: Axes, strip: Strip) -> set[Verdict]:
                 continue
             foot = end if side > 0 else begin
             axes.annotate(
-                verdict.word, ((begin + end) / 2, 0.48), (foot + side * lead, 0.48),
-                ha="left" if side > 0 else "right", arrowprops=arrow, **style,
-            )  # fmt: skip
+                verdict.word,
+                ((begin + end) / 2, 0.48),
+                (foot + side * lead, 0.48),
+                ha="left" if side > 0 else "right",
+                arrowprops=arrow,
+                **style,
+            )
             begins[j], ends[j] = (
                 (begins[j] + asked, ends[j]) if side > 0 else (begins[j], ends[j] - asked)
             )

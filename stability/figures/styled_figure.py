@@ -131,9 +131,11 @@ def panels(ax: Any) -> list[Axes]:
     """
     given = [ax] if isinstance(ax, Axes) else ax
     found = list(given.flat) if isinstance(given, np.ndarray) else given
-    if not isinstance(found, (list, tuple)) or not found or not all(
-        isinstance(one, Axes) for one in found
-    ):  # fmt: skip
+    if (
+        not isinstance(found, (list, tuple))
+        or not found
+        or not all(isinstance(one, Axes) for one in found)
+    ):
         raise ParameterError(f"ax is {shown(ax)}; give axes of Matplotlib.")
     return list(found)
 
@@ -236,10 +238,19 @@ def key(
         beyond = reach if isinstance(axes.get_figure(root=True), StyledFigure) else 0.9
         columns = min(len(handles), max(1, int((beyond * room + 1.2 * small()) / widest)))
         legend = axes.legend(
-            handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns,
-            frameon=False, borderpad=0.2, borderaxespad=0.15, handlelength=2.2,
-            handletextpad=0.5, columnspacing=1.2, labelspacing=0.3, **options,
-        )  # fmt: skip
+            handles=handles,
+            loc="lower center",
+            bbox_to_anchor=(0.5, 1.0),
+            ncols=columns,
+            frameon=False,
+            borderpad=0.2,
+            borderaxespad=0.15,
+            handlelength=2.2,
+            handletextpad=0.5,
+            columnspacing=1.2,
+            labelspacing=0.3,
+            **options,
+        )
         pad += _height(legend)
     if title:
         axes.set_title(title, pad=pad)
@@ -275,8 +286,16 @@ def note(axes: Axes, text: str) -> None:
     lines = broken(text, lambda line: wide(line) <= room)
     look: dict[str, Any] = {"ha": "center", "fontsize": small()}
     if not own:
-        axes.annotate(lines, (0.5, 0.0), (0, -2), xycoords=axes.xaxis.label, va="top",
-                      textcoords="offset points", annotation_clip=False, **look)  # fmt: skip
+        axes.annotate(
+            lines,
+            (0.5, 0.0),
+            (0, -2),
+            xycoords=axes.xaxis.label,
+            va="top",
+            textcoords="offset points",
+            annotation_clip=False,
+            **look,
+        )
         return
     tall = figure.bbox.height * inch
     foot = (1.3 * small() * (lines.count("\n") + 1) + 3) / tall

@@ -91,7 +91,13 @@ def _by_dop853(leg: Leg) -> DensePath:
 
     ended.terminal = True  # type: ignore[attr-defined]  # as SciPy reads it
     run = solve_ivp(
-        ask.rates, (leg.times[0], leg.times[-1]), leg.start, method="DOP853", dense_output=True,
-        rtol=max(leg.tolerance, 3e-14), atol=leg.absolute, events=ended,
-    )  # fmt: skip
+        ask.rates,
+        (leg.times[0], leg.times[-1]),
+        leg.start,
+        method="DOP853",
+        dense_output=True,
+        rtol=max(leg.tolerance, 3e-14),
+        atol=leg.absolute,
+        events=ended,
+    )
     return DensePath(run.sol.ts, lambda times: run.sol(times).T, run.status == 0)

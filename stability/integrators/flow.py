@@ -161,9 +161,10 @@ class Flow:
         """CasADi function (y, p) → guards and their rates along the motion."""
         values = ca.vertcat(*self.guards.values())
         return ca.Function(
-            "watch", [self.x, self.p],
+            "watch",
+            [self.x, self.p],
             [ca.densify(ca.vertcat(values, ca.jtimes(values, self.x, self.rhs)))],
-        )  # fmt: skip
+        )
 
     @cached_property
     def guard_slopes(self) -> ca.Function:

@@ -57,9 +57,14 @@ class Leg:
     def numbers(self) -> tuple[Any, ...]:
         """All fields but the flow, of which a worker has its own copy."""
         return (
-            self.p, self.start, self.times, self.tolerance, self.max_steps, self.seconds,
+            self.p,
+            self.start,
+            self.times,
+            self.tolerance,
+            self.max_steps,
+            self.seconds,
             self.dense,
-        )  # fmt: skip
+        )
 
     @property
     def absolute(self) -> float:

@@ -93,9 +93,11 @@ def stretched_flow(flow: Flow, least: float = NARROW) -> Flow:
     d = flow.system.observables["determinant"]
     guards = {n: g for n, g in flow.guards.items() if n != CREEP_ENDS} | {NO_CONTACT: d - least}
     return flow.having(
-        x=ca.vertcat(flow.x, ca.SX.sym("time")), rhs=ca.vertcat(d * flow.rhs, d), guards=guards,
+        x=ca.vertcat(flow.x, ca.SX.sym("time")),
+        rhs=ca.vertcat(d * flow.rhs, d),
+        guards=guards,
         names=(*flow.names, "time"),
-    )  # fmt: skip
+    )
 
 
 @lru_cache(maxsize=8)
@@ -106,10 +108,15 @@ def _slopes(flow: Flow) -> ca.Function:
     still = ca.substitute(d, system.observables["slip"], ca.SX.zeros(2))
     both = ca.vertcat(d, system.observables["normal_force"] * d)
     return ca.Function(
-        "slopes", [flow.x, flow.p],
-        [both, ca.densify(ca.jacobian(both, system.x)),
-         ca.densify(ca.jacobian(d * system.rhs, system.x)), still],
-    )  # fmt: skip
+        "slopes",
+        [flow.x, flow.p],
+        [
+            both,
+            ca.densify(ca.jacobian(both, system.x)),
+            ca.densify(ca.jacobian(d * system.rhs, system.x)),
+            still,
+        ],
+    )
 
 
 def approach(flow: Flow, y: Floats, p: Floats) -> Approach:

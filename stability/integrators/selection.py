@@ -24,13 +24,16 @@ from .leg import UNRESOLVED, Budget, End, Integrate, Leg, Path
 
 HEYOKA = "heyoka"
 METHODS: dict[str, Integrate] = {
-    HEYOKA: taylor.integrate, **stepping.METHODS, **sundials.METHODS,
-}  # fmt: skip
+    HEYOKA: taylor.integrate,
+    **stepping.METHODS,
+    **sundials.METHODS,
+}
 """Every integrator by name; heyoka is optional."""
 FINEST = {
-    HEYOKA: taylor.FINEST, **dict.fromkeys(stepping.METHODS, stepping.FINEST),
+    HEYOKA: taylor.FINEST,
+    **dict.fromkeys(stepping.METHODS, stepping.FINEST),
     **dict.fromkeys(sundials.METHODS, sundials.FINEST),
-}  # fmt: skip
+}
 """Smallest tolerance that each integrator passes to its library."""
 TURN, TURN_POWER = {HEYOKA: 500.0, "dop853": 190.0}, 0.12
 """An explicit method costs more where stiffness exceeds TURN (tolerance / 1e-6)^-TURN_POWER.  Costs
@@ -302,10 +305,17 @@ def run(
         most = legs[i].max_steps
         return partial(_alone, flow, asked[i].numbers, most, paths[i], choices[i], auto)
 
-    with closing(ordered(
-        left, task, executor=executor, workers=workers or taylor.CORES, own=here,
-        progress=counted, size=lambda i: i in alone,
-    )) as results:  # fmt: skip
+    with closing(
+        ordered(
+            left,
+            task,
+            executor=executor,
+            workers=workers or taylor.CORES,
+            own=here,
+            progress=counted,
+            size=lambda i: i in alone,
+        )
+    ) as results:
         for i, (path, choice) in results:
             paths[i], choices[i] = path, choice
     return [p for p in paths if p is not None], choices
@@ -318,9 +328,13 @@ def _gave_up(path: Path, leg: Leg) -> bool:
 
 
 def _alone(
-    flow: Callable[[], Flow], numbers: tuple[Any, ...], most: int, path: Path | None,
-    choice: Choice, auto: bool,
-) -> tuple[Path, Choice]:  # fmt: skip
+    flow: Callable[[], Flow],
+    numbers: tuple[Any, ...],
+    most: int,
+    path: Path | None,
+    choice: Choice,
+    auto: bool,
+) -> tuple[Path, Choice]:
     """One leg, in a worker: a first path if there is none, and another where that gave up."""
     with ASKING:
         leg = Leg(flow(), *numbers)

@@ -122,14 +122,24 @@ def polar_flow(model: Model) -> Flow:
     *others, more = ca.substitute(others, [model.x], [ca.vertcat(x, y[6:count])])
     rhs = [size * rates[:4], along, across, size * power, size * more, size]
     guards = dict(zip(model.guards, others, strict=True)) | {
-        LIFT_OFF: normal * determinant, NO_CONTACT: determinant,
-        LANDED: y[4] - math.log(REST), LEFT: math.log(AWAY) - y[4],
-    }  # fmt: skip
+        LIFT_OFF: normal * determinant,
+        NO_CONTACT: determinant,
+        LANDED: y[4] - math.log(REST),
+        LEFT: math.log(AWAY) - y[4],
+    }
     names = (*model.names[:4], "log_slip", "direction", *model.names[6:], "time")
-    return Flow(dataclasses.replace(
-        model, system=system, x=y, rhs=ca.vertcat(*rhs), guards=guards, names=names, friction="",
-        dry=None,
-    ))  # fmt: skip
+    return Flow(
+        dataclasses.replace(
+            model,
+            system=system,
+            x=y,
+            rhs=ca.vertcat(*rhs),
+            guards=guards,
+            names=names,
+            friction="",
+            dry=None,
+        )
+    )
 
 
 def _at_rest(model: Model) -> Dry:
@@ -391,9 +401,10 @@ class _Dry:
         _, fx, fy = sticking_force(self.dry, self.y[:4], self.p)
         angle = math.atan2(-fy, -fx)
         others = [
-            a for a in continuations(self.dry, self.y[:4], self.p).directions
+            a
+            for a in continuations(self.dry, self.y[:4], self.p).directions
             if math.cos(a - angle) < 0.999
-        ]  # fmt: skip
+        ]
         if others:
             self._stop(NON_UNIQUE, f"at the edge of the cone slip can also set in at {others} rad")
             return STICKING
@@ -447,8 +458,12 @@ class _Dry:
     # --- book-keeping ---
 
     def _advance(
-        self, which: Flow, start: Floats, mode: int, back: Callable[[Floats], Floats],
-    ) -> str | None:  # fmt: skip
+        self,
+        which: Flow,
+        start: Floats,
+        mode: int,
+        back: Callable[[Floats], Floats],
+    ) -> str | None:
         """Run a flow over the remaining samples; the guard that ended the run, or None."""
         rest = self.times[len(self.rows) :]
         times = np.concatenate([[self.time], rest])

@@ -55,13 +55,18 @@ def _integrator(
         own = [by_name.get(f"d_{s}", flow.rhs[i]) for i, s in enumerate(system.states)]
         rest = flow.rhs[len(own) :]
         problem |= {
-            "z": z, "ode": span * ca.vertcat(*own, rest), "alg": system.mass @ z - system.forcing,
-        }  # fmt: skip
+            "z": z,
+            "ode": span * ca.vertcat(*own, rest),
+            "alg": system.mass @ z - system.forcing,
+        }
         guess = ca.Function("z0", [flow.x, flow.p], [ca.solve(system.mass, system.forcing)])
     options = {
-        "reltol": tolerance[0], "abstol": tolerance[1], "max_num_steps": steps,
-        "disable_internal_warnings": True, "show_eval_warnings": False,
-    }  # fmt: skip
+        "reltol": tolerance[0],
+        "abstol": tolerance[1],
+        "max_num_steps": steps,
+        "disable_internal_warnings": True,
+        "show_eval_warnings": False,
+    }
     if plugin == "idas":
         options["suppress_algebraic"] = True
     fractions = np.frombuffer(grid).tolist()
@@ -251,9 +256,11 @@ def _locate(leg: Leg, plugin: str, span: Floats, start: Floats) -> End | None:
         right = high
         if guard(high) > 0:
             best = minimize_scalar(
-                guard, bounds=(low, high), method="bounded",
+                guard,
+                bounds=(low, high),
+                method="bounded",
                 options={"xatol": LOWEST * (high - low)},
-            )  # fmt: skip
+            )
             if not best.fun < 0:
                 continue
             right = float(best.x)

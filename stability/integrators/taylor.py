@@ -143,10 +143,13 @@ def _single(flow: Flow, tolerance: float, effort: int) -> _Held:
         symbols, rates, guards = expressions(flow)
         down = hy.event_direction.negative
         return hy.taylor_adaptive(
-            list(zip(symbols, rates, strict=True)), np.zeros(len(symbols)),
-            tol=tolerance, compact_mode=compact(flow), opt_level=effort,
+            list(zip(symbols, rates, strict=True)),
+            np.zeros(len(symbols)),
+            tol=tolerance,
+            compact_mode=compact(flow),
+            opt_level=effort,
             t_events=[hy.t_event(guard, direction=down) for guard in guards],
-        )  # fmt: skip
+        )
 
     return _Held([], build, Lock())
 
@@ -307,17 +310,23 @@ def _batch(flow: Flow, tolerance: float, width: int, effort: int) -> _Held:
             events = [hy.t_event_batch(guards[0], callback=stop, direction=down)]
         return hy.taylor_adaptive_batch(
             list(zip(symbols, rates, strict=True)),
-            np.zeros((len(symbols), width)), tol=tolerance, t_events=events,
-            compact_mode=compact(flow), opt_level=effort, **more,
-        )  # fmt: skip
+            np.zeros((len(symbols), width)),
+            tol=tolerance,
+            t_events=events,
+            compact_mode=compact(flow),
+            opt_level=effort,
+            **more,
+        )
 
     return _Held([], build, Lock())
 
 
 def integrate_many(
-    legs: Sequence[Leg], workers: int | None = None, progress: Counted | None = None,
+    legs: Sequence[Leg],
+    workers: int | None = None,
+    progress: Counted | None = None,
     executor: Executor | None = None,
-) -> list[Path]:  # fmt: skip
+) -> list[Path]:
     """Run many legs of one flow and tolerance: as many at once as the processor has lanes.
 
     A flow with guards needs a model that parks the lanes that have ended.
@@ -347,11 +356,17 @@ def integrate_many(
     def task(group: range) -> Callable[[], list[Path]]:
         return partial(_together, flow, width, first, [legs[i].numbers for i in group])
 
-    with closing(ordered(
-        groups, task,
-        executor=executor, workers=count, own=threads if count > 1 else here,
-        progress=progress, size=len,
-    )) as results:  # fmt: skip
+    with closing(
+        ordered(
+            groups,
+            task,
+            executor=executor,
+            workers=count,
+            own=threads if count > 1 else here,
+            progress=progress,
+            size=len,
+        )
+    ) as results:
         return [path for _, paths in results for path in paths]
 
 
@@ -381,9 +396,11 @@ def _lanes(legs: list[Leg], width: int, effort: int, budget: Budget | None = Non
     most = max(leg.max_steps for leg in legs)
     steps, watch = (min(QUIET, most), {}) if budget is None else (most, {"callback": budget})
     states = ta.propagate_grid(
-        np.column_stack([leg.times for leg in filled]), max_steps=steps,
-        max_delta_t=[_longest(leg) for leg in filled], **watch,
-    )[1]  # fmt: skip
+        np.column_stack([leg.times for leg in filled]),
+        max_steps=steps,
+        max_delta_t=[_longest(leg) for leg in filled],
+        **watch,
+    )[1]
     if steps < most and any(r[0] == hy.taylor_outcome.step_limit for r in ta.propagate_res):
         held.give(ta)
         return _lanes(legs, width, OPTIMISED, Budget(sum(leg.seconds for leg in legs)))

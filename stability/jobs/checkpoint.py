@@ -45,9 +45,11 @@ class Checkpoint:
     NAME = "map.json"
 
     def __init__(
-        self, folder: str | PathLike[str], key: dict[str, Any],
+        self,
+        folder: str | PathLike[str],
+        key: dict[str, Any],
         fits: Callable[[int, Chunk], bool] = lambda *_: True,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self._fits = fits
         if not isinstance(folder, (str, PathLike)) or not str(folder):
             raise FileError(f"the checkpoint folder is {shown(folder)}; give the name of a folder.")

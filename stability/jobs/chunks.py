@@ -276,9 +276,12 @@ class Memory:
     writer: Writer | None = None
 
     def __init__(
-        self, layout: Layout, variables: tuple[Variable, ...],
-        coords: Mapping[str, Any] | None = None, attrs: Mapping[str, Any] | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        layout: Layout,
+        variables: tuple[Variable, ...],
+        coords: Mapping[str, Any] | None = None,
+        attrs: Mapping[str, Any] | None = None,
+    ) -> None:
         self.layout, self.variables = layout, tuple(variables)
         self.coords, self.attrs = dict(coords or {}), dict(attrs or {})
         self._there: set[Block] = set()
@@ -312,10 +315,13 @@ class Memory:
         import xarray
 
         arrays = {
-            v.name: ((*self.layout.dims, *(n for n, _ in v.more)), self._arrays[v.name],
-                     dict(v.attrs))
+            v.name: (
+                (*self.layout.dims, *(n for n, _ in v.more)),
+                self._arrays[v.name],
+                dict(v.attrs),
+            )
             for v in self.variables
-        }  # fmt: skip
+        }
         found = xarray.Dataset(arrays, self.coords, self.attrs)
         found = found.set_coords([v.name for v in self.variables if v.coordinate])
         more = self._attached

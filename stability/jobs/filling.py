@@ -134,9 +134,12 @@ def fill(
         if store.writer is not None:
             store.writer.clean()
     return Filled(
-        stored, layout.total - stored, tuple(sorted(filling.lost)), filling.ended,
+        stored,
+        layout.total - stored,
+        tuple(sorted(filling.lost)),
+        filling.ended,
         tuple(filling.seconds),
-    )  # fmt: skip
+    )
 
 
 @contextmanager
@@ -234,9 +237,16 @@ class _Filling:
     def _results(self, keys: list[Any], task: Any, workers: int, ahead: int) -> Any:
         """Results as they come, None where a worker ended."""
         return ordered(
-            keys, task, executor=self.pool, workers=workers, own=here, ahead=ahead,
-            in_order=False, lost=self._lose, broken=self._broken(),
-        )  # fmt: skip
+            keys,
+            task,
+            executor=self.pool,
+            workers=workers,
+            own=here,
+            ahead=ahead,
+            in_order=False,
+            lost=self._lose,
+            broken=self._broken(),
+        )
 
     def _task(self, block: Block) -> _Chunk:
         return _Chunk(self.work, self.store.writer, block, self.store.layout.count(block))
@@ -272,8 +282,9 @@ class _Filling:
             self.lost.append(self.store.layout.number(block, part.start))
             return self.blank(1)
         middle = part.start + cells // 2
-        halves = [self._half(block, p) for p in
-                  (slice(part.start, middle), slice(middle, part.stop))]  # fmt: skip
+        halves = [
+            self._half(block, p) for p in (slice(part.start, middle), slice(middle, part.stop))
+        ]
         return {name: np.concatenate([h[name] for h in halves]) for name in halves[0]}
 
     def _half(self, block: Block, part: slice) -> Arrays:

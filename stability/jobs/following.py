@@ -226,8 +226,9 @@ class Lanes(Executor):
 
     def _start(self) -> None:
         pipe, theirs = self._context.Pipe()
-        process = self._context.Process(target=_serve_pieces, args=(theirs, os.getpid()),
-                                        daemon=False)  # fmt: skip
+        process = self._context.Process(
+            target=_serve_pieces, args=(theirs, os.getpid()), daemon=False
+        )
         with ignoring_signals():
             process.start()
         theirs.close()

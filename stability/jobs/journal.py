@@ -24,9 +24,16 @@ ENDS = (DONE, REFUSED, CRASHED, LATE)
 JOURNAL = "cells.jsonl"
 """Name of the journal in its folder."""
 SHOWN = (
-    "figures", "tables", "atlas", "cli", "compare/figures", "compare/report.py", "compare/page.py",
-    "compare/plan.py", "compare/csv_files.py",
-)  # fmt: skip
+    "figures",
+    "tables",
+    "atlas",
+    "cli",
+    "compare/figures",
+    "compare/report.py",
+    "compare/page.py",
+    "compare/plan.py",
+    "compare/csv_files.py",
+)
 """Folders and files that only show results: a change in them leaves cells valid."""
 
 

@@ -116,9 +116,12 @@ def check_run(workers: Any, progress: Any, executor: Any = None) -> None:
 
 @contextmanager
 def resumable(
-    folder: str | PathLike[str], count: Counted | None = None, *,
-    said: str = "finished cells are kept in", then: str = "go on",
-) -> Iterator[None]:  # fmt: skip
+    folder: str | PathLike[str],
+    count: Counted | None = None,
+    *,
+    said: str = "finished cells are kept in",
+    then: str = "go on",
+) -> Iterator[None]:
     """Say where the finished work is, and how to continue, when a job is interrupted.
 
     Parameters
@@ -246,10 +249,15 @@ class _Work(Generic[K, T]):
     """Pieces in flight, each with a list for its result."""
 
     def __init__(
-        self, pool: Executor | None, task: Callable[[K], Callable[[], T]],
-        keep: Keep[K, T] | None, progress: Counted | None, size: Callable[[K], int],
-        in_order: bool, lost: Callable[[K], T] | None,
-    ) -> None:  # fmt: skip
+        self,
+        pool: Executor | None,
+        task: Callable[[K], Callable[[], T]],
+        keep: Keep[K, T] | None,
+        progress: Counted | None,
+        size: Callable[[K], int],
+        in_order: bool,
+        lost: Callable[[K], T] | None,
+    ) -> None:
         self.pool, self.task, self.keep = pool, task, keep
         self.progress, self.size = progress, size
         self.in_order, self.lost = in_order, lost

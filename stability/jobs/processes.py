@@ -218,8 +218,16 @@ def _context() -> Any:
     if "forkserver" not in multiprocessing.get_all_start_methods():
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context("forkserver")
-    wanted = ["numpy", "casadi", "scipy.integrate", "flint", "xarray", "stability.motion.simulate",
-              "stability.spectra.certificate", "stability.spectra.spectrum"]  # fmt: skip
+    wanted = [
+        "numpy",
+        "casadi",
+        "scipy.integrate",
+        "flint",
+        "xarray",
+        "stability.motion.simulate",
+        "stability.spectra.certificate",
+        "stability.spectra.spectrum",
+    ]
     if find_spec("heyoka") is not None:
         wanted.append("heyoka")
     context.set_forkserver_preload(wanted)

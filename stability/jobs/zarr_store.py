@@ -180,10 +180,16 @@ class ZarrStore:
     """
 
     def __init__(
-        self, path: str | PathLike[str], layout: Layout, variables: tuple[Variable, ...],
-        coords: Mapping[str, Any] | None = None, attrs: Mapping[str, Any] | None = None,
-        question: Mapping[str, Any] | None = None, *, overwrite: bool = False,
-    ) -> None:  # fmt: skip
+        self,
+        path: str | PathLike[str],
+        layout: Layout,
+        variables: tuple[Variable, ...],
+        coords: Mapping[str, Any] | None = None,
+        attrs: Mapping[str, Any] | None = None,
+        question: Mapping[str, Any] | None = None,
+        *,
+        overwrite: bool = False,
+    ) -> None:
         self.layout, self.variables = layout, tuple(variables)
         overwrite = flag("overwrite", overwrite)
         self.folder: Path = check_folder(path).resolve()
@@ -195,9 +201,13 @@ class ZarrStore:
         self._given = coords or {}, attrs or {}
         arrays = [[v.name, v.dtype, v.fill, v.attrs, v.more] for v in self.variables]
         asked = self._asked = asked_of(
-            [layout.dims, layout.shape], layout.chunk, arrays, coords or {}, attrs or {},
+            [layout.dims, layout.shape],
+            layout.chunk,
+            arrays,
+            coords or {},
+            attrs or {},
             question or {},
-        )  # fmt: skip
+        )
         head = _head_of(self.folder)
         if head is not None and not same_question(head, asked):
             if not overwrite:
@@ -333,9 +343,13 @@ def _head_of(folder: Path) -> dict[str, Any] | None:
 
 
 def _skeleton(
-    layout: Layout, variables: tuple[Variable, ...], coords: Mapping[str, Any],
-    attrs: Mapping[str, Any], asked: Mapping[str, str], more: xarray.Dataset | None = None,
-) -> dict[str, bytes]:  # fmt: skip
+    layout: Layout,
+    variables: tuple[Variable, ...],
+    coords: Mapping[str, Any],
+    attrs: Mapping[str, Any],
+    asked: Mapping[str, str],
+    more: xarray.Dataset | None = None,
+) -> dict[str, bytes]:
     """Files of a store without chunks, by path, and those of further whole arrays."""
     try:
         import xarray
@@ -358,8 +372,11 @@ def _skeleton(
         frame.attrs |= json.loads(plain_json(dict(more.attrs)))
     frame.attrs |= {MARKER: variables[0].name, QUESTION: plain_json(dict(asked))}
     frame.attrs[PRINT] = fingerprint_of(asked)
-    chunks = {n: {"chunks": tuple(min(s, LARGEST) for s in c.shape)} for n, c in
-              frame.coords.items() if c.size > LARGEST}  # fmt: skip
+    chunks = {
+        n: {"chunks": tuple(min(s, LARGEST) for s in c.shape)}
+        for n, c in frame.coords.items()
+        if c.size > LARGEST
+    }
     with warnings.catch_warnings():
         # consolidated metadata and strings are extensions of the format
         warnings.filterwarnings("ignore", module=r"(zarr|xarray)\b")
@@ -371,9 +388,10 @@ def _skeleton(
             group.attrs["coordinates"] = " ".join([*before, *own])
         for variable in variables:
             group.create_array(
-                **_array(layout, variable, frame), filters=None,
+                **_array(layout, variable, frame),
+                filters=None,
                 compressors=ZstdCodec(level=LEVEL, checksum=True),
-            )  # fmt: skip
+            )
         zarr.consolidate_metadata(memory)
     found = {name: value.to_bytes() for name, value in sorted(files.items())}
     head = found.pop(HEAD)
@@ -384,13 +402,19 @@ def _array(layout: Layout, variable: Variable, frame: xarray.Dataset) -> dict[st
     """Metadata of an array, with the coordinates that lie on its axes."""
     lengths, kind = tuple(n for _, n in variable.more), np.dtype(variable.dtype).newbyteorder("<")
     dims = (*layout.dims, *(n for n, _ in variable.more))
-    near = sorted(str(name) for name, values in frame.coords.items()
-                  if name not in frame.dims and set(values.dims) <= set(dims))  # fmt: skip
+    near = sorted(
+        str(name)
+        for name, values in frame.coords.items()
+        if name not in frame.dims and set(values.dims) <= set(dims)
+    )
     attributes = json.loads(plain_json(dict(variable.attrs)))
     return {
-        "name": variable.name, "dtype": kind, "fill_value": variable.fill,
-        "shape": (*layout.shape, *lengths), "chunks": (*layout.chunk, *lengths),
+        "name": variable.name,
+        "dtype": kind,
+        "fill_value": variable.fill,
+        "shape": (*layout.shape, *lengths),
+        "chunks": (*layout.chunk, *lengths),
         "attributes": attributes | ({"coordinates": " ".join(near)} if near else {}),
         "dimension_names": dims,
         "chunk_key_encoding": {"name": "default", "separator": "."},
-    }  # fmt: skip
+    }

@@ -173,9 +173,12 @@ class Cells:
         return {name: value for name, value in vars(self).items() if name not in filled}
 
     def fill(
-        self, workers: int, progress: Progress | None, keep: Keep[int, Chunk] | None = None,
+        self,
+        workers: int,
+        progress: Progress | None,
+        keep: Keep[int, Chunk] | None = None,
         executor: Executor | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Compute the chunks: members here, since CasADi is not shared; spectra by workers.
 
         Parameters
@@ -196,10 +199,17 @@ class Cells:
                 return partial(_band, cells, start, total)
             return partial(_work, cells, *self._inputs(start, total))
 
-        with closing(ordered(
-            range(0, total, self.chunk), task, executor=executor, workers=workers, keep=keep,
-            progress=Counted(progress, total), size=lambda start: min(self.chunk, total - start),
-        )) as results:  # fmt: skip
+        with closing(
+            ordered(
+                range(0, total, self.chunk),
+                task,
+                executor=executor,
+                workers=workers,
+                keep=keep,
+                progress=Counted(progress, total),
+                size=lambda start: min(self.chunk, total - start),
+            )
+        ) as results:
             for start, chunk in results:
                 self._place(start, chunk)
         if self.by_slice:
@@ -299,9 +309,12 @@ class Cells:
         if self.slice is not None:
             found, left, rates = self.slice.band(xs, ys)
             part: Chunk = {
-                LEFT: np.array([left]), "codes": found, "abscissa": rates.abscissa,
-                "error": rates.error, "frequency": rates.frequency,
-            }  # fmt: skip
+                LEFT: np.array([left]),
+                "codes": found,
+                "abscissa": rates.abscissa,
+                "error": rates.error,
+                "frequency": rates.frequency,
+            }
             return part if rates.values is None else part | {"values": rates.values}
         values = dict(self.problem.values)
         values |= {self.axes[0].name: xs[None, :], self.axes[1].name: ys[:, None]}
@@ -309,9 +322,11 @@ class Cells:
         codes, left = self._verdicts(xs, ys, growth.codes)
         chunk: Chunk = {
             LEFT: np.array([left + growth.handed_on]),
-            "codes": codes.reshape(-1), "abscissa": growth.abscissa, "error": growth.error,
+            "codes": codes.reshape(-1),
+            "abscissa": growth.abscissa,
+            "error": growth.error,
             "frequency": growth.frequency,
-        }  # fmt: skip
+        }
         if growth.values is not None:
             chunk["values"] = growth.values
         return chunk

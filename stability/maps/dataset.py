@@ -81,22 +81,28 @@ def provenance(
         route += "; conservative law, decided by the sign of λ²"
     law = problem.law.name if problem.law else None
     return origin(
-        problem, fixed,
-        citation=cited(law, model=of_package(problem), eigenvalues=route.startswith(GRAPH),
-                       proofs=True),
+        problem,
+        fixed,
+        citation=cited(
+            law, model=of_package(problem), eigenvalues=route.startswith(GRAPH), proofs=True
+        ),
         axes=" ".join(g.text for g in axes or ()),
         structural_zeros=how.zeros,
         structural_zeros_how=how.how,
         method=route,
         tolerances="verdicts only where the error discs decide; each boundary point is a "
         "bracket of half-width boundary_error proved in ball arithmetic (Routh's array)",
-    )  # fmt: skip
+    )
 
 
 def assemble(
-    problem: Problem, axes: tuple[Axis, Axis], cells: Any, curves: Curves | None,
-    boxes: Boxes | None = None, points: CodimensionTwo | None = None,
-) -> xarray.Dataset:  # fmt: skip
+    problem: Problem,
+    axes: tuple[Axis, Axis],
+    cells: Any,
+    curves: Curves | None,
+    boxes: Boxes | None = None,
+    points: CodimensionTwo | None = None,
+) -> xarray.Dataset:
     """The dataset of a map.
 
     Parameters
@@ -122,15 +128,22 @@ def assemble(
     words = rate_attributes(problem)
     flags = verdict_attributes()
     missing = int((cells.codes == NO_MEMBER).sum())
-    arrays = {"verdict": cells.codes, "abscissa": cells.abscissa, "abscissa_error": cells.error,
-              "frequency": cells.frequency}  # fmt: skip
+    arrays = {
+        "verdict": cells.codes,
+        "abscissa": cells.abscissa,
+        "abscissa_error": cells.error,
+        "frequency": cells.frequency,
+    }
     variables: dict[str, Any] = {
         name: (dims, arrays[name], attributes)
         for name, attributes in cell_attributes(problem, missing=bool(missing)).items()
     }
     if cells.values is not None:
-        variables["eigenvalues"] = ((*dims, "mode"), cells.values, words | {
-            "long_name": "eigenvalues, structural zeros removed, sorted by real part"})  # fmt: skip
+        variables["eigenvalues"] = (
+            (*dims, "mode"),
+            cells.values,
+            words | {"long_name": "eigenvalues, structural zeros removed, sorted by real part"},
+        )
     if curves is not None:
         variables |= _boundary_variables(problem, axes, curves, words)
     if boxes is not None:
@@ -222,10 +235,16 @@ def _boundary_variables(
         f"boundary_{axes[0].name}": (d, curves.x, axis_attributes(problem, axes[0].name)),
         f"boundary_{axes[1].name}": (d, curves.y, axis_attributes(problem, axes[1].name)),
         "boundary_axis": (d, curves.axis, along_axis),
-        "boundary_error": (d, curves.error, {
-            "long_name": "half-width of the proved bracket, in the unit of boundary_axis"}),
+        "boundary_error": (
+            d,
+            curves.error,
+            {"long_name": "half-width of the proved bracket, in the unit of boundary_axis"},
+        ),
         "boundary_kind": (d, curves.kind, kinds),
-        "boundary_frequency": (d, curves.frequency, dict(words) | {
-            "long_name": "frequency of the crossing pair"}),
+        "boundary_frequency": (
+            d,
+            curves.frequency,
+            dict(words) | {"long_name": "frequency of the crossing pair"},
+        ),
         "boundary_curve": (d, curves.curve, {"long_name": "polyline that the point belongs to"}),
-    }  # fmt: skip
+    }

@@ -326,8 +326,11 @@ def _coarse_to_fine(a: list[Any], shape: tuple[int, int]) -> Factors:
     corner[...] = settle(some, start(some)).stack().reshape(corner.shape)
     while step > 1:
         half = step // 2
-        even, odd, every = (slice(None, None, step), slice(half, None, step),
-                            slice(None, None, half))  # fmt: skip
+        even, odd, every = (
+            slice(None, None, step),
+            slice(half, None, step),
+            slice(None, None, half),
+        )
         steps = STEPS if half > 1 else 1
         # first the rows between known ones, then all columns between known ones
         for rows, columns, axis in ((odd, even, 1), (every, odd, 2)):

@@ -63,14 +63,21 @@ def point_variables(
     out: dict[str, Any] = {
         "point_kind": (d, np.array([KINDS[p.kind] for p in found], dtype=np.int8), kinds),
         "point_others": (d, np.array([OTHERS[p.others] for p in found], dtype=np.int8), others),
-        "point_frequency": (("point", "point_pair"), pairs, dict(rate) | {
-            "long_name": "|Im| of the pairs that meet, in increasing order"}),
-    }  # fmt: skip
-    for (name, words), value, bound in zip(axes.items(), ("x", "y"), ("x_error", "y_error"),
-                                           strict=True):  # fmt: skip
+        "point_frequency": (
+            ("point", "point_pair"),
+            pairs,
+            dict(rate) | {"long_name": "|Im| of the pairs that meet, in increasing order"},
+        ),
+    }
+    for (name, words), value, bound in zip(
+        axes.items(), ("x", "y"), ("x_error", "y_error"), strict=True
+    ):
         out[f"point_{name}"] = (d, np.array([getattr(p, value) for p in found]), dict(words))
-        out[f"point_{name}_error"] = (d, np.array([getattr(p, bound) for p in found]), dict(
-            words) | {"long_name": f"proved bound on the error of point_{name}"})  # fmt: skip
+        out[f"point_{name}_error"] = (
+            d,
+            np.array([getattr(p, bound) for p in found]),
+            dict(words) | {"long_name": f"proved bound on the error of point_{name}"},
+        )
     return out
 
 
@@ -131,6 +138,10 @@ def points_of(dataset: xarray.Dataset) -> CodimensionTwo | None:
         for kind, a, b, reason in json.loads(dataset.points_unresolved)
     )
     return CodimensionTwo(
-        points, (x, y), boxes, str(dataset.points_how), str(dataset.points_vanishing),
+        points,
+        (x, y),
+        boxes,
+        str(dataset.points_how),
+        str(dataset.points_vanishing),
         bool(dataset.points_vanishing_complete),
-    )  # fmt: skip
+    )

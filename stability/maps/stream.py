@@ -206,14 +206,28 @@ def _judge(
     """Verdicts alone, to a file or a folder."""
     layout = _layout(axes, BAND)
     if target.suffix.lower() not in STORES:
-        write_verdicts(target, judge, problem, axes, layout, executor=how.executor,
-                       workers=how.workers, progress=how.progress,
-                       overwrite=how.overwrite)  # fmt: skip
+        write_verdicts(
+            target,
+            judge,
+            problem,
+            axes,
+            layout,
+            executor=how.executor,
+            workers=how.workers,
+            progress=how.progress,
+            overwrite=how.overwrite,
+        )
         return
     store = verdict_store(target, problem, axes, layout, overwrite=how.overwrite)
     work = VerdictChunk(shared(judge, how.executor), axes, layout)
-    fill(store, work, blank=no_verdicts, executor=how.executor, workers=how.workers,
-         progress=how.progress)  # fmt: skip
+    fill(
+        store,
+        work,
+        blank=no_verdicts,
+        executor=how.executor,
+        workers=how.workers,
+        progress=how.progress,
+    )
 
 
 def _grow(target: Path, problem: Problem, axes: tuple[Axis, Axis], how: _How) -> None:
@@ -222,5 +236,11 @@ def _grow(target: Path, problem: Problem, axes: tuple[Axis, Axis], how: _How) ->
     layout = _layout(axes, cells.band)
     store = growth_store(target, cells, layout, overwrite=how.overwrite)
     work = GrowthChunk(shared(cells, how.executor), layout)
-    fill(store, work, blank=no_rates, executor=how.executor, workers=how.workers,
-         progress=how.progress)  # fmt: skip
+    fill(
+        store,
+        work,
+        blank=no_rates,
+        executor=how.executor,
+        workers=how.workers,
+        progress=how.progress,
+    )

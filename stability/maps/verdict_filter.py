@@ -92,8 +92,9 @@ class VerdictKernel:
         point
             Arrays or floats, as for a call.
         """
-        powers = [max(p.degrees[i] for p in self._parts) if self._parts else 0
-                  for i in range(len(point))]  # fmt: skip
+        powers = [
+            max(p.degrees[i] for p in self._parts) if self._parts else 0 for i in range(len(point))
+        ]
         with np.errstate(all="ignore"):
             reach = [
                 d * max(abs(np.log10(np.min(v))), abs(np.log10(np.max(v))))

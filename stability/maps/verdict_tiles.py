@@ -69,8 +69,9 @@ class GridVerdicts:
         shape = len(ys), len(xs)
         if known is not None:
             codes = known.reshape(shape)
-            return codes, self._single(codes, *np.divmod(np.flatnonzero(known == 0), len(xs)), 1,
-                                       xs, ys)  # fmt: skip
+            return codes, self._single(
+                codes, *np.divmod(np.flatnonzero(known == 0), len(xs)), 1, xs, ys
+            )
         side = SIDES[0]
         tall, wide = (-(-n // side) for n in shape)
         # whole tiles, so that each is written at once; cells beyond the grid are cut off below
@@ -81,8 +82,10 @@ class GridVerdicts:
         i, j = i[found == 0], j[found == 0]
         for finer in SIDES[1:]:
             ratio, side = side // finer, finer
-            i, j = (ratio * v[:, None] + s.ravel() for v, s in
-                    zip((i, j), np.indices((ratio, ratio)), strict=True))  # fmt: skip
+            i, j = (
+                ratio * v[:, None] + s.ravel()
+                for v, s in zip((i, j), np.indices((ratio, ratio)), strict=True)
+            )
             i, j = i.ravel(), j.ravel()
             inside = (i * side < shape[0]) & (j * side < shape[1])
             i, j = i[inside], j[inside]

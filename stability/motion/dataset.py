@@ -93,14 +93,25 @@ def assemble(launches: Starts, settings: Settings, results: list[Result]) -> xar
         n: fast(along, v.reshape(shape), labels(n), fastpath=True) for n, v in series.items()
     }
     if not single:
-        variables["running"] = fast(along, running.reshape(shape), {
-            "long_name": "whether the run had not ended", "flag_values": [0, 1],
-            "flag_meanings": "ended running"})  # fmt: skip
+        variables["running"] = fast(
+            along,
+            running.reshape(shape),
+            {
+                "long_name": "whether the run had not ended",
+                "flag_values": [0, 1],
+                "flag_meanings": "ended running",
+            },
+        )
     if modes is not None:
-        variables["mode"] = fast(along, modes.astype(np.int8).reshape(shape), {
-            "long_name": "mode of dry friction",
-            "flag_values": np.array([SLIDING, STICKING], dtype=np.int8),
-            "flag_meanings": "sliding sticking"})  # fmt: skip
+        variables["mode"] = fast(
+            along,
+            modes.astype(np.int8).reshape(shape),
+            {
+                "long_name": "mode of dry friction",
+                "flag_values": np.array([SLIDING, STICKING], dtype=np.int8),
+                "flag_meanings": "sliding sticking",
+            },
+        )
     error = account(launches, y, series) if launches.model.accounted else None
     if error is not None:
         results = _accounted(results, error)
@@ -113,8 +124,9 @@ def assemble(launches: Starts, settings: Settings, results: list[Result]) -> xar
         coordinates[name] = fast(*kept, {} if launches.law else labels(name), fastpath=True)
     if not single:  # a slice keeps it to find its own events
         numbers = np.arange(launches.count).reshape(launches.shape)
-        coordinates["number"] = fast(dims, numbers, {"long_name": "launch, counted flat"},
-                                     fastpath=True)  # fmt: skip
+        coordinates["number"] = fast(
+            dims, numbers, {"long_name": "launch, counted flat"}, fastpath=True
+        )
     return _dataset(variables, coordinates, _provenance(launches, settings, results))
 
 
@@ -222,7 +234,7 @@ def _series(
 
 def _summary(
     launches: Starts, results: list[Result], error: Floats | None, dims: tuple[str, ...]
-) -> dict[str, Any]:  # fmt: skip
+) -> dict[str, Any]:
     """One value for each launch: outcome, evidence, times, the nearest steady motion."""
     import xarray
 
@@ -234,9 +246,13 @@ def _summary(
         return make(dims, array, attributes, fastpath=True)
 
     second = launches.unit("time")
-    account = {} if error is None else {
-        "energy_error": variable(error, units="1", long_name=ENERGY_ERROR[launches.law is None])
-    }  # fmt: skip
+    account = (
+        {}
+        if error is None
+        else {
+            "energy_error": variable(error, units="1", long_name=ENERGY_ERROR[launches.law is None])
+        }
+    )
     return {
         "outcome": variable(
             np.array([r.outcome.code for r in results], dtype=np.int8),
@@ -244,26 +260,30 @@ def _summary(
             **outcome_flags(disk=launches.law is not None),
         ),
         "evidence": variable([r.evidence for r in results], long_name="why"),
-        "end_time": variable(np.array([r.time for r in results]) * clock,
-                             long_name="end of the run", units=second),
-        "settled_time": variable(np.array([r.settled_at for r in results]) * clock,
-                                 long_name="time from which it stayed near the steady motion, "
-                                 "or the end", units=second),
+        "end_time": variable(
+            np.array([r.time for r in results]) * clock, long_name="end of the run", units=second
+        ),
+        "settled_time": variable(
+            np.array([r.settled_at for r in results]) * clock,
+            long_name="time from which it stayed near the steady motion, or the end",
+            units=second,
+        ),
         **account,
         **_nearest(launches, [r.near for r in results], variable),
         **_errors(results, clock, variable, second),
         "steps": variable([r.path.steps for r in results], long_name="steps of the integrator"),
         "method": variable([r.choice.method for r in results], long_name="integrator"),
-    }  # fmt: skip
+    }
 
 
 def _nearest(launches: Starts, near: list[Nearest], variable: Any) -> dict[str, Any]:
     """The nearest steady motions; those of a user's system only where all launches have one."""
     found = {
         "nearest_family": variable([n.family for n in near], long_name="nearest steady motion"),
-        "nearest_distance": variable([n.distance for n in near], units="1",
-                                     long_name="dimensionless distance from it"),
-    }  # fmt: skip
+        "nearest_distance": variable(
+            [n.distance for n in near], units="1", long_name="dimensionless distance from it"
+        ),
+    }
     if launches.law is not None:
         named = list(dict.fromkeys(line.along[0] for line in launches.settling.lines))
         kinds = [named_by(n.family) for n in near]
@@ -285,9 +305,7 @@ def _nearest(launches: Starts, near: list[Nearest], variable: Any) -> dict[str, 
     return found | {"nearest_member": type(found["nearest_family"])(dims, member, label)}
 
 
-def _errors(
-    results: list[Result], clock: Floats, variable: Any, second: str
-) -> dict[str, Any]:  # fmt: skip
+def _errors(results: list[Result], clock: Floats, variable: Any, second: str) -> dict[str, Any]:
     """Estimated errors of the final state and of the end's time; empty without neighbours."""
     if any(r.doubt is None and r.outcome is not Outcome.UNRESOLVED for r in results):
         return {}
@@ -295,12 +313,16 @@ def _errors(
     state = [r.doubt.final_error if r.doubt else np.inf for r in results]
     late = [r.doubt.time_error if r.doubt and r.path.end else 0.0 for r in results]
     return {
-        "final_error": variable(state, units="1",
-                                long_name="estimated error of the final state, the largest over "
-                                "the states, each over 1 or its own size"),
-        "end_time_error": variable(np.array(late) * clock, units=second,
-                                   long_name="estimated error of the end's time"),
-    }  # fmt: skip
+        "final_error": variable(
+            state,
+            units="1",
+            long_name="estimated error of the final state, the largest over "
+            "the states, each over 1 or its own size",
+        ),
+        "end_time_error": variable(
+            np.array(late) * clock, units=second, long_name="estimated error of the end's time"
+        ),
+    }
 
 
 def _accounted(results: list[Result], error: Floats) -> list[Result]:
@@ -308,12 +330,15 @@ def _accounted(results: list[Result], error: Floats) -> list[Result]:
     if not (error > ACCOUNT).any():
         return results
     return [
-        result if error[i] <= ACCOUNT else replace(
-            result, outcome=Outcome.UNRESOLVED,
+        result
+        if error[i] <= ACCOUNT
+        else replace(
+            result,
+            outcome=Outcome.UNRESOLVED,
             evidence=f"the energy account fails by {error[i]:.1e} of the initial energy",
         )
         for i, result in enumerate(results)
-    ]  # fmt: skip
+    ]
 
 
 def _body(launches: Starts) -> dict[str, Any]:

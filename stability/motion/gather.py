@@ -49,9 +49,16 @@ def moving(first: Any, body: Any = None) -> Moving:
 
 
 def launches_of(
-    thing: Moving, contact: Any, start: Any, times: ArrayLike, *, families: Any = (),
-    resistance: Any = None, pose: bool = False, mark: bool = False,
-) -> Starts:  # fmt: skip
+    thing: Moving,
+    contact: Any,
+    start: Any,
+    times: ArrayLike,
+    *,
+    families: Any = (),
+    resistance: Any = None,
+    pose: bool = False,
+    mark: bool = False,
+) -> Starts:
     """The launches of a call, checked and dimensionless.
 
     Parameters

@@ -162,9 +162,10 @@ def estimate_errors(
     out: list[ErrorEstimate | None] = [None] * len(found)
     for judge, coarse in ((_of_fine, False), (_of_coarse, True)):
         which = [
-            i for i, r in enumerate(found)
+            i
+            for i, r in enumerate(found)
             if r.outcome is not Outcome.UNRESOLVED and (10 * r.tolerance > LOOSEST) == coarse
-        ]  # fmt: skip
+        ]
         if which:
             limits = np.array([finest[i] for i in which])
             with np.errstate(all="ignore"):  # a ratio may be infinite
@@ -229,9 +230,10 @@ def _of_fine(ones: Sequence[Result], limits: Floats, rerun: Rerun) -> list[Error
         for one, pair, size, mine in zip(ones, pairs, loose, own, strict=True)
     ]
     unsure = [
-        j for j in every
+        j
+        for j in every
         if tight[j] < asked[j] and not _converges(ones[j], pairs[j], float(asked[j] / loose[j]))
-    ]  # fmt: skip
+    ]
     parted = [j for j in every if not _close(ones[j], pairs[j])]
     others = rerun(parted, tight[parted], -own[parted])
     for j, other in zip(parted, others, strict=True):
@@ -291,9 +293,14 @@ def _converges(one: Result, pair: Pair, ratio: float) -> bool:
 
 
 def _settled(
-    ones: Sequence[Result], finer: list[Result], out: list[ErrorEstimate], unsure: list[int],
-    tight: Floats, limits: Floats, rerun: Rerun,
-) -> list[ErrorEstimate]:  # fmt: skip
+    ones: Sequence[Result],
+    finer: list[Result],
+    out: list[ErrorEstimate],
+    unsure: list[int],
+    tight: Floats,
+    limits: Floats,
+    rerun: Rerun,
+) -> list[ErrorEstimate]:
     """The estimates, with finer neighbours for unsure launches until two of them agree."""
     for _ in range(TURNS):
         unsure = [j for j in unsure if tight[j] > limits[j]]

@@ -138,6 +138,7 @@ def is_finite(dataset: xarray.Dataset) -> bool:
     bool
     """
     return all(
-        bool(np.isfinite(v.values).all()) for name, v in dataset.variables.items()
+        bool(np.isfinite(v.values).all())
+        for name, v in dataset.variables.items()
         if v.dtype.kind == "f" and name not in ("final_error", "end_time_error")
-    ) and math.isfinite(float(dataset.attrs["tolerance"]))  # fmt: skip
+    ) and math.isfinite(float(dataset.attrs["tolerance"]))

@@ -48,9 +48,12 @@ def _energy_slopes(model: Model, states: Floats, p: Floats) -> Floats:
 
 
 def observe(
-    model: Model, states: Floats, p: Floats, modes: Floats | None = None,
+    model: Model,
+    states: Floats,
+    p: Floats,
+    modes: Floats | None = None,
     heading: Floats | None = None,
-) -> dict[str, Floats]:  # fmt: skip
+) -> dict[str, Floats]:
     """The observables of states.
 
     Parameters
@@ -214,14 +217,25 @@ def event_log(launches: Starts, results: list[Result]) -> dict[str, Any]:
 
     log: dict[str, Any] = {
         "event_launch": variable("event", which, {"long_name": "launch, counted flat"}),
-        "event_time": variable("event", times * (clock[which] if clock.ndim else clock),
-                               {"units": launches.unit("time")}),
+        "event_time": variable(
+            "event",
+            times * (clock[which] if clock.ndim else clock),
+            {"units": launches.unit("time")},
+        ),
         "event_kind": variable("event", np.array([r[2] for r in rows], dtype="U12")),
-        "event_state": variable(("event", "state"), states, {
-            "long_name": "state at the event", "columns": " ".join(launches.model.states)}),
-    }  # fmt: skip
+        "event_state": variable(
+            ("event", "state"),
+            states,
+            {"long_name": "state at the event", "columns": " ".join(launches.model.states)},
+        ),
+    }
     if launches.law is not None:  # no user's system sticks
-        log["event_direction"] = variable("event", np.array([r[4] for r in rows], dtype=float), {
-            "long_name": "direction of slip from x̂, before sticking or at its onset",
-            "units": Kind.ANGLE.si})  # fmt: skip
+        log["event_direction"] = variable(
+            "event",
+            np.array([r[4] for r in rows], dtype=float),
+            {
+                "long_name": "direction of slip from x̂, before sticking or at its onset",
+                "units": Kind.ANGLE.si,
+            },
+        )
     return log

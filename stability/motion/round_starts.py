@@ -67,9 +67,15 @@ class _Round:
 
 
 def gather_round(
-    thing: Disk | Body, contact: Contact, start: Any, times: ArrayLike, *,
-    resistance: Any = None, pose: bool = False, mark: bool = False,
-) -> Starts:  # fmt: skip
+    thing: Disk | Body,
+    contact: Contact,
+    start: Any,
+    times: ArrayLike,
+    *,
+    resistance: Any = None,
+    pose: bool = False,
+    mark: bool = False,
+) -> Starts:
     """Check the arguments of `simulate` for a disk or body and make them dimensionless.
 
     Parameters
@@ -130,11 +136,16 @@ def _of_disk(disk: Disk, contact: Contact, *, pose: bool) -> _Round:
     law = type(contact)
     fields = {n: getattr(disk, n) for n in ("mass", "radius", "gravity", "k")} | contact.given
     return _Round(
-        disk_model(law, pose=pose), fields, "radius", contact.arguments, tuple(law.symbols()),
-        disk_settling(law), (0.0, np.pi),
+        disk_model(law, pose=pose),
+        fields,
+        "radius",
+        contact.arguments,
+        tuple(law.symbols()),
+        disk_settling(law),
+        (0.0, np.pi),
         "theta must lie strictly between 0 and π, because the disk is flat at both and its "
         "equations of motion end there",
-    )  # fmt: skip
+    )
 
 
 def _of_body(body: Body, contact: Contact, resistance: Any, *, pose: bool) -> _Round:
@@ -144,8 +155,9 @@ def _of_body(body: Body, contact: Contact, resistance: Any, *, pose: bool) -> _R
     _check_names(body, model)
 
     def scaled(flat: Mapping[str, Floats], units: Units) -> Mapping[str, Any]:
-        found = {p.name: p.dimensionless(flat[p.name], units)
-                 for p in law.parameters if p.name in flat}  # fmt: skip
+        found = {
+            p.name: p.dimensionless(flat[p.name], units) for p in law.parameters if p.name in flat
+        }
         own = flat["mass"], flat["length"], units.time, units.force
         sizes = dict(zip(UNITS, own, strict=True))
         return found | {
@@ -155,10 +167,15 @@ def _of_body(body: Body, contact: Contact, resistance: Any, *, pose: bool) -> _R
 
     low, high = body.between
     return _Round(
-        model, body.given | contact.given | {r.coefficient: r.value for r in against}, "length",
-        scaled, given, body_settling(body, law, given, kinds), body.between,
+        model,
+        body.given | contact.given | {r.coefficient: r.value for r in against},
+        "length",
+        scaled,
+        given,
+        body_settling(body, law, given, kinds),
+        body.between,
         f"the height of {body.name} holds for theta between {low:.6g} and {high:.6g}",
-    )  # fmt: skip
+    )
 
 
 def _acting(body: Body, contact: Contact, given: Any) -> tuple[Resistance, ...]:
@@ -198,18 +215,24 @@ def _check_names(body: Body, model: Model) -> None:
 
 
 def _gathered(
-    setting: _Round, thing: Disk | Body, contact: Contact, start: Any, times: ArrayLike, *,
+    setting: _Round,
+    thing: Disk | Body,
+    contact: Contact,
+    start: Any,
+    times: ArrayLike,
+    *,
     mark: bool,
-) -> Starts:  # fmt: skip
+) -> Starts:
     six, when = six_states(start, contact), times_of(times)
     model, fields, law = setting.model, setting.fields, type(contact)
     shape = broadcast(start=six.shape[:-1], **{n: np.shape(v) for n, v in fields.items()})
     count = counted(shape, when)
     flat = {
-        n: a if (a := np.asarray(v, dtype=float)).ndim == 0
+        n: a
+        if (a := np.asarray(v, dtype=float)).ndim == 0
         else np.broadcast_to(a, shape).reshape(-1)
         for n, v in fields.items()
-    }  # fmt: skip
+    }
     units = Units(flat["mass"], flat[setting.length], flat["gravity"], np.sqrt)
     starts = np.broadcast_to(six, (*shape, 6)).reshape(count, 6).copy()
     starts[:, 1:4] *= np.asarray(units.time)[..., None]
@@ -228,9 +251,19 @@ def _gathered(
         )
     energies, unfit = _check(setting, thing, contact, shape, starts, p, mark=mark)
     return Starts(
-        model, shape, starts, p, when, flat, units, thing.dimensionless, energies,
-        setting.settling, law, unfit,
-    )  # fmt: skip
+        model,
+        shape,
+        starts,
+        p,
+        when,
+        flat,
+        units,
+        thing.dimensionless,
+        energies,
+        setting.settling,
+        law,
+        unfit,
+    )
 
 
 @lru_cache(maxsize=64)
@@ -266,9 +299,15 @@ def _look_at_rest(dry: Dry, starts: Floats, p: Floats, values: Floats) -> None:
 
 
 def _check(
-    setting: _Round, thing: Disk | Body, contact: Contact, shape: tuple[int, ...], starts: Floats,
-    p: Floats, *, mark: bool,
-) -> tuple[Floats, Unfit | None]:  # fmt: skip
+    setting: _Round,
+    thing: Disk | Body,
+    contact: Contact,
+    shape: tuple[int, ...],
+    starts: Floats,
+    p: Floats,
+    *,
+    mark: bool,
+) -> tuple[Floats, Unfit | None]:
     """Energies of the starts; a start without contact is marked, or refused with the reason."""
     model, theta = setting.model, starts[:, 0]
     system, zeros = model.system, {one.place for one in contact.parameters if one.zero}

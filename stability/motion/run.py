@@ -86,9 +86,12 @@ def _later(
 
 
 def _checked(
-    legs: Sequence[Leg], starts: Floats, launches: Starts, settings: Settings,
+    legs: Sequence[Leg],
+    starts: Floats,
+    launches: Starts,
+    settings: Settings,
     progress: Callable[[int, int], None] | None,
-) -> list[Result]:  # fmt: skip
+) -> list[Result]:
     """Run some launches, and their neighbours."""
     found = _run(legs, launches, settings, [settings.method] * len(legs), progress)
     if not settings.check:
@@ -120,9 +123,13 @@ def _checked(
 
 
 def _grown(
-    leg: Leg, one: Result, doubt: ErrorEstimate, finer: Result, launches: Starts,
+    leg: Leg,
+    one: Result,
+    doubt: ErrorEstimate,
+    finer: Result,
+    launches: Starts,
     settings: Settings,
-) -> ErrorEstimate:  # fmt: skip
+) -> ErrorEstimate:
     """The estimate, with a growth of errors that the neighbours may hide because they damp it.
 
     An explicit method damps only in a few long steps.  Where the linearised motion along the finer
@@ -169,12 +176,16 @@ def _legs(launches: Starts, settings: Settings) -> list[Leg]:
     shared = times / float(clock) if clock.ndim == 0 else None
     return [
         Leg(
-            which, np.append(p, more), y,
+            which,
+            np.append(p, more),
+            y,
             times / float(clock[i]) if shared is None else shared,
-            _finer(settings.tolerance, y[turning]), settings.max_steps, settings.max_seconds,
+            _finer(settings.tolerance, y[turning]),
+            settings.max_steps,
+            settings.max_seconds,
         )
         for i, (p, y) in enumerate(zip(launches.p, which.pack(launches.starts), strict=True))
-    ]  # fmt: skip
+    ]
 
 
 def _shadow(
@@ -214,9 +225,12 @@ def _unbounded(result: Result, doubt: ErrorEstimate) -> str:
 
 
 def _run(
-    legs: Sequence[Leg], launches: Starts, settings: Settings, methods: Sequence[str],
+    legs: Sequence[Leg],
+    launches: Starts,
+    settings: Settings,
+    methods: Sequence[str],
     progress: Callable[[int, int], None] | None,
-) -> list[Result]:  # fmt: skip
+) -> list[Result]:
     """Run legs, each by its method, and judge how they ended."""
     if launches.dry:
         asked = shared(legs[0].flow, settings.executor)
@@ -224,10 +238,16 @@ def _run(
         def task(i: int) -> Callable[[], DryPath]:
             return partial(_dry, asked, legs[i].numbers, methods[i])
 
-        with closing(ordered(
-            range(len(legs)), task, executor=settings.executor,
-            workers=settings.workers or CORES, own=here, progress=Counted(progress, len(legs)),
-        )) as results:  # fmt: skip
+        with closing(
+            ordered(
+                range(len(legs)),
+                task,
+                executor=settings.executor,
+                workers=settings.workers or CORES,
+                own=here,
+                progress=Counted(progress, len(legs)),
+            )
+        ) as results:
             dries = [dry for _, dry in results]
         names = [explicit() if method == "auto" else method for method in methods]
         said = "sliding and sticking; landings by LSODA, onsets by CVODES"
@@ -237,9 +257,12 @@ def _run(
     for method in dict.fromkeys(methods):
         mine = [i for i, name in enumerate(methods) if name == method]
         paths, choices = run(
-            [legs[i] for i in mine], method, workers=settings.workers, progress=progress,
+            [legs[i] for i in mine],
+            method,
+            workers=settings.workers,
+            progress=progress,
             executor=settings.executor,
-        )  # fmt: skip
+        )
         found |= zip(mine, zip(paths, choices, strict=True), strict=True)
     return _judged(legs, [found[i] for i in range(len(legs))], launches, settings)
 
@@ -261,9 +284,12 @@ def _finer(tolerance: float, turning: Floats) -> float:
 
 
 def _judged(
-    legs: Sequence[Leg], ran: Sequence[tuple[Path, Choice]], launches: Starts, settings: Settings,
+    legs: Sequence[Leg],
+    ran: Sequence[tuple[Path, Choice]],
+    launches: Starts,
+    settings: Settings,
     dries: Sequence[DryPath] | None = None,
-) -> list[Result]:  # fmt: skip
+) -> list[Result]:
     """How each of some paths ended; the motions nearest to their ends are found together."""
     paths, why = [], []
     for leg, (path, _) in zip(legs, ran, strict=True):
@@ -285,9 +311,16 @@ def _judged(
 
 
 def _judge(  # noqa: PLR0913
-    leg: Leg, path: Path, final: Floats, choice: Choice, near: Nearest, launches: Starts,
-    settings: Settings, dry: DryPath | None, why: str,
-) -> Result:  # fmt: skip
+    leg: Leg,
+    path: Path,
+    final: Floats,
+    choice: Choice,
+    near: Nearest,
+    launches: Starts,
+    settings: Settings,
+    dry: DryPath | None,
+    why: str,
+) -> Result:
     end: End | None = path.end
     time = float(leg.times[-1]) if end is None else end.time
     p = leg.p[: len(leg.flow.system.parameters)]
@@ -304,12 +337,20 @@ def _judge(  # noqa: PLR0913
             apart = launches.settling.distances(leg.flow.reported(path.states), p, near)
             since = _since(leg, apart, settings.settle)
     return Result(
-        path, choice, outcome, time, final, near, since,
-        dry.modes if dry else None, dry.mode if dry else SLIDING,
+        path,
+        choice,
+        outcome,
+        time,
+        final,
+        near,
+        since,
+        dry.modes if dry else None,
+        dry.mode if dry else SLIDING,
         tuple(dry.transitions) if dry else (),
         evidence + ("" if launches.dimensionless else " (dimensionless numbers)"),
-        max(leg.tolerance, FINEST[choice.method]), leg.flow.compared,
-    )  # fmt: skip
+        max(leg.tolerance, FINEST[choice.method]),
+        leg.flow.compared,
+    )
 
 
 def _lags(leg: Leg, end: End) -> Floats:

@@ -177,9 +177,17 @@ def simulate(
 
     check_run(None, progress, executor)
     settings = Settings(
-        check_method(method), tolerance, pose, flat, settle, max_steps, workers, check, max_seconds,
+        check_method(method),
+        tolerance,
+        pose,
+        flat,
+        settle,
+        max_steps,
+        workers,
+        check,
+        max_seconds,
         executor,
-    )  # fmt: skip
+    )
     settings.refuse()
     if start is None:
         states = ", ".join(disk.states) if isinstance(disk, System) else "theta at least"
@@ -230,9 +238,10 @@ def _departed(launches: Starts, settings: Settings, found: list[Result]) -> list
     said = departures(launches.settling, launches.starts, ends, launches.p, within, errors)
     return [
         replace(r, evidence=f"{r.evidence}; {why}")
-        if why and r.outcome is not Outcome.UNDETERMINED else r
+        if why and r.outcome is not Outcome.UNDETERMINED
+        else r
         for r, why in zip(found, said, strict=True)
-    ]  # fmt: skip
+    ]
 
 
 def _named(disk: Any, contact: Any, parameters: dict[str, Any]) -> Any:

@@ -27,9 +27,14 @@ LARGEST = 1e100
 
 
 def gather_system(
-    system: System, parameters: Any, start: Any, times: ArrayLike, families: Any = (), *,
+    system: System,
+    parameters: Any,
+    start: Any,
+    times: ArrayLike,
+    families: Any = (),
+    *,
     mark: bool = False,
-) -> Starts:  # fmt: skip
+) -> Starts:
     """Check the arguments of `simulate` for a user's system.
 
     Parameters
@@ -86,10 +91,18 @@ def gather_system(
         for i, name in enumerate(system.parameters)
     }
     return Starts(
-        model, shape, starts, values, when, {n: np.asarray(v) for n, v in given.items()},
-        Units(), True, energies,
-        system_settling(_families(system, families, starts, values)), unfit=unfit or None,
-    )  # fmt: skip
+        model,
+        shape,
+        starts,
+        values,
+        when,
+        {n: np.asarray(v) for n, v in given.items()},
+        Units(),
+        True,
+        energies,
+        system_settling(_families(system, families, starts, values)),
+        unfit=unfit or None,
+    )
 
 
 def _unfit(system: System, starts: Floats, values: Floats) -> Unfit:

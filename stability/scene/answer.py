@@ -241,8 +241,15 @@ def tell(problem: Problem, found: Climbed, horizon: float) -> Answer:
     """
     if found.track is None:
         name, said = found.rungs[-1].name, found.rungs[-1].why
-        return Answer(None, "none", math.inf, found.rungs, 0.0, f"{name} cannot answer: {said}.",
-                      problem.tolerance)  # fmt: skip
+        return Answer(
+            None,
+            "none",
+            math.inf,
+            found.rungs,
+            0.0,
+            f"{name} cannot answer: {said}.",
+            problem.tolerance,
+        )
     track, clock = found.track, float(problem.launches.size(Kind.TIME))
     values = {n: in_units(problem, n, one) for n, one in found.found.items()}
     if "path" in values:
@@ -254,11 +261,17 @@ def tell(problem: Problem, found: Climbed, horizon: float) -> Answer:
         until = min(until, kept_until(problem, track) * clock)
     one = len(values) == 1
     return Answer(
-        next(iter(values.values())) if one else values, found.model,
-        next(iter(errors.values())) if one else errors, found.rungs, until,
-        _sentence(problem, found, until), problem.tolerance, notes=track.notes,
-        measures=_measures(problem, found.found), motion=(problem, track),
-    )  # fmt: skip
+        next(iter(values.values())) if one else values,
+        found.model,
+        next(iter(errors.values())) if one else errors,
+        found.rungs,
+        until,
+        _sentence(problem, found, until),
+        problem.tolerance,
+        notes=track.notes,
+        measures=_measures(problem, found.found),
+        motion=(problem, track),
+    )
 
 
 def _sentence(problem: Problem, found: Climbed, until: float) -> str:
@@ -383,12 +396,23 @@ def dataset(problem: Problem, track: Track, model: str) -> xarray.Dataset:
     states = states_in_units(problem, track.states)
     names = launches.model.states
     variables: dict[str, Any] = {n: ("time", states[:, i], about(n)) for i, n in enumerate(names)}
-    variables["error"] = ("time", track.errors, {
-        "long_name": "estimated error of the states, the largest, each over 1 or its own size",
-        "units": "1"})  # fmt: skip
+    variables["error"] = (
+        "time",
+        track.errors,
+        {
+            "long_name": "estimated error of the states, the largest, each over 1 or its own size",
+            "units": "1",
+        },
+    )
     return xarray.Dataset(
-        variables, {"time": ("time", track.times * clock, about("time"))},
-        {"title": f"{launches.model.title}, by the model {model}", "model": model,
-         "tolerance": problem.tolerance, "source": launches.model.source,
-         "stability_version": __version__, "Conventions": "CF-1.11"},
-    )  # fmt: skip
+        variables,
+        {"time": ("time", track.times * clock, about("time"))},
+        {
+            "title": f"{launches.model.title}, by the model {model}",
+            "model": model,
+            "tolerance": problem.tolerance,
+            "source": launches.model.source,
+            "stability_version": __version__,
+            "Conventions": "CF-1.11",
+        },
+    )

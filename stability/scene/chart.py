@@ -98,19 +98,22 @@ def other_laws(disk: Disk, truth: Contact) -> dict[str, Contact]:
         given, word = truth.given, ""
         mu = float(np.ravel(given["mu"])[0] if "mu" in given else np.ravel(given["c"])[0] / weight)
     every: dict[str, Contact] = {
-        "smooth": Smooth(), f"viscous{word}": Viscous(mu),
-        "linear-viscous": LinearViscous(mu=mu), "rough": Rough(),
+        "smooth": Smooth(),
+        f"viscous{word}": Viscous(mu),
+        "linear-viscous": LinearViscous(mu=mu),
+        "rough": Rough(),
         f"coulomb, mu = {DRY:g}": Coulomb(DRY),
-    }  # fmt: skip
+    }
     if word:  # next to a viscous law with an assumed friction, a second says nothing
         del every["linear-viscous"]
     return {n: law for n, law in every.items() if type(law) is not type(truth)}
 
 
 def chart(
-    scene: Any, laws: Mapping[str, Contact] | None = None,
+    scene: Any,
+    laws: Mapping[str, Contact] | None = None,
     progress: Callable[[int, int], None] | None = None,
-) -> xarray.Dataset:  # fmt: skip
+) -> xarray.Dataset:
     """Cost and true error of every model of a scene.
 
     Parameters
@@ -155,11 +158,12 @@ def chart(
         raise ParameterError(f"progress is {shown(progress)}; give a function of (done, total).")
     _, truth = truth_of(problem)
     steps: list[Callable[[], Iterator[Row]]] = [
-        lambda: _closed(scene, problem, truth), lambda: _own(scene, problem, truth),
-        lambda: _creep(scene, problem, truth), lambda: _full(scene, problem, truth),
-        *(lambda n=n, law=law: _law(scene, problem, truth, n, law)
-          for n, law in others.items()),
-    ]  # fmt: skip
+        lambda: _closed(scene, problem, truth),
+        lambda: _own(scene, problem, truth),
+        lambda: _creep(scene, problem, truth),
+        lambda: _full(scene, problem, truth),
+        *(lambda n=n, law=law: _law(scene, problem, truth, n, law) for n, law in others.items()),
+    ]
     rows: list[Row] = []
     for done, step in enumerate(steps, 1):
         rows += step()
@@ -254,10 +258,15 @@ def true_error(mine: Track, truth: Track) -> tuple[float, str]:
     else:
         late = 0.0
     both = min(np.sum(t.times < t.times[-1]) for t in (mine, truth))
-    far = np.concatenate([
-        relative(a - b, b) for a, b in ((mine.states[:both], truth.states[:both]),
-                                        (mine.states[-1:], truth.states[-1:]))
-    ])  # fmt: skip
+    far = np.concatenate(
+        [
+            relative(a - b, b)
+            for a, b in (
+                (mine.states[:both], truth.states[:both]),
+                (mine.states[-1:], truth.states[-1:]),
+            )
+        ]
+    )
     return max(late, float(far.max())), ""
 
 
@@ -353,24 +362,40 @@ def _dataset(scene: Any, problem: Problem, truth: Track, rows: list[Row]) -> xar
         return ("model", [of(r) for r in rows], attributes)
 
     data: dict[str, Any] = {
-        "seconds": (("model", "repeat"), seconds, {
-            "long_name": "time of each repeat, the estimate of the error included", "units": "s"}),
+        "seconds": (
+            ("model", "repeat"),
+            seconds,
+            {"long_name": "time of each repeat, the estimate of the error included", "units": "s"},
+        ),
         "cost": ("model", least, {"long_name": "least time of the repeats", "units": "s"}),
         "true_error": numbers(lambda r: r.error, units="1", long_name=_what(scene)),
-        "estimate": numbers(lambda r: r.estimate, units="1", long_name="the model's own estimate "
-                            "of its error; not known for another law"),
-        "dimension": numbers(lambda r: r.dimension, units="1",
-                             long_name="number of states that are integrated"),
+        "estimate": numbers(
+            lambda r: r.estimate,
+            units="1",
+            long_name="the model's own estimate of its error; not known for another law",
+        ),
+        "dimension": numbers(
+            lambda r: r.dimension, units="1", long_name="number of states that are integrated"
+        ),
         "chosen": ("model", chosen, {"long_name": "whether the scene is answered by it"}),
         "why": numbers(lambda r: r.why, long_name="why it has no error, or an infinite one"),
         "tolerance": ((), scene.tolerance, {"long_name": "error allowed", "units": "1"}),
-        "spread": ((), spread, {
-            "long_name": "how far the uncertain inputs alone move the answer", "units": "1"}),
-        "truth_error": ((), float(truth.errors[-1]), {
-            "long_name": "estimated error of the truth", "units": "1"}),
-        "answer_cost": ((), min(times[-1]), {
-            "long_name": "time of the answer, choice and labels included", "units": "s"}),
-    }  # fmt: skip
+        "spread": (
+            (),
+            spread,
+            {"long_name": "how far the uncertain inputs alone move the answer", "units": "1"},
+        ),
+        "truth_error": (
+            (),
+            float(truth.errors[-1]),
+            {"long_name": "estimated error of the truth", "units": "1"},
+        ),
+        "answer_cost": (
+            (),
+            min(times[-1]),
+            {"long_name": "time of the answer, choice and labels included", "units": "s"},
+        ),
+    }
     coordinates = {"model": [r.name for r in rows], "kind": ("model", [r.kind for r in rows])}
     return xarray.Dataset(data, coordinates, _attributes(scene, problem, answer))
 
@@ -387,13 +412,20 @@ def _attributes(scene: Any, problem: Problem, answer: Any) -> dict[str, Any]:
     if launches.dimensionless:  # units of the body
         given = {n: v for n, v in given.items() if n not in ("mass", "radius", "length", "gravity")}
     return {
-        "format": FORMAT, "title": f"models of {launches.model.title}: cost against true error",
-        "law": full_name(problem), "horizon": scene.horizon, "time_unit": launches.unit("time"),
+        "format": FORMAT,
+        "title": f"models of {launches.model.title}: cost against true error",
+        "law": full_name(problem),
+        "horizon": scene.horizon,
+        "time_unit": launches.unit("time"),
         "quantities": ", ".join(scene.quantities),
         "uncertain": ", ".join(in_words(n, v, launches) for n, v in scene.uncertain.items()),
         "parameters": json.dumps(given),
-        "start": json.dumps({n: float(v) for n, v in states}), "sentence": answer.sentence,
+        "start": json.dumps({n: float(v) for n, v in states}),
+        "sentence": answer.sentence,
         "truth": "the full model at a tolerance 1000 times finer",
-        "machine": json.dumps(machine()), "created": today(), "source": launches.model.source,
-        "stability_version": __version__, "Conventions": "CF-1.11",
-    }  # fmt: skip
+        "machine": json.dumps(machine()),
+        "created": today(),
+        "source": launches.model.source,
+        "stability_version": __version__,
+        "Conventions": "CF-1.11",
+    }

@@ -231,8 +231,11 @@ def setting(disk: Any, laws: Mapping[str, Any], start: Any, *asked: float) -> tu
         body = [_listed([f"{name}: {about}", *(f"{n} = {_told(v)}" for n, v in shape.items())])]
         body += ["; ".join(_of_law(name, law, plain=plain) for name, law in laws.items())]
     states = _named(start, model.states)
-    moved = [f"{n} = {_told(v)} {label(model, n, dimensionless=plain)}"
-             for n, v in states.items() if np.any(v)]  # fmt: skip
+    moved = [
+        f"{n} = {_told(v)} {label(model, n, dimensionless=plain)}"
+        for n, v in states.items()
+        if np.any(v)
+    ]
     rest = [] if len(moved) == len(model.states) else ["all others 0" if moved else "all states 0"]
     unit = label(model, "time", dimensionless=plain)
     last = f"horizon {asked[0]:.9g} {unit}".strip()
@@ -243,8 +246,10 @@ def _of_law(name: str, law: Contact, *, plain: bool) -> str:
     """A law with its parameters."""
     words = {k.si: k.label(dimensionless=plain) for k in Kind}
     units = {q.name: words.get(q.unit, q.unit) for q in law.parameters}
-    told = [f"{n} = {_told(v)} {'' if units.get(n) == '1' else units.get(n, '')}"
-            for n, v in law.given.items()]  # fmt: skip
+    told = [
+        f"{n} = {_told(v)} {'' if units.get(n) == '1' else units.get(n, '')}"
+        for n, v in law.given.items()
+    ]
     own = f"law {name}: {law.name}" if name and name != law.name else f"law {law.name}"
     return ", ".join([own, *(t.strip() for t in told)])
 
@@ -260,9 +265,13 @@ def _told(value: Any) -> str:
 
 
 def launched(
-    disk: Any, contact: Any, start: Any, horizon: float, families: Any,
+    disk: Any,
+    contact: Any,
+    start: Any,
+    horizon: float,
+    families: Any,
     moved: Mapping[str, float],
-) -> Starts:  # fmt: skip
+) -> Starts:
     """The launch of a scene, dimensionless, with some inputs changed.
 
     Parameters

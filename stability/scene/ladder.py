@@ -195,9 +195,13 @@ def price_of_full(problem: Problem, length: float | None = None) -> float:
 
 
 def climb(
-    problem: Problem, names: Sequence[str], models: Sequence[ReducedModel] = (),
-    only: str | None = None, *, measured: bool = False,
-) -> Climbed:  # fmt: skip
+    problem: Problem,
+    names: Sequence[str],
+    models: Sequence[ReducedModel] = (),
+    only: str | None = None,
+    *,
+    measured: bool = False,
+) -> Climbed:
     """Climb the ladder until a rung answers within the tolerance.
 
     Parameters
@@ -265,8 +269,18 @@ class _Ladder:
     ) -> None:
         """Record a rung, and take it if it is fine enough."""
         if isinstance(told, Refused):
-            self.rungs.append(Rung(name, dimension, _since(began), price, math.inf, False,
-                                   told.why, told.indicators))  # fmt: skip
+            self.rungs.append(
+                Rung(
+                    name,
+                    dimension,
+                    _since(began),
+                    price,
+                    math.inf,
+                    False,
+                    told.why,
+                    told.indicators,
+                )
+            )
             return
         found, share = shares(self.problem, told, self.names)
         fine = share <= 1 or self.only is not None
@@ -275,8 +289,9 @@ class _Ladder:
             why = (
                 f"its error is {share:.3g} times the tolerance" if share < math.inf else "not known"
             )
-        self.rungs.append(Rung(name, dimension, _since(began), price, share, fine, why,
-                               told.indicators))  # fmt: skip
+        self.rungs.append(
+            Rung(name, dimension, _since(began), price, share, fine, why, told.indicators)
+        )
         if fine:
             self.taken = name, told, found, share
 
@@ -353,10 +368,13 @@ def _creep(ladder: _Ladder) -> None:
     if ladder.only is None:
         least = PER_ELEMENT * LEAST
         work = Work(
-            max(least, whole), least, max(least, RETURNS * whole), PER_ELEMENT,
+            max(least, whole),
+            least,
+            max(least, RETURNS * whole),
+            PER_ELEMENT,
             lambda length: AGAIN * price_of_full(problem, length),
             math.inf if price < max(SURE * whole, BRIEF) else PROBE * problem.last,
-        )  # fmt: skip
+        )
     with np.errstate(all="ignore"):
         orders, name, track = creeping(problem, work, order)
         if not isinstance(track, Refused) and order is None:

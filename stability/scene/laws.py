@@ -23,9 +23,12 @@ SHOWN = 5
 
 
 def compare(
-    parts: Mapping[str, Answer], quantities: Sequence[str], horizon: float, tolerance: float,
+    parts: Mapping[str, Answer],
+    quantities: Sequence[str],
+    horizon: float,
+    tolerance: float,
     weights: Mapping[str, float],
-) -> Answer:  # fmt: skip
+) -> Answer:
     """The answers under each law, and where they part.
 
     Parameters
@@ -76,10 +79,16 @@ def compare(
     values = {n: _asked(a, quantities) for n, a in parts.items()}
     lost += _weighed(values, quantities, weights)
     return Answer(
-        values, ", ".join(a.model for a in parts.values()),
-        {n: a.estimate for n, a in parts.items()}, (), until, "; ".join([*words, *lost]) + ".",
-        tolerance, parts=parts, apart=apart,
-    )  # fmt: skip
+        values,
+        ", ".join(a.model for a in parts.values()),
+        {n: a.estimate for n, a in parts.items()},
+        (),
+        until,
+        "; ".join([*words, *lost]) + ".",
+        tolerance,
+        parts=parts,
+        apart=apart,
+    )
 
 
 def _weighed(
@@ -167,4 +176,4 @@ def works_of(thing: Any, laws: Mapping[str, Any], answer: Answer) -> str:
         methods=answer.motion[1].methods if answer.motion else (),
         eigenvalues=answer.model == "double precision",
         proofs=answer.model in ("certified", "exact roots"),
-    )  # fmt: skip
+    )

@@ -91,9 +91,14 @@ LINEAR: dict[str, tuple[Callable[[Member, bool], tuple[Found, str]], tuple[str, 
 
 
 def about_nearest(
-    problem: Problem, disk: Any, law: Any, names: tuple[str, ...], tolerance: float,
-    horizon: float, only: str | None,
-) -> Answer:  # fmt: skip
+    problem: Problem,
+    disk: Any,
+    law: Any,
+    names: tuple[str, ...],
+    tolerance: float,
+    horizon: float,
+    only: str | None,
+) -> Answer:
     """The answer to linear questions about the steady motion nearest to the start.
 
     Parameters
@@ -125,16 +130,24 @@ def about_nearest(
     one = len(values) == 1
     sentence = f"{near.family} at {member.at:.6g}, {near.distance:.2g} away: {told.sentence}."
     return Answer(
-        next(iter(values.values())) if one else values, told.model,
-        next(iter(errors.values())) if one else errors, told.rungs, horizon, sentence, tolerance,
+        next(iter(values.values())) if one else values,
+        told.model,
+        next(iter(errors.values())) if one else errors,
+        told.rungs,
+        horizon,
+        sentence,
+        tolerance,
         measures={n: (unit_of(launches, kinds[n]), sizes[n]) for n in names if n in kinds},
-    )  # fmt: skip
+    )
 
 
 def answer(
-    member: Member, names: tuple[str, ...], tolerance: float, only: str | None,
+    member: Member,
+    names: tuple[str, ...],
+    tolerance: float,
+    only: str | None,
     sizes: Mapping[str, float],
-) -> Told:  # fmt: skip
+) -> Told:
     """The answer to linear questions about one steady motion.
 
     Parameters

@@ -212,18 +212,31 @@ class Question:
 
 
 QUESTIONS = {
-    q.name: q for q in (
+    q.name: q
+    for q in (
         Question("final", final, None, False, "the states at the horizon or at an earlier end"),
         Question("path", path, None, False, "the motion at all times"),
         Question("outcome", outcome, None, False, "what has become of the launch"),
-        Question("settling_time", settling_time, Kind.TIME, True,
-                 "time from which it stays near a steady motion"),
-        Question("lift_off_time", lift_off_time, Kind.TIME, False,
-                 "time at which the normal force reaches zero", True),
-        Question("largest_tilt", largest_tilt, Kind.ANGLE, True, "largest |π/2 - θ| on the way",
-                 True),
+        Question(
+            "settling_time",
+            settling_time,
+            Kind.TIME,
+            True,
+            "time from which it stays near a steady motion",
+        ),
+        Question(
+            "lift_off_time",
+            lift_off_time,
+            Kind.TIME,
+            False,
+            "time at which the normal force reaches zero",
+            True,
+        ),
+        Question(
+            "largest_tilt", largest_tilt, Kind.ANGLE, True, "largest |π/2 - θ| on the way", True
+        ),
     )
-}  # fmt: skip
+}
 """Every quantity of a motion by name."""
 
 

@@ -140,15 +140,21 @@ class Scene(Record):
         if not 0 < horizon < math.inf:
             raise ParameterError(f"horizon is {horizon:g}; give a last time above 0.")
         if self.start is None:
-            needed = f"{listed(list(self.disk.states))}" if isinstance(self.disk, System) else (
-                "theta at least")  # fmt: skip
+            needed = (
+                f"{listed(list(self.disk.states))}"
+                if isinstance(self.disk, System)
+                else ("theta at least")
+            )
             raise ParameterError(f"start is missing; give the states by name, {needed}.")
         for name, value in (
-            ("tolerance", tolerance), ("horizon", horizon), ("quantities", self._asked()),
+            ("tolerance", tolerance),
+            ("horizon", horizon),
+            ("quantities", self._asked()),
             ("weights", weights_of(laws, self.weights)),
             ("raise_tolerance", flag("raise_tolerance", self.raise_tolerance)),
-            ("uncertain", self._widths(names_of(self.disk, laws))), ("models", self._reduced()),
-        ):  # fmt: skip
+            ("uncertain", self._widths(names_of(self.disk, laws))),
+            ("models", self._reduced()),
+        ):
             object.__setattr__(self, name, value)
 
     def _asked(self) -> tuple[str, ...]:
@@ -156,8 +162,10 @@ class Scene(Record):
         given = self.quantities
         names = (given,) if isinstance(given, str) else given
         own = isinstance(self.disk, System)
-        every = [*(n for n, q in QUESTIONS.items() if not (own and q.of_disk)),
-                 *(() if own else LINEAR)]  # fmt: skip
+        every = [
+            *(n for n, q in QUESTIONS.items() if not (own and q.of_disk)),
+            *(() if own else LINEAR),
+        ]
         if not isinstance(names, Sequence) or not len(names):
             what = shown(given) if not isinstance(names, Sequence) else "empty"
             raise ParameterError(f"quantities is {what}; known are {', '.join(every)}.")
@@ -267,8 +275,9 @@ class Scene(Record):
         else:
             found = self._answered(next(iter(laws.values())), only)
         works = works_of(self.disk, laws, found)
-        return replace(found, setting=self._setting(laws), citation=works,
-                       cost=time.perf_counter() - began)  # fmt: skip
+        return replace(
+            found, setting=self._setting(laws), citation=works, cost=time.perf_counter() - began
+        )
 
     def _setting(self, laws: Mapping[str, Any]) -> tuple[str, ...]:
         return setting(self.disk, laws, self.start, self.horizon, self.tolerance)

@@ -182,8 +182,9 @@ def _body(table: Mapping[str, Any]) -> Body:
         if one.default is one.empty and name not in table:
             raise ParameterError(f"[body] has no {name}; the {word} needs it.")
     flags = {n: v for n, v in table.items() if isinstance(v, bool)}
-    return NAMED[word](**_numbers({n: v for n, v in table.items() if n not in ("name", *flags)},
-                                  "body"), **flags)  # fmt: skip
+    return NAMED[word](
+        **_numbers({n: v for n, v in table.items() if n not in ("name", *flags)}, "body"), **flags
+    )
 
 
 def _laws(table: Mapping[str, Any]) -> dict[str, Any]:

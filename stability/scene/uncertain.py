@@ -111,9 +111,13 @@ Move = Callable[[str, float], Problem]
 
 
 def spread(
-    inputs: Mapping[str, float], problem: Problem, found: Climbed, move: Move, ask: Ask,
+    inputs: Mapping[str, float],
+    problem: Problem,
+    found: Climbed,
+    move: Move,
+    ask: Ask,
     labels: Mapping[str, str],
-) -> Spread:  # fmt: skip
+) -> Spread:
     """How far each input moves the answer: by sensitivities, or by displaced runs.
 
     Parameters

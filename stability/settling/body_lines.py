@@ -72,14 +72,25 @@ def body_settling(
 
 
 def _line(  # noqa: PLR0913
-    body: Body, law: type[Contact], given: tuple[str, ...], resistance: Resistances, name: str,
-    theta: float = math.pi / 2, *, several: bool = False,
-) -> Line:  # fmt: skip
+    body: Body,
+    law: type[Contact],
+    given: tuple[str, ...],
+    resistance: Resistances,
+    name: str,
+    theta: float = math.pi / 2,
+    *,
+    several: bool = False,
+) -> Line:
     """A family in the angles; `several` says that the body rolls at more than one inclination."""
     family = round_family(
-        body, name, law, given, physical=False, resistance=resistance,
+        body,
+        name,
+        law,
+        given,
+        physical=False,
+        resistance=resistance,
         theta=theta if name == "rolling" else None,
-    )  # fmt: skip
+    )
     call: dict[str, Any] = {"family": name}
     if several:
         family = replace(family, name=f"rolling near theta = {theta:.4g}")

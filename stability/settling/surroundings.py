@@ -92,9 +92,14 @@ class Surroundings:
 
 
 def surroundings(
-    system: System, guards: Sequence[ca.SX], member: Mapping[str, Any], y: ca.SX, given: ca.SX, *,
+    system: System,
+    guards: Sequence[ca.SX],
+    member: Mapping[str, Any],
+    y: ca.SX,
+    given: ca.SX,
+    *,
     steady: bool,
-) -> Surroundings | str:  # fmt: skip
+) -> Surroundings | str:
     """Surroundings of a family, or the reason why nothing is proved about it.
 
     Parameters
@@ -127,9 +132,14 @@ def surroundings(
 
 
 def _surroundings(
-    system: System, guards: Sequence[ca.SX], member: Mapping[str, Any], y: ca.SX, given: ca.SX, *,
+    system: System,
+    guards: Sequence[ca.SX],
+    member: Mapping[str, Any],
+    y: ca.SX,
+    given: ca.SX,
+    *,
     steady: bool,
-) -> Surroundings | str:  # fmt: skip
+) -> Surroundings | str:
     constants, e = Constants(), ca.SX.sym("e", len(member))
     along = [n for n in system.states if n not in member]
     there: dict[str, Any] = dict(zip(along, ca.vertsplit(y) if along else [], strict=True))
@@ -137,8 +147,10 @@ def _surroundings(
         known = isinstance(value, (Upright, ca.SX))
         there[name] = value if known else constants(0.0 if value is None else value)
     off = dict(zip(member, ca.vertsplit(e), strict=True))
-    near = {n: v if n in along else Tilted(off[n]) if isinstance(v, Upright) else v + off[n]
-            for n, v in there.items()}  # fmt: skip
+    near = {
+        n: v if n in along else Tilted(off[n]) if isinstance(v, Upright) else v + off[n]
+        for n, v in there.items()
+    }
     watched = ca.vertcat(1, *guards)
     graph = Program(ca.Function("graph", [system.x, system.p], [ca.densify(system.rhs), watched]))
     p = given[given.numel() - len(system.parameters) :]
@@ -165,5 +177,11 @@ def _surroundings(
     slopes, positive = program("slopes", ca.jacobian(field, e)), ca.vertcat(*positive)
     rest = None if along else program("rest", ca.vertcat(*(at_rest[n] for n in member)))
     whole = smooth_field(ca.Function("field", inputs, [field]), tuple(constants.values))
-    return Surroundings(len(along), len(member), slopes, program("positive", positive), rest,
-                        whole if len(along) == 1 else None)  # fmt: skip
+    return Surroundings(
+        len(along),
+        len(member),
+        slopes,
+        program("positive", positive),
+        rest,
+        whole if len(along) == 1 else None,
+    )

@@ -25,8 +25,17 @@ from ..systems.system import refuse_system
 from .disk_problem import check_axis, disk_problem, disk_roundings
 from .problem import Problem, system_problem
 
-RESERVED = ("abscissa", "abscissa_error", "frequency", "verdict", "eigenvalues", "mode",
-            "complex_part", "box", "end")  # fmt: skip
+RESERVED = (
+    "abscissa",
+    "abscissa_error",
+    "frequency",
+    "verdict",
+    "eigenvalues",
+    "mode",
+    "complex_part",
+    "box",
+    "end",
+)
 """Variables and dimensions of every map; no axis may have such a name."""
 COLUMNS = ("axis", "error", "kind", "curve", "point")
 """A map has `boundary_axis` and so on for itself, and `boundary_NAME` for each of its two axes."""
@@ -207,9 +216,7 @@ def _taken(name: str) -> NameUnknownError:
     )
 
 
-def at_by_name(
-    family: Any, at: Any, parameters: dict[str, Any], swept: Sequence[str] = ()
-) -> Any:  # fmt: skip
+def at_by_name(family: Any, at: Any, parameters: dict[str, Any], swept: Sequence[str] = ()) -> Any:
     """What names a member of a family of the disk: `at`, or numbers by their own names.
 
     Parameters

@@ -78,9 +78,11 @@ class Certificate:
 
 
 def certify(
-    problem: Problem, values: Mapping[str, float], zeros: int | None = None,
+    problem: Problem,
+    values: Mapping[str, float],
+    zeros: int | None = None,
     member: Member | None = None,
-) -> Certificate:  # fmt: skip
+) -> Certificate:
     """A proved verdict with eigenvalue enclosures at one point.
 
     Parameters
@@ -426,6 +428,9 @@ def _rounded(decided: Verdict, roots: Balls, bits: int) -> Certificate:
     high = max(upper(b) if b > 0 or b.contains(0) else 0.0 for b in beyond)
     low = min(upper(-b) if b < 0 or b.contains(0) else 0.0 for b in beyond)
     return Certificate(
-        decided, tuple(complex(e[0], e[1]) for e in entries), tuple(e[2] for e in entries),
-        max(high, low), bits,
-    )  # fmt: skip
+        decided,
+        tuple(complex(e[0], e[1]) for e in entries),
+        tuple(e[2] for e in entries),
+        max(high, low),
+        bits,
+    )

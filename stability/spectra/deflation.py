@@ -200,9 +200,12 @@ def deflate(
 
 
 def _linearised(
-    family: Family, place: tuple[Floats, Floats, Floats], roundings: Sequence[int], zeros: int,
+    family: Family,
+    place: tuple[Floats, Floats, Floats],
+    roundings: Sequence[int],
+    zeros: int,
     watch: bool,
-) -> Reduced:  # fmt: skip
+) -> Reduced:
     a, q, u = place
     arguments = _arguments(family, a, q, u, roundings)
     graph = family.graph
@@ -350,9 +353,13 @@ def lowered(vectors: Floats, steps: Sequence[Deflation]) -> Floats:
 
 
 def _deflate(
-    matrix: Floats, error: Floats, vector: Floats, doubt: Floats, steps: list[Deflation],
+    matrix: Floats,
+    error: Floats,
+    vector: Floats,
+    doubt: Floats,
+    steps: list[Deflation],
     watch: bool,
-) -> tuple[Floats, Floats, NDArray[np.bool_]]:  # fmt: skip
+) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """Remove one null vector: B = A[1:, 1:] - m ⊗ A[0, 1:] with its largest entry first.
 
     Returns B, the error of its entries, and whether A v is zero within its rounding.

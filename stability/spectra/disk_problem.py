@@ -25,9 +25,12 @@ from .problem import Problem, _scalar
 
 
 def disk_problem(
-    family: str, disk: Disk, contact: Contact, at: ArrayLike | None = None,
+    family: str,
+    disk: Disk,
+    contact: Contact,
+    at: ArrayLike | None = None,
     lean: ArrayLike | None = None,
-) -> Problem:  # fmt: skip
+) -> Problem:
     """The problem of one of the disk's families.
 
     Parameters
@@ -91,16 +94,24 @@ def disk_problem(
     values |= contact.given
 
     return Problem(
-        resolved, values, disk.dimensionless, partial(_reduce, parts, keys, law), _units,
-        disk_roundings(parts, contact, si=not disk.dimensionless, lean=lean is not None), contact,
+        resolved,
+        values,
+        disk.dimensionless,
+        partial(_reduce, parts, keys, law),
+        _units,
+        disk_roundings(parts, contact, si=not disk.dimensionless, lean=lean is not None),
+        contact,
         disk_polynomial(family, law.name) if stored(law) else None,
-    )  # fmt: skip
+    )
 
 
 def _reduce(
-    parts: Sequence[str], keys: Sequence[str], law: type[Contact],
-    v: Mapping[str, Any], root: Callable[[Any], Any],
-) -> tuple[list[Any], list[Any], Any]:  # fmt: skip
+    parts: Sequence[str],
+    keys: Sequence[str],
+    law: type[Contact],
+    v: Mapping[str, Any],
+    root: Callable[[Any], Any],
+) -> tuple[list[Any], list[Any], Any]:
     time = root(v["radius"] / v["gravity"])
     if "lean" in v:
         # no double is π/2, so the right angle has the type of the lean

@@ -89,8 +89,11 @@ class Problem:
 
     def _rational(self, name: str, value: float) -> Any:
         ratio = self.ratios.get(name)
-        return rational(value) if ratio is None or double(ratio) != value else fmpq(
-            ratio.numerator, ratio.denominator)  # fmt: skip
+        return (
+            rational(value)
+            if ratio is None or double(ratio) != value
+            else fmpq(ratio.numerator, ratio.denominator)
+        )
 
     def rounded(self) -> Problem:
         """The same with doubles for numbers that are given exactly; a warning says so."""
@@ -222,8 +225,9 @@ def system_problem(
     several = isinstance(at, (tuple, list)) and len(at) == len(keys) > 1
     parts: list[Any] = list(at) if several else [at]  # type: ignore[arg-type]
     own = dict(zip(keys, parts, strict=False)) if len(parts) == len(keys) else {}
-    ratios = {n: r for n, v in (*parameters.items(), *own.items())
-              if (r := no_double(v)) is not None}  # fmt: skip
+    ratios = {
+        n: r for n, v in (*parameters.items(), *own.items()) if (r := no_double(v)) is not None
+    }
     values: dict[str, Any] = {
         n: double(ratios[n]) if n in ratios else checked(n, v) for n, v in parameters.items()
     }
@@ -243,9 +247,14 @@ def system_problem(
     roundings = tuple(int(n in ratios) for n in (*family.at, *family.parameters))
     reduce = partial(_reduce, family)
     return Problem(
-        family, values, False, reduce,
-        roundings=roundings, exact=_compared(family), ratios=ratios,
-    )  # fmt: skip
+        family,
+        values,
+        False,
+        reduce,
+        roundings=roundings,
+        exact=_compared(family),
+        ratios=ratios,
+    )
 
 
 @lru_cache(maxsize=64)
@@ -294,8 +303,10 @@ def formulas_of(family: Family) -> ClosedForm | None:
                 continue
             given, _, _ = formulas(balls(), a, q)
             monic = [arb(0)] * formulas.zeros + [c / given[-1] for c in given]
-            same = [c.overlaps(t) and abs(c - t) < CLOSE * (1 + abs(t))
-                    for c, t in zip(monic, true, strict=False)]  # fmt: skip
+            same = [
+                c.overlaps(t) and abs(c - t) < CLOSE * (1 + abs(t))
+                for c, t in zip(monic, true, strict=False)
+            ]
         if not all(same) or len(monic) != len(true):
             return None
     return formulas

@@ -160,8 +160,12 @@ class Spectrum(Record):
     def citation(self) -> str:
         """Keys of the works to cite, for `stability.citation`."""
         proved = self.proof is not None and bool((self.proof.bits != NOT_ASKED).any())
-        return cited(self.law.name if self.law else None, model=of_package(self),
-                     eigenvalues=self.solver is lapack, proofs=proved)  # fmt: skip
+        return cited(
+            self.law.name if self.law else None,
+            model=of_package(self),
+            eigenvalues=self.solver is lapack,
+            proofs=proved,
+        )
 
     def to_xarray(self) -> xarray.Dataset:
         """The spectrum as a labelled dataset, with units, all that was given, and provenance.

@@ -162,9 +162,13 @@ def _check_named(family: Any, parameters: Mapping[str, Any]) -> None:
 
 
 def proved(
-    found: Spectrum, rows: Rows, asked: NDArray[np.bool_], shape: tuple[int, ...], *,
+    found: Spectrum,
+    rows: Rows,
+    asked: NDArray[np.bool_],
+    shape: tuple[int, ...],
+    *,
     escalated: bool,
-) -> Spectrum:  # fmt: skip
+) -> Spectrum:
     """A spectrum with proved verdicts and eigenvalues at selected members.
 
     Parameters
@@ -205,13 +209,15 @@ def proved(
             error[row] = certificate.abscissa_error
             flat[row], radius[row] = certificate.eigenvalues, certificate.radius
     return replace(
-        found, eigenvalues=flat.reshape(found.eigenvalues.shape),
-        radius=radius.reshape(found.radius.shape), codes=codes.reshape(shape),
+        found,
+        eigenvalues=flat.reshape(found.eigenvalues.shape),
+        radius=radius.reshape(found.radius.shape),
+        codes=codes.reshape(shape),
         power=None if powers is None else powers.reshape(shape),
         proof=Proof(
             error.reshape(shape), bits.reshape(shape), escalated, found.family.exact is not None
         ),
-    )  # fmt: skip
+    )
 
 
 def _certificate(rows: Rows, row: int, *, escalated: bool) -> Certificate | None:

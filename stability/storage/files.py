@@ -99,9 +99,12 @@ def record(path: Path) -> None:
 
 @contextmanager
 def atomic_write(
-    path: str | os.PathLike[str], *, overwrite: bool = False, result: bool = True,
+    path: str | os.PathLike[str],
+    *,
+    overwrite: bool = False,
+    result: bool = True,
     durable: bool = False,
-) -> Iterator[Path]:  # fmt: skip
+) -> Iterator[Path]:
     """A temporary name in the target's folder; renamed if all goes well, removed otherwise.
 
     Within `together` the file is renamed with the others at the end.

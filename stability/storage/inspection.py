@@ -56,9 +56,13 @@ def inspect(source: Path, form: str, what: str, *, lazy: bool) -> None:
     calm = {n: "1" for n in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
     try:
         done = subprocess.run(
-            words, env=os.environ | calm, stdin=subprocess.DEVNULL, capture_output=True,
-            timeout=WALL, check=False,
-        )  # fmt: skip
+            words,
+            env=os.environ | calm,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            timeout=WALL,
+            check=False,
+        )
     except subprocess.TimeoutExpired:
         raise FileError(_endless(source)) from None
     except OSError as error:

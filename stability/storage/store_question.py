@@ -25,9 +25,13 @@ ASIDE = ("its citation", "attribute citation")
 
 
 def asked_of(
-    cells: Sequence[Any], chunk: Sequence[int], arrays: Sequence[Any], coords: Mapping[str, Any],
-    attrs: Mapping[str, Any], question: Mapping[str, Any],
-) -> dict[str, str]:  # fmt: skip
+    cells: Sequence[Any],
+    chunk: Sequence[int],
+    arrays: Sequence[Any],
+    coords: Mapping[str, Any],
+    attrs: Mapping[str, Any],
+    question: Mapping[str, Any],
+) -> dict[str, str]:
     """Everything that the files of a store depend on, as texts by name.
 
     Parameters

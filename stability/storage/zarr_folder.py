@@ -87,9 +87,10 @@ def damaged_files(folder: Path) -> list[str]:
     except (OSError, *UNREADABLE):
         return [HEAD]
     return [
-        name for name, digest in sums.items()
+        name
+        for name, digest in sums.items()
         if (content := content_of(folder / name)) is None or digest_of(content) != digest
-    ]  # fmt: skip
+    ]
 
 
 @dataclass(frozen=True)
@@ -125,9 +126,10 @@ class Seals:
         if record is None:
             return None
         return [
-            name for name, digest in record.items()
+            name
+            for name, digest in record.items()
             if (content := content_of(self.folder / name)) is None or digest_of(content) != digest
-        ]  # fmt: skip
+        ]
 
     def count(self) -> int:
         """Number of records."""

@@ -199,9 +199,11 @@ class RepeatedBalls:
             self._given = given
             return self._form(balls(), a, q)
         moved = {
-            (i, j) for i, numbers in enumerate(given) for j, v in enumerate(numbers)
+            (i, j)
+            for i, numbers in enumerate(given)
+            for j, v in enumerate(numbers)
             if (i, j) not in self._moving and not _identical(v, self._given[i][j])
-        }  # fmt: skip
+        }
         if moved or self._formulas is None:
             self._given, self._moving, self._formulas = given, self._moving | moved, None
             self._formulas = self._form.begun(balls(), a, q, self._moving)

@@ -145,9 +145,17 @@ class Branch(TupleRecord, _Members):
 
 
 def branch(
-    family: Family, start: float, stop: float, parameters: Any = (), *, points: int = 101,
-    guess: ArrayLike | None = None, fixed: Any = (), arclength: bool = False, **named: float,
-) -> Branch:  # fmt: skip
+    family: Family,
+    start: float,
+    stop: float,
+    parameters: Any = (),
+    *,
+    points: int = 101,
+    guess: ArrayLike | None = None,
+    fixed: Any = (),
+    arclength: bool = False,
+    **named: float,
+) -> Branch:
     """Follow a family along its first `at`: tangent predictor, Newton's method as corrector.
 
     Parameters
@@ -196,8 +204,9 @@ def branch(
     lo, hi = one_number("start", start), one_number("stop", stop)
     rest, q = numbers_of(family, fixed, parameters, named)
     u = family.solve(np.array([[lo, *rest]]), q[None], guess)
-    curve = Curve(family.graph, len(family.at), np.array([0.0, *rest, *q]),
-                  np.eye(len(rest) + len(q) + 1)[0])  # fmt: skip
+    curve = Curve(
+        family.graph, len(family.at), np.array([0.0, *rest, *q]), np.eye(len(rest) + len(q) + 1)[0]
+    )
     if not flag("arclength", arclength) or not family.unknown or lo == hi:
         return _along(family, curve, lo, hi, u, points)
     if family.closed:
@@ -214,9 +223,7 @@ def branch(
 # --- evenly spaced members ---
 
 
-def _along(
-    family: Family, curve: Curve, lo: float, hi: float, u: Floats, points: int
-) -> Branch:  # fmt: skip
+def _along(family: Family, curve: Curve, lo: float, hi: float, u: Floats, points: int) -> Branch:
     """Evenly spaced members, up to the first that is not reached."""
     found = [np.array([*u[0], lo])]
     ended, complete = f"the whole interval from {lo:g} to {hi:g} was reached", True
@@ -268,26 +275,38 @@ def _stop(
         if word == "fold":
             return said, (_fold(family, curve, found),), []
         return said, (), [] if word == "cusp" else [(found, way)]
-    return f"{family.name} has no member that continuation reaches beyond {name} = " \
-        f"{end[-1]:.10g}", (), []  # fmt: skip
+    return (
+        f"{family.name} has no member that continuation reaches beyond {name} = {end[-1]:.10g}",
+        (),
+        [],
+    )
 
 
 # --- round folds ---
 
 
 def _round(
-    family: Family, curve: Curve, z: Floats, tangent: Floats, ends: tuple[float, float],
+    family: Family,
+    curve: Curve,
+    z: Floats,
+    tangent: Floats,
+    ends: tuple[float, float],
     points: int,
-) -> Branch:  # fmt: skip
+) -> Branch:
     """Members by arclength, within the interval."""
     lo, hi = ends
     scale = np.array([*(np.maximum(np.abs(z[:-1]), 1.0)), abs(hi - lo)])
     low, high = min(lo, hi), max(lo, hi)
     positive = [i for i, n in enumerate(family.unknown) if n in family.positive]
     trace = walk(
-        curve, z, tangent, scale, 1 / (points - 1), LONGER * points,
+        curve,
+        z,
+        tangent,
+        scale,
+        1 / (points - 1),
+        LONGER * points,
         lambda y: bool(low < y[-1] < high and (y[positive] > 0).all()),
-    )  # fmt: skip
+    )
     found, ended = trace.z, trace.ended
     complete = False
     if not ended:
@@ -335,9 +354,14 @@ def _switched(point: BranchPoint, stop: float, points: int, side: int) -> Branch
     positive = [i for i, n in enumerate(family.unknown) if n in family.positive]
     step = LEAVE / float(np.linalg.norm(tangent / scale))
     trace = walk(
-        curve, point._z + step * tangent, tangent, scale, 1 / (points - 1), LONGER * points,
+        curve,
+        point._z + step * tangent,
+        tangent,
+        scale,
+        1 / (points - 1),
+        LONGER * points,
         lambda y: bool(low < y[-1] < high and (y[positive] > 0).all()),
-    )  # fmt: skip
+    )
     if len(trace.z) < 2:
         raise NoMemberError(
             f"{family.name}: the crossing branch at {point.value:g} is left at once; {trace.ended}."
@@ -386,14 +410,28 @@ def _branch_point(family: Family, curve: Curve, found: Located, tangent: Floats)
         mine = int(np.argmax(np.abs(both @ own)))
         own, other = both[mine], both[1 - mine]
     state = _states(family, curve, found.z[None])[0]
-    return BranchPoint(float(found.z[-1]), state, float(found.step[-1]),
-                       kind_of_crossing(both), own, other, family, curve, found.z)  # fmt: skip
+    return BranchPoint(
+        float(found.z[-1]),
+        state,
+        float(found.step[-1]),
+        kind_of_crossing(both),
+        own,
+        other,
+        family,
+        curve,
+        found.z,
+    )
 
 
 def _result(
-    family: Family, curve: Curve, z: Floats, complete: bool, ended: str,  # noqa: FBT001
-    folds: tuple[Fold, ...], crossings: Sequence[tuple[Located, Floats]],
-) -> Branch:  # fmt: skip
+    family: Family,
+    curve: Curve,
+    z: Floats,
+    complete: bool,
+    ended: str,  # noqa: FBT001
+    folds: tuple[Fold, ...],
+    crossings: Sequence[tuple[Located, Floats]],
+) -> Branch:
     crossed = tuple(_branch_point(family, curve, p, t) for p, t in crossings)
     works = cited(system=family.system.name, model=bool(family.system.quantities))
     return Branch(z[:, -1], _states(family, curve, z), complete, ended, folds, crossed, works)

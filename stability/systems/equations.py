@@ -156,9 +156,17 @@ class Equations(Portable, Record):
         if callable(conditions):
             conditions = conditions(extra)
         return cls(
-            name, x, p, ca.SX(rhs), observables=extra, conditions=conditions,
-            mass=matrix, forcing=right, unknowns=sought, **others,
-        )  # fmt: skip
+            name,
+            x,
+            p,
+            ca.SX(rhs),
+            observables=extra,
+            conditions=conditions,
+            mass=matrix,
+            forcing=right,
+            unknowns=sought,
+            **others,
+        )
 
     @cached_property
     def jacobian(self) -> ca.SX:
@@ -187,8 +195,18 @@ class Equations(Portable, Record):
 
     def _content(self) -> tuple[Any, ...]:
         words = [c.sentence for c in self.conditions]
-        own = (self.name, self.states, self.parameters, tuple(self.observables), words, self.units,
-               self.unknowns, self.quantities, self.approximation, self.mass is None)  # fmt: skip
+        own = (
+            self.name,
+            self.states,
+            self.parameters,
+            tuple(self.observables),
+            words,
+            self.units,
+            self.unknowns,
+            self.quantities,
+            self.approximation,
+            self.mass is None,
+        )
         return (type(self), content(own), self._graph)
 
     def __hash__(self) -> int:  # the graph is read only where names are the same

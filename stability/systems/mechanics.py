@@ -138,9 +138,16 @@ def mechanics(
     (('v', 'w'), array([ 4., -1.]))
     """
     model = read_model(
-        q, u, p, kinetic=kinetic, potential=potential, forces=forces, q_dot=q_dot,
-        velocity_constraints=velocity_constraints, holonomic=holonomic,
-    )  # fmt: skip
+        q,
+        u,
+        p,
+        kinetic=kinetic,
+        potential=potential,
+        forces=forces,
+        q_dot=q_dot,
+        velocity_constraints=velocity_constraints,
+        holonomic=holonomic,
+    )
     solved = choice(model, independent, pivots)
     limits = _limits(model, conditions)
     graph = _graph(model, solved, _own(model, observables), limits)
@@ -156,16 +163,25 @@ def mechanics(
         states = [s for s in states if s not in left]
         graph = _without(model, graph.shared(), states, left, len(limits))
     graph = graph.shared()
-    table = dict(zip((*model.coordinates, *model.velocities), ca.vertsplit(ca.vertcat(q, u)),
-                     strict=True))  # fmt: skip
+    table = dict(
+        zip((*model.coordinates, *model.velocities), ca.vertsplit(ca.vertcat(q, u)), strict=True)
+    )
     gone_too = [s for s in table if s not in states and s not in graph.seen]
     given = {n: unit for n, unit in mapping("units", units or {}).items() if n not in gone_too}
     return System(
-        name, ca.vertcat(*[table[s] for s in states]), model.p,
-        ca.vertcat(*[graph.rates[s] for s in states]), tuple(states), model.parameters,
-        graph.seen, graph.conditions, given, graph.mass, graph.forcing,
+        name,
+        ca.vertcat(*[table[s] for s in states]),
+        model.p,
+        ca.vertcat(*[graph.rates[s] for s in states]),
+        tuple(states),
+        model.parameters,
+        graph.seen,
+        graph.conditions,
+        given,
+        graph.mass,
+        graph.forcing,
         unknowns(model),
-    )  # fmt: skip
+    )
 
 
 @dataclass(frozen=True, eq=False)

@@ -45,10 +45,16 @@ SAME = 1e-9
 
 
 def steady(
-    system: Equations, at: Sequence[str] | str, *, held: Mapping[str, float | Upright] | None,
-    guess: Mapping[str, float] | None, equations: Sequence[str] | None,
-    positive: Sequence[str], name: str | None, **options: Any,
-) -> Family:  # fmt: skip
+    system: Equations,
+    at: Sequence[str] | str,
+    *,
+    held: Mapping[str, float | Upright] | None,
+    guess: Mapping[str, float] | None,
+    equations: Sequence[str] | None,
+    positive: Sequence[str],
+    name: str | None,
+    **options: Any,
+) -> Family:
     """The family through the steady motion nearest to a guess; see `System.steady`.
 
     Parameters
@@ -66,8 +72,11 @@ def steady(
     Family
     """
     given = mapping("guess", guess or {})
-    of_family = {n: options.pop(n) for n in ("typical", "conservative", "integrals", "drifts")
-                 if n in options}  # fmt: skip
+    of_family = {
+        n: options.pop(n)
+        for n in ("typical", "conservative", "integrals", "drifts")
+        if n in options
+    }
     twice = [n for n in options if n in given]
     if twice:
         raise ParameterError(f"{shown(twice[0])} is given in guess and by name; give it once.")
@@ -111,9 +120,15 @@ def steady(
     typical = {n: given[n] or 1.0 for n in (*where, *system.parameters) if n in given}
     of_family.setdefault("typical", typical)
     family = Family(
-        system, name or f"steady {system.name}", where, held=fixed, unknown=first,
-        equations=solved, positive=tuple(positive), **of_family,
-    )  # fmt: skip
+        system,
+        name or f"steady {system.name}",
+        where,
+        held=fixed,
+        unknown=first,
+        equations=solved,
+        positive=tuple(positive),
+        **of_family,
+    )
     if not unknown or (family.closed and _exists(family, given)):
         return family
     if family.closed:  # CasADi folds ∞ - ∞ to 0, and other rates need not vanish
@@ -152,29 +167,40 @@ def _ignorable(system: Equations, state: str) -> bool:
 
 
 def _equations(
-    system: Equations, held: Mapping[str, Any], unknown: Sequence[str],
-    given: Mapping[str, float], moving: Collection[str],
-) -> tuple[str, ...]:  # fmt: skip
+    system: Equations,
+    held: Mapping[str, Any],
+    unknown: Sequence[str],
+    given: Mapping[str, float],
+    moving: Collection[str],
+) -> tuple[str, ...]:
     """What is to vanish: independent residuals and rates, as many as there are unknowns."""
     if not unknown:
         return ()
-    own = {n: v for n, v in zip(system.states, ca.vertsplit(system.rhs), strict=True)
-           if n not in moving}  # fmt: skip
+    own = {
+        n: v
+        for n, v in zip(system.states, ca.vertsplit(system.rhs), strict=True)
+        if n not in moving
+    }
     rates = _places(system) | own
     values = _with_held(system, held, ca.vertcat(*rates.values()))
     sought = ca.vertcat(*[system.x[system.index(n)] for n in unknown])
-    rows = [n for i, n in enumerate(rates)
-            if not values[i].is_zero() and ca.depends_on(values[i], sought)]  # fmt: skip
+    rows = [
+        n
+        for i, n in enumerate(rates)
+        if not values[i].is_zero() and ca.depends_on(values[i], sought)
+    ]
     # a rate of an ignorable state comes last: where others suffice, it is checked but not solved
     rows.sort(key=lambda n: n in own and _ignorable(system, n))
     table = dict(zip(rates, ca.vertsplit(values), strict=True))
-    slopes = (ca.jacobian(ca.vertcat(*[table[n] for n in rows]), sought) if rows
-              else ca.SX(0, 0))  # fmt: skip
+    slopes = ca.jacobian(ca.vertcat(*[table[n] for n in rows]), sought) if rows else ca.SX(0, 0)
     chosen = _independent(_sampled(system, slopes, given)) if rows else []
     if len(chosen) < len(unknown):
         open_ = [n for i, n in enumerate(unknown) if not rows or not slopes[:, i].nnz()]
-        which = f"{listed(open_)} open" if open_ else f"{len(unknown) - len(chosen)} of the " \
-            f"unknowns {listed(list(unknown))} open"  # fmt: skip
+        which = (
+            f"{listed(open_)} open"
+            if open_
+            else f"{len(unknown) - len(chosen)} of the unknowns {listed(list(unknown))} open"
+        )
         raise ParameterError(
             f"the rates of {system.name} that do not vanish identically leave {which}; name "
             "in at or held as many states more."
@@ -185,8 +211,12 @@ def _equations(
 
 def _places(system: Equations) -> dict[str, ca.SX]:
     """Residuals of constraints on places; with these the rates are dependent at the members."""
-    return {n: v for n, v in system.observables.items() if n.startswith("residual_")
-            and n.replace("residual_", "residual_rate_", 1) in system.observables}  # fmt: skip
+    return {
+        n: v
+        for n, v in system.observables.items()
+        if n.startswith("residual_")
+        and n.replace("residual_", "residual_rate_", 1) in system.observables
+    }
 
 
 def _resting(
@@ -214,8 +244,9 @@ def _with_held(system: Equations, held: Mapping[str, Any], rates: ca.SX) -> ca.S
     if not held:
         return rates
     symbols = ca.vertcat(*[system.x[system.index(n)] for n in held])
-    values = [np.pi / 2 if isinstance(v, Upright) else one_number(f"held {n}", v)
-              for n, v in held.items()]  # fmt: skip
+    values = [
+        np.pi / 2 if isinstance(v, Upright) else one_number(f"held {n}", v) for n, v in held.items()
+    ]
     return ca.substitute(rates, symbols, ca.DM(values))
 
 
@@ -233,9 +264,12 @@ def _sampled(system: Equations, slopes: ca.SX, given: Mapping[str, float]) -> Fl
         about = {n: v for n, v in given.items() if block < 3 or n in system.parameters}
         away = 0.1 if block else 0.0
         points = [
-            [about.get(n, 0.0) + away * (1 + abs(about.get(n, 0.0))) * rng.uniform(-1, 1)
-             for n in its] for its in (system.states, system.parameters)
-        ]  # fmt: skip
+            [
+                about.get(n, 0.0) + away * (1 + abs(about.get(n, 0.0))) * rng.uniform(-1, 1)
+                for n in its
+            ]
+            for its in (system.states, system.parameters)
+        ]
         blocks.append(np.array(function(*points)))
     table = np.hstack(blocks)
     return np.where(np.isfinite(table), table, 0.0)
@@ -284,8 +318,9 @@ def _anchored(family: Family, given: Mapping[str, float]) -> Family:
                 refusal = refusal or error
                 continue
             anchor = Anchor(tuple(a[0].tolist()), tuple(q[0].tolist()), tuple(u.tolist()))
-            return replace(family, unknown=dict(zip(family.unknown, u.tolist(), strict=True)),
-                           anchor=anchor)  # fmt: skip
+            return replace(
+                family, unknown=dict(zip(family.unknown, u.tolist(), strict=True)), anchor=anchor
+            )
     if refusal is not None:
         raise refusal
     raise NoMemberError(
@@ -334,7 +369,8 @@ def _damped(family: Family, a: Floats, q: Floats, u: Floats) -> Floats:
             following = newton_step(family.graph, a, new, q)
             size = 1 + np.abs(u)
             shorter = (np.abs(following) / size).max(axis=1) <= (
-                (1 - share / 4) * (np.abs(step) / size).max(axis=1))  # fmt: skip
+                (1 - share / 4) * (np.abs(step) / size).max(axis=1)
+            )
         take = shorter | (share < 1e-4)
         u = np.where(take[:, None], new, u)
         step = np.where(take[:, None], following, step)

@@ -149,9 +149,12 @@ class System(Equations):
         from .sources.sympy_models import sympy_model
 
         found = sympy_model(
-            model, parameters=parameters, dependent=dependent, cyclic=cyclic,
+            model,
+            parameters=parameters,
+            dependent=dependent,
+            cyclic=cyclic,
             observables=observables,
-        )  # fmt: skip
+        )
         found["conditions"] = (*found.get("conditions", ()), *conditions)
         return cls(name=name, units=units or {}, **found)
 
@@ -224,10 +227,16 @@ class System(Equations):
         return cls(conditions=tuple(conditions), units=units or {}, **found)
 
     def steady(
-        self, at: Sequence[str] | str, *, held: Mapping[str, float | Upright] | None = None,
-        guess: Mapping[str, float] | None = None, equations: Sequence[str] | None = None,
-        positive: Sequence[str] = (), name: str | None = None, **parameters: Any,
-    ) -> Family:  # fmt: skip
+        self,
+        at: Sequence[str] | str,
+        *,
+        held: Mapping[str, float | Upright] | None = None,
+        guess: Mapping[str, float] | None = None,
+        equations: Sequence[str] | None = None,
+        positive: Sequence[str] = (),
+        name: str | None = None,
+        **parameters: Any,
+    ) -> Family:
         """The family through the steady motion nearest to a guess.
 
         Every state that is not named in `at` or `held` is solved for.  The family remembers the
@@ -284,9 +293,15 @@ class System(Equations):
         from .steady import steady
 
         return steady(
-            self, at, held=held, guess=guess, equations=equations, positive=positive, name=name,
+            self,
+            at,
+            held=held,
+            guess=guess,
+            equations=equations,
+            positive=positive,
+            name=name,
             **parameters,
-        )  # fmt: skip
+        )
 
 
 A_FAMILY = "give a stability.Family: system.steady(at, guess={…}), disk_family(…), body.family(…)"

@@ -35,8 +35,11 @@ def expression(what: str, value: Any, rows: int | None = None, columns: int | No
         found = value
     else:
         try:  # as doubles first: some NumPy types crash CasADi
-            found = ca.SX(ca.DM(np.asarray(checked(what, value.full() if isinstance(value, ca.DM)
-                                                   else value))))  # fmt: skip
+            found = ca.SX(
+                ca.DM(
+                    np.asarray(checked(what, value.full() if isinstance(value, ca.DM) else value))
+                )
+            )
         except Exception:  # CasADi raises several exception classes
             raise ParameterError(
                 f"{what} is {shown(value)}; give a CasADi SX expression."
@@ -283,10 +286,13 @@ def tables(family: Any, a: Any, q: Any, u: Any = None) -> tuple[Floats, Floats, 
         u = np.zeros((a.shape[0] if a.ndim else 1, len(wanted[1])))
     given = a, u, q
     if all(
-        type(t) is np.ndarray and t.dtype == float and t.ndim == 2
-        and t.shape == (a.shape[0], len(its)) and np.isfinite(t).all()
+        type(t) is np.ndarray
+        and t.dtype == float
+        and t.ndim == 2
+        and t.shape == (a.shape[0], len(its))
+        and np.isfinite(t).all()
         for t, its in zip(given, wanted, strict=True)
-    ):  # fmt: skip
+    ):
         return a, u, q
     first = rows("a", a, family.at).reshape(-1, len(family.at))
     found = [first]
@@ -361,8 +367,9 @@ def numbers_of(
         known("parameter", name, (*family.at[1:], *family.parameters))
     found = []
     for what, given, names in (
-        ("fixed", fixed, family.at[1:]), ("parameters", parameters, family.parameters)
-    ):  # fmt: skip
+        ("fixed", fixed, family.at[1:]),
+        ("parameters", parameters, family.parameters),
+    ):
         table = given if isinstance(given, Mapping) else {}
         own = {n: v for n, v in named.items() if n in names}
         if own and len(given):

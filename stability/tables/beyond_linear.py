@@ -284,9 +284,13 @@ def point_columns(
         letter = (quantity.latex or quantity.symbol) if quantity else symbol(axis)
         bound = c.name not in named
         words = quantity.long_name if quantity else axis
-        out.append(replace(
-            c, kind=kind, title=f"{axis} error" if bound else axis,
-            latex=c.latex if bound else letter,
-            meaning=f"bound on the error of {axis}" if bound else words,
-        ))  # fmt: skip
+        out.append(
+            replace(
+                c,
+                kind=kind,
+                title=f"{axis} error" if bound else axis,
+                latex=c.latex if bound else letter,
+                meaning=f"bound on the error of {axis}" if bound else words,
+            )
+        )
     return tuple(out)

@@ -137,23 +137,39 @@ def _rows(family: SteadyFamily, disk: Disk, contact: Contact) -> list[ConditionR
     points = scan(family, disk, contact)
     good = "neutral" if contact.conservative else "stable"
     common: dict[str, Any] = {
-        "family": family.name, "contact": contact.name, "k": float(disk.k), "mu": mu,
-    }  # fmt: skip
+        "family": family.name,
+        "contact": contact.name,
+        "k": float(disk.k),
+        "mu": mu,
+    }
     if not points:
         assert family.searched is not None
         low, high = family.searched
         middle = math.sqrt(low * high) * family.unit(float(disk.rate))
         verdict = spectrum(family.name, at=middle, disk=disk, contact=contact).verdict.word
-        return [ConditionRow(**common, at=None, error=None, crossing="none", frequency=None,
-                             below=verdict, above=verdict)]  # fmt: skip
+        return [
+            ConditionRow(
+                **common,
+                at=None,
+                error=None,
+                crossing="none",
+                frequency=None,
+                below=verdict,
+                above=verdict,
+            )
+        ]
     return [
         ConditionRow(
-            **common, at=p.value, error=p.error, crossing=p.crossing.word, frequency=p.frequency,
+            **common,
+            at=p.value,
+            error=p.error,
+            crossing=p.crossing.word,
+            frequency=p.frequency,
             below=good if p.stable_below else "unstable",
             above="unstable" if p.stable_below else good,
         )
         for p in points
-    ]  # fmt: skip
+    ]
 
 
 def _formulas(
@@ -217,19 +233,32 @@ TABLE = Definition(
         word("contact", "contact law", "group"),
         K,
         MU,
-        Column("at", "member where the verdict changes", member, "", "{:.12g}",
-               "family"),
-        Column("error", "half-width of the proved bracket around at", member, r"\pm", "{:.1e}",
-               "family"),
+        Column("at", "member where the verdict changes", member, "", "{:.12g}", "family"),
+        Column(
+            "error",
+            "half-width of the proved bracket around at",
+            member,
+            r"\pm",
+            "{:.1e}",
+            "family",
+        ),
         word("crossing", "static, flutter or none"),
-        Column("frequency", "frequency of the crossing pair", Kind.ANGULAR_VELOCITY, r"\omega",
-               "{:.10g}"),
+        Column(
+            "frequency",
+            "frequency of the crossing pair",
+            Kind.ANGULAR_VELOCITY,
+            r"\omega",
+            "{:.10g}",
+        ),
         word("below", "verdict below at, or everywhere"),
         word("above", "verdict above at, or everywhere"),
     ),
     lambda **options: [asdict(row) for row in conditions(**options)],
     ("k", "mu", "contact", "disk", "progress"),
-    _notes, _text, _latex, _formulas,
+    _notes,
+    _text,
+    _latex,
+    _formulas,
     about=About(
         "Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) 204-231",
         "no value",
@@ -238,5 +267,5 @@ TABLE = Definition(
     ),
     cites=cited(model=True, proofs=True),
     home=f"{__name__}:TABLE",
-)  # fmt: skip
+)
 """The table for the registry."""

@@ -79,12 +79,17 @@ def formula_latex(found: Sequence[Formulas]) -> str:
     \item static boundary: $\dot\varphi ^{2} = \frac{1}{k + 1}$
     """
     lines = [
-        "% stability table conditions: recomputed from the equations of motion", NEEDS,
+        "% stability table conditions: recomputed from the equations of motion",
+        NEEDS,
         r"\begingroup\raggedright\setlength{\parindent}{0pt}",
-        r"\begin{tabular}{@{}ll@{}}", r"\toprule", r"symbol & meaning \\", r"\midrule",
+        r"\begin{tabular}{@{}ll@{}}",
+        r"\toprule",
+        r"symbol & meaning \\",
+        r"\midrule",
         *(rf"${symbol}$ & {prose(meaning)} \\" for symbol, meaning in SYMBOLS),
-        r"\bottomrule", r"\end{tabular}",
-    ]  # fmt: skip
+        r"\bottomrule",
+        r"\end{tabular}",
+    ]
     for one in found:
         lines += ["", *_list(one)]
     return "\n".join([*lines, "", prose(f"Dimensionless: m = R = g = 1. The {LIMITS}."), END])

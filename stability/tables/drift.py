@@ -87,8 +87,18 @@ def drift_rows(
                         drift(at=at, tilt=angle, disk=body, contact=law_of(law, value), launch=f)
                         for f in (False, True)
                     )
-                    rows.append(DriftRow(inertia, value, at, threshold, angle, slow.time, fast.time,
-                                         fast.tilt_end))  # fmt: skip
+                    rows.append(
+                        DriftRow(
+                            inertia,
+                            value,
+                            at,
+                            threshold,
+                            angle,
+                            slow.time,
+                            fast.time,
+                            fast.tilt_end,
+                        )
+                    )
     return rows
 
 
@@ -137,14 +147,23 @@ TABLE = Definition(
     (
         K,
         MU,
-        Column("omega3", "axial angular velocity at the start", Kind.ANGULAR_VELOCITY,
-               r"\omega_{3}"),
-        Column("threshold", "axial angular velocity where spectral stability ends",
-               Kind.ANGULAR_VELOCITY, r"\omega_{3,c}"),
+        Column(
+            "omega3", "axial angular velocity at the start", Kind.ANGULAR_VELOCITY, r"\omega_{3}"
+        ),
+        Column(
+            "threshold",
+            "axial angular velocity where spectral stability ends",
+            Kind.ANGULAR_VELOCITY,
+            r"\omega_{3,c}",
+        ),
         Column("tilt", "theta - π/2 at the start", Kind.ANGLE, form="{:g}"),
         Column("time_slow", "time to the threshold on the slow manifold", Kind.TIME, "T_{s}"),
-        Column("time_launch", "time to the threshold from a launch with phi_dot = 0 and no slip",
-               Kind.TIME, "T_{l}"),
+        Column(
+            "time_launch",
+            "time to the threshold from a launch with phi_dot = 0 and no slip",
+            Kind.TIME,
+            "T_{l}",
+        ),
         Column("tilt_end", "tilt at the threshold after the launch", Kind.ANGLE, form="{:.4g}"),
     ),
     lambda **options: [asdict(row) for row in drift_rows(**options)],
@@ -158,5 +177,5 @@ TABLE = Definition(
     ),
     cites=MODEL,
     home=f"{__name__}:TABLE",
-)  # fmt: skip
+)
 """The table for the registry."""

@@ -143,11 +143,16 @@ TABLE = Definition(
         word("at", "quantities that name a member", share=0.07),
         word("motion", "the motion in words", share=0.19),
         word("condition", "condition for a member", share=0.24),
-        Column("structural_zeros", "number of structural zeros by contact law", share=0.13,
-               form="{:d}"),
-        Column("thresholds", "squares of at where the verdict turns from unstable below to neutral "
-               "above, for k = 1/4, without friction (smooth) and without slip (rough)", share=0.14,
-               form="{:.6g}"),
+        Column(
+            "structural_zeros", "number of structural zeros by contact law", share=0.13, form="{:d}"
+        ),
+        Column(
+            "thresholds",
+            "squares of at where the verdict turns from unstable below to neutral "
+            "above, for k = 1/4, without friction (smooth) and without slip (rough)",
+            share=0.14,
+            form="{:.6g}",
+        ),
     ),
     lambda: [asdict(row) for row in families()],
     notes=lambda _: ["Dimensionless: m = R = g = 1, angular velocities in √(g/R)."],
@@ -160,5 +165,5 @@ TABLE = Definition(
     ),
     cites=cited(model=True, proofs=True, theory=["sympy"]),
     home=f"{__name__}:TABLE",
-)  # fmt: skip
+)
 """The table for the registry."""

@@ -82,10 +82,19 @@ def hopf_rows(
     for done, (family, inertia, value) in enumerate(asked, start=1):
         found = hopf(family, contact=law_of(law, value), disk=_body(disk, inertia))
         rows += [
-            HopfRow(family, inertia, value, p.at, "below" if p.stable_below else "above",
-                    p.frequency, p.crossing, p.push, p.kind.word)
+            HopfRow(
+                family,
+                inertia,
+                value,
+                p.at,
+                "below" if p.stable_below else "above",
+                p.frequency,
+                p.crossing,
+                p.push,
+                p.kind.word,
+            )
             for p in found
-        ] or [HopfRow(family, inertia, value, None, "-", None, None, None, "none")]  # fmt: skip
+        ] or [HopfRow(family, inertia, value, None, "-", None, None, None, "none")]
         if progress:
             progress(done, len(asked))
     return rows
@@ -110,8 +119,13 @@ TABLE = Definition(
         MU,
         Column("at", "member at the boundary", member, "", "{:.12g}", "family"),
         word("stable", "stable side of the boundary"),
-        Column("frequency", "frequency of the crossing pair", Kind.ANGULAR_VELOCITY, r"\omega",
-               "{:.10g}"),
+        Column(
+            "frequency",
+            "frequency of the crossing pair",
+            Kind.ANGULAR_VELOCITY,
+            r"\omega",
+            "{:.10g}",
+        ),
         Column("crossing", "Re μ' along the family, dimensionless", latex=r"\mathrm{Re}\,\mu'"),
         Column("push", "coefficient of the drift, dimensionless", latex="c"),
         word("kind", "elliptic, hyperbolic, degenerate, or none"),
@@ -127,5 +141,5 @@ TABLE = Definition(
     ),
     cites=MODEL,
     home=f"{__name__}:TABLE",
-)  # fmt: skip
+)
 """The table for the registry."""

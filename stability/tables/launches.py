@@ -102,9 +102,10 @@ def contact_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         lost = [f"{row['at']:g}" for row in block if row["outcome"] == Outcome.LIFT_OFF.word]
         first, last = block[0]["at"], block[-1]["at"]
         what = (
-            f"gn reaches zero from at = {', '.join(lost)}" if lost
+            f"gn reaches zero from at = {', '.join(lost)}"
+            if lost
             else f"gn > 0 throughout from every at, {first:g} to {last:g}"
-        )  # fmt: skip
+        )
         lines.append(f"{name}, k = {k:g}, mu = {mu:g}: {what}")
     return lines
 
@@ -177,8 +178,9 @@ def launch_rows(
     if not isinstance(lean, float) or not isinstance(last, float):
         raise ParameterError("tilt and time are single numbers in this table.")
     frictions = _list("mu", mu)
-    blocks = [(n, inertia, value) for n in launches for inertia in _list("k", k)
-              for value in frictions]  # fmt: skip
+    blocks = [
+        (n, inertia, value) for n in launches for inertia in _list("k", k) for value in frictions
+    ]
     rows: list[LaunchRow] = []
     for done, (name, inertia, value) in enumerate(blocks, start=1):
         body = Disk(mass=scale.mass, radius=scale.radius, gravity=scale.gravity, k=inertia)
@@ -203,23 +205,52 @@ def _block(
         final = str(run.nearest_family.values)
         family = final if outcome is Outcome.SETTLED else f"~{final}"
         settled = outcome is Outcome.SETTLED
-        why = _why(name, verdict, linear.nonlinear[i], rate, outcome, final, float(value), tilt,
-                   body, contact, float(run.end_time))  # fmt: skip
+        why = _why(
+            name,
+            verdict,
+            linear.nonlinear[i],
+            rate,
+            outcome,
+            final,
+            float(value),
+            tilt,
+            body,
+            contact,
+            float(run.end_time),
+        )
         rows.append(
             LaunchRow(
-                name, float(body.k), mu, float(value), verdict.word, rate, outcome.word, family,
-                float(run.nearest_at), float(run.settled_time if settled else run.end_time),
+                name,
+                float(body.k),
+                mu,
+                float(value),
+                verdict.word,
+                rate,
+                outcome.word,
+                family,
+                float(run.nearest_at),
+                float(run.settled_time if settled else run.end_time),
                 float(run.energy[-1] / run.energy[0]),
-                float(run.normal_force.min()) / float(body.force), why,
+                float(run.normal_force.min()) / float(body.force),
+                why,
             )
-        )  # fmt: skip
+        )
     return rows
 
 
 def _why(
-    name: str, verdict: Verdict, nonlinear: Nonlinear, rate: float, outcome: Outcome, final: str,
-    at: float, tilt: float, body: Disk, contact: Contact, end: float,
-) -> str:  # fmt: skip
+    name: str,
+    verdict: Verdict,
+    nonlinear: Nonlinear,
+    rate: float,
+    outcome: Outcome,
+    final: str,
+    at: float,
+    tilt: float,
+    body: Disk,
+    contact: Contact,
+    end: float,
+) -> str:
     """Reason in one sentence why linear prediction and outcome agree or differ."""
     stayed = final == name and outcome in (Outcome.SETTLED, Outcome.MOVING)
     if verdict is Verdict.UNSTABLE:
@@ -262,8 +293,9 @@ TABLE = Definition(
         word("outcome", "outcome of the launch"),
         word("final", "nearest steady motion at the end; a tilde: near, not settled"),
         Column("final_at", "member of that family", member, "", "{:.6g}", "final"),
-        Column("time", "time from which it has settled, otherwise of the end", Kind.TIME, "T",
-               "{:.4g}"),
+        Column(
+            "time", "time from which it has settled, otherwise of the end", Kind.TIME, "T", "{:.4g}"
+        ),
         Column("energy", "final over initial energy", latex="E/E_{0}", form="{:.4f}"),
         Column("normal_force", "least normal force over m g", latex="N/mg", form="{:.3f}"),
         word("why", "reason why prediction and outcome agree or differ", "below"),
@@ -279,5 +311,5 @@ TABLE = Definition(
     ),
     cites=cited(model=True, eigenvalues=True),
     home=f"{__name__}:TABLE",
-)  # fmt: skip
+)
 """The table for the registry."""

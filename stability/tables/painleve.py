@@ -22,8 +22,9 @@ def _rows(body: Any = None, progress: Progress | None = None) -> list[dict[str, 
         found = painleve_limit(one)
         ends = (v if math.isfinite(v) else None for v in (found.low, found.high))
         low, high = ends
-        rows.append({"body": name, "limit": low, "at_most": high, "theta": found.theta,
-                     "closed": closed})  # fmt: skip
+        rows.append(
+            {"body": name, "limit": low, "at_most": high, "theta": found.theta, "closed": closed}
+        )
         if progress is not None:
             progress(done, len(named))
     return rows
@@ -37,8 +38,10 @@ def bodies() -> list[tuple[str, Any, str]]:
     from ..bodies.round_body.shapes.named import EccentricSphere, Spheroid, ThickDisk, Torus
     from ..bodies.round_body.shapes.profile import Egg
 
-    disk = {k: Body(lambda theta: ca.sin(theta), axial=2 * k, transverse=k, name="disk")
-            for k in (0.25, 0.5)}  # fmt: skip
+    disk = {
+        k: Body(lambda theta: ca.sin(theta), axial=2 * k, transverse=k, name="disk")
+        for k in (0.25, 0.5)
+    }
     return [
         ("disk, k = 0.25", disk[0.25], "2 √(k(k+1))"),
         ("disk, k = 0.5", disk[0.5], "2 √(k(k+1))"),

@@ -108,9 +108,16 @@ def table(
     \begin{longtable}{@{\extracolsep{\fill}}rrrrrrrr@{}}
     """
     given = {
-        "k": k, "mu": mu, "contact": contact, "disk": disk, "body": body, "tilt": tilt, "at": at,
-        "time": time, "systems": systems,
-    }  # fmt: skip
+        "k": k,
+        "mu": mu,
+        "contact": contact,
+        "disk": disk,
+        "body": body,
+        "tilt": tilt,
+        "at": at,
+        "time": time,
+        "systems": systems,
+    }
     given = {n: v for n, v in given.items() if v is not None}
     axes = {n: v for n, v in (("x", x), ("y", y)) if v is not None}
     exact: dict[str, Any] = {"positive": tuple(positive)} if positive else {}
@@ -135,9 +142,15 @@ def table(
         rows = chosen.rows(**options)
         more = chosen.more(**options) if chosen.more else {}
     return Table(
-        name, f"{chosen.heading}{how}", chosen.columns, rows, plain, more,
-        definition=chosen, citation=joined([chosen.cites, *works]),
-    )  # fmt: skip
+        name,
+        f"{chosen.heading}{how}",
+        chosen.columns,
+        rows,
+        plain,
+        more,
+        definition=chosen,
+        citation=joined([chosen.cites, *works]),
+    )
 
 
 def _takers(key: str) -> str:
@@ -208,8 +221,11 @@ def _of_family(
         parameters[key] = value
     if name == "codimension":
         return _points(family, axes, parameters)
-    return _conditions(family, exact, parameters) if name == "conditions" else _births(
-        family, axes["x"], parameters)  # fmt: skip
+    return (
+        _conditions(family, exact, parameters)
+        if name == "conditions"
+        else _births(family, axes["x"], parameters)
+    )
 
 
 def _conditions(family: Family, exact: Mapping[str, Any], parameters: Mapping[str, Any]) -> Table:
@@ -218,8 +234,17 @@ def _conditions(family: Family, exact: Mapping[str, Any], parameters: Mapping[st
 
     found = conditions(family, **exact, **parameters)
     heading = f"{family.system.name}, {family.name}: exact conditions of stability (derived)"
-    return Table("conditions", heading, TABLE.columns, condition_rows(found), True, record(found),
-                 definition=TABLE, found=found, citation=found.citation)  # fmt: skip
+    return Table(
+        "conditions",
+        heading,
+        TABLE.columns,
+        condition_rows(found),
+        True,
+        record(found),
+        definition=TABLE,
+        found=found,
+        citation=found.citation,
+    )
 
 
 def _births(family: Family, axis: Sequence[Any], parameters: Mapping[str, Any]) -> Table:
@@ -229,9 +254,15 @@ def _births(family: Family, axis: Sequence[Any], parameters: Mapping[str, Any]) 
     with gathered() as works:
         found = hopf(family, axis=tuple(axis), **parameters)
     units, rows = family.system.units, birth_records(found)
-    return Table("hopf", BIRTHS.heading.format(name=family.name),
-                 birth_columns(axis[0], units, rows), rows, definition=BIRTHS,
-                 found=(axis[0], found, units), citation=joined(works))  # fmt: skip
+    return Table(
+        "hopf",
+        BIRTHS.heading.format(name=family.name),
+        birth_columns(axis[0], units, rows),
+        rows,
+        definition=BIRTHS,
+        found=(axis[0], found, units),
+        citation=joined(works),
+    )
 
 
 def _points(family: Family | str, axes: Mapping[str, Any], given: Mapping[str, Any]) -> Table:
@@ -252,8 +283,17 @@ def _points(family: Family | str, axes: Mapping[str, Any], given: Mapping[str, A
         known = disk_quantities(law if isinstance(law, type) else type(law))
         columns = point_columns(axes_, {}, known)
         dimensionless = given["disk"].dimensionless and not set(axes_) & set(PHYSICAL)
-    return Table("codimension", POINTS.heading.format(name=name), columns, rows, dimensionless,
-                 more=more, definition=POINTS, found=found, citation=found.citation)  # fmt: skip
+    return Table(
+        "codimension",
+        POINTS.heading.format(name=name),
+        columns,
+        rows,
+        dimensionless,
+        more=more,
+        definition=POINTS,
+        found=found,
+        citation=found.citation,
+    )
 
 
 def _of_disk(

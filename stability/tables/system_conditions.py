@@ -182,21 +182,37 @@ def record(found: Conditions) -> dict[str, Any]:
         "given": {n: str(v) for n, v in found.given.items()},
         "numbers": found.numbers,
         "units": {n: units[n] for n in names if n in units},
-        "variables": [{"name": v.name, "kind": v.kind, "meaning": v.meaning}
-                      for v in found.variables],
+        "variables": [
+            {"name": v.name, "kind": v.kind, "meaning": v.meaning} for v in found.variables
+        ],
         "domain": list(found.domain),
         "relations": [{"variable": n, "zero": str(p)} for n, p in found.relations],
         "solved": dict(found.solved),
         "nonzero": [str(p) for p in found.nonzero],
         "structural_zeros": found.zeros,
-        "factors": [{"coefficients": [str(c) for c in f.coefficients], "even": f.even,
-                     "multiplicity": f.multiplicity} for f in found.factors],
+        "factors": [
+            {
+                "coefficients": [str(c) for c in f.coefficients],
+                "even": f.even,
+                "multiplicity": f.multiplicity,
+            }
+            for f in found.factors
+        ],
         "conditions": [
-            {"name": c.name, "factor": c.factor, "kind": c.kind, "status": c.status,
-             "decides": c.decides, "positive": str(c.polynomial), "whole": str(c.whole),
-             "proof": c.proof,
-             "witnesses": [{"at": {n: str(v) for n, v in w.point.items()}, "sign": w.sign}
-                           for w in c.witnesses]}
+            {
+                "name": c.name,
+                "factor": c.factor,
+                "kind": c.kind,
+                "status": c.status,
+                "decides": c.decides,
+                "positive": str(c.polynomial),
+                "whole": str(c.whole),
+                "proof": c.proof,
+                "witnesses": [
+                    {"at": {n: str(v) for n, v in w.point.items()}, "sign": w.sign}
+                    for w in c.witnesses
+                ],
+            }
             for c in found.conditions
         ],
         "boundaries": [{"kind": b.kind, "zero": str(b.polynomial)} for b in found.boundaries],
@@ -204,7 +220,7 @@ def record(found: Conditions) -> dict[str, Any]:
         "left_out": list(found.left_out),
         "degree": found.degree,
         "terms": found.terms,
-    }  # fmt: skip
+    }
 
 
 # --- LaTeX ---
@@ -214,8 +230,11 @@ def _formula(poly: Polynomial, relation: str, label: str = "") -> str:
     """A polynomial with a relation as displayed mathematics, broken into lines, with a label."""
     parts = []
     for sign, size, exponents in _terms(poly, _size(poly)):
-        powers = [symbol(n) if e == 1 else f"{{{symbol(n)}}}^{{{e}}}"
-                  for n, e in zip(poly.variables, exponents, strict=True) if e]  # fmt: skip
+        powers = [
+            symbol(n) if e == 1 else f"{{{symbol(n)}}}^{{{e}}}"
+            for n, e in zip(poly.variables, exponents, strict=True)
+            if e
+        ]
         size = re.sub(r"e([+-])0*(\d+)", r" \\cdot 10^{\1\2}", size).replace("{+", "{")
         words = [size] * (size != "1" or not powers) + powers
         parts.append(f"{sign} {' '.join(words)}")
@@ -321,11 +340,18 @@ def condition_rows(found: Conditions) -> list[dict[str, Any]]:
     """
     names = _labels(found)
     return [
-        {"label": names.get(id(c)), "kind": c.kind, "name": c.name, "factor": c.factor + 1,
-         "status": c.status, "decides": c.decides, "positive": str(c.polynomial),
-         "proof": c.proof}
+        {
+            "label": names.get(id(c)),
+            "kind": c.kind,
+            "name": c.name,
+            "factor": c.factor + 1,
+            "status": c.status,
+            "decides": c.decides,
+            "positive": str(c.polynomial),
+            "proof": c.proof,
+        }
         for c in found.conditions
-    ]  # fmt: skip
+    ]
 
 
 TABLE = Definition(

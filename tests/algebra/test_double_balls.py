@@ -95,11 +95,13 @@ def test_roots_sines_and_cosines_hold_the_exact_ones(name: str, count: int) -> N
 
 
 def test_the_error_of_sines_is_below_what_is_stated() -> None:
-    a = np.concatenate([
-        np.random.default_rng(6).uniform(-1e5, 1e5, 20_000),
-        np.random.default_rng(7).uniform(-7, 7, 20_000),
-        np.arange(2000) * (math.pi / 4),
-    ])  # fmt: skip
+    a = np.concatenate(
+        [
+            np.random.default_rng(6).uniform(-1e5, 1e5, 20_000),
+            np.random.default_rng(7).uniform(-7, 7, 20_000),
+            np.arange(2000) * (math.pi / 4),
+        ]
+    )
     sine, _, cosine, _ = compiled(double_balls, plain=True).sines(a, np.zeros_like(a))
     ctx.prec = 120
     try:
@@ -172,9 +174,17 @@ def test_a_product_of_matrices_holds_the_exact_one() -> None:
     ctx.prec = 200
     try:
         for i, j, lane in np.ndindex(c.shape):
-            true = sum((arb(float(a[i, k, lane])) * (arb(float(b[k, j, lane]))
-                        + arb(float(side[k, j, lane])) * arb(float(rb[k, j, lane])))
-                        for k in range(5)), arb(0))  # fmt: skip
+            true = sum(
+                (
+                    arb(float(a[i, k, lane]))
+                    * (
+                        arb(float(b[k, j, lane]))
+                        + arb(float(side[k, j, lane])) * arb(float(rb[k, j, lane]))
+                    )
+                    for k in range(5)
+                ),
+                arb(0),
+            )
             assert holds(c[i, j, lane], rc[i, j, lane], true)
     finally:
         ctx.prec = 53
@@ -205,10 +215,12 @@ def test_powers_tangents_and_sizes_are_read_and_exp_is_refused() -> None:
             recorded(lambda a, t: strange.run(t, [a])[0], 1)  # noqa: B023
 
 
-BREAKS = [("UP = 1.0 + 2.0**-47", "UP = 1.0 - 2.0**-47", "add"),
-          ("U * np.abs(m)", "0.0 * np.abs(m)", "multiply"),
-          ("ra * (np.abs(b) + rb)", "ra * np.abs(b)", "multiply"),
-          ("np.sqrt(a - ra) + m", "m + m", "root")]  # fmt: skip
+BREAKS = [
+    ("UP = 1.0 + 2.0**-47", "UP = 1.0 - 2.0**-47", "add"),
+    ("U * np.abs(m)", "0.0 * np.abs(m)", "multiply"),
+    ("ra * (np.abs(b) + rb)", "ra * np.abs(b)", "multiply"),
+    ("np.sqrt(a - ra) + m", "m + m", "root"),
+]
 
 
 @pytest.mark.parametrize(("right", "wrong", "name"), BREAKS)
@@ -222,7 +234,10 @@ def test_a_broken_rounding_is_seen(
     broken = ModuleType("broken")
     exec(source.replace(right, wrong), broken.__dict__)
     monkeypatch.setattr(f"{__name__}.compiled", lambda *_, **__: broken, raising=True)
-    test = (test_roots_sines_and_cosines_hold_the_exact_ones if name == "root"
-            else test_sums_products_and_quotients_hold_the_exact_ones)  # fmt: skip
+    test = (
+        test_roots_sines_and_cosines_hold_the_exact_ones
+        if name == "root"
+        else test_sums_products_and_quotients_hold_the_exact_ones
+    )
     with pytest.raises(AssertionError):
         test(name, 15_000)

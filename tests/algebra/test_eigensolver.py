@@ -74,7 +74,7 @@ QUESTIONS: dict[str, Callable[[], Any]] = {
     "circling": lambda: st.spectrum("circling", at=[1.1, 1.9], contact=st.Rough()),
     "proved": lambda: st.spectrum("tumbling", at=1.1, contact=st.Viscous(0.9), certify=True),
     "user": lambda: st.spectrum(pendulum(), at=[-1.0, 0.5, 2.0], d=[0.3]),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", QUESTIONS)
@@ -110,10 +110,14 @@ def test_many_members_do_not_keep_their_vectors_and_have_the_same_modes(monkeypa
     assert np.array_equal(found.modes.vectors, whole.modes.vectors)
 
 
-@pytest.mark.parametrize("given", [
-    ({"family": "spinning", "x": ("at", 1.5, 3, 5), "y": ("mu", 0.2, 2, 4)}),
-    ({"family": pendulum(), "x": ("g", -1, 2, 5), "y": ("d", -0.5, 1, 4)}),
-], ids=["disk", "user"])  # fmt: skip
+@pytest.mark.parametrize(
+    "given",
+    [
+        ({"family": "spinning", "x": ("at", 1.5, 3, 5), "y": ("mu", 0.2, 2, 4)}),
+        ({"family": pendulum(), "x": ("g", -1, 2, 5), "y": ("d", -0.5, 1, 4)}),
+    ],
+    ids=["disk", "user"],
+)
 def test_maps_are_those_of_the_second_backend(given: dict[str, Any], only: Spied) -> None:
     with eigensolver(only):
         found = st.stability_map(**given)
@@ -258,7 +262,7 @@ REFUSED: dict[str, tuple[Any, str]] = {
     "values alone": (lambda m: TRUE(m)[0], "returned"),
     "nothing": (lambda _: None, "returned None"),
     "words": (lambda _: ("a", "b"), "returned"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", REFUSED)
@@ -300,8 +304,14 @@ def test_a_solver_of_one_matrix_at_a_time_serves_a_launch_that_settles() -> None
         return np.array([v for v, _ in pairs]), np.array([x for _, x in pairs])
 
     x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
-    system = st.System("pendulum", x, c, ca.vertcat(x[1], -ca.sin(x[0]) - c * x[1]),
-                       states=("angle", "rate"), parameters=("c",))  # fmt: skip
+    system = st.System(
+        "pendulum",
+        x,
+        c,
+        ca.vertcat(x[1], -ca.sin(x[0]) - c * x[1]),
+        states=("angle", "rate"),
+        parameters=("c",),
+    )
     rest = st.Family(system, "rest", at=("c",), held={"angle": 0.0, "rate": 0.0})
     asked = (system, {"c": 0.3}, {"angle": 0.4, "rate": 0.0}, 200.0)
     with eigensolver(slow):

@@ -99,12 +99,14 @@ def test_questions_about_an_irrational_root_in_any_order_twice(order: tuple[str,
         ],
         "conditions": lambda: refused(lambda: st.conditions(family)),
         "latex": lambda: refused(lambda: st.latex(family)),
-    }  # fmt: skip
+    }
     right: dict[str, Any] = {
-        "boundaries": [(1.0, True, True)], "spectrum": "unstable",
-        "certify": ["stable", "unstable"], "conditions": "an irrational root",
+        "boundaries": [(1.0, True, True)],
+        "spectrum": "unstable",
+        "certify": ["stable", "unstable"],
+        "conditions": "an irrational root",
         "latex": "an irrational root",
-    }  # fmt: skip
+    }
     for name in order * 2:
         assert ask[name]() == right[name], name
 

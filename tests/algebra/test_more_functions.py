@@ -25,11 +25,14 @@ from stability.boundary.interval_search.taylor import series_algebra, terms
 from stability.systems.graph.slopes import rates_and_slopes
 
 INSIDE = {
-    "expm1": [(0.3,), (-1e-9,), (-4.0,)], "log1p": [(0.7,), (1e-9,), (-0.9,)],
-    "asinh": [(0.4,), (-30.0,), (1e-8,)], "acosh": [(1.5,), (40.0,)],
-    "atanh": [(0.4,), (-0.99,)], "hypot": [(0.3, -0.4), (0.0, 2.0)],
+    "expm1": [(0.3,), (-1e-9,), (-4.0,)],
+    "log1p": [(0.7,), (1e-9,), (-0.9,)],
+    "asinh": [(0.4,), (-30.0,), (1e-8,)],
+    "acosh": [(1.5,), (40.0,)],
+    "atanh": [(0.4,), (-0.99,)],
+    "hypot": [(0.3, -0.4), (0.0, 2.0)],
     "atan2": [(0.3, 0.5), (0.3, -0.5), (-2.0, 0.0), (0.0, 1.5), (-1e-3, -1.0)],
-}  # fmt: skip
+}
 
 
 def truth(name: str, *x: Any) -> Any:
@@ -53,8 +56,10 @@ def test_doubles_agree_and_their_error_bounds_hold(name: str) -> None:
         for seed in range(40):  # inherited errors: any exact argument within them
             rng = np.random.default_rng(seed)
             error = 10 ** rng.uniform(-12, -1, len(x)) * np.maximum(np.abs(x), 1e-3)
-            moved = [mp.mpf(v) + e * rng.choice([-1, 1, rng.uniform(-1, 1)])
-                     for v, e in zip(x, error, strict=True)]  # fmt: skip
+            moved = [
+                mp.mpf(v) + e * rng.choice([-1, 1, rng.uniform(-1, 1)])
+                for v, e in zip(x, error, strict=True)
+            ]
             found = function_of(TRACKED.functions, name)(
                 *(RunningError(np.float64(v), e) for v, e in zip(x, error, strict=True))
             )
@@ -140,16 +145,21 @@ X, V, C = (ca.SX.sym(n) for n in ("x", "v", "c"))
 
 
 def rest(force: ca.SX, **held: float) -> st.Family:
-    system = st.System("s", ca.vertcat(X, V), C, ca.vertcat(V, force), states=("x", "v"),
-                       parameters=("c",))  # fmt: skip
+    system = st.System(
+        "s", ca.vertcat(X, V), C, ca.vertcat(V, force), states=("x", "v"), parameters=("c",)
+    )
     return st.Family(system, "rest", ("c",), held={"x": 0.0, "v": 0.0} | held)
 
 
 FORCES = {
-    "expm1": -X - ca.expm1(C * V), "log1p": -X - ca.log1p(C * V), "asinh": -X - ca.asinh(C * V),
-    "atanh": -X - ca.atanh(C * V), "acosh": -X - C * V * (1 + ca.acosh(1 + (X - V) ** 2 + 1)),
-    "hypot": -X - C * V * ca.hypot(1, X), "atan2": -X - ca.atan2(C * V, 1 + X),
-}  # fmt: skip
+    "expm1": -X - ca.expm1(C * V),
+    "log1p": -X - ca.log1p(C * V),
+    "asinh": -X - ca.asinh(C * V),
+    "atanh": -X - ca.atanh(C * V),
+    "acosh": -X - C * V * (1 + ca.acosh(1 + (X - V) ** 2 + 1)),
+    "hypot": -X - C * V * ca.hypot(1, X),
+    "atan2": -X - ca.atan2(C * V, 1 + X),
+}
 
 
 @pytest.mark.parametrize("name", FORCES)
@@ -166,21 +176,33 @@ def test_damping_by_each_function_has_its_boundary_where_c_vanishes(name: str) -
     assert edges.complete and [b.value for b in edges] == [0.0]
 
 
-@pytest.mark.parametrize("force", [
-    -X - C * V + ca.hypot(X, V), -X - C * V - ca.atan2(V, X), -X - C * V - ca.atan2(V, -1 + X),
-    -X - C * V - V * 0 - ca.acosh(1 + X * X),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "force",
+    [
+        -X - C * V + ca.hypot(X, V),
+        -X - C * V - ca.atan2(V, X),
+        -X - C * V - ca.atan2(V, -1 + X),
+        -X - C * V - V * 0 - ca.acosh(1 + X * X),
+    ],
+)
 def test_members_at_an_edge_of_a_function_are_refused(force: ca.SX) -> None:
     family = rest(force)
     with pytest.raises(st.StabilityError):
         st.spectrum(family, at=0.5, certify=True)
 
 
-@pytest.mark.parametrize(("force", "word"), [
-    (ca.erf(V), "erf"), (ca.fmin(V, X), "fmin"), (ca.if_else(X > 0, X, 2 * X), "a branch"),
-    (ca.floor(X), "floor"), (ca.fmod(X, 2), "fmod"), (ca.copysign(X, V), "copysign"),
-    (ca.remainder(X, 2), "remainder"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("force", "word"),
+    [
+        (ca.erf(V), "erf"),
+        (ca.fmin(V, X), "fmin"),
+        (ca.if_else(X > 0, X, 2 * X), "a branch"),
+        (ca.floor(X), "floor"),
+        (ca.fmod(X, 2), "fmod"),
+        (ca.copysign(X, V), "copysign"),
+        (ca.remainder(X, 2), "remainder"),
+    ],
+)
 def test_a_function_that_is_not_read_is_refused_by_its_name(force: ca.SX, word: str) -> None:
     with pytest.raises(st.StabilityError, match=f"uses (.*{word}).*smooth elementary .*asinh"):
         st.spectrum(rest(-X - C * V - force), at=0.5)
@@ -195,8 +217,10 @@ def test_a_motion_under_an_angle_and_a_distance_is_that_of_scipy() -> None:
 
     def rates(_: float, y: Any) -> list[float]:
         x, v = y
-        return [v, -np.hypot(x + 2, 0.5) + 2 - np.arctan2(v, 2 + x) - np.arcsinh(x)
-                - np.expm1(v) * 0.3]  # fmt: skip
+        return [
+            v,
+            -np.hypot(x + 2, 0.5) + 2 - np.arctan2(v, 2 + x) - np.arcsinh(x) - np.expm1(v) * 0.3,
+        ]
 
     wanted = solve_ivp(rates, (0, 3), [0.3, 0.1], rtol=1e-12, atol=1e-12, method="DOP853").y[:, -1]
     assert [float(run[n][-1]) for n in ("x", "v")] == pytest.approx(wanted, rel=1e-8)

@@ -42,8 +42,10 @@ def test_a_later_stage_gives_the_bits_of_one_run() -> None:
     whole = program.run(numpy_algebra(), [list(rows[:2]), [rows[2]]])
     for varying in (frozenset({(0, 1)}), frozenset({(1, 0)}), frozenset({(0, 0), (1, 0)})):
         then = program.begun(numpy_algebra(), [list(rows[:2]), [rows[2]]], varying)
-        given = [[rows[j] if (0, j) in varying else None for j in (0, 1)],
-                 [rows[2] if (1, 0) in varying else None]]  # fmt: skip
+        given = [
+            [rows[j] if (0, j) in varying else None for j in (0, 1)],
+            [rows[2] if (1, 0) in varying else None],
+        ]
         for mine, theirs in zip(then(given), whole, strict=True):
             for a, b in zip(mine, theirs, strict=True):
                 np.testing.assert_array_equal(a, b)

@@ -48,9 +48,12 @@ def frictions(bodies: tuple[str, ...]) -> tuple[float, ...]:
 
 @pytest.fixture(scope="module")
 def folder(
-    kind: str, bodies: tuple[str, ...], resolution: int,
-    launched: tuple[tuple[str, ...], float], tmp_path_factory: pytest.TempPathFactory,
-) -> Path:  # fmt: skip
+    kind: str,
+    bodies: tuple[str, ...],
+    resolution: int,
+    launched: tuple[tuple[str, ...], float],
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Path:
     out = tmp_path_factory.mktemp("atlas") / "atlas"
     told: list[tuple[int, int]] = []
     with pytest.MonkeyPatch.context() as patch:
@@ -62,8 +65,13 @@ def folder(
         patch.setattr("stability.atlas.launches.TIME", launched[1])
         if kind == "undrawn":
             undraw(patch)
-        page = atlas(out, resolution=resolution, draft=False, workers=1,
-                     progress=lambda *pair: told.append(pair))  # fmt: skip
+        page = atlas(
+            out,
+            resolution=resolution,
+            draft=False,
+            workers=1,
+            progress=lambda *pair: told.append(pair),
+        )
     assert page == out / "index.html"
     figures = 3 * len(bodies) * (1 + len(frictions(bodies))) + 1  # launches are one piece of work
     assert told[0] == (0, figures)
@@ -88,9 +96,11 @@ def test_it_has_every_diagram_locus_map_and_the_boundaries(
 
 
 def test_the_page_points_only_at_what_is_there_and_says_what_was_computed(
-    folder: Path, bodies: tuple[str, ...], resolution: int,
+    folder: Path,
+    bodies: tuple[str, ...],
+    resolution: int,
     launched: tuple[tuple[str, ...], float],
-) -> None:  # fmt: skip
+) -> None:
     count = (3 * (1 + len(frictions(bodies))) + len(launched[0])) * len(bodies)
     page = (folder / "index.html").read_text()
     links = re.findall(r'(?:src|href)="([^"#]+)"', page)
@@ -128,8 +138,15 @@ def test_launches_behind_the_figures_are_those_of_the_function(
     for path in paths:
         family = path.name.split("-")[1]
         found = xarray.open_dataset(path, engine="h5netcdf")
-        true = st.basins(st.Disk.hoop(), "viscous", mu=0.3, family=family, horizon=launched[1],
-                         x=("at", 0.1, 3.0, 6), y=("tilt", 0.01, 1.2, 4))  # fmt: skip
+        true = st.basins(
+            st.Disk.hoop(),
+            "viscous",
+            mu=0.3,
+            family=family,
+            horizon=launched[1],
+            x=("at", 0.1, 3.0, 6),
+            y=("tilt", 0.01, 1.2, 4),
+        )
         for name in ("outcome", "family", "linear_verdict"):
             np.testing.assert_array_equal(found[name].values, true[name].values)
 
@@ -202,10 +219,15 @@ def test_force_replaces_its_own_files_and_leaves_others(folder: Path, tmp_path: 
 @pytest.mark.parametrize(
     ("points", "draft", "command"),
     [(8, None, "--resolution 8")]
-    + [pytest.param(*case, marks=pytest.mark.long) for case in (
-        (100, True, "--resolution 100 --draft"), (100, None, "--resolution 100"),
-        (8, False, "--resolution 8 --no-draft"))],
-)  # fmt: skip
+    + [
+        pytest.param(*case, marks=pytest.mark.long)
+        for case in (
+            (100, True, "--resolution 100 --draft"),
+            (100, None, "--resolution 100"),
+            (8, False, "--resolution 8 --no-draft"),
+        )
+    ],
+)
 def test_a_draft_has_every_diagram_and_says_what_it_leaves_out(
     tmp_path: Path, points: int, draft: bool | None, command: str
 ) -> None:

@@ -30,8 +30,9 @@ from stability.cli import main
 KEYS = ("eccentric", "thick")
 KINDS = {"eccentric": "offset", "thick": "thickness"}
 FAMILIES = {
-    "eccentric": ("tumbling", "vertical", "vertical-pi"), "thick": ("rolling", "tumbling"),
-}  # fmt: skip
+    "eccentric": ("tumbling", "vertical", "vertical-pi"),
+    "thick": ("rolling", "tumbling"),
+}
 STEMS = {
     f"{name}-{key}-{kind}"
     for key, every in FAMILIES.items()
@@ -80,9 +81,11 @@ def stems(resolution: int) -> set[str]:
 
 @pytest.fixture(scope="module")
 def folder(
-    resolution: int, keys: tuple[str, ...], stems: set[str],
+    resolution: int,
+    keys: tuple[str, ...],
+    stems: set[str],
     tmp_path_factory: pytest.TempPathFactory,
-) -> Path:  # fmt: skip
+) -> Path:
     out = tmp_path_factory.mktemp("bodies") / "atlas"
     told: list[tuple[int, int]] = []
     with pytest.MonkeyPatch.context() as patch:
@@ -91,8 +94,9 @@ def folder(
             undraw(patch, [])
             few = {name: drawn()[name] for name in ("rolling", "spinning")}
             patch.setattr("stability.atlas.body_diagrams.drawn", lambda: few)
-        page = atlas_of_bodies(out, resolution=resolution, workers=1,
-                               progress=lambda *pair: told.append(pair))  # fmt: skip
+        page = atlas_of_bodies(
+            out, resolution=resolution, workers=1, progress=lambda *pair: told.append(pair)
+        )
     assert page == out / "index.html"
     assert (told[0], told[-1]) == ((0, len(stems)), (len(stems), len(stems)))
     return out
@@ -146,8 +150,10 @@ def test_each_page_says_what_was_computed_and_what_does_not_exist(
         links = re.findall(r'(?:src|href)="([^"#]+)"', words)
         assert all((folder / link).is_file() for link in links)
         assert 'href="index.html"' in words
-    captions = {key: re.findall(r"<figcaption>(.*?)</figcaption>", words, re.DOTALL)
-                for key, words in page.items()}  # fmt: skip
+    captions = {
+        key: re.findall(r"<figcaption>(.*?)</figcaption>", words, re.DOTALL)
+        for key, words in page.items()
+    }
     assert "No spinning: thick disk has no spinning" in page["thick"]
     assert "No vertical spin: thick disk is not smooth at theta = 0" in page["thick"]
     if tops := page.get("eccentric"):
@@ -164,8 +170,10 @@ def test_each_page_says_what_was_computed_and_what_does_not_exist(
         found, stem = read(path), path.stem
         [key] = [k for k in keys if k in stem]
         law = str(found.attrs["system"]).rpartition(", ")[2]
-        words = {"rough": "on a rough plane, without slip",
-                 "smooth": "on a smooth plane, without friction"}  # fmt: skip
+        words = {
+            "rough": "on a rough plane, without slip",
+            "smooth": "on a smooth plane, without friction",
+        }
         blank = int((found.verdict == 4).sum())
         if stem in plain:
             [said] = re.findall(
@@ -194,12 +202,20 @@ def test_its_numbers_are_those_of_single_spectra(folder: Path) -> None:
 
 @pytest.mark.parametrize(
     ("resolution", "stem", "family", "law", "more"),
-    [(8, "rolling-thick-rough", "rolling", "rough", {}),
-     (8, "rolling-thick-smooth", "rolling", "smooth", {}),
-     pytest.param(12, "vertical-pi-eccentric-smooth", "vertical", "smooth", {"pole": "pi"},
-                  marks=pytest.mark.long)],
+    [
+        (8, "rolling-thick-rough", "rolling", "rough", {}),
+        (8, "rolling-thick-smooth", "rolling", "smooth", {}),
+        pytest.param(
+            12,
+            "vertical-pi-eccentric-smooth",
+            "vertical",
+            "smooth",
+            {"pole": "pi"},
+            marks=pytest.mark.long,
+        ),
+    ],
     indirect=["resolution"],
-)  # fmt: skip
+)
 def test_maps_without_a_coefficient_are_those_of_single_spectra(
     folder: Path, stem: str, family: str, law: str, more: dict[str, str]
 ) -> None:
@@ -207,8 +223,9 @@ def test_maps_without_a_coefficient_are_those_of_single_spectra(
     own, at = (str(d) for d in found.verdict.dims)
     make = {"thickness": st.ThickDisk, "offset": st.EccentricSphere}[own]
     for j, i in ((0, 0), (4, 3), (-1, -1)):
-        one = st.spectrum(family, at=float(found[at][i]), body=make(float(found[own][j])),
-                          contact=law, **more)  # fmt: skip
+        one = st.spectrum(
+            family, at=float(found[at][i]), body=make(float(found[own][j])), contact=law, **more
+        )
         assert found.verdict.values[j, i] == one.verdict.code
 
 
@@ -242,8 +259,9 @@ def test_an_egg_has_a_page_with_both_ends_and_planes(
     spin = st.read_map(tmp_path / "vertical-pi-egg-axial.nc")
     for j, i in ((0, 0), (5, 7)):
         body = replace(st.Egg(0.2), axial=float(spin.axial[j]))
-        one = st.spectrum("vertical", at=float(spin.omega_Z[i]), body=body, contact=st.Viscous(MU),
-                          pole="pi")  # fmt: skip
+        one = st.spectrum(
+            "vertical", at=float(spin.omega_Z[i]), body=body, contact=st.Viscous(MU), pole="pi"
+        )
         assert spin.verdict.values[j, i] == one.verdict.code
 
 
@@ -279,8 +297,11 @@ def test_an_interrupted_atlas_goes_on(tmp_path: Path, monkeypatch: pytest.Monkey
     assert not out.exists()
     assert asked == ["tumbling-eccentric-mu"]
     atlas_of_bodies(out, resolution=8, workers=1)
-    every = [f"{f}-eccentric-{axis}" for f in ("tumbling", "vertical", "vertical-pi")
-             for axis in ("mu", "offset")]  # fmt: skip
+    every = [
+        f"{f}-eccentric-{axis}"
+        for f in ("tumbling", "vertical", "vertical-pi")
+        for axis in ("mu", "offset")
+    ]
     every += [f"vertical-pi-eccentric-{law}" for law in ("rough", "smooth")]  # the rest is neutral
     assert asked == every
     assert [p.name for p in tmp_path.iterdir()] == ["atlas"]

@@ -36,14 +36,17 @@ def spring() -> st.System:
 # --- chosen by what was used ---
 
 
-@pytest.mark.parametrize(("method", "more"), [
-    pytest.param("heyoka", ["heyoka"], marks=pytest.mark.long),  # it compiles
-    ("dop853", ["scipy", "hairer1993"]),
-    ("lsoda", ["scipy", "petzold1983"]),
-    ("radau", ["scipy", "hairer1996"]),
-    ("bdf", ["scipy", "shampine1997"]),
-    ("cvodes", ["sundials"]),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("method", "more"),
+    [
+        pytest.param("heyoka", ["heyoka"], marks=pytest.mark.long),  # it compiles
+        ("dop853", ["scipy", "hairer1993"]),
+        ("lsoda", ["scipy", "petzold1983"]),
+        ("radau", ["scipy", "hairer1996"]),
+        ("bdf", ["scipy", "shampine1997"]),
+        ("cvodes", ["sundials"]),
+    ],
+)
 def test_a_motion_cites_its_integrator(method: str, more: list[str]) -> None:
     if method == "heyoka":
         pytest.importorskip("heyoka")
@@ -57,8 +60,14 @@ def test_every_integrator_has_works() -> None:
 
 
 def test_statistics_cite_what_computed_the_labels() -> None:
-    labels = st.launch_labels(st.Disk(), st.Viscous(0.3), varied=("tilt",), held={"omega3": 1.2},
-                              family="rolling", horizon=5.0)  # fmt: skip
+    labels = st.launch_labels(
+        st.Disk(),
+        st.Viscous(0.3),
+        varied=("tilt",),
+        held={"omega3": 1.2},
+        family="rolling",
+        horizon=5.0,
+    )
     runs = keys(labels)
     assert runs[:3] == MODEL
     assert keys(st.fatal_shock(labels, [0.1], budget=5)) == runs
@@ -104,8 +113,9 @@ def test_a_motion_of_a_body_cites_the_model_with_resistance_or_without() -> None
     bare = {"method": "dop853", "check": False}
     body = st.simulate(st.Torus(0.2), st.Viscous(0.3), start, 0.5, **bare)
     assert keys(body) == [*MODEL, "scipy", "hairer1993"]
-    resisted = st.simulate(st.Torus(0.2), st.Viscous(0.3), start, 0.5, **bare,
-                           resistance=st.RollingResistance(0.01))  # fmt: skip
+    resisted = st.simulate(
+        st.Torus(0.2), st.Viscous(0.3), start, 0.5, **bare, resistance=st.RollingResistance(0.01)
+    )
     assert keys(resisted) == [*MODEL, "scipy", "hairer1993"]
 
 
@@ -145,16 +155,23 @@ def test_maps_boundaries_conditions_and_basins_say_what_to_cite(tmp_path: Path) 
     edges = st.boundaries("spinning", axis=("at", 0.1, 5, 9), contact=st.Viscous(0.97))
     assert keys(edges) == [*MODEL, "arb"]
     assert keys(st.conditions(st.disk_family("spinning", "rough"))) == [*MODEL, "arb"]
-    lots = st.basins(st.Disk(), st.Viscous(0.3), x=("theta", 1.2, 1.5, 2), y=("omega3", 1, 2, 2),
-                     horizon=1.0)  # fmt: skip
+    lots = st.basins(
+        st.Disk(), st.Viscous(0.3), x=("theta", 1.2, 1.5, 2), y=("omega3", 1, 2, 2), horizon=1.0
+    )
     assert keys(lots) == [*MODEL, *(["heyoka"] * available())]
 
 
 def test_basins_cite_the_lanes_and_the_linear_verdict_where_they_ran(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    near: dict[str, Any] = {"contact": "viscous", "mu": 0.3, "family": "spinning", "horizon": 1.0,
-                            "x": ("at", 1.0, 3.0, 2), "y": ("tilt", 0.1, 0.2, 2)}  # fmt: skip
+    near: dict[str, Any] = {
+        "contact": "viscous",
+        "mu": 0.3,
+        "family": "spinning",
+        "horizon": 1.0,
+        "x": ("at", 1.0, 3.0, 2),
+        "y": ("tilt", 0.1, 0.2, 2),
+    }
     lanes = ["heyoka"] * available()
     assert keys(st.basins(**near)) == [*MODEL, "lapack", "arb", *lanes]
     monkeypatch.setattr("stability.basin.outcomes.available", lambda: False)
@@ -199,8 +216,12 @@ def test_entries_of_bibtex_are_whole() -> None:
         kind, key = re.match(r"@(\w+)\{(\w+),\n", text).groups()  # type: ignore[union-attr]
         assert key == work.key
         fields = dict(re.findall(r"^  (\w+) = \{(.*)\},?$", text, re.MULTILINE))
-        need = {"article": {"author", "title", "journal", "year"}, "book": {"publisher", "year"},
-                "misc": {"title", "note"}, "inproceedings": {"booktitle"}}[kind]  # fmt: skip
+        need = {
+            "article": {"author", "title", "journal", "year"},
+            "book": {"publisher", "year"},
+            "misc": {"title", "note"},
+            "inproceedings": {"booktitle"},
+        }[kind]
         assert need <= set(fields), key
         assert not work.doi or re.fullmatch(r"10\.\d{4,}/\S+", work.doi)
 

@@ -28,8 +28,9 @@ def _oscillator() -> st.Family:
 
 
 def _motion() -> Any:
-    return st.simulate(st.Disk(), st.Viscous(0.3), {"theta": 1.3, "omega3": 2.0}, 0.5,
-                       method="dop853", check=False)  # fmt: skip
+    return st.simulate(
+        st.Disk(), st.Viscous(0.3), {"theta": 1.3, "omega3": 2.0}, 0.5, method="dop853", check=False
+    )
 
 
 def _again(folder: Path) -> Any:
@@ -65,28 +66,37 @@ RESULTS: dict[str, tuple[Callable[[Path], Any], list[str]]] = {
     "read_map": (_again, [*DISK, "arb"]),
     "boundaries": (
         lambda _: st.boundaries("spinning", axis=("at", 0.1, 5, 9), contact=VISCOUS),
-        [*DISK, "arb"]),
+        [*DISK, "arb"],
+    ),
     "branch": (
         lambda _: st.branch(st.disk_family("tumbling", "viscous"), 1.5, 1, k=0.2, mu=0.3, points=3),
-        DISK),
+        DISK,
+    ),
     "launch_labels": (
-        lambda _: st.launch_labels(contact="viscous", mu=0.3, family="spinning", horizon=3.0,
-                                   varied=("phi_dot", "tilt")), DISK),
+        lambda _: st.launch_labels(
+            contact="viscous", mu=0.3, family="spinning", horizon=3.0, varied=("phi_dot", "tilt")
+        ),
+        DISK,
+    ),
     "conditions": (lambda _: st.conditions(st.disk_family("spinning", "rough")), [*DISK, "arb"]),
     "exact_polynomial": (lambda _: st.exact_polynomial("rolling", "viscous"), [*DISK, "arb"]),
     "drift": (lambda _: st.drift(at=1.8, tilt=0.01, contact=VISCOUS), DISK[:2]),
-    "hopf": (lambda _: st.hopf("spinning", contact=VISCOUS),
-             [*DISK[:2], "fiedler2000", "casadi", "arb"]),
+    "hopf": (
+        lambda _: st.hopf("spinning", contact=VISCOUS),
+        [*DISK[:2], "fiedler2000", "casadi", "arb"],
+    ),
     "slow_flow": (
-        lambda _: st.slow_flow("rolling", body=st.Spheroid(0.5), contact=VISCOUS,
-                               resistance=st.RollingResistance(0.01)),
-        [*DISK[:2], "fenichel1979", "casadi"]),
-    "retrograde_map": (lambda _: st.retrograde_map([1.0], [0.0], starts=[(80.0, 1.0)]),
-                       DISK),
+        lambda _: st.slow_flow(
+            "rolling", body=st.Spheroid(0.5), contact=VISCOUS, resistance=st.RollingResistance(0.01)
+        ),
+        [*DISK[:2], "fenichel1979", "casadi"],
+    ),
+    "retrograde_map": (lambda _: st.retrograde_map([1.0], [0.0], starts=[(80.0, 1.0)]), DISK),
     "painleve_limit": (lambda _: st.painleve_limit(st.Torus(0.2)), [*DISK, "arb"]),
     "codimension_two": (
         lambda _: st.codimension_two("spinning", x=("at", 0.5, 5, 9), y=("mu", 0.1, 3, 9)),
-        [*DISK[:2], "kuznetsov2004", "casadi", "arb"]),
+        [*DISK[:2], "kuznetsov2004", "casadi", "arb"],
+    ),
     "simulate": (lambda _: _motion(), [*DISK, "scipy", "hairer1993"]),
     "read_motion": (_motion_again, [*DISK, "scipy", "hairer1993"]),
     "basins": (lambda _: st.basins(st.Disk(), st.Viscous(0.3), **SMALL), DISK),
@@ -96,9 +106,10 @@ RESULTS: dict[str, tuple[Callable[[Path], Any], list[str]]] = {
     "fractions": (lambda _: st.fractions([0, 1, 1]), ["stability", "wilson1927"]),
     "uncertainty_exponent": (
         lambda _: st.uncertainty_exponent(_side, [0, 0], [1, 1], [0.01, 0.02, 0.05], points=200),
-        ["stability", "grebogi1983", "wilson1927"]),
+        ["stability", "grebogi1983", "wilson1927"],
+    ),
     "fatal_shock": (lambda _: st.fatal_shock(_side, [0.5, 0.2]), ["stability"]),
-}  # fmt: skip
+}
 """Name: a call of it, and works that it cites among others."""
 
 INPUT = "it says what is asked, and holds no result"
@@ -108,28 +119,111 @@ TEXT = "files or text written from a system; what was computed with them is cite
 DRAWN = "drawn from a result that says what to cite"
 COUNT = "two numbers alone; the record of fractions says what to cite"
 REASONS = {
-    **dict.fromkeys((
-        "Disk", "REAL_DISKS", "Body", "Egg", "from_profile", "Torus", "Spheroid",
-        "EccentricSphere", "ThickDisk", "AirTorque", "PivotingResistance", "RollingResistance",
-        "Resistance", "Contact", "Parameter", "Smooth", "Viscous", "LinearViscous", "Rough",
-        "Coulomb", "RegularisedCoulomb", "Creep1", "Creep2", "Creep3", "System", "mechanics",
-        "Condition", "UPRIGHT", "Family", "disk_family", "disk_system", "launch", "Ball",
-        "LogUniform", "Normal", "Uniform", "ReducedModel", "ExactPolynomial"), INPUT),
-    **dict.fromkeys(("Verdict", "Nonlinear", "Crossing", "HopfKind", "Onset", "PointKind",
-                     "Outcome", "StabilityError", "StabilityWarning"), WORD),
-    **dict.fromkeys(("BranchPoint", "Fold", "BoundaryPoint", "Unresolved", "DegeneratePoint",
-                     "Rung"), PART),
-    **dict.fromkeys(("Spectrum", "Boundaries", "Conditions", "Drift", "HopfPoint", "CycleBirth",
-                     "SlowFlow", "CodimensionTwo", "Exact", "Answer", "Table", "Branch",
-                     "PainleveLimit"),
-                    "the class of a result; the function that makes it is tested"),
-    **dict.fromkeys(("latex", "c_code", "auto_input", "bifurcationkit_input", "write_map",
-                     "write_motion", "report"), TEXT),
-    **dict.fromkeys(("animate", "plot_map", "plot_retrograde", "plot_basins", "plot_locus",
-                     "plot_motion", "explore"), DRAWN),
+    **dict.fromkeys(
+        (
+            "Disk",
+            "REAL_DISKS",
+            "Body",
+            "Egg",
+            "from_profile",
+            "Torus",
+            "Spheroid",
+            "EccentricSphere",
+            "ThickDisk",
+            "AirTorque",
+            "PivotingResistance",
+            "RollingResistance",
+            "Resistance",
+            "Contact",
+            "Parameter",
+            "Smooth",
+            "Viscous",
+            "LinearViscous",
+            "Rough",
+            "Coulomb",
+            "RegularisedCoulomb",
+            "Creep1",
+            "Creep2",
+            "Creep3",
+            "System",
+            "mechanics",
+            "Condition",
+            "UPRIGHT",
+            "Family",
+            "disk_family",
+            "disk_system",
+            "launch",
+            "Ball",
+            "LogUniform",
+            "Normal",
+            "Uniform",
+            "ReducedModel",
+            "ExactPolynomial",
+        ),
+        INPUT,
+    ),
+    **dict.fromkeys(
+        (
+            "Verdict",
+            "Nonlinear",
+            "Crossing",
+            "HopfKind",
+            "Onset",
+            "PointKind",
+            "Outcome",
+            "StabilityError",
+            "StabilityWarning",
+        ),
+        WORD,
+    ),
+    **dict.fromkeys(
+        ("BranchPoint", "Fold", "BoundaryPoint", "Unresolved", "DegeneratePoint", "Rung"), PART
+    ),
+    **dict.fromkeys(
+        (
+            "Spectrum",
+            "Boundaries",
+            "Conditions",
+            "Drift",
+            "HopfPoint",
+            "CycleBirth",
+            "SlowFlow",
+            "CodimensionTwo",
+            "Exact",
+            "Answer",
+            "Table",
+            "Branch",
+            "PainleveLimit",
+        ),
+        "the class of a result; the function that makes it is tested",
+    ),
+    **dict.fromkeys(
+        (
+            "latex",
+            "c_code",
+            "auto_input",
+            "bifurcationkit_input",
+            "write_map",
+            "write_motion",
+            "report",
+        ),
+        TEXT,
+    ),
+    **dict.fromkeys(
+        (
+            "animate",
+            "plot_map",
+            "plot_retrograde",
+            "plot_basins",
+            "plot_locus",
+            "plot_motion",
+            "explore",
+        ),
+        DRAWN,
+    ),
     "wilson": COUNT,
     **dict.fromkeys(("citation", "Citation"), "it is what is asked for"),
-}  # fmt: skip
+}
 """Name: why it needs no citation of its own."""
 
 
@@ -160,17 +254,21 @@ TABLES: dict[str, tuple[dict[str, Any], list[str]]] = {
     "conditions": ({"k": 0.25, "mu": 1.0, "contact": "viscous"}, [*DISK, "arb"]),
     "drift": ({"k": 0.25, "mu": 1}, DISK[:2]),
     "hopf": ({"k": 0.5, "mu": 1.0}, [*DISK[:2], "fiedler2000", "casadi", "arb"]),
-    "codimension": ({"family": "spinning", "x": ("at", 0.5, 5, 9), "y": ("mu", 0.1, 3, 9)},
-                    [*DISK[:2], "kuznetsov2004", "casadi", "arb"]),
+    "codimension": (
+        {"family": "spinning", "x": ("at", 0.5, 5, 9), "y": ("mu", 0.1, 3, 9)},
+        [*DISK[:2], "kuznetsov2004", "casadi", "arb"],
+    ),
     "launches": ({"k": 0.25, "mu": 1.0, "at": 2.0, "time": 1.0}, [*DISK, "lapack"]),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(n, marks=pytest.mark.long if n in ("conditions", "families") else ())
-     for n in TABLES],
-)  # fmt: skip
+    [
+        pytest.param(n, marks=pytest.mark.long if n in ("conditions", "families") else ())
+        for n in TABLES
+    ],
+)
 def test_a_table_cites_what_its_rows_are_from(name: str) -> None:
     options, among = TABLES[name]
     found = [work.key for work in st.citation(st.table(name, **options)).works]

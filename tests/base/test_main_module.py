@@ -51,8 +51,15 @@ def test_a_script_without_a_guard_gets_one_sentence_at_once(tmp_path: Path) -> N
     root = str(Path(st.__file__).parents[1])
     environment = os.environ | {"PYTHONPATH": root}
     begin = time.monotonic()
-    done = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, env=environment,
-                          capture_output=True, text=True, timeout=100, check=True)  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, "script.py"],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=True,
+    )
     assert time.monotonic() - begin < 50  # far below the time in which workers must start
     assert done.stderr == ""
     said = done.stdout.splitlines()[:7]  # then those of the worker of the last call
@@ -85,7 +92,7 @@ def test_a_script_without_a_guard_gets_one_sentence_at_once(tmp_path: Path) -> N
         ("name = __name__\nwork()  # here", False),
         ("def main():\n    if __name__ == '__main__':\n        pass\nmain()  # here", False),
     ],
-)  # fmt: skip
+)
 def test_a_line_is_guarded_by_a_condition_on_who_runs_it(source: str, guarded: bool) -> None:
     lines = source.splitlines()
     line = next((i for i, text in enumerate(lines, 1) if "# here" in text), 1)

@@ -45,10 +45,12 @@ def pendulum(damping: float = 0.1) -> st.System:
         x,
         p,
         ca.vertcat(x[1], -p[0] * ca.sin(x[0]) - damping * p[1] * x[1]),
-        states=("angle", "rate"), parameters=("g", "d"), observables={"height": -ca.cos(x[0])},
+        states=("angle", "rate"),
+        parameters=("g", "d"),
+        observables={"height": -ca.cos(x[0])},
         conditions=(st.Condition(p[0], "g is {value:g}, which must be positive"),),
         units={"angle": "rad", "rate": "rad/s"},
-    )  # fmt: skip
+    )
 
 
 def hanging(damping: float = 0.1) -> st.Family:
@@ -99,12 +101,14 @@ NEARBY = (0.3, 0.4)
 MAKERS: dict[str, Callable[[float], Any]] = {
     "Table": lambda v: st.table("drift", k=0.25, mu=v),
     "Disk": lambda v: st.Disk(mass=[v, 1.0], radius=2.0),
-    "Body": lambda v: st.Body(lambda t, e: 1 - e * ca.cos(t), axial=0.4, transverse=0.4,
-                              shape={"e": v}),
+    "Body": lambda v: st.Body(
+        lambda t, e: 1 - e * ca.cos(t), axial=0.4, transverse=0.4, shape={"e": v}
+    ),
     "Resistance": lambda v: st.AirTorque(v),
     **{n: getattr(st, n) for n in ("RollingResistance", "PivotingResistance", "AirTorque")},
-    "SlowFlow": lambda v: st.slow_flow("rolling", body=st.Torus(v), contact=st.Viscous(0.3),
-                                       resistance=st.AirTorque(0.1)),
+    "SlowFlow": lambda v: st.slow_flow(
+        "rolling", body=st.Torus(v), contact=st.Viscous(0.3), resistance=st.AirTorque(0.1)
+    ),
     "PainleveLimit": lambda v: st.painleve_limit(st.Torus(v)),
     "Uniform": lambda v: st.Uniform(v, v + 1),
     "LogUniform": lambda v: st.LogUniform(v, v + 1),
@@ -140,7 +144,7 @@ MAKERS: dict[str, Callable[[float], Any]] = {
     "Rung": lambda v: scene(100 * v).answer().rungs[0],
     "Citation": lambda v: st.citation(None if v < 0.35 else edges(v)),
     "ReducedModel": lambda v: reduced(f"model {v}"),
-}  # fmt: skip
+}
 
 
 def _zeros(count: int) -> Damped:
@@ -241,8 +245,14 @@ def test_systems_differ_by_the_last_bit_of_a_number_in_their_graph() -> None:
 
 def test_a_system_in_a_collection_keeps_its_symbols_together() -> None:
     """Everything in one pickle that holds one system holds one copy of it."""
-    system, family = pickle.loads(pickle.dumps((one := pendulum(), st.Family(
-        one, "hanging", at=("g",), held={"angle": 0.0, "rate": 0.0}))))  # fmt: skip
+    system, family = pickle.loads(
+        pickle.dumps(
+            (
+                one := pendulum(),
+                st.Family(one, "hanging", at=("g",), held={"angle": 0.0, "rate": 0.0}),
+            )
+        )
+    )
     assert family.system is system
     rate = ca.Function("f", [system.x, system.p], [system.rhs])([0.5, 0.0], [9.81, 1.0])
     assert np.array_equal(np.array(rate)[:, 0], system.rates([0.5, 0.0], [9.81, 1.0]))
@@ -254,8 +264,7 @@ def test_two_equal_systems_move_each_by_its_own_symbols(method: str) -> None:
     start = {"angle": 1.0, "rate": 0.0}
     one, other = pendulum(), pendulum()
     assert system_model(one).system is one and system_model(other).system is other
-    runs = [st.simulate(s, {"g": 1.0, "d": 2.0}, start, 1.0, method=method)
-            for s in (one, other)]  # fmt: skip
+    runs = [st.simulate(s, {"g": 1.0, "d": 2.0}, start, 1.0, method=method) for s in (one, other)]
     assert runs[0].angle.identical(runs[1].angle)
 
 

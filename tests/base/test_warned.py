@@ -14,8 +14,14 @@ HERE = str(Path(__file__))
 
 def _saddle() -> Any:
     x = ca.SX.sym("x", 2)
-    system = st.System("wells", x, ca.SX(0, 1), ca.vertcat(x[1], x[0] - x[0] ** 3 - 0.2 * x[1]),
-                       states=("x", "v"), parameters=())  # fmt: skip
+    system = st.System(
+        "wells",
+        x,
+        ca.SX(0, 1),
+        ca.vertcat(x[1], x[0] - x[0] ** 3 - 0.2 * x[1]),
+        states=("x", "v"),
+        parameters=(),
+    )
     return st.simulate(system, None, [1e-12, 0.0], [50.0], tolerance=1e-4, method="cvodes")
 
 

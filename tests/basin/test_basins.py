@@ -15,9 +15,13 @@ from stability.basin import basins as module
 from stability.integrators.taylor import available
 
 SPIN: dict[str, Any] = {
-    "contact": "viscous", "mu": 0.3, "family": "spinning", "horizon": 60.0,
-    "x": ("phi_dot", 2.0, 3.9, 7), "y": ("tilt", 0.1, 0.55, 4),
-}  # fmt: skip
+    "contact": "viscous",
+    "mu": 0.3,
+    "family": "spinning",
+    "horizon": 60.0,
+    "x": ("phi_dot", 2.0, 3.9, 7),
+    "y": ("tilt", 0.1, 0.55, 4),
+}
 
 
 @pytest.fixture(scope="module")
@@ -56,9 +60,14 @@ def test_numbers_have_the_users_units() -> None:
     disk = st.Disk(mass=0.3, radius=0.12, gravity=9.81)
     rate = float(np.asarray(disk.rate))
     plain = st.basins(**(SPIN | {"x": ("phi_dot", 2.0, 3.0, 3)}))
-    found = st.basins(disk, st.Viscous(0.3 / float(np.asarray(disk.speed))), family="spinning",
-                      horizon=60.0 / rate, x=("phi_dot", 2.0 * rate, 3.0 * rate, 3),
-                      y=SPIN["y"])  # fmt: skip
+    found = st.basins(
+        disk,
+        st.Viscous(0.3 / float(np.asarray(disk.speed))),
+        family="spinning",
+        horizon=60.0 / rate,
+        x=("phi_dot", 2.0 * rate, 3.0 * rate, 3),
+        y=SPIN["y"],
+    )
     assert (found.outcome.values == plain.outcome.values).all()
     assert found.end_time.attrs["units"] == "s" and "rad/s" in found.member.attrs["units"]
     assert np.allclose(found.end_time.values * rate, plain.end_time.values, rtol=1e-6)
@@ -178,8 +187,9 @@ def test_what_is_wrong_is_said_in_one_sentence(change: dict[str, Any], words: st
 )
 def test_what_a_system_does_not_take_is_refused(change: dict[str, Any], words: str) -> None:
     x = ca.SX.sym("x", 2)
-    swing = st.System("swing", x, ca.SX(), ca.vertcat(x[1], -ca.sin(x[0])), states=("q", "v"),
-                      parameters=())  # fmt: skip
+    swing = st.System(
+        "swing", x, ca.SX(), ca.vertcat(x[1], -ca.sin(x[0])), states=("q", "v"), parameters=()
+    )
     with pytest.raises(StabilityError, match=words):
         st.basins(swing, x=("q", 0, 1, 3), y=("v", 0, 1, 3), horizon=1.0, **change)
 
@@ -188,9 +198,15 @@ def test_an_opened_store_has_its_starts_as_coordinates_and_names_versions(tmp_pa
     few = dict(SPIN, x=("phi_dot", 2.0, 3.9, 2), y=("tilt", 0.1, 0.55, 2), horizon=1.0)
     held = {"k": 0.3}
     inside = st.basins(**few, held=held, store=tmp_path / "a.zarr")
-    sample = st.basins(contact="viscous", mu=0.3, family="spinning", horizon=1.0, count=3,
-                       distribution={"phi_dot": st.Uniform(2, 3), "tilt": st.Uniform(0.1, 0.2)},
-                       store=tmp_path / "b.zarr")  # fmt: skip
+    sample = st.basins(
+        contact="viscous",
+        mu=0.3,
+        family="spinning",
+        horizon=1.0,
+        count=3,
+        distribution={"phi_dot": st.Uniform(2, 3), "tilt": st.Uniform(0.1, 0.2)},
+        store=tmp_path / "b.zarr",
+    )
     for name, whole in (("a", inside), ("b", sample)):
         opened = xarray.open_zarr(tmp_path / f"{name}.zarr")
         assert set(opened.coords) == set(whole.coords) >= {"start_state"}
@@ -205,14 +221,14 @@ def test_an_opened_store_has_its_starts_as_coordinates_and_names_versions(tmp_pa
 def test_at_names_the_member_in_samples_and_held_numbers_too() -> None:
     common: dict[str, Any] = {"contact": "viscous", "mu": 0.3, "family": "spinning", "count": 2}
     one, other = (
-        st.basins(**common, horizon=1.0, held={name: 2.5},
-                  distribution={"tilt": st.Uniform(0.1, 0.2)})
+        st.basins(
+            **common, horizon=1.0, held={name: 2.5}, distribution={"tilt": st.Uniform(0.1, 0.2)}
+        )
         for name in ("at", "phi_dot")
-    )  # fmt: skip
+    )
     assert one.identical(other) and float(one.phi_dot) == 2.5
     one, other = (
-        st.basins(**common, horizon=1.0, held={"tilt": 0.1},
-                  distribution={name: st.Uniform(2, 3)})
+        st.basins(**common, horizon=1.0, held={"tilt": 0.1}, distribution={name: st.Uniform(2, 3)})
         for name in ("at", "phi_dot")
-    )  # fmt: skip
+    )
     assert one.identical(other) and one.phi_dot.dims == ("launch",)

@@ -19,8 +19,15 @@ OFFSET = 0.3
 @pytest.fixture(scope="module")
 def top() -> xarray.Dataset:
     """A tippe top, set down with its centre of mass high up."""
-    return st.basins(st.EccentricSphere(OFFSET), family="vertical", pole="pi", horizon=300.0,
-                     x=("at", 0.2, 2.2, 9), y=("tilt", 0.02, 1.4, 6), **LAW)  # fmt: skip
+    return st.basins(
+        st.EccentricSphere(OFFSET),
+        family="vertical",
+        pole="pi",
+        horizon=300.0,
+        x=("at", 0.2, 2.2, 9),
+        y=("tilt", 0.02, 1.4, 6),
+        **LAW,
+    )
 
 
 def jellett(moments: tuple[float, float], theta: Any, phi_dot: Any, omega3: Any) -> Any:
@@ -93,8 +100,14 @@ def test_each_ends_as_its_single_launch(body: Any, near: dict[str, Any]) -> None
     own, at = dict(near), near["at"]
     del own["at"]
     scale = 1.0 if body.dimensionless else math.sqrt(body.length / body.gravity)
-    found = st.basins(body=body, horizon=60.0 * scale, x=("at", 0.9 * at, at, 2),
-                      y=("tilt", 0.02, 0.3, 2), **own, **LAW)  # fmt: skip
+    found = st.basins(
+        body=body,
+        horizon=60.0 * scale,
+        x=("at", 0.9 * at, at, 2),
+        y=("tilt", 0.02, 0.3, 2),
+        **own,
+        **LAW,
+    )
     [name] = [str(n) for n in found.outcome.dims if n != "tilt"]
     for at_one in found[name].values:
         for tilt in found.tilt.values:
@@ -126,15 +139,22 @@ def test_the_linear_verdict_changes_at_the_published_rate() -> None:
 
 @pytest.mark.long
 def test_other_states_may_differ_from_those_of_the_member() -> None:
-    found = st.basins(st.Torus(0.3), family="rolling", x=("at", 1.0, 1.2, 2),
-                      held={"theta_dot": 0.05}, **FEW)  # fmt: skip
+    found = st.basins(
+        st.Torus(0.3), family="rolling", x=("at", 1.0, 1.2, 2), held={"theta_dot": 0.05}, **FEW
+    )
     assert (found.start_state.values[..., 1] == 0.05).all()
     assert "linear_verdict" in found.coords
 
 
 def test_labels_take_a_family_of_a_body() -> None:
-    ends = st.launch_labels(body=st.EccentricSphere(OFFSET), family="vertical", pole="pi",
-                            varied=("omega_Z", "tilt"), horizon=300.0, **LAW)  # fmt: skip
+    ends = st.launch_labels(
+        body=st.EccentricSphere(OFFSET),
+        family="vertical",
+        pole="pi",
+        varied=("omega_Z", "tilt"),
+        horizon=300.0,
+        **LAW,
+    )
     [first, last] = ends(np.array([[0.7, 0.2], [6.0, 1.0]]))
     assert ends.words(first) == "settled on tumbling" and ends.words(last) == "lift-off"
 
@@ -142,33 +162,63 @@ def test_labels_take_a_family_of_a_body() -> None:
 @pytest.mark.parametrize(
     ("asked", "error", "words"),
     [
-        (dict(body=st.ThickDisk(0.3), family="rolling", x=("thickness", 0.1, 0.3, 3),
-              held={"at": 1.0}), ParameterError, "rolling has another inclination at each"),
-        (dict(body=st.Torus(0.2), family="vertical", x=("at", 1, 2, 3)), st.StabilityError,
-         "not smooth at theta = 0"),
-        (dict(body=st.Torus(0.2), family="circling", x=("at", 1, 2, 3)), NameUnknownError,
-         "give one of rolling, spinning, tumbling, vertical"),
-        (dict(body=st.Torus(0.2), family="tumbling", x=("at", 0.5, 1.9, 3)), ParameterError,
-         "the tilt takes theta|no such motion"),
+        (
+            dict(
+                body=st.ThickDisk(0.3),
+                family="rolling",
+                x=("thickness", 0.1, 0.3, 3),
+                held={"at": 1.0},
+            ),
+            ParameterError,
+            "rolling has another inclination at each",
+        ),
+        (
+            dict(body=st.Torus(0.2), family="vertical", x=("at", 1, 2, 3)),
+            st.StabilityError,
+            "not smooth at theta = 0",
+        ),
+        (
+            dict(body=st.Torus(0.2), family="circling", x=("at", 1, 2, 3)),
+            NameUnknownError,
+            "give one of rolling, spinning, tumbling, vertical",
+        ),
+        (
+            dict(body=st.Torus(0.2), family="tumbling", x=("at", 0.5, 1.9, 3)),
+            ParameterError,
+            "the tilt takes theta|no such motion",
+        ),
         (dict(family="vertical", x=("at", 1, 2, 3)), NameUnknownError, "'vertical'"),
         (dict(family="rolling", pole=0, x=("at", 1, 2, 3)), ParameterError, "pole belongs"),
-        (dict(body=st.Torus(0.2), theta=1.0, x=("omega3", 1, 2, 3)), ParameterError,
-         "theta chooses where a family rolls"),
-        (dict(body=st.Torus(0.2), pole=0, x=("omega3", 1, 2, 3)), ParameterError,
-         "pole belongs to the family vertical"),
-        (dict(body=st.EccentricSphere(0.3), family="vertical", pole=3, x=("at", 1, 2, 3)),
-         ParameterError, "give 0 or 'pi'"),
-        (dict(body=st.Torus(0.2), family="rolling", x=("omega_Z", 1, 2, 3)), NameUnknownError,
-         "'omega_Z' varies nothing here"),
+        (
+            dict(body=st.Torus(0.2), theta=1.0, x=("omega3", 1, 2, 3)),
+            ParameterError,
+            "theta chooses where a family rolls",
+        ),
+        (
+            dict(body=st.Torus(0.2), pole=0, x=("omega3", 1, 2, 3)),
+            ParameterError,
+            "pole belongs to the family vertical",
+        ),
+        (
+            dict(body=st.EccentricSphere(0.3), family="vertical", pole=3, x=("at", 1, 2, 3)),
+            ParameterError,
+            "give 0 or 'pi'",
+        ),
+        (
+            dict(body=st.Torus(0.2), family="rolling", x=("omega_Z", 1, 2, 3)),
+            NameUnknownError,
+            "'omega_Z' varies nothing here",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_does_not_fit_is_refused_before_a_launch_runs(
     asked: dict[str, Any], error: type[Exception], words: str
 ) -> None:
     seen: list[tuple[int, int]] = []
     with pytest.raises(error, match=words):
-        st.basins(**(FEW | {"y": ("tilt", 0.1, 0.6, 3)} | asked),
-                  progress=lambda *told: seen.append(told))  # fmt: skip
+        st.basins(
+            **(FEW | {"y": ("tilt", 0.1, 0.6, 3)} | asked), progress=lambda *told: seen.append(told)
+        )
     assert not seen
 
 
@@ -176,9 +226,15 @@ def test_a_member_missing_in_the_middle_of_an_axis_is_refused_first() -> None:
     """The first and the last launch of the map exist."""
     seen: list[tuple[int, int]] = []
     with pytest.raises(ParameterError, match="no such motion|overflows|tilt takes"):
-        st.basins(body=st.EccentricSphere(OFFSET), family="tumbling", x=("at", 0.3, 3.0, 7),
-                  y=("tilt", 0.01, 0.1, 2), horizon=500.0, **LAW,
-                  progress=lambda *told: seen.append(told))  # fmt: skip
+        st.basins(
+            body=st.EccentricSphere(OFFSET),
+            family="tumbling",
+            x=("at", 0.3, 3.0, 7),
+            y=("tilt", 0.01, 0.1, 2),
+            horizon=500.0,
+            **LAW,
+            progress=lambda *told: seen.append(told),
+        )
     assert not seen
 
 

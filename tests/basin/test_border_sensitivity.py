@@ -17,9 +17,13 @@ from stability.motion.result import Outcome
 
 ALPHA = 2 - DIMENSION
 ROUGH: dict[str, Any] = {
-    "x": ("x", 0.03, 0.97, 12), "y": ("y", -2, 2, 13), "held": {"clock": 0.0, "size": 4.0},
-    "horizon": 26.0, "check": False, "levels": 4,
-}  # fmt: skip
+    "x": ("x", 0.03, 0.97, 12),
+    "y": ("y", -2, 2, 13),
+    "held": {"clock": 0.0, "size": 4.0},
+    "horizon": 26.0,
+    "check": False,
+    "levels": 4,
+}
 
 
 def refined(label: Any, x: Any, y: Any, levels: int) -> tuple[Any, xarray.Dataset]:

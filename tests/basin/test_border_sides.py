@@ -11,8 +11,11 @@ from kane_disk import fixed_axes
 import stability as st
 from stability.basin.borders import borders
 
-SURE = {"settled on spinning": "spinning", "settled on tumbling": "tumbling",
-        "lift-off": "lift-off"}  # fmt: skip
+SURE = {
+    "settled on spinning": "spinning",
+    "settled on tumbling": "tumbling",
+    "lift-off": "lift-off",
+}
 """Labels that say how a launch ends, and the oracle's words for them."""
 
 
@@ -32,8 +35,9 @@ def sides(
     million steps.
     """
     own, across, along, place = PLACES[family]
-    label = st.launch_labels(contact="viscous", mu=0.3, family=family, varied=(own, "tilt"),
-                             horizon=horizon)  # fmt: skip
+    label = st.launch_labels(
+        contact="viscous", mu=0.3, family=family, varied=(own, "tilt"), horizon=horizon
+    )
     found = borders(label, (own, *across, coarse), ("tilt", *along, coarse), levels=levels)
     launches, first = np.unique(found.pairs.reshape(-1, 2), axis=0, return_index=True)
     words = [label.words(int(i)) for i in found.pair_labels.ravel()[first]]
@@ -69,8 +73,11 @@ def test_sides_of_a_coarse_border_of_early_lift_off_are_confirmed(
 def test_sides_of_a_coarse_border_are_confirmed() -> None:
     launches, words, true = sides(5, 0, 120.0)
     found = judged(words, true)
-    wrong = [(*map(float, launches[i]), words[i], true[i]) for i in range(len(words))
-             if words[i] in SURE and true[i] not in ("open", SURE[words[i]])]  # fmt: skip
+    wrong = [
+        (*map(float, launches[i]), words[i], true[i])
+        for i in range(len(words))
+        if words[i] in SURE and true[i] not in ("open", SURE[words[i]])
+    ]
     assert found["other"] == 0, wrong
     assert len(words) >= 12
     assert found["open"] <= 0.2 * len(words)
@@ -101,8 +108,11 @@ def test_sides_of_hundreds_of_border_points_are_confirmed() -> None:
     """Near the border of two rests all is slow: at t = 400 one side in seven still moves."""
     launches, words, true = sides(9, 4, 20000.0)
     found = judged(words, true)
-    wrong = [(*map(float, launches[i]), words[i], true[i]) for i in range(len(words))
-             if words[i] in SURE and true[i] not in ("open", SURE[words[i]])]  # fmt: skip
+    wrong = [
+        (*map(float, launches[i]), words[i], true[i])
+        for i in range(len(words))
+        if words[i] in SURE and true[i] not in ("open", SURE[words[i]])
+    ]
     assert found["other"] == 0, wrong
     assert len(words) >= 400
     assert found["open"] == 0

@@ -18,9 +18,16 @@ from stability.basin.refinement import waves
 from stability.figures.basin.basins import basins_caption
 
 MAP: dict[str, Any] = {
-    "contact": "viscous", "mu": 0.3, "family": "spinning", "x": ("at", 2.2, 4.6, 7),
-    "y": ("tilt", 0.05, 0.95, 6), "horizon": 60.0, "check": False, "workers": 1, "chunk": 16,
-}  # fmt: skip
+    "contact": "viscous",
+    "mu": 0.3,
+    "family": "spinning",
+    "x": ("at", 2.2, 4.6, 7),
+    "y": ("tilt", 0.05, 0.95, 6),
+    "horizon": 60.0,
+    "check": False,
+    "workers": 1,
+    "chunk": 16,
+}
 
 
 def tree(folder: Path) -> dict[str, bytes]:
@@ -43,8 +50,14 @@ def test_an_opened_store_has_the_borders_of_memory_and_draws_them(whole: Path) -
     for name in names:
         np.testing.assert_array_equal(opened[name].values, memory[name].values)
         assert opened[name].dtype == memory[name].dtype
-    for name in ("border_width", "border_launches", "border_levels", "border_note",
-                 "border_exponent_note", "border_sensitive_note"):  # fmt: skip
+    for name in (
+        "border_width",
+        "border_launches",
+        "border_levels",
+        "border_note",
+        "border_exponent_note",
+        "border_sensitive_note",
+    ):
         assert opened.attrs[name] == memory.attrs[name]
     [main] = [a for a in st.plot_basins(opened).axes if a.get_ylabel().startswith("tilt")]
     drawn = [c for c in main.collections if isinstance(c, LineCollection)][-1].get_segments()
@@ -181,8 +194,11 @@ def test_a_refinement_that_stops_at_a_write_is_resumed_to_the_same_bytes(
 
     monkeypatch.setattr(waves, "LEAST", FINE)
     few: dict[str, Any] = MAP | {
-        "x": ("at", 2.2, 4.6, 3), "y": ("tilt", 0.05, 0.95, 3), "horizon": 2.0, "levels": 2,
-    }  # fmt: skip
+        "x": ("at", 2.2, 4.6, 3),
+        "y": ("tilt", 0.05, 0.95, 3),
+        "horizon": 2.0,
+        "levels": 2,
+    }
     st.basins(**few, store=tmp_path / "whole.zarr")
     out, write, left = tmp_path / "a.zarr", module._write, [1]
 

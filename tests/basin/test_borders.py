@@ -50,8 +50,9 @@ class Counted:
 
 def full_map(label: Label, found: Borders) -> np.ndarray:
     """Labels of the whole finest lattice, [x, y]."""
-    lines = [np.linspace(a.low, a.high, (a.count - 1) * 2**found.levels + 1)
-             for a in (found.x, found.y)]  # fmt: skip
+    lines = [
+        np.linspace(a.low, a.high, (a.count - 1) * 2**found.levels + 1) for a in (found.x, found.y)
+    ]
     grid = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1)
     return label(grid.reshape(-1, 2)).reshape(grid.shape[:2])
 
@@ -212,8 +213,12 @@ def test_too_few_labels_leave_the_last_complete_level(level: int, asked: int) ->
 
 
 def test_a_logarithmic_axis_has_even_ratios() -> None:
-    found = borders(lambda p: p[:, 0] * p[:, 1] > 1, ("mu", 0.01, 100, 5, "log"),
-                    ("k", 0.01, 100, 5, "log"), levels=6)  # fmt: skip
+    found = borders(
+        lambda p: p[:, 0] * p[:, 1] > 1,
+        ("mu", 0.01, 100, 5, "log"),
+        ("k", 0.01, 100, 5, "log"),
+        levels=6,
+    )
     for line in found.lines:
         assert np.abs(np.log10(line.points.prod(axis=1))).max() <= 2**-6 * (1 + 1e-9)
     assert np.unique(found.pairs.reshape(-1, 2)[:, 0]).min() == 0.01
@@ -233,17 +238,20 @@ def test_a_checkerboard_of_crossing_regions_has_lines_that_end_where_they_cross(
     assert (np.array(inner) == inner[0]).all()
 
 
-@pytest.mark.parametrize(("options", "words"), [
-    ({}, "levels or width"),
-    ({"levels": 3, "width": 0.1}, "levels or width"),
-    ({"levels": -1}, "levels"),
-    ({"levels": 29}, "2\\^30"),
-    ({"width": 0.0}, "width"),
-    ({"width": (0.1, 0.1, 0.1)}, "one number or two"),
-    ({"levels": 3, "known": np.zeros((9, 7), int)}, "shape \\(7, 9\\)"),
-    ({"levels": 3, "most": 10}, "63 launches"),
-    ({"levels": 3, "chunk": 0}, "chunk"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({}, "levels or width"),
+        ({"levels": 3, "width": 0.1}, "levels or width"),
+        ({"levels": -1}, "levels"),
+        ({"levels": 29}, "2\\^30"),
+        ({"width": 0.0}, "width"),
+        ({"width": (0.1, 0.1, 0.1)}, "one number or two"),
+        ({"levels": 3, "known": np.zeros((9, 7), int)}, "shape \\(7, 9\\)"),
+        ({"levels": 3, "most": 10}, "63 launches"),
+        ({"levels": 3, "chunk": 0}, "chunk"),
+    ],
+)
 def test_refusals_say_what_is_wrong(options: dict[str, object], words: str) -> None:
     with pytest.raises(ParameterError, match=words):
         borders(disc, X, Y, **options)

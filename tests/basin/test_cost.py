@@ -111,15 +111,24 @@ def test_trials_are_spread_over_every_axis(shape: tuple[int, ...]) -> None:
     for count in (32, len(cells)):
         for axis, length in enumerate(shape):
             parts = min(length, 5)
-            there, every = (np.bincount(c * parts // length, minlength=parts)
-                            for c in (cells[:count, axis], np.arange(length)))  # fmt: skip
+            there, every = (
+                np.bincount(c * parts // length, minlength=parts)
+                for c in (cells[:count, axis], np.arange(length))
+            )
             assert (there > 0.5 * min(count, len(cells)) * every / length).all()
 
 
 def test_a_map_with_a_corner_that_is_refused_is_refused_before_it_starts() -> None:
     with pytest.raises(st.StabilityError, match="the tilt takes theta to"):
-        planned(None, "viscous", mu=0.3, family="rolling", x=("at", 0.1, 3, 50),
-                y=("tilt", 0.1, 1.6, 50), horizon=10.0)  # fmt: skip
+        planned(
+            None,
+            "viscous",
+            mu=0.3,
+            family="rolling",
+            x=("at", 0.1, 3, 50),
+            y=("tilt", 0.1, 1.6, 50),
+            horizon=10.0,
+        )
 
 
 def test_a_random_sample_is_tried_by_its_own_launches() -> None:

@@ -10,8 +10,9 @@ import stability as st
 
 
 def labels() -> Any:
-    return st.launch_labels(kicked(), varied=("x", "y"), held={"clock": 0.0, "size": 4.0},
-                            horizon=26.0, check=False)  # fmt: skip
+    return st.launch_labels(
+        kicked(), varied=("x", "y"), held={"clock": 0.0, "size": 4.0}, horizon=26.0, check=False
+    )
 
 
 @pytest.mark.parametrize("count", [60, pytest.param(2000, marks=pytest.mark.long)])

@@ -13,8 +13,14 @@ from stability.base.errors import ParameterError
 
 def pendulum() -> tuple[Any, list[Any]]:
     x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
-    system = st.System("pendulum", x, c, ca.vertcat(x[1], -ca.sin(x[0]) - c * x[1]),
-                       states=("angle", "rate"), parameters=("c",))  # fmt: skip
+    system = st.System(
+        "pendulum",
+        x,
+        c,
+        ca.vertcat(x[1], -ca.sin(x[0]) - c * x[1]),
+        states=("angle", "rate"),
+        parameters=("c",),
+    )
     rests = [
         st.Family(system, f"turns {n:+d}", at=("c",), held={"angle": 2 * np.pi * n, "rate": 0.0})
         for n in (-2, -1, 0, 1, 2)
@@ -24,8 +30,14 @@ def pendulum() -> tuple[Any, list[Any]]:
 
 def turns(angle: float, rate: float) -> int:
     """Number of whole turns after which a damped pendulum rests, by an independent integration."""
-    end = solve_ivp(lambda _, y: [y[1], -np.sin(y[0]) - 0.3 * y[1]], (0, 90), [angle, rate],
-                    method="DOP853", rtol=1e-10, atol=1e-12).y[0, -1]  # fmt: skip
+    end = solve_ivp(
+        lambda _, y: [y[1], -np.sin(y[0]) - 0.3 * y[1]],
+        (0, 90),
+        [angle, rate],
+        method="DOP853",
+        rtol=1e-10,
+        atol=1e-12,
+    ).y[0, -1]
     return round(end / (2 * np.pi))
 
 
@@ -61,8 +73,15 @@ def middle_area(c: float, wide: float, high: float) -> float:
     Both are graphs over the angle: rate' = -sin(angle) / rate - c, from the saddle's slope.
     """
     slope, off = (c + np.sqrt(c**2 + 4)) / 2, 1e-5
-    upper = solve_ivp(lambda a, r: -np.sin(a) / r - c, (np.pi - off, -wide), [slope * off],
-                      method="DOP853", rtol=1e-11, atol=1e-13, dense_output=True)  # fmt: skip
+    upper = solve_ivp(
+        lambda a, r: -np.sin(a) / r - c,
+        (np.pi - off, -wide),
+        [slope * off],
+        method="DOP853",
+        rtol=1e-11,
+        atol=1e-13,
+        dense_output=True,
+    )
     at, weights = np.polynomial.legendre.leggauss(400)
     rates = np.minimum(upper.sol(wide * at)[0], high)
     return float(2 * wide * weights @ rates)
@@ -72,8 +91,16 @@ def middle_area(c: float, wide: float, high: float) -> float:
 def test_shares_of_random_launches_hold_the_area_between_the_separatrices() -> None:
     system, rests = pendulum()
     spread = {"angle": st.Uniform(-2, 2), "rate": st.Uniform(-3.5, 3.5)}
-    some = st.basins(system, held={"c": 0.3}, families=rests, horizon=120.0, check=False,
-                     distribution=spread, count=3000, seed=4)  # fmt: skip
+    some = st.basins(
+        system,
+        held={"c": 0.3},
+        families=rests,
+        horizon=120.0,
+        check=False,
+        distribution=spread,
+        count=3000,
+        seed=4,
+    )
     area = middle_area(0.3, 2.0, 3.5) / 28
     parts = [*some.family.values.reshape(20, 150), some.family.values]
     held, widths = [], []
@@ -84,8 +111,17 @@ def test_shares_of_random_launches_hold_the_area_between_the_separatrices() -> N
     assert held[-1] and widths[-1] < 0.04
     assert sum(held[:-1]) >= 16  # of 20 intervals of 95 %; fewer are rarer than 1 in 300
     assert not any(f.low < 1.1 * area < f.high for f in st.fractions(some.family.values))
-    again = st.basins(system, held={"c": 0.3}, families=rests, horizon=120.0, check=False,
-                      distribution=spread, count=200, seed=4, chunk=64)  # fmt: skip
+    again = st.basins(
+        system,
+        held={"c": 0.3},
+        families=rests,
+        horizon=120.0,
+        check=False,
+        distribution=spread,
+        count=200,
+        seed=4,
+        chunk=64,
+    )
     assert (again.angle.values == some.angle.values[:200]).all()
     assert (again.family.values == some.family.values[:200]).all()
 
@@ -93,17 +129,30 @@ def test_shares_of_random_launches_hold_the_area_between_the_separatrices() -> N
 @pytest.mark.long
 def test_a_smooth_border_has_the_exponent_one() -> None:
     system, rests = pendulum()
-    ends = st.launch_labels(system, varied=("angle", "rate"), held={"c": 0.3}, families=rests,
-                            horizon=120.0, check=False)  # fmt: skip
-    found = st.uncertainty_exponent(ends, [-2, -3.5], [2, 3.5], [0.004, 0.01, 0.025, 0.06],
-                                    points=600, seed=1)  # fmt: skip
+    ends = st.launch_labels(
+        system,
+        varied=("angle", "rate"),
+        held={"c": 0.3},
+        families=rests,
+        horizon=120.0,
+        check=False,
+    )
+    found = st.uncertainty_exponent(
+        ends, [-2, -3.5], [2, 3.5], [0.004, 0.01, 0.025, 0.06], points=600, seed=1
+    )
     assert found.interval[0] < 1.0 < found.interval[1] and found.interval[0] > 0.6
 
 
 def test_the_smallest_shock_is_confirmed_by_an_independent_integration() -> None:
     system, rests = pendulum()
-    ends = st.launch_labels(system, varied=("angle", "rate"), held={"c": 0.3}, families=rests,
-                            horizon=120.0, check=False)  # fmt: skip
+    ends = st.launch_labels(
+        system,
+        varied=("angle", "rate"),
+        held={"c": 0.3},
+        families=rests,
+        horizon=120.0,
+        check=False,
+    )
     found = st.fatal_shock(ends, [0.5, 0.0], reach=4.0, budget=150, seed=2)
     assert found.found and turns(0.5, 0.0) == 0 != turns(*found.launch)
     inside = found.start + (found.launch - found.start) * found.inner / found.size
@@ -124,8 +173,9 @@ def test_labels_refuse_what_they_cannot_read() -> None:
     ]
     for wrong, words in refused:
         with pytest.raises(ParameterError, match=words):
-            st.launch_labels(contact="viscous", mu=0.3, varied=("theta",),
-                             **({"horizon": 1.0} | wrong))  # fmt: skip
+            st.launch_labels(
+                contact="viscous", mu=0.3, varied=("theta",), **({"horizon": 1.0} | wrong)
+            )
     ends = st.launch_labels(contact="viscous", mu=0.3, varied=("theta",), horizon=1.0)
     with pytest.raises(ParameterError, match=r"give shape \(n, 1\): theta"):
         ends(np.zeros((2, 2)))

@@ -14,8 +14,15 @@ import stability as st
 from stability.basin.dataset import told_of_lost
 from stability.motion.result import Outcome
 
-LAUNCHES = {"contact": "viscous", "mu": 0.3, "family": "spinning", "horizon": 5.0, "check": False,
-            "x": ("phi_dot", 2.0, 3.0, 4), "y": ("tilt", 0.1, 0.4, 3)}  # fmt: skip
+LAUNCHES = {
+    "contact": "viscous",
+    "mu": 0.3,
+    "family": "spinning",
+    "horizon": 5.0,
+    "check": False,
+    "x": ("phi_dot", 2.0, 3.0, 4),
+    "y": ("tilt", 0.1, 0.4, 3),
+}
 SCRIPT = """
 import json, multiprocessing, os, signal, warnings
 import numpy as np
@@ -45,8 +52,15 @@ def test_a_launch_that_ends_its_worker_is_said_and_the_others_end(
 ) -> None:
     (tmp_path / "script.py").write_text(SCRIPT)
     environment = dict(os.environ) | {"LAUNCHES": json.dumps(LAUNCHES)}
-    ran = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, env=environment,
-                         capture_output=True, text=True, timeout=300, check=True)  # fmt: skip
+    ran = subprocess.run(
+        [sys.executable, "script.py"],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=True,
+    )
     numbers, told = json.loads(ran.stdout)
     assert numbers == [5]  # the second of four in the second row
     assert told == ["launch 5 ended its worker and is unresolved."]
@@ -64,9 +78,24 @@ def test_a_launch_that_ends_its_worker_is_said_and_the_others_end(
     assert again.attrs["lost"] == [5]
     from stability.cli.commands import main
 
-    words = ["basins", "--family", "spinning", "--mu", "0.3", "--x", "phi_dot:2:3:4", "--y",
-             "tilt:0.1:0.4:3", "--time", "5", "--no-check", "--chunk", "2",
-             "--out", str(tmp_path / "a.zarr")]  # fmt: skip
+    words = [
+        "basins",
+        "--family",
+        "spinning",
+        "--mu",
+        "0.3",
+        "--x",
+        "phi_dot:2:3:4",
+        "--y",
+        "tilt:0.1:0.4:3",
+        "--time",
+        "5",
+        "--no-check",
+        "--chunk",
+        "2",
+        "--out",
+        str(tmp_path / "a.zarr"),
+    ]
     assert main(words) == 0
     assert "; launch 5 ended its worker and is unresolved" in capsys.readouterr().out
     assert main([*words, "--json"]) == 0

@@ -35,9 +35,11 @@ def compared(found: Outcomes, run: Any, open_: int) -> int:
     unsure = {CODES[Outcome.UNDETERMINED], CODES[Outcome.UNRESOLVED]}
     sure = ~np.isin(found.outcome, list(unsure)) & ~np.isin(run.outcome.values, list(unsure))
     assert (~sure).sum() <= open_
-    wobbles = (found.outcome == CODES[Outcome.SETTLED]) & (
-        run.outcome.values == CODES[Outcome.MOVING]
-    ) & (run.nearest_distance.values < 2 * SETTLE)  # fmt: skip
+    wobbles = (
+        (found.outcome == CODES[Outcome.SETTLED])
+        & (run.outcome.values == CODES[Outcome.MOVING])
+        & (run.nearest_distance.values < 2 * SETTLE)
+    )
     assert wobbles.sum() <= len(wobbles) / 200
     sure &= ~wobbles
     return int((found.outcome != run.outcome.values)[sure].sum())
@@ -56,8 +58,14 @@ def test_outcomes_are_those_of_the_checked_single_run(
     launches = launched(family, own, count, len(body), horizon, DISKS[body])
     alone: list[int] = []
     single = engine._singly
-    monkeypatch.setattr(engine, "_singly", lambda found, some, rows, judging: (
-        alone.extend(rows.tolist()), single(found, some, rows, judging)))  # fmt: skip
+    monkeypatch.setattr(
+        engine,
+        "_singly",
+        lambda found, some, rows, judging: (
+            alone.extend(rows.tolist()),
+            single(found, some, rows, judging),
+        ),
+    )
     found = outcomes(launches, Judging())
     assert len(alone) <= count / 20  # these are compared with the route that decided them
     fit = np.array([i not in (launches.unfit or {}) for i in range(count)])
@@ -145,10 +153,18 @@ def test_what_the_two_runs_leave_open_is_decided_alone(monkeypatch: pytest.Monke
 
 def pendulum() -> Any:
     x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
-    system = st.System("pendulum", x, c, ca.vertcat(x[1], -ca.sin(x[0]) - c * x[1]),
-                       states=("angle", "rate"), parameters=("c",))  # fmt: skip
-    turns = {n: st.Family(system, f"rest {n}", at=("c",), held={"angle": a, "rate": 0.0})
-             for n, a in (("a", 0.0), ("b", 2 * np.pi), ("c", -2 * np.pi))}  # fmt: skip
+    system = st.System(
+        "pendulum",
+        x,
+        c,
+        ca.vertcat(x[1], -ca.sin(x[0]) - c * x[1]),
+        states=("angle", "rate"),
+        parameters=("c",),
+    )
+    turns = {
+        n: st.Family(system, f"rest {n}", at=("c",), held={"angle": a, "rate": 0.0})
+        for n, a in (("a", 0.0), ("b", 2 * np.pi), ("c", -2 * np.pi))
+    }
     return system, tuple(turns.values())
 
 
@@ -261,8 +277,15 @@ def test_an_event_moves_by_a_share_of_the_run_as_that_of_a_single_run(
     """The unit of time is the user's: no event of a short run moves beyond a thousandth of it."""
     x = ca.SX.sym("x")
     rate = ca.SX.sym("rate")
-    system = st.System("clock", x, rate, -rate, states=("left",), parameters=("rate",),
-                       conditions=(st.Condition(x, "left is {value}"),))  # fmt: skip
+    system = st.System(
+        "clock",
+        x,
+        rate,
+        -rate,
+        states=("left",),
+        parameters=("rate",),
+        conditions=(st.Condition(x, "left is {value}"),),
+    )
     asked = prepare(system, None, ("left",), {"rate": 1.0}, "", (), {})
     flow = engine.flow_of(asked.starts({"left": np.array([1.0])}, span).model)
     off = 5e-4  # from the guard's zero, which is reached after the same time

@@ -80,17 +80,20 @@ def test_seeds_and_indices_are_independent() -> None:
     assert abs(np.corrcoef(a[:-1, 0], a[1:, 0])[0, 1]) < 4 / np.sqrt(2000)
 
 
-@pytest.mark.parametrize(("call", "words"), [
-    (lambda: Uniform(2, 1), "runs from 2 to 1"),
-    (lambda: LogUniform(0, 1), "above zero"),
-    (lambda: Normal(0, 0), "deviation"),
-    (lambda: Independent({}), "at least one"),
-    (lambda: sample({"a": 3}, 0, 1), "distribution of a is 3"),
-    (lambda: sample(7, 0, 1), "the distribution is 7"),
-    (lambda: sample(MIXED, -1, 1), "first"),
-    (lambda: sample(MIXED, 0, 1, seed=-1), "seed"),
-    (lambda: Ball({"a": 1}, {"b": 1}), "same names"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: Uniform(2, 1), "runs from 2 to 1"),
+        (lambda: LogUniform(0, 1), "above zero"),
+        (lambda: Normal(0, 0), "deviation"),
+        (lambda: Independent({}), "at least one"),
+        (lambda: sample({"a": 3}, 0, 1), "distribution of a is 3"),
+        (lambda: sample(7, 0, 1), "the distribution is 7"),
+        (lambda: sample(MIXED, -1, 1), "first"),
+        (lambda: sample(MIXED, 0, 1, seed=-1), "seed"),
+        (lambda: Ball({"a": 1}, {"b": 1}), "same names"),
+    ],
+)
 def test_refusals_say_what_is_wrong(call: object, words: str) -> None:
     with pytest.raises(ParameterError, match=words):
         call()

@@ -35,8 +35,9 @@ def test_a_launch_that_has_settled_hardly_moves_on() -> None:
 
     for dataset, least, most in ((found, 0.0, 3 * SETTLE), (early, 3 * SETTLE, np.inf)):
         cell = dataset.isel(phi_dot=0, theta=0)
-        run = st.simulate(st.Disk(), st.Viscous(0.3), cell.start_state.values,
-                          [float(cell.end_time)])  # fmt: skip
+        run = st.simulate(
+            st.Disk(), st.Viscous(0.3), cell.start_state.values, [float(cell.end_time)]
+        )
         ended = [float(run[name][-1]) for name in STATES]
         moved = solve_ivp(rates, (0, 3), ended, rtol=1e-7, atol=1e-9)
         assert least < np.ptp(moved.y, axis=1).max() < most

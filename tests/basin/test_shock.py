@@ -143,10 +143,17 @@ def test_a_range_far_smaller_than_the_reach_ends() -> None:
     assert not found.found
 
 
-@pytest.mark.parametrize(("options", "words"), [
-    ({"budget": 0}, "budget"), ({"reach": -1}, "reach"), ({"scale": [1, 2, 3]}, "2 coordinates"),
-    ({"scale": 0}, "scale"), ({"low": 0.5}, "outside its range"), ({"seed": -1}, "seed"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"budget": 0}, "budget"),
+        ({"reach": -1}, "reach"),
+        ({"scale": [1, 2, 3]}, "2 coordinates"),
+        ({"scale": 0}, "scale"),
+        ({"low": 0.5}, "outside its range"),
+        ({"seed": -1}, "seed"),
+    ],
+)
 def test_refusals_say_what_is_wrong(options: dict[str, object], words: str) -> None:
     with pytest.raises(ParameterError, match=words):
         fatal_shock(disc, [0.0, 0.0], **options)

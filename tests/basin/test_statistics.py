@@ -123,8 +123,9 @@ def test_the_border_of_a_damped_pendulum_is_its_separatrix() -> None:
         return [-x[1], np.sin(x[0]) + 0.2 * x[1]]
 
     value = (-0.2 - np.sqrt(0.04 + 4)) / 2  # of the saddle's stable direction
-    curve = solve_ivp(past, (0, 16), [np.pi - 1e-6, -1e-6 * value], rtol=1e-10, atol=1e-12,
-                      max_step=0.01).y.T  # fmt: skip
+    curve = solve_ivp(
+        past, (0, 16), [np.pi - 1e-6, -1e-6 * value], rtol=1e-10, atol=1e-12, max_step=0.01
+    ).y.T
     (line,) = [n for n in found.lines if n.labels == (0, 1)]
     for point in line.points[np.abs(line.points[:, 0]) < 2.9]:
         apart = np.abs(curve - point) / found.widths[-1]
@@ -136,9 +137,14 @@ def test_the_border_of_a_damped_pendulum_is_its_separatrix() -> None:
 
 @pytest.mark.long
 @pytest.mark.parametrize("nested", [True, False])
-@pytest.mark.parametrize(("alpha", "constant", "points"), [
-    (1.0, 2.0, 300), (0.37, 0.6, 500), (0.1, 0.6, 300),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("alpha", "constant", "points"),
+    [
+        (1.0, 2.0, 300),
+        (0.37, 0.6, 500),
+        (0.1, 0.6, 300),
+    ],
+)
 def test_intervals_of_exponents_cover(
     alpha: float, constant: float, points: int, nested: bool
 ) -> None:
@@ -171,8 +177,9 @@ def test_shares_that_are_no_power_law_are_called_so(share: Label) -> None:
 @pytest.mark.few(1)
 @pytest.mark.parametrize("label", [circle, line])
 def test_smooth_borders_have_exponent_one(label: Label) -> None:
-    found = uncertainty_exponent(label, [0, -0.5], [1, 0.5], np.geomspace(3e-3, 0.1, 8),
-                                 points=4000)  # fmt: skip
+    found = uncertainty_exponent(
+        label, [0, -0.5], [1, 0.5], np.geomspace(3e-3, 0.1, 8), points=4000
+    )
     assert found.interval[0] < 1 < found.interval[1]
     assert found.interval[1] - found.interval[0] < 0.4
     boxes = box_dimension(borders(label, ("x", 0, 1, 9), ("y", -0.5, 0.5, 9), levels=9))
@@ -203,8 +210,10 @@ def test_a_cantor_set_of_intervals_has_its_exponent() -> None:
 
 def test_one_seed_gives_one_answer_however_it_is_asked() -> None:
     steps = np.geomspace(0.01, 0.2, 5)
-    a, b, c = (uncertainty_exponent(circle, [0, -0.5], [1, 0.5], steps, seed=s, chunk=n)
-               for s, n in ((4, None), (4, 131), (5, None)))  # fmt: skip
+    a, b, c = (
+        uncertainty_exponent(circle, [0, -0.5], [1, 0.5], steps, seed=s, chunk=n)
+        for s, n in ((4, None), (4, 131), (5, None))
+    )
     assert (a.counts == b.counts).all()
     assert a.exponent == b.exponent != c.exponent
 
@@ -247,9 +256,13 @@ def test_smooth_borders_and_where_they_meet_are_not_sensitive() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("label", "x", "y"), [
-    (newton, (-0.51, 0.5), (-0.51, 0.5)), (weierstrass(3, 1.5), (0, 1), (-3, 3)),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("label", "x", "y"),
+    [
+        (newton, (-0.51, 0.5), (-0.51, 0.5)),
+        (weierstrass(3, 1.5), (0, 1), (-3, 3)),
+    ],
+)
 def test_fractal_borders_are_sensitive(
     label: Label, x: tuple[float, float], y: tuple[float, float]
 ) -> None:
@@ -304,20 +317,23 @@ def test_riddled_labels_have_the_entropy_of_equal_shares() -> None:
     assert found.basin == pytest.approx(np.log(3) - 2 / 50, abs=3e-3)
 
 
-@pytest.mark.parametrize(("call", "words"), [
-    (lambda: wilson(3, 2), "whole numbers from 0"),
-    (lambda: wilson(1, 2, 1.0), "level"),
-    (lambda: fractions([]), "whole numbers"),
-    (lambda: fractions([0.5]), "whole numbers"),
-    (lambda: basin_entropy(np.zeros((3, 9), int)), "5 by 5"),
-    (lambda: basin_entropy(np.zeros((9, 9))), "whole numbers"),
-    (lambda: uncertainty_exponent(circle, [0, 0], [1], [0.1] * 3), "corners"),
-    (lambda: uncertainty_exponent(circle, [0, 0], [1, 1], [0.1, 0.2]), "at least three"),
-    (lambda: uncertainty_exponent(line, [0, 5], [1, 6], [0.1, 0.2, 0.3]), "differ at 0 of 3"),
-    (lambda: exponent_of(np.ones((9, 3)), [0.1, 0.2, 0.3], 1), "all base points differ"),
-    (lambda: box_dimension(borders(line, ("x", 0, 1, 3), ("y", 0, 1, 3), levels=3)), "refine"),
-    (lambda: sensitive(borders(line, ("x", 0, 1, 3), ("y", 0, 1, 3), levels=3)), "3 levels"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: wilson(3, 2), "whole numbers from 0"),
+        (lambda: wilson(1, 2, 1.0), "level"),
+        (lambda: fractions([]), "whole numbers"),
+        (lambda: fractions([0.5]), "whole numbers"),
+        (lambda: basin_entropy(np.zeros((3, 9), int)), "5 by 5"),
+        (lambda: basin_entropy(np.zeros((9, 9))), "whole numbers"),
+        (lambda: uncertainty_exponent(circle, [0, 0], [1], [0.1] * 3), "corners"),
+        (lambda: uncertainty_exponent(circle, [0, 0], [1, 1], [0.1, 0.2]), "at least three"),
+        (lambda: uncertainty_exponent(line, [0, 5], [1, 6], [0.1, 0.2, 0.3]), "differ at 0 of 3"),
+        (lambda: exponent_of(np.ones((9, 3)), [0.1, 0.2, 0.3], 1), "all base points differ"),
+        (lambda: box_dimension(borders(line, ("x", 0, 1, 3), ("y", 0, 1, 3), levels=3)), "refine"),
+        (lambda: sensitive(borders(line, ("x", 0, 1, 3), ("y", 0, 1, 3), levels=3)), "3 levels"),
+    ],
+)
 def test_refusals_say_what_is_wrong(call: Callable[[], object], words: str) -> None:
     with pytest.raises(ParameterError, match=words):
         call()

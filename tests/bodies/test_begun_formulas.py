@@ -57,8 +57,13 @@ def test_a_begun_formula_has_the_same_bounds(name: str) -> None:
     for moving in (frozenset(places[-1:]), frozenset(places[:1]), frozenset(places)):
 
         def spread(factor: float, moving: Any = moving) -> list[list[RunningError]]:
-            return [[RunningError(np.asarray(v * (factor if (i, j) in moving else 1.0)), 0.0)
-                     for j, v in enumerate(some)] for i, some in enumerate((a, q))]  # fmt: skip
+            return [
+                [
+                    RunningError(np.asarray(v * (factor if (i, j) in moving else 1.0)), 0.0)
+                    for j, v in enumerate(some)
+                ]
+                for i, some in enumerate((a, q))
+            ]
 
         begun = form.begun(TRACKED, *spread(1.0), moving)
         for factor in (0.97, 1.0, 1.05):
@@ -80,8 +85,10 @@ def test_balls_are_those_of_each_member_whatever_has_moved(name: str) -> None:
     with precision(128):
         repeated = RepeatedBalls(form)
         for number, changed in enumerate(changes):
-            point = [arb(v) + (arb(number + 1) / 1024 if i in changed else 0)
-                     for i, v in enumerate([*a, *q])]  # fmt: skip
+            point = [
+                arb(v) + (arb(number + 1) / 1024 if i in changed else 0)
+                for i, v in enumerate([*a, *q])
+            ]
             given = point[: len(a)], point[len(a) :]
             ours, true = form.polynomial(*given, repeated), form.polynomial(*given)
             for v, w in zip(ours, true, strict=True):

@@ -25,8 +25,11 @@ def _system(
     given = tuple(p.name for p in law.parameters[:1])
     body = by_height(scene.body, theta)
     system = round_system(body, law, given, physical=True, resistance=resistance)
-    numbers = dict(body.given) | dict.fromkeys(given, scene.law.coefficient) | {
-        r.coefficient: 0.05 for r in resistance}  # fmt: skip
+    numbers = (
+        dict(body.given)
+        | dict.fromkeys(given, scene.law.coefficient)
+        | {r.coefficient: 0.05 for r in resistance}
+    )
     return system, [numbers[n] for n in system.parameters]
 
 

@@ -9,8 +9,13 @@ from stability.bodies.contact_laws import LAWS
 from stability.bodies.round_body.by_name import of_body
 from stability.bodies.thin_disk.disk_quantities import disk_quantities
 
-BODIES = (st.Torus(0.2), st.Torus(0.2, solid=False), st.Spheroid(0.5), st.EccentricSphere(0.3),
-          st.ThickDisk(0.3))  # fmt: skip
+BODIES = (
+    st.Torus(0.2),
+    st.Torus(0.2, solid=False),
+    st.Spheroid(0.5),
+    st.EccentricSphere(0.3),
+    st.ThickDisk(0.3),
+)
 SI = st.Spheroid(0.5, mass=0.5, gravity=9.81, length=0.3)
 OWN = st.Body(lambda _, tube: tube, axial=0.4, transverse=0.4, shape={"tube": 1.0}, name="ball")
 

@@ -23,9 +23,11 @@ QUICK = ("thick disk", "spheroid, through 0", "tippe top, through pi")
 
 @pytest.mark.parametrize(
     ("reference", "entry"),
-    [pytest.param(r, e, id=r.name, marks=() if r.name in QUICK else pytest.mark.long)
-     for r, e in STORED],
-)  # fmt: skip
+    [
+        pytest.param(r, e, id=r.name, marks=() if r.name in QUICK else pytest.mark.long)
+        for r, e in STORED
+    ],
+)
 def test_two_integrators_give_the_same_motion(reference: Reference, entry: dict[str, Any]) -> None:
     """DOP853 in doubles, and extrapolation with 25 digits; five of these cross a pole.
 

@@ -28,7 +28,7 @@ from convex_body import (
     response_at,
     spectrum,
     state_of,
-)  # fmt: skip
+)
 from jets import Array, cos, half_turns, plain, precise, sin
 from random_bodies import BODIES, random_scene, scenes
 
@@ -243,9 +243,13 @@ def test_every_scene_scales_with_its_units() -> None:
     scene = random_scene(np.random.default_rng(4), "spheroid", "linear-viscous")
     body, given = scene.body, scene.body.parameters
     larger = bodies.spheroid(
-        a * given["across"], a * given["along"], b * a**2 * body.axial,
-        b * a**2 * body.transverse, b * body.mass, a / c**2 * body.gravity,
-    )  # fmt: skip
+        a * given["across"],
+        a * given["along"],
+        b * a**2 * body.axial,
+        b * a**2 * body.transverse,
+        b * body.mass,
+        a / c**2 * body.gravity,
+    )
     power = np.array([0, 1, 1, 1, 1, 1])
     length = np.array([1, 1, 1, 1, a, a])
     x = scene.state * length / c**power

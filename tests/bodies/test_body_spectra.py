@@ -73,8 +73,10 @@ class Place:
         if family == "tumbling":
             return self.square() > 0
         if family.startswith("vertical"):
-            names, end = {"vertical 0": (("lens", "cap"), low == 0.0),
-                          "vertical pi": (("lens",), high == math.pi)}[family]  # fmt: skip
+            names, end = {
+                "vertical 0": (("lens", "cap"), low == 0.0),
+                "vertical pi": (("lens",), high == math.pi),
+            }[family]
             round_ones = ("eccentric sphere", "spheroid", "egg")
             return self.body.name in round_ones or self.body.name in names and end
         # of a height that holds on no side of 1 rad these two are refused: the test at the end
@@ -104,8 +106,11 @@ def _surface(place: Place, side: int) -> oracle.ConvexBody:
     body, given = place.body, place.body.parameters
     if body.name not in ("lens", "cap"):
         return body
-    middle = -given["centre"] if body.name == "cap" else side * given["radius"] * math.cos(
-        given["angle"])  # fmt: skip
+    middle = (
+        -given["centre"]
+        if body.name == "cap"
+        else side * given["radius"] * math.cos(given["angle"])
+    )
     dome = body_profiles.eccentric_sphere(middle, body.axial, body.transverse, given["radius"])
     return replace(dome, mass=body.mass, gravity=body.gravity)
 
@@ -161,11 +166,21 @@ def _steady(
     body: oracle.ConvexBody, law: oracle.Law, family: str, at: list[float], near: Array
 ) -> Array:
     """The steady motion near a state, its unknowns by Newton's method on the oracle's rates."""
-    unknown = {"rolling": [0], "spinning": [], "tumbling": [2, 3], "circling": [3],
-               "precession": [3]}[family]  # fmt: skip
+    unknown = {
+        "rolling": [0],
+        "spinning": [],
+        "tumbling": [2, 3],
+        "circling": [3],
+        "precession": [3],
+    }[family]
     state = precise([*near[:4], 0, 0])
-    named = {"rolling": [3], "spinning": [2], "tumbling": [0], "circling": [0, 2],
-             "precession": [0, 2]}[family]  # fmt: skip
+    named = {
+        "rolling": [3],
+        "spinning": [2],
+        "tumbling": [0],
+        "circling": [0, 2],
+        "precession": [0, 2],
+    }[family]
     state[named] = precise(at)
     if family == "spinning":
         state[0], state[3] = mp.pi / 2, mp.mpf(0)
@@ -223,9 +238,10 @@ def _compare(place: Place, family: str) -> bool:
 @pytest.mark.parametrize(
     ("name", "law", "members"),
     [("torus", "rough", 1), ("thick disk", "viscous", 1)]
-    + [pytest.param(name, law, MEMBERS, marks=pytest.mark.long)
-       for name in HEIGHTS for law in LAWS],
-)  # fmt: skip
+    + [
+        pytest.param(name, law, MEMBERS, marks=pytest.mark.long) for name in HEIGHTS for law in LAWS
+    ],
+)
 def test_spectra_at_random_members_of_every_family(name: str, law: str, members: int) -> None:
     """A family that the surface does not have is refused; the first two cases have every one."""
     rng = np.random.default_rng(14)
@@ -256,9 +272,13 @@ def test_a_height_that_holds_above_upright_has_the_two_families_of_pairs(
     """A thick disk on its other rim: the mirror image of the one at π - theta."""
     disk = st.ThickDisk(0.3)
     other = st.Body(
-        lambda t, thickness: ca.sin(t) - thickness * ca.cos(t) / 2, axial=disk.axial,
-        transverse=disk.transverse, shape=disk.shape, between=(math.pi / 2, math.pi), name="other",
-    )  # fmt: skip
+        lambda t, thickness: ca.sin(t) - thickness * ca.cos(t) / 2,
+        axial=disk.axial,
+        transverse=disk.transverse,
+        shape=disk.shape,
+        between=(math.pi / 2, math.pi),
+        name="other",
+    )
     known = st.spectrum(family, at=(1.2, 0.9), body=disk, contact=law)
     found = st.spectrum(family, at=(math.pi - 1.2, 0.9), body=other, contact=law)
     assert found.eigenvalues == pytest.approx(known.eigenvalues, abs=1e-12)
@@ -267,13 +287,20 @@ def test_a_height_that_holds_above_upright_has_the_two_families_of_pairs(
 def _shapes(numbers: dict[str, float]) -> tuple[st.Body, st.Body]:
     """A part of a superellipsoid with free numbers, and with the same as constants."""
     free = st.Body(
-        lambda t, across, along, power: superellipse(across, along, power, t, 1.0), axial=0.4,
-        transverse=0.4, shape=numbers, between=(0.4, 1.2), name="free",
-    )  # fmt: skip
+        lambda t, across, along, power: superellipse(across, along, power, t, 1.0),
+        axial=0.4,
+        transverse=0.4,
+        shape=numbers,
+        between=(0.4, 1.2),
+        name="free",
+    )
     fixed = st.Body(
-        lambda t: superellipse(**numbers, theta=t, side=1.0), axial=0.4, transverse=0.4,
-        between=(0.4, 1.2), name="fixed",
-    )  # fmt: skip
+        lambda t: superellipse(**numbers, theta=t, side=1.0),
+        axial=0.4,
+        transverse=0.4,
+        between=(0.4, 1.2),
+        name="fixed",
+    )
     return free, fixed
 
 

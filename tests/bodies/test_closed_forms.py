@@ -24,15 +24,28 @@ from stability.systems.graph.implicit_form import ImplicitForm
 
 ROUNDED = st.Body(
     lambda theta, bend: 1 + bend * ca.cos(2 * theta),
-    axial=0.4, transverse=0.45, shape={"bend": 0.1}, name="rounded",
-)  # fmt: skip
+    axial=0.4,
+    transverse=0.45,
+    shape={"bend": 0.1},
+    name="rounded",
+)
 BODIES = {
-    "torus": st.Torus(0.2), "spheroid": st.Spheroid(0.6), "sphere": st.EccentricSphere(0.2),
-    "thick disk": st.ThickDisk(0.1), "egg": st.Egg(0.2), "rounded": ROUNDED,
+    "torus": st.Torus(0.2),
+    "spheroid": st.Spheroid(0.6),
+    "sphere": st.EccentricSphere(0.2),
+    "thick disk": st.ThickDisk(0.1),
+    "egg": st.Egg(0.2),
+    "rounded": ROUNDED,
     "si": st.Torus(0.15, mass=2.0, gravity=9.81, length=0.3),
-}  # fmt: skip
-LAWS = [("tumbling", "viscous"), ("tumbling", "linear-viscous"), ("tumbling", "rough"),
-        ("tumbling", "smooth"), ("circling", "rough"), ("precession", "smooth")]  # fmt: skip
+}
+LAWS = [
+    ("tumbling", "viscous"),
+    ("tumbling", "linear-viscous"),
+    ("tumbling", "rough"),
+    ("tumbling", "smooth"),
+    ("circling", "rough"),
+    ("precession", "smooth"),
+]
 
 
 def members(body: st.Body, family: st.Family, count: int = 12) -> tuple[np.ndarray, np.ndarray]:
@@ -59,8 +72,11 @@ def test_formulas_give_the_eigenvalues_of_the_jacobian(body: st.Body, name: str,
     a, q = members(body, family)
     system = family.system
     jacobian = ca.Function("J", [system.x, system.p], [ca.densify(system.jacobian)])
-    place = [(system.parameters.index(n)) for n in (*family.at, *family.parameters)
-             if n in system.parameters]  # fmt: skip
+    place = [
+        (system.parameters.index(n))
+        for n in (*family.at, *family.parameters)
+        if n in system.parameters
+    ]
     for at, own, state in zip(a, q, replace(family, formulas=None).member(a, q), strict=True):
         full = np.array(own)[np.argsort(place)] if len(place) else own
         true = np.linalg.eigvals(np.asarray(jacobian(state, full)))
@@ -76,8 +92,11 @@ def test_formulas_give_the_eigenvalues_of_the_jacobian(body: st.Body, name: str,
         assert min(float(v) for v in positive) > 0
 
 
-AXES = {"tumbling": ("theta", 0.9, 1.5, 41), "circling": ("theta", 0.4, 1.4, 41),
-        "precession": ("theta", 0.4, 1.4, 41)}  # fmt: skip
+AXES = {
+    "tumbling": ("theta", 0.9, 1.5, 41),
+    "circling": ("theta", 0.4, 1.4, 41),
+    "precession": ("theta", 0.4, 1.4, 41),
+}
 
 
 @pytest.mark.few(2)
@@ -225,8 +244,12 @@ def test_conditions_by_waves_are_those_of_the_system(name: str, law: str) -> Non
     _, unknown, positive = formulas(numpy_algebra(), list(a.T), list(q.T))
     given = dict(zip(family.at, a.T, strict=True)) | family.held
     given |= dict(zip(family.unknown, unknown, strict=True))
-    x = np.array([np.broadcast_to(float(given[n]) if np.ndim(given[n]) == 0 else given[n], len(a))
-                  for n in family.system.states])  # fmt: skip
+    x = np.array(
+        [
+            np.broadcast_to(float(given[n]) if np.ndim(given[n]) == 0 else given[n], len(a))
+            for n in family.system.states
+        ]
+    )
     found = family.system.condition_program.arrays([list(x), list(q.T)], (len(a),))
     for mine, theirs in zip(positive, found, strict=False):  # φ̇² > 0 is the formulas' own
         np.testing.assert_allclose(mine, theirs[:, 0, 0], rtol=1e-12, atol=1e-13)

@@ -86,9 +86,12 @@ def test_a_batch_over_the_laws_parameter_has_its_unit() -> None:
     known = st.spectrum("rolling", contact=st.Viscous(nu), at=2.0)
     assert np.abs(mine.eigenvalues - known.eigenvalues).max() < 1e-12
     found = st.stability_map(
-        "rolling", x=("at", 3.0, 9.0, 3), y=("nu", 0.1, 0.5, 3), contact=Weakening,
+        "rolling",
+        x=("at", 3.0, 9.0, 3),
+        y=("nu", 0.1, 0.5, 3),
+        contact=Weakening,
         disk=DISKS["SI"],
-    )  # fmt: skip
+    )
     assert found.nu.attrs["units"] == "s/m"
     assert found.attrs["contact"] == "weakening"
 
@@ -144,11 +147,13 @@ def test_a_lean_names_a_member(certify: bool) -> None:
 @pytest.mark.parametrize(
     ("family", "axis", "at"),
     [
-        ("rolling", ("at", 0.5, 3.0, 30), None), ("spinning", ("at", 0.5, 3.0, 30), None),
-        ("tumbling", ("at", 0.2, 1.5, 30), None), ("spinning", ("k", 0.1, 0.5, 30), 2.0),
+        ("rolling", ("at", 0.5, 3.0, 30), None),
+        ("spinning", ("at", 0.5, 3.0, 30), None),
+        ("tumbling", ("at", 0.2, 1.5, 30), None),
+        ("spinning", ("k", 0.1, 0.5, 30), 2.0),
         ("spinning", ("nu", 0.5, 2.0, 30), 2.0),
     ],
-)  # fmt: skip
+)
 def test_boundaries_are_those_of_the_same_slope(
     family: str, axis: tuple[Any, ...], at: float | None, disk: st.Disk
 ) -> None:
@@ -237,8 +242,13 @@ def test_a_subclass_of_a_stored_law_does_not_get_its_polynomials() -> None:
         (lambda: st.spectrum("rolling", contact=Boastful(0.3), at=2.0), "conservative"),
         (lambda: st.spectrum("rolling", contact=Alone(), at=2.0), "force of the alone law is 3"),
         (
-            lambda: st.stream_map("rolling", x=("at", 1, 2, 9), y=("k", 0.1, 0.5, 9), out="m.nc",
-                                  contact=Weakening(0.3)),
+            lambda: st.stream_map(
+                "rolling",
+                x=("at", 1, 2, 9),
+                y=("k", 0.1, 0.5, 9),
+                out="m.nc",
+                contact=Weakening(0.3),
+            ),
             "the weakening law has no exact polynomials",
         ),
         (lambda: st.simulate(st.Disk(), Sticky(0.3), {"theta": 1.3}, 1.0), "sticky law sticks"),
@@ -251,12 +261,13 @@ def test_a_subclass_of_a_stored_law_does_not_get_its_polynomials() -> None:
         (lambda: st.spectrum("circling", contact=Weakening(0.3), at=[1.0, 1.0]), "rough disk"),
         (lambda: st.drift(at=2.0, tilt=0.1, contact=Weakening(0.3)), "drift needs a law"),
         (
-            lambda: st.stability_map("rolling", x=("at", 1, 2, 3), y=("k", 0.1, 0.5, 3),
-                                     contact=Weakening),
+            lambda: st.stability_map(
+                "rolling", x=("at", 1, 2, 3), y=("k", 0.1, 0.5, 3), contact=Weakening
+            ),
             "nu is missing; give Weakening",
         ),
     ],
-)  # fmt: skip
+)
 def test_what_a_law_cannot_do_is_refused_in_a_sentence(call: Any, why: str) -> None:
     with pytest.raises(st.StabilityError, match=why):
         call()
@@ -360,13 +371,40 @@ def test_one_number_is_given_and_the_other_swept(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "two_numbers", SimpleNamespace(Law=Cubic))
-    words = ["map", "rolling", "--x", "at:.5:2:5", "--y", "beta:0:1:4", "--contact",
-             "two_numbers:Law", "--mu", "0.3", "--out", str(tmp_path / "m.nc")]  # fmt: skip
+    words = [
+        "map",
+        "rolling",
+        "--x",
+        "at:.5:2:5",
+        "--y",
+        "beta:0:1:4",
+        "--contact",
+        "two_numbers:Law",
+        "--mu",
+        "0.3",
+        "--out",
+        str(tmp_path / "m.nc"),
+    ]
     assert main(words) == 0
     capsys.readouterr()
     assert json.loads(st.read_map(tmp_path / "m.nc").attrs["parameters"])["mu"] == 0.3
-    assert main(["spectrum", "rolling", "--at", "2", "--contact", "two_numbers:Law", "--mu", "0.3",
-                 "--set", "beta=0.5"]) == 0  # fmt: skip
+    assert (
+        main(
+            [
+                "spectrum",
+                "rolling",
+                "--at",
+                "2",
+                "--contact",
+                "two_numbers:Law",
+                "--mu",
+                "0.3",
+                "--set",
+                "beta=0.5",
+            ]
+        )
+        == 0
+    )
     assert "mu = 0.3, beta = 0.5" in capsys.readouterr().out.splitlines()[0]
 
 

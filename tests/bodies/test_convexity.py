@@ -81,11 +81,19 @@ def test_a_height_that_is_negative_between_samples_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    "made", [st.Torus(1e-6), st.Spheroid(0.02), st.EccentricSphere(0.99), st.ThickDisk(2.0),
-             st.Egg(0.4), st.Egg(0.1, aspect=3.0), st.Spheroid([0.2, 1.0, 3.0]),
-             st.from_profile(lambda u: (np.sin(u), -0.3 * np.cos(u)))],
+    "made",
+    [
+        st.Torus(1e-6),
+        st.Spheroid(0.02),
+        st.EccentricSphere(0.99),
+        st.ThickDisk(2.0),
+        st.Egg(0.4),
+        st.Egg(0.1, aspect=3.0),
+        st.Spheroid([0.2, 1.0, 3.0]),
+        st.from_profile(lambda u: (np.sin(u), -0.3 * np.cos(u))),
+    ],
     ids=lambda b: f"{b.name}-{list(b.shape.values())}",
-)  # fmt: skip
+)
 def test_named_bodies_are_proved_everywhere(made: st.Body) -> None:
     assert made.unproved == ()
 

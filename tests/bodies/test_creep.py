@@ -24,9 +24,16 @@ from stability.bodies.families import FAMILIES
 from stability.bodies.thin_disk.disk_equations import STATES, disk_system
 
 START = (1.2, 0.1, 0.6, 1.6)
-MPMATH = Algebra("mpmath", lambda v: mpmath.mpf(v), {
-    "sin": mpmath.sin, "cos": mpmath.cos, "sqrt": mpmath.sqrt, "pow": mpmath.power,
-})  # fmt: skip
+MPMATH = Algebra(
+    "mpmath",
+    lambda v: mpmath.mpf(v),
+    {
+        "sin": mpmath.sin,
+        "cos": mpmath.cos,
+        "sqrt": mpmath.sqrt,
+        "pow": mpmath.power,
+    },
+)
 
 
 def run(law: Any, last: float, start: Any = START, **options: Any) -> Any:
@@ -105,8 +112,10 @@ def eigenvalues(law: Any, family: str, at: float, mu: Any) -> list[Any]:
     """Of the Jacobian in many digits, those of zero and of fast decay left out, by size."""
     k = mpmath.mpf("0.3")
     member = FAMILIES[family].member(mpmath, mpmath.mpf(at), k)
-    x = [mpmath.pi / 2 if member[n] is UPRIGHT else mpmath.mpf(member[n])
-         for n in disk_system(law).states]  # fmt: skip
+    x = [
+        mpmath.pi / 2 if member[n] is UPRIGHT else mpmath.mpf(member[n])
+        for n in disk_system(law).states
+    ]
     p = [k, mu][: disk_system(law).p.numel()]
     matrix = mpmath.matrix(jacobian_program(law).dense(MPMATH, [x, p]))
     found = mpmath.eig(matrix, left=False, right=False)
@@ -133,9 +142,11 @@ def test_eigenvalues_are_the_slow_ones_to_the_order(order: int, family: str, at:
 @pytest.mark.parametrize(
     ("law", "family", "at"),
     [(Creep1, "rolling", 1.3), (Creep1, "tumbling", 0.8)]
-    + [pytest.param(*case, marks=pytest.mark.long) for case in (
-        (Creep1, "rolling", 1.5), (Creep2, "spinning", 2.2), (Creep2, "tumbling", 0.8))],
-)  # fmt: skip
+    + [
+        pytest.param(*case, marks=pytest.mark.long)
+        for case in ((Creep1, "rolling", 1.5), (Creep2, "spinning", 2.2), (Creep2, "tumbling", 0.8))
+    ],
+)
 def test_verdicts_are_those_of_the_viscous_disk(law: Any, family: str, at: float) -> None:
     disk = st.Disk(k=0.3)
     mine = st.spectrum(family, at=at, disk=disk, contact=law(300.0))

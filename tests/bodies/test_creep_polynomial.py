@@ -64,10 +64,16 @@ class Series:
     def __mul__(self, other: object) -> Series:
         o = self._of(other)
         found = [
-            sum((self.c[j] * o.c[i - j] for j in range(i + 1)
-                 if j < len(self.c) and i - j < len(o.c)), Fraction(0))
+            sum(
+                (
+                    self.c[j] * o.c[i - j]
+                    for j in range(i + 1)
+                    if j < len(self.c) and i - j < len(o.c)
+                ),
+                Fraction(0),
+            )
             for i in range(TERMS)
-        ]  # fmt: skip
+        ]
         return Series(found, self.low + o.low)
 
     __radd__, __rmul__ = __add__, __mul__
@@ -96,9 +102,10 @@ def _power(x: Series, n: object) -> Series:
 
 
 RATIONAL_SERIES = Algebra(
-    "rational series", lambda v: Series([Fraction(v)]),
+    "rational series",
+    lambda v: Series([Fraction(v)]),
     {"sin": lambda a: Series([a.sine]), "cos": lambda a: Series([a.cosine]), "pow": _power},
-)  # fmt: skip
+)
 
 UPRIGHT = Angle(Fraction(1), Fraction(0))
 MEMBERS = {
@@ -127,9 +134,12 @@ def _polynomial(order: int | None, name: str) -> list[Series]:
         found.append(-trace / Series([Fraction(i)]))
         shifted = [[power[r][c] + (found[-1] if r == c else 0) for c in range(n)] for r in range(n)]
         power = [
-            [sum((matrix[r][j] * shifted[j][c] for j in range(n)), Series([Fraction(0)]))
-             for c in range(n)] for r in range(n)
-        ]  # fmt: skip
+            [
+                sum((matrix[r][j] * shifted[j][c] for j in range(n)), Series([Fraction(0)]))
+                for c in range(n)
+            ]
+            for r in range(n)
+        ]
     return found
 
 
@@ -141,9 +151,13 @@ def test_the_polynomial_of_creep_is_the_slow_factor_up_to_its_order(name: str, o
 
     def as_expression(series: Series, lowest: int, highest: int) -> sympy.Expr:
         return sum(
-            (sympy.Rational(series.at(p).numerator, series.at(p).denominator) * eps ** (p - lowest)
-             for p in range(lowest, highest + 1)), sympy.Integer(0),
-        )  # fmt: skip
+            (
+                sympy.Rational(series.at(p).numerator, series.at(p).denominator)
+                * eps ** (p - lowest)
+                for p in range(lowest, highest + 1)
+            ),
+            sympy.Integer(0),
+        )
 
     whole = _polynomial(None, name)
     assert all(c.low >= -2 for c in whole if any(c.c))

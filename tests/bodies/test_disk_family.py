@@ -27,15 +27,28 @@ from stability.tables.launches import launch_rows
 from stability.tables.registry import definition
 
 EDGE_ON = SteadyFamily(
-    "edge-on", ("phi_dot",), held={"theta": UPRIGHT}, unknown={"omega3": 0.0},
-    motion="on its edge, turning on the spot", symbols="θ = π/2", searched=(0.1, 5.0),
-    drawn=(0.5, 3.0), flutter=(0.1, 10.0), sampled=(0.5, 3.0), launch="k",
-)  # fmt: skip
+    "edge-on",
+    ("phi_dot",),
+    held={"theta": UPRIGHT},
+    unknown={"omega3": 0.0},
+    motion="on its edge, turning on the spot",
+    symbols="θ = π/2",
+    searched=(0.1, 5.0),
+    drawn=(0.5, 3.0),
+    flutter=(0.1, 10.0),
+    sampled=(0.5, 3.0),
+    launch="k",
+)
 CONING = SteadyFamily(
-    "coning", ("phi_dot",), held={"omega3": 0.0}, unknown={"theta": 0.7},
-    motion="inclined, its axis on a cone", searched=(2.05, 4.0), flutter=(1.7, 8.0),
+    "coning",
+    ("phi_dot",),
+    held={"omega3": 0.0},
+    unknown={"theta": 0.7},
+    motion="inclined, its axis on a cone",
+    searched=(2.05, 4.0),
+    flutter=(1.7, 8.0),
     solution=lambda functions, at, k, unit: functions.asin(unit * unit / (k * at * at)),
-)  # fmt: skip
+)
 # where the graph is not rational the axis is scanned, and a warning says so
 pytestmark = pytest.mark.filterwarnings("ignore::stability.StabilityWarning")
 OF = {"edge-on": "spinning", "coning": "tumbling"}
@@ -306,9 +319,13 @@ def test_methods_are_compared_on_it(family: str) -> None:
 
 def test_a_family_of_one_law_alone_is_refused_under_others(monkeypatch: Any) -> None:
     held = SteadyFamily(
-        "banking", ("phi_dot",), held={"theta": 1.0}, unknown={"omega3": 1.0}, law="rough",
+        "banking",
+        ("phi_dot",),
+        held={"theta": 1.0},
+        unknown={"omega3": 1.0},
+        law="rough",
         motion="circling at an inclination of one radian",
-    )  # fmt: skip
+    )
     monkeypatch.setitem(FAMILIES, "banking", held)
     mine = st.spectrum("banking", at=1.3, contact=st.Rough())
     same = st.spectrum("circling", at=[1.0, 1.3], contact=st.Rough())

@@ -296,10 +296,14 @@ def within(law: str, x: Array) -> Array:
 def sample(law: str, size: int = 1000, seed: int = 20160204) -> Sample:
     """Random states with sin theta > 0.05 and, for the viscous law, D > 0.1."""
     rng = np.random.default_rng([seed, LAWS.index(law)])
-    x = np.stack([
-        rng.uniform(0.0505, np.pi - 0.0505, size), *rng.uniform(-3, 3, (3, size)),
-        *rng.uniform(-1.5, 1.5, (2, size)),
-    ], axis=-1)  # fmt: skip
+    x = np.stack(
+        [
+            rng.uniform(0.0505, np.pi - 0.0505, size),
+            *rng.uniform(-3, 3, (3, size)),
+            *rng.uniform(-1.5, 1.5, (2, size)),
+        ],
+        axis=-1,
+    )
     x[::20, 0] = np.pi / 2
     p = np.stack([rng.uniform(0.05, 0.5, size), 10 ** rng.uniform(-3, 1.5, size)], axis=-1)
     sine, cosine = np.sin(x[:, 0]), np.cos(x[:, 0])
@@ -472,9 +476,14 @@ def meet(motion: dict[str, Any], stretch_k: float = 0.0) -> float:
     p = np.array([motion["k"] * (1 + stretch_k), motion["mu"]])
     times = [0.0, *motion["times"]]
     found = solve_ivp(
-        lambda _, x: system.rates(x, p), (0.0, times[-1]), np.array(motion["start"], dtype=float),
-        method="DOP853", t_eval=times, rtol=1e-12, atol=1e-13,
-    )  # fmt: skip
+        lambda _, x: system.rates(x, p),
+        (0.0, times[-1]),
+        np.array(motion["start"], dtype=float),
+        method="DOP853",
+        t_eval=times,
+        rtol=1e-12,
+        atol=1e-13,
+    )
     assert found.success
     return float(np.abs(found.y.T[1:] - np.array(motion["states"])).max())
 

@@ -11,9 +11,13 @@ from stability.bodies.round_body.models.angle_model import round_model
 from stability.bodies.thin_disk.disk_model import disk_model
 
 LAWS: list[tuple[type[Contact], tuple[str, ...]]] = [
-    (st.Smooth, ()), (st.Viscous, ("mu",)), (st.LinearViscous, ("c",)), (st.LinearViscous, ("mu",)),
-    (st.Coulomb, ("mu",)), (st.RegularisedCoulomb, ("mu", "epsilon")),
-]  # fmt: skip
+    (st.Smooth, ()),
+    (st.Viscous, ("mu",)),
+    (st.LinearViscous, ("c",)),
+    (st.LinearViscous, ("mu",)),
+    (st.Coulomb, ("mu",)),
+    (st.RegularisedCoulomb, ("mu", "epsilon")),
+]
 RESISTANCES = (st.RollingResistance, st.PivotingResistance, st.AirTorque)
 
 
@@ -39,9 +43,11 @@ def furthest(model: Model, rng: np.random.Generator) -> float:
 @pytest.mark.parametrize("resistance", [(), RESISTANCES], ids=["alone", "resisted"])
 @pytest.mark.parametrize("body", [st.Torus(0.2), st.ThickDisk(0.1)], ids=["torus", "thick disk"])
 def test_rates_are_those_of_the_elimination(
-    body: st.Body, resistance: tuple[type[st.Resistance], ...], law: type[Contact],
+    body: st.Body,
+    resistance: tuple[type[st.Resistance], ...],
+    law: type[Contact],
     given: tuple[str, ...],
-) -> None:  # fmt: skip
+) -> None:
     model = round_model(body, law, given, pose=False, resistance=resistance)
     assert furthest(model, np.random.default_rng(1)) < 1e-13
 

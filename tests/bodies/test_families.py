@@ -140,9 +140,13 @@ def test_a_family_that_is_not_steady_is_refused() -> None:
 def test_a_family_that_does_not_fit_its_system_is_refused(changes: dict, sentence: str) -> None:
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
     system = st.System(
-        "pendulum", x, p, ca.vertcat(x[1], -p * ca.sin(x[0])),
-        states=("angle", "rate"), parameters=("g",),
-    )  # fmt: skip
+        "pendulum",
+        x,
+        p,
+        ca.vertcat(x[1], -p * ca.sin(x[0])),
+        states=("angle", "rate"),
+        parameters=("g",),
+    )
     given = {"at": ("g",), "held": {"angle": 0.0, "rate": 0.0}} | changes
     with pytest.raises(st.StabilityError, match=sentence):
         st.Family(system, "hanging", **given)

@@ -20,9 +20,12 @@ AXES = RNG.normal(size=(COUNT, 3))
 TURNING = np.hstack([AXES / np.linalg.norm(AXES, axis=1)[:, None], RNG.normal(size=(COUNT, 3))])
 DRAG = st.RollingResistance(0.01), st.PivotingResistance(0.02), st.AirTorque(0.03)
 BODIES = {
-    "disk": st.Disk(k=0.4), "disk as a body": of_disk(st.Disk(k=0.4)), "torus": st.Torus(0.2),
-    "egg": st.Egg(0.2), "sphere": st.EccentricSphere(0.15, axial=0.4, transverse=0.45),
-}  # fmt: skip
+    "disk": st.Disk(k=0.4),
+    "disk as a body": of_disk(st.Disk(k=0.4)),
+    "torus": st.Torus(0.2),
+    "egg": st.Egg(0.2),
+    "sphere": st.EccentricSphere(0.15, axial=0.4, transverse=0.45),
+}
 
 
 def launch(name: str, law: Any) -> tuple[Model, np.ndarray, np.ndarray]:

@@ -41,15 +41,20 @@ def test_verdicts_boundaries_and_maps_are_about_that_inclination() -> None:
         found = st.spectrum("rolling", at=0.3, body=body, contact=Rough(), theta=at, certify=True)
         assert (found.verdict is st.Verdict.NEUTRAL) == neutral(at, 0.25, 0.3)
         chart = st.stability_map(
-            "rolling", x=("omega3", 0.1, 3.0, 8), y=("bend", 0.2, 0.3, 3), body=body,
-            contact=Rough(), theta=at,
-        )  # fmt: skip
+            "rolling",
+            x=("omega3", 0.1, 3.0, 8),
+            y=("bend", 0.2, 0.3, 3),
+            body=body,
+            contact=Rough(),
+            theta=at,
+        )
         for bend, row in zip(chart.bend.values, chart.verdict.values, strict=True):
             place = min(zeros(bend), key=lambda t: abs(t - at))
             for omega3, code in zip(chart.omega3.values, row, strict=True):
                 assert (code == 3) == neutral(place, bend, omega3), (at, bend, omega3)
-        ends = st.boundaries("rolling", axis=("omega3", 0.1, 3.0, 8), body=body, contact=Rough(),
-                             theta=at)  # fmt: skip
+        ends = st.boundaries(
+            "rolling", axis=("omega3", 0.1, 3.0, 8), body=body, contact=Rough(), theta=at
+        )
         changes = neutral(at, 0.25, 0.1) != neutral(at, 0.25, 3.0)
         assert ends.complete and len(ends) == changes
         for point in ends:
@@ -80,7 +85,9 @@ def test_newton_from_the_start_would_go_to_another_inclination() -> None:
 def test_a_ball_has_the_verdict_of_a_ball_as_a_spheroid_too(family: str) -> None:
     """Equal half axes give equal moments, exactly: no verdict hangs on the rounding of 2/5."""
     ball = st.Body(lambda _: 1.0, axial=0.4, transverse=0.4, name="ball")
-    one, other = (st.spectrum(family, at=2, body=b, contact=Viscous(0.3), certify=True)
-                  for b in (st.Spheroid(1), ball))  # fmt: skip
+    one, other = (
+        st.spectrum(family, at=2, body=b, contact=Viscous(0.3), certify=True)
+        for b in (st.Spheroid(1), ball)
+    )
     assert one.verdict is other.verdict is st.Verdict.NEUTRAL
     assert one.abscissa == 0.0

@@ -12,8 +12,12 @@ SIZES = 2.0 ** -np.arange(7, 14)
 """Tubes, or aspects less 1, in which an order is fitted."""
 FEW = SIZES[::3]
 MU = 0.4
-LAWS = {"viscous": st.Viscous(MU), "linear-viscous": st.LinearViscous(MU), "rough": st.Rough(),
-        "smooth": st.Smooth()}  # fmt: skip
+LAWS = {
+    "viscous": st.Viscous(MU),
+    "linear-viscous": st.LinearViscous(MU),
+    "rough": st.Rough(),
+    "smooth": st.Smooth(),
+}
 
 Spectrum = Callable[[float], np.ndarray]
 
@@ -42,16 +46,19 @@ def _order(found: Spectrum, limit: Sequence[complex], sizes: np.ndarray) -> floa
 # --- a ring with a thin tube is a thin hoop ---
 
 
-HOOP = [("rolling", 2.3), ("rolling", 0.2), ("spinning", 2.6), ("tumbling", 0.7),
-        ("tumbling", 1.2)]  # fmt: skip
+HOOP = [("rolling", 2.3), ("rolling", 0.2), ("spinning", 2.6), ("tumbling", 0.7), ("tumbling", 1.2)]
 
 
 @pytest.mark.parametrize(
     ("family", "at", "law", "sizes"),
-    [("rolling", 2.3, "viscous", FEW), ("rolling", 0.2, "rough", FEW),
-     ("spinning", 2.6, "linear-viscous", FEW), ("tumbling", 1.2, "smooth", FEW)]
+    [
+        ("rolling", 2.3, "viscous", FEW),
+        ("rolling", 0.2, "rough", FEW),
+        ("spinning", 2.6, "linear-viscous", FEW),
+        ("tumbling", 1.2, "smooth", FEW),
+    ]
     + [pytest.param(*where, law, SIZES, marks=pytest.mark.long) for where in HOOP for law in LAWS],
-)  # fmt: skip
+)
 def test_a_torus_becomes_the_hoop(family: str, at: float, law: str, sizes: np.ndarray) -> None:
     """A height sin θ + b, and moments that change with b²: first order, where h itself stands.
 
@@ -78,8 +85,9 @@ def test_eigenvalues_of_a_torus_move_at_the_rate_of_the_closed_forms(solid: bool
 
     def square(family: str, law: str) -> Spectrum:
         def of(tube: float) -> np.ndarray:
-            found = st.spectrum(family, at=2.6, body=st.Torus(tube, solid=solid),
-                                contact=LAWS[law]).eigenvalues  # fmt: skip
+            found = st.spectrum(
+                family, at=2.6, body=st.Torus(tube, solid=solid), contact=LAWS[law]
+            ).eigenvalues
             assert found.shape == (2,)
             return found[:1] ** 2
 
@@ -87,12 +95,14 @@ def test_eigenvalues_of_a_torus_move_at_the_rate_of_the_closed_forms(solid: bool
 
     w2, half = 2.6**2, 0.5
     known = {  # λ² at b = 0, and its slope by b
-        ("rolling", "rough"): (-(2 * w2 - half) / (half * 1.5),
-                               (2 * (2 * w2 - half) / 1.5 - 2 * w2) / (half * 1.5)),
+        ("rolling", "rough"): (
+            -(2 * w2 - half) / (half * 1.5),
+            (2 * (2 * w2 - half) / 1.5 - 2 * w2) / (half * 1.5),
+        ),
         ("spinning", "rough"): (-w2 + 1 / 1.5, -2 / 1.5**2),
         ("rolling", "smooth"): (-(w2 - half) / half**2, 0.0),
         ("spinning", "smooth"): (-w2 + 1 / half, 0.0),
-    }  # fmt: skip
+    }
     for (family, law), (start, slope) in known.items():
         found = square(family, law)
         left = [abs(complex(found(b)[0]) - start - slope * b) for b in SIZES]
@@ -121,11 +131,18 @@ BALL = {
 
 @pytest.mark.parametrize(
     ("family", "law", "side", "sizes"),
-    [("rolling", "viscous", 1, FEW), ("vertical", "viscous", -1, FEW),
-     ("spinning", "rough", -1, FEW), ("tumbling", "smooth", 1, FEW)]
-    + [pytest.param(*where, side, SIZES, marks=pytest.mark.long)
-       for where in BALL for side in (1, -1)],
-)  # fmt: skip
+    [
+        ("rolling", "viscous", 1, FEW),
+        ("vertical", "viscous", -1, FEW),
+        ("spinning", "rough", -1, FEW),
+        ("tumbling", "smooth", 1, FEW),
+    ]
+    + [
+        pytest.param(*where, side, SIZES, marks=pytest.mark.long)
+        for where in BALL
+        for side in (1, -1)
+    ],
+)
 def test_a_spheroid_becomes_the_ball(family: str, law: str, side: int, sizes: np.ndarray) -> None:
     def spheroid(size: float) -> np.ndarray:
         body, at = st.Spheroid(1 + side * size), 0.9 if family == "tumbling" else RATE

@@ -126,15 +126,23 @@ def test_limits_are_the_disk_and_the_ball() -> None:
         (lambda: st.Torus(0.1, axial=0.5), "axial is given, but the body has its own"),
         (lambda: st.Body(lambda _: 1.0, axial=0.9, transverse=0.4), "axial above twice"),
         (lambda: st.Body(lambda _: -1.0, axial=0.4, transverse=0.4), "above the plane"),
-        (lambda: st.Body(lambda theta: 1 + theta * 0 - 0.9 * np.cos(2 * theta), axial=0.4,
-                         transverse=0.4), "height is"),
+        (
+            lambda: st.Body(
+                lambda theta: 1 + theta * 0 - 0.9 * np.cos(2 * theta), axial=0.4, transverse=0.4
+            ),
+            "height is",
+        ),
         (lambda: st.Body(lambda _, e: e, axial=0.4, transverse=0.4), "no value at CasADi"),
-        (lambda: st.Body(lambda _: 1.0, axial=0.4, transverse=0.4, shape={"at": 1.0}),
-         "shape names 'at'"),
-        (lambda: st.Body(lambda _: 1.0, axial=0.4, transverse=0.4, between=(0.0, 4.0)),
-         "between is"),
+        (
+            lambda: st.Body(lambda _: 1.0, axial=0.4, transverse=0.4, shape={"at": 1.0}),
+            "shape names 'at'",
+        ),
+        (
+            lambda: st.Body(lambda _: 1.0, axial=0.4, transverse=0.4, between=(0.0, 4.0)),
+            "between is",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_is_no_body_is_refused_in_a_sentence(make: Callable[[], object], words: str) -> None:
     with pytest.raises(st.StabilityError, match=words) as error:
         make()

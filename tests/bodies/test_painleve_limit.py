@@ -16,17 +16,27 @@ from stability.bodies.round_body.painleve import painleve_limit
 
 EGG = st.Body(
     lambda theta, a, b: 1 + a * ca.cos(theta) + b * ca.cos(2 * theta) + 0.01 * ca.cos(3 * theta),
-    axial=0.3, transverse=0.4, shape={"a": 0.1, "b": 0.08}, name="egg",
-)  # fmt: skip
+    axial=0.3,
+    transverse=0.4,
+    shape={"a": 0.1, "b": 0.08},
+    name="egg",
+)
 
 
 @pytest.mark.few(2)
 @pytest.mark.parametrize(
     "body",
-    [st.Torus(0.1), st.Torus(0.4, solid=False), st.Spheroid(0.5), st.Spheroid(1.8),
-     st.EccentricSphere(0.3), EGG, st.Egg(0.2)],
+    [
+        st.Torus(0.1),
+        st.Torus(0.4, solid=False),
+        st.Spheroid(0.5),
+        st.Spheroid(1.8),
+        st.EccentricSphere(0.3),
+        EGG,
+        st.Egg(0.2),
+    ],
     ids=lambda b: b.name,
-)  # fmt: skip
+)
 def test_painleve_limits_are_the_least_values(body: st.Body) -> None:
     found = painleve_limit(body)
     moment = body.moments()[1]
@@ -38,8 +48,9 @@ def test_painleve_limits_are_the_least_values(body: st.Body) -> None:
     low, high = body.between
     grid = np.linspace(low, high, 400)[1:-1]
     best = min(grid, key=ratio)
-    least = minimize_scalar(ratio, bounds=(best - 0.01, best + 0.01), method="bounded",
-                            options={"xatol": 1e-10}).fun  # fmt: skip
+    least = minimize_scalar(
+        ratio, bounds=(best - 0.01, best + 0.01), method="bounded", options={"xatol": 1e-10}
+    ).fun
     assert found.low <= found.high
     assert found.low == pytest.approx(least, rel=1e-11)
     assert (found.high - found.low) < 1e-12 * found.high
@@ -66,9 +77,10 @@ def test_painleve_limits_of_disks_are_in_closed_form(whole: bool) -> None:
     )
     with pytest.raises(st.StabilityError, match="one number"):
         painleve_limit(st.Torus([0.1, 0.2]))
-    disk, body = st.painleve_limit(st.Disk(k=0.5)), painleve_limit(
-        st.Body(lambda t: ca.sin(t), axial=1.0, transverse=0.5)
-    )  # fmt: skip
+    disk, body = (
+        st.painleve_limit(st.Disk(k=0.5)),
+        painleve_limit(st.Body(lambda t: ca.sin(t), axial=1.0, transverse=0.5)),
+    )
     assert (disk.low, disk.high, disk.theta) == (body.low, body.high, body.theta)
     assert "przybylska2016" in disk.citation and "przybylska2016" in body.citation
     for wrong in ("egg", 0.25, None):

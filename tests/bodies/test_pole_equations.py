@@ -12,10 +12,16 @@ from stability.bodies.round_body.equations import round_system
 from stability.bodies.round_body.pole_equations import pole_system, smooth_at
 
 BODIES = (
-    st.Spheroid(0.6), st.EccentricSphere(0.2),
-    st.Body(lambda t, a: 1 + a * ca.cos(3 * t) + ca.sin(t) ** 4 / 9 + ca.cos(-t) / 50, axial=0.3,
-            transverse=0.35, shape={"a": 0.02}, name="egg"),
-)  # fmt: skip
+    st.Spheroid(0.6),
+    st.EccentricSphere(0.2),
+    st.Body(
+        lambda t, a: 1 + a * ca.cos(3 * t) + ca.sin(t) ** 4 / 9 + ca.cos(-t) / 50,
+        axial=0.3,
+        transverse=0.35,
+        shape={"a": 0.02},
+        name="egg",
+    ),
+)
 
 
 def _frame(x: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -96,9 +102,13 @@ def test_tippe_top_turns_over_by_its_known_thresholds(
         assert edge.stable_below is (pole == 0)
         for factor in (1 - 1e-12, 1 + 1e-12):
             near = st.spectrum(
-                "vertical", at=known * factor, body=top, contact=st.Viscous(mu), pole=pole,
+                "vertical",
+                at=known * factor,
+                body=top,
+                contact=st.Viscous(mu),
+                pole=pole,
                 certify=True,
-            )  # fmt: skip
+            )
             assert near.verdict.word == ("stable" if (factor < 1) == (pole == 0) else "unstable")
 
 
@@ -128,9 +138,13 @@ def test_a_tippe_top_in_si_turns_over_at_the_numbers_of_the_literature(
         assert edge.stable_below is stable_below
         for side in (1 - 1e-12, 1 + 1e-12):
             near = st.spectrum(
-                "vertical", at=edge.value * side, body=top, contact=st.Viscous(mu), pole=pole,
+                "vertical",
+                at=edge.value * side,
+                body=top,
+                contact=st.Viscous(mu),
+                pole=pole,
                 certify=True,
-            )  # fmt: skip
+            )
             assert near.verdict.word == ("stable" if (side < 1) == stable_below else "unstable")
     share = given["mass"] * given["length"] ** 2
     i3, a = 0.4 * share, 0.3

@@ -52,8 +52,9 @@ def test_the_spectrum_is_that_of_the_effective_potential() -> None:
     assert sp.simplify(sp.trigsimp(square - printed)) == 0
 
 
-@pytest.mark.parametrize(("theta", "rate", "k"), [(1.0, 1.5, 0.25), (1.5, 1.9, 0.25),
-                                                   (0.2, -3.0, 0.5), (2.7, 0.4, 0.1)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("theta", "rate", "k"), [(1.0, 1.5, 0.25), (1.5, 1.9, 0.25), (0.2, -3.0, 0.5), (2.7, 0.4, 0.1)]
+)
 def test_plain_and_certified_meet_the_effective_potential_in_numbers(
     theta: float, rate: float, k: float
 ) -> None:
@@ -65,14 +66,19 @@ def test_plain_and_certified_meet_the_effective_potential_in_numbers(
         w = c * (kk * p * p * s - 1) / (2 * kk * p * s)
         ell = kk * p * s * s + 2 * kk * w * c
         curve = mpmath.diff(
-            lambda t: (ell - 2 * kk * w * mpmath.cos(t)) ** 2 / (2 * kk * mpmath.sin(t) ** 2)
-            + mpmath.sin(t), th, 2,
-        )  # fmt: skip
+            lambda t: (
+                (ell - 2 * kk * w * mpmath.cos(t)) ** 2 / (2 * kk * mpmath.sin(t) ** 2)
+                + mpmath.sin(t)
+            ),
+            th,
+            2,
+        )
         square = -curve / (kk + c * c)
         value = complex(mpmath.sqrt(square))
     for certify in (False, True):
-        found = st.spectrum("precession", at=(theta, rate), disk=st.Disk(k=k), contact=st.Smooth(),
-                            certify=certify)  # fmt: skip
+        found = st.spectrum(
+            "precession", at=(theta, rate), disk=st.Disk(k=k), contact=st.Smooth(), certify=certify
+        )
         assert found.structural_zeros == 2
         assert np.abs(found.eigenvalues - [-value, value]).max() < 1e-12 * abs(value)
         unstable = square > 0
@@ -98,8 +104,10 @@ def test_precession_is_unstable_between_two_branches_real_where_s4_is_above_3_qu
 def test_it_contains_tumbling_and_meets_spinning_where_tumbling_does() -> None:
     theta, k = 0.8, 0.3
     rate = 1 / math.sqrt(k * math.sin(theta))
-    both = [st.disk_family(n, "smooth").member(at, [k])
-            for n, at in (("precession", [theta, rate]), ("tumbling", [theta]))]  # fmt: skip
+    both = [
+        st.disk_family(n, "smooth").member(at, [k])
+        for n, at in (("precession", [theta, rate]), ("tumbling", [theta]))
+    ]
     assert both[0] == pytest.approx(both[1], abs=1e-14)
     disk = st.Disk(k=k)
     one = st.spectrum("precession", at=(theta, rate), disk=disk, contact=st.Smooth())
@@ -149,9 +157,12 @@ def test_its_boundaries_are_the_two_branches_along_either_axis() -> None:
         theta, k = rng.uniform(0.4, 2.7), rng.uniform(0.05, 0.5)
         disk = st.Disk(k=k)
         found = st.boundaries(
-            "precession", axis=("phi_dot", 0.01, 30.0, 20), at=theta, disk=disk,
+            "precession",
+            axis=("phi_dot", 0.01, 30.0, 20),
+            at=theta,
+            disk=disk,
             contact=st.Smooth(),
-        )  # fmt: skip
+        )
         truth = branches(theta, k)
         seen.add(len(truth))
         assert found.complete
@@ -167,7 +178,8 @@ def test_its_boundaries_are_the_two_branches_along_either_axis() -> None:
         w = k * rate * rate  # (s² w² - (2 s³ - s) w + 1 - s² = 0)
         roots = np.roots([-2 * w, w * w - 1, w, 1.0])
         lean = [float(r.real) for r in roots if abs(r.imag) < 1e-12 and 0 < r.real < 1]
-        expected = sorted(t for s in lean for t in (math.asin(s), math.pi - math.asin(s))
-                          if 0.4 < t < 2.7)  # fmt: skip
+        expected = sorted(
+            t for s in lean for t in (math.asin(s), math.pi - math.asin(s)) if 0.4 < t < 2.7
+        )
         assert [b.value for b in along] == pytest.approx(expected, abs=1e-9)
     assert seen == {0, 2}

@@ -168,9 +168,12 @@ def test_tumbling_of_a_coin_turns_at_the_printed_mu(rounded: str) -> None:
 @pytest.mark.long
 @pytest.mark.parametrize(
     ("aspect", "mu", "near"),
-    [(Fraction(13, 10), Fraction(1), 2.0), (Fraction(17, 10), Fraction(1), 1.93),
-     (Fraction(5, 2), Fraction(3), 1.25)],
-)  # fmt: skip
+    [
+        (Fraction(13, 10), Fraction(1), 2.0),
+        (Fraction(17, 10), Fraction(1), 1.93),
+        (Fraction(5, 2), Fraction(3), 1.25),
+    ],
+)
 def test_a_lying_spheroid_flutters_below_five_from_the_value_of_its_surface(
     aspect: Fraction, mu: Fraction, near: float
 ) -> None:
@@ -181,8 +184,9 @@ def test_a_lying_spheroid_flutters_below_five_from_the_value_of_its_surface(
         rate = _secant(lambda q: _flutter(body, _mp(mu), [mp.pi / 2, 0, q, 0, 0, 0]), near, 1e-3)
         assert rate**2 < 5
     own = st.Spheroid(float(aspect))
-    [edge] = st.boundaries("spinning", axis=("at", 0.05, 2.2, 40), body=own,
-                           contact=st.Viscous(float(mu)))  # fmt: skip
+    [edge] = st.boundaries(
+        "spinning", axis=("at", 0.05, 2.2, 40), body=own, contact=st.Viscous(float(mu))
+    )
     assert edge.value == pytest.approx(float(rate), rel=1e-13)
     numbers = {"aspect": aspect, "mu": mu}
     found = words(own.family("spinning", "viscous"), fraction(rate), numbers)
@@ -191,10 +195,15 @@ def test_a_lying_spheroid_flutters_below_five_from_the_value_of_its_surface(
 
 CIRCLES = [
     ("torus", st.Torus(0.2), {"tube": Fraction(1, 5)}, Fraction(7, 5), (0.1617, 0.6833)),
-    ("thick disk", st.ThickDisk(0.3), {"thickness": Fraction(3, 10)}, Fraction(6, 5),
-     (0.3007, 0.7867)),
+    (
+        "thick disk",
+        st.ThickDisk(0.3),
+        {"thickness": Fraction(3, 10)},
+        Fraction(6, 5),
+        (0.3007, 0.7867),
+    ),
     ("spheroid", st.Spheroid(0.5), {"aspect": HALF}, Fraction(19, 10), (0.4864, 0.5104)),
-]  # fmt: skip
+]
 
 
 def _circling_surface(name: str, number: Number) -> oracle.ConvexBody:
@@ -207,12 +216,16 @@ def _circling_surface(name: str, number: Number) -> oracle.ConvexBody:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("name", "body", "numbers", "theta", "edges"), CIRCLES,
-                         ids=[c[0] for c in CIRCLES])  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "body", "numbers", "theta", "edges"), CIRCLES, ids=[c[0] for c in CIRCLES]
+)
 def test_circling_turns_where_its_square_of_frequency_vanishes(
-    name: str, body: st.Body, numbers: dict[str, Fraction], theta: Fraction,
+    name: str,
+    body: st.Body,
+    numbers: dict[str, Fraction],
+    theta: Fraction,
     edges: tuple[float, float],
-) -> None:  # fmt: skip
+) -> None:
     """λ² of a member without slip is minus the sum of the principal minors of order 2."""
     family = body.family("circling", "rough")
     sides = (["neutral", "unstable"], ["unstable", "neutral"])

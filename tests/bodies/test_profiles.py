@@ -169,15 +169,19 @@ def test_density_moves_the_centre_of_mass() -> None:
     ("make", "words"),
     [
         (lambda: st.from_profile(lambda u: (1 + 0 * u, u)), "both must be 0"),
-        (lambda: st.from_profile(
-            lambda u: (np.sin(u) * (1 + 0.5 * np.cos(2 * u) ** 2), -np.cos(u))), "convex|smooth"),
+        (
+            lambda: st.from_profile(
+                lambda u: (np.sin(u) * (1 + 0.5 * np.cos(2 * u) ** 2), -np.cos(u))
+            ),
+            "convex|smooth",
+        ),
         (lambda: st.from_profile(lambda u: (np.minimum(u, np.pi - u), u)), "no smooth|settle"),
         (lambda: st.Egg(0.9), r"taper is 0.9; it must lie in \[0, 0.4\]"),
         (lambda: st.Egg(0.1, aspect=-1), "aspect is -1"),
         (lambda: st.Egg(0.1, tolerance=1e-17), r"is 1e-17; it must lie in \[1e-16, 1e-09\]"),
         (lambda: st.Egg(0.1, radius=1), "'radius'"),
     ],
-)  # fmt: skip
+)
 def test_what_is_no_smooth_convex_meridian_is_refused(make: object, words: str) -> None:
     with pytest.raises(st.StabilityError, match=words) as error:
         make()  # type: ignore[operator]

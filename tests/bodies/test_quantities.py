@@ -49,8 +49,9 @@ def tables_of_facts(folder: Path) -> Iterator[tuple[str, str]]:
             if not isinstance(node, ast.Dict):
                 continue
             keys = [k.value if isinstance(k, ast.Constant) else None for k in node.keys]
-            told = sum(k in QUANTITIES and bool(_texts(v))
-                       for k, v in zip(keys, node.values, strict=True))  # fmt: skip
+            told = sum(
+                k in QUANTITIES and bool(_texts(v)) for k, v in zip(keys, node.values, strict=True)
+            )
             units = UNITS & {*filter(None, keys), *(t for v in node.values for t in _texts(v))}
             if told > 1 or len(units) > 1:
                 yield path.relative_to(folder).as_posix(), str(keys[0])
@@ -65,9 +66,12 @@ def test_no_unit_symbol_or_name_is_stated_in_a_second_place() -> None:
 
 def test_a_second_table_would_be_found(tmp_path: Path) -> None:
     for text in (
-        '{"theta": "rad", "omega3": "1/s"}', '{"slip_x": ("slip", "speed"), "phi": ("p", "angle")}',
-        r'{"mu": "\\mu", "k": "k"}', '{"angle": "rad", "rate": "rad/s"}', '{"√(g/R)": 1, "m g": 2}',
-    ):  # fmt: skip
+        '{"theta": "rad", "omega3": "1/s"}',
+        '{"slip_x": ("slip", "speed"), "phi": ("p", "angle")}',
+        r'{"mu": "\\mu", "k": "k"}',
+        '{"angle": "rad", "rate": "rad/s"}',
+        '{"√(g/R)": 1, "m g": 2}',
+    ):
         (tmp_path / "module.py").write_text(f"TABLE = {text}\n", encoding="utf-8")
         assert list(tables_of_facts(tmp_path)), text
 
@@ -109,9 +113,12 @@ def test_a_series_is_its_dimensionless_numbers_times_the_unit_in_words() -> None
         st.Disk(), st.Viscous(0.3), {"theta": 1.3, "omega3": 1.2, "slip_x": 0.1}, times, pose=True
     )
     si = st.simulate(
-        st.Disk(**body), st.Viscous(0.3 / speed),
-        {"theta": 1.3, "omega3": 1.2 * rate, "slip_x": 0.1 * speed}, times / rate, pose=True,
-    )  # fmt: skip
+        st.Disk(**body),
+        st.Viscous(0.3 / speed),
+        {"theta": 1.3, "omega3": 1.2 * rate, "slip_x": 0.1 * speed},
+        times / rate,
+        pose=True,
+    )
     series = [str(n) for n, v in plain.variables.items() if v.dims == ("time",)]
     assert {"power", "contact_x", "theta_dot", "energy", "time"} <= set(series)
     for name in series:
@@ -138,9 +145,13 @@ def _labels(figure: object) -> set[str]:
 def test_axes_of_the_disk_have_its_names_symbols_and_units() -> None:
     disk = st.Disk(mass=0.3, radius=0.2, gravity=9.81)
     found = st.stability_map(
-        "rolling", x=("at", 3, 4, 3), y=("mass", 0.2, 0.6, 3), disk=disk,
-        contact=st.LinearViscous(0.3), boundaries=False,
-    )  # fmt: skip
+        "rolling",
+        x=("at", 3, 4, 3),
+        y=("mass", 0.2, 0.6, 3),
+        disk=disk,
+        contact=st.LinearViscous(0.3),
+        boundaries=False,
+    )
     assert {r"axial angular velocity $\omega_3$  [rad/s]", "mass $m$  [kg]"} < _labels(
         diagram(found)
     )
@@ -151,13 +162,23 @@ def test_axes_of_the_disk_have_its_names_symbols_and_units() -> None:
 def test_a_users_theta_is_not_the_disks() -> None:
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
     system = st.System(
-        "free", x, p, ca.vertcat(0 * x[0], -p * x[1]), states=("theta", "omega3"),
-        parameters=("mu",), units={"theta": "m", "mu": "1/s"},
-    )  # fmt: skip
+        "free",
+        x,
+        p,
+        ca.vertcat(0 * x[0], -p * x[1]),
+        states=("theta", "omega3"),
+        parameters=("mu",),
+        units={"theta": "m", "mu": "1/s"},
+    )
     family = st.Family(
-        system, "still", ("theta",), held={"omega3": 0.0}, unknown={}, equations=(),
+        system,
+        "still",
+        ("theta",),
+        held={"omega3": 0.0},
+        unknown={},
+        equations=(),
         typical={"theta": 1.0, "mu": 0.3},
-    )  # fmt: skip
+    )
     spectra = st.spectrum(family, at=np.linspace(0.5, 1, 5), mu=0.3)
     assert {"theta  [m]", "1: omega3"} < _labels(locus(spectra))
     found = st.stability_map(family, x=("theta", 0.5, 1, 3), y=("mu", 0.1, 1, 3))
@@ -167,9 +188,13 @@ def test_a_users_theta_is_not_the_disks() -> None:
 @pytest.mark.few(3)
 @pytest.mark.parametrize(
     ("law", "given"),
-    [(st.Viscous(0.3), "μ = 0.3 s/m"), (st.LinearViscous(mu=0.3), "μ = 0.3 s/m"),
-     (st.LinearViscous(0.3), "c = 0.3 kg/s"), (st.Coulomb(0.3), "μ = 0.3)")],
-)  # fmt: skip
+    [
+        (st.Viscous(0.3), "μ = 0.3 s/m"),
+        (st.LinearViscous(mu=0.3), "μ = 0.3 s/m"),
+        (st.LinearViscous(0.3), "c = 0.3 kg/s"),
+        (st.Coulomb(0.3), "μ = 0.3)"),
+    ],
+)
 def test_a_caption_gives_the_coefficient_in_the_unit_of_its_law(
     law: st.Contact, given: str
 ) -> None:

@@ -86,8 +86,9 @@ class Case:
             spin = np.array([at, 0, 1.0, -s * along / away, 0, 0])
             pose = oracle.pose_at(self.shape.body, spin)
             return bool(pose.arm[0] * np.cross([0, 0, 1.0], pose.momentum)[1] < 0)
-        return family != "rolling" or any(self.shape.at(t)[1] * self.shape.at(3.1)[1] < 0
-                                          for t in np.linspace(0.02, 3.0, 99))  # fmt: skip
+        return family != "rolling" or any(
+            self.shape.at(t)[1] * self.shape.at(3.1)[1] < 0 for t in np.linspace(0.02, 3.0, 99)
+        )
 
     def family(self, name: str) -> st.Family:
         """The family of the package."""
@@ -158,16 +159,23 @@ def cases(seed: int, count: int, kinds: Sequence[str]) -> Iterator[Case]:
         shape = random_height(rng, kinds)
         name = str(rng.choice(list(LAWS)))
         mu = 0.0 if name in ("smooth", "rough") else round(float(rng.uniform(0.05, 1.0)), 2)
-        contact: Any = {"smooth": st.Smooth, "rough": st.Rough, "viscous": st.Viscous,
-                        "linear-viscous": st.LinearViscous}[name]  # fmt: skip
+        contact: Any = {
+            "smooth": st.Smooth,
+            "rough": st.Rough,
+            "viscous": st.Viscous,
+            "linear-viscous": st.LinearViscous,
+        }[name]
         contact = contact(mu) if mu else contact()
         kind, numbers, given = shape.kind, dict(shape.numbers), {}
         if rng.random() < 0.5:
             given = {n: numbers.pop(n) for n in ("b", "d")}
         own = st.Body(
             lambda t, _n=numbers, _k=kind, **free: CASADI(_k, t, **_n, **free),
-            axial=shape.body.axial, transverse=shape.body.transverse, shape=given, name=kind,
-        )  # fmt: skip
+            axial=shape.body.axial,
+            transverse=shape.body.transverse,
+            shape=given,
+            name=kind,
+        )
         yield Case(shape, own, oracle.Law(name, mu), contact, rng)
 
 
@@ -315,9 +323,16 @@ def _settled(case: Case, count: Counter[str]) -> None:
 @pytest.mark.parametrize(
     ("check", "seed", "count"),
     [(_verdicts, 21, 2), (_changes, 22, 3), (_motion, 23, 2), (_settled, 29, 4)]
-    + [pytest.param(*given, marks=pytest.mark.long) for given in
-       ((_verdicts, 61, 300), (_changes, 32, 60), (_motion, 33, 60), (_settled, 41, 300))],
-)  # fmt: skip
+    + [
+        pytest.param(*given, marks=pytest.mark.long)
+        for given in (
+            (_verdicts, 61, 300),
+            (_changes, 32, 60),
+            (_motion, 33, 60),
+            (_settled, 41, 300),
+        )
+    ],
+)
 def test_random_heights(check: Callable[..., None], seed: int, count: int) -> None:
     """Nothing is wrong, and next to nothing undecided or left out."""
     seen: Counter[str] = Counter()

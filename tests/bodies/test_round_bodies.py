@@ -24,9 +24,11 @@ def thin_disk(k: float) -> st.Body:
 )
 def test_general_graph_meets_the_reference_spectra(known: dict) -> None:  # type: ignore[type-arg]
     found = st.spectrum(
-        known["family"], at=known["at"], body=thin_disk(known["k"]),
+        known["family"],
+        at=known["at"],
+        body=thin_disk(known["k"]),
         contact=st.Viscous(known["mu"]),
-    )  # fmt: skip
+    )
     true = np.array([complex(float(a), float(b)) for a, b in known["eigenvalues"]])
     size = np.abs(true).max()
     ours = found.eigenvalues
@@ -42,9 +44,13 @@ def test_general_graph_meets_the_reference_motions(known: dict) -> None:  # type
     """Five motions of the disk by an inertial formulation with quaternions."""
     assert len(reference.trajectories()) == 5
     run = st.simulate(
-        thin_disk(known["k"]), st.Viscous(known["mu"]), known["start"], known["times"],
-        tolerance=1e-13, check=False,
-    )  # fmt: skip
+        thin_disk(known["k"]),
+        st.Viscous(known["mu"]),
+        known["start"],
+        known["times"],
+        tolerance=1e-13,
+        check=False,
+    )
     names = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
     found = np.array([run[n].values for n in names]).T
     true = np.array(known["states"])
@@ -68,8 +74,14 @@ def test_general_graph_is_the_disks_at_random_states(law: str, physical: bool) -
         unit = np.array([1, rate, rate, rate, speed, speed])[: len(own.states)]
         x = np.array([rng.uniform(0.3, 2.8), *rng.normal(0, 0.5, len(own.states) - 1)])
         x[4:] /= 10  # far from D = 0
-        numbers = {"axial": 2 * k, "transverse": k, "mass": mass, "gravity": gravity,
-                   "length": length, "mu": mu / speed}  # fmt: skip
+        numbers = {
+            "axial": 2 * k,
+            "transverse": k,
+            "mass": mass,
+            "gravity": gravity,
+            "length": length,
+            "mu": mu / speed,
+        }
         p = [numbers[n] for n in general.parameters]
         rates = general.rates(x * unit, p) / unit / rate
         true = own.rates(x, [k, mu][: len(own.parameters)])
@@ -110,9 +122,12 @@ def test_bodies_compare_hash_pickle_and_copy() -> None:
 
 def test_numbers_of_a_shape_are_axes_of_maps() -> None:
     found = st.stability_map(
-        "rolling", x=("omega3", 0.1, 2, 6), y=("tube", 0.05, 0.5, 5), body=st.Torus(0.1),
+        "rolling",
+        x=("omega3", 0.1, 2, 6),
+        y=("tube", 0.05, 0.5, 5),
+        body=st.Torus(0.1),
         contact=st.Viscous(0.4),
-    )  # fmt: skip
+    )
     assert found.verdict.dims == ("tube", "omega3")
     for tube in (0.05, 0.5):
         for omega3 in (0.1, 2.0):
@@ -143,7 +158,7 @@ def test_what_does_not_fit_is_refused_in_a_sentence() -> None:
         (dict(family="circling", body=torus, at=(1.0, 0.5)), "family of the rough contact"),
         (dict(family="spinning", body=st.ThickDisk(0.1)), "thick disk has no spinning"),
         (dict(family="spinning", body=torus, theta=1.0), "theta"),
-    ]  # fmt: skip
+    ]
     for given, words in cases:
         arguments = {"at": 1.0, "contact": st.Viscous(0.3)} | given
         with pytest.raises(st.StabilityError, match=words) as error:

@@ -19,10 +19,19 @@ from stability.bodies.round_body.pole_equations import pole_system
 
 EGG = st.Body(
     lambda theta, a, b: 1 + a * ca.cos(theta) + b * ca.cos(2 * theta) + 0.01 * ca.cos(3 * theta),
-    axial=0.3, transverse=0.4, shape={"a": 0.1, "b": 0.08}, name="egg",
-)  # fmt: skip
-BODIES = (st.Torus(0.2), st.Spheroid(0.4), st.Spheroid(1.7), st.EccentricSphere(0.2), EGG,
-          st.ThickDisk(0.3))  # fmt: skip
+    axial=0.3,
+    transverse=0.4,
+    shape={"a": 0.1, "b": 0.08},
+    name="egg",
+)
+BODIES = (
+    st.Torus(0.2),
+    st.Spheroid(0.4),
+    st.Spheroid(1.7),
+    st.EccentricSphere(0.2),
+    EGG,
+    st.ThickDisk(0.3),
+)
 
 
 def _numbers(body: st.Body, mu: float) -> dict[str, float]:
@@ -108,9 +117,12 @@ def test_rolling_leans_where_the_height_has_its_flat_points() -> None:
 # have that rate as an unknown of the search.  Each root must be a member by closed forms.
 
 LENS = st.Body(
-    lambda t, a: ca.sqrt(0.2 + ca.sin(t) ** 2) * (1 + a * ca.sin(t) ** 2), axial=0.35,
-    transverse=0.2, shape={"a": 0.03}, name="lens",
-)  # fmt: skip
+    lambda t, a: ca.sqrt(0.2 + ca.sin(t) ** 2) * (1 + a * ca.sin(t) ** 2),
+    axial=0.35,
+    transverse=0.2,
+    shape={"a": 0.03},
+    name="lens",
+)
 ROUND = (st.Spheroid(0.4), st.Spheroid(1.7), st.EccentricSphere(0.2), EGG, LENS)
 EVERY = (*ROUND, st.Torus(0.2), st.Torus(0.6, solid=False), st.ThickDisk(0.3), st.ThickDisk(1.5))
 SEARCHES = [15, pytest.param(60, marks=pytest.mark.long)]
@@ -157,10 +169,10 @@ def _kind(body: st.Body, law: str, motion: tuple[float, float, float], slip: flo
         return "rolling"
     if law in ("rough", "smooth"):
         left = {
-            "rough": phi_dot * (omega3 * (r * h + axial * s)
-                                - phi_dot * s * (z * h + transverse * c)),
+            "rough": phi_dot
+            * (omega3 * (r * h + axial * s) - phi_dot * s * (z * h + transverse * c)),
             "smooth": phi_dot * s * (axial * omega3 - transverse * phi_dot * c),
-        }[law]  # fmt: skip
+        }[law]
         name = {"rough": "circling", "smooth": "precession"}[law]
         return name if abs(slope + left) < NEAR * size else None
     if max(abs(c), abs(slope), abs(omega3)) < NEAR * size:
@@ -175,8 +187,9 @@ def _search(value: Residual, slope: Residual, starts: list[np.ndarray]) -> list[
     found = []
     with np.errstate(all="ignore"):
         for start in starts:
-            end = least_squares(value, start, slope, method="lm", xtol=1e-15, ftol=1e-15,
-                                gtol=1e-15, max_nfev=1500)  # fmt: skip
+            end = least_squares(
+                value, start, slope, method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=1500
+            )
             if np.abs(end.fun).max() < 1e-13 * (1 + np.abs(end.x).max() ** 2):
                 found.append(end.x)
     return found
@@ -195,8 +208,16 @@ def test_no_other_steady_motion_is_found(body: st.Body, law: str, searches: int)
     value, slope = _root(rhs[1:], unknowns, system.p, _values(body, system.parameters))
     rng = np.random.default_rng(5)
     low, high = body.between
-    starts = [np.array([rng.uniform(low + 0.1, high - 0.1), *rng.normal(0, 1.5, 2),
-                        *rng.normal(0, 0.3, len(kept) - 3)]) for _ in range(searches)]  # fmt: skip
+    starts = [
+        np.array(
+            [
+                rng.uniform(low + 0.1, high - 0.1),
+                *rng.normal(0, 1.5, 2),
+                *rng.normal(0, 0.3, len(kept) - 3),
+            ]
+        )
+        for _ in range(searches)
+    ]
     kinds: Counter[str | None] = Counter()
     for theta, phi_dot, omega3, *slip in _search(value, slope, starts):
         if body in ROUND:  # through a pole to the other side, where the height is the same
@@ -215,7 +236,7 @@ def test_no_other_steady_motion_is_found(body: st.Body, law: str, searches: int)
     [(ROUND[0], "rough", 20), (ROUND[2], "smooth", 20)]
     + [pytest.param(body, law, 60, marks=pytest.mark.long) for body in ROUND for law in LAWS],
     ids=lambda v: f"{v.name} {list(v.shape.values())[0]}" if isinstance(v, st.Body) else str(v),
-)  # fmt: skip
+)
 def test_no_other_steady_motion_is_found_at_or_near_a_pole(
     body: st.Body, law: str, searches: int
 ) -> None:
@@ -236,9 +257,16 @@ def test_no_other_steady_motion_is_found_at_or_near_a_pole(
     for i in range(searches):
         wide = 1.0 if i % 2 else 0.1  # half of them next to a pole
         axis_ = np.array([*rng.normal(0, wide, 2), rng.choice([-1.0, 1.0])])
-        starts.append(np.concatenate([
-            axis_ / np.linalg.norm(axis_), rng.normal(0, 1.5, 3), rng.normal(0, 0.3, slip.numel()),
-            rng.normal(0, 1.5, 1)]))  # fmt: skip
+        starts.append(
+            np.concatenate(
+                [
+                    axis_ / np.linalg.norm(axis_),
+                    rng.normal(0, 1.5, 3),
+                    rng.normal(0, 0.3, slip.numel()),
+                    rng.normal(0, 1.5, 1),
+                ]
+            )
+        )
     kinds = Counter(_at_pole(body, law, y, slip.numel()) for y in _search(value, slope, starts))
     assert None not in kinds, kinds
     assert sum(kinds.values()) > MOST * searches, kinds

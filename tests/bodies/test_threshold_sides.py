@@ -22,8 +22,13 @@ import stability as st
 
 def rounded(name: str) -> st.Body:
     """Height ρ + (1-ρ) sin θ, with all numbers free: h(π/2) = 1, ρ the radius of curvature."""
-    return st.Body(lambda theta, rho: rho + (1 - rho) * ca.sin(theta), axial=0.5, transverse=0.4,
-                   shape={"rho": 0.25}, name=name)  # fmt: skip
+    return st.Body(
+        lambda theta, rho: rho + (1 - rho) * ca.sin(theta),
+        axial=0.5,
+        transverse=0.4,
+        shape={"rho": 0.25},
+        name=name,
+    )
 
 
 # body, its numbers, then h, h′′, I1 and I3 upright
@@ -31,13 +36,25 @@ Upright = tuple[st.Body, dict[str, Fraction], Fraction, Fraction, Fraction, Frac
 
 
 def torus(b: Fraction) -> Upright:
-    return (st.Torus(float(b)), {"tube": b}, 1 + b, Fraction(-1),
-            HALF + Fraction(5, 8) * b**2, 1 + Fraction(3, 4) * b**2)  # fmt: skip
+    return (
+        st.Torus(float(b)),
+        {"tube": b},
+        1 + b,
+        Fraction(-1),
+        HALF + Fraction(5, 8) * b**2,
+        1 + Fraction(3, 4) * b**2,
+    )
 
 
 def spheroid(a: Fraction) -> Upright:
-    return (st.Spheroid(float(a)), {"aspect": a}, Fraction(1), a**2 - 1, (1 + a**2) / 5,
-            Fraction(2, 5))  # fmt: skip
+    return (
+        st.Spheroid(float(a)),
+        {"aspect": a},
+        Fraction(1),
+        a**2 - 1,
+        (1 + a**2) / 5,
+        Fraction(2, 5),
+    )
 
 
 def coin(rho: Fraction, across: Fraction, along: Fraction) -> Upright:
@@ -45,9 +62,14 @@ def coin(rho: Fraction, across: Fraction, along: Fraction) -> Upright:
     return rounded("coin"), numbers, Fraction(1), rho - 1, across, along
 
 
-BODIES = [torus(Fraction(1, 5)), torus(Fraction(1, 3)), spheroid(Fraction(1, 2)),
-          coin(Fraction(1, 7), Fraction(2, 5), HALF), coin(Fraction(0), Fraction(1, 4), HALF),
-          coin(Fraction(0), HALF, Fraction(1))]  # fmt: skip
+BODIES = [
+    torus(Fraction(1, 5)),
+    torus(Fraction(1, 3)),
+    spheroid(Fraction(1, 2)),
+    coin(Fraction(1, 7), Fraction(2, 5), HALF),
+    coin(Fraction(0), Fraction(1, 4), HALF),
+    coin(Fraction(0), HALF, Fraction(1)),
+]
 MU = (Fraction(3, 10), Fraction(3))
 
 
@@ -88,9 +110,12 @@ def limits(rho: Fraction, i1: Fraction, i3: Fraction) -> tuple[Fraction, Fractio
 
 @pytest.mark.parametrize(
     ("rho", "i1", "i3"),
-    [(Fraction(0), Fraction(1, 4), HALF), (Fraction(1, 7), Fraction(2, 5), HALF),
-     (Fraction(1, 3), Fraction(3, 10), Fraction(2, 5))],
-)  # fmt: skip
+    [
+        (Fraction(0), Fraction(1, 4), HALF),
+        (Fraction(1, 7), Fraction(2, 5), HALF),
+        (Fraction(1, 3), Fraction(3, 10), Fraction(2, 5)),
+    ],
+)
 def test_spinning_with_friction_turns_at_its_three_limits(
     rho: Fraction, i1: Fraction, i3: Fraction
 ) -> None:
@@ -118,8 +143,9 @@ def test_a_lying_spheroid_turns_at_five(aspect: Fraction) -> None:
     assert words(family, root(Fraction(5)), numbers | {"mu": Fraction(1, 20)}) == expected
 
 
-@pytest.mark.parametrize(("offset", "across"), [(Fraction(1, 10), Fraction(2, 5)),
-                                                (Fraction(1, 5), Fraction(21, 50))])  # fmt: skip
+@pytest.mark.parametrize(
+    ("offset", "across"), [(Fraction(1, 10), Fraction(2, 5)), (Fraction(1, 5), Fraction(21, 50))]
+)
 def test_a_tippe_top_turns_at_its_published_thresholds(offset: Fraction, across: Fraction) -> None:
     """Ebenfeld & Scheck (1995): as in tests/bodies/test_pole_equations.py."""
     c = Fraction(2, 5)
@@ -128,26 +154,36 @@ def test_a_tippe_top_turns_at_its_published_thresholds(offset: Fraction, across:
     upright = offset * (1 - offset) ** 2 / (across - c * (1 - offset))
     inverted = offset * (1 + offset) ** 2 / (c * (1 + offset) - across)
     for mu in MU:
-        for pole, square, expected in ((0, upright, ["stable", "unstable"]),
-                                       ("pi", inverted, ["unstable", "stable"])):  # fmt: skip
+        for pole, square, expected in (
+            (0, upright, ["stable", "unstable"]),
+            ("pi", inverted, ["unstable", "stable"]),
+        ):
             family = top.family("vertical", "viscous", pole=pole)
             assert words(family, root(square), numbers | {"mu": mu}) == expected
 
 
 @pytest.mark.few(1)
 @pytest.mark.parametrize("pole", [0, "pi"])
-@pytest.mark.parametrize(("h", "rho", "i1", "i3"), [
-    (Fraction(4, 5), Fraction(1), HALF, HALF),
-    (Fraction(6, 5), Fraction(9, 10), Fraction(2, 5), HALF),
-    (Fraction(3, 2), Fraction(1), Fraction(7, 10), HALF),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("h", "rho", "i1", "i3"),
+    [
+        (Fraction(4, 5), Fraction(1), HALF, HALF),
+        (Fraction(6, 5), Fraction(9, 10), Fraction(2, 5), HALF),
+        (Fraction(3, 2), Fraction(1), Fraction(7, 10), HALF),
+    ],
+)
 def test_vertical_spin_turns_at_the_printed_thresholds(
     h: Fraction, rho: Fraction, i1: Fraction, i3: Fraction, pole: int | str
 ) -> None:
     """A ball of radius ρ whose centre of mass is at h over this end, every number free."""
     side = 1 if pole == 0 else -1
-    body = st.Body(lambda t, tall, rho: rho + side * (tall - rho) * ca.cos(t), axial=0.5,
-                   transverse=0.4, shape={"tall": 1.2, "rho": 1.0}, name="ball")  # fmt: skip
+    body = st.Body(
+        lambda t, tall, rho: rho + side * (tall - rho) * ca.cos(t),
+        axial=0.5,
+        transverse=0.4,
+        shape={"tall": 1.2, "rho": 1.0},
+        name="ball",
+    )
     numbers = {"tall": h, "rho": rho, "transverse": i1, "axial": i3}
     bend, lever = rho - h, i3 * h - i1 * rho
     expected = ["stable", "unstable"] if bend > 0 else ["unstable", "stable"]
@@ -179,8 +215,10 @@ def test_precession_is_unstable_between_its_printed_thresholds(
         low, high = (Fraction(int(mp.nint(e * ONE)), ONE) for e in edges)
     family = body.family("precession", "smooth")
     for edge, expected in ((low, ["neutral", "unstable"]), (high, ["unstable", "neutral"])):
-        found = [st.spectrum(family, certify=True, at=[theta, edge * side], **numbers).verdict.word
-                 for side in (1 - STEP, 1 + STEP)]  # fmt: skip
+        found = [
+            st.spectrum(family, certify=True, at=[theta, edge * side], **numbers).verdict.word
+            for side in (1 - STEP, 1 + STEP)
+        ]
         assert found == expected
 
 
@@ -200,47 +238,58 @@ SCALES = ("mass", "gravity", "length")
 EGG = st.Egg(0.2)
 HOLLOW = st.Torus(0.1, solid=False)
 THIN = st.Body(lambda theta: ca.sin(theta), axial=0.5, transverse=0.25, name="thin disk")
-NAMED: list[tuple[str, Any, st.Body, dict[str, Any]]] = [
-    (name, law, body, {})
-    for body in (st.Torus(0.2), st.Spheroid(0.6), st.ThickDisk(0.1), HOLLOW, THIN)
-    for name in ("rolling", "spinning")
-    for law in ("viscous", "rough", "smooth")
-    if not (name == "spinning" and body.name == "thick disk")
-] + [
-    ("rolling", "viscous", EGG, {}),
-    ("tumbling", "viscous", st.Torus(0.2), {"axis": (0.05, 1.55)}),
-    ("tumbling", "viscous", st.Spheroid(0.6), {"axis": (1.6, 3.0)}),
-    ("tumbling", "viscous", EGG, {"axis": (1.0, 1.7)}),
-    ("precession", "smooth", st.ThickDisk(0.1), {"axis": (0.3, 1.3), "held": ("phi_dot", 1.7)}),
-    ("vertical", "viscous", st.Spheroid(0.6), {}),
-    ("vertical", "viscous", st.EccentricSphere(0.2), {}),
-    ("tumbling", "viscous", THIN, {"axis": (0.05, 1.55), "mu": 2}),
-    ("tumbling", "viscous", st.Torus(0.2, solid=False), {"axis": (0.05, 1.55)}),
-    ("spinning", "viscous", st.Spheroid(1.7), {"axis": (0.05, 4.0)}),
-    ("spinning", "viscous", st.Spheroid(1.7), {"axis": (0.05, 4.0), "mu": 3}),
-    ("circling", "rough", st.Torus(0.2), {"axis": (0.05, 6.0), "held": ("theta", 1.4)}),
-    ("circling", "rough", st.ThickDisk(0.3), {"axis": (0.05, 6.0), "held": ("theta", 1.2)}),
-    ("circling", "rough", st.Spheroid(0.5), {"axis": (0.05, 6.0), "held": ("theta", 1.9)}),
-    ("circling", "rough", EGG, {"axis": (0.05, 6.0), "held": ("theta", 0.5)}),
-] + [
-    ("vertical", law, body, {"pole": pole})
-    for law in ("rough", "smooth")
-    for body, pole in ((st.Spheroid(1.7), 0), (st.EccentricSphere(0.2), "pi"), (EGG, "pi"))
-]  # fmt: skip
+NAMED: list[tuple[str, Any, st.Body, dict[str, Any]]] = (
+    [
+        (name, law, body, {})
+        for body in (st.Torus(0.2), st.Spheroid(0.6), st.ThickDisk(0.1), HOLLOW, THIN)
+        for name in ("rolling", "spinning")
+        for law in ("viscous", "rough", "smooth")
+        if not (name == "spinning" and body.name == "thick disk")
+    ]
+    + [
+        ("rolling", "viscous", EGG, {}),
+        ("tumbling", "viscous", st.Torus(0.2), {"axis": (0.05, 1.55)}),
+        ("tumbling", "viscous", st.Spheroid(0.6), {"axis": (1.6, 3.0)}),
+        ("tumbling", "viscous", EGG, {"axis": (1.0, 1.7)}),
+        ("precession", "smooth", st.ThickDisk(0.1), {"axis": (0.3, 1.3), "held": ("phi_dot", 1.7)}),
+        ("vertical", "viscous", st.Spheroid(0.6), {}),
+        ("vertical", "viscous", st.EccentricSphere(0.2), {}),
+        ("tumbling", "viscous", THIN, {"axis": (0.05, 1.55), "mu": 2}),
+        ("tumbling", "viscous", st.Torus(0.2, solid=False), {"axis": (0.05, 1.55)}),
+        ("spinning", "viscous", st.Spheroid(1.7), {"axis": (0.05, 4.0)}),
+        ("spinning", "viscous", st.Spheroid(1.7), {"axis": (0.05, 4.0), "mu": 3}),
+        ("circling", "rough", st.Torus(0.2), {"axis": (0.05, 6.0), "held": ("theta", 1.4)}),
+        ("circling", "rough", st.ThickDisk(0.3), {"axis": (0.05, 6.0), "held": ("theta", 1.2)}),
+        ("circling", "rough", st.Spheroid(0.5), {"axis": (0.05, 6.0), "held": ("theta", 1.9)}),
+        ("circling", "rough", EGG, {"axis": (0.05, 6.0), "held": ("theta", 0.5)}),
+    ]
+    + [
+        ("vertical", law, body, {"pole": pole})
+        for law in ("rough", "smooth")
+        for body, pole in ((st.Spheroid(1.7), 0), (st.EccentricSphere(0.2), "pi"), (EGG, "pi"))
+    ]
+)
 
 
-QUICK = {("rolling", "viscous", "torus"), ("spinning", "smooth", "spheroid"),
-         ("vertical", "viscous", "eccentric sphere"), ("circling", "rough", "torus"),
-         ("precession", "smooth", "thick disk"), ("tumbling", "viscous", "thin disk")}  # fmt: skip
+QUICK = {
+    ("rolling", "viscous", "torus"),
+    ("spinning", "smooth", "spheroid"),
+    ("vertical", "viscous", "eccentric sphere"),
+    ("circling", "rough", "torus"),
+    ("precession", "smooth", "thick disk"),
+    ("tumbling", "viscous", "thin disk"),
+}
 """One case of each family stays in the fast tests."""
 
 
 @pytest.mark.parametrize(
     ("name", "law", "body", "more"),
-    [pytest.param(*case, marks=() if (*case[:2], case[2].name) in QUICK else pytest.mark.long)
-     for case in NAMED],
+    [
+        pytest.param(*case, marks=() if (*case[:2], case[2].name) in QUICK else pytest.mark.long)
+        for case in NAMED
+    ],
     ids=lambda v: getattr(v, "name", str(v)),
-)  # fmt: skip
+)
 def test_boundaries_of_named_bodies_have_two_sides(
     name: str, law: str, body: st.Body, more: dict[str, Any]
 ) -> None:
@@ -304,8 +353,10 @@ def test_fast_spinning_flutters_from_its_second_limit(rho: Fraction, share: Frac
 
 def exactly(expression: Any, values: Mapping[str, Fraction]) -> Fraction:
     """A rational expression in symbols at fractions."""
-    given = {s: sympy.Rational(values[s.name].numerator, values[s.name].denominator)
-             for s in expression.free_symbols}  # fmt: skip
+    given = {
+        s: sympy.Rational(values[s.name].numerator, values[s.name].denominator)
+        for s in expression.free_symbols
+    }
     found = sympy.Rational(expression.subs(given))
     return Fraction(int(found.p), int(found.q))
 

@@ -48,8 +48,15 @@ def linear(entry: Any, *others: Any, condition: Any = None, **options: Any) -> s
     words = tuple(f"x{i}" for i in range(len(values)))
     x = ca.SX.sym("x", len(values))
     some = [st.Condition(condition(p), "it is {value:.3g}")] if condition else []
-    system = st.System("linear", x, p, ca.vertcat(*(v * x[i] for i, v in enumerate(values))),
-                       states=words, parameters=("p",), conditions=some)  # fmt: skip
+    system = st.System(
+        "linear",
+        x,
+        p,
+        ca.vertcat(*(v * x[i] for i, v in enumerate(values))),
+        states=words,
+        parameters=("p",),
+        conditions=some,
+    )
     return st.Family(system, "zero", ("p",), held=dict.fromkeys(words, 0.0), **options)
 
 
@@ -60,10 +67,12 @@ def solved(rate: Any, value: Any, guess: float, **options: Any) -> st.Family:
     limit = (
         [st.Condition(options.pop("below") - x[0], "u is {value}")] if "below" in options else []
     )
-    system = st.System("solved", x, p, rates, states=("u", "y"), parameters=("p",),
-                       conditions=limit)  # fmt: skip
-    return st.Family(system, "branch", ("p",), held={"y": 0.0}, unknown={"u": guess},
-                     equations=("u",), **options)  # fmt: skip
+    system = st.System(
+        "solved", x, p, rates, states=("u", "y"), parameters=("p",), conditions=limit
+    )
+    return st.Family(
+        system, "branch", ("p",), held={"y": 0.0}, unknown={"u": guess}, equations=("u",), **options
+    )
 
 
 # --- published boundaries ---
@@ -76,13 +85,23 @@ def governor() -> st.Family:
     a, b, e = ca.vertsplit(q)
     swing = x[2] ** 2 * ca.sin(x[0]) * ca.cos(x[0]) - ca.sin(x[0]) - e * x[1]
     system = st.System(
-        "governor", x, q, ca.vertcat(x[1], swing, a * (ca.cos(x[0]) - b)),
-        states=("x", "y", "z"), parameters=("a", "b", "e"),
-    )  # fmt: skip
+        "governor",
+        x,
+        q,
+        ca.vertcat(x[1], swing, a * (ca.cos(x[0]) - b)),
+        states=("x", "y", "z"),
+        parameters=("a", "b", "e"),
+    )
     return st.Family(
-        system, "running", at=("e",), held={"y": 0.0}, unknown={"x": 0.8, "z": 1.2},
-        equations=("y", "z"), positive=("x", "z"), typical={"a": 0.5, "b": 0.7, "e": 0.6},
-    )  # fmt: skip
+        system,
+        "running",
+        at=("e",),
+        held={"y": 0.0},
+        unknown={"x": 0.8, "z": 1.2},
+        equations=("y", "z"),
+        positive=("x", "z"),
+        typical={"a": 0.5, "b": 0.7, "e": 0.6},
+    )
 
 
 def test_watts_governor_has_one_boundary_along_each_parameter() -> None:
@@ -111,10 +130,14 @@ def lorenz() -> st.Family:
         "lorenz", x, q, rates, states=("x", "y", "z"), parameters=("sigma", "b", "r")
     )
     return st.Family(
-        system, "C+", at=("r",), unknown={"x": 8.0, "y": 8.0, "z": 27.0},
-        equations=("x", "y", "z"), positive=("x",),
+        system,
+        "C+",
+        at=("r",),
+        unknown={"x": 8.0, "y": 8.0, "z": 27.0},
+        equations=("x", "y", "z"),
+        positive=("x",),
         typical={"r": 28.0, "sigma": 10.0, "b": 8 / 3},
-    )  # fmt: skip
+    )
 
 
 def test_lorenz_equations_lose_stability_at_the_published_value_alone() -> None:
@@ -134,13 +157,28 @@ def test_lorenz_equations_lose_stability_at_the_published_value_alone() -> None:
 def test_the_triangular_point_of_three_bodies_is_lost_at_the_mass_of_gascheau() -> None:
     x, m = ca.SX.sym("x", 4), ca.SX.sym("m")
     far, close = (ca.sqrt((x[0] + m - k) ** 2 + x[1] ** 2) for k in (0, 1))
-    pull = [2 * x[3] + x[0] - (1 - m) * (x[0] + m) / far**3 - m * (x[0] - 1 + m) / close**3,
-            -2 * x[2] + x[1] - (1 - m) * x[1] / far**3 - m * x[1] / close**3]  # fmt: skip
-    system = st.System("three-body", x, m, ca.vertcat(x[2], x[3], *pull),
-                       states=("X", "Y", "U", "V"), parameters=("m",))  # fmt: skip
-    family = st.Family(system, "L4", at=("m",), held={"U": 0.0, "V": 0.0},
-                       unknown={"X": 0.47, "Y": 0.866}, equations=("U", "V"), positive=("Y",),
-                       typical={"m": 0.03})  # fmt: skip
+    pull = [
+        2 * x[3] + x[0] - (1 - m) * (x[0] + m) / far**3 - m * (x[0] - 1 + m) / close**3,
+        -2 * x[2] + x[1] - (1 - m) * x[1] / far**3 - m * x[1] / close**3,
+    ]
+    system = st.System(
+        "three-body",
+        x,
+        m,
+        ca.vertcat(x[2], x[3], *pull),
+        states=("X", "Y", "U", "V"),
+        parameters=("m",),
+    )
+    family = st.Family(
+        system,
+        "L4",
+        at=("m",),
+        held={"U": 0.0, "V": 0.0},
+        unknown={"X": 0.47, "Y": 0.866},
+        equations=("U", "V"),
+        positive=("Y",),
+        typical={"m": 0.03},
+    )
     [point] = found = st.boundaries(family, axis=("m", 0.001, 0.5, 2))
     assert found.complete and near(point, (1 - mpmath.sqrt(69) / 9) / 2) and point.stable_below
 
@@ -226,8 +264,9 @@ def test_the_branch_of_the_family_decides_which_roots_count() -> None:
 
 @pytest.mark.long
 def test_the_gap_between_two_folds_is_exact() -> None:
-    family = solved(lambda u, p: (p - 1) * (p - 2) - u * u, lambda u, _: u - 1, 1.0,
-                    positive=("u",))  # fmt: skip
+    family = solved(
+        lambda u, p: (p - 1) * (p - 2) - u * u, lambda u, _: u - 1, 1.0, positive=("u",)
+    )
     with pytest.warns(StabilityWarning, match="no unique steady motion"):
         found = st.boundaries(family, axis=("p", -1, 4, 2))
     [gap] = found.unresolved
@@ -259,9 +298,13 @@ def test_a_pole_is_named() -> None:
 
 
 @pytest.mark.parametrize(
-    "entry", [lambda p: (p - 1) * (p - 3), lambda p: ca.cos(p) - ca.cos(ca.SX(3)),
-              lambda p: p - ca.exp(p - 3) - 2]
-)  # fmt: skip
+    "entry",
+    [
+        lambda p: (p - 1) * (p - 3),
+        lambda p: ca.cos(p) - ca.cos(ca.SX(3)),
+        lambda p: p - ca.exp(p - 3) - 2,
+    ],
+)
 def test_parts_where_a_condition_fails_have_no_members(entry: Any) -> None:
     """(p - 1)² > 0.25 leaves out 0.5 … 1.5, in each of the three searches."""
     family = linear(entry, condition=lambda p: (p - 1) ** 2 - 0.25)
@@ -275,8 +318,9 @@ def test_parts_where_a_condition_fails_have_no_members(entry: Any) -> None:
 
 def test_a_condition_on_an_unknown_is_checked_along_the_branch() -> None:
     """U = √(p² + 1) < 2 holds up to √3; both ends inside, so nothing is left open."""
-    family = solved(lambda u, p: p * p + 1 - u * u, lambda u, _: u - 1.5, 1.2, positive=("u",),
-                    below=2)  # fmt: skip
+    family = solved(
+        lambda u, p: p * p + 1 - u * u, lambda u, _: u - 1.5, 1.2, positive=("u",), below=2
+    )
     found = st.boundaries(family, axis=("p", -1.5, 1.5, 2))
     assert found.complete and near(found[1], mpmath.sqrt(1.25)) and len(found) == 2
 
@@ -380,10 +424,13 @@ def prey_and_predator(h: float = 1.0) -> st.Family:
     capacity, death = given
     eaten = x * y / (1 + h * x)
     system = st.System(
-        "prey", ca.vertcat(x, y), ca.vertcat(*given),
+        "prey",
+        ca.vertcat(x, y),
+        ca.vertcat(*given),
         ca.vertcat(x * (1 - x / capacity) - eaten, eaten - death * y),
-        states=("x", "y"), parameters=("K", "d"),
-    )  # fmt: skip
+        states=("x", "y"),
+        parameters=("K", "d"),
+    )
     return system.steady("K", guess={"x": 0.6, "y": 0.8, "K": 2.0, "d": 0.375})
 
 
@@ -394,8 +441,9 @@ def test_a_branch_that_another_one_crosses_goes_on_through_the_crossing(death: f
     found = st.boundaries(prey_and_predator(), axis=("K", 0.1, 5, 9), d=death)
     assert found.complete
     assert [(b.crossing.word, b.stable_below) for b in found] == [
-        ("static", False), ("flutter", True),
-    ]  # fmt: skip
+        ("static", False),
+        ("flutter", True),
+    ]
     wanted = [death / (1 - death), (1 + death) / (1 - death)]
     assert [b.value for b in found] == pytest.approx(wanted, rel=1e-14)
 

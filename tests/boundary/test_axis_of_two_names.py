@@ -12,10 +12,13 @@ def spinner() -> st.Family:
     """d²θ/dt² = (w² - v) θ - w dθ/dt: unstable where w² > v."""
     theta, rate, v, w = (ca.SX.sym(n) for n in ("theta", "rate", "v", "w"))
     system = st.System(
-        "spinner", ca.vertcat(theta, rate), ca.vertcat(v, w),
+        "spinner",
+        ca.vertcat(theta, rate),
+        ca.vertcat(v, w),
         ca.vertcat(rate, (w**2 - v) * theta - w * rate),
-        states=("theta", "rate"), parameters=("v", "w"),
-    )  # fmt: skip
+        states=("theta", "rate"),
+        parameters=("v", "w"),
+    )
     return st.Family(system, "rest", ("v", "w"), held={"theta": 0.0, "rate": 0.0})
 
 
@@ -27,11 +30,14 @@ def test_at_is_the_name_that_the_axis_leaves(given: dict[str, Any]) -> None:
     assert one.at == 0.0
 
 
-@pytest.mark.parametrize(("given", "said"), [
-    ({"at": [1.0, 2.0, 3.0]}, r"at holds 3 numbers.*beyond the axis at holds 1 \(v\)"),
-    ({"at": 4.0, "v": 4.0}, "v is given as at and by name; give it once"),
-    ({"at": [4.0, 1.0]}, "w is given as 1.0, and as an axis"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"at": [1.0, 2.0, 3.0]}, r"at holds 3 numbers.*beyond the axis at holds 1 \(v\)"),
+        ({"at": 4.0, "v": 4.0}, "v is given as at and by name; give it once"),
+        ({"at": [4.0, 1.0]}, "w is given as 1.0, and as an axis"),
+    ],
+)
 def test_other_numbers_are_refused_in_words(given: dict[str, Any], said: str) -> None:
     with pytest.raises(ValueError, match=said):
         st.boundaries(spinner(), axis=("w", 0.5, 9, 9), **given)

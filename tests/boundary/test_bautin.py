@@ -175,8 +175,9 @@ def projected(table: Any, p: float) -> float:
     pairs = [(0, 0), (0, 1), (1, 1), (0, 2)]
 
     def second(u: Any, v: Any) -> Any:
-        total = sum(k * (u[i] * v[j] + u[j] * v[i])
-                    for k, (i, j) in zip(table[:4], pairs, strict=True))  # fmt: skip
+        total = sum(
+            k * (u[i] * v[j] + u[j] * v[i]) for k, (i, j) in zip(table[:4], pairs, strict=True)
+        )
         return np.array([0, 0, total])
 
     def third(u: Any, v: Any, z: Any) -> Any:
@@ -208,10 +209,12 @@ def test_random_families_of_three_states_have_the_points_of_the_projection(
         grid = np.geomspace(0.25, 5, 4001)
         grid = grid[(grid * 0.25 <= 2) & (grid * 9 >= 2)]
         size = [projected(table, p) for p in grid]
-        pieces = [(a, b) for a, b, s, t in zip(grid, grid[1:], size, size[1:], strict=False)
-                  if s * t < 0]  # fmt: skip
-        roots = [brentq(lambda p, t: projected(t, p), a, b, args=(table,), xtol=1e-14)
-                 for a, b in pieces]  # fmt: skip
+        pieces = [
+            (a, b) for a, b, s, t in zip(grid, grid[1:], size, size[1:], strict=False) if s * t < 0
+        ]
+        roots = [
+            brentq(lambda p, t: projected(t, p), a, b, args=(table,), xtol=1e-14) for a, b in pieces
+        ]
         if found.vanishing_complete:  # an exact double zero stays open
             assert close(points(found), [(p, 2 / p) for p in roots])
         assert all(p.others == "stable" for p in found if p.kind is VANISHING)
@@ -240,9 +243,15 @@ def governor() -> st.Family:
     rates = ca.vertcat(x[1], turn, p[1] * (ca.cos(x[0]) - p[2]))
     system = st.System("governor", x, p, rates, states=tuple("xyz"), parameters=("e", "a", "b"))
     return st.Family(
-        system, "turning", at=("e",), held={"y": 0}, positive=("x", "z"), equations=("y", "z"),
-        unknown={"x": 0.7, "z": 1.2}, typical={"e": 0.5, "a": 0.5, "b": 0.75},
-    )  # fmt: skip
+        system,
+        "turning",
+        at=("e",),
+        held={"y": 0},
+        positive=("x", "z"),
+        equations=("y", "z"),
+        unknown={"x": 0.7, "z": 1.2},
+        typical={"e": 0.5, "a": 0.5, "b": 0.75},
+    )
 
 
 @pytest.mark.few(1)

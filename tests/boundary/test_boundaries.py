@@ -19,9 +19,11 @@ from stability.boundary.crossings import Boundaries
 from stability.spectra.disk_problem import disk_problem
 
 LAWS: dict[str, type[Contact]] = {
-    "smooth": st.Smooth, "viscous": st.Viscous, "linear-viscous": st.LinearViscous,
+    "smooth": st.Smooth,
+    "viscous": st.Viscous,
+    "linear-viscous": st.LinearViscous,
     "rough": st.Rough,
-}  # fmt: skip
+}
 
 
 # --- against an independent count of real roots ---
@@ -36,13 +38,20 @@ def request(rng: np.random.Generator) -> tuple[str, str, str, float, float, dict
         law = "viscous"
         family = ("rolling", "spinning", "tumbling")[rng.integers(3)]
     si = rng.random() < 0.4
-    given = {"k": float(rng.uniform(0.01, 0.5)) if rng.random() < 0.7
-             else float(rng.choice([0.25, 0.5, 0.375, 0.125])),
-             "mass": 1.0, "radius": 1.0, "gravity": 1.0}  # fmt: skip
+    given = {
+        "k": float(rng.uniform(0.01, 0.5))
+        if rng.random() < 0.7
+        else float(rng.choice([0.25, 0.5, 0.375, 0.125])),
+        "mass": 1.0,
+        "radius": 1.0,
+        "gravity": 1.0,
+    }
     if si:
-        given |= {"mass": float(10 ** rng.uniform(-3, 1)),
-                  "radius": float(10 ** rng.uniform(-2, 1)),
-                  "gravity": float(rng.uniform(1, 30))}  # fmt: skip
+        given |= {
+            "mass": float(10 ** rng.uniform(-3, 1)),
+            "radius": float(10 ** rng.uniform(-2, 1)),
+            "gravity": float(rng.uniform(1, 30)),
+        }
     rate = math.sqrt(given["gravity"] / given["radius"])
     speed = math.sqrt(given["gravity"] * given["radius"])
     friction = 10 ** rng.uniform(-2, 1.5) if rng.random() < 0.4 else rng.uniform(0.3, 1.6)
@@ -73,8 +82,9 @@ def request(rng: np.random.Generator) -> tuple[str, str, str, float, float, dict
     if family == "tumbling":
         ranges["at"] = (0.001, 3.14)
     if axis in ranges:
-        low, high = sorted(rng.beta(0.5, 0.5, 2) * (ranges[axis][1] - ranges[axis][0])
-                           + ranges[axis][0])  # fmt: skip
+        low, high = sorted(
+            rng.beta(0.5, 0.5, 2) * (ranges[axis][1] - ranges[axis][0]) + ranges[axis][0]
+        )
         if axis == "k" and rng.random() < 0.2:
             high = 0.5
     else:
@@ -104,12 +114,19 @@ def crowded(rng: np.random.Generator) -> Any:
 
 
 def ask(
-    family: str, law: str, axis: str, low: float, high: float, given: dict[str, float],
-    *, log: bool = False,
-) -> Boundaries:  # fmt: skip
+    family: str,
+    law: str,
+    axis: str,
+    low: float,
+    high: float,
+    given: dict[str, float],
+    *,
+    log: bool = False,
+) -> Boundaries:
     """The package's answer, by the way of `boundaries` that takes any value by name."""
-    body = st.Disk(**{n: given.get(n, 0.25 if n == "k" else 1.0)
-                      for n in ("mass", "radius", "k", "gravity")})  # fmt: skip
+    body = st.Disk(
+        **{n: given.get(n, 0.25 if n == "k" else 1.0) for n in ("mass", "radius", "k", "gravity")}
+    )
     extra = {n: given.get(n, 1.0) for n in ("mu", "c") if n in given or n == axis}
     where: dict[str, Any] = {"at": given.get("at", 1.0)}
     if family == "circling":
@@ -121,9 +138,15 @@ def ask(
 
 
 def compare(
-    family: str, law: str, axis: str, low: float, high: float, given: dict[str, float],
-    *, log: bool = False,
-) -> list[float]:  # fmt: skip
+    family: str,
+    law: str,
+    axis: str,
+    low: float,
+    high: float,
+    given: dict[str, float],
+    *,
+    log: bool = False,
+) -> list[float]:
     """Assert that the package finds exactly the changes of the oracle; where they are."""
     what = f"{(family, law, axis, low, high, given, log)!r}"
     wanted = oracle.changes(family, law, axis, low, high, given)
@@ -193,8 +216,12 @@ def test_a_pair_between_points_of_the_scan_is_found() -> None:
     [(2.0, 5.0, 1), (0.5, 2.0, 1), (np.nextafter(2.0, 3), 5.0, 0), (0.5, np.nextafter(2.0, 1), 0)],
 )
 def test_a_boundary_at_an_end_belongs_to_the_interval(low: float, high: float, count: int) -> None:
-    found = st.boundaries("spinning", axis=("at", float(low), float(high), 9), contact=st.Rough(),
-                          disk=st.Disk(k=0.25))  # fmt: skip
+    found = st.boundaries(
+        "spinning",
+        axis=("at", float(low), float(high), 9),
+        contact=st.Rough(),
+        disk=st.Disk(k=0.25),
+    )
     # rough: (1 + k) phi_dot² = 1, far below; smooth: k phi_dot² = 1, at 2 exactly
     assert found.complete
     smooth = st.boundaries("spinning", axis=("at", float(low), float(high), 9), contact=st.Smooth())
@@ -202,10 +229,11 @@ def test_a_boundary_at_an_end_belongs_to_the_interval(low: float, high: float, c
     assert smooth.complete
     for point in smooth:
         sides = [
-            st.spectrum("spinning", at=point.value + s * point.error, contact=st.Smooth(),
-                        certify=True).verdict.word
+            st.spectrum(
+                "spinning", at=point.value + s * point.error, contact=st.Smooth(), certify=True
+            ).verdict.word
             for s in (-1, 1)
-        ]  # fmt: skip
+        ]
         assert sides == ["unstable", "neutral"]
 
 
@@ -228,8 +256,10 @@ def test_a_line_that_lies_on_a_boundary_has_what_is_left_of_it() -> None:
     assert [(p.value, p.crossing.word, p.stable_below) for p in found] == [(1.0, "flutter", True)]
     assert found.complete
     for mu, word in ((0.99, "neutral"), (1.01, "unstable")):
-        assert st.spectrum("spinning", at=2.0, contact=st.Viscous(mu), certify=True).verdict.word \
-            == word  # fmt: skip
+        assert (
+            st.spectrum("spinning", at=2.0, contact=st.Viscous(mu), certify=True).verdict.word
+            == word
+        )
     # 2 k at² = 1 for every mu: a pair on the axis all along
     flat = st.boundaries("rolling", axis=("mu", 0.1, 5, 9), at=1.0, disk=st.Disk(k=0.5))
     assert flat == [] and flat.complete
@@ -280,8 +310,11 @@ def test_the_result_is_used_like_a_list() -> None:
     assert isinstance(found, Sequence) and isinstance(found, st.Boundaries)
     first, second = found
     assert (found[0], found[-1], found[:1], found[::-1]) == (
-        first, second, [first], [second, first],
-    )  # fmt: skip
+        first,
+        second,
+        [first],
+        [second, first],
+    )
     assert found == [first, second] and [first, second] == found and found != [first]
     assert len(found) == 2 and found and not none and none == [] and list(none) == []
     assert found + none == [first, second] and [first] + found == [first, first, second]
@@ -298,16 +331,20 @@ def linear(name: str, rhs: Any, names: Sequence[str], at: str, **options: Any) -
     x = ca.SX.sym("x", options.pop("states", 4))
     p = [ca.SX.sym(n) for n in names]
     states = tuple(f"x{i}" for i in range(x.numel()))
-    system = st.System(name, x, ca.vertcat(*p), ca.vertcat(*rhs(x, *p)), states=states,
-                       parameters=tuple(names))  # fmt: skip
+    system = st.System(
+        name, x, ca.vertcat(*p), ca.vertcat(*rhs(x, *p)), states=states, parameters=tuple(names)
+    )
     return st.Family(system, "straight", at=(at,), held=dict.fromkeys(states, 0.0), **options)
 
 
 def sleeping(*, conservative: bool) -> st.Family:
     return linear(
-        "top", lambda x, h: (x[2], x[3], x[0] - h * x[3], x[1] + h * x[2]), ("H",), "H",
+        "top",
+        lambda x, h: (x[2], x[3], x[0] - h * x[3], x[1] + h * x[2]),
+        ("H",),
+        "H",
         conservative=conservative,
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize("conservative", [True, False])
@@ -323,11 +360,22 @@ def test_the_sleeping_top_is_neutral_above_two(conservative: bool) -> None:
 def test_two_tops_meet_their_boundaries_at_once(points: int) -> None:
     """Symmetric spectra: every eigenvalue is double for every H, and fourfold at H = 2."""
     two = linear(
-        "tops", lambda x, h: (
-            x[2], x[3], x[0] - h * x[3], x[1] + h * x[2],
-            x[6], x[7], x[4] - h * x[7], x[5] + h * x[6],
-        ), ("H",), "H", states=8, conservative=True,
-    )  # fmt: skip
+        "tops",
+        lambda x, h: (
+            x[2],
+            x[3],
+            x[0] - h * x[3],
+            x[1] + h * x[2],
+            x[6],
+            x[7],
+            x[4] - h * x[7],
+            x[5] + h * x[6],
+        ),
+        ("H",),
+        "H",
+        states=8,
+        conservative=True,
+    )
     found = st.boundaries(two, axis=("H", 0.5, 5, points))
     assert [(p.value, p.frequency) for p in found] == [(2.0, 1.0)] and found.complete
 
@@ -373,10 +421,13 @@ def test_sympys_own_rolling_disc_is_neutral_above_its_published_speed() -> None:
     _, q2, _, u1, u2, u3 = ca.vertsplit(x)
     r, g = ca.vertsplit(p)
     rhs = (
-        u3 / ca.cos(q2), u1, u2 - u3 * ca.tan(q2),
+        u3 / ca.cos(q2),
+        u1,
+        u2 - u3 * ca.tan(q2),
         (6 * u2 * u3 * r - u3**2 * r * ca.tan(q2) + 4 * g * ca.sin(q2)) / (5 * r),
-        -2 * u1 * u3 / 3, u1 * (-2 * u2 + u3 * ca.tan(q2)),
-    )  # fmt: skip
+        -2 * u1 * u3 / 3,
+        u1 * (-2 * u2 + u3 * ca.tan(q2)),
+    )
     # without the angles that no rate depends on, else straight rolling is no rest point
     kept = [1, 3, 4, 5]
     names = ("q2", "u1", "u2", "u3")
@@ -394,8 +445,9 @@ def test_sympys_own_rolling_disc_is_neutral_above_its_published_speed() -> None:
 
 @pytest.mark.parametrize("conservative", [True, False])
 def test_a_centre_becomes_a_saddle_where_its_stiffness_vanishes(conservative: bool) -> None:
-    centre = linear("centre", lambda x, p: (x[1], -p * x[0]), ("p",), "p", states=2,
-                    conservative=conservative)  # fmt: skip
+    centre = linear(
+        "centre", lambda x, p: (x[1], -p * x[0]), ("p",), "p", states=2, conservative=conservative
+    )
     for axis in (("p", -1.0, 1.0, 2), ("p", -1.0, 1.0, 3), ("p", 0.0, 1.0, 3), ("p", -1.0, 0.0, 3)):
         found = st.boundaries(centre, axis=axis)
         assert [(p.value, p.crossing.word, p.stable_below) for p in found] == [
@@ -410,11 +462,13 @@ def test_the_wheelset_hunts_at_its_published_speed() -> None:
     f, k, r0 = 1e6, 13000, 0.46
     i, conicity = m * d * d, r * cone / (r - rail)
     rhs = lambda x, v: (  # noqa: E731
-        x[2], x[3],
+        x[2],
+        x[3],
         -(2 * k / m + 2 * n / (m * (r - rail))) * x[0] + 2 * f / m * x[1] - 2 * f / (v * m) * x[2],
-        -2 * f * conicity * d / (r0 * i) * x[0] - 2 * k * d1**2 / i * x[1]
+        -2 * f * conicity * d / (r0 * i) * x[0]
+        - 2 * k * d1**2 / i * x[1]
         - 2 * f * d * d / (v * i) * x[3],
-    )  # fmt: skip
+    )
     family = linear("wheelset", rhs, ("V",), "V")
     [point] = found = st.boundaries(family, axis=("V", 1, 100, 3))
     assert found.complete and point.stable_below
@@ -432,9 +486,11 @@ def test_the_triangular_points_are_lost_at_rouths_mass() -> None:
     """
     c = 3 * 3**0.5 / 4
     rhs = lambda x, m: (  # noqa: E731
-        x[2], x[3], 2 * x[3] + 0.75 * x[0] + c * (1 - 2 * m) * x[1],
+        x[2],
+        x[3],
+        2 * x[3] + 0.75 * x[0] + c * (1 - 2 * m) * x[1],
         -2 * x[2] + c * (1 - 2 * m) * x[0] + 2.25 * x[1],
-    )  # fmt: skip
+    )
     family = linear("l4", rhs, ("m",), "m", conservative=True)
     low, high = st.boundaries(family, axis=("m", 0.001, 0.999, 2))
     critical = (1 - 69**0.5 / 9) / 2
@@ -446,8 +502,11 @@ def test_the_triangular_points_are_lost_at_rouths_mass() -> None:
 def test_the_rotating_saddle_is_neutral_above_the_root_of_its_curvature() -> None:
     """X'' - 2 W y' = (W² - k) x, y'' + 2 W x' = (W² + k) y: stable for W² > k."""
     rhs = lambda x, w, k: (  # noqa: E731
-        x[2], x[3], 2 * w * x[3] + (w**2 - k) * x[0], -2 * w * x[2] + (w**2 + k) * x[1],
-    )  # fmt: skip
+        x[2],
+        x[3],
+        2 * w * x[3] + (w**2 - k) * x[0],
+        -2 * w * x[2] + (w**2 + k) * x[1],
+    )
     family = linear("saddle", rhs, ("W", "k"), "W", conservative=True)
     for k in (1.0, 2.0, 0.3):
         found = st.boundaries(family, axis=("W", -3, 3, 4), k=k)
@@ -459,9 +518,11 @@ def test_the_rotating_saddle_is_neutral_above_the_root_of_its_curvature() -> Non
 def test_an_isotropic_rotor_whose_pairs_cross_together() -> None:
     """Jeffcott: z'' + (de + di) z' + (1 - i W di) z = 0; the real form has each pair twice."""
     rhs = lambda x, w, de, di: (  # noqa: E731
-        x[2], x[3], -(de + di) * x[2] - x[0] - w * di * x[1],
+        x[2],
+        x[3],
+        -(de + di) * x[2] - x[0] - w * di * x[1],
         -(de + di) * x[3] - x[1] + w * di * x[0],
-    )  # fmt: skip
+    )
     rotor = linear("rotor", rhs, ("W", "de", "di"), "W")
     [point] = found = st.boundaries(rotor, axis=("W", 0.1, 9, 3), de=0.25, di=0.125)
     assert (point.value, point.stable_below) == (3.0, True) and found.complete
@@ -479,9 +540,10 @@ def test_random_linear_systems_against_their_own_eigenvalues() -> None:
             sum(
                 (int(a[0][i, j]) + p * int(a[1][i, j]) + p**2 / 4 * int(a[2][i, j])) * x[j]
                 for j in range(len(a[0]))
-            ) - 2 * x[i]
+            )
+            - 2 * x[i]
             for i in range(len(a[0]))
-        )  # fmt: skip
+        )
         family = linear("random", rhs, ("p",), "p", states=size)
         found = st.boundaries(family, axis=("p", -2, 2, 2))
         assert found.complete
@@ -505,11 +567,23 @@ def pendulum(**options: Any) -> st.Family:
     """X'' = -p sin x - c x', about an angle that is given: no rational graph."""
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 3)
     system = st.System(
-        "pendulum", x, p, ca.vertcat(x[1], -p[0] * ca.sin(x[0]) + p[2] - p[1] * x[1]),
-        states=("angle", "rate"), parameters=("g", "c", "torque"),
-    )  # fmt: skip
-    return st.Family(system, "tilted", at=("torque",), held={"rate": 0.0}, unknown={"angle": 0.2},
-                     equations=("rate",), typical={"torque": 0.3}, **options)  # fmt: skip
+        "pendulum",
+        x,
+        p,
+        ca.vertcat(x[1], -p[0] * ca.sin(x[0]) + p[2] - p[1] * x[1]),
+        states=("angle", "rate"),
+        parameters=("g", "c", "torque"),
+    )
+    return st.Family(
+        system,
+        "tilted",
+        at=("torque",),
+        held={"rate": 0.0},
+        unknown={"angle": 0.2},
+        equations=("rate",),
+        typical={"torque": 0.3},
+        **options,
+    )
 
 
 def softened() -> st.Family:
@@ -517,11 +591,22 @@ def softened() -> st.Family:
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 3)
     force = p[0] * (ca.sin(x[0]) + ca.exp(x[0] / 8) - 1)
     system = st.System(
-        "pendulum", x, p, ca.vertcat(x[1], -force + p[2] - p[1] * x[1]),
-        states=("angle", "rate"), parameters=("g", "c", "torque"),
-    )  # fmt: skip
-    return st.Family(system, "tilted", at=("torque",), held={"rate": 0.0}, unknown={"angle": 0.2},
-                     equations=("rate",), typical={"torque": 0.3})  # fmt: skip
+        "pendulum",
+        x,
+        p,
+        ca.vertcat(x[1], -force + p[2] - p[1] * x[1]),
+        states=("angle", "rate"),
+        parameters=("g", "c", "torque"),
+    )
+    return st.Family(
+        system,
+        "tilted",
+        at=("torque",),
+        held={"rate": 0.0},
+        unknown={"angle": 0.2},
+        equations=("rate",),
+        typical={"torque": 0.3},
+    )
 
 
 def test_an_undamped_family_that_is_scanned_is_decided_or_says_so() -> None:
@@ -538,10 +623,17 @@ def test_a_scan_that_proves_nothing_says_so() -> None:
     """Two equal pendulums, undamped, coupled by nothing: double pairs that balls cannot part."""
     x, p = ca.SX.sym("x", 4), ca.SX.sym("p")
     rhs = (x[1], p - ca.exp(x[0]) + 1 - x[0], x[3], p - ca.exp(x[2]) + 1 - x[2])
-    system = st.System("pair", x, p, ca.vertcat(*rhs), states=("a", "b", "c", "d"),
-                       parameters=("p",))  # fmt: skip
-    pair = st.Family(system, "steady", at=("p",), held={"b": 0.0, "d": 0.0},
-                     unknown={"a": 0.3, "c": 0.3}, equations=("b", "d"))  # fmt: skip
+    system = st.System(
+        "pair", x, p, ca.vertcat(*rhs), states=("a", "b", "c", "d"), parameters=("p",)
+    )
+    pair = st.Family(
+        system,
+        "steady",
+        at=("p",),
+        held={"b": 0.0, "d": 0.0},
+        unknown={"a": 0.3, "c": 0.3},
+        equations=("b", "d"),
+    )
     with pytest.warns(StabilityWarning, match="not complete"):
         found = st.boundaries(pair, axis=("p", 0.1, 0.9, 9))
     assert found == [] and not found.complete
@@ -555,17 +647,21 @@ def test_a_member_that_is_missing_within_a_scan_is_stated() -> None:
     """Y (p - y) = 0, y measured from -1: the branches cross at p = 0, with no isolated root."""
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
     y = x[0] - 1
-    system = st.System("fork", x, p, ca.vertcat(y * (p - y), -x[1]), states=("y", "z"),
-                       parameters=("p",))  # fmt: skip
-    fork = st.Family(system, "steady", at=("p",), held={"z": 0.0}, unknown={"y": 1.3},
-                     equations=("y",))  # fmt: skip
+    system = st.System(
+        "fork", x, p, ca.vertcat(y * (p - y), -x[1]), states=("y", "z"), parameters=("p",)
+    )
+    fork = st.Family(
+        system, "steady", at=("p",), held={"z": 0.0}, unknown={"y": 1.3}, equations=("y",)
+    )
     with pytest.warns(StabilityWarning):
         found = st.boundaries(fork, axis=("p", -2, 2, 9))
     said = "two of them meet, or the enclosures"
     assert any(u.low <= 0 <= u.high and said in u.reason for u in found.unresolved)
     for point in found:
-        sides = [st.spectrum(fork, at=point.value + s * point.error, certify=True).verdict
-                 for s in (-1, 1)]  # fmt: skip
+        sides = [
+            st.spectrum(fork, at=point.value + s * point.error, certify=True).verdict
+            for s in (-1, 1)
+        ]
         assert sides[0] != sides[1]
 
 

@@ -59,9 +59,11 @@ def takens(f: Any, g: Any) -> st.Family:
 def two_pairs(f: Any, g: Any) -> st.Family:
     def rates(x: Any, p: Any) -> Any:
         return ca.vertcat(
-            x[1], -x[0] + f(p[0]) * x[1] - x[0] ** 2 * x[1] + x[2] / 4,
-            x[3], -3 * x[2] + g(p[1]) * x[3] - x[2] ** 2 * x[3],
-        )  # fmt: skip
+            x[1],
+            -x[0] + f(p[0]) * x[1] - x[0] ** 2 * x[1] + x[2] / 4,
+            x[3],
+            -3 * x[2] + g(p[1]) * x[3] - x[2] ** 2 * x[3],
+        )
 
     return at_rest("abcd", ["p", "q"], rates)
 
@@ -165,8 +167,9 @@ def test_a_point_that_is_not_simple_stays_unresolved() -> None:
         return ca.vertcat(x[1], -(p[0] ** 2 + p[1] ** 2) * x[0] - p[0] * x[1])
 
     with pytest.warns(st.StabilityWarning, match="not simple"):
-        found = st.codimension_two(at_rest("xy", ["p", "q"], rates), x=("p", -1, 1, 2),
-                                   y=("q", -1, 1, 2))  # fmt: skip
+        found = st.codimension_two(
+            at_rest("xy", ["p", "q"], rates), x=("p", -1, 1, 2), y=("q", -1, 1, 2)
+        )
     [box] = found.unresolved
     assert box.x[0] <= 0 <= box.x[1] and box.y[0] <= 0 <= box.y[1]
     assert listed(found) == []
@@ -199,9 +202,10 @@ def test_random_quartics_have_the_points_of_sympy(seed: int) -> None:
         found = st.codimension_two(family, x=("x", -4, 4, 2), y=("y", -4, 4, 2))
         true = []
         for kind, pair in (
-            (DOUBLE_ZERO, (c[0], c[1])), (ZERO_HOPF, (c[0], c[1] - c[2] * c[3])),
+            (DOUBLE_ZERO, (c[0], c[1])),
+            (ZERO_HOPF, (c[0], c[1] - c[2] * c[3])),
             (DOUBLE_HOPF, (c[1], c[3])),
-        ):  # fmt: skip
+        ):
             for u, v in solutions(*pair, x, y):
                 u, v = float(u), float(v)
                 b0, b2, b3 = (r[0] + r[1] * u + r[2] * v for r in (table[0], table[2], table[3]))
@@ -239,17 +243,26 @@ def test_the_watt_governor_turns_from_soft_to_hard_where_published(a: float, b: 
         return ca.vertcat(x[1], turn, p[1] * (ca.cos(x[0]) - p[2]))
 
     family = at_rest(
-        "xyz", ["e", "a", "b"], rates, held={"y": 0}, positive=("x", "z"), equations=("y", "z"),
-        unknown={"x": 0.7, "z": 1.2}, typical={"e": 0.5, "a": 0.5, "b": 0.75},
-    )  # fmt: skip
+        "xyz",
+        ["e", "a", "b"],
+        rates,
+        held={"y": 0},
+        positive=("x", "z"),
+        equations=("y", "z"),
+        unknown={"x": 0.7, "z": 1.2},
+        typical={"e": 0.5, "a": 0.5, "b": 0.75},
+    )
     found = st.codimension_two(family, x=("b", 0.75, 0.9, 2), y=("e", 0.2, 1.6, 2), a=a)
     [point] = found
     assert point.kind is VANISHING and point.others == "stable"
     assert point.x == pytest.approx(b, abs=6e-11)
     root = sympy.nsolve(  # 3 + (a² - 5) b² + a⁴ b⁶, in 30 digits
-        3 + (sympy.Rational(a) ** 2 - 5) * sympy.Symbol("b") ** 2
-        + sympy.Rational(a) ** 4 * sympy.Symbol("b") ** 6, b, prec=30,
-    )  # fmt: skip
+        3
+        + (sympy.Rational(a) ** 2 - 5) * sympy.Symbol("b") ** 2
+        + sympy.Rational(a) ** 4 * sympy.Symbol("b") ** 6,
+        b,
+        prec=30,
+    )
     assert abs(point.x - float(root)) <= point.x_error + 2e-16 and point.x_error < 1e-12
     assert point.y == pytest.approx(2 * a * float(root) ** 1.5, rel=1e-14)
 
@@ -258,11 +271,14 @@ def test_a_planted_change_from_soft_to_hard_is_found() -> None:
     def rates(x: Any, p: Any) -> Any:
         r = x[0] ** 2 + x[1] ** 2
         s = p[1] - 0.3 + p[0]
-        return ca.vertcat((p[0] - p[1] ** 2) * x[0] - 2 * x[1] + s * r * x[0],
-                          2 * x[0] + (p[0] - p[1] ** 2) * x[1] + s * r * x[1])  # fmt: skip
+        return ca.vertcat(
+            (p[0] - p[1] ** 2) * x[0] - 2 * x[1] + s * r * x[0],
+            2 * x[0] + (p[0] - p[1] ** 2) * x[1] + s * r * x[1],
+        )
 
-    found = st.codimension_two(at_rest("xy", ["p", "q"], rates), x=("p", -1, 1.1, 2),
-                               y=("q", -0.9, 1, 2))  # fmt: skip
+    found = st.codimension_two(
+        at_rest("xy", ["p", "q"], rates), x=("p", -1, 1.1, 2), y=("q", -0.9, 1, 2)
+    )
     # on p = q² the coefficient vanishes where q + q² is the double 0.3
     q = (-1 + sympy.sqrt(1 + 4 * sympy.Rational(0.3))) / 2
     [point] = found
@@ -293,8 +309,9 @@ def test_the_spinning_disk_has_a_zero_with_a_pair_where_its_boundaries_meet() ->
 
 def test_tumbling_has_no_such_point() -> None:
     """Its constant coefficient has one sign; two pairs need the Hurwitz forms of order 2 too."""
-    found = st.codimension_two("tumbling", disk=st.Disk(k=0.375), x=("at", 0.01, 1.57, 2),
-                               y=("mu", 0.01, 5, 2))  # fmt: skip
+    found = st.codimension_two(
+        "tumbling", disk=st.Disk(k=0.375), x=("at", 0.01, 1.57, 2), y=("mu", 0.01, 5, 2)
+    )
     assert listed(found) == [] and found.complete and "over Q" in found.how
 
 
@@ -317,8 +334,9 @@ def test_points_are_marked_listed_and_written(
     [line] = [a for a in figure.axes[0].lines if a.get_label() == "zero and pair"]
     assert (line.get_xdata()[0], line.get_ydata()[0]) == (0, 0)
     assert "1 zero and pair" in caption(dataset, found)
-    other = st.codimension_two(takens(lambda v: v, lambda v: v), x=("x0", -1, 1, 2),
-                               y=("b2", -1, 1, 2))  # fmt: skip
+    other = st.codimension_two(
+        takens(lambda v: v, lambda v: v), x=("x0", -1, 1, 2), y=("b2", -1, 1, 2)
+    )
     with pytest.raises(st.StabilityError, match="points of the same two axes"):
         diagram(dataset, points=other)
 
@@ -353,8 +371,9 @@ def test_points_are_marked_listed_and_written(
 
 
 def test_conservative_families_are_refused() -> None:
-    swing = at_rest("qv", ["k", "m"], lambda x, p: ca.vertcat(x[1], -p[0] * x[0] * p[1]),
-                    conservative=True)  # fmt: skip
+    swing = at_rest(
+        "qv", ["k", "m"], lambda x, p: ca.vertcat(x[1], -p[0] * x[0] * p[1]), conservative=True
+    )
     with pytest.raises(st.StabilityError, match="conservative"):
         st.codimension_two(swing, x=("k", 1, 2, 2), y=("m", 1, 2, 2))
 

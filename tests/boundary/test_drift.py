@@ -37,10 +37,20 @@ def test_the_manifold_is_invariant_to_its_order() -> None:
     for tilt in (0.08, 0.04):
 
         def state(a: float, spin: float) -> Any:
-            rest = {n: sum(float(c.subs(at | {W: spin})) * a ** (i + 1) for i, c in enumerate(cs))
-                    for n, cs in found.manifold.items()}  # fmt: skip
-            return np.array([np.pi / 2 + a, rest["theta_dot"], rest["phi_dot"], spin,
-                             rest["slip_x"], rest["slip_y"]])  # fmt: skip
+            rest = {
+                n: sum(float(c.subs(at | {W: spin})) * a ** (i + 1) for i, c in enumerate(cs))
+                for n, cs in found.manifold.items()
+            }
+            return np.array(
+                [
+                    np.pi / 2 + a,
+                    rest["theta_dot"],
+                    rest["phi_dot"],
+                    spin,
+                    rest["slip_x"],
+                    rest["slip_y"],
+                ]
+            )
 
         x = state(tilt, w)
         rates = system.rates(x, [k, mu])
@@ -73,8 +83,7 @@ def test_the_closed_form_is_the_integral_of_the_slow_flow() -> None:
         assert d.threshold == pytest.approx((2 * k) ** -0.5)
         f = [sympy.lambdify((K, MU, W), e) for e in (a, b)]
         slow = lambda _, y, f=f, p=(k, mu): [f[0](*p, y[1]) * y[0] ** 3, f[1](*p, y[1]) * y[0] ** 2]  # noqa: E731
-        flow = solve_ivp(slow,
-                         (0, d.time), [tilt, w0], rtol=1e-11, atol=1e-14)  # fmt: skip
+        flow = solve_ivp(slow, (0, d.time), [tilt, w0], rtol=1e-11, atol=1e-14)
         assert flow.y[1, -1] == pytest.approx(d.threshold, rel=1e-8)
         assert flow.y[0, -1] == pytest.approx(d.tilt_end, rel=1e-7)
         assert f[0](k, mu, w0) == pytest.approx(d.tilt_rate)
@@ -88,8 +97,13 @@ def test_the_formula_is_the_limit_of_another_authors_simulations() -> None:
     """T_sim / T - 1 falls with the square of the tilt, in all 54 pairs of parameters and starts."""
     groups: dict[Any, list[tuple[float, float]]] = {}
     for r in RECORDS:
-        d = st.drift(at=r["w0"], tilt=r["alpha0"], disk=st.Disk(k=r["k"]),
-                     contact=st.Viscous(r["mu"]), launch=r["kind"] == "launch")  # fmt: skip
+        d = st.drift(
+            at=r["w0"],
+            tilt=r["alpha0"],
+            disk=st.Disk(k=r["k"]),
+            contact=st.Viscous(r["mu"]),
+            launch=r["kind"] == "launch",
+        )
         key = r["k"], r["mu"], round(r["w0"], 9), r["kind"]
         groups.setdefault(key, []).append((r["alpha0"], r["T_sim"] / d.time - 1))
     assert len(groups) == 36

@@ -53,9 +53,14 @@ def test_a_motion_is_at_the_member_after_the_stated_time(
         flow, law = _flow(family, body, kind(float(small)))
         time = flow.time(start, end)
         run = st.simulate(
-            body, law, _member(flow, start), [0.0, time], resistance=kind(float(small)),
-            tolerance=1e-11, check=False,
-        )  # fmt: skip
+            body,
+            law,
+            _member(flow, start),
+            [0.0, time],
+            resistance=kind(float(small)),
+            tolerance=1e-11,
+            check=False,
+        )
         assert len(run.time) == 2
         gaps.append(abs(float(run[NUMBER[family]][-1]) - end))
     assert gaps[-1] < 0.05 * abs(end - start)
@@ -68,19 +73,36 @@ def test_spinning_keeps_the_stated_time_to_the_end_exactly() -> None:
     flow, law = _flow("spinning", body, st.PivotingResistance(0.01))
     time = flow.time(4.0, 3.2)
     run = st.simulate(
-        body, law, _member(flow, 4.0), [0.0, time], resistance=st.PivotingResistance(0.01),
-        tolerance=1e-12, check=False,
-    )  # fmt: skip
+        body,
+        law,
+        _member(flow, 4.0),
+        [0.0, time],
+        resistance=st.PivotingResistance(0.01),
+        tolerance=1e-12,
+        check=False,
+    )
     assert float(run.phi_dot[-1]) == pytest.approx(3.2, rel=1e-9)
 
 
 def _hits(
-    body: st.Body | st.Disk, law: st.Viscous, start: np.ndarray, last: float,
-    resistance: st.Resistance, distances: Sequence[float], end: float,
-) -> list[float]:  # fmt: skip
+    body: st.Body | st.Disk,
+    law: st.Viscous,
+    start: np.ndarray,
+    last: float,
+    resistance: st.Resistance,
+    distances: Sequence[float],
+    end: float,
+) -> list[float]:
     """Times at which a motion first comes within distances of an end."""
-    run = st.simulate(body, law, start, np.linspace(0, last, 8001), resistance=resistance,
-                      tolerance=1e-11, check=False)  # fmt: skip
+    run = st.simulate(
+        body,
+        law,
+        start,
+        np.linspace(0, last, 8001),
+        resistance=resistance,
+        tolerance=1e-11,
+        check=False,
+    )
     gap, times = np.abs(run.theta.values - end), run.time.values
     found = []
     for distance in distances:
@@ -107,8 +129,15 @@ def test_a_spinning_egg_lies_down_in_finite_time_under_drag() -> None:
     known = np.array([flow.time(start, LYING - d) for d in distances])
     scaled = []
     for small in sizes:
-        hits = _hits(body, law, _member(flow, start), 2 * known[-1] / small,
-                     st.AirTorque(float(small)), distances, LYING)  # fmt: skip
+        hits = _hits(
+            body,
+            law,
+            _member(flow, start),
+            2 * known[-1] / small,
+            st.AirTorque(float(small)),
+            distances,
+            LYING,
+        )
         scaled.append(np.array(hits) * small)
     gaps = np.abs(np.array(scaled) - known)
     assert order(sizes, gaps[:, 0]) == pytest.approx(1, abs=0.1)
@@ -124,8 +153,9 @@ def test_rolling_resistance_lets_it_lie_down_never() -> None:
     assert flow.exponent(LYING, LYING - 0.05) == pytest.approx(1, abs=2e-3)
     distances = (0.2, 0.1, 0.05, 0.025)
     last = 1.05 * flow.time(LYING - 0.3, LYING - distances[-1])
-    hits = _hits(body, law, _member(flow, LYING - 0.3), last, st.RollingResistance(small),
-                 distances, LYING)  # fmt: skip
+    hits = _hits(
+        body, law, _member(flow, LYING - 0.3), last, st.RollingResistance(small), distances, LYING
+    )
     halvings = np.diff(hits)
     assert halvings == pytest.approx(halvings[-1], rel=0.02)
     known = [
@@ -137,16 +167,20 @@ def test_rolling_resistance_lets_it_lie_down_never() -> None:
 @pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("kind", "power", "distances"),
-    [(st.AirTorque, 1, (0.4, 0.2, 0.1, 0.05)), (st.RollingResistance, 1, (0.4, 0.2, 0.1)),
-     (st.PivotingResistance, 3, (0.4, 0.2, 0.1))],
-)  # fmt: skip
+    [
+        (st.AirTorque, 1, (0.4, 0.2, 0.1, 0.05)),
+        (st.RollingResistance, 1, (0.4, 0.2, 0.1)),
+        (st.PivotingResistance, 3, (0.4, 0.2, 0.1)),
+    ],
+)
 def test_a_falling_disk_is_as_slow_as_its_exponent_says(
     kind: type[st.Resistance], power: int, distances: tuple[float, ...]
 ) -> None:
     """Each halving of the inclination takes 2^(p - 1) times as long as the one before."""
     disk, resistance = st.Disk(k=0.25), kind(4e-3)
-    flow, law = _flow("tumbling", st.Body(lambda t: ca.sin(t), axial=0.5, transverse=0.25),
-                      resistance)  # fmt: skip
+    flow, law = _flow(
+        "tumbling", st.Body(lambda t: ca.sin(t), axial=0.5, transverse=0.25), resistance
+    )
     assert flow.exponent(0.0, 0.02) == pytest.approx(power, abs=1e-3)
     known = [flow.time(0.8, d) for d in distances]
     hits = _hits(disk, law, _member(flow, 0.8), 1.05 * known[-1], resistance, distances, 0.0)

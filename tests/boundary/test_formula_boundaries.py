@@ -19,11 +19,17 @@ from stability.spectra.spectrum import spectrum
 
 CASES: list[tuple[st.Body, str, dict[str, Any]]] = [
     (st.Torus(0.2), "tumbling", {"axis": ("theta", 0.1, 1.5, 9), "contact": "viscous", "mu": 0.3}),
-    (st.ThickDisk(0.1), "precession",
-     {"axis": ("theta", 0.3, 1.3, 9), "at": 1.7, "contact": "smooth"}),
-    (st.Spheroid(0.6), "tumbling",
-     {"axis": ("mu", 0.05, 2.0, 9), "at": 2.55, "contact": "viscous"}),
-]  # fmt: skip
+    (
+        st.ThickDisk(0.1),
+        "precession",
+        {"axis": ("theta", 0.3, 1.3, 9), "at": 1.7, "contact": "smooth"},
+    ),
+    (
+        st.Spheroid(0.6),
+        "tumbling",
+        {"axis": ("mu", 0.05, 2.0, 9), "at": 2.55, "contact": "viscous"},
+    ),
+]
 
 
 @pytest.mark.long
@@ -46,8 +52,17 @@ def test_boundaries_are_those_of_the_graph(
 def test_both_sides_of_a_boundary_have_proved_verdicts() -> None:
     body, family, ask = CASES[0]
     [point] = st.boundaries(family, body=body, **ask)
-    sides = [spectrum(family, at=point.value * (1 + 1e-12 * way), body=body, contact="viscous",
-                      mu=0.3, certify=True).verdict for way in (-1, 1)]  # fmt: skip
+    sides = [
+        spectrum(
+            family,
+            at=point.value * (1 + 1e-12 * way),
+            body=body,
+            contact="viscous",
+            mu=0.3,
+            certify=True,
+        ).verdict
+        for way in (-1, 1)
+    ]
     assert set(sides) == {"stable", "unstable"}
     assert (sides[0] == "stable") == point.stable_below
 
@@ -82,8 +97,9 @@ def test_pieces_proved_in_doubles_hold_what_they_say(log: bool) -> None:
 def test_no_member_leaves_a_part_open() -> None:
     """Upright a torus has no tumbling member: that part of the axis stays open."""
     with pytest.warns(st.StabilityWarning):
-        found = st.boundaries("tumbling", body=st.Torus(0.2), contact="rough",
-                              axis=("theta", 1.4, 1.7, 9))  # fmt: skip
+        found = st.boundaries(
+            "tumbling", body=st.Torus(0.2), contact="rough", axis=("theta", 1.4, 1.7, 9)
+        )
     assert not found.complete
     assert any(u.low <= 1.5707963267948966 <= u.high for u in found.unresolved)
 

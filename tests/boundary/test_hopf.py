@@ -137,9 +137,12 @@ def test_tumblings_boundaries_are_those_of_the_closed_form() -> None:
             * (k * (4 * k + 3) + (2 * k + 1) * x)
             * ((1 - 3 * k) * (1 + 2 * k) * x - k)
         )
-        b = 4 * k * (2 * k + 1) * (
-            6 * k**2 + k * (8 - 25 * k) * x + (2 - 7 * k + 9 * k**2 - 36 * k**3) * x**2
-        )  # fmt: skip
+        b = (
+            4
+            * k
+            * (2 * k + 1)
+            * (6 * k**2 + k * (8 - 25 * k) * x + (2 - 7 * k + 9 * k**2 - 36 * k**3) * x**2)
+        )
         c = 96 * k**3 * x * (k + (1 - 3 * k) * x)
         root = np.sqrt(np.maximum(b * b - 4 * a * c, 0))
         with np.errstate(all="ignore"):
@@ -279,9 +282,12 @@ def test_units_are_carried() -> None:
 
 @pytest.mark.parametrize(
     ("family", "law", "sentence"),
-    [("rolling", st.Viscous(1), "passes its own slowly"), ("spinning", st.Rough(), "friction"),
-     ("hopping", st.Viscous(1), "family is 'hopping'")],
-)  # fmt: skip
+    [
+        ("rolling", st.Viscous(1), "passes its own slowly"),
+        ("spinning", st.Rough(), "friction"),
+        ("hopping", st.Viscous(1), "family is 'hopping'"),
+    ],
+)
 def test_questions_without_such_a_boundary_are_refused(
     family: str, law: Any, sentence: str
 ) -> None:

@@ -61,9 +61,11 @@ def planar(f: Any, g: Any, x: Any, y: Any, place: dict[Any, Any]) -> tuple[Any, 
 
     cubic = d(a, u, u, u) + d(a, u, v, v) + d(b, u, u, v) + d(b, v, v, v)
     squares = (
-        d(a, u, v) * (d(a, u, u) + d(a, v, v)) - d(b, u, v) * (d(b, u, u) + d(b, v, v))
-        - d(a, u, u) * d(b, u, u) + d(a, v, v) * d(b, v, v)
-    )  # fmt: skip
+        d(a, u, v) * (d(a, u, u) + d(a, v, v))
+        - d(b, u, v) * (d(b, u, u) + d(b, v, v))
+        - d(a, u, u) * d(b, u, u)
+        + d(a, v, v) * d(b, v, v)
+    )
     growth = (cubic + squares / omega) / 16  # r' = growth r³, and r is twice |z|
     return sympy.N(4 * growth / omega, 40), sympy.N(omega, 40)
 
@@ -106,9 +108,11 @@ def test_a_planted_coefficient_is_found_in_other_coordinates(seed: int) -> None:
         x = ca.mtimes(ca.DM(linear), ca.vertcat(*bent))
         r = x[0] ** 2 + x[1] ** 2
         f = ca.vertcat(
-            p * x[0] - omega * x[1] + s * r * x[0], omega * x[0] + p * x[1] + s * r * x[1],
-            -x[2] + x[0] * x[2], -2 * x[3] + x[2] * x[1],
-        )  # fmt: skip
+            p * x[0] - omega * x[1] + s * r * x[0],
+            omega * x[0] + p * x[1] + s * r * x[1],
+            -x[2] + x[0] * x[2],
+            -2 * x[3] + x[2] * x[1],
+        )
         return ca.mtimes(ca.inv_minor(ca.jacobian(x, z)), f)
 
     [point] = st.hopf(at_rest("abcd", ["p"], rates), axis=("p", -0.5, 0.75, 9))
@@ -126,8 +130,15 @@ def test_the_brusselator_has_the_coefficient_of_the_planar_formula() -> None:
         square = x[0] ** 2 * x[1]
         return ca.vertcat(p[1] - (p[0] + 1) * x[0] + square, p[0] * x[0] - square)
 
-    family = at_rest("xy", ["B", "A"], rates, held={}, unknown={"x": 1.5, "y": 2.0},
-                     equations=("x", "y"), typical={"B": 3, "A": 1.5})  # fmt: skip
+    family = at_rest(
+        "xy",
+        ["B", "A"],
+        rates,
+        held={},
+        unknown={"x": 1.5, "y": 2.0},
+        equations=("x", "y"),
+        typical={"B": 3, "A": 1.5},
+    )
     x, y, big, small = sympy.symbols("x y B A", real=True)
     f, g = small - (big + 1) * x + x**2 * y, big * x - x**2 * y
     for a in (sympy.Rational(1, 2), sympy.Rational(3, 2)):
@@ -145,8 +156,9 @@ def test_predator_and_prey_begin_to_oscillate_softly() -> None:
         eaten = x[0] * x[1] / (1 + x[0])
         return ca.vertcat(x[0] * (1 - x[0] / p[0]) - eaten, eaten - x[1] / 2)
 
-    family = at_rest("xy", ["K"], rates, held={"x": 1}, unknown={"y": 1.0}, equations=("x",),
-                     typical={"K": 3})  # fmt: skip
+    family = at_rest(
+        "xy", ["K"], rates, held={"x": 1}, unknown={"y": 1.0}, equations=("x",), typical={"K": 3}
+    )
     x, y, k = sympy.symbols("x y K", real=True)
     f, g = x * (1 - x / k) - x * y / (1 + x), x * y / (1 + x) - y / 2
     place = {x: 1, y: sympy.Rational(4, 3), k: 3}  # tr = 0 where K = 2 x + 1
@@ -165,8 +177,16 @@ def test_the_lorenz_system_loses_its_steady_motion_hard() -> None:
     def rates(x: Any, p: Any) -> Any:
         return ca.vertcat(10 * (x[1] - x[0]), x[0] * (p - x[2]) - x[1], x[0] * x[1] - 8 * x[2] / 3)
 
-    family = at_rest("xyz", ["rho"], rates, held={}, unknown=dict(x=8.0, y=8.0, z=24.0),
-                     equations=tuple("xyz"), positive=("x",), typical={"rho": 25})  # fmt: skip
+    family = at_rest(
+        "xyz",
+        ["rho"],
+        rates,
+        held={},
+        unknown=dict(x=8.0, y=8.0, z=24.0),
+        equations=tuple("xyz"),
+        positive=("x",),
+        typical={"rho": 25},
+    )
     [point] = st.hopf(family, axis=("rho", 20, 30, 9))
     assert point.kind is Onset.HARD
     assert abs(point.at - 470 / 19) <= 4e-15 and point.stable_below
@@ -179,9 +199,15 @@ def governor(b: float = 0.5) -> st.Family:
         return ca.vertcat(x[1], turn, p[1] * (ca.cos(x[0]) - p[2]))
 
     return at_rest(
-        "xyz", ["e", "a", "b"], rates, held={"y": 0}, positive=("x", "z"), equations=("y", "z"),
-        unknown={"x": float(np.arccos(b)), "z": b**-0.5}, typical={"e": 0.5, "a": 0.5, "b": b},
-    )  # fmt: skip
+        "xyz",
+        ["e", "a", "b"],
+        rates,
+        held={"y": 0},
+        positive=("x", "z"),
+        equations=("y", "z"),
+        unknown={"x": float(np.arccos(b)), "z": b**-0.5},
+        typical={"e": 0.5, "a": 0.5, "b": b},
+    )
 
 
 @pytest.mark.few(2)
@@ -294,8 +320,9 @@ def test_the_table_says_the_same(tmp_path: Any, capsys: pytest.CaptureFixture[st
 
 def test_the_member_may_be_named_as_for_boundaries() -> None:
     """Soft at c = 0 for every k, asked along c at the member k: q'' = -k q + (c - q²) q'."""
-    rest = at_rest("qv", ("k", "c"), lambda x, p: ca.vertcat(
-        x[1], -p[0] * x[0] + (p[1] - x[0] ** 2) * x[1]))  # fmt: skip
+    rest = at_rest(
+        "qv", ("k", "c"), lambda x, p: ca.vertcat(x[1], -p[0] * x[0] + (p[1] - x[0] ** 2) * x[1])
+    )
     (named,), (by_at,) = (
         st.hopf(rest, axis=("c", -1, 1, 9), **given) for given in ({"k": 4.0}, {"at": 4.0})
     )
@@ -307,8 +334,9 @@ def test_the_member_may_be_named_as_for_boundaries() -> None:
 
 def test_linear_rates_begin_neither_softly_nor_hard() -> None:
     x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
-    swing = st.System("swing", x, c, ca.vertcat(x[1], -x[0] - c * x[1]), states=("q", "v"),
-                      parameters=("c",))  # fmt: skip
+    swing = st.System(
+        "swing", x, c, ca.vertcat(x[1], -x[0] - c * x[1]), states=("q", "v"), parameters=("c",)
+    )
     rest = st.Family(swing, "rest", at=("c",), held={"q": 0, "v": 0})
     [one] = st.hopf(rest, axis=("c", -1, 1, 9))
     assert one.kind is st.Onset.LINEAR

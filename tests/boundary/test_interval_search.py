@@ -55,8 +55,12 @@ def test_series_of_functions_are_those_of_mpmath(name: str) -> None:
     inner, at = [0.4, 0.7, -0.3, 0.2], mpmath.mpf(0.4)
     with mpmath.workdps(40), precision(128), terms(4):
         wanted = mpmath.taylor(
-            lambda t: getattr(mpmath, name)(at + mpmath.mpf(0.7) * t - mpmath.mpf(0.3) * t**2
-                                            + mpmath.mpf(0.2) * t**3), 0, 3)  # fmt: skip
+            lambda t: getattr(mpmath, name)(
+                at + mpmath.mpf(0.7) * t - mpmath.mpf(0.3) * t**2 + mpmath.mpf(0.2) * t**3
+            ),
+            0,
+            3,
+        )
         here = series_algebra().functions[name](arb_series([arb(c) for c in inner]))
         wide = series_algebra().functions[name](arb_series([arb(0.4, 0.05), *inner[1:]]))
         for k, c in enumerate(wanted):
@@ -158,8 +162,9 @@ def test_the_members_of_a_solved_family_are_followed() -> None:
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
     rates = ca.vertcat(-x[0] + ca.cos(x[0]) + p, (x[0] - 1) * x[1])
     system = st.System("cosine", x, p, rates, states=("a", "b"), parameters=("p",))
-    family = st.Family(system, "fixed", ("p",), held={"b": 0.0}, unknown={"a": 0.7},
-                       equations=("a",))  # fmt: skip
+    family = st.Family(
+        system, "fixed", ("p",), held={"b": 0.0}, unknown={"a": 0.7}, equations=("a",)
+    )
     [point] = found = st.boundaries(family, axis=("p", -1, 3, 2))
     assert abs(mpmath.mpf(point.value) - (1 - mpmath.cos(1))) <= point.error < 1e-14
     assert found.complete and "one branch" in found.how
@@ -171,8 +176,9 @@ def test_the_gap_between_two_folds_is_stated() -> None:
     x, p = ca.SX.sym("x"), ca.SX.sym("p")
     rates = ca.cosh(p) - 1.1 - x * x
     system = st.System("fold", x, p, rates, states=("x",), parameters=("p",))
-    family = st.Family(system, "right", ("p",), unknown={"x": 1.0}, equations=("x",),
-                       typical={"p": 1.0})  # fmt: skip
+    family = st.Family(
+        system, "right", ("p",), unknown={"x": 1.0}, equations=("x",), typical={"p": 1.0}
+    )
     with pytest.warns(StabilityWarning, match="no unique steady motion"):
         found = st.boundaries(family, axis=("p", -1.0, 1.0, 3))
     edge = math.acosh(1.1)
@@ -187,14 +193,20 @@ def test_watts_governor_loses_stability_at_its_published_friction() -> None:
     x, q = ca.SX.sym("x", 3), ca.SX.sym("q", 3)
     a, b, e = ca.vertsplit(q)
     rates = ca.vertcat(
-        x[1], x[2] ** 2 * ca.sin(x[0]) * ca.cos(x[0]) - ca.sin(x[0]) - e * x[1],
+        x[1],
+        x[2] ** 2 * ca.sin(x[0]) * ca.cos(x[0]) - ca.sin(x[0]) - e * x[1],
         a * (ca.cos(x[0]) - b),
-    )  # fmt: skip
+    )
     system = st.System("governor", x, q, rates, states=("x", "y", "z"), parameters=("a", "b", "e"))
     family = st.Family(
-        system, "steady", ("b",), held={"y": 0.0}, unknown={"x": 0.8, "z": 1.2},
-        equations=("y", "z"), typical={"b": 0.7, "a": 0.5, "e": 0.6},
-    )  # fmt: skip
+        system,
+        "steady",
+        ("b",),
+        held={"y": 0.0},
+        unknown={"x": 0.8, "z": 1.2},
+        equations=("y", "z"),
+        typical={"b": 0.7, "a": 0.5, "e": 0.6},
+    )
     [point] = found = st.boundaries(family, axis=("e", 0.1, 2.0, 2), at=0.7, a=0.5)
     assert found.complete and not point.stable_below
     exact = 2 * mpmath.mpf(0.5) * mpmath.mpf(0.7) ** 1.5
@@ -216,9 +228,13 @@ def test_a_member_that_the_axis_does_not_move_is_one_family(
     angle, rate, speed = ca.vertsplit(x)
     swing = speed**2 * ca.sin(angle) * ca.cos(angle) - ca.sin(angle) - p[0] * rate
     system = st.System(
-        "governor", x, p, ca.vertcat(rate, swing, p[1] * (ca.cos(angle) - p[2])),
-        states=("angle", "rate", "speed"), parameters=("e", "a", "b"),
-    )  # fmt: skip
+        "governor",
+        x,
+        p,
+        ca.vertcat(rate, swing, p[1] * (ca.cos(angle) - p[2])),
+        states=("angle", "rate", "speed"),
+        parameters=("e", "a", "b"),
+    )
     near = {"angle": 1.0, "speed": 1.4, "e": 0.4, "a": 0.5, "b": 0.5}
     family = system.steady("e", held={"rate": 0.0}, equations=("rate", "speed"), guess=near)
     for axis in [*before, (0.2, 1.0, 9)]:
@@ -277,10 +293,14 @@ def whirling() -> st.Family:
     velocity = ca.jacobian(bob, q) @ u + u[0] * ca.vertcat(-bob[1], bob[0], 0)
     drag = -ce * ca.jacobian(velocity, u).T @ velocity
     system = st.mechanics(
-        q, u, p, kinetic=inertia * u[0] ** 2 / 2 + m * ca.dot(velocity, velocity) / 2,
-        potential=m * g * bob[2], forces=drag + ca.vertcat(k * (motor - u[0]), -ci * u[1:]),
+        q,
+        u,
+        p,
+        kinetic=inertia * u[0] ** 2 / 2 + m * ca.dot(velocity, velocity) / 2,
+        potential=m * g * bob[2],
+        forces=drag + ca.vertcat(k * (motor - u[0]), -ci * u[1:]),
         ignorable=("phi",),
-    )  # fmt: skip
+    )
     return system.steady("W0", guess={"W": 2.0, "a": 0.2, "b": 0.0, "W0": 2.0, **WHIRL})
 
 

@@ -62,15 +62,23 @@ def test_a_search_and_a_map_name_the_same_kind_and_it_is_what_was_planted(seed: 
         matrix = hidden(blocks, rng)
         n = matrix.shape[0]
         x = ca.SX.sym("x", n)
-        system = st.System("planted", x, ca.vertcat(p, q), matrix @ x, states=tuple(STATES[:n]),
-                           parameters=("p", "q"))  # fmt: skip
+        system = st.System(
+            "planted",
+            x,
+            ca.vertcat(p, q),
+            matrix @ x,
+            states=tuple(STATES[:n]),
+            parameters=("p", "q"),
+        )
         family = st.Family(system, "rest", at=("p",), held=dict.fromkeys(STATES[:n], 0))
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             found = st.boundaries(family, axis=("p", -1.03, 1.11, 8), q=0.5)
         drawn = st.stability_map(family, x=("p", -1.03, 1.11, 8), y=("q", 0.25, 0.5, 2))
-        true = {float(a): Crossing.FLUTTER if str(k).startswith("pair") else Crossing.STATIC
-                for k, a in zip(kinds, places, strict=True)}  # fmt: skip
+        true = {
+            float(a): Crossing.FLUTTER if str(k).startswith("pair") else Crossing.STATIC
+            for k, a in zip(kinds, places, strict=True)
+        }
         both = {float(a) for k, a in zip(kinds, places, strict=True) if k == "both"}
         for b in found:
             place = round(4 * b.value) / 4
@@ -109,9 +117,14 @@ def _crossing_lines(slopes: tuple[float, float], turned: bool) -> st.Family:
 
 
 @pytest.mark.few(1)
-@pytest.mark.parametrize(("slopes", "turned"), [
-    ((0.75, 1.25), False), ((0.1, 0.4), True), ((-0.2, 0.2), False),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("slopes", "turned"),
+    [
+        ((0.75, 1.25), False),
+        ((0.1, 0.4), True),
+        ((-0.2, 0.2), False),
+    ],
+)
 def test_no_corridor_is_drawn_where_two_boundaries_cross(
     slopes: tuple[float, float], turned: bool
 ) -> None:
@@ -199,8 +212,9 @@ def test_points_of_a_rest_with_quadratic_drag() -> None:
     """-v|v| has the slope 0 at rest: x'' = p x' - k x, with a double zero at p = k = 0."""
     x, v, p, k = (ca.SX.sym(n) for n in ("x", "v", "p", "k"))
     rates = ca.vertcat(v, -k * x + p * v - v * ca.fabs(v))
-    system = st.System("drag", ca.vertcat(x, v), ca.vertcat(p, k), rates, states=("x", "v"),
-                       parameters=("p", "k"))  # fmt: skip
+    system = st.System(
+        "drag", ca.vertcat(x, v), ca.vertcat(p, k), rates, states=("x", "v"), parameters=("p", "k")
+    )
     rest = st.Family(system, "rest", at=("p",), held={"x": 0, "v": 0})
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", st.StabilityWarning)

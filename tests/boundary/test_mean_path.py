@@ -33,8 +33,10 @@ def test_rates_and_frequencies_are_those_by_hand() -> None:
 
 def test_the_slow_flow_of_two_numbers_is_the_same_and_loses_the_energy_of_the_moments() -> None:
     theta, speed, k = members(6)
-    for kind, ring in ((st.RollingResistance(0.01), {"rho": 0.01}),
-                       (st.AirTorque(0.02), {"drag": 0.02})):  # fmt: skip
+    for kind, ring in (
+        (st.RollingResistance(0.01), {"rho": 0.01}),
+        (st.AirTorque(0.02), {"drag": 0.02}),
+    ):
         for t, p, inertia in zip(theta, speed, k, strict=True):
             body = thin_ring(math.sqrt(4 * inertia - 1))
             flow = st.slow_flow("circling", body=body, contact=st.Rough(), resistance=kind)
@@ -113,8 +115,9 @@ def test_what_is_no_map_is_refused(given: dict, words: str) -> None:  # type: ig
 def test_slip_hides_the_turn_of_a_hoop(mu: float, backward: bool) -> None:
     """With viscous friction the nutation dies out, unless the slip is far below the resistance."""
     body = thin_ring(1.0)
-    flow = st.slow_flow("tumbling", body=body, contact=st.Viscous(mu),
-                        resistance=st.RollingResistance(0.01))  # fmt: skip
+    flow = st.slow_flow(
+        "tumbling", body=body, contact=st.Viscous(mu), resistance=st.RollingResistance(0.01)
+    )
     system = flow.disturbed
     p = [(flow.numbers | {"rho": 0.01})[n] for n in system.parameters]
     rates = ca.Function("rates", [system.x, system.p], [system.rhs])

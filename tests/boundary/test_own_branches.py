@@ -18,11 +18,19 @@ def skew_bead() -> dict[str, st.Family]:
     """A bead on a hoop that turns about an axis off its centre: two, later four motions."""
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
     pull = p[0] ** 2 * (ca.sin(x[0]) + 0.5) * ca.cos(x[0]) - 9.81 * ca.sin(x[0])
-    system = st.System("bead", x, p, ca.vertcat(x[1], pull - p[1] * x[1]),
-                       states=("angle", "rate"), parameters=("turn", "damping"))  # fmt: skip
+    system = st.System(
+        "bead",
+        x,
+        p,
+        ca.vertcat(x[1], pull - p[1] * x[1]),
+        states=("angle", "rate"),
+        parameters=("turn", "damping"),
+    )
     guesses = {"out": (0.5, 3.0), "in": (-2.5, 9.0)}
-    return {n: system.steady("turn", guess={"angle": a, "turn": w, "damping": 0.3}, name=n)
-            for n, (a, w) in guesses.items()}  # fmt: skip
+    return {
+        n: system.steady("turn", guess={"angle": a, "turn": w, "damping": 0.3}, name=n)
+        for n, (a, w) in guesses.items()
+    }
 
 
 @pytest.mark.few(1)
@@ -55,9 +63,11 @@ def test_what_the_exact_search_leaves_open_is_searched_in_pieces(
 
 POLES = {
     "cosine": (lambda p: ca.cos(p) - 0.5 * p, lambda p: math.cos(p) - 0.5 * p),
-    "exponential": (lambda p: ca.exp(p) - 2 * ca.cos(p) - p,
-                    lambda p: math.exp(p) - 2 * math.cos(p) - p),
-}  # fmt: skip
+    "exponential": (
+        lambda p: ca.exp(p) - 2 * ca.cos(p) - p,
+        lambda p: math.exp(p) - 2 * math.cos(p) - p,
+    ),
+}
 
 
 @pytest.mark.parametrize("name", list(POLES))

@@ -22,12 +22,24 @@ from stability.systems.graph.implicit_form import ImplicitForm
 
 LINES: dict[str, tuple[st.Body, str, str, str, dict[str, float], tuple[float, float]]] = {
     "theta": (st.Torus(0.2), "tumbling", "viscous", "theta", {"tube": 0.2, "mu": 0.3}, (0.1, 1.5)),
-    "mu": (st.Spheroid(0.6), "tumbling", "viscous", "mu", {"aspect": 0.6, "theta": 2.55},
-           (0.05, 2.0)),
+    "mu": (
+        st.Spheroid(0.6),
+        "tumbling",
+        "viscous",
+        "mu",
+        {"aspect": 0.6, "theta": 2.55},
+        (0.05, 2.0),
+    ),
     "number": (st.Torus(0.2), "tumbling", "rough", "tube", {"theta": 0.9}, (0.05, 0.5)),
-    "solved": (st.ThickDisk(0.1), "rolling", "viscous", "omega3", {"thickness": 0.1, "mu": 0.3},
-               (0.2, 3.0)),
-}  # fmt: skip
+    "solved": (
+        st.ThickDisk(0.1),
+        "rolling",
+        "viscous",
+        "omega3",
+        {"thickness": 0.1, "mu": 0.3},
+        (0.2, 3.0),
+    ),
+}
 
 
 def rounds(name: str) -> Rounds:

@@ -71,8 +71,12 @@ def test_a_bead_on_a_turning_saddle_is_neutral_without_friction_alone() -> None:
     """λ⁴ + 2cλ³ + (2Ω² + c²)λ² - 2cΩ²λ + Ω⁴ - a² for axes that turn: -2cΩ² < 0 for every c > 0."""
     x, p = ca.SX.sym("x", 4), ca.SX.sym("p", 2)
     turn, c = p[0], p[1]
-    rates = ca.vertcat(x[1], 2 * turn * x[3] - (1 - turn**2) * x[0] - c * x[1],
-                       x[3], -2 * turn * x[1] + (1 + turn**2) * x[2] - c * x[3])  # fmt: skip
+    rates = ca.vertcat(
+        x[1],
+        2 * turn * x[3] - (1 - turn**2) * x[0] - c * x[1],
+        x[3],
+        -2 * turn * x[1] + (1 + turn**2) * x[2] - c * x[3],
+    )
     bead = st.System("bead", x, p, rates, states=STATES, parameters=("turn", "c"))
     family = st.Family(bead, "rest", at=("turn",), held=dict.fromkeys(STATES, 0.0))
     found = st.boundaries(family, axis=("c", 0, 1, 9), at=1.5)
@@ -133,8 +137,9 @@ def test_a_condition_that_is_zero_between_unstable_sides_proves_nothing_alone(wo
 
 def test_a_result_names_the_value_at_which_alone_a_stable_member_is_neutral() -> None:
     x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
-    swing = st.System("swing", x, c, ca.vertcat(x[1], -x[0] - c**2 * x[1]), states=("q", "v"),
-                      parameters=("c",))  # fmt: skip
+    swing = st.System(
+        "swing", x, c, ca.vertcat(x[1], -x[0] - c**2 * x[1]), states=("q", "v"), parameters=("c",)
+    )
     rest = st.Family(swing, "rest", at=("c",), held={"q": 0, "v": 0})
     found = st.boundaries(rest, axis=("c", -1, 1, 9))
     assert (len(found), found.touching, found.complete) == (0, (0.0,), True)

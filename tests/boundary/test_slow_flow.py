@@ -46,9 +46,12 @@ def test_rates_are_those_of_the_energy(body: st.Body, kind: type[st.Resistance])
 @pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("family", "at", "kind"),
-    [("rolling", 3.0, st.RollingResistance), ("tumbling", 0.7, st.AirTorque),
-     ("tumbling", 0.7, st.PivotingResistance)],
-)  # fmt: skip
+    [
+        ("rolling", 3.0, st.RollingResistance),
+        ("tumbling", 0.7, st.AirTorque),
+        ("tumbling", 0.7, st.PivotingResistance),
+    ],
+)
 def test_integrated_motions_follow_with_an_error_of_first_order(
     family: str, at: float, kind: type[st.Resistance]
 ) -> None:
@@ -63,9 +66,13 @@ def test_integrated_motions_follow_with_an_error_of_first_order(
         p = [(flow.numbers | {flow.small: small})[n] for n in system.parameters]
         last = 0.1 / small / abs(flow.rate(at))
         full = solve_ivp(
-            lambda _, x, p=p: np.array(rhs(x, p)).ravel(), (0, last), start, method="LSODA",
-            rtol=1e-9, atol=1e-11,
-        )  # fmt: skip
+            lambda _, x, p=p: np.array(rhs(x, p)).ravel(),
+            (0, last),
+            start,
+            method="LSODA",
+            rtol=1e-9,
+            atol=1e-11,
+        )
         slow = solve_ivp(
             lambda _, y, small=small: [small * flow.rate(float(y[0]))], (0, last), [at], rtol=1e-8
         )
@@ -80,17 +87,20 @@ def test_a_falling_disk_takes_for_ever_under_linear_laws() -> None:
     for kind, power in zip(KINDS, (1, 3, 1), strict=True):
         flow = st.slow_flow("tumbling", body=DISK, contact=st.Viscous(0.5), resistance=kind(0.1))
         assert flow.exponent(0.0, 0.02) == pytest.approx(power, abs=1e-3)
-    slow = st.slow_flow("rolling", body=DISK, contact=st.Viscous(0.5),
-                        resistance=st.RollingResistance(0.01))  # fmt: skip
+    slow = st.slow_flow(
+        "rolling", body=DISK, contact=st.Viscous(0.5), resistance=st.RollingResistance(0.01)
+    )
     assert slow.time(3.0, 1.5) == pytest.approx(1.5 / 0.01 * math.log(2), rel=1e-9)
 
 
 def test_families_that_survive_keep_spectra_and_others_are_refused() -> None:
     body, law = st.Spheroid(0.5), st.Viscous(0.3)
     for family, at, lives in (
-        ("rolling", 2.0, "sigma"), ("spinning", 3.0, "rho"), ("vertical", 3.0, "rho"),
+        ("rolling", 2.0, "sigma"),
+        ("spinning", 3.0, "rho"),
+        ("vertical", 3.0, "rho"),
         ("tumbling", 0.7, ""),
-    ):  # fmt: skip
+    ):
         for kind in KINDS:
             given = {"at": at, "body": body, "contact": law, "resistance": kind(0.02)}
             if kind.coefficient == lives:
@@ -106,8 +116,9 @@ def test_families_that_survive_keep_spectra_and_others_are_refused() -> None:
 def test_a_system_of_ones_own_drifts_too() -> None:
     """X' = v, v' = -v + c: the line v = 0 drifts at the rate c."""
     x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
-    cart = st.System("cart", x, c, ca.vertcat(x[1], -x[1] + c * x[0]), states=("q", "v"),
-                     parameters=("c",))  # fmt: skip
+    cart = st.System(
+        "cart", x, c, ca.vertcat(x[1], -x[1] + c * x[0]), states=("q", "v"), parameters=("c",)
+    )
     rest = st.Family(cart, "rest", at=("q",), held={"v": 0.0})
     flow = st.slow_flow(rest, small="c", c=0.1)
     assert flow.rate(2.0) == pytest.approx(0.2, rel=1e-14)
@@ -118,8 +129,14 @@ def test_a_system_of_ones_own_drifts_too() -> None:
 
 def test_a_number_of_the_system_that_is_missing_is_named() -> None:
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
-    cart = st.System("cart", x, p, ca.vertcat(x[1], -p[0] * x[1] + p[1]), states=("q", "v"),
-                     parameters=("drag", "c"))  # fmt: skip
+    cart = st.System(
+        "cart",
+        x,
+        p,
+        ca.vertcat(x[1], -p[0] * x[1] + p[1]),
+        states=("q", "v"),
+        parameters=("drag", "c"),
+    )
     rest = st.Family(cart, "rest", at=("q",), held={"v": 0.0})
     with pytest.raises(st.StabilityError, match="drag of rest is missing"):
         st.slow_flow(rest, small="c", c=0.1)
@@ -134,8 +151,7 @@ def test_a_number_of_the_system_that_is_missing_is_named() -> None:
     ],
 )
 def test_what_has_no_drift_is_refused(given: dict, words: str) -> None:  # type: ignore[type-arg]
-    arguments = {"body": DISK, "contact": st.Viscous(0.3),
-                 "resistance": st.AirTorque(0.1)} | given  # fmt: skip
+    arguments = {"body": DISK, "contact": st.Viscous(0.3), "resistance": st.AirTorque(0.1)} | given
     with pytest.raises(st.StabilityError, match=words):
         st.slow_flow(**arguments)
     with pytest.raises(st.StabilityError, match="rho is -1"):

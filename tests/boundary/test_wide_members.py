@@ -18,10 +18,13 @@ def reactor() -> st.Family:
     x, t, d, b, beta = (ca.SX.sym(n) for n in ("x", "T", "D", "B", "beta"))
     heat = d * (1 - x) * ca.exp(t)
     system = st.System(
-        "reactor", ca.vertcat(x, t), ca.vertcat(d, b, beta),
+        "reactor",
+        ca.vertcat(x, t),
+        ca.vertcat(d, b, beta),
         ca.vertcat(-x + heat, -t + b * heat - beta * t),
-        states=("x", "T"), parameters=("D", "B", "beta"),
-    )  # fmt: skip
+        states=("x", "T"),
+        parameters=("D", "B", "beta"),
+    )
     guess = {"x": 0.1, "T": 0.1, "D": 0.02, "B": 14.0, "beta": 3.0}
     return system.steady("D", guess=guess, name="reactor")
 
@@ -75,11 +78,15 @@ def nerve() -> st.Family:
     bh = 1 / (ca.exp((30 - v) / 10) + 1)
     ionic = 120 * m**3 * h * (v - 115) + 36 * n**4 * (v + 12) + 0.3 * (v - 10.6)
     system = st.System(
-        "nerve", ca.vertcat(v, m, h, n), current,
-        ca.vertcat(current - ionic, am * (1 - m) - bm * m, ah * (1 - h) - bh * h,
-                   an * (1 - n) - bn * n),
-        states=("V", "m", "h", "n"), parameters=("I",),
-    )  # fmt: skip
+        "nerve",
+        ca.vertcat(v, m, h, n),
+        current,
+        ca.vertcat(
+            current - ionic, am * (1 - m) - bm * m, ah * (1 - h) - bh * h, an * (1 - n) - bn * n
+        ),
+        states=("V", "m", "h", "n"),
+        parameters=("I",),
+    )
     return system.steady("I", guess={"V": 0.01, "m": 0.05, "h": 0.6, "n": 0.32, "I": 0.0})
 
 
@@ -94,8 +101,14 @@ def growth(v: Any) -> tuple[Any, Any]:
     m, h, n = (a(v) / (a(v) + b(v)) for a, b in ((am, bm), (ah, bh), (an, bn)))
     leak, rest = mp.mpf(0.3), mp.mpf(10.6)
     current = 120 * m**3 * h * (v - 115) + 36 * n**4 * (v + 12) + leak * (v - rest)
-    rows = [[-120 * m**3 * h - 36 * n**4 - leak, -360 * m**2 * h * (v - 115),
-             -120 * m**3 * (v - 115), -144 * n**3 * (v + 12)]]  # fmt: skip
+    rows = [
+        [
+            -120 * m**3 * h - 36 * n**4 - leak,
+            -360 * m**2 * h * (v - 115),
+            -120 * m**3 * (v - 115),
+            -144 * n**3 * (v + 12),
+        ]
+    ]
     for i, (a, b, y) in enumerate(((am, bm, m), (ah, bh, h), (an, bn, n))):
         row = [mp.diff(a, v) * (1 - y) - mp.diff(b, v) * y, 0, 0, 0]
         row[i + 1] = -a(v) - b(v)

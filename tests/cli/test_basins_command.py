@@ -23,8 +23,19 @@ from stability.cli.commands import main
 from stability.cli.terminal import progress_bar
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
-MAP = ("basins", "--family", "spinning", "--x", "at:0.5:3:6", "--y", "tilt:0.1:0.5:4", "--mu",
-       "0.3", "--time", "30")  # fmt: skip
+MAP = (
+    "basins",
+    "--family",
+    "spinning",
+    "--x",
+    "at:0.5:3:6",
+    "--y",
+    "tilt:0.1:0.5:4",
+    "--mu",
+    "0.3",
+    "--time",
+    "30",
+)
 
 
 @pytest.fixture(autouse=True)
@@ -39,8 +50,14 @@ def test_the_store_is_that_of_the_function(
 ) -> None:
     out, png = tmp_path / "a.zarr", tmp_path / "a.png"
     found = json.loads(output(capsys, *MAP, "--out", str(out), "--plot", str(png), "--json"))
-    true = st.basins(contact="viscous", mu=0.3, family="spinning", x=("at", 0.5, 3, 6),
-                     y=("tilt", 0.1, 0.5, 4), horizon=30.0)  # fmt: skip
+    true = st.basins(
+        contact="viscous",
+        mu=0.3,
+        family="spinning",
+        x=("at", 0.5, 3, 6),
+        y=("tilt", 0.1, 0.5, 4),
+        horizon=30.0,
+    )
     store = xarray.open_zarr(out)
     for name in ("outcome", "member", "end_time", "start_state", "linear_verdict"):
         np.testing.assert_array_equal(store[name].values, true[name].values)
@@ -60,8 +77,9 @@ def test_it_says_what_it_will_cost_before_it_starts(
     said = capsys.readouterr()
     assert re.fullmatch(
         r"stability: 24 launches to run: (about|under) [\w. ]+ with 2 workers, [\w. ]+ of "
-        r"computing; store about [\d.]+ kB; by 2 launches that were tried\n", said.err,
-    )  # fmt: skip
+        r"computing; store about [\d.]+ kB; by 2 launches that were tried\n",
+        said.err,
+    )
     assert re.fullmatch(r".*a\.zarr: \d+ moving, \d+ settled\n", said.out)
 
 
@@ -106,8 +124,15 @@ def test_borders_are_refined_for_the_figure(
     cost = json.loads(output(capsys, *words, "--json", "--plot", str(tmp_path / "a.png")))["cost"]
     again = json.loads(output(capsys, *words, "--json"))["cost"]
     assert (again["launches"], again["border_launches"]) == (0, 0)
-    true = st.basins(contact="viscous", mu=0.3, family="spinning", x=("at", 0.5, 3, 6),
-                     y=("tilt", 0.1, 0.5, 4), horizon=30.0, levels=2)  # fmt: skip
+    true = st.basins(
+        contact="viscous",
+        mu=0.3,
+        family="spinning",
+        x=("at", 0.5, 3, 6),
+        y=("tilt", 0.1, 0.5, 4),
+        horizon=30.0,
+        levels=2,
+    )
     assert true.sizes["border_point"] > 10
     np.testing.assert_array_equal(drawn[0].border_tilt.values, true.border_tilt.values)
     assert 0.3 < cost["border_launches"] / true.border_launches < 3
@@ -142,9 +167,22 @@ def launches_of(capsys: pytest.CaptureFixture[str], tmp_path: Path, *words: str)
 def test_a_sample_has_its_distributions_and_its_seed(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    words = ("--sample", "theta:uniform:0.3:1.5", "--sample", "omega3:normal:2:0.1", "--sample",
-             "mu:log:0.1:1", "--count", "7", "--seed", "5", "--time", "2", "--plot",
-             str(tmp_path / "s.png"))  # fmt: skip
+    words = (
+        "--sample",
+        "theta:uniform:0.3:1.5",
+        "--sample",
+        "omega3:normal:2:0.1",
+        "--sample",
+        "mu:log:0.1:1",
+        "--count",
+        "7",
+        "--seed",
+        "5",
+        "--time",
+        "2",
+        "--plot",
+        str(tmp_path / "s.png"),
+    )
     found = launches_of(capsys, tmp_path, *words)
     with Image.open(tmp_path / "s.png") as picture:
         assert picture.width > 800
@@ -162,26 +200,89 @@ def test_a_sample_has_its_distributions_and_its_seed(
 def test_bodies_systems_and_numbers_are_launched(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    torus = ("--body", "torus", "--tube", "0.2", "--x", "omega3:0:1:2", "--y", "theta:1:1.2:2",
-             "--set", "phi_dot=0.5", "--mu", "0.3", "--time", "1")  # fmt: skip
+    torus = (
+        "--body",
+        "torus",
+        "--tube",
+        "0.2",
+        "--x",
+        "omega3:0:1:2",
+        "--y",
+        "theta:1:1.2:2",
+        "--set",
+        "phi_dot=0.5",
+        "--mu",
+        "0.3",
+        "--time",
+        "1",
+    )
     found = launches_of(capsys, tmp_path / "torus", *torus)
     assert found.attrs["body"] == st.Torus(0.2).name
     np.testing.assert_array_equal(found.start_state.values[..., 2], 0.5)
-    near = ("--body", "eccentric-sphere", "--offset", "0.3", "--family", "vertical", "--pole", "pi",
-            "--x", "at:1:2:2", "--y", "tilt:0.1:0.2:2", "--mu", "0.3", "--time", "1")  # fmt: skip
+    near = (
+        "--body",
+        "eccentric-sphere",
+        "--offset",
+        "0.3",
+        "--family",
+        "vertical",
+        "--pole",
+        "pi",
+        "--x",
+        "at:1:2:2",
+        "--y",
+        "tilt:0.1:0.2:2",
+        "--mu",
+        "0.3",
+        "--time",
+        "1",
+    )
     found = launches_of(capsys, tmp_path / "top", *near)
-    true = st.basins(st.EccentricSphere(0.3), "viscous", mu=0.3, family="vertical", pole="pi",
-                     x=("at", 1, 2, 2), y=("tilt", 0.1, 0.2, 2), horizon=1.0)  # fmt: skip
+    true = st.basins(
+        st.EccentricSphere(0.3),
+        "viscous",
+        mu=0.3,
+        family="vertical",
+        pole="pi",
+        x=("at", 1, 2, 2),
+        y=("tilt", 0.1, 0.2, 2),
+        horizon=1.0,
+    )
     np.testing.assert_array_equal(found.start_state.values, true.start_state.values)
     assert found.attrs["launched_near"] == "vertical at theta = pi"
-    governor = ("--system", f"{EXAMPLES}/watt_governor.py:running", "--x", "x:0.5:1.5:2", "--y",
-                "y:-1:1:2", "--set", "z=1.4", "--set", "e=0.8", "--set", "a=0.5", "--set", "b=0.5",
-                "--time", "5")  # fmt: skip
+    governor = (
+        "--system",
+        f"{EXAMPLES}/watt_governor.py:running",
+        "--x",
+        "x:0.5:1.5:2",
+        "--y",
+        "y:-1:1:2",
+        "--set",
+        "z=1.4",
+        "--set",
+        "e=0.8",
+        "--set",
+        "a=0.5",
+        "--set",
+        "b=0.5",
+        "--time",
+        "5",
+    )
     found = launches_of(capsys, tmp_path / "governor", *governor)
     assert set(found.outcome.values.ravel().tolist()) <= {0, 1}
     assert float(found.z) == 1.4
-    rod = ("--k", "0.3", "--x", "omega3:0:1:2", "--y", "mu:0.1:1:2", "--set", "theta=1.2",
-           "--time", "1")  # fmt: skip
+    rod = (
+        "--k",
+        "0.3",
+        "--x",
+        "omega3:0:1:2",
+        "--y",
+        "mu:0.1:1:2",
+        "--set",
+        "theta=1.2",
+        "--time",
+        "1",
+    )
     found = launches_of(capsys, tmp_path / "disk", *rod)
     assert json.loads(found.attrs["parameters"])["k"] == 0.3
 
@@ -237,16 +338,36 @@ GOOD = (
     ],
 )
 def test_bad_input_gets_one_sentence(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-    words: tuple[str, ...], sentence: str,
-) -> None:  # fmt: skip
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    words: tuple[str, ...],
+    sentence: str,
+) -> None:
     monkeypatch.chdir(tmp_path)
     assert sentence in refused(capsys, "basins", *words)
     assert list(tmp_path.iterdir()) == []
 
 
-MANY = ("basins", "--family", "spinning", "--x", "at:0.5:3:60", "--y", "tilt:0.1:0.5:400", "--mu",
-        "0.3", "--time", "30", "--chunk", "100", "--workers", "2", "--out", "a.zarr")  # fmt: skip
+MANY = (
+    "basins",
+    "--family",
+    "spinning",
+    "--x",
+    "at:0.5:3:60",
+    "--y",
+    "tilt:0.1:0.5:400",
+    "--mu",
+    "0.3",
+    "--time",
+    "30",
+    "--chunk",
+    "100",
+    "--workers",
+    "2",
+    "--out",
+    "a.zarr",
+)
 
 
 def _kept_and_said(folder: Path, code: int | None, out: str, err: str) -> None:
@@ -272,8 +393,13 @@ def test_an_interrupted_run_keeps_all_and_says_how_to_go_on(
 
 @pytest.mark.long
 def test_an_interrupted_process_keeps_all_and_says_how_to_go_on(tmp_path: Path) -> None:
-    run = subprocess.Popen([sys.executable, "-m", "stability", *MANY], cwd=tmp_path, text=True,
-                           stdout=subprocess.PIPE, stderr=subprocess.PIPE)  # fmt: skip
+    run = subprocess.Popen(
+        [sys.executable, "-m", "stability", *MANY],
+        cwd=tmp_path,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
     while run.poll() is None and not list((tmp_path / "a.zarr" / "outcome").glob("whole.*")):
         time.sleep(0.05)
     run.send_signal(signal.SIGINT)
@@ -320,8 +446,20 @@ def test_a_place_that_holds_no_store_is_refused_before_a_launch_is_tried(
     monkeypatch.setattr("stability.basin.cost.predict", tried)
     (tmp_path / "mine.zarr").mkdir()
     (tmp_path / "mine.zarr" / "mine.txt").write_text("x")
-    words = ["basins", "--family", "spinning", "--mu", "0.3", "--x", "at:2:3:4", "--y",
-             "tilt:0.1:0.4:3", "--time", "5", "--out"]  # fmt: skip
+    words = [
+        "basins",
+        "--family",
+        "spinning",
+        "--mu",
+        "0.3",
+        "--x",
+        "at:2:3:4",
+        "--y",
+        "tilt:0.1:0.4:3",
+        "--time",
+        "5",
+        "--out",
+    ]
     assert main([*words, str(tmp_path / "mine.zarr"), "--overwrite"]) == 2
     assert "is no store of ours, or is damaged" in capsys.readouterr().err
     if Path("/proc").is_dir():
@@ -331,9 +469,24 @@ def test_a_place_that_holds_no_store_is_refused_before_a_launch_is_tried(
 
 
 def test_a_sample_may_name_the_member_by_at(tmp_path: Path) -> None:
-    words = ["basins", "--family", "spinning", "--mu", "0.3", "--sample", "at:uniform:2:3",
-             "--sample", "tilt:uniform:0.1:0.2", "--count", "4", "--time", "1", "--no-check",
-             "--out", str(tmp_path / "a.zarr")]  # fmt: skip
+    words = [
+        "basins",
+        "--family",
+        "spinning",
+        "--mu",
+        "0.3",
+        "--sample",
+        "at:uniform:2:3",
+        "--sample",
+        "tilt:uniform:0.1:0.2",
+        "--count",
+        "4",
+        "--time",
+        "1",
+        "--no-check",
+        "--out",
+        str(tmp_path / "a.zarr"),
+    ]
     assert main(words) == 0
     assert {"phi_dot", "tilt"} <= set(xarray.open_zarr(tmp_path / "a.zarr").coords)
 
@@ -342,9 +495,26 @@ def test_a_sample_may_name_the_member_by_at(tmp_path: Path) -> None:
 def test_refined_borders_are_said_to_be_sensitive_or_not(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    words = ["basins", "--family", "spinning", "--k", "0.5", "--mu", "0.3", "--x", "at:1:2.2:5",
-             "--y", "tilt:0.05:0.6:5", "--levels", "4", "--time", "60", "--no-check",
-             "--out", str(tmp_path / "a.zarr")]  # fmt: skip
+    words = [
+        "basins",
+        "--family",
+        "spinning",
+        "--k",
+        "0.5",
+        "--mu",
+        "0.3",
+        "--x",
+        "at:1:2.2:5",
+        "--y",
+        "tilt:0.05:0.6:5",
+        "--levels",
+        "4",
+        "--time",
+        "60",
+        "--no-check",
+        "--out",
+        str(tmp_path / "a.zarr"),
+    ]
     assert main(words) == 0
     found = xarray.open_zarr(tmp_path / "a.zarr")
     low, high = found.attrs["border_exponent_interval"]

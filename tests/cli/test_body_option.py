@@ -59,8 +59,9 @@ def test_every_named_body_has_the_spectrum_of_the_library(
     capsys: pytest.CaptureFixture[str], name: str
 ) -> None:
     body = NAMED[name](float(NUMBERS[name][1]))
-    family, at = ("rolling", "2") if name in ("torus", "spheroid", "thick-disk") else (
-        "tumbling", "1")  # fmt: skip
+    family, at = (
+        ("rolling", "2") if name in ("torus", "spheroid", "thick-disk") else ("tumbling", "1")
+    )
     found = spectrum(capsys, family, "--body", name, *NUMBERS[name], "--at", at, "--mu", "0.3")
     own = st.spectrum(family, at=float(at), body=body, contact=st.Viscous(0.3))
     assert found["body"] == body.name
@@ -77,9 +78,11 @@ def test_units_hollowness_and_moments_reach_the_body(capsys: pytest.CaptureFixtu
     si = ["--mass", "0.5", "--gravity", "9.81", "--length", "0.3"]
     text = output(capsys, "spectrum", "rolling", *TORUS, "--hollow", *si, "--at", "9", "--mu", ".2")
     own = st.spectrum(
-        "rolling", at=9.0, contact=st.Viscous(0.2),
+        "rolling",
+        at=9.0,
+        contact=st.Viscous(0.2),
         body=st.Torus(0.2, solid=False, mass=0.5, gravity=9.81, length=0.3),
-    )  # fmt: skip
+    )
     assert "rolling of hollow torus, viscous contact, at omega3 = 9, mass = 0.5" in text
     assert "[1/s]" in text
     assert f"{own.eigenvalues[-1].real:+.12e}" in text
@@ -95,8 +98,13 @@ def test_units_hollowness_and_moments_reach_the_body(capsys: pytest.CaptureFixtu
     ]
     found = spectrum(capsys, "tumbling", *ball, "--at", "1.0", "--contact", "smooth")
     assert found["parameters"] == {
-        "mass": 1, "gravity": 1, "length": 1, "offset": 0.2, "axial": 0.3, "transverse": 0.4,
-    }  # fmt: skip
+        "mass": 1,
+        "gravity": 1,
+        "length": 1,
+        "offset": 0.2,
+        "axial": 0.3,
+        "transverse": 0.4,
+    }
 
 
 @pytest.mark.usefixtures("file")
@@ -119,22 +127,53 @@ def test_boundaries_and_maps_are_those_of_the_library(
     words = ["--body", "spheroid", "--axis", "aspect:0.1:3:9", "--at", "0.5", "--contact", "rough"]
     found = json.loads(output(capsys, "boundaries", "rolling", *words, "--json"))
     # at rest on its side an oblate body falls over; spin holds it up above the threshold
-    own = st.boundaries("rolling", axis=("aspect", 0.1, 3, 9), at=0.5, body=st.Spheroid(1.0),
-                        contact=st.Rough())  # fmt: skip
+    own = st.boundaries(
+        "rolling", axis=("aspect", 0.1, 3, 9), at=0.5, body=st.Spheroid(1.0), contact=st.Rough()
+    )
     assert [b["value"] for b in found["boundaries"]] == [b.value for b in own]
     assert found["body"] == "spheroid"
     assert found["parameters"] == {"mass": 1, "gravity": 1, "length": 1}  # aspect is the axis
-    text = output(capsys, "boundaries", "rolling", "--body", "spheroid", "--aspect", "0.5",
-                  "--axis", "omega3:0.1:3:9", "--contact", "rough")  # fmt: skip
+    text = output(
+        capsys,
+        "boundaries",
+        "rolling",
+        "--body",
+        "spheroid",
+        "--aspect",
+        "0.5",
+        "--axis",
+        "omega3:0.1:3:9",
+        "--contact",
+        "rough",
+    )
     assert "rolling of spheroid, rough contact, along omega3" in text
     assert "aspect = 0.5, axial = 0.4, transverse = 0.25" in text
 
     target = tmp_path / "torus.nc"
-    told = output(capsys, "map", "spinning", "--body", "torus", "--x", "at:0.5:5:8", "--y",
-                  "tube:0.05:0.5:6", "--mu", "0.3", "--out", str(target), "--json")  # fmt: skip
+    told = output(
+        capsys,
+        "map",
+        "spinning",
+        "--body",
+        "torus",
+        "--x",
+        "at:0.5:5:8",
+        "--y",
+        "tube:0.05:0.5:6",
+        "--mu",
+        "0.3",
+        "--out",
+        str(target),
+        "--json",
+    )
     assert json.loads(told)["body"] == "torus"
-    chart = st.stability_map("spinning", x=("at", 0.5, 5, 8), y=("tube", 0.05, 0.5, 6),
-                             body=st.Torus(0.1), contact=st.Viscous(0.3))  # fmt: skip
+    chart = st.stability_map(
+        "spinning",
+        x=("at", 0.5, 5, 8),
+        y=("tube", 0.05, 0.5, 6),
+        body=st.Torus(0.1),
+        contact=st.Viscous(0.3),
+    )
     assert (st.read_map(target).verdict == chart.verdict).all()
 
 
@@ -183,7 +222,7 @@ def test_help_lists_the_bodies_with_an_example(capsys: pytest.CaptureFixture[str
         (["rolling", "--body", "egg", "--tube", "1", *ASK], "it takes --taper or --aspect"),
         (["rolling", *TORUS, "--taper", "0.1", *ASK], "--taper is no number of torus"),
     ],
-)  # fmt: skip
+)
 def test_bad_input_gets_one_sentence(
     capsys: pytest.CaptureFixture[str], words: list[str], said: str
 ) -> None:
@@ -198,7 +237,7 @@ def test_bad_input_gets_one_sentence(
         (["--tube", ".2", "--axis", "k:.1:.5:9", "--at", "1"], "known for rolling are omega3"),
         (["--axis", "omega3:.1:.5:9"], "--tube is missing"),
     ],
-)  # fmt: skip
+)
 def test_bad_axes_get_one_sentence(
     capsys: pytest.CaptureFixture[str], words: list[str], said: str
 ) -> None:
@@ -222,16 +261,23 @@ def test_every_command_takes_an_egg(
         return found
 
     found = ask("boundaries", "vertical", *HEN, "--pole", "pi", "--axis", "omega_Z:0.1:6:9")
-    own = st.boundaries("vertical", axis=("omega_Z", 0.1, 6, 9), body=egg, contact=st.Viscous(0.3),
-                        pole="pi")  # fmt: skip
+    own = st.boundaries(
+        "vertical", axis=("omega_Z", 0.1, 6, 9), body=egg, contact=st.Viscous(0.3), pole="pi"
+    )
     assert [b["value"] for b in found["boundaries"]] == [b.value for b in own]
     assert told.items() <= found["parameters"].items()
 
-    found = ask("map", "vertical", *HEN, "--x", "omega_Z:1:5:4", "--y", "axial:0.3:0.5:3",
-                "--out", "egg.nc")  # fmt: skip
+    found = ask(
+        "map", "vertical", *HEN, "--x", "omega_Z:1:5:4", "--y", "axial:0.3:0.5:3", "--out", "egg.nc"
+    )
     assert (found["body"], found["parameters"]["taper"]) == ("egg", 0.25)
-    chart = st.stability_map("vertical", x=("omega_Z", 1, 5, 4), y=("axial", 0.3, 0.5, 3), body=egg,
-                             contact=st.Viscous(0.3))  # fmt: skip
+    chart = st.stability_map(
+        "vertical",
+        x=("omega_Z", 1, 5, 4),
+        y=("axial", 0.3, 0.5, 3),
+        body=egg,
+        contact=st.Viscous(0.3),
+    )
     assert (st.read_map("egg.nc").verdict == chart.verdict).all()
 
     launch = ["--theta", "0.3", "--omega3", "2", "--time", "3"]
@@ -240,8 +286,18 @@ def test_every_command_takes_an_egg(
     assert found["final"]["theta"] == pytest.approx(float(run.theta[-1]), abs=1e-7)
     assert told.items() <= found["parameters"].items()
 
-    found = ask("basins", *HEN, "--x", "theta:0.3:1:2", "--y", "omega3:1:2:2", "--time", "3",
-                "--out", "egg.zarr")  # fmt: skip
+    found = ask(
+        "basins",
+        *HEN,
+        "--x",
+        "theta:0.3:1:2",
+        "--y",
+        "omega3:1:2:2",
+        "--time",
+        "3",
+        "--out",
+        "egg.zarr",
+    )
     assert found["launches"] == 4
     output(capsys, "explore", "vertical", *HEN, "--mu", "0.3", "--out", "egg.html")
     assert "st.Egg" not in (tmp_path / "egg.html").read_text()
@@ -253,8 +309,9 @@ def test_every_command_takes_an_egg(
         "[start]\ntheta = 0.3\nomega3 = 2.0\n[question]\nhorizon = 3.0\n"
     )
     found = json.loads(output(capsys, "scene", "egg.toml", "--json"))
-    scene = st.Scene(body=egg, contact=st.Viscous(0.3), start={"theta": 0.3, "omega3": 2.0},
-                     horizon=3.0)  # fmt: skip
+    scene = st.Scene(
+        body=egg, contact=st.Viscous(0.3), start={"theta": 0.3, "omega3": 2.0}, horizon=3.0
+    )
     assert scene.answer().model == found["model"]
 
 
@@ -265,20 +322,33 @@ def test_a_number_of_a_quadrature_is_no_axis(capsys: pytest.CaptureFixture[str],
     for words in (
         ["boundaries", "tumbling", "--axis", axis_of, "--at", "1"],
         ["map", "tumbling", "--x", axis_of, "--y", "mu:1:2:3", "--at", "1", "--out", "egg.nc"],
-        ["map", "tumbling", "--x", axis_of, "--y", "mu:1:2:3", "--at", "1", "--verdict-only",
-         "--out", "egg.nc"],
+        [
+            "map",
+            "tumbling",
+            "--x",
+            axis_of,
+            "--y",
+            "mu:1:2:3",
+            "--at",
+            "1",
+            "--verdict-only",
+            "--out",
+            "egg.nc",
+        ],
         ["basins", "--x", axis_of, "--y", "theta:1:2:3", "--time", "1", "--out", "egg.zarr"],
         ["explore", "tumbling", "--x", f"{axis}:0.1:0.3", "--out", "egg.html"],
-    ):  # fmt: skip
+    ):
         mu = [] if "mu:1:2:3" in words else ["--mu", "1"]
         said = refused(capsys, *words, "--body", "egg", *mu)
         assert f"{axis} is no axis of egg: its height and moments are computed for one" in said
     for call in (
-        lambda: st.boundaries("tumbling", axis=(axis, 0.1, 0.3, 4), at=1.0, body=st.Egg(),
-                              contact="rough"),
-        lambda: st.basins(st.Egg(), "rough", x=(axis, 0.1, 0.3, 4), y=("theta", 1, 2, 3),
-                          horizon=1.0),
-    ):  # fmt: skip
+        lambda: st.boundaries(
+            "tumbling", axis=(axis, 0.1, 0.3, 4), at=1.0, body=st.Egg(), contact="rough"
+        ),
+        lambda: st.basins(
+            st.Egg(), "rough", x=(axis, 0.1, 0.3, 4), y=("theta", 1, 2, 3), horizon=1.0
+        ),
+    ):
         with pytest.raises(st.StabilityError, match=f"{axis} is no axis of egg"):
             call()
 
@@ -301,8 +371,16 @@ def test_numbers_of_a_users_quadrature_are_recorded_and_no_axes(
     found = spectrum(capsys, "tumbling", "--body", "oval.py:oval", "--bulge", "0.2", *ASK)
     told = found["parameters"]
     assert isinstance(told, dict) and told["bulge"] == 0.2
-    said = refused(capsys, "boundaries", "tumbling", "--body", "oval.py:oval", "--axis",
-                   "bulge:0.1:0.2:3", *ASK)  # fmt: skip
+    said = refused(
+        capsys,
+        "boundaries",
+        "tumbling",
+        "--body",
+        "oval.py:oval",
+        "--axis",
+        "bulge:0.1:0.2:3",
+        *ASK,
+    )
     assert "bulge is no axis of profile" in said
 
 
@@ -320,10 +398,12 @@ def test_a_launched_body_moves_as_in_the_library_and_is_filmed(
     found = json.loads(text)
     top = st.EccentricSphere(0.15, mass=0.02, gravity=9.81, length=0.03)
     own = st.simulate(
-        body=top, contact=st.Viscous(0.5), start={"theta": 0.4, "omega3": 60, "slip_y": 0.01},
-        times=0.4, resistance=[st.RollingResistance(1e-5), st.PivotingResistance(2e-5),
-                               st.AirTorque(1e-9)],
-    )  # fmt: skip
+        body=top,
+        contact=st.Viscous(0.5),
+        start={"theta": 0.4, "omega3": 60, "slip_y": 0.01},
+        times=0.4,
+        resistance=[st.RollingResistance(1e-5), st.PivotingResistance(2e-5), st.AirTorque(1e-9)],
+    )
     assert found["final"]["theta"] == pytest.approx(float(own.theta[-1]), abs=1e-7)
     assert found["final"]["omega3"] == pytest.approx(float(own.omega3[-1]), rel=1e-7)
     assert (found["body"], found["unit"]) == ("eccentric sphere", "SI")

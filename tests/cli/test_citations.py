@@ -25,14 +25,16 @@ COMMANDS = {
     "spectrum rolling --at 1.8 --mu 0.97 --body torus --tube 0.3": [*DISK, "lapack"],
     "boundaries spinning --axis at:0.1:5:9 --mu 0.97": [*DISK, "arb"],
     "map spinning --x at:1:3:5 --y mu:0.1:1:4 --out {folder}/a.nc": [*DISK, "arb"],
-    "map spinning --x at:1:3:5 --y mu:0.1:1:4 --verdict-only --out {folder}/a.zarr":
-        [*DISK, "arb"],
-    "simulate --theta 1.3 --omega3 2 --mu 0.3 --time 0.5 --method dop853":
-        [*DISK, "scipy", "hairer1993"],
+    "map spinning --x at:1:3:5 --y mu:0.1:1:4 --verdict-only --out {folder}/a.zarr": [*DISK, "arb"],
+    "simulate --theta 1.3 --omega3 2 --mu 0.3 --time 0.5 --method dop853": [
+        *DISK,
+        "scipy",
+        "hairer1993",
+    ],
     "basins --x theta:1.2:1.5:2 --y omega3:1:2:2 --mu 0.3 --time 1 --out {folder}/a.zarr": DISK,
     "scene {folder}/a.toml": DISK,
     "table hopf --k 0.5 --mu 1": [*DISK[:2], "fiedler2000", "casadi", "arb"],
-}  # fmt: skip
+}
 """Words of a command: works that it cites among others."""
 
 

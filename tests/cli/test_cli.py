@@ -47,9 +47,16 @@ def test_spectrum_prints_the_object_of_the_contract(capsys: pytest.CaptureFixtur
         output(capsys, "spectrum", "rolling", "--at", "1.2", "--mu", "0.3", "--json")
     )
     assert list(found)[:9] == [
-        "family", "contact", "parameters", "at", "eigenvalues", "structural_zeros", "abscissa",
-        "verdict", "nonlinear",
-    ]  # fmt: skip
+        "family",
+        "contact",
+        "parameters",
+        "at",
+        "eigenvalues",
+        "structural_zeros",
+        "abscissa",
+        "verdict",
+        "nonlinear",
+    ]
     assert found["family"] == "rolling"
     assert found["contact"] == "viscous"
     assert found["verdict"] == "unstable"
@@ -238,28 +245,61 @@ def test_map_of_ones_own_system(capsys: pytest.CaptureFixture[str], tmp_path: Pa
 
 
 @pytest.mark.few(6)
-@pytest.mark.parametrize(("words", "part"), [
-    (["spectrum", "--at", "5"], "FAMILY is missing"),
-    (["spectrum", UPRIGHT, "--at", "5"], "give --system examples/bicycle.py:upright instead"),
-    (["spectrum", "rolling", "--system", UPRIGHT, "--at", "5"], "give one of them"),
-    (["spectrum", "--system", UPRIGHT, "--at", "5"], "g is missing; give --set g=NUMBER"),
-    (["spectrum", "--system", UPRIGHT, "--set", "g=9"], "v is missing"),
-    (["spectrum", "--system", UPRIGHT], "v and g are missing; give --set v=NUMBER --set"),
-    (["spectrum", "--system", UPRIGHT, "--at", "1,2"], "upright takes v, 1 number"),
-    (["spectrum", "--system", UPRIGHT, "--at", "x"], "v is 'x'; a number such as 9.81"),
-    (["spectrum", "--system", UPRIGHT, "--at", "inf"], "a finite number"),
-    (["spectrum", "--system", UPRIGHT, "--at", "5", "--mu", "1"], "--mu belongs to the disk"),
-    (["spectrum", "--system", UPRIGHT, "--lean", "0"], "--lean belongs to the disk"),
-    (["spectrum", "--system", UPRIGHT, "--contact", "rough"], "--contact belongs to the disk"),
-    (["spectrum", "--system", UPRIGHT, "--at", "5", "--set", "v=5"], "v is given by --at"),
-    (["spectrum", "--system", UPRIGHT, "--at", "5", "--set", "h=5"], "upright has v, g"),
-    (["map", "--system", UPRIGHT, "--x", "v:1:2:3", "--y", "k:1:2:3", "--out", "m.nc"],
-     "axis is 'k'; known for upright are v, g"),
-    (["map", "--system", UPRIGHT, "--x", "v:1:2:3", "--y", "g:1:2:3", "--at", "1", "--out", "m.nc"],
-     "--at means v here"),
-    (["map", "--system", UPRIGHT, "--x", "v:1:2:3", "--y", "g:1:2:3", "--set", "g=1",
-      "--out", "m.nc"], "g is given as a number and as an axis"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("words", "part"),
+    [
+        (["spectrum", "--at", "5"], "FAMILY is missing"),
+        (["spectrum", UPRIGHT, "--at", "5"], "give --system examples/bicycle.py:upright instead"),
+        (["spectrum", "rolling", "--system", UPRIGHT, "--at", "5"], "give one of them"),
+        (["spectrum", "--system", UPRIGHT, "--at", "5"], "g is missing; give --set g=NUMBER"),
+        (["spectrum", "--system", UPRIGHT, "--set", "g=9"], "v is missing"),
+        (["spectrum", "--system", UPRIGHT], "v and g are missing; give --set v=NUMBER --set"),
+        (["spectrum", "--system", UPRIGHT, "--at", "1,2"], "upright takes v, 1 number"),
+        (["spectrum", "--system", UPRIGHT, "--at", "x"], "v is 'x'; a number such as 9.81"),
+        (["spectrum", "--system", UPRIGHT, "--at", "inf"], "a finite number"),
+        (["spectrum", "--system", UPRIGHT, "--at", "5", "--mu", "1"], "--mu belongs to the disk"),
+        (["spectrum", "--system", UPRIGHT, "--lean", "0"], "--lean belongs to the disk"),
+        (["spectrum", "--system", UPRIGHT, "--contact", "rough"], "--contact belongs to the disk"),
+        (["spectrum", "--system", UPRIGHT, "--at", "5", "--set", "v=5"], "v is given by --at"),
+        (["spectrum", "--system", UPRIGHT, "--at", "5", "--set", "h=5"], "upright has v, g"),
+        (
+            ["map", "--system", UPRIGHT, "--x", "v:1:2:3", "--y", "k:1:2:3", "--out", "m.nc"],
+            "axis is 'k'; known for upright are v, g",
+        ),
+        (
+            [
+                "map",
+                "--system",
+                UPRIGHT,
+                "--x",
+                "v:1:2:3",
+                "--y",
+                "g:1:2:3",
+                "--at",
+                "1",
+                "--out",
+                "m.nc",
+            ],
+            "--at means v here",
+        ),
+        (
+            [
+                "map",
+                "--system",
+                UPRIGHT,
+                "--x",
+                "v:1:2:3",
+                "--y",
+                "g:1:2:3",
+                "--set",
+                "g=1",
+                "--out",
+                "m.nc",
+            ],
+            "g is given as a number and as an axis",
+        ),
+    ],
+)
 def test_bad_input_for_ones_own_system_ends_with_one_sentence(
     words: list[str], part: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -291,8 +331,9 @@ def test_a_terminal_without_unicode_is_no_obstacle() -> None:
     environment = dict(os.environ, PYTHONIOENCODING="ascii")
     done = subprocess.run(
         [sys.executable, "-m", "stability", "spectrum", "rolling", "--at", "-1e0", "--mu", "1"],
-        capture_output=True, env=environment,
-    )  # fmt: skip
+        capture_output=True,
+        env=environment,
+    )
     assert (done.returncode, done.stderr) == (0, b"")
 
 
@@ -418,9 +459,12 @@ def test_bad_questions_get_one_sentence(
     ],
 )
 def test_bad_maps_get_one_sentence_and_write_nothing(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-    changes: dict[str, str | None], sentence: str,
-) -> None:  # fmt: skip
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    changes: dict[str, str | None],
+    sentence: str,
+) -> None:
     monkeypatch.chdir(tmp_path)
     options = {"--x": "at:1:2:6", "--y": "mu:0.1:1:5", "--out": "map.nc"} | changes
     words = [w for pair in options.items() for w in pair if w is not None]
@@ -430,8 +474,18 @@ def test_bad_maps_get_one_sentence_and_write_nothing(
 
 @pytest.mark.long
 def test_an_interrupted_map_is_gone_on_with(tmp_path: Path) -> None:
-    words = ["map", "rolling", "--x", "at:0.5:3:2000", "--y", "mu:0.1:5:1500", "--out",
-             str(tmp_path / "m.nc"), "--checkpoint", str(tmp_path / "kept")]  # fmt: skip
+    words = [
+        "map",
+        "rolling",
+        "--x",
+        "at:0.5:3:2000",
+        "--y",
+        "mu:0.1:5:1500",
+        "--out",
+        str(tmp_path / "m.nc"),
+        "--checkpoint",
+        str(tmp_path / "kept"),
+    ]
     process = subprocess.Popen(
         [sys.executable, "-m", "stability", *words], stderr=subprocess.PIPE, text=True
     )
@@ -520,8 +574,10 @@ def test_an_interruption_leaves_nothing_behind(tmp_path: Path, words: list[str])
         out.parent.mkdir()
         process = subprocess.Popen(
             [sys.executable, "-m", "stability", *words, "--out", str(out)],
-            stderr=subprocess.PIPE, text=True, start_new_session=True,
-        )  # fmt: skip
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
         while process.poll() is None and not any(out.parent.iterdir()):
             time.sleep(0.02)  # what is written first shows that the work has begun
         if words == ["atlas"]:

@@ -33,16 +33,39 @@ def test_simulate_prints_the_object_of_the_contract(capsys: pytest.CaptureFixtur
     ("words", "outcome"),
     [
         (["--contact", "smooth", "--theta", "1", "--time", "5"], "flat"),
-        (["--theta", "1", "--omega3", "-5", "--phi-dot", "5", "--mu", "3", "--time", "3"],
-         "lift-off"),
+        (
+            ["--theta", "1", "--omega3", "-5", "--phi-dot", "5", "--mu", "3", "--time", "3"],
+            "lift-off",
+        ),
         (["--theta", "1.5", "--phi-dot", "2.5", "--mu", "0.3", "--time", "300"], "settled"),
         (["--theta", "1.2", "--contact", "rough", "--omega3", "1", "--time", "3"], "moving"),
-        (["--theta", ".8653", "--theta-dot", ".3", "--phi-dot", ".6318", "--omega3", "1.59", "--k",
-          ".05", "--mu", ".947", "--contact", "coulomb", "--time", "1"], "non-unique"),
-        ([*ASK[1:], "--contact", "coulomb-regularised", "--epsilon", "1e-3", "--time", "2"],
-         "moving"),
+        (
+            [
+                "--theta",
+                ".8653",
+                "--theta-dot",
+                ".3",
+                "--phi-dot",
+                ".6318",
+                "--omega3",
+                "1.59",
+                "--k",
+                ".05",
+                "--mu",
+                ".947",
+                "--contact",
+                "coulomb",
+                "--time",
+                "1",
+            ],
+            "non-unique",
+        ),
+        (
+            [*ASK[1:], "--contact", "coulomb-regularised", "--epsilon", "1e-3", "--time", "2"],
+            "moving",
+        ),
     ],
-)  # fmt: skip
+)
 def test_each_outcome_is_told_with_its_evidence(
     capsys: pytest.CaptureFixture[str], words: list[str], outcome: str
 ) -> None:
@@ -59,9 +82,26 @@ def test_files_are_whole_and_say_what_was_printed(
 ) -> None:
     names = [str(tmp_path / n) for n in ("run.nc", "run.png", "run.html")]
     found = json.loads(
-        output(capsys, *ASK, "--time", "1", "--points", "21", "--contact", "coulomb", "--slip-x",
-               "0.2", "--out", names[0], "--plot", names[1], "--film", names[2], "--json")
-    )  # fmt: skip
+        output(
+            capsys,
+            *ASK,
+            "--time",
+            "1",
+            "--points",
+            "21",
+            "--contact",
+            "coulomb",
+            "--slip-x",
+            "0.2",
+            "--out",
+            names[0],
+            "--plot",
+            names[1],
+            "--film",
+            names[2],
+            "--json",
+        )
+    )
     run = st.read_motion(names[0])
     assert len(run.time) == 21
     assert found["final"]["theta"] == float(run.theta[-1])
@@ -75,14 +115,41 @@ def test_si_numbers_go_in_and_come_out(capsys: pytest.CaptureFixture[str]) -> No
     disk = st.Disk.named("quarter")
     rate = float(disk.rate)
     si = json.loads(
-        output(capsys, "simulate", "--disk", "quarter", "--theta", "1.4", "--omega3",
-               str(1.2 * rate), "--mu", str(0.3 / float(disk.speed)), "--time", str(5 / rate),
-               "--tolerance", "1e-12", "--json")
-    )  # fmt: skip
+        output(
+            capsys,
+            "simulate",
+            "--disk",
+            "quarter",
+            "--theta",
+            "1.4",
+            "--omega3",
+            str(1.2 * rate),
+            "--mu",
+            str(0.3 / float(disk.speed)),
+            "--time",
+            str(5 / rate),
+            "--tolerance",
+            "1e-12",
+            "--json",
+        )
+    )
     plain = json.loads(
-        output(capsys, "simulate", "--theta", "1.4", "--omega3", "1.2", "--mu", "0.3", "--time",
-               "5", "--tolerance", "1e-12", "--json")
-    )  # fmt: skip
+        output(
+            capsys,
+            "simulate",
+            "--theta",
+            "1.4",
+            "--omega3",
+            "1.2",
+            "--mu",
+            "0.3",
+            "--time",
+            "5",
+            "--tolerance",
+            "1e-12",
+            "--json",
+        )
+    )
     assert si["unit"] == "SI"
     assert si["final"]["omega3"] == pytest.approx(plain["final"]["omega3"] * rate, rel=1e-8)
     assert si["final"]["theta"] == pytest.approx(plain["final"]["theta"], abs=1e-8)
@@ -107,8 +174,10 @@ def test_si_numbers_go_in_and_come_out(capsys: pytest.CaptureFixture[str]) -> No
         (["simulate", "--theta", "1", "--time", "1"], "mu is missing"),
         (["simulate", "--theta", "0", "--mu", "1", "--time", "1"], "strictly between 0 and π"),
         (["simulate", "--theta", "1", "--mu", "3", "--slip-x", "30", "--time", "1"], "Painlevé"),
-        (["simulate", "--theta", "1", "--theta-dot", "5", "--mu", "1", "--time", "1"],
-         "not in contact"),
+        (
+            ["simulate", "--theta", "1", "--theta-dot", "5", "--mu", "1", "--time", "1"],
+            "not in contact",
+        ),
         ([*ASK, "--time", "1", "--plot", "run.txt"], "must end in .png, .pdf or .svg"),
         ([*ASK, "--time", "1", "--film", "run.avi"], "must end in .gif, .mp4 or .html"),
         ([*ASK, "--time", "1", "--out", "a.nc", "--plot", "./a.nc"], "must end in"),
@@ -118,11 +187,14 @@ def test_si_numbers_go_in_and_come_out(capsys: pytest.CaptureFixture[str]) -> No
         (["table", "drift", "--time", "3"], "`table launches` only"),
         (["table", "families", "--at", "3"], "`table launches` and `codimension` only"),
     ],
-)  # fmt: skip
+)
 def test_bad_questions_get_one_sentence_and_no_file(
-    capsys: pytest.CaptureFixture[str], words: list[str], sentence: str, tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    words: list[str],
+    sentence: str,
+    tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
+) -> None:
     monkeypatch.chdir(tmp_path)
     assert sentence in refused(capsys, *words)
     assert list(tmp_path.iterdir()) == []
@@ -152,8 +224,17 @@ def swing(tmp_path: Path) -> str:
 
 
 def start_swing(place: str) -> list[str]:
-    return ["simulate", "--system", place, "--start", "q=1/10,v=0", "--set", "k=4",
-            "--set", "c=0.4"]  # fmt: skip
+    return [
+        "simulate",
+        "--system",
+        place,
+        "--start",
+        "q=1/10,v=0",
+        "--set",
+        "k=4",
+        "--set",
+        "c=0.4",
+    ]
 
 
 @pytest.mark.long
@@ -198,29 +279,46 @@ def test_a_system_without_families_runs_without_a_nearest_motion(
     [
         ("rest", ["--time", "1"], "--start is missing; give NAME=NUMBER for each state"),
         ("rest", [], "--start and --time are missing; give NAME=NUMBER for each state, and a last"),
-        ("rest", ["--start", "q=1,v=0", "--time", "1"],
-         "k and c are missing; give --set k=NUMBER --set c=NUMBER"),
+        (
+            "rest",
+            ["--start", "q=1,v=0", "--time", "1"],
+            "k and c are missing; give --set k=NUMBER --set c=NUMBER",
+        ),
         ("rest", ["--start", "q=0.1,v=0"], "--time is missing"),
-        ("rest", ["--start", "q=0.1", "--time", "1", "--set", "k=4", "--set", "c=1"],
-         "start does not name v; give q, v"),
+        (
+            "rest",
+            ["--start", "q=0.1", "--time", "1", "--set", "k=4", "--set", "c=1"],
+            "start does not name v; give q, v",
+        ),
         ("rest", ["--start", "q=0.1,w=0", "--time", "1"], "--start names 'w'; swing has q, v"),
         ("rest", ["--start", "q=0.1,q=0", "--time", "1"], "q is given twice"),
         ("rest", ["--start", "q=x,v=0", "--time", "1"], "q is 'x'; a number such as"),
         ("rest", ["--start", "0.1,0", "--time", "1"], "--start is '0.1'; give NAME=NUMBER"),
-        ("rest", ["--start", "q=0.1,v=0", "--time", "1", "--set", "k=4"],
-         "c is missing; give --set c=NUMBER"),
-        ("rest", ["--start", "q=0.1,v=0", "--time", "1", "--set", "m=4"],
-         "--set names 'm'; swing has k, c"),
-        ("rest", ["--start", "q=0.1,v=0", "--theta-dot", "0", "--time", "1"],
-         "--theta-dot belongs to the disk"),
-        ("rest", ["--start", "q=0.1,v=0", "--time", "1", "--film", "f.html"],
-         "--film belongs to the disk"),
-        ("number", ["--start", "q=1", "--time", "1"],
-         "'number' is no system and no family of"),
+        (
+            "rest",
+            ["--start", "q=0.1,v=0", "--time", "1", "--set", "k=4"],
+            "c is missing; give --set c=NUMBER",
+        ),
+        (
+            "rest",
+            ["--start", "q=0.1,v=0", "--time", "1", "--set", "m=4"],
+            "--set names 'm'; swing has k, c",
+        ),
+        (
+            "rest",
+            ["--start", "q=0.1,v=0", "--theta-dot", "0", "--time", "1"],
+            "--theta-dot belongs to the disk",
+        ),
+        (
+            "rest",
+            ["--start", "q=0.1,v=0", "--time", "1", "--film", "f.html"],
+            "--film belongs to the disk",
+        ),
+        ("number", ["--start", "q=1", "--time", "1"], "'number' is no system and no family of"),
         ("number", ["--start", "q=1", "--time", "1"], "these are alone, plain, rest, swing"),
         ("plain", ["--start", "q=1", "--time", "1"], "a Python function gives numbers"),
     ],
-)  # fmt: skip
+)
 def test_bad_launches_of_ones_own_system_get_one_sentence(
     capsys: pytest.CaptureFixture[str], swing: str, name: str, words: list[str], sentence: str
 ) -> None:

@@ -9,11 +9,14 @@ from command_line import output, refused
 LONG = pytest.mark.long
 
 
-@pytest.mark.parametrize("words", [
-    pytest.param(["rolling", "--contact", "rough", "--k", "0.5", "--at", "0.8"], marks=LONG),
-    pytest.param(["rolling", "--body", "torus", "--tube", "0.2", "--mu", "0.3"], marks=LONG),
-    ["--system", "examples/bicycle.py:upright", "--at", "5", "--set", "g=9.81"],
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "words",
+    [
+        pytest.param(["rolling", "--contact", "rough", "--k", "0.5", "--at", "0.8"], marks=LONG),
+        pytest.param(["rolling", "--body", "torus", "--tube", "0.2", "--mu", "0.3"], marks=LONG),
+        ["--system", "examples/bicycle.py:upright", "--at", "5", "--set", "g=9.81"],
+    ],
+)
 def test_a_page_is_written_for_the_disk_a_body_and_a_system(
     words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -37,10 +40,21 @@ def test_a_page_is_written_for_the_disk_a_body_and_a_system(
         (["--x", "at:one:2"], "one"),
         (["--mass", "-2"], "mass is -2"),
         (["--system", "examples/bicycle.py:upright", "--at", "5"], "g is missing"),
-        (["--system", "examples/watt_governor.py:running", "--set", "e=1", "--set",
-          "a=1", "--set", "b=1"], "no member at a = 1, b = 1"),
+        (
+            [
+                "--system",
+                "examples/watt_governor.py:running",
+                "--set",
+                "e=1",
+                "--set",
+                "a=1",
+                "--set",
+                "b=1",
+            ],
+            "no member at a = 1, b = 1",
+        ),
     ],
-)  # fmt: skip
+)
 def test_bad_options_are_one_sentence(
     words: list[str], part: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -32,13 +32,21 @@ def test_a_folder_gets_growth_rates_and_a_second_call_goes_on(
 
 @pytest.mark.parametrize(
     ("option", "name"),
-    [(["--plot", "a.png"], "plot"), (["--points"], "points"), (["--certify"], "certify"),
-     (["--modes"], "modes"), (["--checkpoint", "parts"], "checkpoint")],
-)  # fmt: skip
+    [
+        (["--plot", "a.png"], "plot"),
+        (["--points"], "points"),
+        (["--certify"], "certify"),
+        (["--modes"], "modes"),
+        (["--checkpoint", "parts"], "checkpoint"),
+    ],
+)
 def test_what_needs_the_whole_map_is_refused_with_a_folder(
-    option: list[str], name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    option: list[str],
+    name: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
-) -> None:  # fmt: skip
+) -> None:
     monkeypatch.chdir(tmp_path)
     assert main([*MAP, "--out", "gm.zarr", *option]) == 2
     said = capsys.readouterr().err.splitlines()[-1]

@@ -144,9 +144,12 @@ def test_the_examples_show_what_their_comments_say(capsys: pytest.CaptureFixture
     assert 8 < coin["smooth"]["largest_tilt"] / coin["rough"]["largest_tilt"] < 9
     models = {n: law["model"] for n, law in example("rolled-coin")["laws"].items()}
     assert models == {
-        "viscous": "linearised", "linear": "linearised", "dry": "coulomb", "rough": "linearised",
+        "viscous": "linearised",
+        "linear": "linearised",
+        "dry": "coulomb",
+        "rough": "linearised",
         "smooth": "smooth",
-    }  # fmt: skip
+    }
     spun = ask(capsys, str(FOLDER / "spun-coin.toml"), "--verify")
     assert spun["model"] == "linearised"
     assert spun["value"]["largest_tilt"] == pytest.approx(0.005, abs=1e-12)
@@ -241,7 +244,7 @@ def test_the_page_begins_with_the_question(capsys: pytest.CaptureFixture[str]) -
         "mu = 0.3; law rough; law smooth",
         "start: theta = 1.56079633 rad, omega3 = 30 rad/s, all others 0; horizon 0.5 s; "
         "tolerance 0.001",
-    ]  # fmt: skip
+    ]
 
 
 def test_a_word_is_certain_or_doubted_from_the_first_line_on(
@@ -272,8 +275,9 @@ def test_the_motion_is_written_with_units_and_its_error(
     assert len(motion.time) > 100
     assert motion.omega3.attrs["unit_in_words"] == "√(g/R)"
     scene = st.Scene.from_toml(path)
-    run = st.simulate(scene.disk, scene.contact, scene.start, motion.time.values[1:],
-                      tolerance=1e-12, check=False)  # fmt: skip
+    run = st.simulate(
+        scene.disk, scene.contact, scene.start, motion.time.values[1:], tolerance=1e-12, check=False
+    )
     for name in STATES:
         far = np.abs(motion[name].values[1:] - run[name].values)
         assert far.max() <= motion.error.values.max() <= scene.tolerance
@@ -407,9 +411,13 @@ def test_the_motion_and_the_chart_are_both_written_or_neither(
     ],
 )
 def test_bad_questions_get_one_sentence_and_no_file(
-    capsys: pytest.CaptureFixture[str], text: str, words: list[str], sentence: str,
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
+    capsys: pytest.CaptureFixture[str],
+    text: str,
+    words: list[str],
+    sentence: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.chdir(tmp_path)
     path = written(tmp_path, text)
     assert sentence in refused(capsys, "scene", path, *words)

@@ -21,11 +21,22 @@ LONG = (
     "simulate --theta 1.2 --mu 0.3 --time 10 --plot m.png",
     "basins --family rolling --x at:1:2:9 --y tilt:0.1:0.5:9 --mu 0.3 --time 10 --out b.zarr",
     f"scene {EXAMPLES}/scenes/rolled-coin.toml",
-    *(f"table {name}" for name in (
-        "families", "conditions", "drift", "hopf", "codimension", "launches", "benchmarks",
-    )),
-    "chart spectrum --out a", "failures --out a", "report --out a",
-)  # fmt: skip
+    *(
+        f"table {name}"
+        for name in (
+            "families",
+            "conditions",
+            "drift",
+            "hopf",
+            "codimension",
+            "launches",
+            "benchmarks",
+        )
+    ),
+    "chart spectrum --out a",
+    "failures --out a",
+    "report --out a",
+)
 """Commands that can take more than two seconds."""
 OF_BODIES = (
     "atlas --bodies --out a",
@@ -54,9 +65,12 @@ def test_long_commands_open_their_bar_before_they_import_libraries(
     tmp_path: Path, lines: tuple[str, ...], read: list[str]
 ) -> None:
     done = subprocess.run(
-        [sys.executable, "-c", SCRIPT, *lines], cwd=tmp_path, capture_output=True, text=True,
+        [sys.executable, "-c", SCRIPT, *lines],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
         check=True,
-    )  # fmt: skip
+    )
     assert done.stdout.splitlines() == [f"{line}|{read}" for line in lines]
     assert list(tmp_path.iterdir()) == []
 

@@ -80,9 +80,15 @@ class Digits(ManyDigits):
 @pytest.mark.few(3)
 @pytest.mark.parametrize(
     "hardness",
-    ["open", "near", "very-near", "large-mu", "flat-hoop",
-     pytest.param("meeting", marks=pytest.mark.long)],
-)  # fmt: skip
+    [
+        "open",
+        "near",
+        "very-near",
+        "large-mu",
+        "flat-hoop",
+        pytest.param("meeting", marks=pytest.mark.long),
+    ],
+)
 @pytest.mark.parametrize("step", [5, pytest.param(2, marks=pytest.mark.long)])
 def test_the_truth_is_that_of_mpmath(hardness: str, step: int) -> None:
     for group in points_of(hardness)[::step]:
@@ -113,19 +119,29 @@ def test_boundaries_are_those_of_published_formulas(whole: bool) -> None:
     for where in EDGES if whole else [EDGES[0], EDGES[2], EDGES[7], *EDGES[9:]]:
         family, law, k = where[:3]
         square = {
-            ("rolling", "viscous"): 1 / (2 * k), ("rolling", "linear-viscous"): 1 / (2 * k),
-            ("rolling", "rough"): 1 / (2 * (2 * k + 1)), ("rolling", "smooth"): 1 / (4 * k),
-            ("spinning", "rough"): 1 / (1 + k), ("spinning", "smooth"): 1 / k,
-        }.get((family, law))  # fmt: skip
+            ("rolling", "viscous"): 1 / (2 * k),
+            ("rolling", "linear-viscous"): 1 / (2 * k),
+            ("rolling", "rough"): 1 / (2 * (2 * k + 1)),
+            ("rolling", "smooth"): 1 / (4 * k),
+            ("spinning", "rough"): 1 / (1 + k),
+            ("spinning", "smooth"): 1 / k,
+        }.get((family, law))
         value, rest = spectral.exact_edge(*where)
         if square is not None:
             with mpmath.workdps(40):
                 exact = mpmath.sqrt(mpmath.mpf(1) / (1 / mpmath.mpf(square)))
             assert value**2 == pytest.approx(square, rel=1e-15)
             assert abs(float(exact - value) - rest) < 2e-16 * value
-        low, high = (Points(family, law, np.array([k]), None if where[3] is None
-                            else np.array([where[3]]), np.array([value * (1 + s)]))
-                     for s in (-1e-9, 1e-9))  # fmt: skip
+        low, high = (
+            Points(
+                family,
+                law,
+                np.array([k]),
+                None if where[3] is None else np.array([where[3]]),
+                np.array([value * (1 + s)]),
+            )
+            for s in (-1e-9, 1e-9)
+        )
         assert low.truth.codes[0] != high.truth.codes[0]
 
 
@@ -362,15 +378,18 @@ class Shaped(AutomaticJacobian):
 
 
 @pytest.mark.few(2)
-@pytest.mark.parametrize("change", [
-    lambda a: routes.Answer(a.codes[:0], a.eigenvalues, a.abscissa),
-    lambda a: routes.Answer(a.codes[:1], a.eigenvalues, a.abscissa),
-    lambda a: routes.Answer(a.codes.astype(bool), a.eigenvalues, a.abscissa),
-    lambda a: routes.Answer(a.codes + 40, a.eigenvalues, a.abscissa),
-    lambda a: routes.Answer(a.codes, a.eigenvalues[:, :1], a.abscissa),
-    lambda a: routes.Answer(a.codes, a.eigenvalues * np.nan, a.abscissa),
-    lambda a: routes.Answer(a.codes, a.eigenvalues, a.abscissa[:1]),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda a: routes.Answer(a.codes[:0], a.eigenvalues, a.abscissa),
+        lambda a: routes.Answer(a.codes[:1], a.eigenvalues, a.abscissa),
+        lambda a: routes.Answer(a.codes.astype(bool), a.eigenvalues, a.abscissa),
+        lambda a: routes.Answer(a.codes + 40, a.eigenvalues, a.abscissa),
+        lambda a: routes.Answer(a.codes, a.eigenvalues[:, :1], a.abscissa),
+        lambda a: routes.Answer(a.codes, a.eigenvalues * np.nan, a.abscissa),
+        lambda a: routes.Answer(a.codes, a.eigenvalues, a.abscissa[:1]),
+    ],
+)
 def test_an_answer_of_a_wrong_shape_is_no_answer(change: Any) -> None:
     route = Shaped()
     route.change = change
@@ -418,13 +437,16 @@ def test_truths_of_motions_keep_what_is_conserved(step: int) -> None:
 @pytest.mark.parametrize(
     "name",
     ["gentle", "lift-off"]
-    + [pytest.param(n, marks=pytest.mark.long) for n in ("slow-drift", "near-flat-viscous",
-                                                         "spin-down")],
-)  # fmt: skip
+    + [
+        pytest.param(n, marks=pytest.mark.long)
+        for n in ("slow-drift", "near-flat-viscous", "spin-down")
+    ],
+)
 def test_truths_are_met_by_an_integrator_that_made_none_of_them(name: str) -> None:
     it = scene(name)
-    row = judged(it, simulated(it, it.contact(), it.asked, method="dop853", tolerance=1e-13,
-                               check=False))  # fmt: skip
+    row = judged(
+        it, simulated(it, it.contact(), it.asked, method="dop853", tolerance=1e-13, check=False)
+    )
     assert row["outcome"] == it.outcome
     assert row["path"] is not None and row["path"] < 2e-8
     if it.ends:
@@ -471,8 +493,12 @@ def test_where_truth_is_undetermined_only_that_answer_is_right(
     case = MOTION_CASES["lifts off"]()
     monkeypatch.setattr(type(case), "it", lambda _: open_)
     times, states = open_.times, open_.states
-    for outcome, mark in (("undetermined", Mark.RIGHT), ("lift-off", Mark.WRONG),
-                          ("moving", Mark.WRONG), ("unresolved", Mark.RIGHT)):  # fmt: skip
+    for outcome, mark in (
+        ("undetermined", Mark.RIGHT),
+        ("lift-off", Mark.WRONG),
+        ("moving", Mark.WRONG),
+        ("unresolved", Mark.RIGHT),
+    ):
         assert case.weigh(Answer(times, states, outcome, 16.1)).mark is mark
 
 

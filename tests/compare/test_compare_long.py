@@ -28,9 +28,11 @@ def test_truths_are_made_again_by_their_script(name: str, tmp_path: Path) -> Non
     out = tmp_path / "truths.json"
     script = ROOT / "benchmarks" / "truths.py"
     subprocess.run(
-        [sys.executable, str(script), "--only", name, "--out", str(out)], check=True,
-        env={"OMP_NUM_THREADS": "1", "PATH": ""}, capture_output=True,
-    )  # fmt: skip
+        [sys.executable, str(script), "--only", name, "--out", str(out)],
+        check=True,
+        env={"OMP_NUM_THREADS": "1", "PATH": ""},
+        capture_output=True,
+    )
     [made] = [r for r in json.loads(out.read_text())["scenes"] if r["name"] == name]
     it = scene(name)
     assert made["outcome"] == it.outcome
@@ -42,11 +44,17 @@ def test_truths_are_made_again_by_their_script(name: str, tmp_path: Path) -> Non
 def random_launch(rng: np.random.Generator, law: str) -> tuple[Any, Any, list[float], float]:
     mu = float(10 ** rng.uniform(-3, 1))
     contact: Any = {
-        "viscous": lambda: st.Viscous(mu), "linear-viscous": lambda: st.LinearViscous(mu),
-        "smooth": st.Smooth, "rough": st.Rough, "coulomb": lambda: st.Coulomb(min(mu, 0.5)),
-    }[law]()  # fmt: skip
-    start = [rng.uniform(0.3, np.pi - 0.3), *rng.uniform(-1, 1, 3) * [0.5, 2.0, 2.0],
-             *(np.zeros(2) if law == "rough" else rng.uniform(-0.05, 0.05, 2))]  # fmt: skip
+        "viscous": lambda: st.Viscous(mu),
+        "linear-viscous": lambda: st.LinearViscous(mu),
+        "smooth": st.Smooth,
+        "rough": st.Rough,
+        "coulomb": lambda: st.Coulomb(min(mu, 0.5)),
+    }[law]()
+    start = [
+        rng.uniform(0.3, np.pi - 0.3),
+        *rng.uniform(-1, 1, 3) * [0.5, 2.0, 2.0],
+        *(np.zeros(2) if law == "rough" else rng.uniform(-0.05, 0.05, 2)),
+    ]
     return st.Disk(k=rng.uniform(0.1, 0.5)), contact, [float(v) for v in start], 10.0
 
 

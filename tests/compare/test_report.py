@@ -51,16 +51,22 @@ def test_a_task_that_fails_takes_no_other_with_it(tmp_path: Path) -> None:
     import operator
 
     group = tasks(
-        ("good", operator.add, (1, 2)), ("raises", operator.truediv, (1, 0)),
-        ("dies", os._exit, (3,)), ("refuses", st.Viscous, (-1.0,)),
+        ("good", operator.add, (1, 2)),
+        ("raises", operator.truediv, (1, 0)),
+        ("dies", os._exit, (3,)),
+        ("refuses", st.Viscous, (-1.0,)),
         ("after", operator.mul, (6, 7)),
-    )  # fmt: skip
+    )
     group.insert(3, Task("sleeps", time.sleep, (60,), 0.3))
     cells = run([group], Journal(tmp_path / "a"))
     assert {k: c.status for k, c in cells.items()} == {
-        "good": DONE, "raises": CRASHED, "dies": CRASHED, "sleeps": LATE, "refuses": REFUSED,
+        "good": DONE,
+        "raises": CRASHED,
+        "dies": CRASHED,
+        "sleeps": LATE,
+        "refuses": REFUSED,
         "after": DONE,
-    }  # fmt: skip
+    }
     assert (cells["good"].value, cells["after"].value) == (3, 42)
     assert cells["raises"].message == "ZeroDivisionError: division by zero"
     assert cells["dies"].message == "its process ended with code 3"
@@ -85,8 +91,10 @@ def test_a_line_cut_short_costs_that_cell_and_no_other(tmp_path: Path) -> None:
     path.write_text(path.read_text()[:-20])
     again = run(clock, Journal(tmp_path / "a"))
     assert {n: again[n].value == first[n].value for n in again} == {
-        "one": True, "two": True, "three": False,
-    }  # fmt: skip
+        "one": True,
+        "two": True,
+        "three": False,
+    }
     assert set(Journal(tmp_path / "a").cells) == {"one", "two", "three"}
 
 
@@ -122,21 +130,33 @@ def test_a_cell_that_cannot_be_read_gets_a_sentence(tmp_path: Path) -> None:
 def test_a_script_without_a_guard_gets_a_sentence(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text('import stability as st\nst.report("d", ["spectrum"])\n')
-    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True,
-                          cwd=tmp_path, timeout=120, check=False)  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, str(script)],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        timeout=120,
+        check=False,
+    )
     assert done.returncode == 1
     assert "make the call under `if __name__ == '__main__':`" in done.stderr
     assert not Journal(tmp_path / "d").cells
 
 
-@pytest.mark.parametrize(("arguments", "expected"), [
-    ({"out": "a\0b"}, "leave out NUL"), ({"out": 5}, "give a string or a path"),
-    ({"out": "x" * 300}, "cannot be used: File name too long"),
-    ({"parts": "spectrum"}, "give a list of"),
-    ({"parts": [5]}, "part is 5"), ({"parts": []}, "give a list of"),
-    ({"workers": -1}, "workers is -1"), ({"workers": True}, "workers is True"),
-    ({"progress": 5}, "progress is 5"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        ({"out": "a\0b"}, "leave out NUL"),
+        ({"out": 5}, "give a string or a path"),
+        ({"out": "x" * 300}, "cannot be used: File name too long"),
+        ({"parts": "spectrum"}, "give a list of"),
+        ({"parts": [5]}, "part is 5"),
+        ({"parts": []}, "give a list of"),
+        ({"workers": -1}, "workers is -1"),
+        ({"workers": True}, "workers is True"),
+        ({"progress": 5}, "progress is 5"),
+    ],
+)
 def test_bad_arguments_get_a_sentence(
     arguments: dict[str, Any], expected: str, tmp_path: Path
 ) -> None:
@@ -322,10 +342,14 @@ def test_the_cheapest_fine_model_is_named_where_it_is_not_taken() -> None:
     def made(costs: list[float], errors: list[float], chosen: int) -> xarray.Dataset:
         names, kinds = ["steady", "full", "rough law"], ["closed form", "full model", "other law"]
         return xarray.Dataset(
-            {"cost": ("model", costs), "true_error": ("model", errors), "tolerance": 1e-3,
-             "chosen": ("model", np.arange(3) == chosen)},
+            {
+                "cost": ("model", costs),
+                "true_error": ("model", errors),
+                "tolerance": 1e-3,
+                "chosen": ("model", np.arange(3) == chosen),
+            },
             {"model": names, "kind": ("model", kinds)},
-        )  # fmt: skip
+        )
 
     good = made([1.0, 5.0, 0.1], [1e-4, 1e-9, 1e-9], 0)  # another law is no rung
     rash = made([1.0, 5.0, 0.1], [1e-2, 1e-9, 1e-2], 1)
@@ -349,12 +373,16 @@ def test_a_subset_of_cases_and_methods_is_asked_and_shown(
     assert main(["failures", "--out", str(out), *few, "--json"]) == 0
     marks = json.loads(capsys.readouterr().out)["failures"]["marks"]
     assert {name: sum(m.values()) for name, m in marks.items()} == {
-        "ad-1e-9": 1, "spectrum": 1, "rk4": 1,
-    }  # fmt: skip
+        "ad-1e-9": 1,
+        "spectrum": 1,
+        "rk4": 1,
+    }
     rows = list(csv.DictReader((out / "failures.csv").read_text().splitlines()))
     assert [(r["case"], r["method"]) for r in rows] == [
-        (hoop, "ad-1e-9"), (hoop, "spectrum"), ("lifts off: when", "rk4"),
-    ]  # fmt: skip
+        (hoop, "ad-1e-9"),
+        (hoop, "spectrum"),
+        ("lifts off: when", "rk4"),
+    ]
     page = (out / "index.html").read_text()
     assert "<dt>rk4</dt>" in page and "<dt>radau</dt>" not in page
     assert "failures-ladder" not in page and "dips" not in (out / "failures.md").read_text()

@@ -105,10 +105,21 @@ def figures(
 
 
 @pytest.mark.few(1)
-@pytest.mark.parametrize("name", [
-    "verdict", "eigenvalues", "boundary", "path", "event", "first", "linear", "motion", "ladder",
-    "other",
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "name",
+    [
+        "verdict",
+        "eigenvalues",
+        "boundary",
+        "path",
+        "event",
+        "first",
+        "linear",
+        "motion",
+        "ladder",
+        "other",
+    ],
+)
 def test_no_text_overlaps_leaves_the_figure_or_is_small(figures: Drawn, name: str) -> None:
     assert faults(figures[name]) == []
     assert figures[name].get_figwidth() == COLUMN
@@ -118,8 +129,14 @@ def elsewhere(data: xarray.Dataset, rng: np.random.Generator, *names: str) -> xa
     """A chart as measured on another machine: all times by a factor, and each by some more."""
     speed = rng.uniform(-1.5, 1.5)
     times = {n: 10 ** (speed + 0.5 * rng.normal(size=data[n].shape[:2])) for n in names}
-    return data.assign({n: data[n].copy(data=data[n].values * f.reshape(f.shape + (1,) *
-                        (data[n].ndim - f.ndim))) for n, f in times.items()})  # fmt: skip
+    return data.assign(
+        {
+            n: data[n].copy(
+                data=data[n].values * f.reshape(f.shape + (1,) * (data[n].ndim - f.ndim))
+            )
+            for n, f in times.items()
+        }
+    )
 
 
 @pytest.mark.few(1)
@@ -171,9 +188,8 @@ def test_colour_is_for_the_front_and_the_references(motion: xarray.Dataset, figu
             (name, np.nanmin(here.seconds.values[i, j]), max(here.path.values[i, j], 1e-16))
             for i, name in enumerate(here.driver.values.tolist())
             for j in np.flatnonzero(right[i] & np.isfinite(here.path.values[i]))
-        ]  # fmt: skip
-        front = {n for n, t, e in runs if e < 0.1
-                 and not any(s < t and f <= e for _, s, f in runs)}  # fmt: skip
+        ]
+        front = {n for n, t, e in runs if e < 0.1 and not any(s < t and f <= e for _, s, f in runs)}
         expected = (front | {"simulate", "rk45"}) & {n for n, _, _ in runs}
         grey = [ln for ln in axes.lines if colours.same_color(ln.get_color(), PALE)]
         assert len(axes.lines) - len(grey) - 1 == len(expected), which  # one is the front
@@ -188,16 +204,19 @@ def test_a_share_of_a_row_is_a_share_of_the_cases(
     heads = [re.sub(r"\s+", " ", t.get_text()) for t in axes.get_xticklabels()]
     place = axes.get_yticks()[names.index("sympy-solved")]
     mine = [r for r in rows if r["method"] == "sympy-solved"]
-    asked, crashed = (Counter(r["group"] for r in some) for some in
-                      (mine, [r for r in mine if r["mark"] == "crashed"]))  # fmt: skip
+    asked, crashed = (
+        Counter(r["group"] for r in some)
+        for some in (mine, [r for r in mine if r["mark"] == "crashed"])
+    )
     assert heads == [f"{group} ({count})" for group, count in asked.items()]
     for column, group in enumerate(asked):
         black = sum(
-            p.get_width() for p in axes.patches
+            p.get_width()
+            for p in axes.patches
             if tuple(p.get_facecolor()) == (0, 0, 0, 1)
             and abs(p.get_x() + p.get_width() / 2 - column) < 0.5
             and abs(p.get_y() + p.get_height() / 2 - place) < 0.1
-        )  # fmt: skip
+        )
         assert black == pytest.approx(0.92 * crashed[group] / asked[group])
 
 

@@ -79,15 +79,20 @@ def test_tumbling_flutters_exactly_where_its_leading_coefficient_is_negative() -
     whole = sp.expand(condition("tumbling", "viscous", "flutter").subs(M, N / S))
     poly = sp.Poly(sp.expand(sp.expand(whole).subs(S**2, 1 - X).subs(S**4, (1 - X) ** 2)), N)
     common = sp.gcd_list([sp.factor(c) for c in poly.all_coeffs()])
-    a, b, c = (sp.cancel(sp.expand(co).subs(S, sp.sqrt(1 - X)) / common.subs(S, sp.sqrt(1 - X)))
-               for co in poly.all_coeffs())  # fmt: skip
+    a, b, c = (
+        sp.cancel(sp.expand(co).subs(S, sp.sqrt(1 - X)) / common.subs(S, sp.sqrt(1 - X)))
+        for co in poly.all_coeffs()
+    )
     said = (
-        (2 * K + 1) ** 2 * (K * (4 * K + 3) + (2 * K + 1) * X)
+        (2 * K + 1) ** 2
+        * (K * (4 * K + 3) + (2 * K + 1) * X)
         * ((1 - 3 * K) * (1 + 2 * K) * X - K),
-        4 * K * (2 * K + 1) * (6 * K**2 + K * (8 - 25 * K) * X
-                               + (2 - 7 * K + 9 * K**2 - 36 * K**3) * X**2),
+        4
+        * K
+        * (2 * K + 1)
+        * (6 * K**2 + K * (8 - 25 * K) * X + (2 - 7 * K + 9 * K**2 - 36 * K**3) * X**2),
         96 * K**3 * X * (K + (1 - 3 * K) * X),
-    )  # fmt: skip
+    )
     ratio = sp.cancel(a / said[0])
     for one, other in zip((a, b, c), said, strict=True):
         assert sp.simplify(one - ratio * other) == 0
@@ -108,10 +113,15 @@ def test_tumbling_flutters_exactly_where_its_leading_coefficient_is_negative() -
 
 @pytest.mark.parametrize(
     ("family", "law", "least"),
-    [("circling", "rough",
-      (2 * K + 3 + sp.sqrt(6 * (K + 1) * (2 * K + 1) ** 3)) / (2 * (4 * K**2 + 6 * K + 3))),
-     ("precession", "smooth", sp.sqrt(3) / 2)],
-)  # fmt: skip
+    [
+        (
+            "circling",
+            "rough",
+            (2 * K + 3 + sp.sqrt(6 * (K + 1) * (2 * K + 1) ** 3)) / (2 * (4 * K**2 + 6 * K + 3)),
+        ),
+        ("precession", "smooth", sp.sqrt(3) / 2),
+    ],
+)
 def test_both_roots_of_two_parameter_families_are_admissible_from_a_stated_tilt_on(
     family: str, law: str, least: Any
 ) -> None:
@@ -205,6 +215,11 @@ def test_a_factor_without_mu_keeps_a_statement_from_every_k() -> None:
 def test_limits_in_mu_are_not_uniform() -> None:
     """A hoop: as mu -> 0 each member is stable, yet for each mu some member is unstable."""
     for mu in (0.1, 0.01, 1e-3):
-        found = st.spectrum("tumbling", at=[1e-3 * mu, 0.5], disk=st.Disk.hoop(),
-                            contact=st.Viscous(mu), certify=True)  # fmt: skip
+        found = st.spectrum(
+            "tumbling",
+            at=[1e-3 * mu, 0.5],
+            disk=st.Disk.hoop(),
+            contact=st.Viscous(mu),
+            certify=True,
+        )
         assert found.verdict.tolist() == [st.Verdict.UNSTABLE, st.Verdict.STABLE]

@@ -47,9 +47,13 @@ def ziegler(*, damped: bool = True) -> Case:
         stiff, damp = [[2 - P, P - 1], [-1, 1]], [[2 * b, -b], [-b, b]]
         inverse = [[h, -h], [-h, 3 * h]]
         low = [
-            [-sum(inverse[i][k] * part[k][j] for k in (0, 1)) for part in (stiff, damp)
-             for j in (0, 1)] for i in (0, 1)
-        ]  # fmt: skip
+            [
+                -sum(inverse[i][k] * part[k][j] for k in (0, 1))
+                for part in (stiff, damp)
+                for j in (0, 1)
+            ]
+            for i in (0, 1)
+        ]
         return [[0, 0, 1, 0], [0, 0, 0, 1], *low]
 
     names = "P b" if damped else "P"
@@ -62,13 +66,16 @@ def jeffcott() -> Case:
     """A rotor with outer and inner damping; flutter at W = w (1 + de/di)."""
 
     def rates(x: Any, y: Any, u: Any, v: Any, de: Any, di: Any, w: Any, W: Any) -> list[Any]:  # noqa: N803
-        return [u, v, -(de + di) * u - w**2 * x - W * di * y,
-                -(de + di) * v - w**2 * y + W * di * x]  # fmt: skip
+        return [
+            u,
+            v,
+            -(de + di) * u - w**2 * x - W * di * y,
+            -(de + di) * v - w**2 * y + W * di * x,
+        ]
 
     def matrix(W: F, de: F, di: F, w: F) -> list[list[Any]]:  # noqa: N803
         d = de + di
-        return [[0, 0, 1, 0], [0, 0, 0, 1],
-                [-(w**2), -W * di, -d, 0], [W * di, -(w**2), 0, -d]]  # fmt: skip
+        return [[0, 0, 1, 0], [0, 0, 0, 1], [-(w**2), -W * di, -d, 0], [W * di, -(w**2), 0, -d]]
 
     family = at_rest("rotor", "x y u v", "de di w W", rates, "W")
     return st.conditions(family, positive=("de", "di", "w", "W")), matrix
@@ -108,12 +115,20 @@ def wheelset() -> Case:
 
     def rates(y: Any, s: Any, u: Any, v: Any, *p: Any) -> list[Any]:
         V, m, i, k, f, a, b, e = p  # noqa: N806
-        return [u, v, -k / m * y + 2 * f / m * s - 2 * f / (V * m) * u,
-                -a * f / i * y - b / i * s - e * f / (V * i) * v]  # fmt: skip
+        return [
+            u,
+            v,
+            -k / m * y + 2 * f / m * s - 2 * f / (V * m) * u,
+            -a * f / i * y - b / i * s - e * f / (V * i) * v,
+        ]
 
     def matrix(V: F, m: F, i: F, k: F, f: F, a: F, b: F, e: F) -> list[list[Any]]:  # noqa: N803
-        return [[0, 0, 1, 0], [0, 0, 0, 1], [-k / m, 2 * f / m, -2 * f / (V * m), 0],
-                [-a * f / i, -b / i, 0, -e * f / (V * i)]]  # fmt: skip
+        return [
+            [0, 0, 1, 0],
+            [0, 0, 0, 1],
+            [-k / m, 2 * f / m, -2 * f / (V * m), 0],
+            [-a * f / i, -b / i, 0, -e * f / (V * i)],
+        ]
 
     names = "V m i k f a b e"
     family = at_rest("wheelset", "y s u v", names, rates, "V")
@@ -136,15 +151,21 @@ def bicycle() -> Case:
     parts = {n: -inverse @ np.array(BIKE[n]) for n in ("C", "K0", "K2")}
 
     def low(v: Any, g: Any, number: Callable[[float], Any]) -> list[list[Any]]:
-        d, s0, s2 = ([[number(float(e)) for e in row] for row in parts[n]]
-                     for n in ("C", "K0", "K2"))  # fmt: skip
-        return [[*(g * s0[i][j] + v**2 * s2[i][j] for j in (0, 1)), *(v * d[i][j] for j in (0, 1))]
-                for i in (0, 1)]  # fmt: skip
+        d, s0, s2 = (
+            [[number(float(e)) for e in row] for row in parts[n]] for n in ("C", "K0", "K2")
+        )
+        return [
+            [*(g * s0[i][j] + v**2 * s2[i][j] for j in (0, 1)), *(v * d[i][j] for j in (0, 1))]
+            for i in (0, 1)
+        ]
 
     def rates(*given: Any) -> list[Any]:
         rows = low(*given[4:], float)
-        return [given[2], given[3], *(sum(c * x for c, x in zip(r, given[:4], strict=True))
-                                      for r in rows)]  # fmt: skip
+        return [
+            given[2],
+            given[3],
+            *(sum(c * x for c, x in zip(r, given[:4], strict=True)) for r in rows),
+        ]
 
     def matrix(v: Any, g: Any, number: Any = F) -> list[list[Any]]:
         return [[0, 0, 1, 0], [0, 0, 0, 1], *low(v, g, number)]
@@ -163,10 +184,14 @@ def lorenz() -> Case:
         "lorenz", x, p, rates, states=("x", "y", "z"), parameters=("sigma", "b", "r")
     )
     family = st.Family(
-        system, "C+", at=("r",), unknown={"x": 8.0, "y": 8.0, "z": 27.0},
-        equations=("x", "y", "z"), positive=("x",),
+        system,
+        "C+",
+        at=("r",),
+        unknown={"x": 8.0, "y": 8.0, "z": 27.0},
+        equations=("x", "y", "z"),
+        positive=("x",),
         typical={"r": 28.0, "sigma": 10.0, "b": 8 / 3},
-    )  # fmt: skip
+    )
 
     def matrix(r: F, x: F, sigma: F, b: F) -> list[list[Any]]:  # noqa: ARG001
         return [[-sigma, sigma, 0], [1, -1, -x], [x, x, -b]]  # r - z = 1
@@ -181,13 +206,23 @@ def governor() -> Case:
     a, b, e = ca.vertsplit(p)
     swing = x[2] ** 2 * ca.sin(x[0]) * ca.cos(x[0]) - ca.sin(x[0]) - e * x[1]
     system = st.System(
-        "governor", x, p, ca.vertcat(x[1], swing, a * (ca.cos(x[0]) - b)),
-        states=("x", "y", "z"), parameters=("a", "b", "e"),
-    )  # fmt: skip
+        "governor",
+        x,
+        p,
+        ca.vertcat(x[1], swing, a * (ca.cos(x[0]) - b)),
+        states=("x", "y", "z"),
+        parameters=("a", "b", "e"),
+    )
     family = st.Family(
-        system, "running", at=("e",), held={"y": 0.0}, unknown={"x": 1.0, "z": 1.4},
-        equations=("y", "z"), positive=("x", "z"), typical={"a": 0.5, "b": 0.5, "e": 0.5},
-    )  # fmt: skip
+        system,
+        "running",
+        at=("e",),
+        held={"y": 0.0},
+        unknown={"x": 1.0, "z": 1.4},
+        equations=("y", "z"),
+        positive=("x", "z"),
+        typical={"a": 0.5, "b": 0.5, "e": 0.5},
+    )
 
     def matrix(**v: F) -> list[list[Any]]:
         s, z, b = v["sin(x)"], v["z"], v["b"]
@@ -202,16 +237,28 @@ def three_bodies() -> Case:
     x, m = ca.SX.sym("x", 4), ca.SX.sym("m")
     X, Y = x[0], x[1]  # noqa: N806
     r1, r2 = ca.sqrt((X + m) ** 2 + Y**2), ca.sqrt((X - 1 + m) ** 2 + Y**2)
-    pull = [2 * x[3] + X - (1 - m) * (X + m) / r1**3 - m * (X - 1 + m) / r2**3,
-            -2 * x[2] + Y - (1 - m) * Y / r1**3 - m * Y / r2**3]  # fmt: skip
+    pull = [
+        2 * x[3] + X - (1 - m) * (X + m) / r1**3 - m * (X - 1 + m) / r2**3,
+        -2 * x[2] + Y - (1 - m) * Y / r1**3 - m * Y / r2**3,
+    ]
     system = st.System(
-        "three-body", x, m, ca.vertcat(x[2], x[3], *pull), states=("X", "Y", "U", "V"),
+        "three-body",
+        x,
+        m,
+        ca.vertcat(x[2], x[3], *pull),
+        states=("X", "Y", "U", "V"),
         parameters=("m",),
-    )  # fmt: skip
+    )
     family = st.Family(
-        system, "L4", at=("m",), held={"U": 0.0, "V": 0.0}, unknown={"X": 0.47, "Y": 0.866},
-        equations=("U", "V"), positive=("Y",), typical={"m": 0.03},
-    )  # fmt: skip
+        system,
+        "L4",
+        at=("m",),
+        held={"U": 0.0, "V": 0.0},
+        unknown={"X": 0.47, "Y": 0.866},
+        equations=("U", "V"),
+        positive=("Y",),
+        typical={"m": 0.03},
+    )
 
     def matrix(m: F, Y: Any) -> list[list[Any]]:  # noqa: N803, ARG001
         # V. Szebehely, Theory of Orbits (1967), ch. 5: second derivatives 3/4, 9/4, ±√27/4 (1 - 2m)
@@ -222,10 +269,17 @@ def three_bodies() -> Case:
 
 
 CASES: dict[str, Callable[[], Case]] = {
-    "ziegler": ziegler, "ziegler without damping": lambda: ziegler(damped=False),
-    "jeffcott": jeffcott, "saddle": saddle, "top": top, "wheelset": wheelset, "bicycle": bicycle,
-    "lorenz": lorenz, "governor": governor, "three bodies": three_bodies,
-}  # fmt: skip
+    "ziegler": ziegler,
+    "ziegler without damping": lambda: ziegler(damped=False),
+    "jeffcott": jeffcott,
+    "saddle": saddle,
+    "top": top,
+    "wheelset": wheelset,
+    "bicycle": bicycle,
+    "lorenz": lorenz,
+    "governor": governor,
+    "three bodies": three_bodies,
+}
 
 
 # --- hand formulas ---
@@ -256,8 +310,13 @@ def same(one: Any, other: Any) -> bool:
     """Whether two expressions in positive symbols are equal up to a positive factor."""
     names = {str(s) for s in (*one.free_symbols, *other.free_symbols)}
     positive = {n: sympy.Symbol(n, positive=True) for n in names}
-    ratio = sympy.factor(sympy.cancel((one / other).subs({s: positive[str(s)] for s in (
-        *one.free_symbols, *other.free_symbols)})))  # fmt: skip
+    ratio = sympy.factor(
+        sympy.cancel(
+            (one / other).subs(
+                {s: positive[str(s)] for s in (*one.free_symbols, *other.free_symbols)}
+            )
+        )
+    )
     return bool(ratio.is_positive)
 
 
@@ -329,8 +388,10 @@ def routh(poly: list[F]) -> str | None:
         one, two = rows[-2:]
         if not two[0]:
             return None
-        rows.append([(two[0] * one[j + 1] - one[0] * two[j + 1]) / two[0]
-                     for j in range(width - 1)] + [F(0)])  # fmt: skip
+        rows.append(
+            [(two[0] * one[j + 1] - one[0] * two[j + 1]) / two[0] for j in range(width - 1)]
+            + [F(0)]
+        )
     first = [row[0] for row in rows]
     if not all(first):
         return None
@@ -364,8 +425,10 @@ def charpoly(a: list[list[F]]) -> list[F]:
     for k in range(1, size + 1):
         for i in range(size):
             m[i][i] += out[-1]
-        m = [[sum((a[i][n] * m[n][j] for n in range(size)), F(0)) for j in range(size)]
-             for i in range(size)]  # fmt: skip
+        m = [
+            [sum((a[i][n] * m[n][j] for n in range(size)), F(0)) for j in range(size)]
+            for i in range(size)
+        ]
         out.append(-sum((m[i][i] for i in range(size)), F(0)) / k)
     return out
 
@@ -447,8 +510,10 @@ def test_the_verdict_is_that_of_certified_spectra(name: str, count: int) -> None
     words = set()
     wide = (0.4, 2.5) if name == "jeffcott" else (0.7, 1.6)
     for turn in range(2 if name == "three bodies" else count):
-        numbers = {n: float(family.typical.get(n, 1.0)) * chance.uniform(*wide)
-                   for n in (*family.at, *family.parameters)}  # fmt: skip
+        numbers = {
+            n: float(family.typical.get(n, 1.0)) * chance.uniform(*wide)
+            for n in (*family.at, *family.parameters)
+        }
         if name == "bicycle":
             numbers = {"v": chance.uniform(1, 9), "g": 9.81}
         if name == "three bodies":  # a certified spectrum takes a second
@@ -503,8 +568,10 @@ def test_every_status_holds_at_random_points_and_witnesses(name: str) -> None:
             family = found.family
             at = [float(w.point[n]) for n in family.at]
             others = {n: float(w.point[n]) for n in family.parameters}
-            values = [float(v) if not hasattr(v, "p") else int(v.p) / int(v.q)
-                      for v in found.values(at, **others).values()]  # fmt: skip
+            values = [
+                float(v) if not hasattr(v, "p") else int(v.p) / int(v.q)
+                for v in found.values(at, **others).values()
+            ]
             assert c.polynomial(*values) * w.sign > 0
 
 
@@ -560,16 +627,19 @@ def test_what_is_too_large_says_degree_terms_and_time_and_the_rest_works() -> No
     assert st.spectrum(family, at=1.0, **dict.fromkeys(family.parameters, 1.0)).verdict
 
 
-@pytest.mark.parametrize(("arguments", "error", "part"), [
-    ({"positive": ("q9",)}, NameUnknownError, "q9"),
-    ({"positive": "P"}, ParameterError, "tuple"),
-    ({"between": {"P": (2, 1)}}, ParameterError, "low, high"),
-    ({"between": {"P": 3}}, ParameterError, "low, high"),
-    ({"b": float("nan")}, ParameterError, "b is"),
-    ({"P": 1.0}, NameUnknownError, "P"),
-    ({"terms": 0}, ParameterError, "terms"),
-    ({"seconds": -1}, ParameterError, "seconds"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("arguments", "error", "part"),
+    [
+        ({"positive": ("q9",)}, NameUnknownError, "q9"),
+        ({"positive": "P"}, ParameterError, "tuple"),
+        ({"between": {"P": (2, 1)}}, ParameterError, "low, high"),
+        ({"between": {"P": 3}}, ParameterError, "low, high"),
+        ({"b": float("nan")}, ParameterError, "b is"),
+        ({"P": 1.0}, NameUnknownError, "P"),
+        ({"terms": 0}, ParameterError, "terms"),
+        ({"seconds": -1}, ParameterError, "seconds"),
+    ],
+)
 def test_bad_input_is_refused_in_one_sentence(
     arguments: dict[str, Any], error: type, part: str
 ) -> None:

@@ -28,8 +28,9 @@ def test_decimals_are_read_as_they_were_written() -> None:
     found = st.conditions(sprung(), decimals=True)
     # by hand: 9.81 - 0.3 k > 0 is 327 - 10 k > 0
     assert {sympy.expand(sympy.sympify(t)) for t in signs(found)} == {
-        sympy.sympify("327 - 10*k"), sympy.sympify("c"),
-    }  # fmt: skip
+        sympy.sympify("327 - 10*k"),
+        sympy.sympify("c"),
+    }
     for text in ("9.81 = 981/100", "0.3 = 3/10", "nearest doubles"):
         assert text in found.numbers
     plain = st.conditions(sprung())
@@ -63,8 +64,15 @@ def test_held_decimals_and_unknowns_are_those_of_the_same_model() -> None:
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
     rates = ca.vertcat(x[1] - 0.1, 0.02 + p - x[0] ** 2 - 0.3 * (x[1] - 0.1))
     system = st.System("root", x, p, rates, states=("u", "w"), parameters=("p",))
-    family = st.Family(system, "bent", at=("p",), held={"w": 0.1}, unknown={"u": 1.0},
-                       equations=("w",), positive=("u",))  # fmt: skip
+    family = st.Family(
+        system,
+        "bent",
+        at=("p",),
+        held={"w": 0.1},
+        unknown={"u": 1.0},
+        equations=("w",),
+        positive=("u",),
+    )
     found = st.conditions(family, decimals=True, positive=("p",))
     (relation,) = (p for _, p in found.relations)
     ours = sympy.sympify(str(relation))
@@ -99,8 +107,15 @@ def test_a_joined_number_stays_a_double_and_is_named() -> None:
 
 def test_extreme_decimals_are_exact() -> None:
     """Powers of ten beyond 2⁵³ and subnormal numbers, against Python's own fractions."""
-    for text in ("6.02214076e23", "1.380649e-23", "5.62949953421312e-200", "-4e-30", "1e300",
-                 "1e-310", "123456789012345e-7"):  # fmt: skip
+    for text in (
+        "6.02214076e23",
+        "1.380649e-23",
+        "5.62949953421312e-200",
+        "-4e-30",
+        "1e300",
+        "1e-310",
+        "123456789012345e-7",
+    ):
         x, p = ca.SX.sym("x", 1), ca.SX.sym("p")
         rate = (p - float(text)) * x
         system = st.System("one", x, p, rate, states=("x",), parameters=("p",))
@@ -108,8 +123,9 @@ def test_extreme_decimals_are_exact() -> None:
         found = st.conditions(family, decimals=True)
         assert found.decide({"p": Fraction(text)}).word == "neutral", text
         assert found.decide({"p": Fraction(text) * Fraction(10**40 + 1, 10**40)}).word in (
-            "stable", "unstable",
-        )  # fmt: skip
+            "stable",
+            "unstable",
+        )
 
 
 def test_numbers_as_text() -> None:
@@ -124,10 +140,21 @@ def test_numbers_as_text() -> None:
     assert written(Fraction(1, 7)) == "1/7"
 
 
-@pytest.mark.parametrize("limits", [
-    (1.0, 0.5), ("a", 1.0), (float("inf"), 1.0), (0.0, -float("inf")), (float("nan"), 1.0), 1.0,
-    (Fraction(1, 3), Fraction(1, 3)), (0, 1, 2), "ab", (None, 1),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "limits",
+    [
+        (1.0, 0.5),
+        ("a", 1.0),
+        (float("inf"), 1.0),
+        (0.0, -float("inf")),
+        (float("nan"), 1.0),
+        1.0,
+        (Fraction(1, 3), Fraction(1, 3)),
+        (0, 1, 2),
+        "ab",
+        (None, 1),
+    ],
+)
 def test_a_wrong_interval_is_refused_in_one_sentence(limits: object) -> None:
     with pytest.raises(ParameterError, match="k is"):
         st.conditions(sprung(), between={"k": limits})

@@ -39,8 +39,10 @@ def characteristic(family: str, law: str, point: dict[str, Any]) -> list[Any]:
     known = exact_polynomial(family, law)
     product = [mpmath.mpf(1)]
     for factor in known.coefficients([point[n] for n in known.variables]):
-        scaled = [c / point["mu"] ** i if "M" in known.variables and not known.even else c
-                  for i, c in enumerate(factor)]  # fmt: skip
+        scaled = [
+            c / point["mu"] ** i if "M" in known.variables and not known.even else c
+            for i, c in enumerate(factor)
+        ]
         product = [
             sum(product[j] * scaled[i - j] for j in range(len(product)) if 0 <= i - j < len(scaled))
             for i in range(len(product) + len(scaled) - 1)
@@ -74,8 +76,13 @@ def test_the_polynomial_is_that_of_the_jacobian_at_60_digits(
                 coefficients.append(-sum(power[j, j] for j in range(n)) / i)
             zeros = exact_polynomial(family, law).zeros
             reduced = coefficients[::-1][zeros:]
-            point = {"k": mpmath.mpf(k), "mu": mpmath.mpf(mu), "M": mpmath.mpf(mu) ** 2,
-                     "z": mpmath.mpf(at) ** 2, "s": mpmath.sin(mpmath.mpf(at))}  # fmt: skip
+            point = {
+                "k": mpmath.mpf(k),
+                "mu": mpmath.mpf(mu),
+                "M": mpmath.mpf(mu) ** 2,
+                "z": mpmath.mpf(at) ** 2,
+                "s": mpmath.sin(mpmath.mpf(at)),
+            }
             mine = characteristic(family, law, point)
             assert len(mine) == len(reduced)
             assert all(abs(c) < mpmath.mpf(10) ** -50 for c in coefficients[::-1][:zeros])
@@ -99,8 +106,12 @@ def test_every_condition_decides_as_the_roots_do(family: str, law: str) -> None:
     random = np.random.default_rng(5)
     decided = 0
     for _ in range(300):
-        values = {"k": random.uniform(1e-3, 0.5), "M": 10 ** random.uniform(-2, 2),
-                  "z": 10 ** random.uniform(-1.5, 1.5), "s": random.uniform(0.01, 1)}  # fmt: skip
+        values = {
+            "k": random.uniform(1e-3, 0.5),
+            "M": 10 ** random.uniform(-2, 2),
+            "z": 10 ** random.uniform(-1.5, 1.5),
+            "s": random.uniform(0.01, 1),
+        }
         point = [values[n] for n in known.variables]
         roots = np.concatenate([np.roots(c[::-1]) for c in known.coefficients(point)])
         lead = roots.real.max()
@@ -146,9 +157,8 @@ def test_a_proof_of_positivity_is_not_given_where_it_is_false() -> None:
 
 @pytest.mark.parametrize(
     ("cases", "draws"),
-    [([("spinning", "viscous")], 100),
-     pytest.param(CASES, 1000, marks=pytest.mark.long)],
-)  # fmt: skip
+    [([("spinning", "viscous")], 100), pytest.param(CASES, 1000, marks=pytest.mark.long)],
+)
 def test_conditions_that_were_dropped_hold_wherever_the_kept_ones_do(
     cases: list[tuple[str, str]], draws: int
 ) -> None:
@@ -161,8 +171,12 @@ def test_conditions_that_were_dropped_hold_wherever_the_kept_ones_do(
         every = [sympy.lambdify(names, v, "numpy") for _, v in conditions(derived_)]
         for _ in range(draws):
             edge = 10 ** random.uniform(-6, 0, 4)
-            values = {"k": 0.5 * edge[0], "M": 10 ** random.uniform(-5, 5),
-                      "z": 10 ** random.uniform(-4, 4), "s": 1 - 0.9 * edge[3]}  # fmt: skip
+            values = {
+                "k": 0.5 * edge[0],
+                "M": 10 ** random.uniform(-5, 5),
+                "z": 10 ** random.uniform(-4, 4),
+                "s": 1 - 0.9 * edge[3],
+            }
             point = [values[n] for n in known.variables]
             kept = [p(*point) for _, p in known.conditions]
             if all(v > 0 for v in kept) and min(kept, default=1) > 1e-9:

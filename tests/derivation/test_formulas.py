@@ -30,8 +30,13 @@ def test_boundary_formulas_are_the_refined_boundary_curves_to_1e_12(family: str,
     other = ("mu", 0.05, 4, 25, "log") if law == "viscous" else ("k", 0.05, 0.5, 25)
     worst, seen = 0.0, 0
     for k in (0.1, 0.25, 0.375, 0.5):
-        found = st.stability_map(family, x=("at", *ends, 40), y=other, contact=laws[law],
-                                 disk=st.Disk(k=k) if other[0] == "mu" else None)  # fmt: skip
+        found = st.stability_map(
+            family,
+            x=("at", *ends, 40),
+            y=other,
+            contact=laws[law],
+            disk=st.Disk(k=k) if other[0] == "mu" else None,
+        )
         solved = formulas(family, law).boundaries
         functions = [
             (
@@ -93,8 +98,11 @@ def decided(family: str, law: str, k: float, mu: float, at: float) -> Verdict:
 def test_ranges_of_spinning_hold_wherever_they_are_probed(k: str, probes: int) -> None:
     random = np.random.default_rng(3)
     value = float(random.uniform(1e-3, 0.5)) if k == "all" else float(k)
-    ranges = [r for r in formulas("spinning", "viscous", () if k == "all" else (k,)).ranges
-              if (r["k"] == "all") == (k == "all")]  # fmt: skip
+    ranges = [
+        r
+        for r in formulas("spinning", "viscous", () if k == "all" else (k,)).ranges
+        if (r["k"] == "all") == (k == "all")
+    ]
     assert len(ranges) == 3
     for trial in range(4 if probes > 3 else 1):
         if k == "all":
@@ -102,8 +110,10 @@ def test_ranges_of_spinning_hold_wherever_they_are_probed(k: str, probes: int) -
         for r in ranges:
             low, high = (
                 float(sympy.sympify(r[end].rstrip("…")).subs(K, sympy.Float(value, 30)))
-                if r[end] != "oo" else 1e4 for end in ("low", "high")
-            )  # fmt: skip
+                if r[end] != "oo"
+                else 1e4
+                for end in ("low", "high")
+            )
             for share in (1e-6, 0.3, 0.9, 1 - 1e-6):
                 mu = (low + share * (high - low)) ** 0.5
                 at = value**-0.5 * (1 + 10.0 ** random.uniform(-9, 4, probes))
@@ -133,9 +143,13 @@ def test_ranges_of_tumbling_hold_wherever_they_are_probed(k: str, probes: int) -
         full = 0
         for share in (1e-5, 0.2, 0.5, 0.9, 1 - 1e-5):
             mu = low + share * (high - low)
-            theta = np.concatenate([10 ** random.uniform(-5, 0, 3 * probes),
-                                    np.pi / 2 - 10 ** random.uniform(-7, 0, 3 * probes),
-                                    random.uniform(0.01, 1.57, 2 * probes)])  # fmt: skip
+            theta = np.concatenate(
+                [
+                    10 ** random.uniform(-5, 0, 3 * probes),
+                    np.pi / 2 - 10 ** random.uniform(-7, 0, 3 * probes),
+                    random.uniform(0.01, 1.57, 2 * probes),
+                ]
+            )
             found = [decided("tumbling", "viscous", float(k), mu, a) for a in np.sort(theta)]
             words = [v.word for i, v in enumerate(found) if i == 0 or v is not found[i - 1]]
             # a narrow stretch may lie between two probes, but nothing else may be seen
@@ -249,5 +263,6 @@ def test_roots_and_factors_are_those_of_computer_algebra(count: int) -> None:
         theirs = {f for f, _ in sympy.factor_list(mixed)[1]}
         mine = set(_irreducible(mixed))
         assert len(mine) == len(theirs)
-        assert all(any(sympy.expand(m - sign * t) == 0 for t in theirs for sign in (1, -1))
-                   for m in mine)  # fmt: skip
+        assert all(
+            any(sympy.expand(m - sign * t) == 0 for t in theirs for sign in (1, -1)) for m in mine
+        )

@@ -141,9 +141,13 @@ def test_a_factor_without_members_is_no_other_branch() -> None:
     rates = ca.vertcat(ca.sin(x[0]) * (x[1] * ca.cos(x[0]) - 1), b - ca.cos(x[0]))
     system = st.System("swing", x, b, rates, states=("x", "z"), parameters=("b",))
     family = st.Family(
-        system, "m", at=("b",), unknown={"x": 1.0, "z": 2.0}, equations=("x", "z"),
+        system,
+        "m",
+        at=("b",),
+        unknown={"x": 1.0, "z": 2.0},
+        equations=("x", "z"),
         typical={"b": 0.5},
-    )  # fmt: skip
+    )
     found = st.conditions(family)
     assert found.branch == ""
     for value in (0.3, 0.7):

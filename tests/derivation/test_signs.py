@@ -49,9 +49,14 @@ def inside(limits: Bounds, chance: random.Random) -> fmpq:
 
 
 CHOICES = (
-    (None, None, False), (fmpq(0), None, False), (fmpq(0), None, True), (None, fmpq(1), False),
-    (fmpq(-1), fmpq(1), True), (fmpq(0), fmpq(1, 2), False), (fmpq(1), None, True),
-)  # fmt: skip
+    (None, None, False),
+    (fmpq(0), None, False),
+    (fmpq(0), None, True),
+    (None, fmpq(1), False),
+    (fmpq(-1), fmpq(1), True),
+    (fmpq(0), fmpq(1, 2), False),
+    (fmpq(1), None, True),
+)
 
 
 def random_domain(chance: random.Random) -> Domain:
@@ -79,19 +84,22 @@ def test_what_is_proved_positive_is_positive_everywhere_in_its_domain(count: int
     assert 15 * proved > 2 * count
 
 
-@pytest.mark.parametrize(("poly", "low", "high", "closed", "holds"), [
-    (1 - X, fmpq(-1), fmpq(1), True, False),  # 0 on the bound
-    (1 - X, fmpq(-1), fmpq(1), False, True),
-    (2 - X, fmpq(-1), fmpq(1), True, True),
-    (1 - X**2, fmpq(-1), fmpq(1), False, True),
-    (X, fmpq(0), None, True, False),
-    (X, fmpq(0), None, False, True),
-    (X**2, None, None, False, False),  # 0 at 0
-    (X**2 + X + 1, None, None, False, True),  # no real root
-    (X**2 - 2, fmpq(3, 2), None, False, True),
-    (X**2 - 2, fmpq(7, 5), None, False, False),
-    (X**3 - 3 * X + 3, fmpq(0), fmpq(2), True, True),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("poly", "low", "high", "closed", "holds"),
+    [
+        (1 - X, fmpq(-1), fmpq(1), True, False),  # 0 on the bound
+        (1 - X, fmpq(-1), fmpq(1), False, True),
+        (2 - X, fmpq(-1), fmpq(1), True, True),
+        (1 - X**2, fmpq(-1), fmpq(1), False, True),
+        (X, fmpq(0), None, True, False),
+        (X, fmpq(0), None, False, True),
+        (X**2, None, None, False, False),  # 0 at 0
+        (X**2 + X + 1, None, None, False, True),  # no real root
+        (X**2 - 2, fmpq(3, 2), None, False, True),
+        (X**2 - 2, fmpq(7, 5), None, False, False),
+        (X**3 - 3 * X + 3, fmpq(0), fmpq(2), True, True),
+    ],
+)
 def test_bounds_that_are_allowed_count(
     poly: Any, low: Any, high: Any, closed: bool, holds: bool
 ) -> None:
@@ -162,8 +170,9 @@ def test_even_polynomials_are_neutral_where_every_square_is_real_and_negative(
     words = []
     for _ in range(count):
         roots = [-F(chance.randrange(1, 30), 7) for _ in range(order)]
-        exact = sympy.Poly(sympy.prod([y - sympy.Rational(r.numerator, r.denominator)
-                                       for r in roots]), y)  # fmt: skip
+        exact = sympy.Poly(
+            sympy.prod([y - sympy.Rational(r.numerator, r.denominator) for r in roots]), y
+        )
         change = sympy.Rational(chance.randrange(-20, 21), 20) * chance.choice((0, 1, 3))
         exact = exact + sympy.Poly(change * y ** chance.randrange(order), y)
         values = [F(int(c.p), int(c.q)) for c in exact.all_coeffs()[::-1][:order]]

@@ -156,8 +156,15 @@ def real(value: Fraction) -> Any:
 
 def inertia(rng: np.random.Generator) -> Fraction:
     """A rational k in (0, 1/2], its ends and the limits of the theorems included."""
-    special = (Fraction(1, 2), Fraction(1, 4), Fraction(1, 10**6), Fraction(1, 3),
-               Fraction(27429, 10**5), Fraction(274292, 10**6), Fraction(1, 2) - NEAR)  # fmt: skip
+    special = (
+        Fraction(1, 2),
+        Fraction(1, 4),
+        Fraction(1, 10**6),
+        Fraction(1, 3),
+        Fraction(27429, 10**5),
+        Fraction(274292, 10**6),
+        Fraction(1, 2) - NEAR,
+    )
     if rng.random() < 0.3:
         return special[rng.integers(len(special))]
     return Fraction(int(rng.integers(1, 5001)), 10**4)
@@ -243,9 +250,12 @@ def tumbling_boundary() -> Any:
     s = sp.Symbol("s")
     x = 1 - s**2
     a = (2 * K + 1) ** 2 * (K * (4 * K + 3) + (2 * K + 1) * x) * ((1 - 3 * K) * (1 + 2 * K) * x - K)
-    b = 4 * K * (2 * K + 1) * (
-        6 * K**2 + K * (8 - 25 * K) * x + (2 - 7 * K + 9 * K**2 - 36 * K**3) * x**2
-    )  # fmt: skip
+    b = (
+        4
+        * K
+        * (2 * K + 1)
+        * (6 * K**2 + K * (8 - 25 * K) * x + (2 - 7 * K + 9 * K**2 - 36 * K**3) * x**2)
+    )
     c = 96 * K**3 * x * (K + (1 - 3 * K) * x)
     return sp.lambdify((K, s), 2 * c / ((sp.sqrt(b**2 - 4 * a * c) - b) * s), "mpmath")
 
@@ -285,8 +295,11 @@ def tumbling_points(count: int, seed: int) -> list[tuple[Fraction, Fraction, Fra
 @pytest.mark.parametrize("count", [500, pytest.param(2000, marks=pytest.mark.long)])
 def test_tumbling_is_stable_exactly_where_the_theorem_says(count: int) -> None:
     points = tumbling_points(count, 3)
-    wrong = [(k, m, s) for k, m, s in points
-             if stable("tumbling", k, m, Fraction(0), s) != tumbling_says(k, m, s)]  # fmt: skip
+    wrong = [
+        (k, m, s)
+        for k, m, s in points
+        if stable("tumbling", k, m, Fraction(0), s) != tumbling_says(k, m, s)
+    ]
     assert wrong == []
     kinds = [tumbling_says(*p) for p in points]
     assert count < 4 * sum(kinds) < 3 * count
@@ -295,9 +308,11 @@ def test_tumbling_is_stable_exactly_where_the_theorem_says(count: int) -> None:
 
 def test_a_wrong_statement_on_tumbling_is_refuted() -> None:
     points = tumbling_points(120, 4)
-    wrong = [(k, m, s) for k, m, s in points  # the boundary moved by a relative 2e-12
-             if stable("tumbling", k, m, Fraction(0), s)
-             != tumbling_says(k, m * (1 + 2 * NEAR), s)]  # fmt: skip
+    wrong = [
+        (k, m, s)
+        for k, m, s in points  # the boundary moved by a relative 2e-12
+        if stable("tumbling", k, m, Fraction(0), s) != tumbling_says(k, m * (1 + 2 * NEAR), s)
+    ]
     assert len(wrong) > 8
 
 
@@ -311,8 +326,11 @@ def boundary(k: Fraction, s: Fraction) -> Fraction:
     if stable("tumbling", k, high, Fraction(0), s):
         return Fraction(10**15)  # beyond the range, or stable for every mu
     for _ in range(130):
-        middle = rational(mpmath.sqrt(real(low) * real(high)), 60) if high > 2 * low else (
-            (low + high) / 2)  # fmt: skip
+        middle = (
+            rational(mpmath.sqrt(real(low) * real(high)), 60)
+            if high > 2 * low
+            else ((low + high) / 2)
+        )
         if stable("tumbling", k, middle, Fraction(0), s):
             low = middle
         else:
@@ -324,23 +342,37 @@ def boundary(k: Fraction, s: Fraction) -> Fraction:
 
 FOLD = Fraction(32913651889476756, 10**17)
 """k_f to 17 digits, by SymPy's nroots of 128k³+196k²+31k-36."""
-COSINES = [Fraction(1, 10**8), Fraction(1, 10**3), Fraction(1, 20), Fraction(1, 5), Fraction(2, 5),
-           Fraction(3, 5), Fraction(4, 5), Fraction(9, 10), Fraction(99, 100),
-           Fraction(9999, 10**4)]  # fmt: skip
+COSINES = [
+    Fraction(1, 10**8),
+    Fraction(1, 10**3),
+    Fraction(1, 20),
+    Fraction(1, 5),
+    Fraction(2, 5),
+    Fraction(3, 5),
+    Fraction(4, 5),
+    Fraction(9, 10),
+    Fraction(99, 100),
+    Fraction(9999, 10**4),
+]
 
 
 SHAPES = [
-    (Fraction(1, 50), "falls"), (Fraction(1, 4), "falls"), (Fraction(3, 10), "falls"),
-    (FOLD - Fraction(1, 10**9), "falls"), (FOLD + Fraction(1, 10**9), "minimum"),
-    (Fraction(7, 20), "minimum"), (Fraction(49, 100), "minimum"), (Fraction(1, 2), "rises"),
-]  # fmt: skip
+    (Fraction(1, 50), "falls"),
+    (Fraction(1, 4), "falls"),
+    (Fraction(3, 10), "falls"),
+    (FOLD - Fraction(1, 10**9), "falls"),
+    (FOLD + Fraction(1, 10**9), "minimum"),
+    (Fraction(7, 20), "minimum"),
+    (Fraction(49, 100), "minimum"),
+    (Fraction(1, 2), "rises"),
+]
 
 
 @pytest.mark.parametrize(
     ("k", "shape", "whole"),
     [(*SHAPES[i], False) for i in (1, 5, 7)]
     + [pytest.param(*s, True, marks=pytest.mark.long) for s in SHAPES],
-)  # fmt: skip
+)
 def test_the_boundary_of_tumbling_has_the_stated_shape(
     k: Fraction, shape: str, whole: bool
 ) -> None:
@@ -356,8 +388,10 @@ def test_the_boundary_of_tumbling_has_the_stated_shape(
     signs = [b > a for a, b in zip(finite[:-1], finite[1:], strict=True)]
     turns = sum(a != b for a, b in zip(signs[:-1], signs[1:], strict=True))
     assert (signs[0], signs[-1], turns) == {
-        "falls": (False, False, 0), "minimum": (False, True, 1), "rises": (True, True, 0)
-    }[shape]  # fmt: skip
+        "falls": (False, False, 0),
+        "minimum": (False, True, 1),
+        "rises": (True, True, 0),
+    }[shape]
     assert abs(finite[-1] / thresholds(k)[1] - 1) < Fraction(1, 10**10)
 
 
@@ -612,8 +646,14 @@ def test_the_number_of_continuations_from_rest_is_as_stated(n: int) -> None:
 
 def test_just_above_the_threshold_the_same_count_finds_three() -> None:
     """The state of docs/explanation/dry-friction.md: sticking, and slip in two directions."""
-    start = [1.1405036155603199, -0.003713908095680414 * 0.9999, 1.82547123230798,
-             1.1032082780622803, 0, 0]  # fmt: skip
+    start = [
+        1.1405036155603199,
+        -0.003713908095680414 * 0.9999,
+        1.82547123230798,
+        1.1032082780622803,
+        0,
+        0,
+    ]
     x, k = np.array(start)[:, None], np.array([0.25])
     count, pressed = continuations_from_rest(x, k, np.array([1.1191520227386447]))
     assert pressed.all()

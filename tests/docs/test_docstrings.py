@@ -85,10 +85,12 @@ def undocumented(value: type, text: str) -> list[str]:
                 if isinstance(line, ast.AnnAssign) and isinstance(below, ast.Expr):
                     known.add(ast.unparse(line.target))
     return [
-        f.name for f in fields(value)
-        if not f.name.startswith("_") and f.name not in known and not re.search(
-            rf"^\s*[\w, ]*\b{f.name}\b[\w, ]*$", text, re.MULTILINE)
-    ]  # fmt: skip
+        f.name
+        for f in fields(value)
+        if not f.name.startswith("_")
+        and f.name not in known
+        and not re.search(rf"^\s*[\w, ]*\b{f.name}\b[\w, ]*$", text, re.MULTILINE)
+    ]
 
 
 def complaints(name: str) -> list[tuple[str, str]]:
@@ -107,10 +109,13 @@ def test_every_docstring_has_all_its_parts_in_the_form_of_numpydoc() -> None:
     assert {name: said for name, said in lacks.items() if said} == {}
     every = {name: complaints(name) for name in st.__all__}
     asked = {
-        name: [one for one in said if one[0] not in NOT_ASKED
-               and not (one[0] == "PR02" and name in NO_FIELDS)]
+        name: [
+            one
+            for one in said
+            if one[0] not in NOT_ASKED and not (one[0] == "PR02" and name in NO_FIELDS)
+        ]
         for name, said in every.items()
-    }  # fmt: skip
+    }
     assert {name: said for name, said in asked.items() if said} == {}
     # so that no check stays off without need
     assert set(NOT_ASKED) <= {code for said in every.values() for code, _ in said}
@@ -166,9 +171,13 @@ def test_a_docstring_that_leaves_something_out_is_found() -> None:
 
     found = missing(bare, inspect.getdoc(bare) or "")
     assert found == [
-        "a summary that is a sentence", "a source", "an example", "parameter b", "what it returns",
+        "a summary that is a sentence",
+        "a source",
+        "an example",
+        "parameter b",
+        "what it returns",
         "what it raises",
-    ]  # fmt: skip
+    ]
 
 
 # --- the pages of the reference ---
@@ -190,8 +199,19 @@ def test_every_public_name_has_one_place_in_the_reference() -> None:
 
 def test_groups_come_in_the_order_of_a_reader() -> None:
     order = [group.name for group in part("reference").GROUPS]
-    assert order[:11] == ["bodies", "systems", "families", "spectra", "boundaries", "maps",
-                          "motion", "scene", "basins", "figures", "tables"]  # fmt: skip
+    assert order[:11] == [
+        "bodies",
+        "systems",
+        "families",
+        "spectra",
+        "boundaries",
+        "maps",
+        "motion",
+        "scene",
+        "basins",
+        "figures",
+        "tables",
+    ]
 
 
 def test_every_command_and_option_is_in_the_reference() -> None:
@@ -204,5 +224,8 @@ def test_every_command_and_option_is_in_the_reference() -> None:
     for name, parser in found.items():
         text = module.section(name, parser)
         for action in parser._actions:
-            assert all(option in text for option in action.option_strings if option[1:2] != "h"
-                       and option != "--help")  # fmt: skip
+            assert all(
+                option in text
+                for option in action.option_strings
+                if option[1:2] != "h" and option != "--help"
+            )

@@ -21,11 +21,13 @@ BODIES = {
     "torus": (st.Torus(0.2), "tumbling", {"tube": (0.05, 0.45)}, {}),
     "spheroid": (st.Spheroid(0.7), "vertical", {"aspect": (0.4, 1.8)}, {}),
     "eccentric": (
-        st.EccentricSphere(0.15, axial=0.4, transverse=0.4), "vertical",
-        {"offset": (0.02, 0.35), "axial": (0.3, 0.45), "transverse": (0.3, 0.45)}, {"pole": "pi"},
+        st.EccentricSphere(0.15, axial=0.4, transverse=0.4),
+        "vertical",
+        {"offset": (0.02, 0.35), "axial": (0.3, 0.45), "transverse": (0.3, 0.45)},
+        {"pole": "pi"},
     ),
     "thick": (st.ThickDisk(0.1), "rolling", {"thickness": (0.05, 0.5)}, {}),
-}  # fmt: skip
+}
 """Body, family at first, ranges of its numbers, further arguments."""
 POINTS, SEED, TIMES = 60, 11, np.linspace(0.0, 12.0, 25)
 EIGENVALUES = 1e-9
@@ -78,8 +80,12 @@ def points(name: str, subject: dict[str, Any], generator: Any) -> np.ndarray:
 
 
 def body_with(name: str, numbers: dict[str, Any]) -> st.Body:
-    make = {"torus": st.Torus, "spheroid": st.Spheroid, "eccentric": st.EccentricSphere,
-            "thick": st.ThickDisk}[name]  # fmt: skip
+    make = {
+        "torus": st.Torus,
+        "spheroid": st.Spheroid,
+        "eccentric": st.EccentricSphere,
+        "thick": st.ThickDisk,
+    }[name]
     return make(**numbers)
 
 
@@ -110,8 +116,9 @@ def test_random_points_have_the_verdicts_and_eigenvalues_of_the_package(
         for q, one in zip(sets.tolist(), answers, strict=True):
             body, contact = physics(name, subject, q)
             try:
-                known = st.spectrum(subject["call"]["family"], at=q[0], body=body, contact=contact,
-                                    **where(subject))  # fmt: skip
+                known = st.spectrum(
+                    subject["call"]["family"], at=q[0], body=body, contact=contact, **where(subject)
+                )
             except NoMemberError:  # also where the samples of the structure are no members
                 with np.errstate(all="ignore"):
                     rates = tumbling_rates(body, q[0])
@@ -122,8 +129,9 @@ def test_random_points_have_the_verdicts_and_eigenvalues_of_the_package(
             gaps = np.abs(found[:, None] - values[None, :])
             size = np.abs(values).max()
             assert max(gaps.min(axis=0).max(), gaps.min(axis=1).max()) < EIGENVALUES * size, (
-                subject["key"], q,
-            )  # fmt: skip
+                subject["key"],
+                q,
+            )
             same = one["verdict"] == known.verdict.word
             assert same or abs(values.real).min() < NEAR * size, (subject["key"], q, one, known)
             words.add(one["verdict"])
@@ -153,8 +161,9 @@ def test_bounds_of_the_signs_hold_in_balls(asked: tuple[str, Engine]) -> None:
         for q in points(name, subject, generator).tolist():
             rows = view.page.evaluate(
                 "([key, q]) => stabilityExplorer.view.subjects.get(key).conditionsAt(q)"
-                ".map((r) => [r.value, r.error])", [key, q],
-            )  # fmt: skip
+                ".map((r) => [r.value, r.error])",
+                [key, q],
+            )
             before, ctx.prec = ctx.prec, 300
             try:
                 true = [v for v, _ in closed.signs(balls(), [arb(v) for v in q])]
@@ -202,10 +211,17 @@ RUN = """(runs) => runs.map(({key, q, tilt, times}) => {
 def placed(body: st.Body, run: Any) -> np.ndarray:
     """Axis, centre and contact point of a run with pose, from its angles."""
     theta, phi = run.theta.values, run.phi.values
-    return np.stack([
-        np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta),
-        run.centre_x.values, run.centre_y.values, np.asarray(body.height_at(theta)),
-    ], axis=1)  # fmt: skip
+    return np.stack(
+        [
+            np.sin(theta) * np.cos(phi),
+            np.sin(theta) * np.sin(phi),
+            np.cos(theta),
+            run.centre_x.values,
+            run.centre_y.values,
+            np.asarray(body.height_at(theta)),
+        ],
+        axis=1,
+    )
 
 
 @pytest.mark.parametrize("every", [2, pytest.param(1, marks=pytest.mark.long)])
@@ -216,14 +232,16 @@ def test_launches_end_and_move_as_in_python(asked: tuple[str, Engine], every: in
         q = points(name, subject, generator)[0].tolist()
         q[0] = min(q[0], 3.0)
         scenes.append((subject, q, float(generator.uniform(0.02, 0.2))))
-    runs = [{"key": s["key"], "q": q, "tilt": tilt, "times": TIMES.tolist()}
-            for s, q, tilt in scenes]  # fmt: skip
+    runs = [
+        {"key": s["key"], "q": q, "tilt": tilt, "times": TIMES.tolist()} for s, q, tilt in scenes
+    ]
     compared = 0
     for (subject, q, tilt), answer in zip(scenes, view.page.evaluate(RUN, runs), strict=True):
         body, contact = physics(name, subject, q)
         try:
-            start = st.launch(subject["call"]["family"], at=q[0], tilt=tilt, body=body,
-                              **where(subject))  # fmt: skip
+            start = st.launch(
+                subject["call"]["family"], at=q[0], tilt=tilt, body=body, **where(subject)
+            )
         except ParameterError:  # no member, or the tilt leaves the range of the height
             assert answer is None, (subject["key"], q, tilt)
             continue
@@ -238,8 +256,11 @@ def test_launches_end_and_move_as_in_python(asked: tuple[str, Engine], every: in
         ours = frames[:, [0, 1, 2, 6, 7, 8]]
         sound = slice(None, -1) if outcome in ("flat", "domain-end") else slice(None)
         assert ours[sound] == pytest.approx(known[sound], abs=1e-6), where_
-        contact_point = np.stack([run.contact_x.values, run.contact_y.values], axis=1) if (
-            "contact_x" in run) else frames[:, 9:11]  # fmt: skip
+        contact_point = (
+            np.stack([run.contact_x.values, run.contact_y.values], axis=1)
+            if ("contact_x" in run)
+            else frames[:, 9:11]
+        )
         assert frames[sound, 9:11] == pytest.approx(contact_point[sound], abs=1e-6), where_
         assert answer["energy"][0] == pytest.approx(float(run.energy[0]), abs=1e-12)
         compared += 1
@@ -296,8 +317,9 @@ def test_the_view_draws_every_family_without_an_error(seen: tuple[str, Visit]) -
         for picture in ("steady", "mode", "launch"):
             page.evaluate(
                 "([key, show]) => { const {view} = stabilityExplorer; view.choose(key);"
-                "view.set({show, mode: 0}); }", [subject["key"], picture],
-            )  # fmt: skip
+                "view.set({show, mode: 0}); }",
+                [subject["key"], picture],
+            )
             page.wait_for_function("!stabilityExplorer.motion.waits")
             page.wait_for_timeout(60)
             blue = page.locator(".motion-stage canvas").evaluate(SHARE_OF_BLUE)
@@ -321,8 +343,9 @@ def test_the_python_call_gives_the_verdict_of_the_page(
 
 @pytest.mark.long
 def test_a_body_of_many_terms_has_a_page_of_what_fits(tmp_path: Path) -> None:
-    path = st.explore("tumbling", body=st.Egg(0.2), contact="rough", certify=False,
-                      out=tmp_path / "egg.html")  # fmt: skip
+    path = st.explore(
+        "tumbling", body=st.Egg(0.2), contact="rough", certify=False, out=tmp_path / "egg.html"
+    )
     assert path.stat().st_size < 1_500_000
     page = Engine(path)
     [shown] = subjects(page)

@@ -50,9 +50,26 @@ def test_the_library_is_pinned_and_names_no_registry() -> None:
 
 def test_every_operation_of_a_graph_is_written() -> None:
     x = ca.SX.sym("x", 2)
-    rows = [x[0] + x[1], x[0] - 3, 2 * x[1], x[0] / x[1], -x[0], x[0] ** 2, x[1] ** 3, 1 / x[1],
-            ca.sin(x[0]), ca.cos(x[0]), ca.tan(x[0]), ca.sqrt(x[1]), ca.exp(x[0]), ca.log(x[1]),
-            ca.fabs(x[0]), ca.atan2(x[0], x[1]), x[1] ** 0.3, ca.sinh(x[0])]  # fmt: skip
+    rows = [
+        x[0] + x[1],
+        x[0] - 3,
+        2 * x[1],
+        x[0] / x[1],
+        -x[0],
+        x[0] ** 2,
+        x[1] ** 3,
+        1 / x[1],
+        ca.sin(x[0]),
+        ca.cos(x[0]),
+        ca.tan(x[0]),
+        ca.sqrt(x[1]),
+        ca.exp(x[0]),
+        ca.log(x[1]),
+        ca.fabs(x[0]),
+        ca.atan2(x[0], x[1]),
+        x[1] ** 0.3,
+        ca.sinh(x[0]),
+    ]
     program = Program(ca.Function("f", [x], [ca.vertcat(*rows)]))
     source = graph(program)
     # JavaScript's operators are Python's, and its functions have names of their own
@@ -89,26 +106,29 @@ def test_routh_counts_what_the_roots_say() -> None:
     assert 30 < stable < 270
 
 
-@pytest.mark.parametrize(("given", "said"), [
-    ({"family": "wobbling"}, "wobbling"),
-    ({"mu": -1.0}, "mu is -1"),
-    ({"contact": "coulomb", "mu": 0.3}, "coulomb"),
-    ({"disk": st.Disk(mass=[1.0, 2.0])}, "mass is an array"),
-    ({"disk": st.Disk(radius=0.1), "family": "tumbling", "at": 4.0}, "at is 4"),
-    ({"disk": 0.3}, "stability.Disk"),
-    ({"family": "tumbling", "at": 4.0}, "at is 4"),
-    ({"at": float("nan")}, "at is nan"),
-    ({"at": [1.0, 2.0]}, "one number"),
-    ({"x": ("foo", 1, 2)}, "foo"),
-    ({"x": ("at", 2, 1)}, "x"),
-    ({"body": st.Disk()}, "Body"),
-    ({"body": st.Torus(0.2), "family": "vertical"}, "not smooth at theta = 0"),
-    ({"body": st.Torus(0.2), "family": "circling"}, "circling"),
-    ({"body": st.Torus(0.2), "family": "rolling", "pole": 0}, "pole"),
-    ({"pole": "pi"}, "pole"),
-    ({"x": ("at", 0.0, 2.0, "log")}, "above zero"),
-    ({"nu": 3.0}, "nu"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"family": "wobbling"}, "wobbling"),
+        ({"mu": -1.0}, "mu is -1"),
+        ({"contact": "coulomb", "mu": 0.3}, "coulomb"),
+        ({"disk": st.Disk(mass=[1.0, 2.0])}, "mass is an array"),
+        ({"disk": st.Disk(radius=0.1), "family": "tumbling", "at": 4.0}, "at is 4"),
+        ({"disk": 0.3}, "stability.Disk"),
+        ({"family": "tumbling", "at": 4.0}, "at is 4"),
+        ({"at": float("nan")}, "at is nan"),
+        ({"at": [1.0, 2.0]}, "one number"),
+        ({"x": ("foo", 1, 2)}, "foo"),
+        ({"x": ("at", 2, 1)}, "x"),
+        ({"body": st.Disk()}, "Body"),
+        ({"body": st.Torus(0.2), "family": "vertical"}, "not smooth at theta = 0"),
+        ({"body": st.Torus(0.2), "family": "circling"}, "circling"),
+        ({"body": st.Torus(0.2), "family": "rolling", "pole": 0}, "pole"),
+        ({"pole": "pi"}, "pole"),
+        ({"x": ("at", 0.0, 2.0, "log")}, "above zero"),
+        ({"nu": 3.0}, "nu"),
+    ],
+)
 def test_a_bad_argument_is_one_sentence(given: dict[str, Any], said: str, tmp_path: Path) -> None:
     target = tmp_path / "page.html"
     with pytest.raises(st.StabilityError) as error:
@@ -118,8 +138,9 @@ def test_a_bad_argument_is_one_sentence(given: dict[str, Any], said: str, tmp_pa
 
 def test_a_bad_family_or_file_is_one_sentence(tmp_path: Path) -> None:
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
-    system = st.System("oscillator", x, p, ca.vertcat(x[1], -x[0] - p * x[1]), states=("q", "v"),
-                       parameters=("c",))  # fmt: skip
+    system = st.System(
+        "oscillator", x, p, ca.vertcat(x[1], -x[0] - p * x[1]), states=("q", "v"), parameters=("c",)
+    )
     rest = st.Family(system, "rest", at=("c",), held={"q": 0.0, "v": 0.0})
     with pytest.raises(st.StabilityError, match="a diagram needs two"):
         st.explore(rest, at=0.2, out=tmp_path / "page.html")
@@ -141,8 +162,9 @@ def test_a_missing_widget_library_is_one_sentence(monkeypatch: pytest.MonkeyPatc
 
 @pytest.mark.long
 def test_a_body_has_its_numbers_as_sliders(tmp_path: Path) -> None:
-    path = st.explore("rolling", body=st.Torus(0.2), mu=0.3, certify=False,
-                      out=tmp_path / "tyre.html")  # fmt: skip
+    path = st.explore(
+        "rolling", body=st.Torus(0.2), mu=0.3, certify=False, out=tmp_path / "tyre.html"
+    )
     text = path.read_text(encoding="utf-8")
     data = json.loads(re.search(r'id="data">(.*?)</script>', text, re.DOTALL)[1])["data"]
     keys = {s["key"] for s in data["subjects"]}

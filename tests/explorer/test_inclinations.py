@@ -29,8 +29,15 @@ def written(request: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[flo
     """A page that begins at one of the three inclinations."""
     at = zeros(0.25)[request.param]
     path = tmp_path_factory.mktemp("page") / "edged.html"
-    st.explore("rolling", body=edged(), contact="rough", at=0.3, theta=round(at, 3), certify=False,
-               out=path)  # fmt: skip
+    st.explore(
+        "rolling",
+        body=edged(),
+        contact="rough",
+        at=0.3,
+        theta=round(at, 3),
+        certify=False,
+        out=path,
+    )
     return round(at, 3), path
 
 
@@ -75,8 +82,9 @@ def test_every_member_of_the_page_is_at_the_inclination_that_is_meant(
     assert all(one is not None for one in near_first)
 
 
-@pytest.mark.parametrize("bends", [BENDS[::5], pytest.param(BENDS, marks=pytest.mark.long)],
-                         ids=["five", "all"])  # fmt: skip
+@pytest.mark.parametrize(
+    "bends", [BENDS[::5], pytest.param(BENDS, marks=pytest.mark.long)], ids=["five", "all"]
+)
 def test_verdicts_are_those_of_that_inclination(
     asked: tuple[float, Engine], bends: np.ndarray
 ) -> None:
@@ -109,8 +117,11 @@ def test_where_another_inclination_is_met_the_page_says_that_it_is_not_sure(
     assert bool(lost) == (theta < 1.6)
     if not lost:
         return
-    page.evaluate("(bend) => { const {view} = stabilityExplorer;"
-                  "view.set({values: {...view.state.values, bend}}); }", lost[0])  # fmt: skip
+    page.evaluate(
+        "(bend) => { const {view} = stabilityExplorer;"
+        "view.set({values: {...view.state.values, bend}}); }",
+        lost[0],
+    )
     page.wait_for_timeout(60)
     assert page.locator(".badge").inner_text().endswith("no member")
     assert "finds no member here" in page.locator(".point-panel .sentence").inner_text()

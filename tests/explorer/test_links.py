@@ -23,15 +23,26 @@ def test_what_a_link_says_restores_the_view(page: Engine, page_of_disk: Path) ->
     for key in keys:
         page.evaluate("(key) => stabilityExplorer.view.choose(key)", key)
         names = page.evaluate("stabilityExplorer.view.subject.names")
-        page.evaluate("(given) => stabilityExplorer.view.move(given)",
-                      {n: float(generator.uniform(0.01, 0.5)) for n in names})  # fmt: skip
+        page.evaluate(
+            "(given) => stabilityExplorer.view.move(given)",
+            {n: float(generator.uniform(0.01, 0.5)) for n in names},
+        )
         low = float(generator.uniform(0.01, 1))
         page.evaluate(
             "(more) => { const {view} = stabilityExplorer, {ranges} = view.state;"
             "view.set({...more, ranges: {...ranges, at: more.at}}); }",
-            {"x": names[-1], "y": names[0], "at": [low, 3 * low, "log"], "along": names[-1],
-             "show": "mode", "mode": 1, "kick": 2, "tilt": 0.2, "until": 200},
-        )  # fmt: skip
+            {
+                "x": names[-1],
+                "y": names[0],
+                "at": [low, 3 * low, "log"],
+                "along": names[-1],
+                "show": "mode",
+                "mode": 1,
+                "kick": 2,
+                "tilt": 0.2,
+                "until": 200,
+            },
+        )
         link = page.evaluate("stabilityExplorer.view.write()")
         fresh.evaluate(OPEN, f"#{link}")
         kept, found = (dict(one.evaluate(STATE)) for one in (page, fresh))

@@ -101,8 +101,9 @@ def test_roots_are_those_of_random_polynomials(disk: Engine) -> None:
             true[0], true[len(pairs)] = generator.normal(0, 3, 2)
         polynomials.append(np.poly(true).real[::-1].tolist())
         roots.append(true)
-    answers = disk.page.evaluate("(all) => all.map((c) => stabilityExplorer.polynomialRoots(c))",
-                                 polynomials)  # fmt: skip
+    answers = disk.page.evaluate(
+        "(all) => all.map((c) => stabilityExplorer.polynomialRoots(c))", polynomials
+    )
     for true, answer in zip(roots, answers, strict=True):
         found = np.array([complex(*z) for z in answer])
         gaps = np.abs(found[:, None] - true[None, :])
@@ -112,8 +113,16 @@ def test_roots_are_those_of_random_polynomials(disk: Engine) -> None:
 
 def test_motions_are_those_of_the_inertial_formulation(disk: Engine) -> None:
     known = reference.trajectories()
-    asked = [{"key": "rolling viscous", "q": [1.0, m["mu"], m["k"]], "start": m["start"], "tilt": 0,
-              "times": [0, *m["times"]]} for m in known]  # fmt: skip
+    asked = [
+        {
+            "key": "rolling viscous",
+            "q": [1.0, m["mu"], m["k"]],
+            "start": m["start"],
+            "tilt": 0,
+            "times": [0, *m["times"]],
+        }
+        for m in known
+    ]
     answers = disk.page.evaluate(RUN, asked)
     for motion, answer in zip(known, answers, strict=True):
         found = np.array(answer["states"])[1:, :6]
@@ -131,19 +140,22 @@ def launches(count: int) -> list[tuple[str, str, list[float], float, float]]:
             point[1] = min(max(point[1], 0.05), 3.0)
         found.append((family, law, point.tolist(), float(generator.uniform(0.01, 0.3)), 15.0))
     return [
-        *found, ("rolling", "smooth", [0.0, 0.25], 0.3, 15.0),
+        *found,
+        ("rolling", "smooth", [0.0, 0.25], 0.3, 15.0),
         ("rolling", "rough", [0.0, 0.25], 0.3, 15.0),
         ("spinning", "viscous", [5.0, 0.3, 0.25], 0.6, 15.0),
         ("spinning", "rough", [4.5, 0.3], 0.7, 15.0),
-    ]  # fmt: skip
+    ]
 
 
 @pytest.mark.parametrize("count", [12, pytest.param(LAUNCHES, marks=pytest.mark.long)])
 def test_launches_end_as_in_python(disk: Engine, count: int) -> None:
     scenes = launches(count)
     times = np.linspace(0.0, 15.0, 31)
-    asked = [{"key": f"{f} {law}", "q": q, "start": None, "tilt": tilt, "times": times.tolist()}
-             for f, law, q, tilt, _ in scenes]  # fmt: skip
+    asked = [
+        {"key": f"{f} {law}", "q": q, "start": None, "tilt": tilt, "times": times.tolist()}
+        for f, law, q, tilt, _ in scenes
+    ]
     answers = disk.page.evaluate(RUN, asked)
     outcomes = set()
     for (family, law, q, tilt, _), answer in zip(scenes, answers, strict=True):
@@ -174,8 +186,9 @@ def test_modes_are_eigenvectors_of_the_linearised_equations(disk: Engine) -> Non
     for key, q in (("spinning viscous", [2.2, 0.3, 0.25]), ("tumbling rough", [0.7, 0.4])):
         found = disk.page.evaluate(
             "([key, q]) => { const s = stabilityExplorer.view.subjects.get(key);"
-            "return s.eigenvalues(q).map((z) => [z, s.mode(q, z)]); }", [key, q],
-        )  # fmt: skip
+            "return s.eigenvalues(q).map((z) => [z, s.mode(q, z)]); }",
+            [key, q],
+        )
         family, law = key.split()
         system = st.disk_system(law)
         slopes = ca.Function("f", [system.x, system.p], [ca.jacobian(system.rhs, system.x)])
@@ -254,11 +267,15 @@ def test_proved_rectangles_hold(disk: Engine) -> None:
         found = disk.page.evaluate(
             "([key, points]) => { const { view } = stabilityExplorer; view.choose(key);"
             "return points.map(([at, mu]) => { view.move({at, mu, k: 0.25});"
-            "return view.certificate().verdict; }); }", [key, points.tolist()],
-        )  # fmt: skip
+            "return view.certificate().verdict; }); }",
+            [key, points.tolist()],
+        )
         known = st.spectrum(family, at=points[:, 0], contact=law, mu=points[:, 1]).verdict
-        wrong = [(p, a) for p, a, b in zip(points, found, known, strict=True)
-                 if a not in ("undecided", b.word)]  # fmt: skip
+        wrong = [
+            (p, a)
+            for p, a, b in zip(points, found, known, strict=True)
+            if a not in ("undecided", b.word)
+        ]
         assert not wrong
         assert sum(a != "undecided" for a in found) > 250
 
@@ -270,8 +287,12 @@ def test_a_family_of_ones_own_has_the_numbers_of_the_package(tmp_path: Path) -> 
     )
     generator = np.random.default_rng(SEED)
     names = (*family.at, *family.parameters)
-    points = np.array([generator.uniform(0.1, 20, 200), *[
-        generator.uniform(0.5, 1.5, 200) * GIVEN[n] for n in names[1:]]]).T  # fmt: skip
+    points = np.array(
+        [
+            generator.uniform(0.1, 20, 200),
+            *[generator.uniform(0.5, 1.5, 200) * GIVEN[n] for n in names[1:]],
+        ]
+    ).T
     [answer] = Engine(path).evaluate(ASK, [{"key": family.name, "points": points.tolist()}])
     known = st.spectrum(family, at=points[:, 0], **dict(zip(names[1:], points.T[1:], strict=True)))
     for values, verdict, one in zip(known.eigenvalues, known.verdict, answer, strict=True):
@@ -288,9 +309,12 @@ def test_paths_of_eigenvalues_have_no_jumps(page_of_disk: Path) -> None:
     page.evaluate(OPEN, "#show=rolling-smooth&at=0.5&k=0.25")
     paths = page.evaluate("stabilityExplorer.plane.paths(2, 2, 1)")
     # λ² is real: every point lies on one of the axes, and steps are short
-    apart = [abs(complex(*a) - complex(*b)) for path in paths
-             for a, b in zip(path, path[1:], strict=False)
-             if max(map(abs, (*a, *b))) < 2]  # fmt: skip
+    apart = [
+        abs(complex(*a) - complex(*b))
+        for path in paths
+        for a, b in zip(path, path[1:], strict=False)
+        if max(map(abs, (*a, *b))) < 2
+    ]
     assert len(apart) > 100 and max(apart) < 0.2
 
 

@@ -187,8 +187,13 @@ def test_hand_and_keys_reach_every_picture(browser: Any, pages: dict[str, Path])
 
         assert not page.locator(".motion-stage").is_visible()
         page.get_by_role("radio", name="Launch").focus()
-        for key, name in (("ArrowLeft", "mode"), ("ArrowLeft", "steady"), ("ArrowLeft", "launch"),
-                          ("ArrowRight", "steady"), ("ArrowRight", "mode")):  # fmt: skip
+        for key, name in (
+            ("ArrowLeft", "mode"),
+            ("ArrowLeft", "steady"),
+            ("ArrowLeft", "launch"),
+            ("ArrowRight", "steady"),
+            ("ArrowRight", "mode"),
+        ):
             page.keyboard.press(key)
             assert state()["show"] == name
             chosen = page.locator(".motion .segments [aria-checked=true]")
@@ -267,8 +272,9 @@ def test_the_page_fits_the_screen_and_its_text_can_be_read(
 ) -> None:
     assert pages["wheel"].stat().st_size < 1_500_000
     for picture in ("mode", "launch", "steady"):
-        with visit(browser, pages["wheel"], f"#picture={picture}", size=size,
-                   color_scheme=scheme) as seen:  # fmt: skip
+        with visit(
+            browser, pages["wheel"], f"#picture={picture}", size=size, color_scheme=scheme
+        ) as seen:
             page = seen.page
             page.evaluate(REST)
             assert page.evaluate("document.documentElement.scrollWidth") <= size["width"]
@@ -288,13 +294,19 @@ def test_the_page_fits_the_screen_and_its_text_can_be_read(
 
 def test_a_place_without_a_member_has_no_table_and_no_mode(browser: Any, tmp_path: Path) -> None:
     x, y, p, c = (ca.SX.sym(n) for n in ("x", "y", "p", "c"))
-    system = st.System("fold", ca.vertcat(x, y), ca.vertcat(p, c),
-                       ca.vertcat(y, p + c * x - x**2 - y), states=("x", "y"),
-                       parameters=("p", "c"))  # fmt: skip
+    system = st.System(
+        "fold",
+        ca.vertcat(x, y),
+        ca.vertcat(p, c),
+        ca.vertcat(y, p + c * x - x**2 - y),
+        states=("x", "y"),
+        parameters=("p", "c"),
+    )
     near = {"x": 1.5, "p": 2.0, "c": 0.2}
     upper = system.steady("p", held={"y": 0.0}, guess=near, equations=("y",), name="upper")
-    path = st.explore(upper, at=2.0, c=0.2, x=("p", -1.0, 4.0), certify=False,
-                      out=tmp_path / "fold.html")  # fmt: skip
+    path = st.explore(
+        upper, at=2.0, c=0.2, x=("p", -1.0, 4.0), certify=False, out=tmp_path / "fold.html"
+    )
     with visit(browser, path, "#picture=mode&p=-0.5&c=0.2") as seen:
         page = seen.page
         page.evaluate(REST)

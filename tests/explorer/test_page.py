@@ -226,8 +226,20 @@ def test_every_control_is_reached_by_tab(browser: Any, page_of_disk: Path) -> No
             assert outline != "none" or name == "BODY", name
             reached.append(name)
         said = "\n".join(reached)
-        for word in ("Spinning", "Viscous", "Link", "SVG", "PNG", "Python", "Stability diagram",
-                     "friction", "Launch", "Play", "Time", "Length of the run"):  # fmt: skip
+        for word in (
+            "Spinning",
+            "Viscous",
+            "Link",
+            "SVG",
+            "PNG",
+            "Python",
+            "Stability diagram",
+            "friction",
+            "Launch",
+            "Play",
+            "Time",
+            "Length of the run",
+        ):
             assert word in said, word
 
 

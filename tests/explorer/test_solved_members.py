@@ -26,8 +26,14 @@ def governor() -> st.Family:
     """Watt's governor; its members are followed from a known one."""
     x, y, z, a, b, e = (ca.SX.sym(n) for n in ("x", "y", "z", "a", "b", "e"))
     rhs = ca.vertcat(y, z**2 * ca.sin(x) * ca.cos(x) - ca.sin(x) - e * y, a * (ca.cos(x) - b))
-    system = st.System("governor", ca.vertcat(x, y, z), ca.vertcat(a, b, e), rhs,
-                       states=("x", "y", "z"), parameters=("a", "b", "e"))  # fmt: skip
+    system = st.System(
+        "governor",
+        ca.vertcat(x, y, z),
+        ca.vertcat(a, b, e),
+        rhs,
+        states=("x", "y", "z"),
+        parameters=("a", "b", "e"),
+    )
     near = {"x": 1.0, "z": 1.4, "a": 0.5, "b": 0.5, "e": 0.4}
     return system.steady("e", held={"y": 0.0}, guess=near, equations=("y", "z"), name="running")
 
@@ -36,20 +42,37 @@ def bead() -> st.Family:
     """A bead on a turning hoop, raised; its angle is found from one guess."""
     angle, rate, turn, drag = (ca.SX.sym(n) for n in ("angle", "rate", "turn", "drag"))
     force = ca.sin(angle) * (turn**2 * ca.cos(angle) - 1) - drag * rate
-    system = st.System("bead", ca.vertcat(angle, rate), ca.vertcat(turn, drag),
-                       ca.vertcat(rate, force), states=("angle", "rate"),
-                       parameters=("turn", "drag"))  # fmt: skip
-    return st.Family(system, "raised", at=("turn",), held={"rate": 0}, unknown={"angle": 1.0},
-                     equations=("rate",), positive=("angle",),
-                     typical={"turn": 2.0, "drag": 0.1})  # fmt: skip
+    system = st.System(
+        "bead",
+        ca.vertcat(angle, rate),
+        ca.vertcat(turn, drag),
+        ca.vertcat(rate, force),
+        states=("angle", "rate"),
+        parameters=("turn", "drag"),
+    )
+    return st.Family(
+        system,
+        "raised",
+        at=("turn",),
+        held={"rate": 0},
+        unknown={"angle": 1.0},
+        equations=("rate",),
+        positive=("angle",),
+        typical={"turn": 2.0, "drag": 0.1},
+    )
 
 
 def fold() -> st.Family:
     """The upper root of p + c x = x²; it ends at a fold, and the page follows it that far."""
     x, y, p, c = (ca.SX.sym(n) for n in ("x", "y", "p", "c"))
-    system = st.System("fold", ca.vertcat(x, y), ca.vertcat(p, c),
-                       ca.vertcat(y, p + c * x - x**2 - y), states=("x", "y"),
-                       parameters=("p", "c"))  # fmt: skip
+    system = st.System(
+        "fold",
+        ca.vertcat(x, y),
+        ca.vertcat(p, c),
+        ca.vertcat(y, p + c * x - x**2 - y),
+        states=("x", "y"),
+        parameters=("p", "c"),
+    )
     near = {"x": 1.5, "p": 2.0, "c": 0.2}
     return system.steady("p", held={"y": 0.0}, guess=near, equations=("y",), name="upper")
 
@@ -57,20 +80,28 @@ def fold() -> st.Family:
 def cusp() -> st.Family:
     """The upper sheet of p + c x = x³; beyond its edge lies another one, which is not reached."""
     x, y, p, c = (ca.SX.sym(n) for n in ("x", "y", "p", "c"))
-    system = st.System("cusp", ca.vertcat(x, y), ca.vertcat(p, c),
-                       ca.vertcat(y, p + c * x - x**3 - y), states=("x", "y"),
-                       parameters=("p", "c"))  # fmt: skip
+    system = st.System(
+        "cusp",
+        ca.vertcat(x, y),
+        ca.vertcat(p, c),
+        ca.vertcat(y, p + c * x - x**3 - y),
+        states=("x", "y"),
+        parameters=("p", "c"),
+    )
     near = {"x": 1.5, "p": 2.0, "c": 1.0}
     return system.steady("p", held={"y": 0.0}, guess=near, equations=("y",), name="upper")
 
 
 FAMILIES: dict[str, tuple[Any, dict[str, float], dict[str, tuple[float, float]]]] = {
-    "governor": (governor, {"e": 0.4, "a": 0.5, "b": 0.5},
-                 {"e": (0.05, 1.0), "a": (0.05, 1.5), "b": (0.1, 0.9)}),
+    "governor": (
+        governor,
+        {"e": 0.4, "a": 0.5, "b": 0.5},
+        {"e": (0.05, 1.0), "a": (0.05, 1.5), "b": (0.1, 0.9)},
+    ),
     "bead": (bead, {"turn": 2.0, "drag": 0.1}, {"turn": (1.05, 4.0), "drag": (-0.2, 0.4)}),
     "fold": (fold, {"p": 2.0, "c": 0.2}, {"p": (-1.0, 4.0), "c": (-1.0, 1.0)}),
     "cusp": (cusp, {"p": 1.0, "c": 1.0}, {"p": (-2.0, 2.0), "c": (-1.0, 2.0)}),
-}  # fmt: skip
+}
 """Family, values at first, ranges of random points."""
 
 
@@ -86,8 +117,15 @@ def written(request: Any, tmp_path_factory: pytest.TempPathFactory) -> Written:
     family, given = make(), dict(values)
     at = given.pop(family.at[0])
     (x, y, *_) = ranges.items()
-    path = st.explore(family, at=at, x=(x[0], *x[1]), y=(y[0], *y[1]), certify=False, **given,
-                      out=tmp_path_factory.mktemp("page") / "own.html")  # fmt: skip
+    path = st.explore(
+        family,
+        at=at,
+        x=(x[0], *x[1]),
+        y=(y[0], *y[1]),
+        certify=False,
+        **given,
+        out=tmp_path_factory.mktemp("page") / "own.html",
+    )
     return request.param, family, path
 
 
@@ -119,13 +157,12 @@ def test_random_points_have_the_members_verdicts_and_eigenvalues_of_the_package(
 ) -> None:
     name, family, view = asked
     sets = points(name, family)[:count]
-    [answers] = view.page.evaluate(
-        ASK, [{"key": f"{family.name}", "points": sets.tolist()}]
-    )  # fmt: skip
+    [answers] = view.page.evaluate(ASK, [{"key": f"{family.name}", "points": sets.tolist()}])
     members = view.page.evaluate(
         "(points) => { const [s] = stabilityExplorer.view.subjects.values();"
-        "return points.map((q) => s.steady(q)); }", sets.tolist(),
-    )  # fmt: skip
+        "return points.map((q) => s.steady(q)); }",
+        sets.tolist(),
+    )
     words, absent = set(), 0
     for q, one, states in zip(sets, answers, members, strict=True):
         given = dict(zip(family.parameters, q[1:], strict=True))
@@ -306,8 +343,9 @@ def test_the_page_says_what_was_solved_for_and_proves_nothing_of_it(
 
 def test_beyond_the_fold_the_page_has_no_member(browser: Any, tmp_path: Path) -> None:
     family = fold()
-    path = st.explore(family, at=2.0, c=0.2, x=("p", -1.0, 4.0), certify=False,
-                      out=tmp_path / "fold.html")  # fmt: skip
+    path = st.explore(
+        family, at=2.0, c=0.2, x=("p", -1.0, 4.0), certify=False, out=tmp_path / "fold.html"
+    )
     for script in ("", WITHOUT_WEBGL):
         with visit(browser, path, "#show=upper&p=-0.5&c=0.2", script=script) as found:
             assert found.page.locator(".badge").inner_text().endswith("no member")

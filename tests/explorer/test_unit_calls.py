@@ -36,9 +36,14 @@ LAUNCH = """() => {
 @pytest.fixture(scope="module")
 def page_of_coin(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path: Path = st.explore(
-        "rolling", disk=COIN, at=45.0, mu=0.9, x=("at", 5.0, 100.0), certify=False,
+        "rolling",
+        disk=COIN,
+        at=45.0,
+        mu=0.9,
+        x=("at", 5.0, 100.0),
+        certify=False,
         out=tmp_path_factory.mktemp("page") / "coin.html",
-    )  # fmt: skip
+    )
     return path
 
 
@@ -131,8 +136,11 @@ def test_a_page_without_mass_and_length_has_no_si_units(disk: Engine) -> None:
 @pytest.mark.long
 def test_a_body_with_mass_and_length_has_si_units(tmp_path: Path) -> None:
     body = st.Spheroid(**BODY)
-    page = Engine(st.explore("vertical", body=body, at=30.0, mu=1.0, certify=False,
-                             out=tmp_path / "body.html"))  # fmt: skip
+    page = Engine(
+        st.explore(
+            "vertical", body=body, at=30.0, mu=1.0, certify=False, out=tmp_path / "body.html"
+        )
+    )
     for key in ("vertical viscous", "tumbling rough"):
         page.evaluate("(key) => stabilityExplorer.view.choose(key)", key)
         space = called(page)

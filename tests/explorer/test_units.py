@@ -30,9 +30,14 @@ REST = """async () => {
 @pytest.fixture(scope="module")
 def page_of_coin(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path: Path = st.explore(
-        "rolling", disk=COIN, at=45.0, mu=0.9, x=("at", 5.0, 100.0), certify=False,
+        "rolling",
+        disk=COIN,
+        at=45.0,
+        mu=0.9,
+        x=("at", 5.0, 100.0),
+        certify=False,
         out=tmp_path_factory.mktemp("page") / "coin.html",
-    )  # fmt: skip
+    )
     return path
 
 

@@ -34,11 +34,13 @@ def test_a_missing_law_of_a_motion_or_of_friction_names_the_laws_that_it_takes()
         "Viscous(mu) or LinearViscous(c). ": lambda: st.hopf("spinning"),
         "Creep3(mu).": lambda: st.simulate(st.Disk(), None, {"theta": 1.3, "omega3": 2.0}, 1.0),
         "Creep3(mu).   ": lambda: st.simulate(
-            st.Torus(0.2), None, {"theta": 1.3, "omega3": 2.0}, 1.0),
-        "Creep3(mu). ": lambda: st.basins(family="rolling", x=("at", 1, 2, 2),
-                                          y=("tilt", 0.01, 0.1, 2), horizon=0.1),
+            st.Torus(0.2), None, {"theta": 1.3, "omega3": 2.0}, 1.0
+        ),
+        "Creep3(mu). ": lambda: st.basins(
+            family="rolling", x=("at", 1, 2, 2), y=("tilt", 0.01, 0.1, 2), horizon=0.1
+        ),
         "Creep3(mu).  ": lambda: st.disk_system(),
-    }  # fmt: skip
+    }
     for end, call in calls.items():
         with pytest.raises(st.StabilityError) as refused:
             call()
@@ -53,8 +55,10 @@ def test_a_name_is_answered_as_its_family_is() -> None:
     assert st.conditions("rolling", mu=1).rule == st.conditions(family, mu=1).rule  # as spectrum
     torus = st.conditions("spinning", contact=st.Rough, body=st.Torus(0.2), positive=["tube"])
     assert "tube" in [v.name for v in torus.variables]
-    assert torus.rule == st.conditions(st.Torus(0.2).family("spinning", "rough"),
-                                       positive=["tube"]).rule  # fmt: skip
+    assert (
+        torus.rule
+        == st.conditions(st.Torus(0.2).family("spinning", "rough"), positive=["tube"]).rule
+    )
     text = st.latex("spinning", contact=st.Rough(), positive=["k"])
     assert text == st.latex(st.disk_family("spinning", "rough"), positive=["k"])
 

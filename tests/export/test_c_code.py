@@ -51,8 +51,12 @@ def test_values_are_those_of_python_through_another_caller(tmp_path: Path) -> No
     system = st.disk_system("viscous")
     st.c_code(system, tmp_path, name="disk")
     needed("gcc", "cc")
-    done = subprocess.run([*STRICT, "-shared", "-fPIC", "disk.c", "-lm", "-o", "disk.so"],
-                          cwd=tmp_path, capture_output=True, text=True)  # fmt: skip
+    done = subprocess.run(
+        [*STRICT, "-shared", "-fPIC", "disk.c", "-lm", "-o", "disk.so"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+    )
     assert done.returncode == 0, done.stderr
     library = ctypes.CDLL(str(tmp_path / "disk.so"))
     real = ctypes.POINTER(ctypes.c_double)

@@ -40,23 +40,27 @@ def oscillator() -> st.Family:
     """Van der Pol's, with a place on a plane that no rate holds."""
     x, p = ca.SX.sym("x", 3), ca.SX.sym("p", 2)
     rates = ca.vertcat(x[1], (p[0] - x[0] ** 2) * x[1] - p[1] * x[0], x[0] + 1)
-    system = st.System("oscillator", x, p, rates, states=("q", "v", "place"),
-                       parameters=("gain", "spring"))  # fmt: skip
+    system = st.System(
+        "oscillator", x, p, rates, states=("q", "v", "place"), parameters=("gain", "spring")
+    )
     return st.Family(system, "rest", at=("gain",), held={"q": 0.0, "v": 0.0})
 
 
 CASES: dict[str, tuple[Any, dict[str, Any]]] = {
     "spinning by phi_dot": (
-        spinning, {"free": "phi_dot", "start": 5.0, "stop": 1.8, "k": 0.25, "mu": 0.8},
+        spinning,
+        {"free": "phi_dot", "start": 5.0, "stop": 1.8, "k": 0.25, "mu": 0.8},
     ),
     "spinning by mu": (
-        spinning, {"free": "mu", "start": 0.3, "stop": 1.5, "k": 0.25, "phi_dot": 2.6},
+        spinning,
+        {"free": "mu", "start": 0.3, "stop": 1.5, "k": 0.25, "phi_dot": 2.6},
     ),
     "tumbling by theta": (
-        tumbling, {"free": "theta", "start": 1.3, "stop": 0.3, "k": 0.5, "mu": 0.8},
+        tumbling,
+        {"free": "theta", "start": 1.3, "stop": 0.3, "k": 0.5, "mu": 0.8},
     ),
     "oscillator": (oscillator, {"free": "gain", "start": -1.0, "stop": 1.0, "spring": 2.0}),
-}  # fmt: skip
+}
 
 
 class Compiled:
@@ -225,10 +229,16 @@ def test_julias_lines_have_the_same_values(tmp_path: Path) -> None:
 def test_the_reader_of_julia_has_julias_rules() -> None:
     """A power binds tighter than a sign and from the right; places start at 1; names are known."""
     names = {"u": [7.0, 8.0], "p": {"mu": 0.5}}
-    for text, value in (("-2.0 ^ 2", -4.0), ("2.0 ^ 3.0 ^ 2", 512.0), ("(-2.0) ^ 2", 4.0),
-                        ("u[2] - u[1] - 1.0", 0.0), ("6 / 2 / 3", 1.0),
-                        ("atan(1.0, 0.0)", math.pi / 2),
-                        ("p.mu * -2.0", -1.0), ("2.0 ^ -1.0", 0.5)):  # fmt: skip
+    for text, value in (
+        ("-2.0 ^ 2", -4.0),
+        ("2.0 ^ 3.0 ^ 2", 512.0),
+        ("(-2.0) ^ 2", 4.0),
+        ("u[2] - u[1] - 1.0", 0.0),
+        ("6 / 2 / 3", 1.0),
+        ("atan(1.0, 0.0)", math.pi / 2),
+        ("p.mu * -2.0", -1.0),
+        ("2.0 ^ -1.0", 0.5),
+    ):
         assert Reader(text, names).whole() == pytest.approx(value), text
     for wrong in ("u[0]", "u[3]", "t1 + 1", "2.0 3.0", "u[1]]", "2 +"):
         with pytest.raises((AssertionError, KeyError, IndexError)):
@@ -243,10 +253,17 @@ def test_many_parameters_keep_their_places(tmp_path: Path) -> None:
     """Eleven parameters: values and derivatives land at the places of parnames."""
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 11)
     powers = sum((i + 1) * p[i] for i in range(11))
-    system = st.System("many", x, p, ca.vertcat(x[1], -x[0] + powers - x[1]), states=("q", "v"),
-                       parameters=tuple(f"a{i}" for i in range(11)))  # fmt: skip
-    family = st.Family(system, "rest", at=("a0",), held={"v": 0.0}, unknown={"q": 1.0},
-                       equations=("v",))  # fmt: skip
+    system = st.System(
+        "many",
+        x,
+        p,
+        ca.vertcat(x[1], -x[0] + powers - x[1]),
+        states=("q", "v"),
+        parameters=tuple(f"a{i}" for i in range(11)),
+    )
+    family = st.Family(
+        system, "rest", at=("a0",), held={"v": 0.0}, unknown={"q": 1.0}, equations=("v",)
+    )
     given = {f"a{i}": 0.1 * i for i in range(1, 11)}
     st.auto_input(family, tmp_path, free="a0", start=1.0, stop=2.0, **given)
     problem = Compiled(tmp_path)
@@ -257,13 +274,16 @@ def test_many_parameters_keep_their_places(tmp_path: Path) -> None:
     assert np.count_nonzero(by_par) == 11
 
 
-@pytest.mark.parametrize(("given", "said"), [
-    ({"free": "speed"}, "free is 'speed'; known are phi_dot, k, mu"),
-    ({"free": "phi_dot", "k": 0.25}, "mu has no value"),
-    ({"free": "phi_dot", "k": 0.25, "mu": 0.3, "g": 1.0}, "g is no parameter to give"),
-    ({"free": "phi_dot", "k": 0.25, "mu": "x"}, "mu is 'x'; give one finite number"),
-    ({"free": "phi_dot", "k": 0.25, "mu": 0.3, "stop": 5.0}, "give two finite numbers"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"free": "speed"}, "free is 'speed'; known are phi_dot, k, mu"),
+        ({"free": "phi_dot", "k": 0.25}, "mu has no value"),
+        ({"free": "phi_dot", "k": 0.25, "mu": 0.3, "g": 1.0}, "g is no parameter to give"),
+        ({"free": "phi_dot", "k": 0.25, "mu": "x"}, "mu is 'x'; give one finite number"),
+        ({"free": "phi_dot", "k": 0.25, "mu": 0.3, "stop": 5.0}, "give two finite numbers"),
+    ],
+)
 def test_bad_input_is_refused(given: dict[str, Any], said: str, tmp_path: Path) -> None:
     with pytest.raises(st.StabilityError, match=re.escape(said)):
         st.auto_input(spinning(), tmp_path / "x", **({"start": 5.0, "stop": 1.8} | given))
@@ -292,23 +312,27 @@ def test_the_commands_write_their_files(tmp_path: Path, capsys: pytest.CaptureFi
         assert sorted(p.name for p in out.iterdir()) == names
     st.auto_input(spinning(), tmp_path / "own", **CASES["spinning by phi_dot"][1])
     assert (tmp_path / "own" / "spinning.c").read_bytes() == (
-        tmp_path / "auto" / "spinning.c").read_bytes()  # fmt: skip
+        tmp_path / "auto" / "spinning.c"
+    ).read_bytes()
     assert main(["export", "auto", "spinning", "--out", str(tmp_path / "y")]) == 2
     assert "needs --axis NAME:START:STOP" in capsys.readouterr().err
 
 
 def test_the_command_takes_the_numbers_of_a_body(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str],
-) -> None:  # fmt: skip
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     family = st.Torus(0.2).family("spinning", "viscous")
     rest = ["--set", "phi_dot=3", "--out"]
     start = ["export", "auto", "spinning", "--body", "torus"]
-    known = st.auto_input(family, tmp_path / "a", free="mu", start=0.1, stop=2.0, tube=0.2,
-                          phi_dot=3.0)  # fmt: skip
+    known = st.auto_input(
+        family, tmp_path / "a", free="mu", start=0.1, stop=2.0, tube=0.2, phi_dot=3.0
+    )
     mu = ["--tube", "0.2", "--axis", "mu:0.1:2"]
     assert main([*start, *mu, *rest, str(tmp_path / "b")]) == 0
-    known_tube = st.auto_input(family, tmp_path / "c", free="tube", start=0.1, stop=0.3, mu=0.8,
-                               phi_dot=3.0)  # fmt: skip
+    known_tube = st.auto_input(
+        family, tmp_path / "c", free="tube", start=0.1, stop=0.3, mu=0.8, phi_dot=3.0
+    )
     tube = ["--axis", "tube:0.1:0.3", "--set", "mu=0.8"]
     assert main([*start, *tube, *rest, str(tmp_path / "d")]) == 0
     for one, other in ((known, "b"), (known_tube, "d")):
@@ -322,10 +346,15 @@ def test_the_command_takes_the_numbers_of_a_body(
 
 
 @pytest.mark.outside
-@pytest.mark.parametrize(("name", "word"), [
-    ("spinning by phi_dot", "flutter"), ("spinning by mu", "flutter"),
-    ("tumbling by theta", "flutter"), ("oscillator", "flutter"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "word"),
+    [
+        ("spinning by phi_dot", "flutter"),
+        ("spinning by mu", "flutter"),
+        ("tumbling by theta", "flutter"),
+        ("oscillator", "flutter"),
+    ],
+)
 def test_autos_hopf_points_are_the_boundaries(name: str, word: str, tmp_path: Path) -> None:
     folder = os.environ.get("AUTO_DIR", "/usr/lib/auto-07p")
     library = Path(folder) / "lib"
@@ -335,12 +364,27 @@ def test_autos_hopf_points_are_the_boundaries(name: str, word: str, tmp_path: Pa
     make, given = CASES[name]
     family = make()
     st.auto_input(family, tmp_path, name="problem", **given)
-    include = next(p.parent for p in (Path(folder) / "include", Path(folder).parents[1] / "include")
-                   for p in [p / "auto_f2c.h"] if p.exists())  # fmt: skip
+    include = next(
+        p.parent
+        for p in (Path(folder) / "include", Path(folder).parents[1] / "include")
+        for p in [p / "auto_f2c.h"]
+        if p.exists()
+    )
     objects = [str(o) for o in sorted(library.glob("*.o"))]
-    for command in (["gcc", "-O2", "-w", f"-I{include}", "-c", "problem.c"],
-                    ["gfortran", "-O2", "-fopenmp", "problem.o", *objects, f"-L{library}",
-                     "-lauto_c", "-o", "problem"]):  # fmt: skip
+    for command in (
+        ["gcc", "-O2", "-w", f"-I{include}", "-c", "problem.c"],
+        [
+            "gfortran",
+            "-O2",
+            "-fopenmp",
+            "problem.o",
+            *objects,
+            f"-L{library}",
+            "-lauto_c",
+            "-o",
+            "problem",
+        ],
+    ):
         subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, text=True)
     shutil.copy(tmp_path / "c.problem", tmp_path / "fort.2")
     subprocess.run(["./problem"], cwd=tmp_path, check=True, capture_output=True, timeout=60)

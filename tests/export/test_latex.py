@@ -27,8 +27,14 @@ def pump() -> st.System:
         -ca.sqrt(1 + x[0] ** 2) * ca.atan(x[1]) + 1e-7 * x[2] - (x[0] - (x[1] - x[2])),
         -((x[0] + p[1]) ** 2) * ca.log(2 + x[2]) ** 2 / (x[1] * (3 - x[0])) ** 2 - -p[1] * 1.5,
     )
-    return st.System("pump & 100% rod", x, p, rates, states=("q1", "q_1", "theta_dot"),
-                     parameters=("damping_rate", "Omega"))  # fmt: skip
+    return st.System(
+        "pump & 100% rod",
+        x,
+        p,
+        rates,
+        states=("q1", "q_1", "theta_dot"),
+        parameters=("damping_rate", "Omega"),
+    )
 
 
 SYSTEMS: dict[str, Any] = {
@@ -76,8 +82,7 @@ def test_equations_and_jacobian_read_back_as_the_graph(name: str) -> None:
     shown = symbols((*system.states, *system.parameters))
     names = dict(zip(shown.values(), [*x, *p], strict=True))
     found = read([*part(words, "Equations of motion"), *part(words, r"\section*{Jacobian}")], names)
-    graph = ca.Function("f", [system.x, system.p],
-                        [system.rhs, ca.jacobian(system.rhs, system.x)])  # fmt: skip
+    graph = ca.Function("f", [system.x, system.p], [system.rhs, ca.jacobian(system.rhs, system.x)])
     rates, slopes = (np.asarray(v) for v in graph(x, p))
 
     def rate(symbol: str) -> str:
@@ -108,17 +113,23 @@ def test_the_polynomial_that_is_printed_has_the_eigenvalues_of_the_family(name: 
     own = dict(zip((*family.at, *family.parameters), (*at, *given), strict=True))
     plain = dict(zip(family.system.states, state, strict=True)) | own
     names = {symbol(n): float(v) for n, v in plain.items()}
-    names |= {r"\sin\left(\theta\right)": np.sin(plain["theta"]),
-              r"\cos\left(\theta\right)": np.cos(plain["theta"])}  # fmt: skip
+    names |= {
+        r"\sin\left(\theta\right)": np.sin(plain["theta"]),
+        r"\cos\left(\theta\right)": np.cos(plain["theta"]),
+    }
     lines = part(words, "Characteristic polynomial")
-    coefficients = {left: value(right, names) for left, right in lines
-                    if re.fullmatch(r"p_\{\d+,\d+\}", left)}  # fmt: skip
+    coefficients = {
+        left: value(right, names) for left, right in lines if re.fullmatch(r"p_\{\d+,\d+\}", left)
+    }
     roots: list[complex] = []
     head = re.search(r"\\\[(.*?) = 0 \\\]", words.split("Characteristic polynomial")[1])
     assert head
     for number, many in re.findall(r"p_\{(\d+)\}\(\\lambda\)(?:\^\{(\d+)\})?", head[1]):
-        terms = {int(k[3:-1].split(",")[1]): v for k, v in coefficients.items()
-                 if k[3:-1].split(",")[0] == number}  # fmt: skip
+        terms = {
+            int(k[3:-1].split(",")[1]): v
+            for k, v in coefficients.items()
+            if k[3:-1].split(",")[0] == number
+        }
         row = [terms.get(n, 0.0) for n in range(max(terms), -1, -1)]
         roots += list(np.roots(row)) * int(many or 1)
     zero = re.search(r"\\lambda(?:\^\{(\d+)\})? p_", head[1])
@@ -157,11 +168,19 @@ def test_conditions_alone_and_a_part_of_a_document() -> None:
     assert words in st.latex(family, positive=("k",), standalone=False)
 
 
-@pytest.mark.parametrize(("name", "shown"), [
-    ("mu", r"\mu"), ("x_10", "x_{10}"), ("omega_theta", r"\omega_{\theta}"), ("I3", "I_{3}"),
-    ("speed", r"\mathit{speed}"), ("a_b_c", r"\mathit{a\_b\_c}"), ("y_dot", r"\dot{y}"),
-    ("sqrt(b)", r"\sqrt{b}"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "shown"),
+    [
+        ("mu", r"\mu"),
+        ("x_10", "x_{10}"),
+        ("omega_theta", r"\omega_{\theta}"),
+        ("I3", "I_{3}"),
+        ("speed", r"\mathit{speed}"),
+        ("a_b_c", r"\mathit{a\_b\_c}"),
+        ("y_dot", r"\dot{y}"),
+        ("sqrt(b)", r"\sqrt{b}"),
+    ],
+)
 def test_names_become_symbols(name: str, shown: str) -> None:
     assert symbol(name) == shown
 
@@ -201,7 +220,16 @@ def test_documents_compile_without_overfull_lines(tmp_path: Path) -> None:
     for file in sorted(tmp_path.glob("*.tex")):
         job = file.stem.replace(" ", "-")
         done = subprocess.run(
-            ["pdflatex", "-draftmode", "-interaction=nonstopmode", "-halt-on-error",
-             f"-jobname={job}", file.name], cwd=tmp_path, capture_output=True)  # fmt: skip
+            [
+                "pdflatex",
+                "-draftmode",
+                "-interaction=nonstopmode",
+                "-halt-on-error",
+                f"-jobname={job}",
+                file.name,
+            ],
+            cwd=tmp_path,
+            capture_output=True,
+        )
         assert done.returncode == 0, done.stdout[-2000:]
         assert "Overfull" not in (tmp_path / f"{job}.log").read_text(errors="replace"), file

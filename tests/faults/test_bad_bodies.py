@@ -84,10 +84,16 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: TOP.height_at(1.0, None), "slope is None; a whole number"),  # type: ignore[arg-type]
     (lambda: TOP.family("vertical", "rough", pole=np.ones(2)), "give 0 or 'pi'"),
     (lambda: TOP.family("tumbling", st.Coulomb(0.3)), "contact is coulomb, which has no linear"),
-    (lambda: TOP.family("tumbling", 3), "contact is 3; known are smooth, viscous, linear-viscous, "
-     "rough, creep-1, creep-2, creep-3."),
-    (lambda: tumbling(st.Coulomb(0.3)), "contact is coulomb, which has no linearisation of its "
-     "own; known are smooth, viscous, linear-viscous, rough, creep-1, creep-2, creep-3; inside"),
+    (
+        lambda: TOP.family("tumbling", 3),
+        "contact is 3; known are smooth, viscous, linear-viscous, "
+        "rough, creep-1, creep-2, creep-3.",
+    ),
+    (
+        lambda: tumbling(st.Coulomb(0.3)),
+        "contact is coulomb, which has no linearisation of its "
+        "own; known are smooth, viscous, linear-viscous, rough, creep-1, creep-2, creep-3; inside",
+    ),
     (lambda: tumbling(st.Viscous(0.3), mu=1), "mu is the viscous law's own number; give it there"),
     (lambda: tumbling(mu=0.3, offset=1), "offset is eccentric sphere's own number"),
     (lambda: tumbling(int), "contact is the class int; known are"),
@@ -109,10 +115,14 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: st.Egg(name="hen"), "'name'; known are mass, gravity, length"),
     (lambda: solid(z=lambda u: -1e300 * np.cos(u)), "do not settle with 1024 nodes"),
     (lambda: Resistance(), "has the coefficient '' and no such field"),
-    (lambda: tumbling(mu=0.3, resistance=[ROLL, 3]), "resistance is [RollingResistance(rho=0.01), "
-     "3]; give"),
-    (lambda: st.simulate(TOP, "rough", {"theta": 1}, 1, resistance=twist(5)), "the moment of twist "
-     "is 5; give a list of three"),
+    (
+        lambda: tumbling(mu=0.3, resistance=[ROLL, 3]),
+        "resistance is [RollingResistance(rho=0.01), 3]; give",
+    ),
+    (
+        lambda: st.simulate(TOP, "rough", {"theta": 1}, 1, resistance=twist(5)),
+        "the moment of twist is 5; give a list of three",
+    ),
     (lambda: drift(resistance=[ROLL, st.AirTorque(1)]), "resistance names 2 of them; give one"),
     (lambda: drift(resistance=None), "resistance is missing; give one"),
     (lambda: drift(small=3), "small is 3; the small parameter of a body is rho"),
@@ -120,8 +130,10 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: drift().exponent(0, 0), "near is 0, the end itself; give a number to one side"),
     (lambda: drift().rate("a"), "at is 'a'; a real number is needed"),
     (lambda: drift().rate([]), "at is an empty array"),
-    (lambda: st.slow_flow(TOP.family("tumbling", "rough"), small=np.ones(2)),  # type: ignore[arg-type]
-     "parameters of tumbling are offset"),
+    (
+        lambda: st.slow_flow(TOP.family("tumbling", "rough"), small=np.ones(2)),  # type: ignore[arg-type]
+        "parameters of tumbling are offset",
+    ),
     (lambda: retrograde("a"), "inner is 'a'; a real number is needed"),
     (lambda: retrograde(share=[2]), "share is [2]; its numbers must lie in [0, 1]"),
     (lambda: retrograde(starts=None), "starts is None; give a list of pairs"),
@@ -132,7 +144,7 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: launched(body=3), "body is 3; give a stability.Body or a stability.Disk"),
     (lambda: launched(body=TOP, family=np.ones(2)), "family is an array of shape (2,)"),
     (lambda: launched(families=np.ones(2)), "families belong to a stability.System"),
-]  # fmt: skip
+]
 
 
 def sentence(call: Callable[[], Any]) -> str:
@@ -163,17 +175,61 @@ class Loud:
 
 
 VALUES: list[Any] = [
-    None, "x", "", b"x", 3, -1, 0, math.nan, math.inf, 1e300, 1e-320, 10**400, True, 1j, [], (), {},
-    {"a": 3}, {1: 1}, {1}, (0, 1, 2), ("a", "b"), (math.nan, 1), [[1], [1, 2]], object(), Loud(),
-    int, math.sin, lambda: 1, np.ones(2), np.array(["a"]), st.Viscous(1.0), st.Coulomb(0.3),
-    st.Viscous, st.Disk(), ca.SX.sym("q"), "y" * 5000, "a\nb",
-]  # fmt: skip
+    None,
+    "x",
+    "",
+    b"x",
+    3,
+    -1,
+    0,
+    math.nan,
+    math.inf,
+    1e300,
+    1e-320,
+    10**400,
+    True,
+    1j,
+    [],
+    (),
+    {},
+    {"a": 3},
+    {1: 1},
+    {1},
+    (0, 1, 2),
+    ("a", "b"),
+    (math.nan, 1),
+    [[1], [1, 2]],
+    object(),
+    Loud(),
+    int,
+    math.sin,
+    lambda: 1,
+    np.ones(2),
+    np.array(["a"]),
+    st.Viscous(1.0),
+    st.Coulomb(0.3),
+    st.Viscous,
+    st.Disk(),
+    ca.SX.sym("q"),
+    "y" * 5000,
+    "a\nb",
+]
 
 
 def calls(value: Any) -> Iterator[Callable[[], Any]]:
     """Every constructor with one argument of this value."""
-    for name in ("height", "axial", "transverse", "mass", "length", "shape", "name", "between",
-                 "limits", "error"):  # fmt: skip
+    for name in (
+        "height",
+        "axial",
+        "transverse",
+        "mass",
+        "length",
+        "shape",
+        "name",
+        "between",
+        "limits",
+        "error",
+    ):
         yield lambda name=name: body(**{name: value})
     named = st.Torus, st.Spheroid, st.EccentricSphere, st.ThickDisk, st.Egg, st.from_profile
     for make in (*named, st.AirTorque, st.RollingResistance, st.PivotingResistance, thin_ring):
@@ -252,7 +308,8 @@ def test_words_of_a_system_are_texts(words: dict[str, Any], said: str) -> None:
 @pytest.mark.parametrize("name", ["x", "p", "rates"])
 def test_an_observable_may_have_a_name_of_the_graphs_ports(name: str) -> None:
     y, p = ca.SX.sym("y"), ca.SX.sym("k")
-    system = st.System("s", y, p, -p * y, states=("y",), parameters=("k",),
-                       observables={name: 2 * y})  # fmt: skip
+    system = st.System(
+        "s", y, p, -p * y, states=("y",), parameters=("k",), observables={name: 2 * y}
+    )
     run = st.simulate(system, {"k": 1.0}, {"y": 1.0}, [0.0, 1.0])
     assert float(run[name][-1]) == pytest.approx(2 * math.exp(-1), abs=1e-7)

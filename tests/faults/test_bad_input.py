@@ -76,8 +76,11 @@ CASES: list[tuple[str, Callable[[], Any], str]] = [
     ("contact by name", lambda: ask(contact="viscous"), "give Viscous(mu), or contact='viscous'"),
     ("contact class", lambda: ask(contact=V), "mu is missing; give Viscous(mu)"),
     ("disk by name", lambda: ask(disk="quarter"), "give a stability.Disk"),
-    ("a name misspelt", lambda: st.spectrum("rolling", at=1, contact="viscous", mue=0.3),
-     "'mue' is not an argument here; mu is"),
+    (
+        "a name misspelt",
+        lambda: st.spectrum("rolling", at=1, contact="viscous", mue=0.3),
+        "'mue' is not an argument here; mu is",
+    ),
     ("no contact", lambda: st.spectrum("rolling", at=1), "contact is missing"),
     ("mu twice", lambda: st.spectrum("rolling", at=1, contact=V(1), mu=2), "not an argument here"),
     ("certify", lambda: st.spectrum("rolling", at=1, contact=V(1), certify=1), "certify"),
@@ -104,10 +107,16 @@ CASES: list[tuple[str, Callable[[], Any], str]] = [
     ("tracked of one", lambda: ask(1.0).tracked(), "as an array"),
     ("overflow, smooth", lambda: ask(1e200, st.Smooth()), "overflow"),
     ("overflow, circling", lambda: ask((1.2, 1e150), st.Rough(), family="circling"), "overflow"),
-    ("branch to nowhere", lambda: st.branch(
-        st.disk_family("tumbling", "viscous"), 1, 0.5, [0.25]), "must hold 2 values"),
-    ("branch of half points", lambda: st.branch(
-        st.disk_family("tumbling", "viscous"), 1, 0.5, [0.25, 0.3], points=2.5), "whole number"),
+    (
+        "branch to nowhere",
+        lambda: st.branch(st.disk_family("tumbling", "viscous"), 1, 0.5, [0.25]),
+        "must hold 2 values",
+    ),
+    (
+        "branch of half points",
+        lambda: st.branch(st.disk_family("tumbling", "viscous"), 1, 0.5, [0.25, 0.3], points=2.5),
+        "whole number",
+    ),
     ("branch of a name", lambda: st.branch("tumbling", 1, 0.5, [0.25, 0.3]), "stability.Family"),
     ("axis count is float", lambda: chart(x=("at", 1, 2, 3.0)), "at least 2"),
     ("axis name is number", lambda: chart(x=(1, 1, 2, 3)), "give a string"),
@@ -118,16 +127,30 @@ CASES: list[tuple[str, Callable[[], Any], str]] = [
     ("not a path", lambda: st.read_map(3), "give a string or a path"),
     ("not a dataset", lambda: st.write_map(3, "x.nc"), "what stability_map returns"),
     ("system of numbers", lambda: st.System("x", 1, 2, 3, states=("a",)), "CasADi SX"),
-    ("branch of one point", lambda: st.branch(
-        st.disk_family("tumbling", "viscous"), 1, 0.5, [0.25, 0.3], points=1), "at least 2"),
-    ("state of wrong length", lambda: st.disk_system("viscous").rates([1, 2], [0.25, 0.3]),
-     "must hold 6 values"),
-    ("state with nan", lambda: st.disk_system("rough").rates([1, np.nan, 0, 0], [0.25]),
-     "NaN or infinite"),
+    (
+        "branch of one point",
+        lambda: st.branch(st.disk_family("tumbling", "viscous"), 1, 0.5, [0.25, 0.3], points=1),
+        "at least 2",
+    ),
+    (
+        "state of wrong length",
+        lambda: st.disk_system("viscous").rates([1, 2], [0.25, 0.3]),
+        "must hold 6 values",
+    ),
+    (
+        "state with nan",
+        lambda: st.disk_system("rough").rates([1, np.nan, 0, 0], [0.25]),
+        "NaN or infinite",
+    ),
     ("unknown state", lambda: st.disk_system("rough").index("x"), "known are theta"),
-    ("rows of a CasADi matrix", lambda: st.disk_family("tumbling", "viscous").checked_states(
-        np.ones((2, 1)), None, ca.DM([[0.25, 0.3]])), "shapes (2, 1), (2, 1), (1, 2)"),
-]  # fmt: skip
+    (
+        "rows of a CasADi matrix",
+        lambda: st.disk_family("tumbling", "viscous").checked_states(
+            np.ones((2, 1)), None, ca.DM([[0.25, 0.3]])
+        ),
+        "shapes (2, 1), (2, 1), (1, 2)",
+    ),
+]
 
 
 @pytest.mark.few(77)

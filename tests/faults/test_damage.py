@@ -49,17 +49,24 @@ def samples(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Samp
     found = {}
     maps = [st.stability_map(f, **AXES, certify=True, modes=True) for f in ("spinning", "rolling")]
     files = [st.write_map(m, folder / f"map{i}.nc") for i, m in enumerate(maps)]
-    found["map"] = Sample(*(f.read_bytes() for f in files), ".nc", st.read_map, maps[0].identical,
-                          swaps=False)  # fmt: skip
+    found["map"] = Sample(
+        *(f.read_bytes() for f in files), ".nc", st.read_map, maps[0].identical, swaps=False
+    )
     streams = [st.stream_map(f, **AXES, out=folder / f"{f}.nc") for f in ("spinning", "rolling")]
     verdicts = st.read_map(streams[0])
-    found["stream"] = Sample(*(f.read_bytes() for f in streams), ".nc", st.read_map,
-                             verdicts.identical, swaps=False)  # fmt: skip
-    runs = [st.simulate(st.Disk(), st.Coulomb(0.2), {"theta": 1.2, "slip_x": v}, np.arange(3.0),
-                        pose=True) for v in (0.1, 0.2)]  # fmt: skip
+    found["stream"] = Sample(
+        *(f.read_bytes() for f in streams), ".nc", st.read_map, verdicts.identical, swaps=False
+    )
+    runs = [
+        st.simulate(
+            st.Disk(), st.Coulomb(0.2), {"theta": 1.2, "slip_x": v}, np.arange(3.0), pose=True
+        )
+        for v in (0.1, 0.2)
+    ]
     files = [st.write_motion(r, folder / f"run{i}.nc") for i, r in enumerate(runs)]
-    found["motion"] = Sample(*(f.read_bytes() for f in files), ".nc", st.read_motion,
-                             runs[0].identical, swaps=False)  # fmt: skip
+    found["motion"] = Sample(
+        *(f.read_bytes() for f in files), ".nc", st.read_motion, runs[0].identical, swaps=False
+    )
     found["part"] = _part(folder)
     with pytest.MonkeyPatch.context() as patch:  # the package does not change meanwhile
         patch.setattr(journal, "fingerprint", cache(journal.fingerprint))
@@ -81,8 +88,13 @@ def _part(folder: Path) -> Sample:
         shutil.copy(path, parts.folder / "0.npz")
         return parts.get(0)
 
-    return Sample(contents[0], contents[1], ".npz", read, lambda found: all(
-        np.array_equal(found[n], v) for n, v in chunks[0].items()))  # fmt: skip
+    return Sample(
+        contents[0],
+        contents[1],
+        ".npz",
+        read,
+        lambda found: all(np.array_equal(found[n], v) for n, v in chunks[0].items()),
+    )
 
 
 def _journal(folder: Path) -> Sample:
@@ -102,9 +114,13 @@ def _journal(folder: Path) -> Sample:
         return Journal(folder / "report0").cells
 
     whole = [dict(j.cells) for j in kept]
-    return Sample(*(j.path.read_bytes() for j in kept), ".jsonl", read,
-                  lambda found: all(any(c.get(k) == v for c in whole) for k, v in found.items()),
-                  swaps=False)  # fmt: skip
+    return Sample(
+        *(j.path.read_bytes() for j in kept),
+        ".jsonl",
+        read,
+        lambda found: all(any(c.get(k) == v for c in whole) for k, v in found.items()),
+        swaps=False,
+    )
 
 
 def processor() -> float:
@@ -220,8 +236,9 @@ def test_a_small_file_that_declares_gigabytes_is_refused(
 def test_a_map_beyond_the_free_memory_is_refused_and_can_be_read_lazily(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    path = st.stream_map("rolling", x=("at", 1, 2, 400), y=("mu", 1, 2, 300),
-                         out=tmp_path / "map.nc")  # fmt: skip
+    path = st.stream_map(
+        "rolling", x=("at", 1, 2, 400), y=("mu", 1, 2, 300), out=tmp_path / "map.nc"
+    )
     monkeypatch.setattr("stability.storage.netcdf.available", lambda: 10**5)
     with pytest.raises(st.StabilityError, match="memory are free; read it with lazy=True"):
         st.read_map(path)
@@ -294,9 +311,17 @@ def test_deriving_writes_the_table_and_its_digest(tmp_path: Path, derived: str) 
 
 
 @pytest.mark.parametrize(
-    "terms", [(("__import__('os')", (1,)),), ((1.5, (1,)),), ((True, (1,)),), ((1, ("0",)),),
-              ((1, (-1,)),), ((1, (1, 2)),), ((1, (10**9,)),)]
-)  # fmt: skip
+    "terms",
+    [
+        (("__import__('os')", (1,)),),
+        ((1.5, (1,)),),
+        ((True, (1,)),),
+        ((1, ("0",)),),
+        ((1, (-1,)),),
+        ((1, (1, 2)),),
+        ((1, (10**9,)),),
+    ],
+)
 def test_only_integers_become_the_source_of_a_function(terms: Any) -> None:
     from stability.algebra.polynomial import Polynomial
 

@@ -164,9 +164,15 @@ def test_coordinates_and_metadata_are_checked_too(tmp_path: Path) -> None:
 
 def test_launches_of_a_damaged_store_are_run_again(tmp_path: Path) -> None:
     asked: dict[str, Any] = {
-        "contact": "viscous", "mu": 0.3, "family": "spinning", "horizon": 20.0, "chunk": 8,
-        "x": ("at", 0.5, 3.0, 8), "y": ("tilt", 0.05, 1.0, 4), "store": tmp_path / "a.zarr",
-    }  # fmt: skip
+        "contact": "viscous",
+        "mu": 0.3,
+        "family": "spinning",
+        "horizon": 20.0,
+        "chunk": 8,
+        "x": ("at", 0.5, 3.0, 8),
+        "y": ("tilt", 0.05, 1.0, 4),
+        "store": tmp_path / "a.zarr",
+    }
     right = st.basins(**asked).load()
     (chunk,) = sorted((tmp_path / "a.zarr" / "end_time").glob("c.0.0"))
     assert st.read_basins(tmp_path / "a.zarr").identical(right)

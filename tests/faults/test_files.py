@@ -22,25 +22,40 @@ SMALL = ("map", "tumbling", "--x", "at:0.05:1.5:90", "--y", "mu:0.1:5:90", "--ve
 def program(*words: str, cwd: Path, before: str = "", **options: Any) -> Any:
     """The command in a process of its own, after some Python."""
     code = f"import sys\n{before}\nfrom stability.cli import main\nsys.exit(main(sys.argv[1:]))"
-    return subprocess.run([sys.executable, "-c", code, *words], cwd=cwd, text=True, timeout=120,
-                          check=False, **{"capture_output": True} | options)  # fmt: skip
+    return subprocess.run(
+        [sys.executable, "-c", code, *words],
+        cwd=cwd,
+        text=True,
+        timeout=120,
+        check=False,
+        **{"capture_output": True} | options,
+    )
 
 
 @pytest.mark.parametrize(
     "words",
     [
-        (*MAP, "--out", "x.png"), (*MAP, "--out", "x.csv", "--force"), (*MAP, "--out", "x.html"),
-        (*MAP, "--verdict-only", "--out", "x.png"), (*MAP, "--out", "x.nc", "--plot", "x.nc"),
-        (*RUN, "--out", "x.png"), (*RUN, "--out", "x.html", "--film", "x.gif"),
-        (*RUN, "--plot", "x.nc"), (*RUN, "--film", "x.png"), ("atlas", "--out", "x.png"),
-        ("report", "--out", "x.nc"), ("failures", "--out", "x.json"),
+        (*MAP, "--out", "x.png"),
+        (*MAP, "--out", "x.csv", "--force"),
+        (*MAP, "--out", "x.html"),
+        (*MAP, "--verdict-only", "--out", "x.png"),
+        (*MAP, "--out", "x.nc", "--plot", "x.nc"),
+        (*RUN, "--out", "x.png"),
+        (*RUN, "--out", "x.html", "--film", "x.gif"),
+        (*RUN, "--plot", "x.nc"),
+        (*RUN, "--film", "x.png"),
+        ("atlas", "--out", "x.png"),
+        ("report", "--out", "x.nc"),
+        ("failures", "--out", "x.json"),
         (*MAP, "--out", "x.nc", "--checkpoint", "x.nc"),
     ],
-)  # fmt: skip
+)
 def test_an_ending_of_another_format_is_refused(
-    words: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    words: tuple[str, ...],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
-) -> None:  # fmt: skip
+) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(list(words)) == 2
     told = capsys.readouterr()
@@ -64,9 +79,12 @@ def test_endings_are_refused_in_python_too(tmp_path: Path) -> None:
     "name", ["loop", "loop/a", "a\0b", "a\ud800b", "folder", "gone/a", "x" * 300, "dangling/a"]
 )
 def test_a_name_that_cannot_be_written_gets_one_sentence(
-    option: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    option: str,
+    name: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
-) -> None:  # fmt: skip
+) -> None:
     monkeypatch.chdir(tmp_path)
     ends = {"--out": ".nc", "--plot": ".png", "--film": ".gif"}.get(option, "")
     target = Path(f"loop{ends}")
@@ -77,11 +95,12 @@ def test_a_name_that_cannot_be_written_gets_one_sentence(
     before = sorted(os.listdir())
     path = f"loop{ends}/a{ends}" if name == "loop/a" else name + ends
     words = {
-        "--out": [*MAP, "--out", path], "--plot": [*RUN, "--plot", path],
+        "--out": [*MAP, "--out", path],
+        "--plot": [*RUN, "--plot", path],
         "--film": [*RUN, "--film", path],
         "--checkpoint": [*MAP, "--out", "m.nc", "--checkpoint", path],
         "folder": ["atlas", "--resolution", "8", "--out", path],
-    }[option]  # fmt: skip
+    }[option]
     assert main(words) == 2
     told = capsys.readouterr().err
     assert told.count("\n") == 1
@@ -92,14 +111,20 @@ def test_a_name_that_cannot_be_written_gets_one_sentence(
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of a process")
 @pytest.mark.parametrize(
     ("words", "size"),
-    [((*MAP, "--out", "m.nc", "--plot", "m.png"), 60_000), ((*SMALL, "--out", "m.nc"), 4_000),
-     ((*MAP, "--out", "m.nc", "--checkpoint", "kept"), 1_500)],
+    [
+        ((*MAP, "--out", "m.nc", "--plot", "m.png"), 60_000),
+        ((*SMALL, "--out", "m.nc"), 4_000),
+        ((*MAP, "--out", "m.nc", "--checkpoint", "kept"), 1_500),
+    ],
     ids=["map", "stream", "checkpoint"],
-)  # fmt: skip
+)
 def test_a_full_disk_leaves_nothing(
-    words: tuple[str, ...], size: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    words: tuple[str, ...],
+    size: int,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
-) -> None:  # fmt: skip
+) -> None:
     """The system lets no file grow beyond some bytes, which looks like a full disk."""
     import resource
 
@@ -127,7 +152,7 @@ def test_a_full_disk_leaves_nothing(
         ((*RUN, "--out", "r.nc", "--plot", "r.pdf"), 20_000),
     ],
     ids=["map", "stream", "checkpoint", "html", "gif", "mp4", "pdf"],
-)  # fmt: skip
+)
 def test_a_full_disk_under_a_process_leaves_nothing(
     words: tuple[str, ...], size: int, tmp_path: Path
 ) -> None:
@@ -159,8 +184,9 @@ def test_standard_output_leads_where_it_led_after_an_error(tmp_path: Path) -> No
     )
     if not Path("/dev/full").exists():
         pytest.skip("no /dev/full here")
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True,
-                          cwd=tmp_path)  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=tmp_path
+    )
     assert done.stdout.splitlines()[-1] == "2 /dev/full 0"
     assert done.stderr == "stability: the output cannot be written: No space left on device.\n"
 
@@ -169,13 +195,23 @@ def test_standard_output_leads_where_it_led_after_an_error(tmp_path: Path) -> No
 @pytest.mark.skipif(sys.platform == "win32", reason="descriptors")
 def test_closed_streams_are_refused_before_anything_is_written(tmp_path: Path) -> None:
     words = [sys.executable, "-m", "stability", *MAP, "--out", "m.nc"]
-    done = subprocess.run(["sh", "-c", '"$@" >&-', "sh", *words], cwd=tmp_path, text=True,
-                          capture_output=True, check=False)  # fmt: skip
+    done = subprocess.run(
+        ["sh", "-c", '"$@" >&-', "sh", *words],
+        cwd=tmp_path,
+        text=True,
+        capture_output=True,
+        check=False,
+    )
     assert done.returncode == 2
     assert done.stderr.startswith("stability: standard output is closed")
     assert list(tmp_path.iterdir()) == []
-    done = subprocess.run(["sh", "-c", '"$@" 2>&- <&-', "sh", *words], cwd=tmp_path, text=True,
-                          capture_output=True, check=False)  # fmt: skip
+    done = subprocess.run(
+        ["sh", "-c", '"$@" 2>&- <&-', "sh", *words],
+        cwd=tmp_path,
+        text=True,
+        capture_output=True,
+        check=False,
+    )
     assert (done.returncode, done.stderr) == (0, "")
     assert st.read_map(tmp_path / "m.nc").verdict.shape == (4, 5)
 

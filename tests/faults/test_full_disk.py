@@ -75,9 +75,14 @@ def test_a_store_goes_on_after_a_full_disk(kind: str, tmp_path: Path) -> None:
     words = small_disk(disk)
     if subprocess.run([*words, "true"], capture_output=True, check=False).returncode:
         pytest.skip("no disk can be mounted here")
-    done = subprocess.run([*words, sys.executable, "-c", SCRIPT, kind, str(disk), str(other)],
-                          capture_output=True, text=True, check=False, env=dict(os.environ),
-                          timeout=200)  # fmt: skip
+    done = subprocess.run(
+        [*words, sys.executable, "-c", SCRIPT, kind, str(disk), str(other)],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=dict(os.environ),
+        timeout=200,
+    )
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
     assert found["filled"]

@@ -65,9 +65,13 @@ def test_random_commands_as_processes_of_their_own(name: str, tmp_path: Path) ->
         place.mkdir()
         fuzz_commands.tidy(place)
         done = subprocess.run(
-            [sys.executable, "-m", "stability", *words], cwd=place, env=environment,
-            capture_output=True, timeout=300, check=False,
-        )  # fmt: skip
+            [sys.executable, "-m", "stability", *words],
+            cwd=place,
+            env=environment,
+            capture_output=True,
+            timeout=300,
+            check=False,
+        )
         out, err = (s.decode("utf-8", "replace") for s in (done.stdout, done.stderr))
         wrong = fuzz_commands.wrong(words, valid, done.returncode, out, err, place)
         assert not wrong, f"{number} {words}: {wrong}"

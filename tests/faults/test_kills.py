@@ -59,9 +59,7 @@ def test_several_files_are_all_there_or_none(tmp_path: Path) -> None:
             with atomic_write(tmp_path / name, overwrite=name == "b") as file:
                 file.write_text("after")
         (tmp_path / "c").write_text("another's")
-    assert {p.name: p.read_text() for p in tmp_path.iterdir()} == {
-        "b": "before", "c": "another's"
-    }  # fmt: skip
+    assert {p.name: p.read_text() for p in tmp_path.iterdir()} == {"b": "before", "c": "another's"}
     with pytest.raises(KeyboardInterrupt), together():
         for name in ("a", "b"):
             with atomic_write(tmp_path / name, overwrite=True) as file:
@@ -135,8 +133,9 @@ def test_a_signal_to_the_group_leaves_the_helper_of_multiprocessing_alone(number
         "    helper.ensure_running()\n"
         "    print(helper._pid == first)\n"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False,
-                          timeout=60)  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=60
+    )
     assert (done.stdout.split(), done.stderr) == (["1", "True", "True"], "")
 
 
@@ -163,8 +162,14 @@ def test_an_interruption_within_hdf5_does_not_end_the_process(tmp_path: Path) ->
         "        stopped += 1\n"
         "print(stopped, sum(n.startswith('.') for n in os.listdir()))\n"
     )
-    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True,
-                          text=True, check=False, timeout=120)  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
     assert done.returncode == 0, done.stderr
     stopped, left = map(int, done.stdout.split())
     assert stopped > 5

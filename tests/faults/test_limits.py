@@ -18,16 +18,29 @@ import stability as st
 from stability.cli.terminal import starved
 
 PLOT = [
-    "map", "rolling", "--x", "at:1:2:4", "--y", "mu:0.1:1:4", "--out", "m.nc", "--plot", "m.png",
+    "map",
+    "rolling",
+    "--x",
+    "at:1:2:4",
+    "--y",
+    "mu:0.1:1:4",
+    "--out",
+    "m.nc",
+    "--plot",
+    "m.png",
     "--force",
-]  # fmt: skip
+]
 
 
 def command(words: list[str], place: Path, **environment: str) -> tuple[int, str, str]:
     done = subprocess.run(
-        [sys.executable, "-m", "stability", *words], cwd=place, env=os.environ | environment,
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        [sys.executable, "-m", "stability", *words],
+        cwd=place,
+        env=os.environ | environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     return done.returncode, done.stdout, done.stderr
 
 
@@ -44,18 +57,25 @@ def test_a_figure_is_the_same_whatever_the_users_settings_are(tmp_path: Path) ->
 def test_too_little_memory_is_said_in_one_sentence(tmp_path: Path) -> None:
     words = "-m stability spectrum rolling --at 1 --mu 1"
     done = subprocess.run(
-        ["bash", "-c", f"ulimit -v 300000; exec {sys.executable} {words}"], cwd=tmp_path,
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        ["bash", "-c", f"ulimit -v 300000; exec {sys.executable} {words}"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == 2
     assert "292 MiB of memory" in done.stderr
     assert done.stderr.count("\n") == 1
 
 
 @pytest.mark.parametrize(
-    "error", [MemoryError(), RuntimeError("std::bad_alloc"),
-              ImportError("x.so: failed to map segment from shared object")],
-)  # fmt: skip
+    "error",
+    [
+        MemoryError(),
+        RuntimeError("std::bad_alloc"),
+        ImportError("x.so: failed to map segment from shared object"),
+    ],
+)
 def test_the_end_of_memory_is_known_in_each_librarys_words(error: Exception) -> None:
     assert starved(error)
     assert not starved(KeyError("x"))
@@ -77,9 +97,13 @@ def test_every_limit_of_memory_gives_a_map_or_a_sentence(tmp_path: Path) -> None
     ends = []
     for limit in range(500_000, 900_001, 10_000):
         done = subprocess.run(
-            ["bash", "-c", f"ulimit -v {limit}; exec {sys.executable} {words}"], cwd=tmp_path,
-            capture_output=True, text=True, check=False, timeout=120,
-        )  # fmt: skip
+            ["bash", "-c", f"ulimit -v {limit}; exec {sys.executable} {words}"],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=120,
+        )
         ends.append(done.returncode)
         assert done.returncode in (0, 2), (limit, done.stderr)
         assert done.returncode == 0 or done.stderr.count("\n") == 1, (limit, done.stderr)
@@ -171,9 +195,16 @@ def _small() -> Any:
 def _spring(force: Any, states: tuple[str, ...] = ("q", "v")) -> st.System:
     x, m = ca.SX.sym("x", 2), ca.SX.sym("m")
     return st.System.from_mass_matrix(
-        "spring", x, m, m, force, unknowns=("d_v",), rates={"q": x[1]}, states=states,
+        "spring",
+        x,
+        m,
+        m,
+        force,
+        unknowns=("d_v",),
+        rates={"q": x[1]},
+        states=states,
         parameters=("m",),
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize("name", CALLS)

@@ -41,8 +41,12 @@ def calls() -> Iterator[tuple[str, Any, Any, int]]:
             if not kind.__module__.startswith("stability"):
                 continue  # of a base that is Python's own
             bound = isinstance(entry, (classmethod, staticmethod))
-            yield f"{public}.{name}", getattr(value, name), inspect.signature(
-                getattr(value, name)), int(not bound)  # fmt: skip
+            yield (
+                f"{public}.{name}",
+                getattr(value, name),
+                inspect.signature(getattr(value, name)),
+                int(not bound),
+            )
 
 
 CALLS = {name: rest for name, *rest in calls()}
@@ -76,9 +80,10 @@ def test_words_that_do_not_fit_are_refused(name: str) -> None:
         said = sentence(caught)
         assert f"{40} are given" in said or f"{40 - own} are given" in said
     lacking = [
-        n for n, p in list(signature.parameters.items())[own:]
+        n
+        for n, p in list(signature.parameters.items())[own:]
         if p.default is p.empty and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)
-    ]  # fmt: skip
+    ]
     if lacking:
         with pytest.raises(st.StabilityError) as caught:
             function(*this)
@@ -100,16 +105,18 @@ def test_a_word_of_an_enumeration_is_one(name: str, words: Any) -> None:
 @pytest.mark.parametrize(
     ("call", "said"),
     [
-        (lambda: st.spectrum(st.Disk(), "rolling"),
-         "spectrum takes 1 argument without a name, and 2 are given; without names it takes "
-         "family; name the others: at, lean,"),
+        (
+            lambda: st.spectrum(st.Disk(), "rolling"),
+            "spectrum takes 1 argument without a name, and 2 are given; without names it takes "
+            "family; name the others: at, lean,",
+        ),
         (lambda: st.Scene(resistance=3), "Scene has no argument 'resistance'"),  # type: ignore[call-arg]
         (lambda: st.basins(contact="viscous"), "horizon is missing in a call of basins;"),  # type: ignore[call-arg]
         (lambda: st.Viscous(0.3, mu=0.3), "Viscous has mu twice, once without its name"),  # type: ignore[misc]
         (lambda: st.Disk(mas=1), "Disk has no argument 'mas'; do you mean mass; it takes mass,"),  # type: ignore[call-arg]
         (lambda: st.Disk.hoop(3), "Disk.hoop takes no arguments without a name, and 1 is given"),  # type: ignore[call-arg]
     ],
-)  # fmt: skip
+)
 def test_the_sentence_names_the_word_and_what_is_accepted(call: Any, said: str) -> None:
     with pytest.raises(st.StabilityError) as caught:
         call()
@@ -136,8 +143,10 @@ def test_a_guard_costs_less_than_five_microseconds() -> None:
         pass
 
     kept = guarded(nothing, "nothing")
-    bare, over = (min(timeit.repeat(lambda f=f: f(1, b=2), number=2000, repeat=9)) / 2000
-                  for f in (nothing, kept))  # fmt: skip
+    bare, over = (
+        min(timeit.repeat(lambda f=f: f(1, b=2), number=2000, repeat=9)) / 2000
+        for f in (nothing, kept)
+    )
     assert over - bare < 5e-6
 
 
@@ -160,11 +169,25 @@ class Refuses:
 
 
 ODD: dict[str, Any] = {
-    "None": None, "True": True, "0.5": 0.5, "-1": -1, "nan": math.nan, "inf": math.inf,
-    "10**400": 10**400, "1j": 1j, "a word": "rolling", "{}": {}, "a mapping": {1: None, "b": [1]},
-    "[]": [], "ragged": [[1], [2, 3]], "texts": np.array(["a"]), "complex": np.array([1j, 2.0]),
-    "object": object(), "class": dict, "refuses": Refuses(),
-}  # fmt: skip
+    "None": None,
+    "True": True,
+    "0.5": 0.5,
+    "-1": -1,
+    "nan": math.nan,
+    "inf": math.inf,
+    "10**400": 10**400,
+    "1j": 1j,
+    "a word": "rolling",
+    "{}": {},
+    "a mapping": {1: None, "b": [1]},
+    "[]": [],
+    "ragged": [[1], [2, 3]],
+    "texts": np.array(["a"]),
+    "complex": np.array([1j, 2.0]),
+    "object": object(),
+    "class": dict,
+    "refuses": Refuses(),
+}
 
 
 def pendulum() -> Any:
@@ -180,11 +203,28 @@ FITTING: dict[str, Any] = {
     "Torus": lambda: ((0.2,), {"solid": True, "mass": 1.0}),
     "AirTorque": lambda: ((0.1,), {}),
     "Ball": lambda: (({"a": 0.0}, {"a": 1.0}), {}),
-    "Scene": lambda: ((), {"disk": st.Disk(), "contact": LAW, "start": {"theta": 1.2},
-                           "horizon": 1.0, "quantities": ("final",), "uncertain": {}}),
-    "Family": lambda: ((pendulum().system, "h"), {
-        "at": ("g",), "held": {"angle": 0, "rate": 0}, "unknown": {}, "equations": (),
-        "positive": (), "typical": {}}),
+    "Scene": lambda: (
+        (),
+        {
+            "disk": st.Disk(),
+            "contact": LAW,
+            "start": {"theta": 1.2},
+            "horizon": 1.0,
+            "quantities": ("final",),
+            "uncertain": {},
+        },
+    ),
+    "Family": lambda: (
+        (pendulum().system, "h"),
+        {
+            "at": ("g",),
+            "held": {"angle": 0, "rate": 0},
+            "unknown": {},
+            "equations": (),
+            "positive": (),
+            "typical": {},
+        },
+    ),
     "c_code": lambda: ((pendulum(),), {"out": "code", "name": "c"}),
     "latex": lambda: ((pendulum(),), {"d": 0.1, "positive": ()}),
     "conditions": lambda: ((pendulum(),), {"d": 0.1, "positive": (), "between": {}}),
@@ -194,22 +234,33 @@ FITTING: dict[str, Any] = {
     "spectrum": lambda: (("rolling",), {"at": 1.2, "contact": LAW, "body": st.Torus(0.2)}),
     "boundaries": lambda: (("rolling",), {"axis": ("at", 0.5, 2, 5), "contact": LAW}),
     "table": lambda: (("families",), {"positive": (), "decimals": None}),
-    "plot_map": lambda: ((st.stability_map("spinning", x=("at", 1, 4, 3), y=("mu", 0.1, 2, 3)),), {
-        "title": "t", "above": None, "points": None, "ax": None}),
-    "plot_locus": lambda: ((st.spectrum("rolling", at=1.2, contact=LAW),), {
-        "unit": "", "title": "", "ax": None, "thresholds": ()}),
-    "simulate": lambda: ((st.Torus(0.2), LAW, {"theta": 1.2}, 0.1), {
-        "check": False, "resistance": st.AirTorque(0.1)}),
-    "basins": lambda: ((), {"x": ("omega3", 1, 3, 2), "y": ("theta", 1.2, 1.5, 2), "chunk": 2,
-                            "store": None, **SMALL}),
-}  # fmt: skip
+    "plot_map": lambda: (
+        (st.stability_map("spinning", x=("at", 1, 4, 3), y=("mu", 0.1, 2, 3)),),
+        {"title": "t", "above": None, "points": None, "ax": None},
+    ),
+    "plot_locus": lambda: (
+        (st.spectrum("rolling", at=1.2, contact=LAW),),
+        {"unit": "", "title": "", "ax": None, "thresholds": ()},
+    ),
+    "simulate": lambda: (
+        (st.Torus(0.2), LAW, {"theta": 1.2}, 0.1),
+        {"check": False, "resistance": st.AirTorque(0.1)},
+    ),
+    "basins": lambda: (
+        (),
+        {"x": ("omega3", 1, 3, 2), "y": ("theta", 1.2, 1.5, 2), "chunk": 2, "store": None, **SMALL},
+    ),
+}
 
 
 @pytest.mark.filterwarnings("ignore::stability.StabilityWarning")
-@pytest.mark.parametrize("name", [
-    pytest.param(n, marks=pytest.mark.long) if n in ("plot_map", "plot_locus", "table") else n
-    for n in FITTING
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(n, marks=pytest.mark.long) if n in ("plot_map", "plot_locus", "table") else n
+        for n in FITTING
+    ],
+)
 def test_a_value_of_another_type_is_refused_or_taken(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

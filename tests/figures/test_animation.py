@@ -237,18 +237,22 @@ def test_what_cannot_be_drawn_is_refused_in_one_sentence_and_leaves_nothing(
     nan = run.copy(deep=True)
     nan["phi"][3] = math.nan
     cases: list[tuple[Any, str, dict[str, Any], str]] = [
-        (bare, "a.gif", {}, "no pose"), (several, "a.gif", {}, r"isel\(launch=0\)"),
-        (run.isel(time=[0]), "a.gif", {}, r"1 sample"), (nan, "a.html", {}, "NaN"),
+        (bare, "a.gif", {}, "no pose"),
+        (several, "a.gif", {}, r"isel\(launch=0\)"),
+        (run.isel(time=[0]), "a.gif", {}, r"1 sample"),
+        (nan, "a.html", {}, "NaN"),
         (run.isel(time=[0, 2, 1]), "a.html", {}, "do not rise"),
         ({"theta": 1}, "a.gif", {}, "dataset is dict"),
         (run, "a.avi", {}, r"a\.avi; the name must end in .gif"),
-        (run, "a", {}, "must end in .gif"), (run, "no/a.gif", {}, "does not exist"),
-        (run, "a.gif", {"fps": 0}, "fps is 0"), (run, "a.gif", {"fps": 101}, "from 0.001 to 100"),
+        (run, "a", {}, "must end in .gif"),
+        (run, "no/a.gif", {}, "does not exist"),
+        (run, "a.gif", {"fps": 0}, "fps is 0"),
+        (run, "a.gif", {"fps": 101}, "from 0.001 to 100"),
         (run, "a.gif", {"fps": [1, 2]}, "one number from"),
         (run, "a.gif", {"seconds": -1}, "seconds is -1"),
         (run, "a.html", {"seconds": math.nan}, "seconds is nan"),
         (run, "a.gif", {"seconds": 3000}, "150000 frames|75000 frames"),
-    ]  # fmt: skip
+    ]
     for dataset, name, options, said in cases:
         with pytest.raises(st.StabilityError, match=said) as caught:
             animate(dataset, tmp_path / name, **options)

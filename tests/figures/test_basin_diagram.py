@@ -23,8 +23,15 @@ from stability.motion.result import Outcome
 
 @pytest.fixture(scope="module")
 def found() -> xarray.Dataset:
-    return st.basins(st.Disk.hoop(), "viscous", mu=0.3, family="spinning",
-                     x=("at", 0.1, 3.0, 14), y=("tilt", 0.01, 1.2, 10), horizon=200.0)  # fmt: skip
+    return st.basins(
+        st.Disk.hoop(),
+        "viscous",
+        mu=0.3,
+        family="spinning",
+        x=("at", 0.1, 3.0, 14),
+        y=("tilt", 0.01, 1.2, 10),
+        horizon=200.0,
+    )
 
 
 @pytest.fixture(scope="module")
@@ -53,8 +60,14 @@ def mesh(figure: Figure) -> Any:
 def test_nothing_keeps_it_from_being_printed(every: xarray.Dataset) -> None:
     title = "launches near spinning: hoop"
     assert faults(st.plot_basins(every, title=title, width=6.9, fontsize=9)) == []
-    quarter = st.basins(st.Disk.named("quarter"), "viscous", mu=0.3, horizon=0.3,
-                        x=("omega3", 1, 90, 5, "log"), y=("theta", 0.3, 1.5, 4))  # fmt: skip
+    quarter = st.basins(
+        st.Disk.named("quarter"),
+        "viscous",
+        mu=0.3,
+        horizon=0.3,
+        x=("omega3", 1, 90, 5, "log"),
+        y=("theta", 0.3, 1.5, 4),
+    )
     figure = st.plot_basins(quarter)
     assert faults(figure) == []
     assert [a.get_xlabel() for a in figure.axes if a.get_xlabel()] == [
@@ -91,8 +104,11 @@ def test_each_launch_has_the_colour_of_its_end_and_its_member(
 
 def test_ends_differ_by_hatching_and_by_hue_for_every_reader() -> None:
     looks = [("settled", ramp, texture) for ramp, texture, _ in RAMPS]
-    looks += [(o.word, (c, c), texture) for o, (c, texture, _) in PLAIN.items()
-              if o is not Outcome.DOMAIN_END]  # fmt: skip
+    looks += [
+        (o.word, (c, c), texture)
+        for o, (c, texture, _) in PLAIN.items()
+        if o is not Outcome.DOMAIN_END
+    ]
     textures = [texture for _, _, texture in looks]
     assert len(set(textures)) == len(textures)
     for (_, a, _), (_, b, _) in itertools.combinations(looks, 2):
@@ -125,20 +141,27 @@ def test_borders_run_between_cells_of_different_ends_and_nowhere_else(
         for cut in np.linspace(0.01, 0.99, 7):
             at = np.array([x0 + cut * (x1 - x0), y0 + cut * (y1 - y0)])
             off = side * ([1, 0] if x0 == x1 else [0, 1])
-            cells = [drawn[round((q[1] - y[0]) / step[1]), round((q[0] - x[0]) / step[0])]
-                     for q in (at - off, at + off)]  # fmt: skip
+            cells = [
+                drawn[round((q[1] - y[0]) / step[1]), round((q[0] - x[0]) / step[0])]
+                for q in (at - off, at + off)
+            ]
             assert cells[0] != cells[1]
 
 
 def test_refined_borders_are_drawn_where_the_dataset_holds_them(found: xarray.Dataset) -> None:
-    lines = borders(lambda p: (np.hypot(p[:, 0] - 1.5, p[:, 1] - 0.6) < 0.4).astype(int),
-                    ("phi_dot", 0.1, 3, 14), ("tilt", 0.01, 1.2, 10), levels=3).lines  # fmt: skip
+    lines = borders(
+        lambda p: (np.hypot(p[:, 0] - 1.5, p[:, 1] - 0.6) < 0.4).astype(int),
+        ("phi_dot", 0.1, 3, 14),
+        ("tilt", 0.01, 1.2, 10),
+        levels=3,
+    ).lines
     points = np.concatenate([line.points for line in lines])
     curve = np.repeat(np.arange(len(lines)), [len(line.points) for line in lines])
     refined = found.assign(
-        border_curve=("border_point", curve), border_phi_dot=("border_point", points[:, 0]),
+        border_curve=("border_point", curve),
+        border_phi_dot=("border_point", points[:, 0]),
         border_tilt=("border_point", points[:, 1]),
-    )  # fmt: skip
+    )
     [main] = [a for a in st.plot_basins(refined).axes if a.get_ylabel().startswith("tilt")]
     drawn = [c for c in main.collections if isinstance(c, LineCollection)][-1].get_segments()
     np.testing.assert_array_equal(np.concatenate(drawn), points)
@@ -149,8 +172,9 @@ def test_refined_borders_are_drawn_where_the_dataset_holds_them(found: xarray.Da
 def test_the_strip_has_the_proved_thresholds(plain: Figure) -> None:
     above = plain.axes[0]
     [line] = [li for li in above.lines if len(li.get_xdata()) == 2]
-    true = st.boundaries("spinning", axis=("at", 0.1, 3, 5), disk=st.Disk.hoop(),
-                         contact=st.Viscous(0.3))  # fmt: skip
+    true = st.boundaries(
+        "spinning", axis=("at", 0.1, 3, 5), disk=st.Disk.hoop(), contact=st.Viscous(0.3)
+    )
     assert line.get_xdata()[0] == pytest.approx(true[0].value, rel=1e-11)
     assert [t.get_text() for t in above.texts] == ["unstable", "stable"]
 
@@ -193,17 +217,23 @@ def test_sensitive_blocks_have_dashes_and_a_sentence(found: xarray.Dataset) -> N
         border_block_phi_dot=(("border_block", "edge"), ends[:, 0]),
         border_block_tilt=(("border_block", "edge"), ends[:, 1]),
         border_sensitive=("border_block", np.array([1, 1, 0], dtype=np.int8)),
-    ).assign_attrs(border_exponent=0.61, border_exponent_interval=[0.5, 0.72],
-                   border_exponent_level=0.95)  # fmt: skip
+    ).assign_attrs(
+        border_exponent=0.61, border_exponent_interval=[0.5, 0.72], border_exponent_level=0.95
+    )
     figure = st.plot_basins(marked)
     assert faults(figure) == []
     [main] = [a for a in figure.axes if a.get_ylabel().startswith("tilt")]
     dashed = [c for c in main.collections if isinstance(c, LineCollection)][-1].get_segments()
     sides = sorted(np.asarray(s).tolist() for s in dashed)  # one rectangle about both blocks
-    assert sides == [[[0.5, 0.2], [0.5, 0.4]], [[0.5, 0.2], [1.5, 0.2]],
-                     [[0.5, 0.4], [1.5, 0.4]], [[1.5, 0.2], [1.5, 0.4]]]  # fmt: skip
-    entries = [t.get_text() for a in figure.axes if a.get_legend()
-               for t in a.get_legend().get_texts()]  # type: ignore[union-attr]  # fmt: skip
+    assert sides == [
+        [[0.5, 0.2], [0.5, 0.4]],
+        [[0.5, 0.2], [1.5, 0.2]],
+        [[0.5, 0.4], [1.5, 0.4]],
+        [[1.5, 0.2], [1.5, 0.4]],
+    ]
+    entries = [
+        t.get_text() for a in figure.axes if a.get_legend() for t in a.get_legend().get_texts()
+    ]  # type: ignore[union-attr]
     assert entries[-1] == "sensitive"
     words = basins_caption(marked)
     assert "2 of 3 blocks along the borders are sensitive" in words
@@ -234,8 +264,15 @@ def test_launches_that_are_not_computed_have_no_border(found: xarray.Dataset) ->
 
 
 def test_a_body_is_named_with_its_numbers_and_a_map_of_states_has_a_caption() -> None:
-    torus = st.basins(body=st.Torus(0.3), contact="viscous", mu=0.3, horizon=1.0, check=False,
-                      x=("phi_dot", 0.5, 3, 3), y=("theta", 0.6, 1.2, 3))  # fmt: skip
+    torus = st.basins(
+        body=st.Torus(0.3),
+        contact="viscous",
+        mu=0.3,
+        horizon=1.0,
+        check=False,
+        x=("phi_dot", 0.5, 3, 3),
+        y=("theta", 0.6, 1.2, 3),
+    )
     figure = st.plot_basins(torus)
     [words] = [t.get_text() for t in figure.texts if "until" in t.get_text()]
     assert words.startswith("torus, viscous contact, ") and "$b$ = 0.3" in words

@@ -103,8 +103,9 @@ def test_a_page_of_a_body_holds_the_states_of_the_run(run, tmp_path: Path) -> No
     height = TOP.length * np.asarray(TOP.height_at(theta))
     np.testing.assert_allclose(data["centre_z"], height, rtol=1e-7)
     push = (run.force_x.values + 1j * run.force_y.values) * np.exp(1j * phi)
-    np.testing.assert_allclose(np.array(data["push_x"]) + 1j * np.array(data["push_y"]), push,
-                               rtol=1e-7, atol=1e-12)  # fmt: skip
+    np.testing.assert_allclose(
+        np.array(data["push_x"]) + 1j * np.array(data["push_y"]), push, rtol=1e-7, atol=1e-12
+    )
     shape = data["shape"]  # a sphere of radius 2 whose centre lies 0.3 above the centre of mass
     away = np.hypot(shape["r"], np.array(shape["z"]) - 0.3)
     np.testing.assert_allclose(away, 2.0, rtol=1e-5)
@@ -117,8 +118,14 @@ def test_a_browser_shows_the_angle_of_the_run(run, tmp_path: Path) -> None:  # t
     if browser is None:
         pytest.skip("no browser")
     path = st.animate(run, tmp_path / "top.html", body=TOP)
-    options = ["--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=500",
-               f"--user-data-dir={tmp_path / 'profile'}", "--dump-dom"]  # fmt: skip
+    options = [
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu",
+        "--virtual-time-budget=500",
+        f"--user-data-dir={tmp_path / 'profile'}",
+        "--dump-dom",
+    ]
     command = [browser, *options, f"file://{path}#t=22.5"]
     seen = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True).stdout
     found = re.search(r'id="theta">([\d.]+)°', html.unescape(seen))

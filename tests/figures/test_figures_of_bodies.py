@@ -39,8 +39,9 @@ def test_a_map_has_symbols_units_and_the_body(chart: object, tmp_path: Path) -> 
 
 
 def test_a_map_over_shape_and_rate_in_si() -> None:
-    found = st.stability_map("rolling", x=("omega3", 1, 20, 6), y=("tube", 0.05, 0.9, 5), body=SI,
-                             contact="rough")  # fmt: skip
+    found = st.stability_map(
+        "rolling", x=("omega3", 1, 20, 6), y=("tube", 0.05, 0.9, 5), body=SI, contact="rough"
+    )
     figure = st.plot_map(found)
     assert figure.axes[0].get_xlabel() == r"axial angular velocity $\omega_3$  [rad/s]"
     assert figure.axes[0].get_ylabel() == "relative tube radius $b$"
@@ -60,10 +61,16 @@ def test_loci_have_symbols_units_and_the_body() -> None:
 
 
 def test_a_users_body_keeps_its_names() -> None:
-    lens = st.Body(lambda t, rim: rim + ca.sin(t), axial=0.5, transverse=0.25,
-                   shape={"rim": 0.1}, name="rounded coin")  # fmt: skip
-    found = st.stability_map("spinning", x=("phi_dot", 1, 4, 6), y=("rim", 0.05, 0.5, 5), body=lens,
-                             contact="rough")  # fmt: skip
+    lens = st.Body(
+        lambda t, rim: rim + ca.sin(t),
+        axial=0.5,
+        transverse=0.25,
+        shape={"rim": 0.1},
+        name="rounded coin",
+    )
+    found = st.stability_map(
+        "spinning", x=("phi_dot", 1, 4, 6), y=("rim", 0.05, 0.5, 5), body=lens, contact="rough"
+    )
     figure = st.plot_map(found)
     assert figure.axes[0].get_ylabel() == "rim"
     assert "rounded coin, rough contact" in texts(figure)

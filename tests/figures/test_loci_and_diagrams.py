@@ -22,8 +22,15 @@ def pendulum(units: dict[str, str] | None = None) -> st.Family:
     """λ² - c λ + k - x = 0 for the two states, with odd names."""
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 3)
     rhs = ca.vertcat(x[1], (p[2] - p[0]) * x[0] + p[1] * x[1])
-    system = st.System("disk, viscous", x, p, rhs, states=("lean", "lean_rate"),
-                       parameters=("k", "c", "x y"), units=units or {})  # fmt: skip
+    system = st.System(
+        "disk, viscous",
+        x,
+        p,
+        rhs,
+        states=("lean", "lean_rate"),
+        parameters=("k", "c", "x y"),
+        units=units or {},
+    )
     return st.Family(system, "up right", at=("k",), held={"lean": 0.0, "lean_rate": 0.0})
 
 
@@ -45,8 +52,12 @@ def written(axes: Any) -> list[str]:
 def test_a_locus_has_the_units_and_names_of_the_system() -> None:
     sweep = np.linspace(1, 2, 5)
     found = texts(locus(st.spectrum(pendulum(UNITS), at=sweep, c=-0.1, **{"x y": 0.0})))
-    assert {"growth rate\nRe $\\lambda$  [1/s]", "frequency\n|Im $\\lambda$|  [1/s]",
-            "k  [1/s²]", "1: lean, lean_rate"} <= set(found)  # fmt: skip
+    assert {
+        "growth rate\nRe $\\lambda$  [1/s]",
+        "frequency\n|Im $\\lambda$|  [1/s]",
+        "k  [1/s²]",
+        "1: lean, lean_rate",
+    } <= set(found)
     assert not [t for t in found if "sqrt" in t or "theta" in t]
     bare = texts(locus(st.spectrum(pendulum(), at=sweep, c=-0.1, **{"x y": 0.0})))
     assert {"growth rate\nRe $\\lambda$", "frequency\n|Im $\\lambda$|", "k"} <= set(bare)
@@ -55,8 +66,10 @@ def test_a_locus_has_the_units_and_names_of_the_system() -> None:
 def test_a_locus_of_the_disk_has_its_units() -> None:
     disk = st.Disk(mass=0.3, radius=0.2, gravity=9.81)
     found = st.spectrum("rolling", at=np.linspace(3, 9, 4), disk=disk, contact=st.Viscous(0.3))
-    assert {"growth rate\nRe $\\lambda$  [1/s]",
-            r"axial angular velocity $\omega_3$  [rad/s]"} <= set(texts(locus(found)))  # fmt: skip
+    assert {
+        "growth rate\nRe $\\lambda$  [1/s]",
+        r"axial angular velocity $\omega_3$  [rad/s]",
+    } <= set(texts(locus(found)))
 
 
 @pytest.mark.long
@@ -84,9 +97,14 @@ def test_a_circle_lies_on_the_threshold_that_is_given() -> None:
 
 
 @pytest.mark.few(1)
-@pytest.mark.parametrize(("sweep", "scale"), [
-    (np.geomspace(0.1, 50, 9), "log"), (np.linspace(0.1, 50, 9), "linear"), ([0.1, 50], "linear"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("sweep", "scale"),
+    [
+        (np.geomspace(0.1, 50, 9), "log"),
+        (np.linspace(0.1, 50, 9), "linear"),
+        ([0.1, 50], "linear"),
+    ],
+)
 def test_a_sweep_of_equal_ratios_has_a_logarithmic_axis(sweep: Any, scale: str) -> None:
     figure = locus(st.spectrum("spinning", at=3.0, contact=st.Viscous(np.asarray(sweep))))
     assert [a.get_xscale() for a in figure.axes] == [scale, scale]
@@ -104,9 +122,10 @@ def test_a_spectrum_and_a_map_are_told_apart() -> None:
 def test_a_spectrum_that_is_no_sweep_is_refused() -> None:
     family, other = pendulum(), {"x y": 0.0}
     for at, c, said in (
-        (np.ones((2, 2)), 0.1, "shape"), ([1.0, 1.0], 0.1, "nothing changes"),
+        (np.ones((2, 2)), 0.1, "shape"),
+        ([1.0, 1.0], 0.1, "nothing changes"),
         ([1.0, 2.0], [0.1, 0.2], "c and k changes|k and c changes"),
-    ):  # fmt: skip
+    ):
         with pytest.raises(ParameterError, match=said):
             locus(st.spectrum(family, at=at, c=c, **other))
     name, values = swept(st.spectrum(family, at=[2.0, 2.0, 2.0], c=[0.1, 0.2, 0.3], **other))
@@ -225,9 +244,11 @@ def test_a_dollar_in_a_name_is_drawn_as_it_is() -> None:
 def test_the_legend_lists_no_boundary_of_one_point() -> None:
     """Tumbling meets spinning at upright, where an eigenvalue is zero: one point on the frame."""
     hoop = st.stability_map(
-        "tumbling", x=("at", 0.02, math.pi / 2, 40), y=("mu", 0.01, 100, 30, "log"),
+        "tumbling",
+        x=("at", 0.02, math.pi / 2, 40),
+        y=("mu", 0.01, 100, 30, "log"),
         disk=st.Disk.hoop(),
-    )  # fmt: skip
+    )
     assert hoop.sizes["boundary_point"] > 20
     spinning = st.stability_map("spinning", x=("at", 0.5, 5, 40), y=("mu", 0.01, 10, 30, "log"))
     both = ["flutter boundary", "static boundary"]
@@ -237,8 +258,15 @@ def test_the_legend_lists_no_boundary_of_one_point() -> None:
         assert sorted(words for words in entries if words.endswith("boundary")) == said
         for line in axes.lines:  # each is long enough to be seen
             if "boundary" in str(line.get_label()):
-                assert np.ptp(axes.transAxes.inverted().transform(
-                    axes.transData.transform(line.get_xydata())), axis=0).max() > 0.1  # fmt: skip
+                assert (
+                    np.ptp(
+                        axes.transAxes.inverted().transform(
+                            axes.transData.transform(line.get_xydata())
+                        ),
+                        axis=0,
+                    ).max()
+                    > 0.1
+                )
 
 
 def test_a_strip_is_hatched_by_its_verdicts(crossed: Any) -> None:

@@ -76,8 +76,12 @@ def uprights(axes: Any) -> list[float]:
 @pytest.mark.long
 def test_the_lines_over_time_are_the_series_of_the_dataset(dry: xarray.Dataset) -> None:
     panels = once(states, dry).axes
-    shown = {0: ["theta"], 1: ["theta_dot", "phi_dot", "omega3"], 2: ["slip_x", "slip_y"],
-             3: ["normal_force"]}  # fmt: skip
+    shown = {
+        0: ["theta"],
+        1: ["theta_dot", "phi_dot", "omega3"],
+        2: ["slip_x", "slip_y"],
+        3: ["normal_force"],
+    }
     for i, names in shown.items():
         for line, name in zip(panels[i].get_lines(), names, strict=False):
             np.testing.assert_array_equal(line.get_xdata(), dry.time)
@@ -266,7 +270,15 @@ def test_the_caption_says_what_was_computed_and_what_came_of_it(
     dry: xarray.Dataset, coin: xarray.Dataset
 ) -> None:
     text = caption(dry)
-    for part in ("coulomb contact", "k = 0.3", "μ = 0.15", "theta = 1.12", "tolerance 1e-09",
-                 str(dry.method.values), "Outcome: moving", str(dry.evidence.values)):  # fmt: skip
+    for part in (
+        "coulomb contact",
+        "k = 0.3",
+        "μ = 0.15",
+        "theta = 1.12",
+        "tolerance 1e-09",
+        str(dry.method.values),
+        "Outcome: moving",
+        str(dry.evidence.values),
+    ):
         assert part in text
     assert "R = 0.01213 m" in caption(coin) and "μ = 0.3 s/m" in caption(coin)

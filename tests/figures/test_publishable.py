@@ -84,10 +84,17 @@ def coin() -> Any:
 @pytest.mark.parametrize(
     ("which", "show"),
     [("run", "states"), ("coin", "paths"), ("run", "energy")]
-    + [pytest.param(which, show, marks=pytest.mark.long)
-       for which, show in (("run", None), ("run", "paths"), ("coin", None), ("coin", "states"),
-                           ("coin", "energy"))],
-)  # fmt: skip
+    + [
+        pytest.param(which, show, marks=pytest.mark.long)
+        for which, show in (
+            ("run", None),
+            ("run", "paths"),
+            ("coin", None),
+            ("coin", "states"),
+            ("coin", "energy"),
+        )
+    ],
+)
 def test_no_text_of_a_motion_overlaps_or_is_too_small(
     run: Any, coin: Any, which: str, show: Any
 ) -> None:
@@ -119,8 +126,12 @@ def test_texts_of_a_map_keep_clear_at_another_size(quarter: Any) -> None:
 @pytest.mark.parametrize(("width", "fontsize"), [(None, None), (3.35, 7), (5.0, 10), (7.0, 12)])
 def test_texts_keep_clear_at_any_size(quarter: Any, coin: Any, width: Any, fontsize: Any) -> None:
     size: dict[str, Any] = {"width": width, "fontsize": fontsize}
-    spectra = st.spectrum("spinning", at=np.linspace(40, 200, 50), disk=st.Disk.named("quarter"),
-                          contact=st.Viscous(0.3))  # fmt: skip
+    spectra = st.spectrum(
+        "spinning",
+        at=np.linspace(40, 200, 50),
+        disk=st.Disk.named("quarter"),
+        contact=st.Viscous(0.3),
+    )
     _clear_at([st.plot_map(quarter, **size), st.plot_locus(spectra, **size)], width, fontsize)
     assert st.plot_motion(coin, show="paths", **size).get_figwidth() == (width or 3.39)
 
@@ -160,10 +171,13 @@ def test_every_crossing_of_an_atlas_locus_has_its_circle(pictures: dict[str, Fig
     step = 5 / 47
     assert found["locus-spinning-disk-mu3"][-1] == pytest.approx(2, abs=step)
     assert len(found["locus-spinning-disk-mu3"]) == 2
-    for name, at, disk, mu in (("hoop-mu0_3", 0.1, st.Disk.hoop(), 0.3),
-                               ("disk-mu3", 0.5, st.Disk(), 3.0)):  # fmt: skip
-        [proved] = st.boundaries("tumbling", axis=("at", at, 1.5, 101), disk=disk,
-                                 contact=st.Viscous(mu))  # fmt: skip
+    for name, at, disk, mu in (
+        ("hoop-mu0_3", 0.1, st.Disk.hoop(), 0.3),
+        ("disk-mu3", 0.5, st.Disk(), 3.0),
+    ):
+        [proved] = st.boundaries(
+            "tumbling", axis=("at", at, 1.5, 101), disk=disk, contact=st.Viscous(mu)
+        )
         [circle] = found[f"locus-tumbling-{name}"]
         assert circle == pytest.approx(proved.value, abs=1.6 / 47)
 
@@ -174,8 +188,10 @@ def test_every_arc_of_a_locus_can_be_seen(pictures: dict[str, Figure]) -> None:
     arcs = [np.max(ln.get_ydata()) for ln in axes.lines if len(ln.get_xdata()) > 9]  # type: ignore[arg-type]
     height = max(arcs)
     assert 1e-6 < height < 1e-5
-    zero, top = (axes.transAxes.inverted().transform(axes.transData.transform((1.0, v)))[1]
-                 for v in (0.0, height))  # fmt: skip
+    zero, top = (
+        axes.transAxes.inverted().transform(axes.transData.transform((1.0, v)))[1]
+        for v in (0.0, height)
+    )
     assert top - zero > 0.05 and axes.get_yscale() == "asinh"
 
 
@@ -193,8 +209,15 @@ def test_many_parameters_of_a_system_keep_within_the_figure() -> None:
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 9)
     names = ("k", "c", *(f"length of part {i}" for i in range(7)))
     rhs = ca.vertcat(x[1], -p[0] * x[0] - p[1] * x[1] + 0 * ca.sum1(p))
-    system = st.System("made of parts", x, p, rhs, states=("u", "v"), parameters=names,
-                       units=dict.fromkeys(names[2:], "mm"))  # fmt: skip
+    system = st.System(
+        "made of parts",
+        x,
+        p,
+        rhs,
+        states=("u", "v"),
+        parameters=names,
+        units=dict.fromkeys(names[2:], "mm"),
+    )
     family = st.Family(system, "rest", at=("k",), held={"u": 0.0, "v": 0.0})
     held = {name: 1234.5 + i for i, name in enumerate(names[2:])}
     found = st.stability_map(family, x=("k", -1, 2, 9), y=("c", -1, 1, 9), **held)
@@ -360,8 +383,9 @@ def test_growth_is_hatched_in_grey_on_every_shade_and_decay_is_not() -> None:
 
 
 def test_the_scale_of_colours_follows_the_data() -> None:
-    hoop = st.stability_map("tumbling", x=("at", 0.02, 1.5, 20), y=("mu", 0.01, 100, 15, "log"),
-                            disk=st.Disk.hoop())  # fmt: skip
+    hoop = st.stability_map(
+        "tumbling", x=("at", 0.02, 1.5, 20), y=("mu", 0.01, 100, 15, "log"), disk=st.Disk.hoop()
+    )
     rates = np.abs(hoop.abscissa.values)
     least, largest = linear_part(hoop.abscissa.values)
     assert largest == rates.max()

@@ -25,8 +25,14 @@ COUNT = 120
 
 @pytest.fixture(scope="module")
 def found() -> xarray.Dataset:
-    return st.basins(contact="viscous", mu=0.3, family="spinning", distribution=SPREAD, count=COUNT,
-                     horizon=200.0)  # fmt: skip
+    return st.basins(
+        contact="viscous",
+        mu=0.3,
+        family="spinning",
+        distribution=SPREAD,
+        count=COUNT,
+        horizon=200.0,
+    )
 
 
 @pytest.fixture(scope="module")
@@ -97,8 +103,10 @@ def test_the_legend_has_each_fraction_with_wilson_s_interval(
     for fate in fates(found):
         one = binomtest(int(fate.where.sum()), COUNT)
         ends = one.proportion_ci(method="wilson")
-        wanted.append(f"{fate.label}, {100 * one.statistic:.0f} % "
-                      f"({100 * ends.low:.0f}–{100 * ends.high:.0f})")  # fmt: skip
+        wanted.append(
+            f"{fate.label}, {100 * one.statistic:.0f} % "
+            f"({100 * ends.low:.0f}–{100 * ends.high:.0f})"
+        )
     assert said == wanted and len(said) == 3
     caption = basins_caption(found)
     assert all(w.replace(", ", " ") in caption for w in wanted)
@@ -108,8 +116,13 @@ def test_the_legend_has_each_fraction_with_wilson_s_interval(
 
 @pytest.mark.long
 def test_one_number_is_drawn_over_the_time_of_the_end() -> None:
-    one = st.basins(contact="viscous", mu=0.3, count=40, horizon=30.0,
-                    distribution={"theta": st.Uniform(0.3, 1)})  # fmt: skip
+    one = st.basins(
+        contact="viscous",
+        mu=0.3,
+        count=40,
+        horizon=30.0,
+        distribution={"theta": st.Uniform(0.3, 1)},
+    )
     figure = st.plot_basins(one)
     assert np.array_equal(points(figure), ordered(one.theta, one.end_time))
     assert faults(figure) == []
@@ -139,8 +152,11 @@ def test_every_end_has_a_mark_of_its_own(found: xarray.Dataset) -> None:
     assert faults(figure) == []
     legend = figure.axes[0].get_legend()
     assert legend is not None and len(legend.get_texts()) == len(fates(every)) >= 8
-    marks = [MARKS[f.way][0] for f in fates(every)
-             if f.label not in ("flat", "domain end", "left the domain")]  # fmt: skip
+    marks = [
+        MARKS[f.way][0]
+        for f in fates(every)
+        if f.label not in ("flat", "domain end", "left the domain")
+    ]
     assert len(set(marks)) == len(marks)
 
 
@@ -160,7 +176,8 @@ def test_what_does_not_fit_is_refused(found: xarray.Dataset) -> None:
         st.plot_basins(found, x="mu")
     with pytest.raises(ParameterError, match="x and y are both k"):
         st.plot_basins(found, x="k", y="k")
-    small = st.basins(contact="viscous", mu=0.3, horizon=1.0, x=("theta", 0.3, 1, 2),
-                      y=("omega3", 1, 2, 2))  # fmt: skip
+    small = st.basins(
+        contact="viscous", mu=0.3, horizon=1.0, x=("theta", 0.3, 1, 2), y=("omega3", 1, 2, 2)
+    )
     with pytest.raises(ParameterError, match="leave them out for a map"):
         st.plot_basins(small, x="theta")

@@ -19,15 +19,21 @@ from stability.figures.canvas import COLUMN, save_figure
 from stability.figures.scene_chart import LOOKS, scene_caption, scene_figure
 
 ROWS: list[tuple[str, str, float, float]] = [
-    ("steady", "closed form", 4e-3, 0.14), ("linearised", "closed form", 4e-3, 6.7e-3),
-    ("second-order", "closed form", 4.1e-3, 6.6e-3), ("rough", "creep", 3e-3, 8e-3),
-    ("creep-1", "creep", 4.2e-3, 5e-4), ("creep-2", "creep", 5e-3, 2.4e-5),
-    ("creep-3", "creep", 5.9e-3, 1.1e-6), ("slow", "reduced model", 4.5e-3, 5e-4),
-    ("viscous", "full model", 3.2e-3, 6e-10), ("smooth law", "other law", 2.5e-3, np.inf),
-    ("linear-viscous law", "other law", 2.9e-3, 8e-3), ("rough law", "other law", 1.4e-3, 8e-3),
+    ("steady", "closed form", 4e-3, 0.14),
+    ("linearised", "closed form", 4e-3, 6.7e-3),
+    ("second-order", "closed form", 4.1e-3, 6.6e-3),
+    ("rough", "creep", 3e-3, 8e-3),
+    ("creep-1", "creep", 4.2e-3, 5e-4),
+    ("creep-2", "creep", 5e-3, 2.4e-5),
+    ("creep-3", "creep", 5.9e-3, 1.1e-6),
+    ("slow", "reduced model", 4.5e-3, 5e-4),
+    ("viscous", "full model", 3.2e-3, 6e-10),
+    ("smooth law", "other law", 2.5e-3, np.inf),
+    ("linear-viscous law", "other law", 2.9e-3, 8e-3),
+    ("rough law", "other law", 1.4e-3, 8e-3),
     ("coulomb law, mu = 0.3", "other law", 8.6e-3, 8.1e-3),
     ("viscous law, mu = 100", "other law", np.nan, np.nan),
-]  # fmt: skip
+]
 """Models with times and errors that lie close together."""
 
 
@@ -37,18 +43,31 @@ def made(
     names, kinds, costs, errors = zip(*rows, strict=True)
     error = ("model", list(errors), {"long_name": "largest error of the states"})
     return xarray.Dataset(
-        {"cost": ("model", list(costs)), "true_error": error,
-         "seconds": (("model", "repeat"), np.array(costs)[:, None]),
-         "chosen": ("model", [n == chosen for n in names]), "tolerance": 1e-4, "spread": spread,
-         "truth_error": 1e-12, "answer_cost": 9e-3},
+        {
+            "cost": ("model", list(costs)),
+            "true_error": error,
+            "seconds": (("model", "repeat"), np.array(costs)[:, None]),
+            "chosen": ("model", [n == chosen for n in names]),
+            "tolerance": 1e-4,
+            "spread": spread,
+            "truth_error": 1e-12,
+            "answer_cost": 9e-3,
+        },
         {"model": list(names), "kind": ("model", list(kinds))},
-        {"format": "stability chart scene 1", "law": "viscous",
-         "title": "models of motion of a disk, viscous contact: cost against true error",
-         "horizon": 0.5, "time_unit": "s",
-         "parameters": json.dumps({"k": 0.25, "mu": 100.0}), "truth": "the full model, much finer",
-         "start": json.dumps({"theta": 1.4, "theta_dot": 0.0}), "uncertain": "mu ± 0.1",
-         "stability_version": "0", "created": "2020-01-01T00:00:00"},
-    )  # fmt: skip
+        {
+            "format": "stability chart scene 1",
+            "law": "viscous",
+            "title": "models of motion of a disk, viscous contact: cost against true error",
+            "horizon": 0.5,
+            "time_unit": "s",
+            "parameters": json.dumps({"k": 0.25, "mu": 100.0}),
+            "truth": "the full model, much finer",
+            "start": json.dumps({"theta": 1.4, "theta_dot": 0.0}),
+            "uncertain": "mu ± 0.1",
+            "stability_version": "0",
+            "created": "2020-01-01T00:00:00",
+        },
+    )
 
 
 @pytest.fixture(scope="module")
@@ -124,8 +143,12 @@ def test_without_uncertain_inputs_there_is_no_band() -> None:
 def test_no_label_hides_another_and_none_leaves_the_figure(spread: float) -> None:
     figure = scene_figure(made(ROWS, spread=spread))
     assert faults(figure, COLUMN) == []  # small and pale texts too
-    texts = [*figure.axes[0].texts, *figure.texts, figure.axes[0].xaxis.label,
-             *figure.legends[0].get_texts()]  # fmt: skip
+    texts = [
+        *figure.axes[0].texts,
+        *figure.texts,
+        figure.axes[0].xaxis.label,
+        *figure.legends[0].get_texts(),
+    ]
     found = boxes(texts, figure)
     for (a, one), (b, other) in itertools.combinations(zip(texts, found, strict=True), 2):
         assert not one.overlaps(other), (a.get_text(), b.get_text())
@@ -151,10 +174,16 @@ def test_the_caption_says_what_was_computed_and_what_has_no_mark(
     figure: Figure, dataset: xarray.Dataset
 ) -> None:
     told = scene_caption(dataset)
-    for part in ("the law viscous (k = 0.25, mu = 100, SI units)", "from theta = 1.4",
-                 "horizon 0.5 s", "tolerance 0.0001", "the full model, much finer",
-                 "uncertain by mu ± 0.1", "end in another way: smooth law",
-                 "answer here: viscous law (μ = 100)"):  # fmt: skip
+    for part in (
+        "the law viscous (k = 0.25, mu = 100, SI units)",
+        "from theta = 1.4",
+        "horizon 0.5 s",
+        "tolerance 0.0001",
+        "the full model, much finer",
+        "uncertain by mu ± 0.1",
+        "end in another way: smooth law",
+        "answer here: viscous law (μ = 100)",
+    ):
         assert part in told
     [note] = [" ".join(t.get_text().split()) for t in figure.texts]
     assert note == (

@@ -13,8 +13,14 @@ def column() -> st.Family:
     x = ca.SX.sym("x", 4)
     k, c, p, f = (ca.SX.sym(n) for n in ("k", "c", "p", "f"))
     pull = -(k - p) * x[:2] - c * x[2:] + f * ca.vertcat(x[1], -x[0])
-    system = st.System("column", x, ca.vertcat(k, c, p, f), ca.vertcat(x[2:], pull),
-                       states=("x", "y", "u", "v"), parameters=("k", "c", "p", "f"))  # fmt: skip
+    system = st.System(
+        "column",
+        x,
+        ca.vertcat(k, c, p, f),
+        ca.vertcat(x[2:], pull),
+        states=("x", "y", "u", "v"),
+        parameters=("k", "c", "p", "f"),
+    )
     return st.Family(system, "straight", at=("p",), held=dict.fromkeys(system.states, 0.0))
 
 

@@ -50,9 +50,13 @@ def test_scenes_meet_the_inertial_formulation(name: str, method: str) -> None:
     if lifts:  # ask beyond it: the run must end there
         asked = np.append(asked, case["events"][-1]["time"] + 1.0)
     run = st.simulate(
-        st.Disk(k=case["k"]), st.Coulomb(case["mu"]), case["start"], asked, method=method,
+        st.Disk(k=case["k"]),
+        st.Coulomb(case["mu"]),
+        case["start"],
+        asked,
+        method=method,
         tolerance=1e-12,
-    )  # fmt: skip
+    )
     expected = np.array(case["states"])[keep]
     allowed = 1e-10 + 3 * case["error_estimate"]
     assert np.abs(states(run)[: len(expected)] - expected).max() < allowed
@@ -89,15 +93,19 @@ def test_regularised_friction_tends_to_true_sticking(name: str, order: float) ->
     times = np.array(case["times"])
     times = times[times > 0]
     true = states(
-        st.simulate(st.Disk(k=case["k"]), st.Coulomb(case["mu"]), case["start"], times,
-                    tolerance=1e-12)
-    )  # fmt: skip
+        st.simulate(
+            st.Disk(k=case["k"]), st.Coulomb(case["mu"]), case["start"], times, tolerance=1e-12
+        )
+    )
     errors = []
     for epsilon in (1e-2, 1e-3, 1e-4):
         run = st.simulate(
-            st.Disk(k=case["k"]), st.RegularisedCoulomb(case["mu"], epsilon), case["start"], times,
+            st.Disk(k=case["k"]),
+            st.RegularisedCoulomb(case["mu"], epsilon),
+            case["start"],
+            times,
             tolerance=1e-11,
-        )  # fmt: skip
+        )
         errors.append(np.abs(states(run) - true).max())
     slope = math.log10(errors[1] / errors[2])
     assert slope == pytest.approx(order, abs=0.15)
@@ -106,9 +114,12 @@ def test_regularised_friction_tends_to_true_sticking(name: str, order: float) ->
 def test_the_force_of_sticking_stays_inside_the_cone_and_sliding_lies_on_it() -> None:
     case = SCENES["many_transitions_through_upright"]
     run = st.simulate(
-        st.Disk(k=case["k"]), st.Coulomb(case["mu"]), case["start"], np.linspace(0.01, 10, 500),
+        st.Disk(k=case["k"]),
+        st.Coulomb(case["mu"]),
+        case["start"],
+        np.linspace(0.01, 10, 500),
         check=False,
-    )  # fmt: skip
+    )
     ratio = np.hypot(run.force_x, run.force_y) / (case["mu"] * run.normal_force)
     sticking = run["mode"].values == 1
     assert sticking.any()
@@ -225,8 +236,9 @@ def test_the_threshold_of_uniqueness_is_sharp() -> None:
     # a thousandth above mu = 2√(k(k+1)) the disk may stick, or slip in two directions
     k, mu = 0.25, 1.1191520227386447
     assert mu / (2 * math.sqrt(k * (k + 1))) == pytest.approx(1.001, abs=1e-9)
-    four = np.array([1.1405036155603199, -0.003713908095680414 * 0.9999, 1.82547123230798,
-                     1.1032082780622803])  # fmt: skip
+    four = np.array(
+        [1.1405036155603199, -0.003713908095680414 * 0.9999, 1.82547123230798, 1.1032082780622803]
+    )
     ways = continuations(DISK, four, np.array([k, mu]))
     sticks, angles = by_force(four, k, mu)
     assert sticks
@@ -318,9 +330,11 @@ def test_batches_of_dry_launches_are_each_their_own() -> None:
     cases = [SCENES[n] for n in ("slides_then_sticks", "starts_stuck_then_slips")]
     times = [0.5, 2.0, 4.0]
     many = st.simulate(
-        st.Disk(k=[c["k"] for c in cases]), st.Coulomb([c["mu"] for c in cases]),
-        [c["start"] for c in cases], times,
-    )  # fmt: skip
+        st.Disk(k=[c["k"] for c in cases]),
+        st.Coulomb([c["mu"] for c in cases]),
+        [c["start"] for c in cases],
+        times,
+    )
     for i, case in enumerate(cases):
         one = st.simulate(st.Disk(k=case["k"]), st.Coulomb(case["mu"]), case["start"], times)
         assert np.allclose(states(one), states(many.isel(launch=i)), atol=1e-12)
@@ -354,10 +368,17 @@ def test_a_start_at_rest_that_nothing_holds_down_is_refused() -> None:
 def test_the_account_closes_through_a_slip_that_sets_in_close_to_flat() -> None:
     # at 3.4648 the disk lies within 1e-4 of flat and turns at 3e4: an onset must be as brief
     k, mu = 0.1786199664366368, 0.5075477197942422
-    start = [1.7857585771816074, -0.5203646835713671, 0.49026995133059526, -0.5709883297832943,
-             0.23468959865375028, -0.2095820483810763]  # fmt: skip
-    run = st.simulate(st.Disk(k=k), st.Coulomb(mu), start, np.linspace(0, 4, 41), tolerance=1e-12,
-                      check=False)  # fmt: skip
+    start = [
+        1.7857585771816074,
+        -0.5203646835713671,
+        0.49026995133059526,
+        -0.5709883297832943,
+        0.23468959865375028,
+        -0.2095820483810763,
+    ]
+    run = st.simulate(
+        st.Disk(k=k), st.Coulomb(mu), start, np.linspace(0, 4, 41), tolerance=1e-12, check=False
+    )
     assert float(np.abs(run.event_state[:, 2]).max()) > 1e4
     assert float(run.energy_error) < 1e-9
 

@@ -20,9 +20,13 @@ LAUNCH = np.array([math.pi / 2 - 0.1, 0, 0, 1.2, 0, 0])
 def leg(mu: float, start: Any = LAUNCH, last: float = 20.0, tolerance: float = 1e-9) -> Leg:
     which = flow("viscous")
     return Leg(
-        which, np.array([0.25, mu, 1e-6]), which.pack(np.asarray(start, dtype=float)),
-        np.linspace(0, last, 9), tolerance, 10**6,
-    )  # fmt: skip
+        which,
+        np.array([0.25, mu, 1e-6]),
+        which.pack(np.asarray(start, dtype=float)),
+        np.linspace(0, last, 9),
+        tolerance,
+        10**6,
+    )
 
 
 @pytest.mark.parametrize("method", [m for m in METHODS if m != "heyoka" or taylor.available()])
@@ -72,10 +76,17 @@ def test_a_shallow_dip_of_the_normal_force_is_not_stepped_over(sought: bool) -> 
     last = 25.0 if sought else 17.0  # the dip is at 16.56
     for method in ["dop853"] * sought + methods:
         over, under = (
-            st.simulate(st.Disk(), st.Viscous(0.3), [math.pi / 2 - 0.1, 0, 0, w, 0, 0], [last],
-                        tolerance=1e-11, method=method, check=sought)
+            st.simulate(
+                st.Disk(),
+                st.Viscous(0.3),
+                [math.pi / 2 - 0.1, 0, 0, w, 0, 0],
+                [last],
+                tolerance=1e-11,
+                method=method,
+                check=sought,
+            )
             for w in (high + step, low - step)
-        )  # fmt: skip
+        )
         assert over.attrs["outcome"] == "lift-off", method
         assert under.attrs["outcome"] == "moving", method
 
@@ -90,10 +101,13 @@ def test_stiffness_grows_with_friction_and_auto_turns_with_it() -> None:
 
 def test_a_tighter_tolerance_puts_off_the_implicit_route() -> None:
     turn = [
-        min(mu for mu in np.geomspace(1, 1e4, 81)
-            if "implicit is cheaper" in choose([leg(mu, tolerance=t)])[0].reason)
+        min(
+            mu
+            for mu in np.geomspace(1, 1e4, 81)
+            if "implicit is cheaper" in choose([leg(mu, tolerance=t)])[0].reason
+        )
         for t in (1e-6, 1e-9, 1e-12)
-    ]  # fmt: skip
+    ]
     assert turn[0] < turn[1] < turn[2]
 
 

@@ -175,8 +175,16 @@ def test_an_open_set_of_starts_ends_so_and_not_all_its_neighbours(count: int, le
     "methods", [("dop853", "lsoda"), pytest.param(HERE, marks=pytest.mark.long)], ids=["two", "all"]
 )
 def test_a_real_lift_off_with_a_small_d_stays_one(methods: Sequence[str]) -> None:
-    x = np.array([1.01908, 0.11646887712150475, 0.5773447867225326, 2.067745929933388,
-                  0.18242974825821903, -0.005761796842540787])  # fmt: skip
+    x = np.array(
+        [
+            1.01908,
+            0.11646887712150475,
+            0.5773447867225326,
+            2.067745929933388,
+            0.18242974825821903,
+            -0.005761796842540787,
+        ]
+    )
     kind, when, *_ = independent(x, K, MU, 1.0)
     assert kind == "lift-off"
     for method in methods:

@@ -34,9 +34,13 @@ def test_a_turn_that_just_crosses_a_line(method: str, depth: float, unit: float)
     for angle in np.random.default_rng(8).uniform(0.5, 6.0, 3).tolist():
         left = 1 - depth - (y[0] * np.cos(angle) + y[1] * np.sin(angle))
         system = st.System(
-            "turn", y, ca.SX.sym("p", 0), rates, states=("c", "s", "z"),
+            "turn",
+            y,
+            ca.SX.sym("p", 0),
+            rates,
+            states=("c", "s", "z"),
             conditions=(st.Condition(left, "left = {value}"),),
-        )  # fmt: skip
+        )
         run = st.simulate(
             system, None, [1.0, 0.0, 1.0], [6.2 * unit], tolerance=1e-11, method=method, check=False
         )

@@ -32,8 +32,13 @@ def kept_random() -> Iterator[None]:
 @pytest.fixture(scope="module")
 def address() -> Iterator[str]:
     """A scheduler that was there before, with two workers; a piece may end two of them."""
-    with LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", silence_logs=60,
-                      dashboard_address="127.0.0.1:0") as cluster:  # fmt: skip
+    with LocalCluster(
+        n_workers=2,
+        threads_per_worker=1,
+        host="127.0.0.1",
+        silence_logs=60,
+        dashboard_address="127.0.0.1:0",
+    ) as cluster:
         yield cluster.scheduler_address
 
 
@@ -42,8 +47,14 @@ def test_a_scheduler_in_one_word_gives_the_same_store(tmp_path: Path) -> None:
     log = tmp_path / "log"
     with engine("local", 2) as (executor, workers):
         assert workers == 2
-        found = fill(store(tmp_path / "a.zarr"), Logged(str(log), deadly=(89,)), blank=blank,
-                     executor=executor, workers=workers, tries=1)  # fmt: skip
+        found = fill(
+            store(tmp_path / "a.zarr"),
+            Logged(str(log), deadly=(89,)),
+            blank=blank,
+            executor=executor,
+            workers=workers,
+            tries=1,
+        )
     assert found.lost == (89,)
     others_kept(tmp_path / "a.zarr", {89})
     assert {line.split()[0] for line in done(log)} == {f"{i}.{j}" for i, j in LAYOUT.blocks()}
@@ -59,8 +70,13 @@ def test_a_scheduler_by_its_address_lives_on(address: str, tmp_path: Path) -> No
     for name in "ab":
         with engine(address) as (executor, workers):
             assert workers == 2
-            fill(store(tmp_path / f"{name}.zarr"), Logged(str(log)), blank=blank,
-                 executor=executor, workers=workers)  # fmt: skip
+            fill(
+                store(tmp_path / f"{name}.zarr"),
+                Logged(str(log)),
+                blank=blank,
+                executor=executor,
+                workers=workers,
+            )
         assert tree(tmp_path / f"{name}.zarr") == undisturbed(tmp_path / f"{name}_alone.zarr")
     assert len(done(log)) == 30
 
@@ -73,8 +89,14 @@ def test_a_future_is_released_when_its_chunk_is_stored(address: str, tmp_path: P
         def look(*_: int) -> None:
             held.append(len(client.futures))
 
-        fill(store(tmp_path / "a.zarr"), Logged(os.devnull, 0.01), blank=blank, workers=2,
-             executor=client.get_executor(pure=False), progress=look)  # fmt: skip
+        fill(
+            store(tmp_path / "a.zarr"),
+            Logged(os.devnull, 0.01),
+            blank=blank,
+            workers=2,
+            executor=client.get_executor(pure=False),
+            progress=look,
+        )
         assert soon(lambda: list(client.futures), 5.0) == []
     assert 0 < max(held) <= 2 * 2 + 2
 
@@ -93,8 +115,13 @@ def test_a_killed_worker_of_a_scheduler_costs_its_chunk(address: str, tmp_path: 
 
         killer = threading.Thread(target=kill)
         killer.start()
-        found = fill(store(tmp_path / "a.zarr"), Logged(str(log), 0.2), blank=blank,
-                     executor=executor, workers=workers)  # fmt: skip
+        found = fill(
+            store(tmp_path / "a.zarr"),
+            Logged(str(log), 0.2),
+            blank=blank,
+            executor=executor,
+            workers=workers,
+        )
         killer.join()
     assert found.lost == ()
     assert len(done(log)) <= 15 + 2
@@ -124,8 +151,9 @@ def test_without_distributed_there_is_one_sentence(monkeypatch: pytest.MonkeyPat
 
 
 def test_a_scheduler_without_workers_is_a_sentence() -> None:
-    with LocalCluster(n_workers=0, host="127.0.0.1", silence_logs=60,
-                      dashboard_address="127.0.0.1:0") as cluster:  # fmt: skip
+    with LocalCluster(
+        n_workers=0, host="127.0.0.1", silence_logs=60, dashboard_address="127.0.0.1:0"
+    ) as cluster:
         words: Any = "has no workers; start some by `dask worker"
         with pytest.raises(st.StabilityError, match=words), engine(cluster.scheduler_address):
             pass

@@ -32,12 +32,19 @@ AXES: dict[str, Any] = {"x": ("at", 0.05, 1.5, 15), "y": ("mu", 0.1, 5, 12)}
 KINDS = ("threads", "processes", "distributed")
 RANDOM = np.random.default_rng(20261122)
 STARTS = np.array([1.4, 0, 0, 1.2, 0, 0]) + RANDOM.uniform(-0.05, 0.05, (9, 6)) * [
-    1, 1, 1, 1, 1e-3, 1e-3
-]  # fmt: skip
+    1,
+    1,
+    1,
+    1,
+    1e-3,
+    1e-3,
+]
 LAWS = {
-    "heyoka": st.Viscous(0.3), "stiff": st.Viscous(3000.0), "dry": st.Coulomb(0.2),
+    "heyoka": st.Viscous(0.3),
+    "stiff": st.Viscous(3000.0),
+    "dry": st.Coulomb(0.2),
     "smooth": st.Smooth(),
-}  # fmt: skip
+}
 
 
 @pytest.fixture(scope="module")
@@ -63,10 +70,18 @@ def pendulum() -> st.Family:
     """A system of a user's, with an unknown to be solved for: the graph route."""
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 3)
     rates = ca.vertcat(x[1], p[2] - p[0] * ca.sin(x[0]) - p[1] * x[1])
-    system = st.System("pendulum", x, p, rates, states=("angle", "rate"),
-                       parameters=("gravity", "drag", "torque"))  # fmt: skip
-    return st.Family(system, "leaning", at=("torque",), held={"rate": 0}, unknown={"angle": 0.1},
-                     equations=("rate",), typical={"torque": 0.3, "drag": 0.3})  # fmt: skip
+    system = st.System(
+        "pendulum", x, p, rates, states=("angle", "rate"), parameters=("gravity", "drag", "torque")
+    )
+    return st.Family(
+        system,
+        "leaning",
+        at=("torque",),
+        held={"rate": 0},
+        unknown={"angle": 0.1},
+        equations=("rate",),
+        typical={"torque": 0.3, "drag": 0.3},
+    )
 
 
 def leaning(**how: Any) -> xarray.Dataset:
@@ -109,10 +124,16 @@ def test_a_stream_is_the_same_by_every_executor(
 ) -> None:
     told = Told()
     files = [
-        st.stream_map("tumbling", **AXES, out=tmp_path / "a.nc", executor=pools[kind], workers=2,
-                      progress=told),
+        st.stream_map(
+            "tumbling",
+            **AXES,
+            out=tmp_path / "a.nc",
+            executor=pools[kind],
+            workers=2,
+            progress=told,
+        ),
         st.stream_map("tumbling", **AXES, out=tmp_path / "b.nc"),
-    ]  # fmt: skip
+    ]
     found, own = (st.read_map(file).drop_attrs() for file in files)
     assert found.identical(own)
     assert told.rises_to(180)
@@ -182,8 +203,10 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     ranges = {name: drawn()[name] for name in ("rolling", "spinning")}
     for module in ("build", "page"):
         monkeypatch.setattr(f"stability.atlas.{module}.drawn", lambda: ranges)
-    monkeypatch.setattr("stability.figures.canvas.save",
-                        lambda _, stem, __: stem.with_suffix(".png").write_text("x"))  # fmt: skip
+    monkeypatch.setattr(
+        "stability.figures.canvas.save",
+        lambda _, stem, __: stem.with_suffix(".png").write_text("x"),
+    )
     monkeypatch.setattr("stability.figures.diagram.plot_map", lambda *_, **__: None)
     monkeypatch.setattr("stability.figures.locus.loci.plot_locus", lambda *_, **__: None)
 
@@ -258,18 +281,24 @@ if __name__ == "__main__":
 @pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
 @pytest.mark.parametrize(
     ("kind", "number"),
-    [("spawn", signal.SIGKILL), ("", signal.SIGINT), ("spawn", signal.SIGINT),
-     ("fork", signal.SIGKILL)],
-)  # fmt: skip
+    [
+        ("spawn", signal.SIGKILL),
+        ("", signal.SIGINT),
+        ("spawn", signal.SIGINT),
+        ("fork", signal.SIGKILL),
+    ],
+)
 def test_an_interrupted_map_leaves_no_process_and_is_resumed(
     kind: str, number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     script, mark, kept = tmp_path / "victim.py", uuid.uuid4().hex, tmp_path / "kept"
     script.write_text(VICTIM)
     process = subprocess.Popen(
-        [sys.executable, str(script), kind], cwd=tmp_path, stderr=subprocess.PIPE,
+        [sys.executable, str(script), kind],
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
         env=os.environ | {MARK: mark, "PYTHONPATH": str(Path(st.__file__).parents[1])},
-    )  # fmt: skip
+    )
     while process.poll() is None and len(list(kept.glob("*.npz"))) < 2:
         time.sleep(0.01)
     time.sleep(random.Random(number).uniform(0.0, 0.1))

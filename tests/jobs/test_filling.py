@@ -62,8 +62,14 @@ STARTED = ("processes", "pool")
 def test_a_store_is_the_same_by_every_executor(kind: str, tmp_path: Path) -> None:
     kept, log, told = store(tmp_path / "a.zarr"), tmp_path / "log", []
     with POOLS[kind]() as pool:
-        found = fill(kept, Logged(str(log)), blank=blank, executor=pool, workers=2,
-                     progress=lambda *pair: told.append(pair))  # fmt: skip
+        found = fill(
+            kept,
+            Logged(str(log)),
+            blank=blank,
+            executor=pool,
+            workers=2,
+            progress=lambda *pair: told.append(pair),
+        )
         memory = Memory(LAYOUT, VARIABLES)
         fill(memory, Logged(os.devnull), blank=blank, executor=pool, workers=2)
     assert tree(kept.folder) == undisturbed(tmp_path / "b.zarr")
@@ -84,8 +90,9 @@ def test_only_what_is_missing_is_computed(tmp_path: Path) -> None:
     for block in LAYOUT.blocks()[::2]:
         kept.write(block, values(np.arange(90).reshape(9, 10)[LAYOUT.slices(block)].ravel()))
     stored = 90 - sum(map(LAYOUT.count, kept.missing()))
-    found = fill(kept, Logged(str(log)), blank=blank, own=here,
-                 progress=lambda *pair: told.append(pair))  # fmt: skip
+    found = fill(
+        kept, Logged(str(log)), blank=blank, own=here, progress=lambda *pair: told.append(pair)
+    )
     assert [line.split()[0] for line in done(log)] == [f"{i}.{j}" for i, j in LAYOUT.blocks()[1::2]]
     assert (found.stored, found.computed) == (stored, 90 - stored)
     assert told[0] == (stored, 90)
@@ -99,10 +106,13 @@ def test_two_runs_at_once_write_the_same_and_share_the_work(tmp_path: Path) -> N
     log = tmp_path / "log"
     both = [store(tmp_path / "a.zarr") for _ in range(2)]
     runs = [
-        threading.Thread(target=fill, args=(kept, Logged(str(log), 0.01)),
-                         kwargs={"blank": blank, "own": own, "workers": 1})
+        threading.Thread(
+            target=fill,
+            args=(kept, Logged(str(log), 0.01)),
+            kwargs={"blank": blank, "own": own, "workers": 1},
+        )
         for kept, own in zip(both, (here, threads), strict=True)
-    ]  # fmt: skip
+    ]
     for run in runs:
         run.start()
     for run in runs:
@@ -130,8 +140,14 @@ def test_a_cell_that_ends_its_worker_is_blank_and_the_others_are_kept(
 ) -> None:
     log = tmp_path / "log"
     with processes(2) as pool:
-        found = fill(store(tmp_path / "a.zarr"), Logged(str(log), deadly=deadly), blank=blank,
-                     executor=pool, workers=2, tries=tries)  # fmt: skip
+        found = fill(
+            store(tmp_path / "a.zarr"),
+            Logged(str(log), deadly=deadly),
+            blank=blank,
+            executor=pool,
+            workers=2,
+            tries=tries,
+        )
     others_kept(tmp_path / "a.zarr", set(deadly))
     assert found.lost == deadly
     assert found.computed == 90
@@ -184,8 +200,15 @@ if __name__ == "__main__":
 def test_a_worker_that_ends_while_it_writes_leaves_nothing(tmp_path: Path) -> None:
     """Two workers end in one chunk; its parts end none, and this process writes it."""
     (tmp_path / "script.py").write_text(HALF)
-    found = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, env=environment(""),
-                           capture_output=True, text=True, timeout=120, check=True)  # fmt: skip
+    found = subprocess.run(
+        [sys.executable, "script.py"],
+        cwd=tmp_path,
+        env=environment(""),
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
+    )
     assert found.stdout.strip() == "2 () 90"
     assert tree(tmp_path / "a.zarr") == undisturbed(tmp_path / "b.zarr")
 
@@ -214,8 +237,9 @@ def test_a_worker_killed_from_outside_costs_its_chunk(tmp_path: Path) -> None:
     killer = threading.Thread(target=kill)
     killer.start()
     with processes(2) as pool:
-        found = fill(store(tmp_path / "a.zarr"), Logged(str(log), 0.1), blank=blank, executor=pool,
-                     workers=2)  # fmt: skip
+        found = fill(
+            store(tmp_path / "a.zarr"), Logged(str(log), 0.1), blank=blank, executor=pool, workers=2
+        )
     killer.join()
     assert found.lost == ()
     assert found.ended == 1
@@ -273,8 +297,15 @@ def test_an_executor_that_does_not_start_is_a_sentence(tmp_path: Path) -> None:
 def test_processes_that_do_not_start_are_a_sentence(tmp_path: Path) -> None:
     """A script without the guard starts itself again in each process."""
     (tmp_path / "script.py").write_text("import chunk_work as c\nc.run('processes', 0.0)\n")
-    found = subprocess.run([sys.executable, "script.py"], cwd=tmp_path, env=environment(""),
-                           capture_output=True, text=True, timeout=120, check=False)  # fmt: skip
+    found = subprocess.run(
+        [sys.executable, "script.py"],
+        cwd=tmp_path,
+        env=environment(""),
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
     assert "which import script.py and would come to line 2 again" in found.stderr
     assert found.returncode == 1
     assert done(tmp_path / "log") == []
@@ -282,8 +313,16 @@ def test_processes_that_do_not_start_are_a_sentence(tmp_path: Path) -> None:
 
 def test_a_script_without_a_file_starts_no_processes(tmp_path: Path) -> None:
     script = "if __name__ == '__main__':\n  import chunk_work as c\n  c.run('processes', 0.0)\n"
-    found = subprocess.run([sys.executable, "-"], cwd=tmp_path, env=environment(""), input=script,
-                           capture_output=True, text=True, timeout=120, check=False)  # fmt: skip
+    found = subprocess.run(
+        [sys.executable, "-"],
+        cwd=tmp_path,
+        env=environment(""),
+        input=script,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
     assert "cannot import <stdin>; put the script in a file" in found.stderr
     assert found.returncode == 1
 
@@ -313,8 +352,14 @@ def test_ctrl_c_keeps_every_finished_cell_and_says_where(kind: str, tmp_path: Pa
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt) as caught:
-        fill(store(tmp_path / "a.zarr"), Logged(str(log), 0.01), blank=blank, workers=2, own=own,
-             progress=stop)  # fmt: skip
+        fill(
+            store(tmp_path / "a.zarr"),
+            Logged(str(log), 0.01),
+            blank=blank,
+            workers=2,
+            own=own,
+            progress=stop,
+        )
     told = int(str(caught.value).split()[1])
     assert "give the same command again to go on" in str(caught.value)
     missing = store(tmp_path / "a.zarr").missing()
@@ -341,9 +386,11 @@ def killed_and_resumed(kind: str, kills: int, folder: Path, number: int, seconds
     while True:
         before, there = len(done(log)), stored(folder / "a.zarr")
         driver = subprocess.Popen(
-            [sys.executable, str(Path(chunk_work.__file__)), kind, str(seconds)], cwd=folder,
-            env=environment(mark), stderr=subprocess.PIPE,
-        )  # fmt: skip
+            [sys.executable, str(Path(chunk_work.__file__)), kind, str(seconds)],
+            cwd=folder,
+            env=environment(mark),
+            stderr=subprocess.PIPE,
+        )
         begun = before + (0 if stopped % 3 == 2 else 1)  # every third, while it starts
         soon(partial(_wait_for, begun, log, driver), 60.0)
         if stopped < kills:

@@ -173,8 +173,9 @@ def test_an_interruption_at_any_moment_leaves_what_was_finished(kind: str) -> No
             with pool:
                 if kind == "distributed":
                     how["executor"] = pool
-                tasks = ordered(range(0, 40, 2), squares, workers=2, keep=kept, progress=progress,
-                                **how)  # fmt: skip
+                tasks = ordered(
+                    range(0, 40, 2), squares, workers=2, keep=kept, progress=progress, **how
+                )
                 with closing(tasks) as results:
                     return dict(results)
 
@@ -191,8 +192,15 @@ def test_processes_of_our_own_do_not_outlive_a_failure() -> None:
 
     begin = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
-        list(ordered([0.0, 90.0], lambda t: partial(time.sleep, t), workers=2, own=processes,
-                     progress=Counted(stop, 2)))  # fmt: skip
+        list(
+            ordered(
+                [0.0, 90.0],
+                lambda t: partial(time.sleep, t),
+                workers=2,
+                own=processes,
+                progress=Counted(stop, 2),
+            )
+        )
     assert time.monotonic() - begin < 60
     assert soon(children, 5.0) == []
 

@@ -60,9 +60,14 @@ def test_chunks_cover_each_cell_once_and_number_it() -> None:
 
 @pytest.mark.parametrize(
     "parts",
-    [(("x",), (3, 4), (2,)), (("x", "x"), (3, 4), (2, 2)), ((), (), ()), (("x",), (0,), (2,)),
-     (("x",), (3,), (0,))],
-)  # fmt: skip
+    [
+        (("x",), (3, 4), (2,)),
+        (("x", "x"), (3, 4), (2, 2)),
+        ((), (), ()),
+        (("x",), (0,), (2,)),
+        (("x",), (3,), (0,)),
+    ],
+)
 def test_a_grid_that_is_none_is_refused(parts: Any) -> None:
     with pytest.raises(st.StabilityError, match="the chunks have"):
         Layout(*parts)
@@ -97,8 +102,9 @@ def test_a_file_for_each_variable_of_each_chunk_by_the_format(tmp_path: Path) ->
     before = set(tree(tmp_path))
     kept.write((4, 2), chunk((4, 2)))
     new = set(tree(tmp_path)) - before
-    assert new == {f"a.zarr/{n}" for n in (
-        "outcome/c.4.2", "outcome/whole.4.2", "time/c.4.2", "last/c.4.2.0")}  # fmt: skip
+    assert new == {
+        f"a.zarr/{n}" for n in ("outcome/c.4.2", "outcome/whole.4.2", "time/c.4.2", "last/c.4.2.0")
+    }
     group = zarr.open_group(str(tmp_path / "a.zarr"), mode="r")
     assert group.metadata.zarr_format == 3
     assert group["outcome"][8, 8:].tolist() == [3, 4]
@@ -281,8 +287,10 @@ def test_the_bytes_of_a_chunk_are_on_the_disk_before_it_has_its_name(
     assert [what for what, _, _ in seen[1::2]] == ["time", "last", "outcome", "outcome"]
     assert [what for what, _, _ in seen[::2]] == ["flushed"] * 4
     assert [rest for _, *rest in seen[::2]] == [rest for _, *rest in seen[1::2]]
-    sizes = [(tmp_path / "a.zarr" / n / file_name(v, (0, 0))).stat().st_size for n, v in
-             ((v.name, v) for v in (*VARIABLES[1:], VARIABLES[0]))]  # fmt: skip
+    sizes = [
+        (tmp_path / "a.zarr" / n / file_name(v, (0, 0))).stat().st_size
+        for n, v in ((v.name, v) for v in (*VARIABLES[1:], VARIABLES[0]))
+    ]
     assert [size for _, _, size in seen[::2]][:3] == sizes
 
 
@@ -309,8 +317,9 @@ kept.write((0, 0), chunk_work.values(np.array([0, 1, 2, 3, 10, 11, 12, 13])))
 @pytest.mark.skipif(sys.platform == "win32", reason="SIGKILL")
 @pytest.mark.parametrize("what", ["file", "folder"])
 def test_a_killed_writer_leaves_nothing_in_the_finished_store(what: str, tmp_path: Path) -> None:
-    done = subprocess.run([sys.executable, "-c", HALF, what], cwd=tmp_path, env=ENVIRONMENT,
-                          check=False)  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, "-c", HALF, what], cwd=tmp_path, env=ENVIRONMENT, check=False
+    )
     assert done.returncode == -9
     left = [p for p in tmp_path.rglob(".stability-*")]
     assert len(left) == 1
@@ -339,8 +348,14 @@ except StabilityError as error:
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of a process")
 def test_a_full_disk_is_a_sentence_and_the_store_resumes(tmp_path: Path) -> None:
     """No file may grow beyond some bytes: the small chunks at the edge fit, the others do not."""
-    done = subprocess.run([sys.executable, "-c", FULL], cwd=tmp_path, env=ENVIRONMENT,
-                          capture_output=True, text=True, check=True)  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, "-c", FULL],
+        cwd=tmp_path,
+        env=ENVIRONMENT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     said = done.stdout.splitlines()
     assert len(said) == 1
     assert "cannot be written: File too large" in said[0]
@@ -362,8 +377,14 @@ def test_two_runs_that_make_one_store_make_the_same(tmp_path: Path) -> None:
             made[0].write((0, 0), chunk((0, 0)))
             super()._create(files, asked)
 
-    late = Late(tmp_path / "a.zarr", LAYOUT, VARIABLES, COORDS, ATTRS,
-                {"horizon": 40.0, "body": {"k": 0.25}})  # fmt: skip
+    late = Late(
+        tmp_path / "a.zarr",
+        LAYOUT,
+        VARIABLES,
+        COORDS,
+        ATTRS,
+        {"horizon": 40.0, "body": {"k": 0.25}},
+    )
     assert made[0].missing() == late.missing() != []
     assert len(late.missing()) == 14
     assert list(tmp_path.glob(".stability-*")) == []
@@ -373,8 +394,9 @@ def test_two_runs_that_make_one_store_make_the_same(tmp_path: Path) -> None:
 
 
 def _cited(path: Path, keys: str, **more: Any) -> ZarrStore:
-    return ZarrStore(path, LAYOUT, VARIABLES, COORDS, {**ATTRS, "citation": keys, **more},
-                     {"horizon": 40.0})  # fmt: skip
+    return ZarrStore(
+        path, LAYOUT, VARIABLES, COORDS, {**ATTRS, "citation": keys, **more}, {"horizon": 40.0}
+    )
 
 
 def test_a_store_goes_on_whatever_is_cited(tmp_path: Path) -> None:
@@ -402,6 +424,12 @@ def test_only_a_truth_value_lets_a_store_be_replaced(tmp_path: Path, overwrite: 
     store(tmp_path / "s.zarr")
     before = tree(tmp_path)
     with pytest.raises(st.StabilityError, match="give True or False"):
-        ZarrStore(tmp_path / "s.zarr", Layout(("y", "x"), (2, 2), (1, 1)), VARIABLES, {}, ATTRS,
-                  overwrite=overwrite)  # fmt: skip
+        ZarrStore(
+            tmp_path / "s.zarr",
+            Layout(("y", "x"), (2, 2), (1, 1)),
+            VARIABLES,
+            {},
+            ATTRS,
+            overwrite=overwrite,
+        )
     assert tree(tmp_path) == before

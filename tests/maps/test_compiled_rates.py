@@ -48,8 +48,10 @@ def tile(asked: Any, family: str, columns: int = 150, rows: int = 40) -> dict[st
     second = next(n for n in ("mu", "c", "k") if n in asked.values)
     low, high = (0.01, 0.5) if second == "k" else (0.01, 30.0)
     first, ends = ("theta", (0.1, 1.5)) if family not in RANGES else ("at", RANGES[family])
-    return dict(asked.values) | {first: np.linspace(*ends, columns)[None, :],
-                                 second: np.geomspace(low, high, rows)[:, None]}  # fmt: skip
+    return dict(asked.values) | {
+        first: np.linspace(*ends, columns)[None, :],
+        second: np.geomspace(low, high, rows)[:, None],
+    }
 
 
 @pytest.mark.few(1)
@@ -163,9 +165,13 @@ def block(roots: list[complex], error: float) -> Any:
 
 
 POLYNOMIALS = [
-    [-3, -2, -1, 2, 5], [-1, -1 + 2j, -1 - 2j, 3j, -3j], [4, -1, -2, 1 + 1j, 1 - 1j],
-    [-0.25, 0.5 + 8j, 0.5 - 8j], [-3, 1, 2], [-4096, -64, -1, 0.125, 8],
-]  # fmt: skip
+    [-3, -2, -1, 2, 5],
+    [-1, -1 + 2j, -1 - 2j, 3j, -3j],
+    [4, -1, -2, 1 + 1j, 1 - 1j],
+    [-0.25, 0.5 + 8j, 0.5 - 8j],
+    [-3, 1, 2],
+    [-4096, -64, -1, 0.125, 8],
+]
 
 
 @needs_numba
@@ -173,8 +179,10 @@ POLYNOMIALS = [
 def test_discs_of_the_loops_hold_known_roots(roots: list[complex]) -> None:
     w, n = block(roots, 0.0), len(roots)
     loops_().discs(n, 0, w)
-    lines = [w[at : at + n * SIDE].reshape(n, SIDE) for at in
-             (schemes.REAL, schemes.IMAG, schemes.RADIUS)]  # fmt: skip
+    lines = [
+        w[at : at + n * SIDE].reshape(n, SIDE)
+        for at in (schemes.REAL, schemes.IMAG, schemes.RADIUS)
+    ]
     real, imag, radius = (line[:, 7] for line in lines)
     assert radius.max() < 1e-11 * max(map(abs, roots))
     distance = np.abs(
@@ -274,8 +282,10 @@ def test_bounds_of_coefficients_hold_over_q_and_are_not_idle(family: str, long: 
         run = loops_().long_coefficients if long else loops_().coefficients
         run(*tables[:4], first, count, *(() if long else (False,)), w)
         for j in range(0, SIDE, 4):
-            at = [Fraction(h[j]) + (Fraction(x[j]) if long else 0)
-                  for h, x in zip(high, low, strict=True)]  # fmt: skip
+            at = [
+                Fraction(h[j]) + (Fraction(x[j]) if long else 0)
+                for h, x in zip(high, low, strict=True)
+            ]
             truth = [c(*at) for c in factor]
             for i in range(count):
                 exact = Fraction(truth[i]) / truth[-1]
@@ -328,8 +338,9 @@ def test_the_bound_counts_each_rounding_of_a_quotient_by_one_inverse(
         at = schemes.VARIABLE + v * SIDE
         w[at : at + SIDE] = high[v]
         w[at + schemes.LOW_VARIABLE : at + schemes.LOW_VARIABLE + SIDE] = low[v]
-    steps = np.array([[schemes.SCALE, 1, 0], [schemes.SET, 1, 0],
-                      [schemes.SCALE, 1, 1], [schemes.SET, 1, 0]])  # fmt: skip
+    steps = np.array(
+        [[schemes.SCALE, 1, 0], [schemes.SET, 1, 0], [schemes.SCALE, 1, 1], [schemes.SET, 1, 0]]
+    )
     numbers, parts = np.array([1.0, 0.0, 1.0, 0.0]), np.array([[0, 1, 2], [2, 3, 4]])
     run = loops_().long_coefficients if long else loops_().coefficients
     run(steps, numbers, parts, np.zeros(2), 0, 1, *(() if long else (False,)), w)
@@ -349,8 +360,10 @@ def test_the_bound_counts_each_rounding_of_a_quotient_by_one_inverse(
 def test_pairs_of_doubles_spare_the_slow_route() -> None:
     asked = question("tumbling", st.Viscous(1.0))
     kernel = GrowthKernel(asked, quick=True)
-    values = dict(asked.values) | {"at": np.linspace(0.8, 1.5, 200)[None, :],
-                                   "mu": np.linspace(0.2, 0.5, 60)[:, None]}  # fmt: skip
+    values = dict(asked.values) | {
+        "at": np.linspace(0.8, 1.5, 200)[None, :],
+        "mu": np.linspace(0.2, 0.5, 60)[:, None],
+    }
     _, poor, _, _ = kernel._quick(values, (60, 200))
     assert len(poor) < 20
     known = kernel._loops
@@ -423,9 +436,13 @@ def test_schemes_have_the_steps_of_the_polynomials_source() -> None:
         for (what, level, variable), number in zip(steps, numbers, strict=True):
             own, below, one = lines.get(level, 0), lines.get(level - 1, 0), at[variable]
             lines[level] = {
-                schemes.SET: int(number), schemes.PLUS: own + int(number),
-                schemes.ADD: own + below, schemes.COPY: below, schemes.TIMES: own * one,
-                schemes.SCALE: int(number) * one, schemes.PRODUCT: below * one,
-            }[what]  # fmt: skip
+                schemes.SET: int(number),
+                schemes.PLUS: own + int(number),
+                schemes.ADD: own + below,
+                schemes.COPY: below,
+                schemes.TIMES: own * one,
+                schemes.SCALE: int(number) * one,
+                schemes.PRODUCT: below * one,
+            }[what]
         assert lines[level] == part(*at)  # on the line of the last step
         assert part.roundings(INPUT) >= part.roundings(PLAIN)

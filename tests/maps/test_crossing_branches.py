@@ -19,9 +19,14 @@ def crossing(sign: int, *, damping: bool) -> st.Family:
     n = len(names)
     system = st.System("crossing", x[:n], p, rates[:n], states=names, parameters=("p", "q"))
     return st.Family(
-        system, "larger", at=("p",), held=held, unknown={"y": 3.0}, equations=("y",),
+        system,
+        "larger",
+        at=("p",),
+        held=held,
+        unknown={"y": 3.0},
+        equations=("y",),
         typical={"p": 1.0, "q": -1.0},
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize("damping", [False, True])

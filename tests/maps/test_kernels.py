@@ -93,8 +93,13 @@ def test_grids_packed_around_a_boundary_are_decided_rightly(family: str, edge: f
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("names", [("at", "k"), ("k", "at"), ("radius", "gravity"), ("at", "mass")])
 def test_tiles_say_what_cells_say(family: str, names: tuple[str, str], law: Any) -> None:
-    ends = {"at": (0.05, 1.5), "k": (0.01, 0.5), "radius": (0.3, 3.0), "gravity": (0.5, 20.0),
-            "mass": (0.1, 4.0)}  # fmt: skip
+    ends = {
+        "at": (0.05, 1.5),
+        "k": (0.01, 0.5),
+        "radius": (0.3, 3.0),
+        "gravity": (0.5, 20.0),
+        "mass": (0.1, 4.0),
+    }
     asked = question(family, law=law)
     xs, ys = (np.linspace(*ends[n], count) for n, count in zip(names, (70, 45), strict=True))
     codes, _ = GridVerdicts(asked, *names)(xs, ys)
@@ -120,11 +125,14 @@ def test_upright_is_handed_to_exact_arithmetic() -> None:
 @pytest.mark.parametrize("ends", [(0, 1), (-1, 1)])
 def test_a_map_over_the_lean_may_have_cells_exactly_upright(ends: tuple[float, float]) -> None:
     for certify_ in (False, True):
-        found = st.stability_map("tumbling", x=("lean", *ends, 5), y=("mu", 0.1, 2, 6),
-                                 certify=certify_)  # fmt: skip
+        found = st.stability_map(
+            "tumbling", x=("lean", *ends, 5), y=("mu", 0.1, 2, 6), certify=certify_
+        )
         upright = found.verdict.sel(lean=0.0).values
-        wanted = [st.spectrum("tumbling", lean=0.0, contact=st.Viscous(float(m)), certify=True)
-                  for m in found.mu]  # fmt: skip
+        wanted = [
+            st.spectrum("tumbling", lean=0.0, contact=st.Viscous(float(m)), certify=True)
+            for m in found.mu
+        ]
         assert upright.tolist() == [int(w.codes) for w in wanted]
         assert found.sizes["boundary_point"] > 0
 
@@ -132,9 +140,12 @@ def test_a_map_over_the_lean_may_have_cells_exactly_upright(ends: tuple[float, f
 @pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("x", "y"),
-    [(("at", 1, 1e300, 5), ("mu", 0.1, 2, 5)), (("at", 1, 4, 5), ("mu", 1e-300, 1e300, 7, "log")),
-     (("at", 1, 4, 5), ("gravity", 1e-300, 1e300, 7, "log"))],
-)  # fmt: skip
+    [
+        (("at", 1, 1e300, 5), ("mu", 0.1, 2, 5)),
+        (("at", 1, 4, 5), ("mu", 1e-300, 1e300, 7, "log")),
+        (("at", 1, 4, 5), ("gravity", 1e-300, 1e300, 7, "log")),
+    ],
+)
 def test_maps_over_hundreds_of_decades_end_in_an_answer(x: Any, y: Any) -> None:
     law = st.Viscous if y[0] == "mu" else st.Viscous(1.0)
     try:
@@ -206,9 +217,14 @@ def test_growth_rates_of_a_map_are_right_to_1e_13(family: str, disk: Any) -> Non
     x = ("at", low * unit, high * unit, 61)
     mu = 1 / float(disk.speed)
     found = st.stability_map(
-        family, x=x, y=("mu", 0.003 * mu, 300 * mu, 47, "log"), disk=disk, contact=st.Viscous,
-        boundaries=False, modes=True,
-    )  # fmt: skip
+        family,
+        x=x,
+        y=("mu", 0.003 * mu, 300 * mu, 47, "log"),
+        disk=disk,
+        contact=st.Viscous,
+        boundaries=False,
+        modes=True,
+    )
     asked = disk_problem(family, disk, st.Viscous(1.0), 1.0)
     random = np.random.default_rng(2)
     assert (found.verdict > 0).all()
@@ -246,8 +262,9 @@ def test_scattered_points_are_right_too(family: str, count: int) -> None:
 
 
 def test_conservative_maps_take_the_same_route() -> None:
-    found = st.stability_map("rolling", x=("at", 0.3, 2, 40), y=("k", 0.1, 0.5, 30),
-                             contact=st.Rough(), boundaries=False)  # fmt: skip
+    found = st.stability_map(
+        "rolling", x=("at", 0.3, 2, 40), y=("k", 0.1, 0.5, 30), contact=st.Rough(), boundaries=False
+    )
     threshold = 1 / (2 * (2 * found.k + 1))
     growing = found["at"] ** 2 < threshold
     square = ((1 - 2 * (2 * found.k + 1) * found["at"] ** 2) / (1 + found.k)).transpose("k", "at")
@@ -259,8 +276,12 @@ def test_conservative_maps_take_the_same_route() -> None:
 
 def test_error_discs_of_factors_hold_known_roots() -> None:
     """Polynomials with known roots, coefficients exact in doubles; and clusters get no bound."""
-    cases = [[-3, -2, -1, 2, 5], [-1, -1 + 2j, -1 - 2j, 3j, -3j], [4, -1, -2, 1 + 1j, 1 - 1j],
-             [-0.25, 0.5 + 8j, 0.5 - 8j]]  # fmt: skip
+    cases = [
+        [-3, -2, -1, 2, 5],
+        [-1, -1 + 2j, -1 - 2j, 3j, -3j],
+        [4, -1, -2, 1 + 1j, 1 - 1j],
+        [-0.25, 0.5 + 8j, 0.5 - 8j],
+    ]
     for roots in cases:
         a = [np.array([c]) for c in np.poly(roots).real[::-1][:-1]]
         factors = settle(a, start(a))
@@ -303,8 +324,10 @@ def test_bounds_of_coefficients_hold_and_are_not_idle() -> None:
 def test_corrections_of_factors_converge_quadratically() -> None:
     roots = [-2.0, -1 + 2j, -1 - 2j, 0.5 + 1j, 0.5 - 1j]
     a = [np.array([c]) for c in np.poly(roots).real[::-1][:-1]]
-    factors = Factors(np.array([-2.01]), [(np.array([2.01]), np.array([5.02])),
-                                          (np.array([-0.99]), np.array([1.26]))])  # fmt: skip
+    factors = Factors(
+        np.array([-2.01]),
+        [(np.array([2.01]), np.array([5.02])), (np.array([-0.99]), np.array([1.26]))],
+    )
     errors = []
     for _ in range(4):
         errors.append(abs(factors.r[0] + 2) + abs(factors.pairs[0][1][0] - 5))
@@ -355,8 +378,9 @@ def test_no_box_holds_a_point_of_another_verdict(family: str, x: Any, y: Any, la
 
 
 def test_the_strip_encloses_every_boundary_point() -> None:
-    found = st.stability_map("spinning", x=("at", 0.5, 5, 60), y=("mu", 0.1, 3, 50, "log"),
-                             certify=True, levels=7)  # fmt: skip
+    found = st.stability_map(
+        "spinning", x=("at", 0.5, 5, 60), y=("mu", 0.1, 3, 50, "log"), certify=True, levels=7
+    )
     strip = found.box_verdict.values == 0
     x, y = found.box_at.values[strip], found.box_mu.values[strip]
     for a, m in zip(found.boundary_at.values, found.boundary_mu.values, strict=True):
@@ -373,13 +397,21 @@ def test_a_users_family_is_boxed_in_wide_balls() -> None:
     import casadi as ca
 
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
-    system = st.System("damped", x, p, ca.vertcat(x[1], -p[1] * ca.sin(x[0]) - p[0] * x[1]),
-                       states=("angle", "rate"), parameters=("drag", "pull"))  # fmt: skip
+    system = st.System(
+        "damped",
+        x,
+        p,
+        ca.vertcat(x[1], -p[1] * ca.sin(x[0]) - p[0] * x[1]),
+        states=("angle", "rate"),
+        parameters=("drag", "pull"),
+    )
     rest = st.Family(system, "rest", at=("drag",), held={"angle": 0, "rate": 0})
-    found = st.stability_map(rest, x=("drag", -1.03, 1, 9), y=("pull", -1.01, 1, 9), certify=True,
-                             levels=5)  # fmt: skip
-    for code, a, b in zip(found.box_verdict.values, found.box_drag.values, found.box_pull.values,
-                          strict=True):  # fmt: skip
+    found = st.stability_map(
+        rest, x=("drag", -1.03, 1, 9), y=("pull", -1.01, 1, 9), certify=True, levels=5
+    )
+    for code, a, b in zip(
+        found.box_verdict.values, found.box_drag.values, found.box_pull.values, strict=True
+    ):
         good = a[0] > 0 and b[0] > 0
         bad = a[1] < 0 or b[1] < 0
         assert code in (0, 1 if good else 2 if bad else 0)
@@ -439,8 +471,9 @@ def test_a_streamed_map_is_the_map(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(module, "BAND", 300)
     axes = {"x": ("at", 0.5, 5, 50), "y": ("mu", 0.1, 3, 41, "log")}
     done: list[int] = []
-    path = st.stream_map("spinning", **axes, out=tmp_path / "v.nc",
-                         progress=lambda a, _: done.append(a))  # fmt: skip
+    path = st.stream_map(
+        "spinning", **axes, out=tmp_path / "v.nc", progress=lambda a, _: done.append(a)
+    )
     back = st.read_map(path)
     whole = st.stability_map("spinning", **axes, boundaries=False)
     assert (back.verdict == whole.verdict).all()
@@ -462,8 +495,13 @@ def test_an_interrupted_stream_leaves_nothing(
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        st.stream_map("spinning", x=("at", 0.5, 5, 50), y=("mu", 0.1, 3, 41),
-                      out=tmp_path / "v.nc", progress=stop)  # fmt: skip
+        st.stream_map(
+            "spinning",
+            x=("at", 0.5, 5, 50),
+            y=("mu", 0.1, 3, 41),
+            out=tmp_path / "v.nc",
+            progress=stop,
+        )
     assert list(tmp_path.iterdir()) == []
 
 

@@ -49,8 +49,13 @@ def dataset() -> Any:
 
 def test_points_are_variables_with_units_bounds_and_kinds(dataset: Any) -> None:
     assert dataset.sizes["point"] == 2
-    kinds = dict(zip(dataset.point_kind.flag_values.tolist(),
-                     dataset.point_kind.flag_meanings.split(), strict=True))  # fmt: skip
+    kinds = dict(
+        zip(
+            dataset.point_kind.flag_values.tolist(),
+            dataset.point_kind.flag_meanings.split(),
+            strict=True,
+        )
+    )
     found = [
         (kinds[int(k)], float(x), float(y))
         for k, x, y in zip(dataset.point_kind, dataset.point_p, dataset.point_q, strict=True)

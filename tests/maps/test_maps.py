@@ -53,8 +53,11 @@ def test_names_units_flags_and_provenance_are_there(maps: dict[str, xarray.Datas
         assert "units" in found[name].attrs
     attributes = found.attrs
     assert json.loads(attributes["parameters"]) == {
-        "gravity": 1.0, "k": 0.25, "mass": 1.0, "radius": 1.0,
-    }  # fmt: skip
+        "gravity": 1.0,
+        "k": 0.25,
+        "mass": 1.0,
+        "radius": 1.0,
+    }
     for word in ("casadi", "numpy", "scipy", "python-flint", "python"):
         assert word in attributes["versions"]
     assert attributes["axes"] == "at:0.2:3:48 mu:0.05:20:36:log"
@@ -93,9 +96,12 @@ def hurwitz_in_many_digits(family: str, at: float, k: float, mu: float) -> tuple
         c = c[: n + 1 - zeros]
         degree = len(c) - 1
         rows = [
-            [c[2 * (j + 1) - (i + 1)] if 0 <= 2 * (j + 1) - (i + 1) <= degree else mpmath.mpf(0)
-             for j in range(degree - 1)] for i in range(degree - 1)
-        ]  # fmt: skip
+            [
+                c[2 * (j + 1) - (i + 1)] if 0 <= 2 * (j + 1) - (i + 1) <= degree else mpmath.mpf(0)
+                for j in range(degree - 1)
+            ]
+            for i in range(degree - 1)
+        ]
         return c[-1], mpmath.det(mpmath.matrix(rows))
 
 
@@ -265,9 +271,11 @@ def test_chunks_and_workers_do_not_change_a_map(monkeypatch: pytest.MonkeyPatch)
 def test_progress_is_told_and_an_interruption_stops_the_work() -> None:
     seen: list[tuple[int, int]] = []
     st.stability_map(
-        "rolling", x=("at", 1, 2, 40), y=("mu", 1, 2, 30),
+        "rolling",
+        x=("at", 1, 2, 40),
+        y=("mu", 1, 2, 30),
         progress=lambda done, total: seen.append((done, total)),
-    )  # fmt: skip
+    )
     assert seen[0][1] == 1200
     assert (1200, 1200) in seen
 
@@ -343,9 +351,13 @@ def test_a_change_of_odd_order_at_zero_is_found() -> None:
 
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
     system = st.System(
-        "pendulum", x, p, ca.vertcat(x[1], -p[0] * ca.sin(x[0]) - p[1] ** 3 * x[1]),
-        states=("angle", "rate"), parameters=("g", "c"),
-    )  # fmt: skip
+        "pendulum",
+        x,
+        p,
+        ca.vertcat(x[1], -p[0] * ca.sin(x[0]) - p[1] ** 3 * x[1]),
+        states=("angle", "rate"),
+        parameters=("g", "c"),
+    )
     hanging = st.Family(system, "hanging", at=("g",), held={"angle": 0, "rate": 0})
     [point] = st.boundaries(hanging, axis=("c", -1, 1.3, 10), at=1)
     assert abs(point.value) <= point.error <= 1e-9
@@ -450,9 +462,11 @@ def test_the_axis_of_a_member_has_its_own_name_too(tmp_path: Path) -> None:
     )
     without = named.drop_vars("phi_dot").assign_attrs(created=plain.attrs["created"])
     assert without.identical(plain)
-    for found in (named, read_map(write_map(named, tmp_path / "a.nc")),
-                  read_map(st.stream_map("spinning", x=("phi_dot", 1.0, 4.0, 5), y=y,
-                                         out=tmp_path / "b.nc"))):  # fmt: skip
+    for found in (
+        named,
+        read_map(write_map(named, tmp_path / "a.nc")),
+        read_map(st.stream_map("spinning", x=("phi_dot", 1.0, 4.0, 5), y=y, out=tmp_path / "b.nc")),
+    ):
         assert found.verdict.dims == ("mu", "at") and "phi_dot" in found.coords
         np.testing.assert_array_equal(found.phi_dot.values, np.linspace(1, 4, 5))
         assert found.phi_dot.dims == ("at",)

@@ -41,14 +41,24 @@ def test_an_upright_body_is_mapped_by_its_polynomial(body: st.Body, family: str,
 @pytest.mark.parametrize("law", ["smooth", "rough"])
 def test_the_root_of_a_square_is_read_on_one_side_of_zero(law: str) -> None:
     """At a pole the height of a spheroid is √(aspect²), which is the aspect itself."""
-    chart = st.stability_map("vertical", x=("at", 0.5, 5.0, 40), y=("aspect", 1.1, 2.0, 32),
-                             body=st.Spheroid(1.5), contact=law)  # fmt: skip
+    chart = st.stability_map(
+        "vertical",
+        x=("at", 0.5, 5.0, 40),
+        y=("aspect", 1.1, 2.0, 32),
+        body=st.Spheroid(1.5),
+        contact=law,
+    )
     assert chart.method.startswith("characteristic polynomial of the family over Q")
     assert set(np.unique(chart.verdict)) == {Verdict.NEUTRAL.code, Verdict.UNSTABLE.code}
     rng = np.random.default_rng(2)
     for j, i in zip(rng.integers(0, 32, 8), rng.integers(0, 40, 8), strict=True):
-        one = st.spectrum("vertical", at=float(chart[chart.abscissa.dims[1]][i]), contact=law,
-                          body=st.Spheroid(float(chart.aspect[j])), certify=True)  # fmt: skip
+        one = st.spectrum(
+            "vertical",
+            at=float(chart[chart.abscissa.dims[1]][i]),
+            contact=law,
+            body=st.Spheroid(float(chart.aspect[j])),
+            certify=True,
+        )
         assert chart.verdict.values[j, i] == one.verdict.code
         assert chart.abscissa.values[j, i] == pytest.approx(one.abscissa, rel=1e-9, abs=1e-12)
 
@@ -68,8 +78,9 @@ def leaning(*conditions: st.Condition) -> st.Family:
         )
         for c in conditions
     )
-    system = st.System("rod", x, p, rates, states=("theta", "v"), parameters=("k", "c"),
-                       conditions=given)  # fmt: skip
+    system = st.System(
+        "rod", x, p, rates, states=("theta", "v"), parameters=("k", "c"), conditions=given
+    )
     return st.Family(system, "upright", at=("k",), held={"theta": st.UPRIGHT, "v": 0.0})
 
 
@@ -114,11 +125,17 @@ def test_a_body_is_streamed_by_its_polynomial(tmp_path: Path) -> None:
 
 def test_a_map_that_is_decided_by_whole_tiles_at_once() -> None:
     """All tiles of this map are decided at the coarsest level, which leaves none to cut."""
-    found = st.stability_map("vertical", body=st.EccentricSphere(0.2), contact="rough",
-                             x=("at", 0.5, 5.0, 400), y=("offset", 0.05, 0.5, 300),
-                             boundaries=False)  # fmt: skip
-    corner = st.spectrum("vertical", at=0.5, body=st.EccentricSphere(0.05), contact="rough",
-                         certify=True)  # fmt: skip
+    found = st.stability_map(
+        "vertical",
+        body=st.EccentricSphere(0.2),
+        contact="rough",
+        x=("at", 0.5, 5.0, 400),
+        y=("offset", 0.05, 0.5, 300),
+        boundaries=False,
+    )
+    corner = st.spectrum(
+        "vertical", at=0.5, body=st.EccentricSphere(0.05), contact="rough", certify=True
+    )
     assert found.verdict.attrs["flag_meanings"].split()[int(found.verdict.values[0, 0])] == (
         str(corner.verdict.word)
     )

@@ -30,8 +30,13 @@ def lorenz(plus: Any) -> Any:
 
 def test_a_map_says_where_no_member_exists_and_draws_the_rest(lorenz: Any) -> None:
     """C+ exists for r > 1; it is stable below r = σ(σ+b+3)/(σ-b-1)."""
-    flags = dict(zip(lorenz.verdict.attrs["flag_meanings"].split(),
-                     lorenz.verdict.attrs["flag_values"].tolist(), strict=True))  # fmt: skip
+    flags = dict(
+        zip(
+            lorenz.verdict.attrs["flag_meanings"].split(),
+            lorenz.verdict.attrs["flag_values"].tolist(),
+            strict=True,
+        )
+    )
     assert flags == {
         "undecided": 0,
         "stable": 1,
@@ -96,10 +101,18 @@ def test_a_plain_family_and_a_failing_condition_leave_cells_out_too() -> None:
     """√p exists for p > 0; the condition asks for x > 1, that is p > 1."""
     x, p = ca.SX.sym("x"), ca.SX.sym("p", 2)
     for conditions, least in (((), 0.0), ((st.Condition(x - 1, "x - 1 is {value}"),), 1.0)):
-        system = st.System("root", x, p, p[1] * (p[0] - x**2), states=("x",),
-                           parameters=("p", "c"), conditions=conditions)  # fmt: skip
-        family = st.Family(system, "upper", at=("p",), unknown={"x": 1.5}, equations=("x",),
-                           positive=("x",))  # fmt: skip
+        system = st.System(
+            "root",
+            x,
+            p,
+            p[1] * (p[0] - x**2),
+            states=("x",),
+            parameters=("p", "c"),
+            conditions=conditions,
+        )
+        family = st.Family(
+            system, "upper", at=("p",), unknown={"x": 1.5}, equations=("x",), positive=("x",)
+        )
         found = st.stability_map(family, x=("p", -1.05, 3.95, 11), y=("c", 0.5, 2, 3))
         wanted = np.where(found.p.values > least, 1, 4)
         assert (found.verdict.values == wanted).all()

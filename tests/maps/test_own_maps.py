@@ -56,8 +56,9 @@ def family(
     """A linear system x' = A x at rest."""
     size = len(rows)
     x = ca.SX.sym("x", size)
-    rhs = ca.vertcat(*[sum((rows[i][j] * x[j] for j in range(size)), ca.SX(0))
-                       for i in range(size)])  # fmt: skip
+    rhs = ca.vertcat(
+        *[sum((rows[i][j] * x[j] for j in range(size)), ca.SX(0)) for i in range(size)]
+    )
     states = tuple(f"s{i}" for i in range(size))
     system = st.System("own", x, p, rhs, states=states, parameters=names)
     return st.Family(system, "rest", at=names[:at], held=dict.fromkeys(states, 0.0), **more)
@@ -222,8 +223,9 @@ def test_the_graph_too_decides_reversible_families_by_the_square(count: int) -> 
     """A bead on a turning hoop, q'' = e^q W² q - sinh q: neutral for W < 1, with W² = e^w."""
     q, v, w, k = (ca.SX.sym(n) for n in ("q", "v", "w", "k"))
     rates = ca.vertcat(v, (ca.exp(w) * ca.cos(q) - ca.cosh(k * q)) * ca.sinh(q))
-    system = st.System("bead", ca.vertcat(q, v), ca.vertcat(w, k), rates, states=("q", "v"),
-                       parameters=("w", "k"))  # fmt: skip
+    system = st.System(
+        "bead", ca.vertcat(q, v), ca.vertcat(w, k), rates, states=("q", "v"), parameters=("w", "k")
+    )
     bottom = st.Family(system, "bottom", at=("w",), held={"q": 0.0, "v": 0.0})
     axes = {"x": ("w", -2, 1.93, count), "y": ("k", 0.5, 3, count)}
     found = st.stability_map(bottom, **axes, boundaries=False)
@@ -235,8 +237,9 @@ def test_an_angle_that_is_fixed_may_stand_in_a_sine() -> None:
     """λ² + (a sin t - b) λ + 1 with t = 1: the boundary is b = a sin 1, which no double is on."""
     p = ca.SX.sym("p", 3)
     some = family([[0, 1], [-1, p[1] - p[0] * ca.sin(p[2])]], ("a", "b", "t"), p)
-    found = st.stability_map(some, x=("a", 0.5, 3, 60), y=("b", 0.1, 3, 50), t=1.0,
-                             boundaries=False)  # fmt: skip
+    found = st.stability_map(
+        some, x=("a", 0.5, 3, 60), y=("b", 0.1, 3, 50), t=1.0, boundaries=False
+    )
     a, b = np.meshgrid(found.a.values, found.b.values)
     assert (found.verdict.values == np.where(a * np.sin(1.0) > b, STABLE, UNSTABLE)).all()
     assert found.attrs["method"].startswith("characteristic polynomial of the family over Q")
@@ -247,11 +250,23 @@ def test_members_solved_from_linear_equations_and_conditions_that_fail() -> None
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
     k, c = p[0], p[1]
     system = st.System(
-        "spring", x, p, ca.vertcat(x[1], -k * x[0] - c * x[1] + 3), states=("x", "v"),
-        parameters=("k", "c"), conditions=(st.Condition(k - 0.5, "k is {value}, below 0.5"),),
-    )  # fmt: skip
-    some = st.Family(system, "rest", at=("k",), held={"v": 0.0}, unknown={"x": 1.0},
-                     equations=("v",), positive=("x",))  # fmt: skip
+        "spring",
+        x,
+        p,
+        ca.vertcat(x[1], -k * x[0] - c * x[1] + 3),
+        states=("x", "v"),
+        parameters=("k", "c"),
+        conditions=(st.Condition(k - 0.5, "k is {value}, below 0.5"),),
+    )
+    some = st.Family(
+        system,
+        "rest",
+        at=("k",),
+        held={"v": 0.0},
+        unknown={"x": 1.0},
+        equations=("v",),
+        positive=("x",),
+    )
     found = st.stability_map(some, x=("k", 0.25, 4, 61), y=("c", -1, 1, 41), boundaries=False)
     k_, c_ = np.meshgrid(found.k.values, found.c.values)
     wanted = np.where(c_ > 0, STABLE, np.where(c_ < 0, UNSTABLE, NEUTRAL))
@@ -344,8 +359,9 @@ def test_discs_hold_the_roots_of_polynomials_with_known_ones() -> None:
             own[1] = own[0] + Fraction(1, 2**10)
         poly = [Fraction(1)]
         for r in own:
-            poly = [a - r * b for a, b in zip([Fraction(0), *poly], [*poly, Fraction(0)],
-                                              strict=True)]  # fmt: skip
+            poly = [
+                a - r * b for a, b in zip([Fraction(0), *poly], [*poly, Fraction(0)], strict=True)
+            ]
         roots.append([float(r) for r in own])
         rows.append(poly[:-1])
     a = np.array([[float(c) for c in row] for row in rows]).T
@@ -379,8 +395,12 @@ def test_no_sign_is_taken_from_a_rounded_sum() -> None:
     x = random_.uniform(0.1, 1.6, 4000)
     y = 3 * x * (1 + random_.uniform(-1, 1, 4000) * 10.0 ** random_.uniform(-6, -0.5, 4000))
     y = np.clip(y, 0.1, 6.0)
-    wanted = np.array([1 if 3 * Fraction(u) > Fraction(v) else -1 if 3 * Fraction(u) < Fraction(v)
-                       else 0 for u, v in zip(x, y, strict=True)])  # fmt: skip
+    wanted = np.array(
+        [
+            1 if 3 * Fraction(u) > Fraction(v) else -1 if 3 * Fraction(u) < Fraction(v) else 0
+            for u, v in zip(x, y, strict=True)
+        ]
+    )
     t, s = powers(windows[0](x), 7), powers(windows[1](y), 7)
     found = [one.at(t, s)]
     for share in (0.2, 0.001):
@@ -428,10 +448,15 @@ def test_cells_exactly_on_a_boundary_are_neutral_by_proof(
     rates = ca.vertcat(x[1], push - stiffness(p[0], p[2]) * x[0] - x[0] ** 3 - p[1] * x[1])
     system = st.System("oscillator", x, p, rates, states=("u", "v"), parameters=("k", "c", "t"))
     options: Any = (
-        {"held": {"v": 0}, "unknown": {"u": 0.1}, "equations": ("v",),
-         "typical": {"k": 0.5, "c": 1, "t": 1}}
-        if solved else {"held": {"u": 0, "v": 0}}
-    )  # fmt: skip
+        {
+            "held": {"v": 0},
+            "unknown": {"u": 0.1},
+            "equations": ("v",),
+            "typical": {"k": 0.5, "c": 1, "t": 1},
+        }
+        if solved
+        else {"held": {"u": 0, "v": 0}}
+    )
     family = st.Family(system, "rest", at=("k",), **options)
     found = st.stability_map(
         family, x=("k", -0.5, 0.5, count), y=("c", -1, 1, count), **({"t": 0.25} | fixed)

@@ -22,10 +22,16 @@ CASES: dict[str, tuple[Any, Any, tuple[float, float], float, float, float]] = {
     "through infinity and back": (1 - P**2 * X, X - Q, (1.0, 2.0), 1.0, 2.9, 3.0),
     "narrow peak": (1 - (P**2 + sp.Rational(1, 1000)) * X, X - Q, (1.0, 2.0), 1.0, 2.9, 3.0),
     "narrow gap": (P**2 + sp.Rational(1, 1000) - X**2, X - 1, (1.0, 1.0), 1.0, 2.0, 1.0),
-    "mushroom": (-((X**2 - 1) ** 2) - P**2 + Q + X / 10, X - sp.Rational(11, 10), (0.0, 0.5), 1.3,
-                 1.4, 1.6),
+    "mushroom": (
+        -((X**2 - 1) ** 2) - P**2 + Q + X / 10,
+        X - sp.Rational(11, 10),
+        (0.0, 0.5),
+        1.3,
+        1.4,
+        1.6,
+    ),
     "butterfly": (P + Q * X + 2 * X**3 - X**5, X - sp.Rational(3, 2), (0.0, 0.5), 1.48, 1.5, 1.5),
-}  # fmt: skip
+}
 NONE = 4
 
 
@@ -33,8 +39,14 @@ def built(rate: Any, other: Any) -> Any:
     """The system x' = rate, y' = other · y."""
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
     values = [sp.lambdify((X, P, Q), f, "math")(x[0], p[0], p[1]) for f in (rate, other)]
-    return st.System("planted", x, p, ca.vertcat(values[0], values[1] * x[1]), states=("x", "y"),
-                     parameters=("p", "q"))  # fmt: skip
+    return st.System(
+        "planted",
+        x,
+        p,
+        ca.vertcat(values[0], values[1] * x[1]),
+        states=("x", "y"),
+        parameters=("p", "q"),
+    )
 
 
 @pytest.mark.few(2)

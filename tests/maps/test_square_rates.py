@@ -72,26 +72,39 @@ def test_the_rates_are_those_with_all_eigenvalues() -> None:
     assert (one.error <= 2 * other.error).all() and (other.error <= 2 * one.error).all()
 
 
-def swept(c: np.ndarray, lead: np.ndarray, off: np.ndarray, slack: np.ndarray,
-          number: np.ndarray, doubt: np.ndarray) -> list[np.ndarray]:  # fmt: skip
+def swept(
+    c: np.ndarray,
+    lead: np.ndarray,
+    off: np.ndarray,
+    slack: np.ndarray,
+    number: np.ndarray,
+    doubt: np.ndarray,
+) -> list[np.ndarray]:
     """Cells of compiled loops for given coefficients: a tape without a step."""
     given = np.array([c, lead, off, slack, number, doubt])
     out, codes = np.empty((3, len(c))), np.empty(len(c), dtype=np.int8)
     kernel = compiled(double_balls, squares, plain=not numba_found())
     with np.errstate(all="ignore"):
         kernel.sweep(
-            np.empty((0, 4), dtype=np.int64), np.zeros(7), (np.arange(6), given),
-            (np.array([6]), np.zeros((1, 1))), np.arange(6), WANTED,
-            np.array(FLAGS, dtype=np.int8), tuple(out), codes,
-        )  # fmt: skip
+            np.empty((0, 4), dtype=np.int64),
+            np.zeros(7),
+            (np.arange(6), given),
+            (np.array([6]), np.zeros((1, 1))),
+            np.arange(6),
+            WANTED,
+            np.array(FLAGS, dtype=np.int8),
+            tuple(out),
+            codes,
+        )
     return [*out, codes]
 
 
 @pytest.mark.parametrize("count", [60, pytest.param(700, marks=pytest.mark.long)])
 def test_the_loops_hold_every_root_within_both_coefficients(count: int) -> None:
     random = np.random.default_rng(7)
-    c, lead = (random.choice([-1, 1], count) * 10.0 ** random.uniform(-5, 5, count)
-               for _ in range(2))  # fmt: skip
+    c, lead = (
+        random.choice([-1, 1], count) * 10.0 ** random.uniform(-5, 5, count) for _ in range(2)
+    )
     off, slack = (np.abs(v) * 10.0 ** random.uniform(-17, 1, count) for v in (c, lead))
     none = np.full(count, 1.0), np.zeros(count)
     top, bound, turn, codes = swept(c, lead, off, slack, *none)

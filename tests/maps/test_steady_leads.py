@@ -13,8 +13,12 @@ from stability.maps.verdict_filter import point
 from stability.spectra.disk_problem import disk_problem
 
 COLUMNS, ROWS = 2 * schemes.SIDE + 50, 30
-CASES = [(f, law, x) for f in ("rolling", "spinning", "tumbling")
-         for law in (st.Smooth(), st.Viscous(0.7)) for x in (True, False)]  # fmt: skip
+CASES = [
+    (f, law, x)
+    for f in ("rolling", "spinning", "tumbling")
+    for law in (st.Smooth(), st.Viscous(0.7))
+    for x in (True, False)
+]
 
 
 def lines(law: Any, across: bool) -> dict[str, Any]:
@@ -22,8 +26,10 @@ def lines(law: Any, across: bool) -> dict[str, Any]:
     other = "k" if law.name == "smooth" else "mu"
     ends = {"at": (0.2, 1.5), "k": (0.05, 0.5), "mu": (0.05, 3.0)}
     first, second = ("at", other) if across else (other, "at")
-    return {first: np.linspace(*ends[first], COLUMNS)[None, :],
-            second: np.linspace(*ends[second], ROWS)[:, None]}  # fmt: skip
+    return {
+        first: np.linspace(*ends[first], COLUMNS)[None, :],
+        second: np.linspace(*ends[second], ROWS)[:, None],
+    }
 
 
 @pytest.mark.skipif(find_spec("numba") is None, reason="numba is not installed")
@@ -36,8 +42,9 @@ def test_rows_in_pieces_have_the_same_rates_and_flags(family: str, law: Any, acr
     shape = (ROWS, COLUMNS)
     for low in range(0, COLUMNS, schemes.SIDE):
         some = slice(low, min(COLUMNS, low + schemes.SIDE))
-        piece = kernel(dict(asked.values) | {
-            n: v[:, some] if v.shape[0] == 1 else v for n, v in own.items()})  # fmt: skip
+        piece = kernel(
+            dict(asked.values) | {n: v[:, some] if v.shape[0] == 1 else v for n, v in own.items()}
+        )
         for name in ("abscissa", "error", "frequency"):
             ours = getattr(whole, name).reshape(shape)[:, some]
             theirs = getattr(piece, name).reshape(ours.shape)

@@ -28,13 +28,15 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_folder_holds_the_verdicts_of_the_file(kind: str, tmp_path: Path) -> None:
     file = st.read_map(st.stream_map("tumbling", **AXES, out=tmp_path / "a.nc"))
     told: list[tuple[int, int]] = []
-    how: dict[str, Any] = {"out": tmp_path / "a.zarr",
-                           "progress": lambda *pair: told.append(pair)}  # fmt: skip
+    how: dict[str, Any] = {"out": tmp_path / "a.zarr", "progress": lambda *pair: told.append(pair)}
     if kind == "own":
         st.stream_map("tumbling", **AXES, **how)
     else:
-        pools: Any = {"threads": lambda: ThreadPoolExecutor(2), "processes": lambda: processes(2),
-                      "distributed": Distributed}  # fmt: skip
+        pools: Any = {
+            "threads": lambda: ThreadPoolExecutor(2),
+            "processes": lambda: processes(2),
+            "distributed": Distributed,
+        }
         with pools[kind]() as pool:
             st.stream_map("tumbling", **AXES, **how, executor=pool, workers=2)
     found = st.read_map(tmp_path / "a.zarr")

@@ -34,8 +34,12 @@ def own_family() -> st.Family:
     """A linear system of four states at rest, rational in two numbers."""
     x, p = ca.SX.sym("x", 4), ca.SX.sym("p", 2)
     a, b = p[0], p[1]
-    rates = ca.vertcat(x[2], x[3], -(2 + b) * x[0] + (a * a - 1) * x[1] - (1 - a * b) * x[2],
-                       (1 - a) * x[0] - 3 * b * x[1] - a * x[2] - (0.5 + b) * x[3])  # fmt: skip
+    rates = ca.vertcat(
+        x[2],
+        x[3],
+        -(2 + b) * x[0] + (a * a - 1) * x[1] - (1 - a * b) * x[2],
+        (1 - a) * x[0] - 3 * b * x[1] - a * x[2] - (0.5 + b) * x[3],
+    )
     states = ("s0", "s1", "s2", "s3")
     system = st.System("own", x, p, rates, states=states, parameters=("a", "b"))
     return st.Family(system, "rest", at=("a",), held=dict.fromkeys(states, 0.0))
@@ -135,8 +139,15 @@ def test_rows_longer_than_a_chunk(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 def test_engines_write_the_same_bytes(kind: str, own: bool, tmp_path: Path) -> None:
     family, axes = (own_family(), OWN) if own else ("rolling", AXES)
     told: list[tuple[int, int]] = []
-    st.stream_map(family, **axes, growth=True, out=tmp_path / "a.zarr", executor=kind, workers=2,
-                  progress=lambda *pair: told.append(pair))  # fmt: skip
+    st.stream_map(
+        family,
+        **axes,
+        growth=True,
+        out=tmp_path / "a.zarr",
+        executor=kind,
+        workers=2,
+        progress=lambda *pair: told.append(pair),
+    )
     st.stream_map(family, **axes, growth=True, out=tmp_path / "b.zarr", workers=1)
     assert tree(tmp_path / "a.zarr") == tree(tmp_path / "b.zarr")
     assert told[-1] == (1200, 1200)
@@ -168,8 +179,12 @@ st.stream_map("rolling", x=("at", 0.3, 3.2, 40), y=("mu", 0.1, 5, 30), growth=Tr
 @pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="SIGKILL")
 def test_a_killed_stream_is_continued_to_the_same_bytes(tmp_path: Path) -> None:
-    done = subprocess.run([sys.executable, "-c", VICTIM, str(tmp_path / "a.zarr")], check=False,
-                          env=dict(os.environ), timeout=100)  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, "-c", VICTIM, str(tmp_path / "a.zarr")],
+        check=False,
+        env=dict(os.environ),
+        timeout=100,
+    )
     assert done.returncode == -signal.SIGKILL
     begun = len(list((tmp_path / "a.zarr" / "verdict").glob("c.*")))
     with pytest.raises(st.StabilityError, match="of 10 chunks; give the command") as refusal:
@@ -178,8 +193,13 @@ def test_a_killed_stream_is_continued_to_the_same_bytes(tmp_path: Path) -> None:
     assert 4 <= there <= begun <= there + 2 < 12  # each of the two workers may have left a part
     told: list[int] = []
     for name in "ab":
-        st.stream_map("rolling", **AXES, growth=True, out=tmp_path / f"{name}.zarr",
-                      progress=lambda n, _: told.append(n))  # fmt: skip
+        st.stream_map(
+            "rolling",
+            **AXES,
+            growth=True,
+            out=tmp_path / f"{name}.zarr",
+            progress=lambda n, _: told.append(n),
+        )
     assert told[0] == 120 * there
     assert tree(tmp_path / "a.zarr") == tree(tmp_path / "b.zarr")
 
@@ -226,10 +246,16 @@ def test_an_engine_that_is_none_is_refused_with_what_is_one(value: Any, tmp_path
     for call in (
         lambda: st.stream_map("rolling", **AXES, out=tmp_path / "a.zarr", executor=value),
         lambda: st.stability_map("rolling", **AXES, executor=value),
-        lambda: st.basins(contact="viscous", mu=0.3, x=("phi_dot", 1, 3, 3), y=("theta", 1, 1.2, 2),
-                          horizon=1.0, executor=value),
+        lambda: st.basins(
+            contact="viscous",
+            mu=0.3,
+            x=("phi_dot", 1, 3, 3),
+            y=("theta", 1, 1.2, 2),
+            horizon=1.0,
+            executor=value,
+        ),
         lambda: pool_of(value),
-    ):  # fmt: skip
+    ):
         with pytest.raises(st.StabilityError, match="give threads, processes, dask, .*address"):
             call()
     assert list(tmp_path.iterdir()) == []
@@ -256,7 +282,8 @@ def test_a_streamed_verdict_that_balls_leave_open_is_undecided(ending: str, tmp_
     rates = ca.vertcat(x[1], -p[0] * ca.cos(p[2]) * x[0] - p[1] * x[1])
     system = st.System("ball", x, p, rates, states=("u", "v"), parameters=("a", "b", "q"))
     family = st.Family(system, "rest", at=("a",), held={"u": 0.0, "v": 0.0})
-    out = st.stream_map(family, x=("a", -1, 1, 41), y=("b", 0.5, 2, 30), q=1.0,
-                        out=tmp_path / f"a.{ending}")  # fmt: skip
+    out = st.stream_map(
+        family, x=("a", -1, 1, 41), y=("b", 0.5, 2, 30), q=1.0, out=tmp_path / f"a.{ending}"
+    )
     found = st.read_map(out).verdict.values
     assert (found == [*[2] * 20, 0, *[1] * 20]).all()

@@ -23,8 +23,11 @@ BODIES = {
     "egg": (st.Egg(0.2), ("axial", 0.2, 0.6)),
     "SI": (st.Torus(0.15, mass=2.0, gravity=9.81, length=0.3), ("tube", 0.02, 0.9)),
 }
-MADE = {"spheroid": st.Spheroid, "disk with a rim": st.ThickDisk,
-        "egg": lambda axial: replace(BODIES["egg"][0], axial=axial)}  # fmt: skip
+MADE = {
+    "spheroid": st.Spheroid,
+    "disk with a rim": st.ThickDisk,
+    "egg": lambda axial: replace(BODIES["egg"][0], axial=axial),
+}
 ALWAYS = {"torus", "spheroid", "SI"}
 """Bodies that tumble at every inclination and number here."""
 WIDE, TALL = 301, 23  # more columns than one block of lanes has
@@ -75,8 +78,9 @@ def test_certified_rates_lie_within_the_bounds(name: str, monkeypatch: pytest.Mo
     for i, j in there[random.choice(len(there), 8, replace=False)]:
         cell = found.isel({number: i, "theta": j})
         one = MADE[name](float(cell[number]))
-        true = st.spectrum("tumbling", at=float(cell.theta), contact="smooth", body=one,
-                           certify=True)  # fmt: skip
+        true = st.spectrum(
+            "tumbling", at=float(cell.theta), contact="smooth", body=one, certify=True
+        )
         off = float(cell.abscissa_error) + true.abscissa_error
         assert abs(float(cell.abscissa) - true.abscissa) <= off + 1e-15 * true.abscissa
         assert int(cell.verdict) == CODES[true.verdict]

@@ -15,8 +15,13 @@ def test_every_cell_has_the_verdict_and_growth_rate_of_its_member(known: Known) 
     found = st.stability_map(
         known.family, x=(one, *known.axis, 8), y=(two, *known.other, 6), **fixed
     )
-    words = dict(zip(np.atleast_1d(found.verdict.attrs["flag_values"]).tolist(),
-                     found.verdict.attrs["flag_meanings"].split(), strict=True))  # fmt: skip
+    words = dict(
+        zip(
+            np.atleast_1d(found.verdict.attrs["flag_values"]).tolist(),
+            found.verdict.attrs["flag_meanings"].split(),
+            strict=True,
+        )
+    )
     compared = 0
     for second, row in zip(found[two].values, found.verdict.values, strict=True):
         for first, code in zip(found[one].values, row, strict=True):

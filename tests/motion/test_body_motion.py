@@ -52,9 +52,13 @@ def test_rates_at_a_pole_are_those_of_the_geometry(
             continue
         of, mu = scene.body, scene.law.coefficient
         body = own_body(
-            name, of.parameters, axial=of.axial / of.mass, transverse=of.transverse / of.mass,
-            mass=of.mass, gravity=of.gravity,
-        )  # fmt: skip
+            name,
+            of.parameters,
+            axial=of.axial / of.mass,
+            transverse=of.transverse / of.mass,
+            mass=of.mass,
+            gravity=of.gravity,
+        )
         system = pole_system(body, LAWS[law], given, physical=True, slip_states=True)
         values = np.array([lean, -lean / 2, *rng.normal(size=3), *rng.normal(0, 0.1, 2)])
         if law == "rough":
@@ -85,9 +89,9 @@ def _six(start: dict[str, list[float]]) -> tuple[np.ndarray, np.ndarray]:
 @pytest.mark.few(1)
 @pytest.mark.parametrize(
     "entry",
-    [e for e in json.loads(STORED.read_text())["motions"]
-     if e["body"] not in ("egg", "torus")], ids=lambda e: e["name"],
-)  # fmt: skip
+    [e for e in json.loads(STORED.read_text())["motions"] if e["body"] not in ("egg", "torus")],
+    ids=lambda e: e["name"],
+)
 def test_motions_meet_those_of_18_digits_through_the_poles(entry: dict[str, Any]) -> None:
     body = own_body(
         entry["body"], entry["parameters"], axial=entry["axial"], transverse=entry["transverse"]
@@ -118,24 +122,30 @@ def test_motions_meet_those_of_18_digits_through_the_poles(entry: dict[str, Any]
 
 SCENES = {
     "torus": (
-        shapes.torus(1.0, 0.2, 1.03, 0.525), st.Torus(0.2), (1.3, 0.1, 0.4, 1.2, 0.1, -0.2),
+        shapes.torus(1.0, 0.2, 1.03, 0.525),
+        st.Torus(0.2),
+        (1.3, 0.1, 0.4, 1.2, 0.1, -0.2),
         (0.6, 8.0),
     ),
     "thick disk in SI": (
         shapes.thick_disk(0.3, 0.03, 0.09, 0.0456, 2.0, 9.81),
-        st.ThickDisk(0.2, mass=2.0, gravity=9.81, length=0.3), (1.2, 0.5, 2.0, 5.0, 0.1, 0.0),
+        st.ThickDisk(0.2, mass=2.0, gravity=9.81, length=0.3),
+        (1.2, 0.5, 2.0, 5.0, 0.1, 0.0),
         (0.2, 1.5),
     ),
     "through both poles": (
-        shapes.spheroid(1.0, 1.2, 0.4, 0.488), st.Spheroid(1.2), (0.8, -1.2, 0.0, 0.0, 0.1, 0.0),
+        shapes.spheroid(1.0, 1.2, 0.4, 0.488),
+        st.Spheroid(1.2),
+        (0.8, -1.2, 0.0, 0.0, 0.1, 0.0),
         (2.0, 12.0),
     ),
     "tippe top": (
         shapes.eccentric_sphere(0.15, 0.4, 0.4),
-        st.EccentricSphere(0.15, axial=0.4, transverse=0.4), (0.3, 0.0, 0.0, 4.0, 0.0, 0.0),
+        st.EccentricSphere(0.15, axial=0.4, transverse=0.4),
+        (0.3, 0.0, 0.0, 4.0, 0.0, 0.0),
         (0.8, 15.0),
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.few(4)
@@ -313,16 +323,21 @@ def test_si_numbers_arrays_and_names_work_as_those_of_the_disk() -> None:
     assert si.offset.shape == (2,) or si.offset.shape == (3, 2)
     for i, j in ((0, 1), (2, 0)):
         alone = st.simulate(
-            st.EccentricSphere(offsets[j]), "viscous", mu=mu[i, 0], times=5.0,
+            st.EccentricSphere(offsets[j]),
+            "viscous",
+            mu=mu[i, 0],
+            times=5.0,
             start=[start["theta"][j], 0, 0, 2.0, 0.01, 0],
-        )  # fmt: skip
+        )
         one = si.isel(launch_0=i, launch_1=j)
         assert one.theta.values == pytest.approx(alone.theta.values, abs=1e-7)
         assert one.omega3.values / rate == pytest.approx(alone.omega3.values, abs=1e-7)
         assert one.slip_y.values / speed == pytest.approx(alone.slip_y.values, abs=1e-7)
     disk = st.Disk()
-    same = [st.simulate(contact="rough", start={"theta": 1.0}, times=0.5, **{n: disk})
-            for n in ("disk", "body")]  # fmt: skip
+    same = [
+        st.simulate(contact="rough", start={"theta": 1.0}, times=0.5, **{n: disk})
+        for n in ("disk", "body")
+    ]
     assert np.array_equal(same[0].theta, same[1].theta)
 
 

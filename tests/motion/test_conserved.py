@@ -12,14 +12,19 @@ from stability.bodies.thin_disk.disk_equations import STATES
 from stability.integrators import taylor
 
 CONTACT = {"rough": st.Rough(), "smooth": st.Smooth()}
-TWO = ["dop853", pytest.param("heyoka", marks=pytest.mark.skipif(
-    not taylor.available(), reason="heyoka is an extra"))]  # fmt: skip
+TWO = [
+    "dop853",
+    pytest.param(
+        "heyoka", marks=pytest.mark.skipif(not taylor.available(), reason="heyoka is an extra")
+    ),
+]
 TAYLOR = pytest.mark.skipif(not taylor.available(), reason="heyoka is an extra")
 LONG = [
-    ("dop853", 8.0, 3), pytest.param("dop853", 1000.0, 41, marks=pytest.mark.long),
+    ("dop853", 8.0, 3),
+    pytest.param("dop853", 1000.0, 41, marks=pytest.mark.long),
     pytest.param("heyoka", 1000.0, 9, marks=TAYLOR),
     pytest.param("heyoka", 1000.0, 41, marks=[TAYLOR, pytest.mark.long]),
-]  # fmt: skip
+]
 LAUNCH = [1.3, 0.1, 0.4, 1.1, 0.0, 0.0]
 
 
@@ -59,9 +64,14 @@ def test_states_and_pose_meet_the_quadrature(kind: str, method: str, share: floa
         keep = times <= share * (1000 if method == "heyoka" else 100)
         assert keep.any()
         run = st.simulate(
-            st.Disk(k=float(case["k"])), CONTACT[kind], [float(v) for v in case["start"]],
-            times[keep], method=method, tolerance=1e-15, pose=True,
-        )  # fmt: skip
+            st.Disk(k=float(case["k"])),
+            CONTACT[kind],
+            [float(v) for v in case["start"]],
+            times[keep],
+            method=method,
+            tolerance=1e-15,
+            pose=True,
+        )
         exact = np.array(case["states"], dtype=float)[keep]
         pose = np.array(case["pose"], dtype=float)[keep]
         mine = np.stack([run[n].values for n in ("phi", "psi", "centre_x", "centre_y")], axis=-1)
@@ -89,9 +99,13 @@ def test_the_smooth_disk_keeps_its_three_integrals(method: str, last: float, cou
     k = 0.3
     start = [1.3, 0.1, 0.4, 1.1, 0.2, -0.3]
     run = st.simulate(
-        st.Disk(k=k), st.Smooth(), start, np.linspace(0, last, count), method=method,
+        st.Disk(k=k),
+        st.Smooth(),
+        start,
+        np.linspace(0, last, count),
+        method=method,
         tolerance=1e-16,
-    )  # fmt: skip
+    )
     theta, _, phi_dot, omega3, _, _ = columns(run).T
     vertical = k * phi_dot * np.sin(theta) ** 2 + 2 * k * omega3 * np.cos(theta)
     for kept in (vertical, omega3, run.energy.values):
@@ -105,9 +119,13 @@ def test_the_nutation_period_is_that_of_the_quadrature(kind: str) -> None:
     period = float(case["period"])
     start = [float(v) for v in case["start"]]
     run = st.simulate(
-        st.Disk(k=float(case["k"])), CONTACT[kind], start, [period, 7 * period], tolerance=1e-14,
+        st.Disk(k=float(case["k"])),
+        CONTACT[kind],
+        start,
+        [period, 7 * period],
+        tolerance=1e-14,
         pose=True,
-    )  # fmt: skip
+    )
     assert np.abs(columns(run)[:, :4] - np.array(start)[:4]).max() < 1e-10
     advance = run.phi.values / np.array([1, 7])
     assert np.abs(advance - float(case["phi_advance"])).max() < 1e-10
@@ -126,9 +144,13 @@ def test_the_order_of_convergence_shows(method: str) -> None:
     errors = []
     for tolerance in (1e-4, 1e-7, 1e-10):
         run = st.simulate(
-            st.Disk(k=float(case["k"])), st.Rough(), [float(v) for v in case["start"]],
-            [times[at]], method=method, tolerance=tolerance,
-        )  # fmt: skip
+            st.Disk(k=float(case["k"])),
+            st.Rough(),
+            [float(v) for v in case["start"]],
+            [times[at]],
+            method=method,
+            tolerance=tolerance,
+        )
         errors.append(np.abs(columns(run)[-1] - exact).max())
     # heyoka's order rises as the tolerance falls, so only the whole is in proportion
     assert errors[0] > errors[1] > errors[2]

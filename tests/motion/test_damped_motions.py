@@ -80,17 +80,27 @@ def test_random_motions_state_no_error_that_is_too_small() -> None:
 def test_twelve_jumps_have_an_error_with_a_bound() -> None:
     """Van der Pol's relaxation, whose errors grow ten million times in a jump and shrink again."""
     y, mu = ca.SX.sym("y", 2), 1000.0
-    system = st.System("relaxation", y, ca.SX(0, 1),
-                       ca.vertcat(y[1], mu * (1 - y[0] ** 2) * y[1] - y[0]), states=("x", "v"),
-                       parameters=())  # fmt: skip
+    system = st.System(
+        "relaxation",
+        y,
+        ca.SX(0, 1),
+        ca.vertcat(y[1], mu * (1 - y[0] ** 2) * y[1] - y[0]),
+        states=("x", "v"),
+        parameters=(),
+    )
 
     def slope(_: float, y: np.ndarray) -> list[list[float]]:
         return [[0, 1], [-2 * mu * y[0] * y[1] - 1, mu * (1 - y[0] ** 2)]]
 
     right = solve_ivp(
-        lambda _, y: [y[1], mu * (1 - y[0] ** 2) * y[1] - y[0]], (0, 1e4), [2.0, 0.0],
-        method="Radau", rtol=1e-11, atol=1e-12, jac=slope,
-    )  # fmt: skip
+        lambda _, y: [y[1], mu * (1 - y[0] ** 2) * y[1] - y[0]],
+        (0, 1e4),
+        [2.0, 0.0],
+        method="Radau",
+        rtol=1e-11,
+        atol=1e-12,
+        jac=slope,
+    )
     for tolerance in (1e-6, 1e-9):
         run = st.simulate(system, None, [2.0, 0.0], [1e4], tolerance=tolerance)
         error = abs(float(run.x[-1]) - right.y[0, -1])

@@ -27,19 +27,30 @@ FAST = 2e-3
 """Slip speed down to which the oracle slides."""
 SCENES: dict[str, tuple[Any, Any, Any, float, float, tuple[str, ...]]] = {
     "torus": (
-        shapes.torus(1.0, 0.2, 1.03, 0.525), st.Torus(0.2), (1.3, 0.1, 0.4, 1.2, 0.1, -0.5),
-        0.3, 6.0, ("stick", "slip", "stick"),
+        shapes.torus(1.0, 0.2, 1.03, 0.525),
+        st.Torus(0.2),
+        (1.3, 0.1, 0.4, 1.2, 0.1, -0.5),
+        0.3,
+        6.0,
+        ("stick", "slip", "stick"),
     ),
     "sphere off its centre": (
-        shapes.eccentric_sphere(0.2, 0.4, 0.4), st.EccentricSphere(0.2, axial=0.4, transverse=0.4),
-        (1.3, 0.0, 0.3, 1.5, 0.0, 0.7), 0.2, 6.0, ("stick",),
+        shapes.eccentric_sphere(0.2, 0.4, 0.4),
+        st.EccentricSphere(0.2, axial=0.4, transverse=0.4),
+        (1.3, 0.0, 0.3, 1.5, 0.0, 0.7),
+        0.2,
+        6.0,
+        ("stick",),
     ),
     "thick disk in SI": (
         shapes.thick_disk(0.3, 0.03, 0.09, 0.0456, 2.0, 9.81),
-        st.ThickDisk(0.2, mass=2.0, gravity=9.81, length=0.3), (1.2, 0.5, 2.0, 5.0, 0.4, 0.2),
-        0.4, 0.6, ("stick",),
+        st.ThickDisk(0.2, mass=2.0, gravity=9.81, length=0.3),
+        (1.2, 0.5, 2.0, 5.0, 0.4, 0.2),
+        0.4,
+        0.6,
+        ("stick",),
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.few(2)
@@ -48,11 +59,20 @@ SCENES: dict[str, tuple[Any, Any, Any, float, float, tuple[str, ...]]] = {
 def test_motions_slide_and_stick_as_in_fixed_axes(scene: str, which: tuple[int, ...]) -> None:
     surface, body, start, mu, last, kinds = SCENES[scene]
     resistance = tuple(EVERY[i] for i in which)
-    run = st.simulate(body, st.Coulomb(mu), start, np.linspace(0, last, 61), check=False,
-                      resistance=resistance or None, tolerance=1e-13)  # fmt: skip
+    run = st.simulate(
+        body,
+        st.Coulomb(mu),
+        start,
+        np.linspace(0, last, 61),
+        check=False,
+        resistance=resistance or None,
+        tolerance=1e-13,
+    )
     found = np.stack([run[n].values for n in STATES], axis=-1)
-    events = [(str(k), float(t)) for k, t in zip(run.event_kind.values, run.event_time.values,
-                                                 strict=True)]  # fmt: skip
+    events = [
+        (str(k), float(t))
+        for k, t in zip(run.event_kind.values, run.event_time.values, strict=True)
+    ]
     assert tuple(k for k, _ in events)[: len(kinds)] == kinds
     sliding = True
     for (_, begin), (kind, end) in pairwise([("start", 0.0), *events, ("end", last)]):
@@ -82,16 +102,20 @@ def test_a_disk_is_the_body_of_its_height() -> None:
     start = {"theta": 1.4, "omega3": 2.0, "slip_x": 0.3, "slip_y": 0.5}
     disk = st.simulate(st.Disk(), st.Coulomb(0.2), start, 6.0, pose=True, check=False)
     # a resistance of zero leaves the motion as it is, and makes the disk a body
-    body = st.simulate(st.Disk(), st.Coulomb(0.2), start, 6.0, pose=True, check=False,
-                       resistance=st.AirTorque(0.0))  # fmt: skip
+    body = st.simulate(
+        st.Disk(), st.Coulomb(0.2), start, 6.0, pose=True, check=False, resistance=st.AirTorque(0.0)
+    )
     assert body.event_time.values == pytest.approx(disk.event_time.values, abs=1e-9)
     for name in (*STATES, "force_x", "force_y", "phi", "centre_x", "centre_y"):
         assert np.abs(body[name].values - disk[name].values).max() < 1e-8, name
 
 
 def dry_of(body: st.Body | None) -> Dry:
-    model = disk_model("coulomb") if body is None else (
-        round_model(body, st.Coulomb, ("mu",), pose=False))  # fmt: skip
+    model = (
+        disk_model("coulomb")
+        if body is None
+        else (round_model(body, st.Coulomb, ("mu",), pose=False))
+    )
     assert model.dry is not None
     return model.dry
 

@@ -84,12 +84,23 @@ def test_samples_within_an_onset_slip_and_lie_on_the_cone() -> None:
 )
 def test_a_run_into_d_zero_ends_without_contact_by_every_method(method: str) -> None:
     # gn grows without bound and changes sign beyond D = 0: that is no lift-off
-    start = [1.194342144719987, 0.05028019174563288, 1.3684831699890794, -0.8596387383846306,
-             -1.7912308228410456, -0.531255658935443]  # fmt: skip
+    start = [
+        1.194342144719987,
+        0.05028019174563288,
+        1.3684831699890794,
+        -0.8596387383846306,
+        -1.7912308228410456,
+        -0.531255658935443,
+    ]
     with warnings.catch_warnings():  # its neighbours may part just before the end
         warnings.simplefilter("ignore", st.StabilityWarning)
-        run = st.simulate(st.Disk(k=0.11943337346011837), st.Coulomb(0.9491648016576573), start,
-                          30.0, method=method)  # fmt: skip
+        run = st.simulate(
+            st.Disk(k=0.11943337346011837),
+            st.Coulomb(0.9491648016576573),
+            start,
+            30.0,
+            method=method,
+        )
     assert word(run) == "no-contact"
     assert float(run.end_time) == pytest.approx(0.6442598376, abs=1e-7)
     assert "D" in str(run.evidence.values)
@@ -132,8 +143,14 @@ def test_dry_contact_that_is_barely_pressed_lifts_off_without_a_negative_force()
 
 @pytest.mark.parametrize("method", [*HERE, "auto"])
 def test_steps_are_bounded_by_every_method(method: str) -> None:
-    run = st.simulate(DISK, st.Viscous(0.3), [1.4, 0, 0, 1.2, 0, 0], np.linspace(0, 50, 500),
-                      max_steps=3, method=method)  # fmt: skip
+    run = st.simulate(
+        DISK,
+        st.Viscous(0.3),
+        [1.4, 0, 0, 1.2, 0, 0],
+        np.linspace(0, 50, 500),
+        max_steps=3,
+        method=method,
+    )
     assert word(run) == "unresolved"
     method = run.attrs["method"]
     # CasADi bounds the steps of an interval, of which up to nine are taken at once
@@ -161,9 +178,11 @@ except KeyboardInterrupt:
 
 def test_numbers_beyond_double_precision_are_refused_not_returned_as_nan() -> None:
     for contact, start in (
-        (st.Viscous(0.3), [1.4, 0, 0, 1e150, 0, 0]), (st.Viscous(0.3), [1.4, 1e200, 0, 0, 0, 0]),
-        (st.Viscous(1e12), [1.4, 0, 0, 1.2, 0, 0]), (st.Coulomb(1e300), [1.4, 0, 0, 1.2, 0, 0]),
-    ):  # fmt: skip
+        (st.Viscous(0.3), [1.4, 0, 0, 1e150, 0, 0]),
+        (st.Viscous(0.3), [1.4, 1e200, 0, 0, 0, 0]),
+        (st.Viscous(1e12), [1.4, 0, 0, 1.2, 0, 0]),
+        (st.Coulomb(1e300), [1.4, 0, 0, 1.2, 0, 0]),
+    ):
         with pytest.raises(st.StabilityError, match="double"):
             st.simulate(DISK, contact, start, 1.0)
     for times in (5e-324, 1e308):
@@ -179,8 +198,9 @@ def test_numbers_beyond_double_precision_are_refused_not_returned_as_nan() -> No
 )
 def test_a_fast_spin_keeps_its_normal_force(method: str, last: float, count: int) -> None:
     # forces hold products of rates: their error is that of a rate times the other, 1e6 here
-    run = st.simulate(DISK, st.Smooth(), [1.5, 0, 0, 1e6, 0, 0], np.linspace(0, last, count),
-                      method=method)  # fmt: skip
+    run = st.simulate(
+        DISK, st.Smooth(), [1.5, 0, 0, 1e6, 0, 0], np.linspace(0, last, count), method=method
+    )
     assert word(run) == "moving"
     assert np.abs(run.normal_force.values - 1).max() < 0.05
 
@@ -270,6 +290,8 @@ def test_a_launch_whose_neighbours_cannot_be_run_is_not_said_to_last() -> None:
     start = [1.0525640005202301, 0.6767085152932947, 0, 0, 0, -0.3436609788816844]
     disk = st.Disk(k=0.2556196142891559)
     assert word(st.simulate(disk, law, start, 5.0, tolerance=1e-6)) in (
-        "undetermined", "no-contact", "unresolved",
-    )  # fmt: skip
+        "undetermined",
+        "no-contact",
+        "unresolved",
+    )
     assert word(st.simulate(disk, law, start, 5.0)) == "no-contact"

@@ -45,9 +45,13 @@ def test_reference_trajectories_are_met(method: str, number: int, count: int) ->
     allowed = 1e-8 if method in ("cvodes", "idas") else 1e-9
     case = reference.trajectories()[number]
     run = st.simulate(
-        st.Disk(k=case["k"]), st.Viscous(case["mu"]), case["start"], case["times"][:count],
-        method=method, tolerance=1e-12,
-    )  # fmt: skip
+        st.Disk(k=case["k"]),
+        st.Viscous(case["mu"]),
+        case["start"],
+        case["times"][:count],
+        method=method,
+        tolerance=1e-12,
+    )
     assert np.abs(states(run) - np.array(case["states"])[:count]).max() < allowed
 
 
@@ -212,10 +216,11 @@ def test_large_friction_tends_to_the_rough_disk() -> None:
     times = np.linspace(0, 5, 6)
     rough = states(st.simulate(st.Disk(), st.Rough(), LAUNCH, times, tolerance=1e-12))
     errors = [
-        np.abs(states(st.simulate(st.Disk(), st.Viscous(mu), LAUNCH, times, tolerance=1e-10))
-               - rough).max()
+        np.abs(
+            states(st.simulate(st.Disk(), st.Viscous(mu), LAUNCH, times, tolerance=1e-10)) - rough
+        ).max()
         for mu in (1e3, 1e4, 1e5)
-    ]  # fmt: skip
+    ]
     orders = np.log10(np.array(errors[:-1]) / np.array(errors[1:]))
     assert np.allclose(orders, 1.0, atol=0.1)
 
@@ -223,9 +228,13 @@ def test_large_friction_tends_to_the_rough_disk() -> None:
 # --- properties ---
 
 START = some.tuples(
-    some.floats(0.6, 2.4), some.floats(-0.8, 0.8), some.floats(-1.5, 1.5), some.floats(-1.5, 1.5),
-    some.floats(-0.4, 0.4), some.floats(-0.4, 0.4),
-)  # fmt: skip
+    some.floats(0.6, 2.4),
+    some.floats(-0.8, 0.8),
+    some.floats(-1.5, 1.5),
+    some.floats(-1.5, 1.5),
+    some.floats(-0.4, 0.4),
+    some.floats(-0.4, 0.4),
+)
 FRICTION = some.floats(-2, 1.5).map(lambda e: 10**e)
 INERTIA = some.floats(0.05, 0.5)
 
@@ -298,9 +307,12 @@ def test_scaled_bodies_move_alike(
     rate, speed = float(disk.rate), float(disk.speed)
     scale = np.array([1, rate, rate, rate, speed, speed])
     run = st.simulate(
-        disk, st.Viscous(mu / speed), np.array(start) * scale, np.array([0.5, 1.0]) / rate,
+        disk,
+        st.Viscous(mu / speed),
+        np.array(start) * scale,
+        np.array([0.5, 1.0]) / rate,
         tolerance=1e-11,
-    )  # fmt: skip
+    )
     assert int(run.outcome) == int(plain.outcome)
     assert np.allclose(states(run) / scale, states(plain), rtol=1e-6, atol=1e-8)
     assert np.allclose(run.energy.values / float(disk.energy), plain.energy.values, rtol=1e-6)
@@ -310,9 +322,15 @@ def test_scaled_bodies_move_alike(
 @pytest.mark.few(1)
 @pytest.mark.parametrize(
     "contact",
-    [st.Smooth(), st.Viscous(0.4), st.LinearViscous(0.4), st.Rough(), st.Coulomb(0.3),
-     st.RegularisedCoulomb(0.3, 1e-2)],
-)  # fmt: skip
+    [
+        st.Smooth(),
+        st.Viscous(0.4),
+        st.LinearViscous(0.4),
+        st.Rough(),
+        st.Coulomb(0.3),
+        st.RegularisedCoulomb(0.3, 1e-2),
+    ],
+)
 def test_the_paths_in_the_plane_are_those_of_the_slip(contact: st.Contact) -> None:
     # the material point at the contact moves with ṡ + ω×a = vA, turned by φ
     slip = 0.0 if contact.name == "rough" else 0.2
@@ -330,8 +348,9 @@ def test_the_paths_in_the_plane_are_those_of_the_slip(contact: st.Contact) -> No
     error = np.maximum(np.abs(slip_x - run.slip_x), np.abs(slip_y - run.slip_y))[inner]
     # central differences; at a landing of dry friction the acceleration jumps
     assert np.quantile(error, 0.99) < 2e-6
-    assert np.allclose(np.gradient(run.phi.values, step, edge_order=2)[inner],
-                       run.phi_dot.values[inner], atol=1e-5)  # fmt: skip
+    assert np.allclose(
+        np.gradient(run.phi.values, step, edge_order=2)[inner], run.phi_dot.values[inner], atol=1e-5
+    )
 
 
 def test_heading_and_place_do_not_matter_since_pose_only_follows() -> None:
@@ -359,23 +378,28 @@ def test_heading_and_place_do_not_matter_since_pose_only_follows() -> None:
 
 V = st.Viscous
 BOTH_SIDES = [
-    ("rolling", V(0.3), 0.25, 2**0.5), ("rolling", V(3.0), 0.25, 2**0.5),
-    ("rolling", st.Rough(), 0.25, 3**-0.5), ("rolling", st.Smooth(), 0.25, 1.0),
-    ("spinning", V(0.3), 0.25, 2.0), ("spinning", V(0.8), 0.25, None),
-    ("spinning", st.Rough(), 0.25, 1.25**-0.5), ("spinning", st.Smooth(), 0.4, 0.4**-0.5),
+    ("rolling", V(0.3), 0.25, 2**0.5),
+    ("rolling", V(3.0), 0.25, 2**0.5),
+    ("rolling", st.Rough(), 0.25, 3**-0.5),
+    ("rolling", st.Smooth(), 0.25, 1.0),
+    ("spinning", V(0.3), 0.25, 2.0),
+    ("spinning", V(0.8), 0.25, None),
+    ("spinning", st.Rough(), 0.25, 1.25**-0.5),
+    ("spinning", st.Smooth(), 0.4, 0.4**-0.5),
     ("tumbling", V(0.9), 0.375, 0.5148137315460574),
     ("tumbling", V(0.9), 0.375, 0.8416302082000889),
     ("spinning", st.LinearViscous(0.3), 0.25, 2.0),
-]  # fmt: skip
+]
 """Family, law, k and a boundary: known, or to be asked for."""
 
 
 @pytest.mark.few(2)
 @pytest.mark.parametrize("side", [-1, 1])
 @pytest.mark.parametrize(
-    ("family", "contact", "k", "boundary"), BOTH_SIDES,
+    ("family", "contact", "k", "boundary"),
+    BOTH_SIDES,
     ids=[f"{f}-{c.name}-{k}" for f, c, k, _ in BOTH_SIDES],
-)  # fmt: skip
+)
 def test_growth_and_frequency_measured_from_motions_are_those_of_the_spectrum(
     family: str, contact: Any, k: float, boundary: float | None, side: int
 ) -> None:
@@ -403,10 +427,18 @@ def test_growth_and_frequency_measured_from_motions_are_those_of_the_spectrum(
             if np.abs(part).max() < 1e-12:
                 continue
             runs = [
-                states(st.simulate(disk, contact, member + sign * 1e-6 * part, times,
-                                   tolerance=1e-15, method="dop853"))
+                states(
+                    st.simulate(
+                        disk,
+                        contact,
+                        member + sign * 1e-6 * part,
+                        times,
+                        tolerance=1e-15,
+                        method="dop853",
+                    )
+                )
                 for sign in (1, -1)
-            ]  # fmt: skip
+            ]
             motion += unit * (runs[0] - runs[1]) / 2e-6
         own = slice(0, len(mode))
         expected = (direction * np.exp(value * times)[:, None])[:, own]
@@ -432,8 +464,11 @@ def test_the_two_sides_of_a_boundary_have_the_verdicts_that_were_measured() -> N
 # --- refusals ---
 
 GOOD: dict[str, Any] = {
-    "disk": st.Disk(), "contact": st.Viscous(0.3), "start": LAUNCH, "times": 1.0,
-}  # fmt: skip
+    "disk": st.Disk(),
+    "contact": st.Viscous(0.3),
+    "start": LAUNCH,
+    "times": 1.0,
+}
 
 
 @pytest.mark.parametrize(

@@ -43,10 +43,16 @@ def test_1024_neighbours_end_alike_by_two_methods() -> None:
 
 @pytest.mark.parametrize(
     "law",
-    [st.Smooth(), st.Rough(), st.Viscous(0.3), st.Viscous(30.0), st.LinearViscous(0.5),
-     st.RegularisedCoulomb(0.3, 1e-3)],
+    [
+        st.Smooth(),
+        st.Rough(),
+        st.Viscous(0.3),
+        st.Viscous(30.0),
+        st.LinearViscous(0.5),
+        st.RegularisedCoulomb(0.3, 1e-3),
+    ],
     ids=lambda law: f"{law.name} {law.given}",
-)  # fmt: skip
+)
 def test_thousands_of_launches_account_for_themselves(law: Any) -> None:
     rng = np.random.default_rng(7)
     starts = rng.uniform([0.3, -1, -2, -2, -0.5, -0.5], [2.8, 1, 2, 2, 0.5, 0.5], (3000, 6))
@@ -55,8 +61,10 @@ def test_thousands_of_launches_account_for_themselves(law: Any) -> None:
     starts, k = attached(law, starts, rng.uniform(0.05, 0.5, 3000))
     run = st.simulate(st.Disk(k=k), law, starts, np.linspace(0, 20, 101), tolerance=1e-10)
     counts = Counter(BY_CODE[int(o)].word for o in run.outcome.values)
-    print(f"{law.name} {law.given}: {len(starts)} launches, {dict(counts)}, worst audit "
-          f"{float(run.energy_error.max()):.1e}")  # fmt: skip
+    print(
+        f"{law.name} {law.given}: {len(starts)} launches, {dict(counts)}, worst audit "
+        f"{float(run.energy_error.max()):.1e}"
+    )
     for name in (*STATES, "energy", "normal_force", "power", "audit"):
         assert np.isfinite(run[name].values).all()
     running = run.running.values == 1

@@ -21,8 +21,9 @@ def test_a_motion_ends_where_scipys_does(known: Known) -> None:
         dict(zip(known.states, start.tolist(), strict=True)),
         4.0,
     )
-    wanted = solve_ivp(lambda _, y: known.flow(y, values), (0, 4.0), start, method="DOP853",
-                       rtol=1e-13, atol=1e-14).y[:, -1]  # fmt: skip
+    wanted = solve_ivp(
+        lambda _, y: known.flow(y, values), (0, 4.0), start, method="DOP853", rtol=1e-13, atol=1e-14
+    ).y[:, -1]
     ended = np.array([float(run[n][-1]) for n in known.states])
     assert np.abs(ended - wanted).max() <= max(float(run.final_error), 1e-9)
     assert float(run.final_error) < 1e-4

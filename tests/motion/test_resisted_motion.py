@@ -17,24 +17,30 @@ RHO, SIGMA, DRAG = 0.03, 0.05, 0.02
 EVERY = (st.RollingResistance(RHO), st.PivotingResistance(SIGMA), st.AirTorque(DRAG))
 BODIES = {
     "torus": (
-        shapes.torus(1.0, 0.2, 1.03, 0.525), st.Torus(0.2), (1.3, 0.1, 0.4, 1.2, 0.1, -0.2),
+        shapes.torus(1.0, 0.2, 1.03, 0.525),
+        st.Torus(0.2),
+        (1.3, 0.1, 0.4, 1.2, 0.1, -0.2),
         (0.8, 6.0),
     ),
     "tippe top": (
         shapes.eccentric_sphere(0.15, 0.4, 0.4),
-        st.EccentricSphere(0.15, axial=0.4, transverse=0.4), (0.3, 0.0, 0.0, 4.0, 0.0, 0.0),
+        st.EccentricSphere(0.15, axial=0.4, transverse=0.4),
+        (0.3, 0.0, 0.0, 4.0, 0.0, 0.0),
         (1.0, 10.0),
     ),
     "through both poles": (
-        shapes.spheroid(1.0, 1.2, 0.4, 0.488), st.Spheroid(1.2), (0.8, -1.2, 0.0, 0.0, 0.1, 0.0),
+        shapes.spheroid(1.0, 1.2, 0.4, 0.488),
+        st.Spheroid(1.2),
+        (0.8, -1.2, 0.0, 0.0, 0.1, 0.0),
         (1.0, 8.0),
     ),
     "thick disk in SI": (
         shapes.thick_disk(0.3, 0.03, 0.09, 0.0456, 2.0, 9.81),
-        st.ThickDisk(0.2, mass=2.0, gravity=9.81, length=0.3), (1.2, 0.5, 2.0, 5.0, 0.1, 0.0),
+        st.ThickDisk(0.2, mass=2.0, gravity=9.81, length=0.3),
+        (1.2, 0.5, 2.0, 5.0, 0.1, 0.0),
         (0.15, 1.2),
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.few(4)
@@ -89,16 +95,22 @@ def test_the_energy_lost_is_the_power_of_the_resistance_along_the_run(kind: Any)
     half = np.diff(edges)[:, None] / 2
     times = edges[:-1, None] + half * (1 + nodes)
     run = st.simulate(
-        st.Disk(), st.Viscous(mu), {"theta": 1.45, "phi_dot": 0.3, "omega3": 1.6, "slip_y": 0.3},
-        np.append(times.ravel(), 6.0), resistance=kind(small), tolerance=1e-14, check=False,
-    )  # fmt: skip
+        st.Disk(),
+        st.Viscous(mu),
+        {"theta": 1.45, "phi_dot": 0.3, "omega3": 1.6, "slip_y": 0.3},
+        np.append(times.ravel(), 6.0),
+        resistance=kind(small),
+        tolerance=1e-14,
+        check=False,
+    )
     assert run.attrs["outcome"] == "moving"
     s, c, w = np.sin(run.theta), np.cos(run.theta), run.omega3 - run.phi_dot * np.cos(run.theta)
     level, vertical = run.theta_dot**2 + (w * s) ** 2, (run.phi_dot + w * c) ** 2
     turning = {
         st.RollingResistance: run.normal_force * level,
-        st.PivotingResistance: run.normal_force * vertical, st.AirTorque: level + vertical,
-    }[kind]  # fmt: skip
+        st.PivotingResistance: run.normal_force * vertical,
+        st.AirTorque: level + vertical,
+    }[kind]
     power = small * turning + mu * run.normal_force * (run.slip_x**2 + run.slip_y**2)
     shares = power.values[:-1].reshape(times.shape) * weights * half
     lost = _energy([1.45, 0.0, 0.3, 1.6, 0.0, 0.3]) - float(run.energy[-1])
@@ -139,17 +151,25 @@ def test_numbers_in_si_are_those_without_units() -> None:
     small, large = np.array([0.01, 0.03]), st.AirTorque(0.02)
     start = [1.4, 0.1, 0.3, 1.2, 0.1, 0.0]
     bare = st.simulate(
-        st.Torus(0.2), st.Viscous(0.3), start, 4.0, check=False,
+        st.Torus(0.2),
+        st.Viscous(0.3),
+        start,
+        4.0,
+        check=False,
         resistance=[st.RollingResistance(small), large],
-    )  # fmt: skip
+    )
     six = np.array(start) / [1, time, time, time, time / length, time / length]
     si = st.simulate(
-        st.Torus(0.2, **units), st.Viscous(0.3 * time / length), six, 4.0 * time, check=False,
+        st.Torus(0.2, **units),
+        st.Viscous(0.3 * time / length),
+        six,
+        4.0 * time,
+        check=False,
         resistance=[
             st.RollingResistance(small * length * time),
             st.AirTorque(0.02 * mass * gravity * length * time),
         ],
-    )  # fmt: skip
+    )
     assert bare.theta.shape == si.theta.shape == (2, 201)
     assert si.theta.values == pytest.approx(bare.theta.values, abs=1e-8)
     assert si.omega3.values * time == pytest.approx(bare.omega3.values, abs=1e-8)

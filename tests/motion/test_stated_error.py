@@ -66,11 +66,15 @@ def test_hard_launches_state_an_error_that_is_not_too_small(case: Any) -> None:
 @pytest.mark.filterwarnings("ignore::stability.StabilityWarning")  # the coarsest has no bound
 @pytest.mark.parametrize(
     ("tolerance", "cases"),
-    [(1e-4, STORED[:1]),
-     *[pytest.param(t, STORED[:2], marks=pytest.mark.long)
-       for t in (1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)]],
+    [
+        (1e-4, STORED[:1]),
+        *[
+            pytest.param(t, STORED[:2], marks=pytest.mark.long)
+            for t in (1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+        ],
+    ],
     ids=lambda v: str(len(v)) if isinstance(v, list) else None,
-)  # fmt: skip
+)
 def test_a_stiff_launch_at_every_tolerance(tolerance: float, cases: list[Any]) -> None:
     for case in cases:
         check(asked(case, tolerance, "auto"), case)
@@ -99,9 +103,14 @@ def campaign() -> Any:
 def test_a_verdict_of_the_campaign_can_be_each_of_its_words() -> None:
     verdict = campaign().verdict
     good = {
-        "outcome": "moving", "truth": "moving", "truth_error": 0.0, "error": 1e-9, "stated": 2e-9,
-        "late": 0.0, "stated_time": 0.0,
-    }  # fmt: skip
+        "outcome": "moving",
+        "truth": "moving",
+        "truth_error": 0.0,
+        "error": 1e-9,
+        "stated": 2e-9,
+        "late": 0.0,
+        "stated_time": 0.0,
+    }
     assert verdict(good) == "right"
     assert verdict(good | {"error": 3e-9}) == "below"
     assert verdict(good | {"truth": "lift-off"}) == "wrong"

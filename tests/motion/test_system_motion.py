@@ -30,8 +30,9 @@ def test_a_pendulum_follows_jacobis_functions(method: str) -> None:
     g, amplitude = 9.81, 2.5
     modulus = math.sin(amplitude / 2) ** 2
     times = np.linspace(0, 7, 36)
-    run = st.simulate(pendulum(), {"g": g, "c": 0}, {"angle": amplitude, "rate": 0}, times,
-                      method=method)  # fmt: skip
+    run = st.simulate(
+        pendulum(), {"g": g, "c": 0}, {"angle": amplitude, "rate": 0}, times, method=method
+    )
     sn = ellipj(ellipk(modulus) - math.sqrt(g) * times, modulus)[0]
     exact = 2 * np.arcsin(math.sin(amplitude / 2) * sn)
     error = abs(run.angle.values - exact).max()
@@ -110,8 +111,9 @@ def test_backwards_nothing_settles() -> None:
 
 def test_damped_pendulum_settles_and_time_is_that_of_the_samples() -> None:
     system = pendulum()
-    run = st.simulate(system, {"g": 1.0, "c": 0.2}, {"angle": 1.0, "rate": 0.0}, 120.0,
-                      families=hanging(system))  # fmt: skip
+    run = st.simulate(
+        system, {"g": 1.0, "c": 0.2}, {"angle": 1.0, "rate": 0.0}, 120.0, families=hanging(system)
+    )
     assert outcome(run) == "settled"
     since = float(run.settled_time)
     far = np.hypot(run.angle.values, run.rate.values)
@@ -130,8 +132,9 @@ def test_an_undamped_pendulum_near_rest_is_not_settled() -> None:
 def test_a_member_that_is_solved_for_attracts_too() -> None:
     """ẋ = p - x³, ẏ = x - y: the member (∛p, ∛p) stands alone, known by its root-finder."""
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
-    s = st.System("cube", x, p, ca.vertcat(p - x[0] ** 3, x[0] - x[1]), states=("x", "y"),
-                  parameters=("p",))  # fmt: skip
+    s = st.System(
+        "cube", x, p, ca.vertcat(p - x[0] ** 3, x[0] - x[1]), states=("x", "y"), parameters=("p",)
+    )
     family = st.Family(s, "rest", at=("p",), unknown={"x": 1.0, "y": 1.0}, equations=("x", "y"))
     run = st.simulate(s, [2.0], [0.5, -1.0], 20.0, families=family)
     assert outcome(run) == "settled"
@@ -141,8 +144,9 @@ def test_a_member_that_is_solved_for_attracts_too() -> None:
 def test_a_family_found_along_a_state_is_near_but_never_settled_on() -> None:
     """ẋ = 0, ẏ = x² + 1 - y: members (x, x² + 1) found by a root-finder along x."""
     x = ca.SX.sym("x", 2)
-    s = st.System("slide", x, ca.SX(0, 1), ca.vertcat(0 * x[0], x[0] ** 2 + 1 - x[1]),
-                  states=("x", "y"))  # fmt: skip
+    s = st.System(
+        "slide", x, ca.SX(0, 1), ca.vertcat(0 * x[0], x[0] ** 2 + 1 - x[1]), states=("x", "y")
+    )
     family = st.Family(s, "floor", at=("x",), unknown={"y": 1.0}, equations=("y",))
     run = st.simulate(s, None, [0.5, 3.0], 40.0, families=family)
     assert outcome(run) == "moving"
@@ -173,8 +177,9 @@ def test_a_condition_ends_a_run_where_it_reaches_zero(method: str) -> None:
     """A falling body over a floor: z = 1 - t²/2 reaches 0.2 at √1.6."""
     x = ca.SX.sym("x", 2)
     floor = st.Condition(x[0] - 0.2, "z - 0.2 = {value:.3g} is not positive")
-    s = st.System("fall", x, ca.SX(0, 1), ca.vertcat(x[1], -1), states=("z", "w"),
-                  conditions=(floor,))  # fmt: skip
+    s = st.System(
+        "fall", x, ca.SX(0, 1), ca.vertcat(x[1], -1), states=("z", "w"), conditions=(floor,)
+    )
     run = st.simulate(s, None, [1.0, 0.0], 3.0, method=method)
     assert outcome(run) == "domain-end"
     assert abs(float(run.end_time) - math.sqrt(1.6)) <= float(run.end_time_error) + 1e-12
@@ -188,8 +193,15 @@ def test_a_dip_between_steps_is_seen() -> None:
     """A spring's guard that is negative for 2 % of a period, between samples and steps."""
     x, h = ca.SX.sym("x", 2), ca.SX.sym("h")
     lowest = st.Condition(x[0] + h, "x + h = {value:.3g} is not positive")
-    s = st.System("spring", x, h, ca.vertcat(x[1], -x[0]), states=("x", "v"), parameters=("h",),
-                  conditions=(lowest,))  # fmt: skip
+    s = st.System(
+        "spring",
+        x,
+        h,
+        ca.vertcat(x[1], -x[0]),
+        states=("x", "v"),
+        parameters=("h",),
+        conditions=(lowest,),
+    )
     h0 = math.cos(0.02 * math.pi)
     for method in ("heyoka", "dop853", "lsoda", "cvodes"):
         run = st.simulate(s, [h0], [1.0, 0.0], [6.0], method=method, tolerance=1e-6)
@@ -206,8 +218,12 @@ def test_many_launches_agree_with_each_alone_and_hold_their_parameters() -> None
     assert run.g.values[0].tolist() == [1.0, 2.0, 3.0]
     for i in range(2):
         for j in range(3):
-            own = st.simulate(system, {"g": g[0, j], "c": 0.1},
-                              {"angle": start["angle"][i, 0], "rate": 0.0}, [1.0, 4.0])  # fmt: skip
+            own = st.simulate(
+                system,
+                {"g": g[0, j], "c": 0.1},
+                {"angle": start["angle"][i, 0], "rate": 0.0},
+                [1.0, 4.0],
+            )
             assert np.allclose(own.angle.values, run.angle.values[i, j], atol=1e-9)
 
 
@@ -243,9 +259,15 @@ def test_a_system_without_energy_has_no_account() -> None:
 
 def test_a_wrong_power_is_noticed() -> None:
     x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
-    s = st.System("spring", x, c, ca.vertcat(x[1], -x[0] - c * x[1]), states=("q", "v"),
-                  parameters=("c",),
-                  observables={"energy": ca.sumsqr(x) / 2, "power": 2 * c * x[1] ** 2})  # fmt: skip
+    s = st.System(
+        "spring",
+        x,
+        c,
+        ca.vertcat(x[1], -x[0] - c * x[1]),
+        states=("q", "v"),
+        parameters=("c",),
+        observables={"energy": ca.sumsqr(x) / 2, "power": 2 * c * x[1] ** 2},
+    )
     run = st.simulate(s, [0.5], [1.0, 0.0], 5.0)
     assert outcome(run) == "unresolved"
     assert "energy account fails" in str(run.evidence.values)
@@ -260,8 +282,9 @@ def test_an_energy_of_zero_is_no_failure() -> None:
 
 def test_a_function_without_taylor_series_goes_another_way() -> None:
     x = ca.SX.sym("x", 2)
-    s = st.System("bounce", x, ca.SX(0, 1), ca.vertcat(x[1], -ca.fabs(x[0]) * x[0]),
-                  states=("x", "v"))  # fmt: skip
+    s = st.System(
+        "bounce", x, ca.SX(0, 1), ca.vertcat(x[1], -ca.fabs(x[0]) * x[0]), states=("x", "v")
+    )
     run = st.simulate(s, None, [1.0, 0.0], 5.0)
     assert str(run.method.values) != "heyoka"
     with pytest.raises(st.StabilityError, match="method is 'heyoka', but"):
@@ -278,21 +301,60 @@ REFUSED: list[tuple[str, Callable[[], Any], str]] = [
     ("width", lambda: st.simulate(PENDULUM, [1, 0], [1, 0, 0], 1.0), "must hold 2 values"),
     ("pose", lambda: st.simulate(PENDULUM, [1, 0], [1, 0], 1.0, pose=True), "only a disk"),
     ("mass", lambda: st.simulate(PENDULUM, [1, 0], [1, 0], 1.0, method="idas"), "mass matrix"),
-    ("other's", lambda: st.simulate(
-        PENDULUM, [1, 0], [1, 0], 1.0, families=hanging(OTHER)), "another system"),
+    (
+        "other's",
+        lambda: st.simulate(PENDULUM, [1, 0], [1, 0], 1.0, families=hanging(OTHER)),
+        "another system",
+    ),
     ("no family", lambda: st.simulate(PENDULUM, [1, 0], [1, 0], 1.0, families=[3]), "families is"),
-    ("disk", lambda: st.simulate(
-        st.Disk(), st.Smooth(), {"theta": 1.0}, 1.0, families=[hanging(PENDULUM)]), "leave them"),
-    ("shapes", lambda: st.simulate(
-        PENDULUM, {"g": [1, 2], "c": 0}, {"angle": [1, 2, 3], "rate": 0}, 1.0), "shape"),
-    ("outside", lambda: st.simulate(
-        st.System("half", PENDULUM.x, PENDULUM.p, PENDULUM.rhs, states=("q", "v"),
-                  parameters=("g", "c"), conditions=(st.Condition(PENDULUM.x[0], "q = {value}"),)),
-        [1, 0], [-1.0, 0], 1.0), "start: q = -1.0"),
-    ("taken", lambda: st.simulate(
-        st.System("t", PENDULUM.x, PENDULUM.p, PENDULUM.rhs, states=("time", "v"),
-                  parameters=("g", "c")), [1, 0], [1.0, 0], 1.0), "called 'time'"),
-]  # fmt: skip
+    (
+        "disk",
+        lambda: st.simulate(
+            st.Disk(), st.Smooth(), {"theta": 1.0}, 1.0, families=[hanging(PENDULUM)]
+        ),
+        "leave them",
+    ),
+    (
+        "shapes",
+        lambda: st.simulate(PENDULUM, {"g": [1, 2], "c": 0}, {"angle": [1, 2, 3], "rate": 0}, 1.0),
+        "shape",
+    ),
+    (
+        "outside",
+        lambda: st.simulate(
+            st.System(
+                "half",
+                PENDULUM.x,
+                PENDULUM.p,
+                PENDULUM.rhs,
+                states=("q", "v"),
+                parameters=("g", "c"),
+                conditions=(st.Condition(PENDULUM.x[0], "q = {value}"),),
+            ),
+            [1, 0],
+            [-1.0, 0],
+            1.0,
+        ),
+        "start: q = -1.0",
+    ),
+    (
+        "taken",
+        lambda: st.simulate(
+            st.System(
+                "t",
+                PENDULUM.x,
+                PENDULUM.p,
+                PENDULUM.rhs,
+                states=("time", "v"),
+                parameters=("g", "c"),
+            ),
+            [1, 0],
+            [1.0, 0],
+            1.0,
+        ),
+        "called 'time'",
+    ),
+]
 
 
 @pytest.mark.parametrize(("call", "words"), [c[1:] for c in REFUSED], ids=[c[0] for c in REFUSED])
@@ -346,9 +408,15 @@ def bare(rhs: Callable[[Any], Any], *names: str, **words: Any) -> st.System:
     return st.System("bare", x, ca.SX(0, 1), ca.SX(ca.vertcat(*rhs(x))), states=names, **words)
 
 
-@pytest.mark.parametrize(("centre", "width", "last", "tolerance"), [
-    (10, 0.1, 20.0, 1e-9), (50, 1.0, 75.0, 1e-4), (20, 0.5, 30.0, 1e-4), (50, 0.5, 75.0, 1e-12),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("centre", "width", "last", "tolerance"),
+    [
+        (10, 0.1, 20.0, 1e-9),
+        (50, 1.0, 75.0, 1e-4),
+        (20, 0.5, 30.0, 1e-4),
+        (50, 0.5, 75.0, 1e-12),
+    ],
+)
 def test_a_pulse_that_is_flat_at_the_start_is_not_stepped_over(
     centre: float, width: float, last: float, tolerance: float
 ) -> None:

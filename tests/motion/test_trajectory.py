@@ -29,9 +29,15 @@ def states(run: Any) -> Any:
 
 @pytest.mark.parametrize(
     ("contact", "start"),
-    [(st.Viscous(0.3), LAUNCH), (st.LinearViscous(0.3), LAUNCH), (st.Smooth(), LAUNCH),
-     (st.Rough(), LAUNCH), (st.Coulomb(0.15), DRY), (st.RegularisedCoulomb(0.15, 1e-3), DRY)],
-)  # fmt: skip
+    [
+        (st.Viscous(0.3), LAUNCH),
+        (st.LinearViscous(0.3), LAUNCH),
+        (st.Smooth(), LAUNCH),
+        (st.Rough(), LAUNCH),
+        (st.Coulomb(0.15), DRY),
+        (st.RegularisedCoulomb(0.15, 1e-3), DRY),
+    ],
+)
 @pytest.mark.parametrize(("last", "count"), [(1, 3), pytest.param(8, 33, marks=pytest.mark.long)])
 def test_every_law_comes_back_whole_from_a_file(
     contact: Any, start: Any, last: float, count: int, tmp_path: Path
@@ -131,9 +137,8 @@ def test_a_batch_is_its_launches_one_by_one() -> None:
     rng = np.random.default_rng(2)
     starts = np.array(LAUNCH) + rng.uniform(-0.25, 0.25, (12, 6))
     keep = [
-        s for s in starts
-        if st.disk_system("viscous").observe(s, [0.25, 0.3])["normal_force"] > 0
-    ]  # fmt: skip
+        s for s in starts if st.disk_system("viscous").observe(s, [0.25, 0.3])["normal_force"] > 0
+    ]
     times = np.linspace(0, 40, 9)
     many = st.simulate(st.Disk(), st.Viscous(0.3), keep, times, tolerance=1e-11)
     assert set(many.outcome.values.tolist()) >= {Outcome.LIFT_OFF.code}
@@ -166,23 +171,31 @@ def test_parameters_broadcast_over_leading_axes() -> None:
     assert run.theta.shape == (2, 3, 2)
     assert run.mu.shape == run.k.shape == run.outcome.shape == (2, 3)
     one = st.simulate(
-        st.Disk(k=0.5, radius=2.0, gravity=9.81), st.Viscous(0.4), [1.2, 0, 0.5, 0.5, 0, 0],
+        st.Disk(k=0.5, radius=2.0, gravity=9.81),
+        st.Viscous(0.4),
+        [1.2, 0, 0.5, 0.5, 0, 0],
         [0.5, 1.0],
-    )  # fmt: skip
+    )
     assert np.allclose(run.theta[1, 2], one.theta, atol=1e-8)
 
 
 def test_bodies_of_several_time_scales_share_a_batch() -> None:
     radii = np.array([0.5, 1.0, 4.0])
     many = st.simulate(
-        st.Disk(radius=radii), st.Viscous(0.3), [1.2, 0, 0.5, 0.5, 0, 0], [0.5, 1.5],
+        st.Disk(radius=radii),
+        st.Viscous(0.3),
+        [1.2, 0, 0.5, 0.5, 0, 0],
+        [0.5, 1.5],
         tolerance=1e-11,
-    )  # fmt: skip
+    )
     for i, radius in enumerate(radii):
         one = st.simulate(
-            st.Disk(radius=radius), st.Viscous(0.3), [1.2, 0, 0.5, 0.5, 0, 0], [0.5, 1.5],
+            st.Disk(radius=radius),
+            st.Viscous(0.3),
+            [1.2, 0, 0.5, 0.5, 0, 0],
+            [0.5, 1.5],
             tolerance=1e-11,
-        )  # fmt: skip
+        )
         assert np.allclose(states(many.isel(launch=i)), states(one), atol=1e-9)
 
 
@@ -209,9 +222,12 @@ def test_other_files_are_refused_in_one_sentence(tmp_path: Path) -> None:
     a_run = st.write_motion(run, tmp_path / "run.nc")
     (tmp_path / "text.nc").write_text("no")
     for reader, path in (
-        (st.read_motion, a_map), (st.read_map, a_run), (st.read_motion, tmp_path / "text.nc"),
-        (st.read_motion, tmp_path / "none.nc"), (st.read_motion, tmp_path),
-    ):  # fmt: skip
+        (st.read_motion, a_map),
+        (st.read_map, a_run),
+        (st.read_motion, tmp_path / "text.nc"),
+        (st.read_motion, tmp_path / "none.nc"),
+        (st.read_motion, tmp_path),
+    ):
         with pytest.raises(st.StabilityError) as caught:
             reader(path)
         assert "\n" not in str(caught.value)
@@ -246,7 +262,8 @@ def test_every_launch_keeps_its_start_also_without_a_sample_at_time_0(
     again = st.simulate(disk, st.Viscous(0.3), found.values, [0.5, 1.0])
     assert np.allclose(again.theta, many.theta, rtol=1e-8)
     x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
-    system = st.System("own", x, c, ca.vertcat(x[1], -x[0] - c * x[1]), states=("q", "v"),
-                       parameters=("c",))  # fmt: skip
+    system = st.System(
+        "own", x, c, ca.vertcat(x[1], -x[0] - c * x[1]), states=("q", "v"), parameters=("c",)
+    )
     own = st.simulate(system, {"c": 0.1}, {"q": [0.1, 0.2], "v": 1.0}, [1.0])
     assert own.start_state.values.tolist() == [[0.1, 1.0], [0.2, 1.0]]

@@ -13,8 +13,14 @@ from tests.tools.similarity import powers, size
 
 SCALES = (0.6, 0.04, 3.0)
 """Mass, length and gravity."""
-START = {"theta": (1.3, "rad"), "theta_dot": (0.05, "rad/s"), "phi_dot": (0.4, "rad/s"),
-         "omega3": (2.0, "rad/s"), "slip_x": (0.3, "m/s"), "slip_y": (-0.1, "m/s")}  # fmt: skip
+START = {
+    "theta": (1.3, "rad"),
+    "theta_dot": (0.05, "rad/s"),
+    "phi_dot": (0.4, "rad/s"),
+    "omega3": (2.0, "rad/s"),
+    "slip_x": (0.3, "m/s"),
+    "slip_y": (-0.1, "m/s"),
+}
 RESISTANCES = {
     "none": (None, 0.0, "1"),
     "rolling": (st.RollingResistance, 0.02, "m"),
@@ -53,10 +59,17 @@ def launched(body: str, resistance: str, *, dimensionless: bool) -> xarray.Datas
     return st.simulate(made, law, start, np.linspace(0, 3, 7) * one("s"), **more)
 
 
-@pytest.mark.parametrize(("body", "resistance"), [
-    ("disk", "none"), ("torus", "none"), ("egg", "none"), ("torus", "rolling"),
-    ("torus", "pivoting"), ("egg", "air"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("body", "resistance"),
+    [
+        ("disk", "none"),
+        ("torus", "none"),
+        ("egg", "none"),
+        ("torus", "rolling"),
+        ("torus", "pivoting"),
+        ("egg", "air"),
+    ],
+)
 def test_every_series_has_the_size_of_its_unit(body: str, resistance: str) -> None:
     plain, scaled = (launched(body, resistance, dimensionless=d) for d in (True, False))
     seen = 0
@@ -83,10 +96,15 @@ def test_fates_of_launches_are_similar(body: str) -> None:
         shape = {"torus": (0.3,), "egg": (1.4,)}.get(body, ())
         made: Any = kind(*shape, mass=mass, gravity=gravity, **{length: size_})
         thing = {"disk": made} if body == "disk" else {"body": made}
-        found.append(st.basins(
-            x=("omega3", 0.1 * rate, 4 * rate, 3), y=("theta", 1.2, 1.55, 2), horizon=40 * time,
-            contact=st.Viscous(mu), **thing,
-        ))  # fmt: skip
+        found.append(
+            st.basins(
+                x=("omega3", 0.1 * rate, 4 * rate, 3),
+                y=("theta", 1.2, 1.55, 2),
+                horizon=40 * time,
+                contact=st.Viscous(mu),
+                **thing,
+            )
+        )
     plain, scaled = found
     assert (plain.outcome == scaled.outcome.values).all()
     assert (plain.family == scaled.family.values).all()

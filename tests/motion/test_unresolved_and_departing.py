@@ -27,8 +27,9 @@ def pitchfork() -> tuple[st.System, st.Family, st.Family]:
     x, r = ca.SX.sym("x"), ca.SX.sym("r")
     system = st.System("fork", x, r, r * x - x**3, states=("x",), parameters=("r",))
     zero = st.Family(system, "zero", at=("r",), held={"x": 0})
-    side = st.Family(system, "side", at=("r",), unknown={"x": 1.0}, equations=("x",),
-                     positive=("x",))  # fmt: skip
+    side = st.Family(
+        system, "side", at=("r",), unknown={"x": 1.0}, equations=("x",), positive=("x",)
+    )
     return system, zero, side
 
 
@@ -57,10 +58,16 @@ def test_a_motion_departs_from_an_unstable_member_and_says_how_far() -> None:
     )
 
 
-@pytest.mark.parametrize(("c", "start", "last", "why"), [
-    (-0.5, 1e-3, 10.0, "stable"), (0.5, 1e-3, 2.0, "grown by e only"), (0.0, 1.0, 10.0, "still"),
-    (0.5, 1e-6, 5.0, "within settle"), (0.5, 0.0, 10.0, "on the member itself"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("c", "start", "last", "why"),
+    [
+        (-0.5, 1e-3, 10.0, "stable"),
+        (0.5, 1e-3, 2.0, "grown by e only"),
+        (0.0, 1.0, 10.0, "still"),
+        (0.5, 1e-6, 5.0, "within settle"),
+        (0.5, 0.0, 10.0, "on the member itself"),
+    ],
+)
 def test_no_other_motion_departs(c: float, start: float, last: float, why: str) -> None:
     system, rest = growing()
     run = st.simulate(system, {"c": c}, {"x": start}, last, families=rest)
@@ -92,8 +99,14 @@ def test_the_phase_of_a_swing_is_no_departure(c: float, departs: bool) -> None:
 def test_no_departure_is_told_where_the_error_hides_it() -> None:
     _, rest = growing()
     ends = np.array([[0.2], [0.2]])
-    found = departures(system_settling((rest,)), ends / 100, ends, np.array([[0.5], [0.5]]), 1e-3,
-                       np.array([0.1, 0.199]))  # fmt: skip
+    found = departures(
+        system_settling((rest,)),
+        ends / 100,
+        ends,
+        np.array([[0.5], [0.5]]),
+        1e-3,
+        np.array([0.1, 0.199]),
+    )
     assert [bool(words) for words in found] == [True, False]
 
 
@@ -102,9 +115,11 @@ def test_no_departure_is_told_where_the_error_hides_it() -> None:
 
 @pytest.mark.parametrize(
     "method",
-    [pytest.param(m, marks=[pytest.mark.long] * (m in ("auto", "radau", "bdf", "cvodes")))
-     for m in METHODS],
-)  # fmt: skip
+    [
+        pytest.param(m, marks=[pytest.mark.long] * (m in ("auto", "radau", "bdf", "cvodes")))
+        for m in METHODS
+    ],
+)
 def test_an_overflow_is_told_in_words_with_a_remedy(method: str) -> None:
     system, rest = growing()
     run = st.simulate(system, {"c": 1.0}, {"x": 1.0}, 1000.0, families=rest, method=method)
@@ -143,10 +158,19 @@ def test_a_pole_in_time_is_told_in_words_and_no_limit_is_blamed(method: str) -> 
 @pytest.mark.parametrize("method", ["auto", "dop853"])
 def test_a_launch_that_overflows_spoils_no_other_of_its_batch(method: str) -> None:
     system, rest = growing()
-    run = st.simulate(system, {"c": 1.0}, {"x": [1.0, 1e99, 1e-3]}, 60.0 + np.arange(100.0),
-                      families=rest, method=method)  # fmt: skip
-    assert run.outcome.values.tolist() == [st.Outcome.MOVING.code, st.Outcome.UNRESOLVED.code,
-                                           st.Outcome.MOVING.code]  # fmt: skip
+    run = st.simulate(
+        system,
+        {"c": 1.0},
+        {"x": [1.0, 1e99, 1e-3]},
+        60.0 + np.arange(100.0),
+        families=rest,
+        method=method,
+    )
+    assert run.outcome.values.tolist() == [
+        st.Outcome.MOVING.code,
+        st.Outcome.UNRESOLVED.code,
+        st.Outcome.MOVING.code,
+    ]
     assert np.isfinite(run.x.values).all()
     assert float(run.x[0, -1]) == pytest.approx(math.exp(159), rel=1e-5)
     assert np.isfinite(run.final_error.values).tolist() == [True, False, True]
@@ -174,8 +198,11 @@ def test_a_motion_that_turns_stiff_is_run_by_an_implicit_method() -> None:
 def test_a_motion_that_is_stiff_only_on_its_way_is_run_by_an_implicit_method() -> None:
     """The Oregonator at a coarse tolerance: right is 1.0008149, by SciPy's Radau at 1e-11."""
     y = ca.SX.sym("y", 3)
-    rates = ca.vertcat(77.27 * (y[1] + y[0] * (1 - 8.375e-6 * y[0] - y[1])),
-                       (y[2] - (1 + y[0]) * y[1]) / 77.27, 0.161 * (y[0] - y[2]))  # fmt: skip
+    rates = ca.vertcat(
+        77.27 * (y[1] + y[0] * (1 - 8.375e-6 * y[0] - y[1])),
+        (y[2] - (1 + y[0]) * y[1]) / 77.27,
+        0.161 * (y[0] - y[2]),
+    )
     system = st.System("oregonator", y, ca.SX(0, 1), rates, states=("x", "y", "z"), parameters=())
     run = st.simulate(system, None, [1.0, 2.0, 3.0], 360.0, tolerance=1e-4, max_steps=100_000)
     assert run.attrs["outcome"] == "moving"

@@ -40,14 +40,25 @@ def question(seed: int) -> Question:
     draw = random.Random(f"algebraic {seed}")
     kind = draw.choice(["turn", "turn", "root", "cubic", "cubic", "hyperbola", "gap"])
     with mpmath.workdps(DIGITS):
-        return {"turn": _turn, "root": _root, "cubic": _cubic, "hyperbola": _hyperbola,
-                "gap": _gap}[kind](draw)  # fmt: skip
+        return {
+            "turn": _turn,
+            "root": _root,
+            "cubic": _cubic,
+            "hyperbola": _hyperbola,
+            "gap": _gap,
+        }[kind](draw)
 
 
 def _asked(
-    draw: random.Random, kind: str, truth: Value, value: Value, zeros: list[Any], axis: Any,
-    relation: Callable[[Any, Any], Any] | None = None, **options: Any,
-) -> Question:  # fmt: skip
+    draw: random.Random,
+    kind: str,
+    truth: Value,
+    value: Value,
+    zeros: list[Any],
+    axis: Any,
+    relation: Callable[[Any, Any], Any] | None = None,
+    **options: Any,
+) -> Question:
     """A family in which `value` of (axis or unknown) is planted; `truth` is of the axis alone."""
     p, u, x = ca.SX.sym("p"), ca.SX.sym("u"), ca.SX.sym("x", 4)
     shape = draw.choice(["real", "real", "pair"])
@@ -60,8 +71,9 @@ def _asked(
         rates = hidden(value(ca.vertcat(u, p), ca), shape) @ x
         both = ca.vertcat(rates, relation(u, p))
         system = st.System("planted", ca.vertcat(x, u), p, both, (*words, "u"), ("p",))
-        family = st.Family(system, "solved", ("p",), held=dict.fromkeys(words, 0.0),
-                           equations=("u",), **options)  # fmt: skip
+        family = st.Family(
+            system, "solved", ("p",), held=dict.fromkeys(words, 0.0), equations=("u",), **options
+        )
     low, high = axis
     inside = sorted(z for z in zeros if low <= z <= high)
     return Question(family, ("p", low, high, 3), [truth], inside, lambda p: p, False, kind)
@@ -72,8 +84,14 @@ def _turn(draw: random.Random) -> Question:
     parts: list[tuple[str, int, float, int]] = []
     for _ in range(draw.choice([1, 1, 2])):
         r = draw.choice([0.0, 0.5, -0.5, 1.0, -1.0, 0.75, 0.3, 1.5])
-        parts.append((draw.choice(["sin", "cos"]), draw.choice([1, 1, 2, 3]), r,
-                      1 if abs(r) == 1 else draw.choice([1, 1, 2])))  # fmt: skip
+        parts.append(
+            (
+                draw.choice(["sin", "cos"]),
+                draw.choice([1, 1, 2, 3]),
+                r,
+                1 if abs(r) == 1 else draw.choice([1, 1, 2]),
+            )
+        )
     size = draw.choice([1.0, -1.0, 0.25])
 
     def value(p: Any, f: Any) -> Any:
@@ -110,8 +128,13 @@ def _polynomial(draw: random.Random) -> Any:
     """A polynomial in u, with some double zeros."""
     out = sympy.Integer(draw.choice([1, -1]))
     for _ in range(draw.choice([1, 2])):
-        one = draw.choice([U - sympy.Rational(draw.randint(-6, 6), 4),
-                           U**2 - draw.randint(1, 3), U**3 - U - draw.randint(-1, 1)])  # fmt: skip
+        one = draw.choice(
+            [
+                U - sympy.Rational(draw.randint(-6, 6), 4),
+                U**2 - draw.randint(1, 3),
+                U**3 - U - draw.randint(-1, 1),
+            ]
+        )
         out *= one ** draw.choice([1, 1, 2])
     return sympy.expand(out)
 
@@ -132,8 +155,16 @@ def _cubic(draw: random.Random) -> Question:
         return at(min(roots, key=lambda r: abs(mpmath.im(r))).real)
 
     zeros = [mpmath.mpf(str(sympy.N(r, DIGITS + 10))) for r in sympy.Poly(poly, U).real_roots()]
-    return _asked(draw, "cubic", truth, lambda v, _: at(v[0]), [u**3 + k * u for u in set(zeros)],
-                  (-3.0, 5.0), lambda u, p: p - u**3 - k * u, unknown={"u": 0.3})  # fmt: skip
+    return _asked(
+        draw,
+        "cubic",
+        truth,
+        lambda v, _: at(v[0]),
+        [u**3 + k * u for u in set(zeros)],
+        (-3.0, 5.0),
+        lambda u, p: p - u**3 - k * u,
+        unknown={"u": 0.3},
+    )
 
 
 def _hyperbola(draw: random.Random) -> Question:
@@ -151,22 +182,37 @@ def _hyperbola(draw: random.Random) -> Question:
         if abs(mpmath.sqrt(p * p + k) - a * p - b) < 1e-40:
             zeros.append(p)
     return _asked(
-        draw, "hyperbola", lambda p, _: (mpmath.sqrt(p * p + k) - a * p - b) ** power,
-        lambda v, _: (v[0] - a * v[1] - b) ** power, zeros, (-3.0, 3.0),
-        lambda u, p: p * p + k - u * u, unknown={"u": 2.0}, positive=("u",),
-    )  # fmt: skip
+        draw,
+        "hyperbola",
+        lambda p, _: (mpmath.sqrt(p * p + k) - a * p - b) ** power,
+        lambda v, _: (v[0] - a * v[1] - b) ** power,
+        zeros,
+        (-3.0, 3.0),
+        lambda u, p: p * p + k - u * u,
+        unknown={"u": 2.0},
+        positive=("u",),
+    )
 
 
 def _gap(draw: random.Random) -> Question:
     """U² = (p - 1) (p - 2) with u > 0: no member from 1 to 2."""
     r = draw.choice([0.5, 1.0, 0.25, 3.0])
-    zeros = [mpmath.mpf(1.5) + s * mpmath.sqrt(mpmath.mpf(0.25) + mpmath.mpf(r) ** 2)
-             for s in (1, -1)]  # fmt: skip
+    zeros = [
+        mpmath.mpf(1.5) + s * mpmath.sqrt(mpmath.mpf(0.25) + mpmath.mpf(r) ** 2) for s in (1, -1)
+    ]
 
     def truth(p: Any, _: Any) -> Any:
         square = (p - 1) * (p - 2)
         return mpmath.sqrt(square) - r if square >= 0 else mpmath.mpf(-r)
 
-    return _asked(draw, "gap", truth, lambda v, _: v[0] - r, zeros, (-1.0, 4.0),
-                  lambda u, p: (p - 1) * (p - 2) - u * u, unknown={"u": 1.0},
-                  positive=("u",))  # fmt: skip
+    return _asked(
+        draw,
+        "gap",
+        truth,
+        lambda v, _: v[0] - r,
+        zeros,
+        (-1.0, 4.0),
+        lambda u, p: (p - 1) * (p - 2) - u * u,
+        unknown={"u": 1.0},
+        positive=("u",),
+    )

@@ -47,11 +47,13 @@ class Motion:
 def rotation(q: Array) -> Array:
     """Rotation matrix of a quaternion of any length (scalar part first)."""
     w, x, y, z = q / norm(q)
-    return np.array([
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ])  # fmt: skip
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
 
 
 def quaternion(matrix: Array) -> Array:
@@ -110,9 +112,14 @@ def move(body: ConvexBody, law: Law, start: Pose, times: Any, tolerance: float =
     events = sliding if law.name == "coulomb" else None
     for begin, end in zip(times[:-1], times[1:], strict=True):
         leg = solve_ivp(
-            lambda _, y: rates(y), (begin, end), values, "DOP853",
-            rtol=tolerance, atol=tolerance, events=events,
-        )  # fmt: skip
+            lambda _, y: rates(y),
+            (begin, end),
+            values,
+            "DOP853",
+            rtol=tolerance,
+            atol=tolerance,
+            events=events,
+        )
         if leg.status:
             raise ArithmeticError(leg.message if leg.status < 0 else "the contact begins to stick")
         values = leg.y[:, -1]

@@ -228,9 +228,14 @@ def cap_arcs(radius: Any, angle: Any) -> list[Arc]:
 
 
 def cap(
-    radius: Any, angle: Any, centre: Any, axial: Any, transverse: Any,
-    mass: Any = 1, gravity: Any = 1,
-) -> ConvexBody:  # fmt: skip
+    radius: Any,
+    angle: Any,
+    centre: Any,
+    axial: Any,
+    transverse: Any,
+    mass: Any = 1,
+    gravity: Any = 1,
+) -> ConvexBody:
     """A spherical cap with centre of mass at height `centre` (negative) from the sphere's middle.
 
     It touches with its dome while theta < angle, and with its rim up to theta = pi.
@@ -256,9 +261,14 @@ def superellipse(across: Any, along: Any, power: Any) -> Arc:
 
 
 def superellipsoid(
-    across: Any, along: Any, power: Any, axial: Any, transverse: Any,
-    mass: Any = 1, gravity: Any = 1,
-) -> ConvexBody:  # fmt: skip
+    across: Any,
+    along: Any,
+    power: Any,
+    axial: Any,
+    transverse: Any,
+    mass: Any = 1,
+    gravity: Any = 1,
+) -> ConvexBody:
     """|r/across|^p + |z/along|^p = 1; for p > 2 its poles and equator are flat: keep off them."""
 
     def function(q: Any, z: Any) -> Any:

@@ -93,22 +93,43 @@ def references() -> list[Reference]:
         through_pole("egg, through pi", oval, Law("linear-viscous", 0.25), -1, [1, 0.5, 2], SLIP),
         through_pole("egg, smooth", oval, Law("smooth"), 1, [0.25, 1.0, 1.0], SLIP),
         Reference(
-            "torus", ring, Law("coulomb", 0.25), [1, 0.25, 0.25], [0.25, 0.5, 1.0], [0.75, -1.0],
+            "torus",
+            ring,
+            Law("coulomb", 0.25),
+            [1, 0.25, 0.25],
+            [0.25, 0.5, 1.0],
+            [0.75, -1.0],
             (0.0, 0.5, 1.0),
         ),
         Reference(
-            "thick disk", coin, Law("rough"), [1, 0, 0.75], [-1.0, 0.0, 1.5], [0, 0],
+            "thick disk",
+            coin,
+            Law("rough"),
+            [1, 0, 0.75],
+            [-1.0, 0.0, 1.5],
+            [0, 0],
             (0.0, 0.5, 1.0),
         ),
         Reference(
-            "lens on its edge", bowl, Law("viscous", 0.25), [1, 0, 0.25], [1.5, 0.25, 1.0],
-            [0.1, 0.2], (0.0, 0.5, 1.0),
+            "lens on its edge",
+            bowl,
+            Law("viscous", 0.25),
+            [1, 0, 0.25],
+            [1.5, 0.25, 1.0],
+            [0.1, 0.2],
+            (0.0, 0.5, 1.0),
         ),
         Reference(
-            "tippe top, turning over", inverting, Law("viscous", 0.3), [0.05, 0, 1], [0, 0, 8.0],
-            [0, 0], (0.0, 10.0, 20.0, 30.0, 40.0), 8,
+            "tippe top, turning over",
+            inverting,
+            Law("viscous", 0.3),
+            [0.05, 0, 1],
+            [0, 0, 8.0],
+            [0, 0],
+            (0.0, 10.0, 20.0, 30.0, 40.0),
+            8,
         ),
-    ]  # fmt: skip
+    ]
 
 
 def computed(reference: Reference) -> tuple[list[Array], Any]:
@@ -134,11 +155,18 @@ def record(reference: Reference) -> dict[str, Any]:
     body, law = reference.body, reference.law
     start = {n: list(map(float, getattr(reference, n))) for n in ("axis", "spin", "slip")}
     return {
-        "name": reference.name, "body": body.name, "parameters": dict(body.parameters),
-        "axial": body.axial, "transverse": body.transverse, "law": law.name,
-        "coefficient": law.coefficient, "start": start, "times": list(reference.times),
-        "error": float(error), **seen,
-    }  # fmt: skip
+        "name": reference.name,
+        "body": body.name,
+        "parameters": dict(body.parameters),
+        "axial": body.axial,
+        "transverse": body.transverse,
+        "law": law.name,
+        "coefficient": law.coefficient,
+        "start": start,
+        "times": list(reference.times),
+        "error": float(error),
+        **seen,
+    }
 
 
 def stored() -> list[tuple[Reference, dict[str, Any]]]:

@@ -101,8 +101,10 @@ def _lowest(arc: Arc, s: Any, c: Any) -> tuple[Any, Any, Any, Any]:
         u = _tangency(arc, ends, s, c)
     else:  # from the root in doubles, where there is one
         doubles = tuple(map(float, ends))
-        inside = all(sign * _slope(arc, end, float(s), float(c))[0] < 0
-                     for end, sign in zip(doubles, (1, -1), strict=True))  # fmt: skip
+        inside = all(
+            sign * _slope(arc, end, float(s), float(c))[0] < 0
+            for end, sign in zip(doubles, (1, -1), strict=True)
+        )
         start = _tangency(arc, doubles, float(s), float(c)) + zero if inside else None
         u = _tangency(arc, ends, s, c, start)
     value, bend, _, _ = _slope(arc, u, s, c)
@@ -155,11 +157,13 @@ class Implicit:
         x, y, z = point
         f = self.function(Jet(x * x + y * y, 1), Jet(z, 0, 1))
         gradient = np.array([2 * x * f.x, 2 * y * f.x, f.y])
-        hessian = np.array([
-            [2 * f.x + 4 * x * x * f.xx, 4 * x * y * f.xx, 2 * x * f.xy],
-            [4 * x * y * f.xx, 2 * f.x + 4 * y * y * f.xx, 2 * y * f.xy],
-            [2 * x * f.xy, 2 * y * f.xy, f.yy],
-        ])  # fmt: skip
+        hessian = np.array(
+            [
+                [2 * f.x + 4 * x * x * f.xx, 4 * x * y * f.xx, 2 * x * f.xy],
+                [4 * x * y * f.xx, 2 * f.x + 4 * y * y * f.xx, 2 * y * f.xy],
+                [2 * x * f.xy, 2 * y * f.xy, f.yy],
+            ]
+        )
         return f.v, gradient, hessian
 
     def contact(self, up: Array) -> tuple[Array, Array]:

@@ -20,10 +20,13 @@ from flint import fmpq, fmpq_poly
 
 DATA = Path(__file__).parents[1] / "data" / "kane_polynomials.json"
 CASES = [
-    *((f, law) for law in ("smooth", "viscous", "linear-viscous", "rough")
-      for f in ("rolling", "spinning", "tumbling")),
+    *(
+        (f, law)
+        for law in ("smooth", "viscous", "linear-viscous", "rough")
+        for f in ("rolling", "spinning", "tumbling")
+    ),
     ("circling", "rough"),
-]  # fmt: skip
+]
 NAMES = ("k", "M", "z", "s")
 
 Terms = list[list[int]]
@@ -62,8 +65,12 @@ def derive(family: str, law: str) -> list[Terms]:
     rates_by_unknown = rates.jacobian(unknowns)
     upright = {s: 1, c: 0}
     place = {sin_phi: 0, cos_phi: 1, theta_dot: 0, slip_x: 0, slip_y: 0}
-    place |= {"rolling": upright | {w: 0}, "spinning": upright | {o: 0}, "tumbling": {o: 0},
-              "circling": {}}[family]  # fmt: skip
+    place |= {
+        "rolling": upright | {w: 0},
+        "spinning": upright | {o: 0},
+        "tumbling": {o: 0},
+        "circling": {},
+    }[family]
     circling = {o: c * (k * w**2 * s - 1) / ((2 * k + 1) * w * s)} if family == "circling" else {}
     field = sp.QQ.frac_field(s, c, w, o, k, mu)
 
@@ -92,19 +99,26 @@ def derive(family: str, law: str) -> list[Terms]:
     polynomials = [_folded(sp, _folded(sp, p, at, z), mu, M) for p in polynomials]
     if family == "tumbling":  # z = 1/(k s)
         degree = max(sp.degree(p, z) if p.has(z) else 0 for p in polynomials)
-        polynomials = [sp.expand(sp.expand(p * (k * s) ** degree).subs(z, 1 / (k * s)))
-                       for p in polynomials]  # fmt: skip
+        polynomials = [
+            sp.expand(sp.expand(p * (k * s) ** degree).subs(z, 1 / (k * s))) for p in polynomials
+        ]
     while polynomials[0] == 0:
         polynomials = polynomials[1:]
     common = sp.gcd_list(polynomials)
     polynomials = [sp.expand(sp.cancel(p / common)) for p in polynomials]
-    sign = 1 if polynomials[-1].subs({k: sp.Rational(1, 4), M: 1, z: 1, s: sp.Rational(1, 2)}) > 0 \
-        else -1  # fmt: skip
+    sign = (
+        1
+        if polynomials[-1].subs({k: sp.Rational(1, 4), M: 1, z: 1, s: sp.Rational(1, 2)}) > 0
+        else -1
+    )
     return [
-        [[int(sign * coefficient), *map(int, powers)]
-         for powers, coefficient in sp.Poly(p, k, M, z, s).terms() if coefficient != 0]
+        [
+            [int(sign * coefficient), *map(int, powers)]
+            for powers, coefficient in sp.Poly(p, k, M, z, s).terms()
+            if coefficient != 0
+        ]
         for p in polynomials
-    ]  # fmt: skip
+    ]
 
 
 def _folded(sp: Any, p: Any, old: Any, square: Any) -> Any:
@@ -145,8 +159,13 @@ def changes(
     gravity, as the package takes them.
     """
     exact = {n: fmpq(*float(v).as_integer_ratio()) for n, v in given.items()}
-    angle = axis if axis in ("theta", "lean") else "theta" if (family, axis) == ("tumbling", "at") \
-        else ""  # fmt: skip
+    angle = (
+        axis
+        if axis in ("theta", "lean")
+        else "theta"
+        if (family, axis) == ("tumbling", "at")
+        else ""
+    )
     coefficients = _along(family, law, axis, exact, angle)
     n = len(coefficients) - 1
     critical = coefficients[0] * coefficients[-1]
@@ -164,8 +183,11 @@ def changes(
     low_x, high_x = ends
     intervals = isolate(critical, low_x, high_x)
     verdicts = []
-    edges = [low_x - fmpq(1, 10**40), *[e for pair in intervals for e in pair],
-             high_x + fmpq(1, 10**40)]  # fmt: skip
+    edges = [
+        low_x - fmpq(1, 10**40),
+        *[e for pair in intervals for e in pair],
+        high_x + fmpq(1, 10**40),
+    ]
     for left, right in zip(edges[0::2], edges[1::2], strict=True):
         verdicts.append(good([c((left + right) / 2) for c in coefficients]))
     out = []
@@ -219,8 +241,11 @@ def _along(family: str, law: str, axis: str, exact: dict[str, Any], angle: str) 
                 sine = mpmath.sin(mpmath.mpf(int(theta.p)) / int(theta.q))
             place["s"] = fmpq_poly([fmpq(int(mpmath.nint(sine * 10**120)), 10**120)])
     table = polynomials()[f"{family} {law}"]
-    most = max(sum(shift[n] * p for n, p in zip(NAMES, powers, strict=True))
-               for terms in table for _, *powers in terms)  # fmt: skip
+    most = max(
+        sum(shift[n] * p for n, p in zip(NAMES, powers, strict=True))
+        for terms in table
+        for _, *powers in terms
+    )
     powers_of = {n: [one] for n in NAMES}
     out = []
     for terms in table:

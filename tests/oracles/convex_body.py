@@ -39,7 +39,7 @@ from jets import (
     solve,
     sqrt,
     vector,
-)  # fmt: skip
+)
 
 LAWS = ("smooth", "viscous", "linear-viscous", "coulomb", "rough")
 
@@ -184,9 +184,13 @@ def respond(pose: Pose, law: Law) -> Response:
     newton = np.hstack([one * body.mass, zero, -one])
     euler = np.hstack([zero, pose.inertia, -push])
     contact = np.hstack([one, -crossing(arm), zero])
-    right = np.concatenate([
-        -body.mass * body.gravity * UP + 0 * arm, fixed[0] - cross(pose.spin, pose.momentum), -swing
-    ])  # fmt: skip
+    right = np.concatenate(
+        [
+            -body.mass * body.gravity * UP + 0 * arm,
+            fixed[0] - cross(pose.spin, pose.momentum),
+            -swing,
+        ]
+    )
     if law.name != "rough":
         always, per_normal = law.drag(pose.slip[:2])
         contact[:2] = 0
@@ -266,9 +270,13 @@ def rates_of(pose: Pose, response: Response) -> Array:
     slip = response.slip_rate - cross(UP * phi_dot + 0 * axis, pose.slip)
     side = -(seen @ cross(y, axis))
     return vector(
-        theta_dot, seen @ y, (side - phi_dot * theta_dot * axis[2]) / tilt, seen @ axis,
-        slip @ x, slip @ y,
-    )  # fmt: skip
+        theta_dot,
+        seen @ y,
+        (side - phi_dot * theta_dot * axis[2]) / tilt,
+        seen @ axis,
+        slip @ x,
+        slip @ y,
+    )
 
 
 def rates(body: ConvexBody, law: Law, state: Any, azimuth: Any = 0, turn: Any = 0) -> Array:

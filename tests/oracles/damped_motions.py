@@ -56,9 +56,11 @@ def delayed_at(a: Any, u: Any, v: Any, t: Any) -> list[Any]:
 
 
 KINDS = {
-    "pitchfork": (pitchfork, pitchfork_at), "front": (front, front_at), "ghost": (ghost, ghost_at),
+    "pitchfork": (pitchfork, pitchfork_at),
+    "front": (front, front_at),
+    "ghost": (ghost, ghost_at),
     "delayed": (delayed, delayed_at),
-}  # fmt: skip
+}
 
 
 @dataclass(frozen=True)

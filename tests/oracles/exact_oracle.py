@@ -286,9 +286,24 @@ def _remainder(ring: Any, a: Dual, b: Dual) -> Dual:
     return Dual(a.value - b.value * whole, a.slope, a.bent)
 
 
-UNARY = {ca.OP_ASSIGN, ca.OP_NEG, ca.OP_SQ, ca.OP_TWICE, ca.OP_INV, ca.OP_EXP, ca.OP_SIN, ca.OP_COS,
-         ca.OP_TAN, ca.OP_LOG, ca.OP_SQRT, ca.OP_FABS, ca.OP_SIGN, ca.OP_FLOOR, ca.OP_CEIL,
-         ca.OP_NOT}  # fmt: skip
+UNARY = {
+    ca.OP_ASSIGN,
+    ca.OP_NEG,
+    ca.OP_SQ,
+    ca.OP_TWICE,
+    ca.OP_INV,
+    ca.OP_EXP,
+    ca.OP_SIN,
+    ca.OP_COS,
+    ca.OP_TAN,
+    ca.OP_LOG,
+    ca.OP_SQRT,
+    ca.OP_FABS,
+    ca.OP_SIGN,
+    ca.OP_FLOOR,
+    ca.OP_CEIL,
+    ca.OP_NOT,
+}
 
 
 class Graph:

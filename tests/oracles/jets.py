@@ -36,9 +36,13 @@ class Jet:
     def through(self, f: Any, d: Any, dd: Any) -> Jet:
         """A function of this jet, from its value and two derivatives."""
         return Jet(
-            f, d * self.x, d * self.y, d * self.xx + dd * self.x * self.x,
-            d * self.xy + dd * self.x * self.y, d * self.yy + dd * self.y * self.y,
-        )  # fmt: skip
+            f,
+            d * self.x,
+            d * self.y,
+            d * self.xx + dd * self.x * self.x,
+            d * self.xy + dd * self.x * self.y,
+            d * self.yy + dd * self.y * self.y,
+        )
 
     def __add__(self, other: Any) -> Jet:
         b = other if isinstance(other, Jet) else Jet(other)
@@ -51,11 +55,13 @@ class Jet:
             return self.through(self.v * other, other, 0)
         a, b = self, other
         return Jet(
-            a.v * b.v, a.x * b.v + a.v * b.x, a.y * b.v + a.v * b.y,
+            a.v * b.v,
+            a.x * b.v + a.v * b.x,
+            a.y * b.v + a.v * b.y,
             a.xx * b.v + 2 * a.x * b.x + a.v * b.xx,
             a.xy * b.v + a.x * b.y + a.y * b.x + a.v * b.xy,
             a.yy * b.v + 2 * a.y * b.y + a.v * b.yy,
-        )  # fmt: skip
+        )
 
     __radd__, __rmul__ = __add__, __mul__
 
@@ -151,9 +157,13 @@ def norm(values: Array) -> Any:
 
 def cross(a: Array, b: Array) -> Array:
     """Vector product of two triples."""
-    return np.array([
-        a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0],
-    ])  # fmt: skip
+    return np.array(
+        [
+            a[1] * b[2] - a[2] * b[1],
+            a[2] * b[0] - a[0] * b[2],
+            a[0] * b[1] - a[1] * b[0],
+        ]
+    )
 
 
 def crossing(a: Array) -> Array:

@@ -411,8 +411,9 @@ def accept(
 
 def same(x: Sequence[Any], y: Sequence[Any]) -> bool:
     """Whether two members are one, to 150 bits."""
-    return at_bits(BITS, lambda: all(abs(arb(a) - arb(b)) < arb(2) ** -150
-                                     for a, b in zip(x, y, strict=True)))  # type: ignore[no-any-return]  # fmt: skip
+    return at_bits(
+        BITS, lambda: all(abs(arb(a) - arb(b)) < arb(2) ** -150 for a, b in zip(x, y, strict=True))
+    )  # type: ignore[no-any-return]
 
 
 def judge(case: Case, certify: bool, asked: Sequence[dict[str, float]]) -> list[Finding]:

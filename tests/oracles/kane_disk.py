@@ -120,9 +120,14 @@ def kane_system(law: str) -> KaneSystem:
     if rough:
         constraints = [slip.dot(fixed.x), slip.dot(fixed.y)]
         method = me.KanesMethod(
-            fixed, q, [u1, u2, u3], u_dependent=[u4, u5], kd_eqs=kinematic,
-            velocity_constraints=constraints, u_auxiliary=list(extra),
-        )  # fmt: skip
+            fixed,
+            q,
+            [u1, u2, u3],
+            u_dependent=[u4, u5],
+            kd_eqs=kinematic,
+            velocity_constraints=constraints,
+            u_auxiliary=list(extra),
+        )
         law_rows = [c.diff(time) for c in constraints]
     else:
         method = me.KanesMethod(fixed, q, u, kd_eqs=kinematic, u_auxiliary=[extra_z])
@@ -245,8 +250,10 @@ def fixed_axes(law: str, x: ArrayLike, p: ArrayLike, phi: ArrayLike = 0.0) -> So
         right_contact = -np.cross(w, a_dot)[..., :2]
     else:
         fixed_drag, per_weight = {
-            "smooth": (0 * mu, 0 * mu), "viscous": (0 * mu, mu), "linear-viscous": (mu, 0 * mu),
-        }[law]  # fmt: skip
+            "smooth": (0 * mu, 0 * mu),
+            "viscous": (0 * mu, mu),
+            "linear-viscous": (mu, 0 * mu),
+        }[law]
         pull = one + (per_weight[..., None] * slip)[..., None] * _UP
         contact = np.concatenate([zero, zero, pull], axis=-1)[..., :2, :]
         right_contact = -(fixed_drag[..., None] * slip)[..., :2]

@@ -30,10 +30,14 @@ def kicked() -> Any:
     )
     size = ca.SX.sym("size")
     return st.System(
-        "kicked", s, size, ca.vertcat(0, np.log(HIGH) * y + size * push, 1),
-        states=("x", "y", "clock"), parameters=("size",),
+        "kicked",
+        s,
+        size,
+        ca.vertcat(0, np.log(HIGH) * y + size * push, 1),
+        states=("x", "y", "clock"),
+        parameters=("size",),
         conditions=(st.Condition(y + EDGE, "y + 12 = {value:.3g} is not positive"),),
-    )  # fmt: skip
+    )
 
 
 def side(points: np.ndarray) -> np.ndarray:

@@ -59,16 +59,33 @@ class Drawn(random.Random):
         off: Entry = lambda p: p - number(p, p0)  # noqa: E731
         return self.choice(
             [
-                constant(size), constant(size), constant(0.0),
+                constant(size),
+                constant(size),
+                constant(0.0),
                 lambda p: number(p, tiny) * (1 + p * p),  # a number alone would be rounded away
-                lambda p: -1 - p * p, off, lambda p: off(p) * off(p), lambda p: -off(p) * off(p),
+                lambda p: -1 - p * p,
+                off,
+                lambda p: off(p) * off(p),
+                lambda p: -off(p) * off(p),
                 lambda p: (p + 1) * (p - 1) - p * p + 1,  # zero, and the graph does not show it
             ]
-        )  # fmt: skip
+        )
 
     def block(self, p0: float) -> tuple[str, Block]:
-        kind = self.choice(["real", "jordan", "pair", "pairs", "centre", "quadruple", "mirror",
-                            "gain and loss", "zeros", "gyroscope"])  # fmt: skip
+        kind = self.choice(
+            [
+                "real",
+                "jordan",
+                "pair",
+                "pairs",
+                "centre",
+                "quadruple",
+                "mirror",
+                "gain and loss",
+                "zeros",
+                "gyroscope",
+            ]
+        )
         a, b, c = self.real_part(p0), constant(self.choice(SIZES)), self.choice(SIZES)
         minus: Entry = lambda p: -a(p)  # noqa: E731
         down: Entry = lambda p: -b(p)  # noqa: E731
@@ -80,18 +97,34 @@ class Drawn(random.Random):
             "jordan": [[a, 1.0, 0.0], [0.0, a, 1.0], [0.0, 0.0, a]][: self.choice([2, 3])],
             "pair": [[a, down], [b, a]],
             # twice the same pair, with or without a Jordan block
-            "pairs": [[a, down, c := self.choice([0.0, 1.0]), 0.0], [b, a, 0.0, c],
-                      [0.0, 0.0, a, down], [0.0, 0.0, b, a]],
+            "pairs": [
+                [a, down, c := self.choice([0.0, 1.0]), 0.0],
+                [b, a, 0.0, c],
+                [0.0, 0.0, a, down],
+                [0.0, 0.0, b, a],
+            ],
             "centre": [[0.0, 1.0], [square, 0.0]],
-            "quadruple": [[a, down, 0.0, 0.0], [b, a, 0.0, 0.0],
-                          [0.0, 0.0, minus, down], [0.0, 0.0, b, minus]],
+            "quadruple": [
+                [a, down, 0.0, 0.0],
+                [b, a, 0.0, 0.0],
+                [0.0, 0.0, minus, down],
+                [0.0, 0.0, b, minus],
+            ],
             "mirror": [[a, 0.0], [0.0, minus]],  # a row of zeros in Routh's array
-            "gain and loss": [[0.0, 1.0, 0.0, 0.0], [-2.0, minus, c, 0.0],
-                              [0.0, 0.0, 0.0, 1.0], [c, 0.0, -2.0, b]],
+            "gain and loss": [
+                [0.0, 1.0, 0.0, 0.0],
+                [-2.0, minus, c, 0.0],
+                [0.0, 0.0, 0.0, 1.0],
+                [c, 0.0, -2.0, b],
+            ],
             "zeros": [[0.0, self.choice([0.0, 1.0])], [0.0, 0.0]],
-            "gyroscope": [[0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0],
-                          [square, 0.0, 0.0, b], [0.0, square, down, 0.0]],
-        }  # fmt: skip
+            "gyroscope": [
+                [0.0, 0.0, 1.0, 0.0],
+                [0.0, 0.0, 0.0, 1.0],
+                [square, 0.0, 0.0, b],
+                [0.0, square, down, 0.0],
+            ],
+        }
         rows = found[kind]
         return kind, table([row[: len(rows)] for row in rows])
 
@@ -117,8 +150,10 @@ def planted(seed: int, *, irrational: bool = False) -> Planted:
             blocks.append(block)
     n = sum(map(len, blocks))
     couple = {(i, j): draw.choice([0, 0, 0, 1, -1]) for i in range(n) for j in range(i + 1, n)}
-    steps = [(*draw.sample(range(n), 2), draw.choice([-1, 1, 2])) if n > 1 else (0, 0, 0)
-             for _ in range(draw.choice([0, 0, 1, 2, n]))]  # fmt: skip
+    steps = [
+        (*draw.sample(range(n), 2), draw.choice([-1, 1, 2])) if n > 1 else (0, 0, 0)
+        for _ in range(draw.choice([0, 0, 1, 2, n]))
+    ]
 
     def entries(p: Any) -> list[list[Any]]:
         zero = p * 0
@@ -165,10 +200,14 @@ def polynomial(rows: list[list[Fraction]]) -> list[Fraction]:
     out, work = [Fraction(1)], [[Fraction(0)] * n for _ in range(n)]
     full = [[(m, a) for m, a in enumerate(row) if a] for row in rows]
     for k in range(1, n + 1):
-        work = [[x + (out[-1] if i == j else 0) for j, x in enumerate(row)]
-                for i, row in enumerate(work)]  # fmt: skip
-        work = [[sum((a * work[m][j] for m, a in some if work[m][j]), Fraction(0))
-                 for j in range(n)] for some in full]  # fmt: skip
+        work = [
+            [x + (out[-1] if i == j else 0) for j, x in enumerate(row)]
+            for i, row in enumerate(work)
+        ]
+        work = [
+            [sum((a * work[m][j] for m, a in some if work[m][j]), Fraction(0)) for j in range(n)]
+            for some in full
+        ]
         out.append(-sum((work[i][i] for i in range(n)), Fraction(0)) / k)
     return out[::-1]
 

@@ -65,9 +65,15 @@ def _super(rng: np.random.Generator, inertia: dict[str, float]) -> ConvexBody:
 
 
 BODIES: Mapping[str, Build] = {
-    "torus": _torus, "eccentric sphere": _sphere, "spheroid": _spheroid, "thick disk": _thick,
-    "egg": _egg, "lens": _lens, "cap": _cap, "superellipsoid": _super,
-}  # fmt: skip
+    "torus": _torus,
+    "eccentric sphere": _sphere,
+    "spheroid": _spheroid,
+    "thick disk": _thick,
+    "egg": _egg,
+    "lens": _lens,
+    "cap": _cap,
+    "superellipsoid": _super,
+}
 
 
 def allowed(body: ConvexBody, theta: float) -> bool:
@@ -94,8 +100,10 @@ def random_body(
     mass, gravity = rng.uniform(0.5, 2.0, 2) if units else (1.0, 1.0)
     inertia = {
         "axial": float(mass * transverse * rng.uniform(0.4, 1.9)),
-        "transverse": float(mass * transverse), "mass": float(mass), "gravity": float(gravity),
-    }  # fmt: skip
+        "transverse": float(mass * transverse),
+        "mass": float(mass),
+        "gravity": float(gravity),
+    }
     return BODIES[name or str(rng.choice(list(BODIES)))](rng, inertia)
 
 

@@ -28,8 +28,12 @@ def random_scene(number: int, seed: int) -> st.Scene:
     """A scene by its number; a third near a steady motion."""
     rng = np.random.default_rng([seed, number])
     body = random_body(rng)
-    law: Any = [st.Viscous(10 ** rng.uniform(-2, 2)), st.LinearViscous(10 ** rng.uniform(-2, 1)),
-                st.Rough(), st.Smooth()][rng.choice(4, p=[0.5, 0.2, 0.2, 0.1])]  # fmt: skip
+    law: Any = [
+        st.Viscous(10 ** rng.uniform(-2, 2)),
+        st.LinearViscous(10 ** rng.uniform(-2, 1)),
+        st.Rough(),
+        st.Smooth(),
+    ][rng.choice(4, p=[0.5, 0.2, 0.2, 0.1])]
     horizon, tolerance = 10 ** rng.uniform(0, 2), 10 ** rng.uniform(-9, -2)
     low, high = body.between
     start = np.array([rng.uniform(low + 0.3, high - 0.1), *rng.normal(size=2), 0.0, 0.0, 0.0])
@@ -135,8 +139,9 @@ def missed(scene: st.Scene, answer: st.Answer) -> str:
     else:
         theirs = columns(run)
         mine = np.stack([answer.path[n].values for n in answer.path.data_vars if n != "error"], -1)
-        _, one, other = np.intersect1d(answer.path.time.values, run.time.values,
-                                       return_indices=True)  # fmt: skip
+        _, one, other = np.intersect1d(
+            answer.path.time.values, run.time.values, return_indices=True
+        )
         pairs = [(mine[one], theirs[other])] if name == "path" else []
         off = max(far(a, b) for a, b in [*pairs, (mine[-1:], theirs[-1:])])
         if ended:  # the states of an end are known as well as its time

@@ -51,9 +51,12 @@ def _quotient(c: Any, s: Any, _: Any, a: Any, b: Any, d: Any, edge: Any) -> Any:
 
 
 HEIGHTS: Mapping[str, Height] = {
-    "polynomial": _polynomial, "root": _root, "power": _power, "exponential": _exponential,
+    "polynomial": _polynomial,
+    "root": _root,
+    "power": _power,
+    "exponential": _exponential,
     "quotient": _quotient,
-}  # fmt: skip
+}
 JETS = {"sqrt": sqrt, "exp": exponential}
 
 
@@ -114,8 +117,12 @@ def random_height(rng: np.random.Generator, kinds: Sequence[str]) -> HeightBody:
         a, b, d = rng.uniform(-0.35, 0.35, 3)
         odd = rng.random() < 0.6
         edge = float(rng.uniform(0.05, 1.0)) if rng.random() < 0.35 else 0.0
-        numbers = {"a": a if odd else 0.0, "b": b, "d": d if odd or kind != "polynomial" else 0.0,
-                   "edge": edge}  # fmt: skip
+        numbers = {
+            "a": a if odd else 0.0,
+            "b": b,
+            "d": d if odd or kind != "polynomial" else 0.0,
+            "edge": edge,
+        }
         numbers = {n: round(float(v), int(rng.integers(1, 4))) for n, v in numbers.items()}
         transverse = round(float(rng.uniform(0.15, 0.9)), 3)
         axial = round(float(transverse * rng.uniform(0.3, 1.9)), 3)

@@ -61,8 +61,10 @@ def random_scene(number: int, seed: int = 0) -> tuple[st.Scene, str]:
     if kind == "coulomb":
         horizon, tolerance, mu = min(horizon, 30.0), max(tolerance, 1e-6), 10 ** rng.uniform(-1, 0)
     law = {
-        "viscous": st.Viscous, "linear": st.LinearViscous, "coulomb": st.Coulomb,
-    }.get(str(kind), lambda _: st.Rough() if kind == "rough" else st.Smooth())(mu)  # fmt: skip
+        "viscous": st.Viscous,
+        "linear": st.LinearViscous,
+        "coulomb": st.Coulomb,
+    }.get(str(kind), lambda _: st.Rough() if kind == "rough" else st.Smooth())(mu)
     disk = st.Disk(k=k)
     if rng.random() < 0.5:  # near a steady motion
         family = str(rng.choice(["rolling", "spinning", "tumbling"]))
@@ -83,9 +85,15 @@ def random_scene(number: int, seed: int = 0) -> tuple[st.Scene, str]:
 def truth(scene: st.Scene, times: Any, method: str = "auto") -> Any:
     """The motion of the full model at a fine tolerance, and the error that it states."""
     return st.simulate(
-        scene.disk, scene.contact, scene.start, times, tolerance=max(1e-15, 1e-5 * scene.tolerance),
-        max_seconds=15.0, max_steps=10**8, method=method,
-    )  # fmt: skip
+        scene.disk,
+        scene.contact,
+        scene.start,
+        times,
+        tolerance=max(1e-15, 1e-5 * scene.tolerance),
+        max_seconds=15.0,
+        max_steps=10**8,
+        method=method,
+    )
 
 
 def _second_opinion(held: Held, times: Any, theirs: Any) -> None:

@@ -175,9 +175,18 @@ def folding(seed: int) -> Case:
             continue
         sign = draw.choice([-1, 1])
         terms = draw.choice(
-            [(1.0, 1e-30, -1.0), (0.1, 0.2, -0.3), (1.0, 2.0**-60, -1.0), (3.0, 1e-17, -3.0),
-             (1e16, 1.0, -1e16), (0.7, 0.1, -0.8), (1.0, -1.0), (-0.3, -0.1), (-1.0, -1e-20)]
-        )  # fmt: skip
+            [
+                (1.0, 1e-30, -1.0),
+                (0.1, 0.2, -0.3),
+                (1.0, 2.0**-60, -1.0),
+                (3.0, 1e-17, -3.0),
+                (1e16, 1.0, -1e16),
+                (0.7, 0.1, -0.8),
+                (1.0, -1.0),
+                (-0.3, -0.1),
+                (-1.0, -1e-20),
+            ]
+        )
         for c in terms:
             rates[i] += sign * c * x[i]
     if draw.random() < 0.3:
@@ -239,9 +248,7 @@ def branches(seed: int) -> Case:
     )
     known = [] if implicit is not None else [{"a": r} for r in roots]
     asked = [{"p": v} for v in nearby(draw, p0)]
-    return Case(
-        "branches", seed, family, asked, planned=planned, branches=known, implicit=implicit
-    )  # fmt: skip
+    return Case("branches", seed, family, asked, planned=planned, branches=known, implicit=implicit)
 
 
 def lines(seed: int) -> Case:
@@ -282,14 +289,12 @@ def lines(seed: int) -> Case:
     family = st.Family(system, "line", at, **where, typical=typical(draw, p0), **flags(draw))
     asked = []
     for value in nearby(draw, s0):
-        asked.append(
-            {at[0]: value, **({at[1]: draw.point()} if along == 2 else {}), "p": p0}
-        )  # fmt: skip
+        asked.append({at[0]: value, **({at[1]: draw.point()} if along == 2 else {}), "p": p0})
     planned = [*plan.shapes, *[("re", ca.SX(0))] * along] if plan.shapes else None
     known = [{v: h[i] for i, v in enumerate(own)}] if curved else []
     return Case(
         "lines", seed, family, asked, planned=planned, branches=known, lines=along, smooth=smooth
-    )  # fmt: skip
+    )
 
 
 def products(seed: int) -> Case:
@@ -304,9 +309,20 @@ def products(seed: int) -> Case:
     linear = flow(draw, plan, x, p)
     a = draw.choice([p0, 0.0, 1.0, math.nextafter(p0, 9), p0 * (1 + 1e-12)])
     factor = draw.choice(
-        [p - a, (p - a) ** 2, p / p, p / (p - a), (p - a) * 2.0**-66, p**9, ca.fabs(p) - p,
-         ca.fmax(p - a, 0), 2.0**-66, ca.if_else(p == a, 0.0, 1.0), (p * p - a * p) / p]
-    )  # fmt: skip
+        [
+            p - a,
+            (p - a) ** 2,
+            p / p,
+            p / (p - a),
+            (p - a) * 2.0**-66,
+            p**9,
+            ca.fabs(p) - p,
+            ca.fmax(p - a, 0),
+            2.0**-66,
+            ca.if_else(p == a, 0.0, 1.0),
+            (p * p - a * p) / p,
+        ]
+    )
     if draw.random() < 0.6:
         rates = factor * linear
     else:

@@ -59,10 +59,14 @@ class Ring:
         gain = (2 * k * spin * falling - 2 * k * precession * c * falling - first) / (k * s)
         along, side = s * falling, -spin
         return [
-            falling, up, gain, (precession * s * falling + third) / (2 * k + 1), precession,
+            falling,
+            up,
+            gain,
+            (precession * s * falling + third) / (2 * k + 1),
+            precession,
             along * math.cos(phi) - side * math.sin(phi),
             along * math.sin(phi) + side * math.cos(phi),
-        ]  # fmt: skip
+        ]
 
     def nutation(self, theta: float, precession: float) -> float:
         """Frequency of small nutation about steady circling, from the three equations by hand."""
@@ -109,9 +113,14 @@ class Ring:
         low.terminal, highest.direction, lowest.direction = True, -1, 1  # type: ignore[attr-defined]
         start = [theta, kick, precession, self.spin(theta, precession), 0.0, 0.0, 0.0]
         path = solve_ivp(
-            lambda _, y: self.rates(y), (0, 10 / (self.rho + self.drag)), start, "DOP853",
-            events=[low, highest, lowest], rtol=1e-8, atol=1e-10,
-        )  # fmt: skip
+            lambda _, y: self.rates(y),
+            (0, 10 / (self.rho + self.drag)),
+            start,
+            "DOP853",
+            events=[low, highest, lowest],
+            rtol=1e-8,
+            atol=1e-10,
+        )
         assert path.status == 1
         highs, lows = path.y_events[1], path.y_events[2]
         lows = lows[path.t_events[2] > path.t_events[1][0]]

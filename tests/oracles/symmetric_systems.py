@@ -28,8 +28,11 @@ def top_pair() -> st.Family:
 
     def rates(x: Any, spin: Any, i1: Any, i3: Any, mgl: Any) -> tuple[Any, ...]:
         return (
-            x[2], x[3], (mgl * x[0] - i3 * spin * x[3]) / i1, (mgl * x[1] + i3 * spin * x[2]) / i1
-        )  # fmt: skip
+            x[2],
+            x[3],
+            (mgl * x[0] - i3 * spin * x[3]) / i1,
+            (mgl * x[1] + i3 * spin * x[2]) / i1,
+        )
 
     top = system("top", "ablm", ("W", "I1", "I3", "mgl"), rates)
     return st.Family(top, "sleeping", at=("W",), held=dict.fromkeys("ablm", 0.0))
@@ -85,9 +88,7 @@ def saddle() -> st.Family:
     """Rotating saddle with curvatures ±k: neutral for W² > k."""
 
     def rates(x: Any, w: Any, k: Any) -> tuple[Any, ...]:
-        return (
-            x[2], x[3], 2 * w * x[3] + (w**2 - k) * x[0], -2 * w * x[2] + (w**2 + k) * x[1]
-        )  # fmt: skip
+        return (x[2], x[3], 2 * w * x[3] + (w**2 - k) * x[0], -2 * w * x[2] + (w**2 + k) * x[1])
 
     turning = system("saddle", "xyuv", ("W", "k"), rates)
     return st.Family(turning, "rest", at=("W",), held=dict.fromkeys("xyuv", 0.0))
@@ -101,15 +102,22 @@ def triangular_point() -> st.Family:
         one, two = ca.sqrt((x + m) ** 2 + y**2), ca.sqrt((x - 1 + m) ** 2 + y**2)
         pull = (1 - m) / one**3, m / two**3
         return (
-            u, v, 2 * v + x - pull[0] * (x + m) - pull[1] * (x - 1 + m),
+            u,
+            v,
+            2 * v + x - pull[0] * (x + m) - pull[1] * (x - 1 + m),
             -2 * u + y - (pull[0] + pull[1]) * y,
-        )  # fmt: skip
+        )
 
     problem = system("three bodies", "xyuv", ("m",), rates)
     return st.Family(
-        problem, "L4", at=("m",), held={"u": 0, "v": 0}, unknown={"x": 0.45, "y": 0.87},
-        equations=("u", "v"), typical={"m": 0.02},
-    )  # fmt: skip
+        problem,
+        "L4",
+        at=("m",),
+        held={"u": 0, "v": 0},
+        unknown={"x": 0.45, "y": 0.87},
+        equations=("u", "v"),
+        typical={"m": 0.02},
+    )
 
 
 def column() -> st.Family:
@@ -126,9 +134,16 @@ def column() -> st.Family:
 
 def body() -> st.System:
     """Euler's free body: rotation about the axis of the middle moment is unstable."""
-    return system("body", ("u", "v", "w"), ("A", "B", "C"), lambda w, a, b, c: (
-        (b - c) / a * w[1] * w[2], (c - a) / b * w[2] * w[0], (a - b) / c * w[0] * w[1]
-    ))  # fmt: skip
+    return system(
+        "body",
+        ("u", "v", "w"),
+        ("A", "B", "C"),
+        lambda w, a, b, c: (
+            (b - c) / a * w[1] * w[2],
+            (c - a) / b * w[2] * w[0],
+            (a - b) / c * w[0] * w[1],
+        ),
+    )
 
 
 # --- systems with heading and place -------------------------------------------------------------
@@ -156,8 +171,11 @@ def sleigh() -> st.System:
     def rates(x: Any, m: Any, a: Any, inertia: Any) -> tuple[Any, ...]:
         v, w, heading, _, _ = ca.vertsplit(x)
         return (
-            a * w**2, -m * a * v * w / (inertia + m * a * a), w,
-            v * ca.cos(heading), v * ca.sin(heading),
-        )  # fmt: skip
+            a * w**2,
+            -m * a * v * w / (inertia + m * a * a),
+            w,
+            v * ca.cos(heading),
+            v * ca.sin(heading),
+        )
 
     return system("sleigh", ("v", "w", "heading", "px", "py"), ("m", "a", "I"), rates)

@@ -82,9 +82,12 @@ def partition(model: Any, dependent: tuple[Any, ...] = ()) -> tuple[list[Any], .
 
 
 def linearised(
-    model: Any, dependent: tuple[Any, ...] = (), seed: int = 1,
-    near: dict[str, float] | None = None, rest: bool = False,
-) -> Point:  # fmt: skip
+    model: Any,
+    dependent: tuple[Any, ...] = (),
+    seed: int = 1,
+    near: dict[str, float] | None = None,
+    rest: bool = False,
+) -> Point:
     """SymPy's linearisation at a random state on the constraints.
 
     `near` fixes values by name (dependent coordinates start there); `rest` sets all independent
@@ -114,8 +117,9 @@ def linearised(
     m, a = (_numbers(sm.Matrix(one).xreplace(operating)) for one in (m, a))
     whole = linearizer.perm_mat.T * m.LUsolve(a)
     names = tuple(named(s) for s in (*q_i, *u_i))
-    return Point({named(s): float(v) for s, v in point.items()}, names,
-                 np.array(whole.tolist(), dtype=float))  # fmt: skip
+    return Point(
+        {named(s): float(v) for s, v in point.items()}, names, np.array(whole.tolist(), dtype=float)
+    )
 
 
 def _free(model: Any) -> set[Any]:

@@ -26,10 +26,13 @@ DIGITS = 40
 def _gates(f: Any, v: Any) -> list[Any]:
     """Rates of opening and closing of Hodgkin and Huxley's three gates, depolarisation positive."""
     return [
-        (25 - v) / (10 * (f.exp((25 - v) / 10) - 1)), 4 * f.exp(-v / 18),
-        7 * f.exp(-v / 20) / 100, 1 / (f.exp((30 - v) / 10) + 1),
-        (10 - v) / (100 * (f.exp((10 - v) / 10) - 1)), f.exp(-v / 80) / 8,
-    ]  # fmt: skip
+        (25 - v) / (10 * (f.exp((25 - v) / 10) - 1)),
+        4 * f.exp(-v / 18),
+        7 * f.exp(-v / 20) / 100,
+        1 / (f.exp((30 - v) / 10) + 1),
+        (10 - v) / (100 * (f.exp((10 - v) / 10) - 1)),
+        f.exp(-v / 80) / 8,
+    ]
 
 
 def _nerve(f: Any, x: Any, p: Any) -> list[Any]:
@@ -58,8 +61,14 @@ class Known:
         """The family of steady motions, for the package."""
         x, p = ca.SX.sym("x", len(self.states)), ca.SX.sym("p", len(self.parameters))
         rates = self.rates(ca, ca.vertsplit(x), ca.vertsplit(p))
-        system = st.System(self.name, x, p, ca.vertcat(*rates), states=tuple(self.states),
-                           parameters=tuple(self.parameters))  # fmt: skip
+        system = st.System(
+            self.name,
+            x,
+            p,
+            ca.vertcat(*rates),
+            states=tuple(self.states),
+            parameters=tuple(self.parameters),
+        )
         return system.steady(next(iter(self.parameters)), guess=self.states | self.parameters)
 
     @property
@@ -140,10 +149,12 @@ class Known:
             return sp.lambdify([*x, *symbols], e, "mpmath")(*values)
 
         two, three = (
-            {key: number(sp.diff(rates[key[0]], *[x[j] for j in key[1:]]))
-             for key in product(range(n), repeat=order + 1)}
+            {
+                key: number(sp.diff(rates[key[0]], *[x[j] for j in key[1:]]))
+                for key in product(range(n), repeat=order + 1)
+            }
             for order in (2, 3)
-        )  # fmt: skip
+        )
 
         def b(u: Any, v: Any) -> Any:
             out = mp.zeros(n, 1)
@@ -184,54 +195,108 @@ class Known:
 
 KNOWN = [
     Known(
-        "Brusselator", lambda _, x, p: [p[1] - (p[0] + 1) * x[0] + x[0] ** 2 * x[1],
-                                        p[0] * x[0] - x[0] ** 2 * x[1]],
-        {"x": 1.5, "y": 1.4}, {"B": 2.1, "A": 1.5}, (0.5, 8.0), (0.6, 2.0),
+        "Brusselator",
+        lambda _, x, p: [
+            p[1] - (p[0] + 1) * x[0] + x[0] ** 2 * x[1],
+            p[0] * x[0] - x[0] ** 2 * x[1],
+        ],
+        {"x": 1.5, "y": 1.4},
+        {"B": 2.1, "A": 1.5},
+        (0.5, 8.0),
+        (0.6, 2.0),
     ),
     Known(
-        "stirred tank", lambda f, x, p: [-x[0] + p[0] * (1 - x[0]) * f.exp(x[1]),
-                                         -x[1] + p[1] * p[0] * (1 - x[0]) * f.exp(x[1]) - 3 * x[1]],
-        {"x": 0.1, "T": 0.1}, {"D": 0.02, "B": 14.0}, (0.02, 1.0), (10.0, 15.0),
+        "stirred tank",
+        lambda f, x, p: [
+            -x[0] + p[0] * (1 - x[0]) * f.exp(x[1]),
+            -x[1] + p[1] * p[0] * (1 - x[0]) * f.exp(x[1]) - 3 * x[1],
+        ],
+        {"x": 0.1, "T": 0.1},
+        {"D": 0.02, "B": 14.0},
+        (0.02, 1.0),
+        (10.0, 15.0),
     ),
     Known(
-        "FitzHugh-Nagumo", lambda _, x, p: [x[0] - x[0] ** 3 / 3 - x[1] + p[0],
-                                            (x[0] + p[1] - p[2] * x[1]) * p[3]],
-        {"v": -1.2, "w": -0.6}, {"I": 0.0, "a": 0.7, "b": 0.8, "e": 0.08}, (0.0, 2.0), (0.4, 0.9),
+        "FitzHugh-Nagumo",
+        lambda _, x, p: [x[0] - x[0] ** 3 / 3 - x[1] + p[0], (x[0] + p[1] - p[2] * x[1]) * p[3]],
+        {"v": -1.2, "w": -0.6},
+        {"I": 0.0, "a": 0.7, "b": 0.8, "e": 0.08},
+        (0.0, 2.0),
+        (0.4, 0.9),
     ),
     Known(
-        "Goodwin", lambda _, x, p: [1 / (1 + x[2] ** p[0]) - p[1] * x[0], x[0] - p[1] * x[1],
-                                    x[1] - p[1] * x[2]],
-        {"x": 0.3, "y": 0.6, "z": 0.9}, {"n": 6.0, "b": 0.5}, (2.0, 20.0), (0.3, 0.7),
+        "Goodwin",
+        lambda _, x, p: [
+            1 / (1 + x[2] ** p[0]) - p[1] * x[0],
+            x[0] - p[1] * x[1],
+            x[1] - p[1] * x[2],
+        ],
+        {"x": 0.3, "y": 0.6, "z": 0.9},
+        {"n": 6.0, "b": 0.5},
+        (2.0, 20.0),
+        (0.3, 0.7),
     ),
     Known(
         "prey and predator",
-        lambda _, x, p: [x[0] * (1 - x[0] / p[0]) - x[0] * x[1] / (1 + x[0]),
-                         x[0] * x[1] / (1 + x[0]) - p[1] * x[1]],
-        {"x": 0.6, "y": 0.8}, {"K": 2.0, "d": 0.375}, (0.7, 5.0), (0.2, 0.4),
+        lambda _, x, p: [
+            x[0] * (1 - x[0] / p[0]) - x[0] * x[1] / (1 + x[0]),
+            x[0] * x[1] / (1 + x[0]) - p[1] * x[1],
+        ],
+        {"x": 0.6, "y": 0.8},
+        {"K": 2.0, "d": 0.375},
+        (0.7, 5.0),
+        (0.2, 0.4),
     ),
     Known(
-        "nerve", _nerve, {"V": 0.01, "m": 0.05, "h": 0.6, "n": 0.32},
-        {"I": 0.0, "g": 0.3, "E": 10.6}, (5.0, 15.0), (0.25, 0.35),
+        "nerve",
+        _nerve,
+        {"V": 0.01, "m": 0.05, "h": 0.6, "n": 0.32},
+        {"I": 0.0, "g": 0.3, "E": 10.6},
+        (5.0, 15.0),
+        (0.25, 0.35),
     ),
     Known(
-        "Bogdanov-Takens", lambda _, x, p: [x[1], p[0] + p[1] * x[0] + x[0] ** 2 - x[0] * x[1]],
-        {"x": -1.0, "y": 0.0}, {"b1": -2.0, "b2": -1.0}, (-3.0, 0.2), (-1.5, -0.5),
+        "Bogdanov-Takens",
+        lambda _, x, p: [x[1], p[0] + p[1] * x[0] + x[0] ** 2 - x[0] * x[1]],
+        {"x": -1.0, "y": 0.0},
+        {"b1": -2.0, "b2": -1.0},
+        (-3.0, 0.2),
+        (-1.5, -0.5),
     ),
     Known(
-        "Lorenz", lambda _, x, p: [p[1] * (x[1] - x[0]), x[0] * (p[0] - x[2]) - x[1],
-                                   x[0] * x[1] - p[2] * x[2]],
-        {"x": 6.0, "y": 6.0, "z": 14.0}, {"r": 15.0, "s": 10.0, "b": 8 / 3}, (10.0, 40.0),
+        "Lorenz",
+        lambda _, x, p: [
+            p[1] * (x[1] - x[0]),
+            x[0] * (p[0] - x[2]) - x[1],
+            x[0] * x[1] - p[2] * x[2],
+        ],
+        {"x": 6.0, "y": 6.0, "z": 14.0},
+        {"r": 15.0, "s": 10.0, "b": 8 / 3},
+        (10.0, 40.0),
         (8.0, 14.0),
     ),
     Known(
-        "glycolysis", lambda _, x, p: [-x[0] + p[1] * x[1] + x[0] ** 2 * x[1],
-                                       p[0] - p[1] * x[1] - x[0] ** 2 * x[1]],
-        {"x": 1.0, "y": 0.9}, {"b": 1.0, "a": 0.08}, (0.6, 1.2), (0.05, 0.1),
+        "glycolysis",
+        lambda _, x, p: [
+            -x[0] + p[1] * x[1] + x[0] ** 2 * x[1],
+            p[0] - p[1] * x[1] - x[0] ** 2 * x[1],
+        ],
+        {"x": 1.0, "y": 0.9},
+        {"b": 1.0, "a": 0.08},
+        (0.6, 1.2),
+        (0.05, 0.1),
     ),
     Known(
-        "governor", lambda f, x, p: [x[1], x[2] ** 2 * f.sin(x[0]) * f.cos(x[0]) - f.sin(x[0])
-                                     - p[0] * x[1], p[1] * (f.cos(x[0]) - p[2])],
-        {"q": 0.7, "v": 0.0, "w": 1.1}, {"e": 2.0, "a": 0.8, "c": 0.75}, (0.3, 2.0), (0.4, 1.2),
+        "governor",
+        lambda f, x, p: [
+            x[1],
+            x[2] ** 2 * f.sin(x[0]) * f.cos(x[0]) - f.sin(x[0]) - p[0] * x[1],
+            p[1] * (f.cos(x[0]) - p[2]),
+        ],
+        {"q": 0.7, "v": 0.0, "w": 1.1},
+        {"e": 2.0, "a": 0.8, "c": 0.75},
+        (0.3, 2.0),
+        (0.4, 1.2),
     ),
-]  # fmt: skip
+]
 """The systems."""

@@ -79,16 +79,20 @@ def _simple(draw: Draw, low: Any, high: Any, *, kinks: bool) -> Planted:
         zeros = [mpmath.mpf(r), *(pi / 2 + k * pi for k in range(-8, 8))]
         return Planted(lambda v, f: (v - r) * f.cos(v), zeros)
     if which == 4:
-        return Planted(lambda v, f: f.sqrt(v * v + 1 + v) - 1.25,
-                       [(-1 + s * mpmath.sqrt(1 + 2.25)) / 2 for s in (1, -1)])  # fmt: skip
+        return Planted(
+            lambda v, f: f.sqrt(v * v + 1 + v) - 1.25,
+            [(-1 + s * mpmath.sqrt(1 + 2.25)) / 2 for s in (1, -1)],
+        )
     if which == 5:
         return Planted(lambda v, f: f.atan(v) - half, [mpmath.tan(half)])
     if which == 6:
         return Planted(lambda v, f: f.exp(-v) - c, [-mpmath.log(c)])
     if which == 8:
         return Planted(lambda v, f: f.fabs(v) - c, [mpmath.mpf(c), -mpmath.mpf(c)])
-    return Planted(lambda v, f: f.log(v * v + c) - 1, [
-        s * mpmath.sqrt(mpmath.e - c) for s in (1, -1) if mpmath.e > c])  # fmt: skip
+    return Planted(
+        lambda v, f: f.log(v * v + c) - 1,
+        [s * mpmath.sqrt(mpmath.e - c) for s in (1, -1) if mpmath.e > c],
+    )
 
 
 def _function(draw: Draw, low: Any, high: Any, ends: Sequence[float]) -> Planted:
@@ -98,15 +102,19 @@ def _function(draw: Draw, low: Any, high: Any, ends: Sequence[float]) -> Planted
     one = _simple(draw, low, high, kinks=bool(ends))
     if roll < 0.1:  # a pair close together
         c, gap = draw.uniform(0.6, 3), draw.choice([1e-2, 1e-4, 1e-6, 1e-8])
-        one = Planted(lambda v, f: (f.exp(v) - c) * (f.exp(v) - c - gap),
-                      [mpmath.log(c), mpmath.log(mpmath.mpf(c) + mpmath.mpf(gap))])  # fmt: skip
+        one = Planted(
+            lambda v, f: (f.exp(v) - c) * (f.exp(v) - c - gap),
+            [mpmath.log(c), mpmath.log(mpmath.mpf(c) + mpmath.mpf(gap))],
+        )
     elif roll < 0.2:  # a touching zero
         inner = one.function
         one = Planted(lambda v, f: inner(v, f) * inner(v, f), one.zeros)
     elif roll < 0.3 and ends:  # a zero at an end
         end = draw.choice(ends)
-        one = Planted(draw.choice([lambda v, f: f.tanh(v - end), lambda v, f: f.exp(v - end) - 1]),
-                      [mpmath.mpf(end)])  # fmt: skip
+        one = Planted(
+            draw.choice([lambda v, f: f.tanh(v - end), lambda v, f: f.exp(v - end) - 1]),
+            [mpmath.mpf(end)],
+        )
     elif roll < 0.4:
         one = Planted(lambda v, f: f.exp(-v * v) * (2 + f.sin(3 * v)), [])
         sign = -1 if draw.random() < 0.8 else 1
@@ -131,14 +139,17 @@ def question(seed: int) -> Question:
     forward = AXES[kind]
     with mpmath.workdps(DIGITS):
         ends = [_solved(forward, mpmath.mpf(v)) for v in (low, high)]
-        parts = [_function(draw, *ends, [low, high] if kind == "plain" else [])
-                 for _ in range(draw.choice([1, 1, 2]))]  # fmt: skip
+        parts = [
+            _function(draw, *ends, [low, high] if kind == "plain" else [])
+            for _ in range(draw.choice([1, 1, 2]))
+        ]
         meets = {forward(v, MP) for part in parts for v in part.zeros}
         inside = sorted(z for z in meets if low <= z <= high)
     even = kind == "plain" and draw.random() < 0.3
     family, axis = _family(draw, kind, parts, low, high, even)
-    return Question(family, axis, [p.function for p in parts], inside,
-                    lambda p: _solved(forward, p), even, kind)  # fmt: skip
+    return Question(
+        family, axis, [p.function for p in parts], inside, lambda p: _solved(forward, p), even, kind
+    )
 
 
 def _solved(forward: Function, p: Any) -> Any:
@@ -187,8 +198,14 @@ def _family(
     own = p - forward(u, ca) + d[0]
     both = ca.vertcat(d, u), p, ca.vertcat(rates, own)
     system = st.System("planted", *both, (*words, "u"), ("p",))
-    family = st.Family(system, "solved", ("p",), held=dict.fromkeys(words, 0.0),
-                       unknown={"u": 0.3}, equations=("u",))  # fmt: skip
+    family = st.Family(
+        system,
+        "solved",
+        ("p",),
+        held=dict.fromkeys(words, 0.0),
+        unknown={"u": 0.3},
+        equations=("u",),
+    )
     return family, axis
 
 

@@ -16,9 +16,19 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "stability"
 PAGE = ROOT / "docs" / "explanation" / "architecture.md"
 CHANGES = (
-    "contact law", "body", "source of systems", "family", "integrator", "route to a verdict",
-    "figure", "table", "command", "hard case", "output format", "eigenvalue backend",
-)  # fmt: skip
+    "contact law",
+    "body",
+    "source of systems",
+    "family",
+    "integrator",
+    "route to a verdict",
+    "figure",
+    "table",
+    "command",
+    "hard case",
+    "output format",
+    "eigenvalue backend",
+)
 QUESTIONS = ("spectrum", "boundaries", "stability_map", "simulate")
 FOLDERS = sorted(p.parent.name for p in PACKAGE.glob("*/__init__.py"))
 ROOMS = sorted(p.parent for p in PACKAGE.glob("*/**/__init__.py"))
@@ -109,12 +119,18 @@ def _package(folder: Path, low: str) -> tuple[Path, Path]:
     return folder / "stability", contract
 
 
-@pytest.mark.parametrize("line", [
-    "from ..high import one", "from ..high.one import x", "from .. import high",
-    "import stability.high.one", "from stability import high",
-    "def f():\n    from ..high.one import x",
-    "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from ..high import one",
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "line",
+    [
+        "from ..high import one",
+        "from ..high.one import x",
+        "from .. import high",
+        "import stability.high.one",
+        "from stability import high",
+        "def f():\n    from ..high.one import x",
+        "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from ..high import one",
+    ],
+)
 def test_an_import_that_goes_up_is_seen_wherever_it_is(line: str, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"do not go down: \[\('low', 'high'\)\]"):
         house.house(*_package(tmp_path, line))

@@ -50,9 +50,10 @@ def test_the_ring_of_the_film_moves_as_by_hand_and_turns_back() -> None:
         lambda _, y: ring.rates(y), (0, 60), first, "DOP853", times, rtol=1e-10, atol=1e-12
     )
     for name, row in zip(
-        ("theta", "theta_dot", "phi_dot", "omega3", "phi", "centre_x", "centre_y"), path.y,
+        ("theta", "theta_dot", "phi_dot", "omega3", "phi", "centre_x", "centre_y"),
+        path.y,
         strict=True,
-    ):  # fmt: skip
+    ):
         np.testing.assert_allclose(run[name], row, rtol=1e-6, atol=1e-6)
     assert abs(run.contact_x - run.centre_x).max() < 1 and run.attrs["contact"] == "rough"
     seen, turn = ring.mean_path(*(start[n] for n in ("theta", "phi_dot", "theta_dot")), 0.12)

@@ -34,9 +34,11 @@ def test_notebook_runs(
     assert faults(space["figure"], COLUMN) == []
     assert not plt.get_fignums()  # what a notebook draws it shows
     kept = "".join(
-        "".join(output["text"]) for cell in kept_cells(path) for output in cell.get("outputs", ())
+        "".join(output["text"])
+        for cell in kept_cells(path)
+        for output in cell.get("outputs", ())
         if output["output_type"] == "stream"
-    )  # fmt: skip
+    )
     assert words(capsys.readouterr().out) == words(kept)
     wanted = {"quarter.png", "quarter.pdf", "quarter.nc"} if path.stem == "quickstart" else set()
     assert {p.name for p in tmp_path.iterdir()} == wanted
@@ -205,13 +207,23 @@ def test_the_linear_bicycle_example_prints_table_1(capsys: pytest.CaptureFixture
     assert text.startswith("stable\n")
     printed = dict(line.split() for line in text.splitlines() if "_" in line)
     published = {
-        "M_00": 80.81722, "M_01": 2.31941332208709, "M_11": 0.29784188199686,
-        "C1_01": 33.86641391492494, "C1_10": -0.85035641456978, "C1_11": 1.68540397397560,
-        "K0_00": -80.95, "K0_01": -2.59951685249872, "K0_11": -0.80329488458618,
-        "K2_01": 76.59734589573222, "K2_11": 2.65431523794604,
-        "M_10": 2.31941332208709, "K0_10": -2.59951685249872,
-        "C1_00": 0.0, "K2_00": 0.0, "K2_10": 0.0,
-    }  # fmt: skip
+        "M_00": 80.81722,
+        "M_01": 2.31941332208709,
+        "M_11": 0.29784188199686,
+        "C1_01": 33.86641391492494,
+        "C1_10": -0.85035641456978,
+        "C1_11": 1.68540397397560,
+        "K0_00": -80.95,
+        "K0_01": -2.59951685249872,
+        "K0_11": -0.80329488458618,
+        "K2_01": 76.59734589573222,
+        "K2_11": 2.65431523794604,
+        "M_10": 2.31941332208709,
+        "K0_10": -2.59951685249872,
+        "C1_00": 0.0,
+        "K2_00": 0.0,
+        "K2_10": 0.0,
+    }
     assert set(printed) == set(published)
     for name, value in published.items():
         assert float(printed[name]) == pytest.approx(value, rel=2e-14, abs=1e-14), name
@@ -221,25 +233,37 @@ def test_the_linear_bicycle_example_prints_table_1(capsys: pytest.CaptureFixture
 
 PRINTED = {
     # y'' and psi'' of the course, by hand: the quartic in tests/tables/test_benchmarks.py
-    "railway_wheelset": ["-94.32282188-12.14204292j", "-5.67717812+12.14204292j",
-                         "above 48.558435944090 m/s, with 26.132674311418 rad/s"],
+    "railway_wheelset": [
+        "-94.32282188-12.14204292j",
+        "-5.67717812+12.14204292j",
+        "above 48.558435944090 m/s, with 26.132674311418 rad/s",
+    ],
     # e = 2 a b^(3/2); with x = arccos b and z² = 1/b: frequency² = (1 - b²)/b
-    "watt_governor": ["0.3 unstable\n0.4 stable", f"above e = {0.5**1.5:.12f}",
-                      f"with {1.5**0.5:.12f}"],
+    "watt_governor": [
+        "0.3 unstable\n0.4 stable",
+        f"above e = {0.5**1.5:.12f}",
+        f"with {1.5**0.5:.12f}",
+    ],
     # L² = -W² ± k
     "rotating_saddle": ["1.7 unstable\n1.8 neutral", f"above {3**0.5:.12f} rad/s"],
     # O. N. Kirillov & F. Verhulst: 41/28 + b²/2, and 7/2 - sqrt(2) without damping
-    "ziegler_column": ["stable\n", *(f"b = {b:g}: flutter above {41 / 28 + b * b / 2:.12f}"
-                                     for b in (1.0, 0.1, 0.001)),
-                       f"b = 0: flutter above {3.5 - 2**0.5:.12f}"],
+    "ziegler_column": [
+        "stable\n",
+        *(f"b = {b:g}: flutter above {41 / 28 + b * b / 2:.12f}" for b in (1.0, 0.1, 0.001)),
+        f"b = 0: flutter above {3.5 - 2**0.5:.12f}",
+    ],
     # W = w0 (1 + de/di), where the shaft whirls with w0
-    "jeffcott_rotor": ["240.0 stable\n260.0 unstable",
-                       "above 250.000000000000 rad/s, with 100.000000000000 rad/s",
-                       "w0**2*de**2 + 2*w0**2*de*di - W**2*di**2 + w0**2*di**2 > 0"],
+    "jeffcott_rotor": [
+        "240.0 stable\n260.0 unstable",
+        "above 250.000000000000 rad/s, with 100.000000000000 rad/s",
+        "w0**2*de**2 + 2*w0**2*de*di - W**2*di**2 + w0**2*di**2 > 0",
+    ],
     # 2 (Fs - Fk)/v + 2 pi - 2 atan((Fs - Fk)/v): the mass sticks for the first term
-    "belt_friction": ["sticks for 5.000000000000",
-                      f"period {5 + 2 * math.pi - 2 * math.atan(2.5):.12f}"],
-}  # fmt: skip
+    "belt_friction": [
+        "sticks for 5.000000000000",
+        f"period {5 + 2 * math.pi - 2 * math.atan(2.5):.12f}",
+    ],
+}
 """What each example must print, from closed forms."""
 
 
@@ -263,9 +287,16 @@ def test_the_triangular_points_example_prints_the_mass_ratio(
 
 
 FIRST = (
-    "lagrange_top", "chaplygin_sleigh", "tippe_top", "railway_wheelset", "watt_governor",
-    "rotating_saddle", "triangular_points", "ziegler_column", "jeffcott_rotor",
-)  # fmt: skip
+    "lagrange_top",
+    "chaplygin_sleigh",
+    "tippe_top",
+    "railway_wheelset",
+    "watt_governor",
+    "rotating_saddle",
+    "triangular_points",
+    "ziegler_column",
+    "jeffcott_rotor",
+)
 """Examples whose first verdict takes few lines."""
 
 

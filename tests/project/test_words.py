@@ -11,14 +11,28 @@ WORDS: dict[str, Any] = runpy.run_path(str(ROOT / "docs" / "words.py"))
 
 
 @pytest.mark.few(3)
-@pytest.mark.parametrize("name", [
-    "README.md", "CHANGELOG.md", "CONTRIBUTING.md", "CODE_OF_CONDUCT.md", "Makefile",
-    "CITATION.cff", "pyproject.toml", "conda-recipe/meta.yaml", "paper/paper.md",
-    "paper/figures.py",
-    ".github/PULL_REQUEST_TEMPLATE.md", ".github/ISSUE_TEMPLATE/bug.md",
-    "stability/explorer/page.html", "stability/explorer/script/parts/point_panel.js",
-    "examples/scenes/spun-coin.toml", "docs/explanation/explorer.md", "tests/project/test_words.py",
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "name",
+    [
+        "README.md",
+        "CHANGELOG.md",
+        "CONTRIBUTING.md",
+        "CODE_OF_CONDUCT.md",
+        "Makefile",
+        "CITATION.cff",
+        "pyproject.toml",
+        "conda-recipe/meta.yaml",
+        "paper/paper.md",
+        "paper/figures.py",
+        ".github/PULL_REQUEST_TEMPLATE.md",
+        ".github/ISSUE_TEMPLATE/bug.md",
+        "stability/explorer/page.html",
+        "stability/explorer/script/parts/point_panel.js",
+        "examples/scenes/spun-coin.toml",
+        "docs/explanation/explorer.md",
+        "tests/project/test_words.py",
+    ],
+)
 def test_a_file_with_sentences_is_read(name: str) -> None:
     assert ROOT / name in WORDS["pages"]()
 

@@ -92,8 +92,10 @@ def test_the_recipe_says_what_to_replace_before_it_is_submitted() -> None:
 
 
 def test_every_tool_of_a_release_is_pinned() -> None:
-    pins = {line.split("==")[0].lower().replace("_", "-")
-            for line in (ROOT / "constraints.txt").read_text().split()}  # fmt: skip
+    pins = {
+        line.split("==")[0].lower().replace("_", "-")
+        for line in (ROOT / "constraints.txt").read_text().split()
+    }
     for name in PROJECT["optional-dependencies"]["release"]:
         assert re.split(r"[>=\[]", name)[0] in pins
 
@@ -120,9 +122,16 @@ def test_the_paper_has_the_parts_that_a_journal_asks_for() -> None:
     assert given["title"] == WORKS["stability"].title
     assert [a["name"] for a in given["authors"]] == [a["name"] for a in PROJECT["authors"]]
     parts = re.findall(r"^# (.*)$", body, re.MULTILINE)
-    assert parts == ["Summary", "Statement of need", "State of the field", "Software design",
-                     "Research impact statement", "AI usage disclosure", "Acknowledgements",
-                     "References"]  # fmt: skip
+    assert parts == [
+        "Summary",
+        "Statement of need",
+        "State of the field",
+        "Software design",
+        "Research impact statement",
+        "AI usage disclosure",
+        "Acknowledgements",
+        "References",
+    ]
     assert 750 <= len(body.split()) <= 1750  # by the journal's page on its format
 
 
@@ -205,23 +214,34 @@ def test_an_environment_of_its_own_runs_what_was_built(
     [file] = built.glob(kind)
     place = tmp_path / "environment"
     command(sys.executable, "-m", "venv", place, cwd=tmp_path)
-    command(place / "bin" / "pip", "install", "-q", "-c", ROOT / "constraints.txt", file,
-            cwd=tmp_path, **kept())  # fmt: skip
+    command(
+        place / "bin" / "pip",
+        "install",
+        "-q",
+        "-c",
+        ROOT / "constraints.txt",
+        file,
+        cwd=tmp_path,
+        **kept(),
+    )
     stability = place / "bin" / "stability"
     assert command(stability, "--version", cwd=tmp_path).split()[-1] == __version__
     assert "usage: stability" in command(stability, "--help", cwd=tmp_path)
-    said = command(stability, "spectrum", "rolling", "--at", "1.8", "--mu", "0.3", "--certify",
-                   cwd=tmp_path)  # fmt: skip
+    said = command(
+        stability, "spectrum", "rolling", "--at", "1.8", "--mu", "0.3", "--certify", cwd=tmp_path
+    )
     assert "\nverdict     stable: " in said
     asked = ["spectrum", "spinning", "--body", "torus", "--tube", "0.2", "--at", "2", "--mu", "0.3"]
     assert "verdict" in command(stability, *asked, cwd=tmp_path)
-    where = command(place / "bin" / "python", "-c", "import stability; print(stability.__file__)",
-                    cwd=tmp_path)  # fmt: skip
+    where = command(
+        place / "bin" / "python", "-c", "import stability; print(stability.__file__)", cwd=tmp_path
+    )
     assert Path(where.strip()).is_relative_to(place)
     pages = ["explore", "spinning", "--mu", "0.3", "--out"]
     command(stability, *pages, "page.html", cwd=tmp_path)
-    command(sys.executable, "-m", "stability", *pages, "ours.html", cwd=tmp_path,
-            PYTHONPATH=str(ROOT))  # fmt: skip
+    command(
+        sys.executable, "-m", "stability", *pages, "ours.html", cwd=tmp_path, PYTHONPATH=str(ROOT)
+    )
     page = (tmp_path / "page.html").read_bytes()
     assert page.startswith(b"<!") and page == (tmp_path / "ours.html").read_bytes()
     film = tmp_path / "run.html"
@@ -233,7 +253,23 @@ def test_an_environment_of_its_own_runs_what_was_built(
 @pytest.mark.long
 def test_pipx_runs_the_command_line_from_the_wheel(built: Path, tmp_path: Path) -> None:
     [wheel] = built.glob("*.whl")
-    said = command(sys.executable, "-m", "pipx", "run", "--pip-args",
-                   f"-c {ROOT / 'constraints.txt'}", "--spec", wheel, "stability", "spectrum",
-                   "rolling", "--at", "1.8", "--mu", "0.3", cwd=tmp_path, **kept())  # fmt: skip
+    said = command(
+        sys.executable,
+        "-m",
+        "pipx",
+        "run",
+        "--pip-args",
+        f"-c {ROOT / 'constraints.txt'}",
+        "--spec",
+        wheel,
+        "stability",
+        "spectrum",
+        "rolling",
+        "--at",
+        "1.8",
+        "--mu",
+        "0.3",
+        cwd=tmp_path,
+        **kept(),
+    )
     assert "\nverdict     stable: " in said

@@ -36,9 +36,13 @@ SPUN = {"theta": 0.05, "omega3": 4.0}
 @pytest.mark.parametrize("law", [st.Viscous(0.3), st.LinearViscous(2.0), st.Rough(), st.Smooth()])
 @pytest.mark.parametrize(
     ("start", "horizon"),
-    [({"theta": 1.5706, "omega3": 2.2}, 20.0), ({"theta": 1.3, "phi_dot": 0.3, "omega3": 1.0}, 8.0),
-     ({"theta": 1.2, "omega3": 0.1}, 9.0), ({"theta": 1.569, "phi_dot": 3.0}, 15.0)],
-)  # fmt: skip
+    [
+        ({"theta": 1.5706, "omega3": 2.2}, 20.0),
+        ({"theta": 1.3, "phi_dot": 0.3, "omega3": 1.0}, 8.0),
+        ({"theta": 1.2, "omega3": 0.1}, 9.0),
+        ({"theta": 1.569, "phi_dot": 3.0}, 15.0),
+    ],
+)
 def test_a_body_with_the_height_of_the_disk_is_answered_as_the_disk(
     law: Any, start: Any, horizon: float
 ) -> None:
@@ -186,8 +190,9 @@ def test_states_along_fixed_axes_are_those_of_the_geometry(
 )
 def test_the_largest_tilt_of_a_body_that_comes_near_a_pole(horizon: float, count: int) -> None:
     run_of: Any = {"start": {"theta": 0.9, "theta_dot": -1.0, "phi_dot": 0.05}, "contact": "rough"}
-    scene = st.Scene(st.Spheroid(1.2), horizon=horizon, tolerance=1e-9, quantities="largest_tilt",
-                     **run_of)  # fmt: skip
+    scene = st.Scene(
+        st.Spheroid(1.2), horizon=horizon, tolerance=1e-9, quantities="largest_tilt", **run_of
+    )
     found = scene.answer()
     fine = truth(scene, np.linspace(0, horizon, count))
     tilt = np.abs(np.pi / 2 - fine.theta.values)
@@ -210,10 +215,12 @@ def test_a_start_near_vertical_spin_has_closed_forms() -> None:
         start = st.launch("vertical", at=0.3, tilt=tilt, body=TOP)
         scene = st.Scene(TOP, st.Viscous(0.3), start, 5.0, 1e-9)
         run = st.simulate(TOP, st.Viscous(0.3), start, [5.0], tolerance=1e-15, check=False)
-        errors.append([
-            far(np.array(list(scene.answer(only=rung).value.values())), columns(run)[-1])
-            for rung in ("steady", "linearised", "second-order")
-        ])  # fmt: skip
+        errors.append(
+            [
+                far(np.array(list(scene.answer(only=rung).value.values())), columns(run)[-1])
+                for rung in ("steady", "linearised", "second-order")
+            ]
+        )
     ratios = np.array(errors[0]) / np.array(errors[1])
     assert ratios == pytest.approx([2, 4, 8], rel=0.1)
 
@@ -278,19 +285,27 @@ def test_stiff_answers_of_bodies_keep_their_tolerance(numbers: Sequence[int], se
 
 @pytest.mark.filterwarnings("ignore::stability.StabilityWarning")  # beyond upright, of tumbling
 @pytest.mark.few(1)
-@pytest.mark.parametrize(("body", "family", "at", "where"), [
-    (st.Torus(0.2), "rolling", 1.0, {}), (st.ThickDisk(0.2), "rolling", 3.0, {}),
-    (TOP, "vertical", 3.0, {"pole": 0}), (TOP, "vertical", 3.0, {"pole": "pi"}),
-    (st.Torus(0.2), "tumbling", 0.9, {}),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("body", "family", "at", "where"),
+    [
+        (st.Torus(0.2), "rolling", 1.0, {}),
+        (st.ThickDisk(0.2), "rolling", 3.0, {}),
+        (TOP, "vertical", 3.0, {"pole": 0}),
+        (TOP, "vertical", 3.0, {"pole": "pi"}),
+        (st.Torus(0.2), "tumbling", 0.9, {}),
+    ],
+)
 def test_linear_questions_are_those_of_spectrum_and_boundaries(
     body: st.Body, family: str, at: float, where: dict[str, Any]
 ) -> None:
     start = st.launch(family, at=at, tilt=1e-3, body=body, **where)  # type: ignore[arg-type]
     scene = st.Scene(
-        body=body, contact=st.Viscous(0.3), start=start, horizon=1.0,
+        body=body,
+        contact=st.Viscous(0.3),
+        start=start,
+        horizon=1.0,
         quantities=("verdict", "growth_rate", "boundary"),
-    )  # fmt: skip
+    )
     value = scene.answer().value
     near = at if family != "tumbling" else float(start[0])
     own: Any = {"body": body, "contact": st.Viscous(0.3)} | where
@@ -311,9 +326,10 @@ def test_uncertain_numbers_of_a_body_move_an_answer_as_scenes_of_their_own() -> 
     assert spread is not None
     middle = st.Scene(body=st.Torus(0.2), **given).answer().value
     for name, moved in (
-        ("tube", {"body": st.Torus(0.2002)}), ("mu", {"contact": st.Viscous(0.4004)}),
+        ("tube", {"body": st.Torus(0.2002)}),
+        ("mu", {"contact": st.Viscous(0.4004)}),
         ("omega3", {"start": start | {"omega3": 1.201}}),
-    ):  # fmt: skip
+    ):
         other = st.Scene(**({"body": st.Torus(0.2)} | given | moved)).answer().value
         size = far(np.array(list(other.values())), np.array(list(middle.values())))
         assert spread.moves["final"][name] == pytest.approx(size, rel=0.02)
@@ -401,7 +417,7 @@ def test_what_a_body_has_not_is_refused_in_a_sentence() -> None:
         ({"family": "rolling", "at": 1, "body": torus, "pole": 0}, "pole belongs to vertical"),
         ({"family": "rolling", "at": 1, "theta": 1.0}, "leave them out for a disk"),
         ({"family": "rolling", "at": 1, "body": torus, "tilt": 2.0}, "the tilt takes theta to"),
-    ):  # fmt: skip
+    ):
         with pytest.raises(st.StabilityError) as caught:
             st.launch(**given)  # type: ignore[arg-type]
         assert words in str(caught.value) and "\n" not in str(caught.value)
@@ -455,7 +471,7 @@ def test_a_file_of_a_body_is_the_scene_of_python(tmp_path: Path) -> None:
         ('"rolling"', '"vertical"', "is not smooth"),
         ("tilt = 1e-4", "phi_dot = 1e-4", "[start] has family and phi_dot"),
     ],
-)  # fmt: skip
+)
 def test_a_file_that_is_wrong_is_refused_in_a_sentence(
     tmp_path: Path, old: str, new: str, words: str
 ) -> None:

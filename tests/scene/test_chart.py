@@ -18,13 +18,18 @@ from stability.scene.rungs.reduced import ReducedModel
 from stability.scene.rungs.track import Finish, Track
 
 STIFF = st.Scene(
-    contact=st.Viscous(3000.0), start={"theta": 1.3, "omega3": 2.0}, horizon=8.0, tolerance=1e-6,
+    contact=st.Viscous(3000.0),
+    start={"theta": 1.3, "omega3": 2.0},
+    horizon=8.0,
+    tolerance=1e-6,
     uncertain={"mu": 0.2},
-)  # fmt: skip
+)
 ROLLING = st.Scene(
-    contact=st.Viscous(0.3), start={"theta": 1.5706, "omega3": 2.2}, horizon=20.0,
+    contact=st.Viscous(0.3),
+    start={"theta": 1.5706, "omega3": 2.2},
+    horizon=20.0,
     quantities=("path",),
-)  # fmt: skip
+)
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -141,10 +146,20 @@ def test_si_units_change_no_error() -> None:
     disk = st.Disk.named("quarter")
     rate, speed = (float(np.ravel(v)[0]) for v in (disk.rate, disk.speed))
     clock = float(np.ravel(disk.time)[0])
-    plain = st.Scene(disk=st.Disk(k=disk.k), contact=st.Viscous(300.0), horizon=5.0,
-                     start={"theta": 1.3, "omega3": 2.0}, tolerance=1e-5)  # fmt: skip
-    coin = st.Scene(disk=disk, contact=st.Viscous(300.0 / speed), horizon=5.0 * clock,
-                    start={"theta": 1.3, "omega3": 2.0 * rate}, tolerance=1e-5)  # fmt: skip
+    plain = st.Scene(
+        disk=st.Disk(k=disk.k),
+        contact=st.Viscous(300.0),
+        horizon=5.0,
+        start={"theta": 1.3, "omega3": 2.0},
+        tolerance=1e-5,
+    )
+    coin = st.Scene(
+        disk=disk,
+        contact=st.Viscous(300.0 / speed),
+        horizon=5.0 * clock,
+        start={"theta": 1.3, "omega3": 2.0 * rate},
+        tolerance=1e-5,
+    )
     laws = {"rough": st.Rough()}
     one, other = chart(plain, laws), chart(coin, laws)
     assert one.model.values.tolist() == other.model.values.tolist()
@@ -156,8 +171,12 @@ def test_si_units_change_no_error() -> None:
 
 
 def test_dry_friction_has_no_closed_form_and_starts_with_slip_no_rough_law() -> None:
-    scene = st.Scene(contact=st.Coulomb(0.2), start={"theta": 1.3, "omega3": 1.0, "slip_x": 0.1},
-                     horizon=3.0, tolerance=1e-5)  # fmt: skip
+    scene = st.Scene(
+        contact=st.Coulomb(0.2),
+        start={"theta": 1.3, "omega3": 1.0, "slip_x": 0.1},
+        horizon=3.0,
+        tolerance=1e-5,
+    )
     found = chart(scene, {"rough": st.Rough(), "smooth": st.Smooth()})
     assert "dry friction" in str(row(found, "linearised").why.values)
     assert "slip_x" in str(row(found, "rough law").why.values)
@@ -168,27 +187,37 @@ def test_a_motion_that_ends_in_another_way_has_an_infinite_error() -> None:
     """The smooth disk falls flat; with friction this one rolls on."""
     scene = st.Scene(contact=st.Viscous(30.0), start={"theta": 1.3, "omega3": 2.0}, horizon=20.0)
     truth = full(scene._problem(scene.contact))
-    short = Track(truth.times[:1], truth.states[:1], truth.errors[:1], truth.at,
-                  Finish("flat", 2.0, 0.0, ""))  # fmt: skip
+    short = Track(
+        truth.times[:1], truth.states[:1], truth.errors[:1], truth.at, Finish("flat", 2.0, 0.0, "")
+    )
     error, why = true_error(short, truth)
     assert error == np.inf and why == "flat at 2; truly, the motion lasts"
     assert true_error(short, short) == (0.0, "")
-    late = Track(truth.times[:1], truth.states[:1], truth.errors[:1], truth.at,
-                 Finish("flat", 2.2, 0.0, ""))  # fmt: skip
+    late = Track(
+        truth.times[:1], truth.states[:1], truth.errors[:1], truth.at, Finish("flat", 2.2, 0.0, "")
+    )
     assert true_error(late, short)[0] == pytest.approx(0.1)
 
 
 def test_a_users_system_is_charted_with_its_reduced_model() -> None:
     """Oracle: x' = -x, y' = -1e3 (y - x): the slow model y = x has an error of about 1e-3."""
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 1)
-    pair = st.System("pair", x, p, ca.vertcat(-x[0], -p * (x[1] - x[0])), states=("x", "y"),
-                     parameters=("rate",))  # fmt: skip
+    pair = st.System(
+        "pair", x, p, ca.vertcat(-x[0], -p * (x[1] - x[0])), states=("x", "y"), parameters=("rate",)
+    )
     z, q = ca.SX.sym("z"), ca.SX.sym("q")
     slow = st.System("slow", z, q, -z, states=("z",), parameters=("rate",))
-    model = ReducedModel("slow", slow, lambda x, p: (x[:1], p[:1]),
-                         lambda z, _: np.concatenate([z, z], axis=-1))  # fmt: skip
-    scene = st.Scene(disk=pair, contact={"rate": 1e3}, start={"x": 1.0, "y": 1.0}, horizon=1.0,
-                     tolerance=1e-2, models=(model,))  # fmt: skip
+    model = ReducedModel(
+        "slow", slow, lambda x, p: (x[:1], p[:1]), lambda z, _: np.concatenate([z, z], axis=-1)
+    )
+    scene = st.Scene(
+        disk=pair,
+        contact={"rate": 1e3},
+        start={"x": 1.0, "y": 1.0},
+        horizon=1.0,
+        tolerance=1e-2,
+        models=(model,),
+    )
     found = chart(scene)
     exact = np.exp(-1.0) * (1000 / 999 - 1)
     assert float(row(found, "slow").true_error) == pytest.approx(exact, rel=1e-3)
@@ -214,8 +243,12 @@ def test_laws_that_are_none_are_refused(laws: Any, message: str) -> None:
 
 
 def test_the_first_of_several_laws_is_the_truth() -> None:
-    several = st.Scene(contact={"a": st.Viscous(1.0), "b": st.Rough()}, start={"theta": 1.5},
-                       horizon=1.0, uncertain={"mu": 0.1})  # fmt: skip
+    several = st.Scene(
+        contact={"a": st.Viscous(1.0), "b": st.Rough()},
+        start={"theta": 1.5},
+        horizon=1.0,
+        uncertain={"mu": 0.1},
+    )
     found = chart(several)
     assert found.attrs["law"] == "viscous" and found.spread > 0
     assert found.model.values[found.kind.values == "other law"].tolist() == ["b law"]
@@ -232,8 +265,10 @@ def test_other_laws_have_the_friction_of_the_truth() -> None:
     viscous: Any = other_laws(coin, st.LinearViscous(c=2.0 * weight))["viscous"]
     assert float(viscous.mu) == pytest.approx(2.0)
     assert list(other_laws(st.Disk(), st.Rough())) == [
-        "smooth", "viscous, mu = 100", "coulomb, mu = 0.3",
-    ]  # fmt: skip
+        "smooth",
+        "viscous, mu = 100",
+        "coulomb, mu = 0.3",
+    ]
 
 
 @pytest.mark.few(1)
@@ -279,7 +314,11 @@ def test_a_plot_that_fails_leaves_the_old_file(
 
 
 def test_a_linear_question_has_no_chart() -> None:
-    asked = st.Scene(contact=st.Viscous(0.3), start={"theta": 1.57, "omega3": 1.8}, horizon=2.0,
-                     quantities="growth_rate")  # fmt: skip
+    asked = st.Scene(
+        contact=st.Viscous(0.3),
+        start={"theta": 1.57, "omega3": 1.8},
+        horizon=2.0,
+        quantities="growth_rate",
+    )
     with pytest.raises(st.StabilityError, match="no chart"):
         chart(asked)

@@ -13,9 +13,12 @@ import stability as st
 from stability.scene.rungs.creep import CreepPath, creep_path, held_of, transient
 
 BODIES = {
-    "disk": st.Disk(), "torus": st.Torus(0.2), "egg": st.Egg(0.2), "spheroid": st.Spheroid(0.6),
+    "disk": st.Disk(),
+    "torus": st.Torus(0.2),
+    "egg": st.Egg(0.2),
+    "spheroid": st.Spheroid(0.6),
     "thick disk": st.ThickDisk(0.3),
-}  # fmt: skip
+}
 LEAST = {"thick disk": 400.0}
 """Friction of a body from which the next power of 1/mu is small; 200 for others."""
 START = {"theta": 1.3, "theta_dot": 0.1, "phi_dot": 0.2, "omega3": 2.0}

@@ -38,11 +38,12 @@ def _error(k: float, law, spin: float, tilt: float, last: float) -> tuple[float,
 @pytest.mark.parametrize(
     ("k", "law", "spin", "tilt", "last"),
     [
-        (0.25, st.Viscous(1.0), 1.8, 1e-2, 2000.0), (0.5, st.Viscous(1.0), -1.5, 1e-2, 1000.0),
+        (0.25, st.Viscous(1.0), 1.8, 1e-2, 2000.0),
+        (0.5, st.Viscous(1.0), -1.5, 1e-2, 1000.0),
         (0.25, st.LinearViscous(1.0), 1.8, -1e-2, 1000.0),
         (0.3, st.Viscous(30.0), 2.0, 1e-2, 500.0),
     ],
-)  # fmt: skip
+)
 def test_the_drift_states_its_error_where_the_second_order_fails(k, law, spin, tilt, last) -> None:
     true, stated = _error(k, law, spin, tilt, last)
     assert true <= stated < 30 * true
@@ -87,9 +88,11 @@ def test_a_scene_of_long_rolling_is_answered_by_the_drift() -> None:
 
 SEED = int(os.environ.get("STABILITY_SEED", "20261128"))
 UNEVEN = st.Body(
-    lambda theta: 0.8 * ca.sin(theta) + 0.2 + 0.02 * ca.cos(theta) ** 3, axial=1.0, transverse=0.55,
+    lambda theta: 0.8 * ca.sin(theta) + 0.2 + 0.02 * ca.cos(theta) ** 3,
+    axial=1.0,
+    transverse=0.55,
     name="uneven ring",
-)  # fmt: skip
+)
 
 
 def _of_body(body: st.Body, law: Any, start: Any, last: float) -> Problem:
@@ -123,10 +126,11 @@ def test_the_drift_of_a_body_is_the_closed_form_of_the_disk(
 @pytest.mark.parametrize(
     ("tube", "law", "spin", "tilt", "last"),
     [
-        (0.2, st.Viscous(1.0), 1.8, 1e-2, 2000.0), (0.5, st.Viscous(0.5), -2.0, -1e-2, 2000.0),
+        (0.2, st.Viscous(1.0), 1.8, 1e-2, 2000.0),
+        (0.5, st.Viscous(0.5), -2.0, -1e-2, 2000.0),
         (0.1, st.LinearViscous(3.0), 2.0, -1e-2, 3000.0),
     ],
-)  # fmt: skip
+)
 def test_a_torus_drifts_within_the_stated_error(
     tube: float, law: Any, spin: float, tilt: float, last: float
 ) -> None:

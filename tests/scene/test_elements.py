@@ -17,8 +17,12 @@ def test_values_and_derivatives_converge_as_for_an_entire_function() -> None:
         values = np.sin(some.times)[..., None]
         slope = some.derivative(values)[..., 0]
         between = np.linspace(0, 2.5, 50)
-        errors.append((np.abs(slope - np.cos(some.times)).max(),
-                       np.abs(some.at(between, values)[:, 0] - np.sin(between)).max()))  # fmt: skip
+        errors.append(
+            (
+                np.abs(slope - np.cos(some.times)).max(),
+                np.abs(some.at(between, values)[:, 0] - np.sin(between)).max(),
+            )
+        )
     for one, other in zip(errors, errors[1:], strict=False):
         assert other[0] < one[0] / 50
         assert other[1] < one[1] / 50
@@ -29,8 +33,9 @@ def test_values_and_derivatives_converge_as_for_an_entire_function() -> None:
 def test_interpolation_at_a_point_gives_its_value() -> None:
     some = Elements(np.array([0.0, 0.7, 1.0]), 9)
     values = np.exp(some.times)[..., None]
-    assert some.at(some.times.ravel(), values)[:, 0] == pytest.approx(np.exp(some.times).ravel(),
-                                                                      rel=1e-15)  # fmt: skip
+    assert some.at(some.times.ravel(), values)[:, 0] == pytest.approx(
+        np.exp(some.times).ravel(), rel=1e-15
+    )
 
 
 def test_the_tail_is_the_size_of_the_last_coefficients() -> None:
@@ -67,8 +72,10 @@ def test_a_defect_moves_the_solution_by_its_integral() -> None:
     matrices = np.full((*some.times.shape, 1, 1), -0.5)
     defect = np.cos(some.times)[..., None]
     exact = (0.5 * np.cos(some.times) + np.sin(some.times) - 0.5 * np.exp(-some.times / 2)) / 1.25
-    for found in (Linear.along(some, matrices).solve(defect, np.zeros(1)),
-                  carried(some, matrices, defect, np.zeros(1))):  # fmt: skip
+    for found in (
+        Linear.along(some, matrices).solve(defect, np.zeros(1)),
+        carried(some, matrices, defect, np.zeros(1)),
+    ):
         assert found[..., 0] == pytest.approx(exact, abs=1e-6)
 
 

@@ -44,8 +44,13 @@ def test_more_turns_than_a_number_holds_are_refused() -> None:
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
     swing = ca.vertcat(x[1], -p[0] * ca.sin(x[0]) - p[1] * x[1])
     own = st.System("pendulum", x, p, swing, states=("angle", "rate"), parameters=("g", "d"))
-    scene = st.Scene(own, {"g": 9.81, "d": 0.5}, {"angle": 1.0, "rate": 0.0}, horizon=1e308,
-                     quantities="settling_time")  # fmt: skip
+    scene = st.Scene(
+        own,
+        {"g": 9.81, "d": 0.5},
+        {"angle": 1.0, "rate": 0.0},
+        horizon=1e308,
+        quantities="settling_time",
+    )
     with pytest.raises(st.StabilityError, match="more than 1e308 times"):
         scene.answer()
 
@@ -131,8 +136,15 @@ def test_a_map_that_writes_into_the_states_changes_nothing() -> None:
 def test_a_condition_on_parameters_alone_is_no_event() -> None:
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
     held = (st.Condition(p, "g = {value:.3g} must be positive"), st.Condition(1.5 - x[0], "far"))
-    swing = st.System("swing", x, p, ca.vertcat(x[1], -p * x[0]), states=("angle", "rate"),
-                      parameters=("g",), conditions=held)  # fmt: skip
+    swing = st.System(
+        "swing",
+        x,
+        p,
+        ca.vertcat(x[1], -p * x[0]),
+        states=("angle", "rate"),
+        parameters=("g",),
+        conditions=held,
+    )
     answer = st.Scene(swing, [1.0], [1.0, 0.0], 2.0, 1e-9).answer()
     assert answer.value["angle"] == pytest.approx(math.cos(2.0), abs=1e-9)
     far = st.Scene(swing, [1.0], [0.0, 2.0], 2.0, 1e-9, "outcome").answer()
@@ -141,8 +153,14 @@ def test_a_condition_on_parameters_alone_is_no_event() -> None:
 
 def test_a_motion_without_a_first_step_ends_at_its_start() -> None:
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 1)
-    swing = st.System("swing", x, p, ca.vertcat(x[1], -p * ca.sin(x[0])), states=("angle", "rate"),
-                      parameters=("g",))  # fmt: skip
+    swing = st.System(
+        "swing",
+        x,
+        p,
+        ca.vertcat(x[1], -p * ca.sin(x[0])),
+        states=("angle", "rate"),
+        parameters=("g",),
+    )
     answer = st.Scene(swing, [1e300], [0.0, 4.0], 10.0).answer()
     assert answer.estimate == math.inf
     assert answer.until == 0.0

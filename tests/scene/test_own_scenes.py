@@ -18,9 +18,17 @@ from stability.scene import ladder
 GIVEN = {"v": 3.0, "e": 0.1, "sigma": 0.3, "c": 1.0, "I": 0.5, "K": 3e4, "z0": 0.02}
 START = {"psi": 0.05, "r": 0.0, "z": 0.0}
 UNITS = {
-    "psi": "rad", "r": "rad/s", "z": "m", "v": "m/s", "e": "m", "sigma": "m", "c": "N m s",
-    "I": "kg m2", "K": "N/m", "z0": "m",
-}  # fmt: skip
+    "psi": "rad",
+    "r": "rad/s",
+    "z": "m",
+    "v": "m/s",
+    "e": "m",
+    "sigma": "m",
+    "c": "N m s",
+    "I": "kg m2",
+    "K": "N/m",
+    "z0": "m",
+}
 
 
 def rates(x: Any, p: Any, m: Any) -> tuple[Any, Any, Any]:
@@ -34,8 +42,9 @@ def rates(x: Any, p: Any, m: Any) -> tuple[Any, Any, Any]:
 def castor() -> st.System:
     x, p = ca.SX.sym("x", 3), ca.SX.sym("p", 7)
     right = ca.vertcat(*rates(ca.vertsplit(x), ca.vertsplit(p), ca))
-    return st.System("castor", x, p, right, states=tuple(START), parameters=tuple(GIVEN),
-                     units=UNITS)  # fmt: skip
+    return st.System(
+        "castor", x, p, right, states=tuple(START), parameters=tuple(GIVEN), units=UNITS
+    )
 
 
 def scene(horizon: float, tolerance: float, **more: Any) -> st.Scene:
@@ -45,8 +54,14 @@ def scene(horizon: float, tolerance: float, **more: Any) -> st.Scene:
 
 def truth(horizon: float) -> Any:
     """The final states by SciPy, for a motion that grows e^34 times from its start."""
-    found = solve_ivp(lambda _, x: rates(x, GIVEN.values(), np), [0, horizon], list(START.values()),
-                      method="DOP853", rtol=3e-14, atol=1e-15)  # fmt: skip
+    found = solve_ivp(
+        lambda _, x: rates(x, GIVEN.values(), np),
+        [0, horizon],
+        list(START.values()),
+        method="DOP853",
+        rtol=3e-14,
+        atol=1e-15,
+    )
     return found.y[:, -1]
 
 

@@ -39,11 +39,13 @@ def test_answers_keep_their_tolerance_and_estimates_are_near_the_truth(
         f"{h.known:.2g}; {h.note}"
         for h in missed
     ]
-    ratios = np.array([
-        h.answer.estimate / h.true
-        for h in claimed
-        if h.quantity in ("final", "path") and h.true > 1e-12 and h.known < h.true / 3
-    ])  # fmt: skip
+    ratios = np.array(
+        [
+            h.answer.estimate / h.true
+            for h in claimed
+            if h.quantity in ("final", "path") and h.true > 1e-12 and h.known < h.true / 3
+        ]
+    )
     print(f"\n{len(held)} scenes, {len(claimed)} answered, {len(missed)} outside the tolerance")
     print(dict(Counter(h.answer.model for h in held).most_common()))
     quantiles = np.quantile(ratios, [0, 0.02, 0.05, 0.25, 0.5, 0.75, 0.95, 0.98, 1]).round(2)

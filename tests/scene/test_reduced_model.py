@@ -172,11 +172,14 @@ def test_what_is_verified_is_the_difference_from_the_full_model() -> None:
 # --- what is refused ---
 
 
-@pytest.mark.parametrize(("down", "shapes"), [
-    (lambda x, p: (x, p), r"\(2,\) and \(1,\)"),
-    (lambda x, p: (x[:1], p[:0]), r"\(1,\) and \(0,\)"),
-    (lambda x, p: (x[0], p), r"\(\) and \(1,\)"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("down", "shapes"),
+    [
+        (lambda x, p: (x, p), r"\(2,\) and \(1,\)"),
+        (lambda x, p: (x[:1], p[:0]), r"\(1,\) and \(0,\)"),
+        (lambda x, p: (x[0], p), r"\(\) and \(1,\)"),
+    ],
+)
 def test_a_wrong_shape_of_down_is_refused(down: Any, shapes: str) -> None:
     model = slow_model(lambda x, eps: x**2, down=down)  # noqa: ARG005
     message = f"^down of {NAME} gives shapes {shapes}; give 1 states and 1 parameters.$"
@@ -184,11 +187,14 @@ def test_a_wrong_shape_of_down_is_refused(down: Any, shapes: str) -> None:
         scene(1e-3, 1e-3, models=[model]).answer()
 
 
-@pytest.mark.parametrize("up", [
-    lambda x: x,
-    lambda x: np.array([x[..., 0], x[..., 0] ** 2]),
-    lambda x: np.concatenate([x, x, x], axis=-1),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "up",
+    [
+        lambda x: x,
+        lambda x: np.array([x[..., 0], x[..., 0] ** 2]),
+        lambda x: np.concatenate([x, x, x], axis=-1),
+    ],
+)
 def test_a_wrong_shape_of_up_is_refused(up: Any) -> None:
     model = slow_model(lambda x, eps: x**2, up=lambda x, p: up(x))  # noqa: ARG005
     message = rf"^up of {NAME} gives shape \(.*\); give 2 states along the last axis.$"
@@ -196,12 +202,15 @@ def test_a_wrong_shape_of_up_is_refused(up: Any) -> None:
         scene(1e-3, 1e-3, models=[model]).answer()
 
 
-@pytest.mark.parametrize(("changed", "message"), [
-    ({"name": " "}, "the name of a reduced model is ' '; give a word."),
-    ({"system": 3}, "system is 3; give a stability.System."),
-    ({"up": 2.0}, "up is 2.0; give a function of states and parameters."),
-    ({"down": None}, "down is None; give a function of states and parameters."),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"name": " "}, "the name of a reduced model is ' '; give a word."),
+        ({"system": 3}, "system is 3; give a stability.System."),
+        ({"up": 2.0}, "up is 2.0; give a function of states and parameters."),
+        ({"down": None}, "down is None; give a function of states and parameters."),
+    ],
+)
 def test_a_model_without_its_parts_is_refused(changed: dict[str, Any], message: str) -> None:
     parts = {"name": NAME, "system": FIRST.system, "down": FIRST.down, "up": FIRST.up}
     with pytest.raises(st.StabilityError) as caught:

@@ -51,8 +51,9 @@ def test_one_rung_alone_answers_whatever_its_error_is() -> None:
     steady = _scene(start={"theta": 1.57, "omega3": 1.6}, tolerance=1e-9).answer(only="steady")
     assert steady.model == "steady"
     assert steady.estimate > 1e-9
-    orders = [_scene(contact=st.Viscous(300.0), start=FAR).answer(only=f"creep-{n}")
-              for n in (1, 2)]  # fmt: skip
+    orders = [
+        _scene(contact=st.Viscous(300.0), start=FAR).answer(only=f"creep-{n}") for n in (1, 2)
+    ]
     assert [o.model for o in orders] == ["creep-1", "creep-2"]
     assert orders[1].estimate < orders[0].estimate / 5
 
@@ -258,8 +259,14 @@ def test_a_model_at_rest_settles_what_is_proved_to_settle_alone(size: float, wor
 
 @pytest.mark.parametrize("law", [st.Smooth(), st.Rough(), st.Coulomb(0.3), st.Viscous(0.3)])
 def test_each_rung_asked_for_alone_answers_or_says_why_not(law: st.Contact) -> None:
-    start = {"theta": 1.5, "theta_dot": 0.01, "phi_dot": 0.02, "omega3": 2.0, "slip_x": 0.0,
-             "slip_y": 0.0}  # fmt: skip
+    start = {
+        "theta": 1.5,
+        "theta_dot": 0.01,
+        "phi_dot": 0.02,
+        "omega3": 2.0,
+        "slip_x": 0.0,
+        "slip_y": 0.0,
+    }
     scene = st.Scene(st.Disk(), law, start, 1.0, 1e-5)
     for name in ("steady", "linearised", "second-order", "drift", law.name):
         answer = scene.answer(only=name)
@@ -267,23 +274,40 @@ def test_each_rung_asked_for_alone_answers_or_says_why_not(law: st.Contact) -> N
     assert answer.model == law.name  # the law itself always answers
 
 
-@pytest.mark.parametrize(("quantity", "mu", "horizon", "tolerance", "start"), [
-    # slip is free again where the normal force fades, before it decays
-    pytest.param("final", 10642.5, 3.54565, 3.5374e-7,
-                 (0.6207726, -0.3893043, 0.5506503, 1.4027599, 3.2279e-7, 9.997e-6),
-                 marks=pytest.mark.long),
-    # an error over the size of theta is no error of a tilt near 0
-    ("largest_tilt", 88940.0, 5.3806, 8.4414e-5,
-     (1.57079594, -3.93612e-5, 1.58916684, 4.95743e-5, -2.33e-8, 8.3e-9)),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("quantity", "mu", "horizon", "tolerance", "start"),
+    [
+        # slip is free again where the normal force fades, before it decays
+        pytest.param(
+            "final",
+            10642.5,
+            3.54565,
+            3.5374e-7,
+            (0.6207726, -0.3893043, 0.5506503, 1.4027599, 3.2279e-7, 9.997e-6),
+            marks=pytest.mark.long,
+        ),
+        # an error over the size of theta is no error of a tilt near 0
+        (
+            "largest_tilt",
+            88940.0,
+            5.3806,
+            8.4414e-5,
+            (1.57079594, -3.93612e-5, 1.58916684, 4.95743e-5, -2.33e-8, 8.3e-9),
+        ),
+    ],
+)
 def test_an_answer_that_was_once_outside_its_tolerance(
     quantity: str, mu: float, horizon: float, tolerance: float, start: tuple[float, ...]
 ) -> None:
     names = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
     scene = st.Scene(
-        st.Disk(k=0.25), st.Viscous(mu), dict(zip(names, start, strict=True)), horizon, tolerance,
+        st.Disk(k=0.25),
+        st.Viscous(mu),
+        dict(zip(names, start, strict=True)),
+        horizon,
+        tolerance,
         quantities=(quantity,),
-    )  # fmt: skip
+    )
     answer = scene.verify()
     assert answer.true_error <= tolerance
     assert answer.estimate <= tolerance

@@ -109,8 +109,9 @@ def test_the_report_of_the_page_is_that_of_today() -> None:
     answer = scene().answer()
     assert block[1].split("\n\n")[0].split("\n") == list(answer.setting)
     for name, value in answer.value.items():
-        [printed] = re.findall(rf"\b{name} = (\S+) (?:rad|√\(g/R\)|√\(gR\))[,\n]",
-                               block[1].split("\n\n")[1] + "\n")  # fmt: skip
+        [printed] = re.findall(
+            rf"\b{name} = (\S+) (?:rad|√\(g/R\)|√\(gR\))[,\n]", block[1].split("\n\n")[1] + "\n"
+        )
         assert float(printed) == pytest.approx(value, abs=scene().tolerance)
     told = [(r.chosen, r.name, r.dimension, r.estimate) for r in answer.rungs]
     assert len(shown) == 4
@@ -161,14 +162,21 @@ def test_creep_is_skipped_where_the_full_model_is_expected_to_be_faster() -> Non
 
 
 @pytest.mark.few(2)
-@pytest.mark.parametrize(("start", "law", "horizon", "reason"), [
-    ({"theta": 0.8, "omega3": 1.5}, st.Viscous(0.3), 5.0, "the nearest steady motion"),
-    ({"theta": 1.5707, "omega3": 1.0}, st.Viscous(0.3), 400.0, "grows e^"),
-    ({"theta": 1.5706, "omega3": 1.5}, st.Smooth(), 50.0, "two modes of rolling are parallel"),
-    ({"theta": 1.562, "omega3": 1.5}, st.Viscous(0.3), 8.0, "is expected to take no longer"),
-    ({"theta": 1.07, "theta_dot": -1.2, "phi_dot": -2.1, "omega3": -0.2}, st.Viscous(5000.0), 5.0,
-     "a guard of the full model fails before the slip has decayed"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("start", "law", "horizon", "reason"),
+    [
+        ({"theta": 0.8, "omega3": 1.5}, st.Viscous(0.3), 5.0, "the nearest steady motion"),
+        ({"theta": 1.5707, "omega3": 1.0}, st.Viscous(0.3), 400.0, "grows e^"),
+        ({"theta": 1.5706, "omega3": 1.5}, st.Smooth(), 50.0, "two modes of rolling are parallel"),
+        ({"theta": 1.562, "omega3": 1.5}, st.Viscous(0.3), 8.0, "is expected to take no longer"),
+        (
+            {"theta": 1.07, "theta_dot": -1.2, "phi_dot": -2.1, "omega3": -0.2},
+            st.Viscous(5000.0),
+            5.0,
+            "a guard of the full model fails before the slip has decayed",
+        ),
+    ],
+)
 def test_a_rung_that_does_not_apply_says_why(
     start: Any, law: Any, horizon: float, reason: str
 ) -> None:
@@ -259,8 +267,13 @@ def test_the_spread_is_that_of_separate_scenes() -> None:
 @pytest.mark.long
 def test_a_move_is_known_to_twice_the_tolerance() -> None:
     for tolerance, model in ((1e-3, "rough"), (1e-6, "creep-2")):
-        asked = st.Scene(contact=st.Viscous(1e3), start={"theta": 1.3, "omega3": 2.0}, horizon=20.0,
-                         tolerance=tolerance, uncertain={"mu": 0.2})  # fmt: skip
+        asked = st.Scene(
+            contact=st.Viscous(1e3),
+            start={"theta": 1.3, "omega3": 2.0},
+            horizon=20.0,
+            tolerance=tolerance,
+            uncertain={"mu": 0.2},
+        )
         answer = asked.answer()
         assert answer.model == model
         assert answer.spread is not None
@@ -275,8 +288,14 @@ def test_a_move_is_known_to_twice_the_tolerance() -> None:
 def test_an_outcome_within_the_uncertainty_is_named() -> None:
     def asked(spin: float, **more: Any) -> Any:
         start = {"theta": 1.0, "theta_dot": -0.5, "phi_dot": 1.0, "omega3": spin}
-        return st.Scene(contact=st.Viscous(3.0), start=start, horizon=5.0, tolerance=1e-3,
-                        quantities=("outcome",), **more).answer()  # fmt: skip
+        return st.Scene(
+            contact=st.Viscous(3.0),
+            start=start,
+            horizon=5.0,
+            tolerance=1e-3,
+            quantities=("outcome",),
+            **more,
+        ).answer()
 
     answer = asked(-2.5, uncertain={"omega3": 0.2})
     apart = (asked(-2.7).value, asked(-2.3).value)
@@ -309,8 +328,9 @@ def test_dry_friction_has_the_full_model_alone() -> None:
     answer = asked.answer()
     assert answer.model == "coulomb"
     assert [r.why.split(":")[0] for r in answer.rungs[:2]] == [
-        "dry friction has no linear motion", "coulomb has no creep",
-    ]  # fmt: skip
+        "dry friction has no linear motion",
+        "coulomb has no creep",
+    ]
 
 
 def test_a_scene_has_one_launch() -> None:

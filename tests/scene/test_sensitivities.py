@@ -59,22 +59,37 @@ def differences(of: Any, at: float, step: float) -> Any:
 def decay() -> tuple[st.System, st.ReducedModel]:
     """The system x' = -c x + y, y' = -y/eps, and the model of it without y."""
     z, p = ca.SX.sym("z", 2), ca.SX.sym("p", 2)
-    both = st.System("both", z, p, ca.vertcat(z[1] - p[0] * z[0], -z[1] / p[1]),
-                     states=("x", "y"), parameters=("c", "eps"))  # fmt: skip
+    both = st.System(
+        "both",
+        z,
+        p,
+        ca.vertcat(z[1] - p[0] * z[0], -z[1] / p[1]),
+        states=("x", "y"),
+        parameters=("c", "eps"),
+    )
     x, c = ca.SX.sym("x"), ca.SX.sym("c")
     slow = st.System("slow", x, c, -c * x, states=("x",), parameters=("c",))
     return both, st.ReducedModel(
-        "slow alone", slow, lambda states, p: (states[:1], p[:1]),
+        "slow alone",
+        slow,
+        lambda states, p: (states[:1], p[:1]),
         lambda states, p: np.concatenate([states, 0 * states], axis=-1),  # noqa: ARG005
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize("only", ["slow alone", "both"])
 def test_linear_decay_has_the_sensitivities_of_its_closed_form(only: str) -> None:
     c, eps, x, horizon = 0.7, 1e-4, 0.8, 3.0
     system, model = decay()
-    asked = st.Scene(system, {"c": c, "eps": eps}, {"x": x, "y": 0.0}, horizon, 1e-6,
-                     models=[model], uncertain={"c": 1e-3, "x": 1e-4})  # fmt: skip
+    asked = st.Scene(
+        system,
+        {"c": c, "eps": eps},
+        {"x": x, "y": 0.0},
+        horizon,
+        1e-6,
+        models=[model],
+        uncertain={"c": 1e-3, "x": 1e-4},
+    )
     name, by_start, by_p = slopes(asked, only)
     assert name == only
     left = np.exp(-c * horizon)
@@ -91,8 +106,14 @@ def test_linear_decay_has_the_sensitivities_of_its_closed_form(only: str) -> Non
 
 def test_a_pendulum_near_rest_has_the_sensitivities_of_its_linear_motion() -> None:
     z, w = ca.SX.sym("z", 2), ca.SX.sym("w")
-    system = st.System("pendulum", z, w, ca.vertcat(z[1], -(w**2) * ca.sin(z[0])),
-                       states=("q", "v"), parameters=("w",))  # fmt: skip
+    system = st.System(
+        "pendulum",
+        z,
+        w,
+        ca.vertcat(z[1], -(w**2) * ca.sin(z[0])),
+        states=("q", "v"),
+        parameters=("w",),
+    )
     w0, q0, horizon = 2.0, 1e-5, 7.3
     asked = st.Scene(system, {"w": w0}, {"q": q0, "v": 0.0}, horizon, 1e-9)
     _, by_start, by_p = slopes(asked)
@@ -213,8 +234,13 @@ def test_dry_friction_has_displaced_runs() -> None:
 
 
 def test_a_model_finer_than_the_inputs_is_called_wasted() -> None:
-    asked = scene(st.Viscous(3e3), {"theta": 1.3, "omega3": 2.0}, 12.0, tolerance=1e-6,
-                  uncertain={"theta": 1e-2})  # fmt: skip
+    asked = scene(
+        st.Viscous(3e3),
+        {"theta": 1.3, "omega3": 2.0},
+        12.0,
+        tolerance=1e-6,
+        uncertain={"theta": 1e-2},
+    )
     told = asked.answer()
     assert (told.model, told.spread.enough) == ("creep-1", "rough")
     truth = last(asked.contact, asked.start, 12.0)
@@ -236,8 +262,9 @@ def held(number: int) -> list[tuple[float, float]]:
     rng = np.random.default_rng([21, number])
     widths = {n: 10 ** rng.uniform(-4, -1.5) for n in asked.contact.given}
     widths |= {"k": 10 ** rng.uniform(-4, -2), "theta": 10 ** rng.uniform(-6, -3)}
-    asked = replace(asked, quantities=("final",), uncertain=widths,
-                    horizon=min(asked.horizon, 60.0))  # fmt: skip
+    asked = replace(
+        asked, quantities=("final",), uncertain=widths, horizon=min(asked.horizon, 60.0)
+    )
     try:
         told = asked.answer().spread
     except st.StabilityError:

@@ -26,7 +26,10 @@ def written(folder: Path, text: str) -> Path:
 
 
 def test_a_file_states_the_arguments_of_a_scene(tmp_path: Path) -> None:
-    title, given = titled(written(tmp_path, """
+    title, given = titled(
+        written(
+            tmp_path,
+            """
         title = "A roll"
         [disk]
         mass = 0.3
@@ -47,7 +50,9 @@ def test_a_file_states_the_arguments_of_a_scene(tmp_path: Path) -> None:
         [uncertain]
         mu = 0.2
         theta = 1e-3
-    """))  # fmt: skip
+    """,
+        )
+    )
     disk, law = given.pop("disk"), given.pop("contact")
     assert title == "A roll"
     assert (disk.mass, disk.radius, disk.gravity, disk.k) == (0.3, 0.45, 9.81, 0.5)
@@ -85,17 +90,26 @@ def test_a_named_disk_and_a_family_are_those_of_python(tmp_path: Path) -> None:
 def test_each_table_in_contact_is_a_law_named_like_it_unless_it_says_another(
     tmp_path: Path,
 ) -> None:
-    laws = read(written(tmp_path, START + QUESTION + """
+    laws = read(
+        written(
+            tmp_path,
+            START
+            + QUESTION
+            + """
         [contact.rough]
         [contact.sticky]
         law = "viscous"
         mu = 30
         [contact.linear-viscous]
         c = 0.02
-    """))["contact"]  # fmt: skip
+    """,
+        )
+    )["contact"]
     assert {n: type(law) for n, law in laws.items()} == {
-        "rough": st.Rough, "sticky": st.Viscous, "linear-viscous": st.LinearViscous,
-    }  # fmt: skip
+        "rough": st.Rough,
+        "sticky": st.Viscous,
+        "linear-viscous": st.LinearViscous,
+    }
     assert laws["sticky"].mu == 30.0
     assert laws["linear-viscous"].given == {"c": 0.02}
 
@@ -216,14 +230,18 @@ REFUSED = [
     ("[contact]\nlaw = 3\n" + START + QUESTION, "law of [contact] is 3; give a text"),
     ("[contact]\nlaw = 'viscous'\n" + START + QUESTION, "[contact] has no mu; the viscous law"),
     ("[contact]\nlaw = 'linear-viscous'\n" + START + QUESTION, "[contact] has no c or mu"),
-    (CONTACT + "nu = 3\n" + START + QUESTION,
-     "[contact] with the viscous law has 'nu'; known are law, mu"),
+    (
+        CONTACT + "nu = 3\n" + START + QUESTION,
+        "[contact] with the viscous law has 'nu'; known are law, mu",
+    ),
     ("[contact]\nlaw = 'rough'\nmu = 1\n" + START + QUESTION, "has 'mu'; known are law."),
     ("[contact]\nlaw = 'viscous'\nmu = -1\n" + START + QUESTION, "mu is -1; friction must be"),
     ("[contact]\nlaw = 'viscous'\nmu = inf\n" + START + QUESTION, "mu of [contact] is inf"),
     ("[contact]\nlaw = 'no_such:Law'\n" + START + QUESTION, "cannot be imported"),
-    ("[contact]\nmu = 1\n[contact.rough]\n" + START + QUESTION,
-     "[contact] has 'mu' and the table 'rough'"),
+    (
+        "[contact]\nmu = 1\n[contact.rough]\n" + START + QUESTION,
+        "[contact] has 'mu' and the table 'rough'",
+    ),
     ("[contact.glue]\n" + START + QUESTION, "contact is 'glue'; known are smooth"),
     ("[contact.viscous]\n" + START + QUESTION, "[contact.viscous] has no mu"),
     (CONTACT + QUESTION + "[start]\n", "[start] has no theta"),
@@ -240,7 +258,7 @@ REFUSED = [
     (CONTACT + START + QUESTION + "method = 'rk4'\n", "[question] has 'method'; known are"),
     (CONTACT + START + QUESTION + "quantities = 3\n", "quantities of [question] is 3"),
     (CONTACT + START + QUESTION + "quantities = ['final', 3]\n", "give names, such as"),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("text", "sentence"), REFUSED)

@@ -18,8 +18,14 @@ from tests.tools.similarity import size
 
 SCALES = (0.6, 0.04, 3.0)
 """Mass, length and gravity."""
-STATES = {"theta": "rad", "theta_dot": "rad/s", "phi_dot": "rad/s", "omega3": "rad/s",
-          "slip_x": "m/s", "slip_y": "m/s"}  # fmt: skip
+STATES = {
+    "theta": "rad",
+    "theta_dot": "rad/s",
+    "phi_dot": "rad/s",
+    "omega3": "rad/s",
+    "slip_x": "m/s",
+    "slip_y": "m/s",
+}
 FIXED = {"axis": "1", "omega": "rad/s", "slip": "m/s"}
 ROLLS = {"theta": 1.45, "theta_dot": 0.05, "phi_dot": 0.02, "omega3": 2.0}
 
@@ -142,7 +148,8 @@ def test_linear_questions_are_similar(name: str, asked: str) -> None:
 
 def test_a_boundary_in_theta_is_an_angle() -> None:
     plain, scaled = disk(st.Viscous, {"theta": 0.9, "phi_dot": 2.2}, **VISCOUS).answers(
-        1.0, quantities="growth_rate")  # fmt: skip
+        1.0, quantities="growth_rate"
+    )
     assert plain.sentence.startswith("tumbling at") and scaled.sentence.startswith("tumbling at")
     assert plain.sentence.split(",")[0] == scaled.sentence.split(",")[0]
 

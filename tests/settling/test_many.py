@@ -203,8 +203,9 @@ def test_shared_bases_prove_what_own_bases_prove(
 
 def test_a_proof_that_misses_in_a_shared_basis_is_tried_in_the_launchs_own() -> None:
     # the end of a launch that the flint test proves, and a shared basis does not: 1 % is missing
-    six = np.array([0.620616445, 2.07832199e-05, -2.07307399, -4.99347477e-06,
-                    -2.59795893e-05, 2.42116199e-05])  # fmt: skip
+    six = np.array(
+        [0.620616445, 2.07832199e-05, -2.07307399, -4.99347477e-06, -2.59795893e-05, 2.42116199e-05]
+    )
     p = np.array([0.4, 0.3])
     exact = one(six, p)
     found = disk_settling(st.Viscous).many(six[None], p, 0.05).settled
@@ -281,9 +282,13 @@ def _bump(theta: Any) -> Any:
 
 
 @pytest.mark.few(1)
-@pytest.mark.parametrize("body", [
-    st.EccentricSphere(0.15, axial=0.4, transverse=0.4), st.Body(_bump, axial=0.4, transverse=0.4),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "body",
+    [
+        st.EccentricSphere(0.15, axial=0.4, transverse=0.4),
+        st.Body(_bump, axial=0.4, transverse=0.4),
+    ],
+)
 def test_a_body_agrees_with_the_single_test(body: Any) -> None:
     # exp has no kernel here either
     settling = body_settling(body, st.Viscous, tuple(st.Viscous(0.3).given))
@@ -316,10 +321,18 @@ def test_the_chart_at_a_pole_is_enclosed_and_not_rounded() -> None:
         for i, row in enumerate(six.tolist()):
             theta, theta_dot, phi_dot, omega3, *slip = (arb(v) for v in row)
             spin = omega3 - phi_dot * theta.cos()
-            exact = [phi_dot + spin * theta.cos(), theta.sin(), arb(0), spin * theta.sin(),
-                     theta_dot, *slip]  # fmt: skip
-            assert all(abs(v - arb(float(a))) <= arb(float(b))
-                       for v, a, b in zip(exact, m[i], r[i], strict=True))  # fmt: skip
+            exact = [
+                phi_dot + spin * theta.cos(),
+                theta.sin(),
+                arb(0),
+                spin * theta.sin(),
+                theta_dot,
+                *slip,
+            ]
+            assert all(
+                abs(v - arb(float(a))) <= arb(float(b))
+                for v, a, b in zip(exact, m[i], r[i], strict=True)
+            )
     finally:
         ctx.prec = 53
     assert r.max() < 1e-13
@@ -360,9 +373,11 @@ def test_a_member_that_is_not_known_exactly_exists_within_the_error(
     off = rng.uniform(-1, 1.5, count) * pull
     none = np.zeros((count, 0))
     found = settled(
-        around, Balls(none, none), np.column_stack([pull, push]),
+        around,
+        Balls(none, none),
+        np.column_stack([pull, push]),
         Balls(off[:, None], 0 * off[:, None]),
-    )  # fmt: skip
+    )
     some = found.proved
     assert 0.05 * count < some.sum() < 0.95 * count
     inside = pull[some] ** 2 - 4 * push[some]

@@ -62,8 +62,15 @@ def test_a_disk_and_its_equations_as_a_system_settle_alike() -> None:
     own = st.disk_system("viscous")
     guards = own.observables["normal_force"], own.observables["determinant"], ca.sin(own.x[0])
     conditions = [st.Condition(v, "a guard is {value}") for v in guards]
-    mine = st.System("mine", own.x, own.p, own.rhs, states=own.states, parameters=own.parameters,
-                     conditions=conditions)  # fmt: skip
+    mine = st.System(
+        "mine",
+        own.x,
+        own.p,
+        own.rhs,
+        states=own.states,
+        parameters=own.parameters,
+        conditions=conditions,
+    )
     held = {"theta": st.UPRIGHT} | dict.fromkeys(("theta_dot", "omega3", "slip_x", "slip_y"), 0.0)
     system = system_settling((st.Family(mine, "spinning", at=("phi_dot",), held=held),))
     first, second = same(disk, DISK, system, DISK, states(100))
@@ -73,8 +80,9 @@ def test_a_disk_and_its_equations_as_a_system_settle_alike() -> None:
 
 def bare(rhs: Any, *names: str, parameters: tuple[str, ...] = ()) -> st.System:
     x, p = ca.SX.sym("x", len(names)), ca.SX.sym("p", len(parameters))
-    return st.System("bare", x, p, ca.SX(ca.vertcat(*rhs(x, p))), states=names,
-                     parameters=parameters)  # fmt: skip
+    return st.System(
+        "bare", x, p, ca.SX(ca.vertcat(*rhs(x, p))), states=names, parameters=parameters
+    )
 
 
 def alike(settling: Settling, x: Any, p: Any) -> Any:
@@ -101,8 +109,9 @@ def test_what_is_not_steady_is_no_member() -> None:
     # the rates vanish at x = 1 for a = 1 alone, and a root exists for a > 0 alone
     system = bare(lambda x, p: (p[0] - x[0] ** 2,), "x", parameters=("a",))
     held = st.Family(system, "held", at=("a",), held={"x": 1.0})
-    root = st.Family(system, "root", at=("a",), unknown={"x": 1.0}, equations=("x",),
-                     positive=("x",))  # fmt: skip
+    root = st.Family(
+        system, "root", at=("a",), unknown={"x": 1.0}, equations=("x",), positive=("x",)
+    )
     p = np.array([[1.0], [4.0], [-1.0]])
     x = np.array([[1.001], [1.001], [1.001]])
     found = alike(system_settling((held, root)), x, p)

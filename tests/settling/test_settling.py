@@ -107,9 +107,12 @@ def test_members_are_at_no_distance_from_their_family(family: str, at: float, k:
 
 
 @given(
-    some.sampled_from(["spinning", "tumbling"]), some.floats(0.3, 3.0), some.floats(0.1, 0.5),
-    some.floats(-1, 1), some.integers(0, 2**30),
-)  # fmt: skip
+    some.sampled_from(["spinning", "tumbling"]),
+    some.floats(0.3, 3.0),
+    some.floats(0.1, 0.5),
+    some.floats(-1, 1),
+    some.integers(0, 2**30),
+)
 @settings(max_examples=12, deadline=None)
 def test_what_counts_as_settled_is_stable_by_the_spectrum_and_does_fall(
     family: str, at: float, k: float, decade: float, seed: int

@@ -103,8 +103,11 @@ def broken(family: str, turned: float = 1.0) -> int:
         w = rng.uniform(-0.75 * STEP, 0.75 * STEP, 3000)
         e = zs @ np.linalg.inv(z).T
         whole = around.field.function.map(3000)(
-            (y[i] + w + e @ ell)[None], np.tile(GIVEN, (3000, 1)).T, e.T,
-            np.tile(around.field.constants, (3000, 1)).T)  # fmt: skip
+            (y[i] + w + e @ ell)[None],
+            np.tile(GIVEN, (3000, 1)).T,
+            e.T,
+            np.tile(around.field.constants, (3000, 1)).T,
+        )
         rates = np.array(whole)
         dz, dw = (z @ rates[:5]).T, rates[5] - ell @ rates[:5]
         u = zs + np.einsum("abc,kb,kc->ka", p, zs, zs) + w[:, None] * (zs @ n.T)
@@ -131,8 +134,10 @@ def test_the_inequality_holds_at_random_points_of_tubes(family: str) -> None:
 def left(around: Any, y: float, form: list[Any], direction: Any, size: float) -> tuple[Any, Any]:
     """What is left of u' and W' at a point, with the slope of A by differences."""
     ell, z, p, n, q, c = form
-    a = [np.array(around.slopes.arrays([[y + s], GIVEN, [0.0] * 5], ())[0])[:5]
-         for s in (-1e-5, 0.0, 1e-5)]  # fmt: skip
+    a = [
+        np.array(around.slopes.arrays([[y + s], GIVEN, [0.0] * 5], ())[0])[:5]
+        for s in (-1e-5, 0.0, 1e-5)
+    ]
     back = np.linalg.inv(z)
     m, turn = z @ a[1] @ back, z @ ((a[2] - a[0]) / 2e-5) @ back
     zs, w = size * direction, 0.3 * size
@@ -224,8 +229,9 @@ def test_the_true_limit_is_in_the_error_where_it_is_known() -> None:
 def test_nothing_is_claimed_beyond_a_known_border() -> None:
     """With e' = -e + e³ motions escape from beyond |e| = 1."""
     x = ca.SX.sym("x", 2)
-    system = st.System("cubic", x, ca.SX.sym("none", 0), ca.vertcat(-x[0] + x[0] ** 3, 0 * x[1]),
-                       states=("e", "y"))  # fmt: skip
+    system = st.System(
+        "cubic", x, ca.SX.sym("none", 0), ca.vertcat(-x[0] + x[0] ** 3, 0 * x[1]), states=("e", "y")
+    )
     family = st.Family(system, "rest", at=("y",), held={"e": 0.0})
     e = np.geomspace(0.01, 3, 60)
     start = np.column_stack([e, np.full(60, 0.25)])
@@ -240,8 +246,9 @@ def test_members_that_are_unstable_or_about_to_lift_off_have_no_tube() -> None:
     assert (reach[:3] == 0).all() and reach[3] > 0
     x, p = ca.SX.sym("x", 2), ca.SX.sym("none", 0)
     guard = st.Condition(0.02 - x[0] ** 2 * 50, "e = {value} is too large")
-    system = st.System("guarded", x, p, ca.vertcat(-x[0], 0 * x[1]), states=("e", "y"),
-                       conditions=(guard,))  # fmt: skip
+    system = st.System(
+        "guarded", x, p, ca.vertcat(-x[0], 0 * x[1]), states=("e", "y"), conditions=(guard,)
+    )
     family = st.Family(system, "rest", at=("y",), held={"e": 0.0})
     start = np.array([[e, 0.5] for e in (0.001, 0.019, 0.021, 0.05)])
     told = system_settling((family,)).many(start, np.zeros((4, 0)), 1.0).settled.proved
@@ -285,15 +292,21 @@ KINKS = {
 def test_a_kink_has_no_tube(name: str) -> None:
     """The third derivative of e |e| is zero almost everywhere: no bound would see the kink."""
     x = ca.SX.sym("x", 2)
-    system = st.System("kink", x, ca.SX.sym("none", 0), ca.vertcat(KINKS[name](x[0]), x[0]),
-                       states=("e", "y"))  # fmt: skip
+    system = st.System(
+        "kink", x, ca.SX.sym("none", 0), ca.vertcat(KINKS[name](x[0]), x[0]), states=("e", "y")
+    )
     family = st.Family(system, "rest", at=("y",), held={"e": 0.0})
     e = np.array([0.005, 0.012, 0.03, 0.05, 0.1])
     start = np.column_stack([e, np.zeros(5)])
     told = system_settling((family,)).many(start, np.zeros((5, 0)), 1.0).settled
     for i in np.flatnonzero(told.proved):
-        run = solve_ivp(lambda _, v: np.array(system_rates(system, v)), (0, 60), start[i],
-                        rtol=1e-11, atol=1e-13)  # fmt: skip
+        run = solve_ivp(
+            lambda _, v: np.array(system_rates(system, v)),
+            (0, 60),
+            start[i],
+            rtol=1e-11,
+            atol=1e-13,
+        )
         assert abs(run.y[0, -1]) < 1e-6
         assert abs(run.y[1, -1] - told.limit[i, 0]) <= told.error[i] + 1e-9
     assert not told.proved[1:].any()
@@ -307,8 +320,9 @@ def system_rates(system: Any, state: Any) -> Any:
 def test_a_tube_is_the_same_in_any_company() -> None:
     rng = np.random.default_rng(1)
     y = np.round(rng.uniform(0.2, 1.5, 300) / STEP) * STEP
-    given = np.column_stack([np.ones(300), rng.uniform(0.05, 0.5, 300),
-                             10 ** rng.uniform(-1.3, 1.0, 300)])  # fmt: skip
+    given = np.column_stack(
+        [np.ones(300), rng.uniform(0.05, 0.5, 300), 10 ** rng.uniform(-1.3, 1.0, 300)]
+    )
     around, _, _ = members("tumbling")
     whole = tubes(around, y, given)
     alone = [tubes(around, y[i : i + 1], given[i : i + 1]) for i in range(300)]

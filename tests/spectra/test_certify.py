@@ -50,13 +50,19 @@ def test_no_verdict_is_wrong_or_undecided_at_ten_thousand_points(family: str) ->
 
 
 BOUNDARIES = [
-    ("rolling", 0.25, 0.3, (1.0, 2.0)), ("rolling", 0.5, 300.0, (0.5, 2.0)),
-    ("rolling", 0.001, 1e-5, (10.0, 40.0)), ("spinning", 0.25, 0.3, (1.0, 3.0)),
-    ("spinning", 0.3125, 0.9, (2.0, 9.0)), ("spinning", 0.5, 1.05, (1.42, 1.5)),
-    ("tumbling", 0.25, 3.0, (0.3, 1.5)), ("tumbling", 0.5, 0.1, (0.01, 0.1)),
-    ("tumbling", 0.5, 0.003, (1e-6, 1e-3)), ("tumbling", 0.375, 0.9, (0.4, 0.6)),
-    ("tumbling", 0.375, 0.9, (0.7, 1.0)), ("tumbling", 0.3125, 10.0, (0.001, 0.1)),
-]  # fmt: skip
+    ("rolling", 0.25, 0.3, (1.0, 2.0)),
+    ("rolling", 0.5, 300.0, (0.5, 2.0)),
+    ("rolling", 0.001, 1e-5, (10.0, 40.0)),
+    ("spinning", 0.25, 0.3, (1.0, 3.0)),
+    ("spinning", 0.3125, 0.9, (2.0, 9.0)),
+    ("spinning", 0.5, 1.05, (1.42, 1.5)),
+    ("tumbling", 0.25, 3.0, (0.3, 1.5)),
+    ("tumbling", 0.5, 0.1, (0.01, 0.1)),
+    ("tumbling", 0.5, 0.003, (1e-6, 1e-3)),
+    ("tumbling", 0.375, 0.9, (0.4, 0.6)),
+    ("tumbling", 0.375, 0.9, (0.7, 1.0)),
+    ("tumbling", 0.3125, 10.0, (0.001, 0.1)),
+]
 
 
 @pytest.mark.few(1)
@@ -82,8 +88,9 @@ def test_verdicts_beside_every_boundary_are_right_down_to_the_last_digits(
 
 def test_the_hoop_nearly_flat_is_truly_unstable() -> None:
     for theta in (1e-4, 1e-3, 0.0017, 0.0175, 0.08):
-        s_ = st.spectrum("tumbling", at=theta, disk=st.Disk.hoop(), contact=st.Viscous(3.0),
-                         certify=True)  # fmt: skip
+        s_ = st.spectrum(
+            "tumbling", at=theta, disk=st.Disk.hoop(), contact=st.Viscous(3.0), certify=True
+        )
         assert s_.verdict is truth("tumbling", theta, 0.5, 3.0) is Verdict.UNSTABLE
         assert 0 < s_.abscissa < 1e-4
         assert s_.abscissa_error < 1e-15 * s_.abscissa
@@ -96,11 +103,15 @@ def test_the_hoop_nearly_flat_is_truly_unstable() -> None:
 @pytest.mark.parametrize(
     ("family", "at", "k", "mu"),
     [
-        ("rolling", 1.3, 0.25, 0.3), ("rolling", 1.3, 0.25, 1e6), ("spinning", 2.5, 0.3, 1e4),
-        ("spinning", 0.4, 0.1, 0.01), ("tumbling", 0.0003, 0.5, 2.0), ("tumbling", 1.1, 0.01, 1e5),
+        ("rolling", 1.3, 0.25, 0.3),
+        ("rolling", 1.3, 0.25, 1e6),
+        ("spinning", 2.5, 0.3, 1e4),
+        ("spinning", 0.4, 0.1, 0.01),
+        ("tumbling", 0.0003, 0.5, 2.0),
+        ("tumbling", 1.1, 0.01, 1e5),
         ("tumbling", 0.0001, 0.5, 0.02),
     ],
-)  # fmt: skip
+)
 def test_certified_eigenvalues_lie_in_their_discs_and_the_abscissa_is_sharp(
     family: str, at: float, k: float, mu: float
 ) -> None:
@@ -117,8 +128,9 @@ def test_certified_eigenvalues_lie_in_their_discs_and_the_abscissa_is_sharp(
 
 
 def test_growth_rates_of_1e_14_have_eleven_digits_and_more() -> None:
-    found = st.spectrum("tumbling", at=1.2e-4, disk=st.Disk.hoop(), contact=st.Viscous(0.02),
-                        certify=True)  # fmt: skip
+    found = st.spectrum(
+        "tumbling", at=1.2e-4, disk=st.Disk.hoop(), contact=st.Viscous(0.02), certify=True
+    )
     assert abs(found.abscissa) < 1e-12
     assert found.abscissa_error <= 1e-15 * abs(found.abscissa)
 
@@ -198,8 +210,9 @@ def alike(mass: float, radius: float, gravity: float, k: float, mu: float) -> No
             (st.Viscous(drag / speed), st.Viscous(drag)),
             (st.LinearViscous(drag * 10**mass * rate), st.LinearViscous(drag)),
             (st.LinearViscous(mu=drag / speed), st.Viscous(drag)),
-            (st.Rough(), st.Rough()), (st.Smooth(), st.Smooth()),
-        ]  # fmt: skip
+            (st.Rough(), st.Rough()),
+            (st.Smooth(), st.Smooth()),
+        ]
         for si, plain in laws:
             one = st.spectrum(family, at=here, disk=disk, contact=si, certify=True)
             other = st.spectrum(family, at=at, disk=st.Disk(k=k), contact=plain, certify=True)
@@ -241,8 +254,9 @@ def test_upright_is_a_symbol_and_the_lean_is_carried() -> None:
             theta = mpmath.pi / 2 - mpmath.mpf(lean)
             roots = mpmath.polyroots(
                 reduced_truth("tumbling", "viscous", theta, 0.25, 0.6)[::-1],
-                maxsteps=2000, extraprec=2000,
-            )  # fmt: skip
+                maxsteps=2000,
+                extraprec=2000,
+            )
             top = max(mpmath.re(r) for r in roots)
             assert abs(top - found.abscissa) <= found.abscissa_error < 1e-15 * abs(found.abscissa)
             assert found.verdict is Verdict.STABLE
@@ -301,9 +315,13 @@ def test_a_users_family_is_certified() -> None:
 
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
     system = st.System(
-        "damped", x, p, ca.vertcat(x[1], -ca.sin(x[0]) - p[0] * x[1] + p[1] * x[0]),
-        states=("angle", "rate"), parameters=("drag", "push"),
-    )  # fmt: skip
+        "damped",
+        x,
+        p,
+        ca.vertcat(x[1], -ca.sin(x[0]) - p[0] * x[1] + p[1] * x[0]),
+        states=("angle", "rate"),
+        parameters=("drag", "push"),
+    )
     rest = st.Family(system, "rest", at=("drag",), held={"angle": 0, "rate": 0})
     for push, wanted in ((1 - 1e-15, Verdict.STABLE), (1 + 1e-15, Verdict.UNSTABLE)):
         found = st.spectrum(rest, at=0.3, push=push, certify=True)
@@ -326,9 +344,12 @@ def test_circling_is_certified() -> None:
 @pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("family", "at", "k", "mu"),
-    [("spinning", 13.231696706442328, 0.5, 1.2898585826377468e-09), ("rolling", 30.0, 0.3, 1e-7),
-     ("spinning", 40.0, 0.5, 1e-10)],
-)  # fmt: skip
+    [
+        ("spinning", 13.231696706442328, 0.5, 1.2898585826377468e-09),
+        ("rolling", 30.0, 0.3, 1e-7),
+        ("spinning", 40.0, 0.5, 1e-10),
+    ],
+)
 def test_the_abscissa_error_covers_eigenvalues_that_share_one_double(
     family: str, at: float, k: float, mu: float
 ) -> None:
@@ -366,8 +387,14 @@ def test_a_repeated_point_is_proved_once(own: bool, monkeypatch: pytest.MonkeyPa
 
     monkeypatch.setattr("stability.spectra.certificate.certify", counted)
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
-    system = st.System("pendulum", x, p, ca.vertcat(x[1], p * ca.sin(x[0]) - x[1]),
-                       states=("a", "b"), parameters=("p",))  # fmt: skip
+    system = st.System(
+        "pendulum",
+        x,
+        p,
+        ca.vertcat(x[1], p * ca.sin(x[0]) - x[1]),
+        states=("a", "b"),
+        parameters=("p",),
+    )
     held = st.Family(system, "upright", at=("p",), held={"a": 0.0, "b": 0.0})
     family, law = (held, {}) if own else ("rolling", {"contact": st.Viscous(0.3)})
     values = [0.7, -1.2, 1.7, 0.0]

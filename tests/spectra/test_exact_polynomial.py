@@ -53,8 +53,9 @@ def top(exact: Any = None) -> st.Family:
     names = ("x", "y", "x_dot", "y_dot")
     system = st.System("top", x, p, rhs, states=names, parameters=("A", "C", "n", "m"))
     held = dict.fromkeys(names, 0.0)
-    return st.Family(system, "sleeping", at=("n",), held=held, conservative=True, exact=exact,
-                     typical={"n": 3.0})  # fmt: skip
+    return st.Family(
+        system, "sleeping", at=("n",), held=held, conservative=True, exact=exact, typical={"n": 3.0}
+    )
 
 
 @pytest.fixture
@@ -98,13 +99,16 @@ def test_its_answers_are_those_of_the_graph() -> None:
     assert OWN not in st.spectrum(top(), at=4.5, **TOP, certify=True).reason
 
 
-@pytest.mark.parametrize(("family", "axis", "given", "values"), [
-    (lambda: pendulum(Damped()), ("d", -1.0, 2.0, 9), {"at": 1.0, "l": 1.0}, [0.0]),
-    (lambda: pendulum(Damped()), ("g", -1.0, 2.0, 9), {"d": 0.5, "l": 1.0}, [0.0]),
-    (lambda: pendulum(Damped()), ("l", -1.0, 2.0, 8), {"at": 1.0, "d": 0.5}, []),
-    (lambda: top(Sleeping()), ("n", 0.1, 9.0, 9), TOP, [4.0]),
-    (lambda: top(Sleeping()), ("m", -2.0, 9.0, 9), {"at": 6.0, "A": 1.0, "C": 0.5}, [2.25]),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("family", "axis", "given", "values"),
+    [
+        (lambda: pendulum(Damped()), ("d", -1.0, 2.0, 9), {"at": 1.0, "l": 1.0}, [0.0]),
+        (lambda: pendulum(Damped()), ("g", -1.0, 2.0, 9), {"d": 0.5, "l": 1.0}, [0.0]),
+        (lambda: pendulum(Damped()), ("l", -1.0, 2.0, 8), {"at": 1.0, "d": 0.5}, []),
+        (lambda: top(Sleeping()), ("n", 0.1, 9.0, 9), TOP, [4.0]),
+        (lambda: top(Sleeping()), ("m", -2.0, 9.0, 9), {"at": 6.0, "A": 1.0, "C": 0.5}, [2.25]),
+    ],
+)
 def test_boundaries_are_exact_roots_of_it(family, axis, given, values, monkeypatch) -> None:
     def broken(*_: Any) -> Any:
         raise AssertionError("the polynomial comes from the graph")
@@ -146,8 +150,14 @@ def test_a_map_takes_what_is_open_from_it() -> None:
 
 def test_functions_that_are_not_rational_go_through_balls() -> None:
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
-    system = st.System("swing", x, p, ca.vertcat(x[1], -ca.cos(p[0]) * x[0] - p[1] * x[1]),
-                       states=("angle", "rate"), parameters=("tilt", "d"))  # fmt: skip
+    system = st.System(
+        "swing",
+        x,
+        p,
+        ca.vertcat(x[1], -ca.cos(p[0]) * x[0] - p[1] * x[1]),
+        states=("angle", "rate"),
+        parameters=("tilt", "d"),
+    )
 
     class Swing(st.ExactPolynomial):
         def coefficients(self, values: Mapping[str, Any], algebra: Algebra) -> Any:
@@ -227,7 +237,7 @@ WRONG: dict[str, tuple[Any, str]] = {
         _pendulum(lambda g, d: [g, d, 1], scale=lambda *_: (-1, None)),
         "has conditions or scale without a proof",
     ),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", WRONG)
@@ -258,8 +268,15 @@ def test_a_polynomial_of_another_sign_or_of_solved_members_is_refused() -> None:
     family = st.Family(system, "rest", at=("g",), held={"angle": 0, "rate": 0}, exact=Plain())
     with pytest.raises(st.StabilityError, match=r"d = -.* coefficient of λ\^1 is -"):
         st.spectrum(family, at=1.0, d=0.5)
-    family = st.Family(system, "rest", at=("g",), held={"rate": 0}, unknown={"angle": 0.1},
-                       equations=("rate",), exact=Plain())  # fmt: skip
+    family = st.Family(
+        system,
+        "rest",
+        at=("g",),
+        held={"rate": 0},
+        unknown={"angle": 0.1},
+        equations=("rate",),
+        exact=Plain(),
+    )
     with pytest.raises(st.StabilityError, match="its members are solved for"):
         st.spectrum(family, at=1.0, d=0.5)
 

@@ -16,9 +16,14 @@ LAW: dict[str, Any] = {"contact": "viscous", "mu": 0.3}
 def bent() -> st.Family:
     """A pendulum with a moment p at its hinge, at rest at the angle x."""
     x, v, p, m = (ca.SX.sym(n) for n in "xvpm")
-    system = st.System("pendulum", ca.vertcat(x, v), ca.vertcat(p, m),
-                       ca.vertcat(v, -m * v - ca.sin(x) + p), states=("x", "v"),
-                       parameters=("p", "m"))  # fmt: skip
+    system = st.System(
+        "pendulum",
+        ca.vertcat(x, v),
+        ca.vertcat(p, m),
+        ca.vertcat(v, -m * v - ca.sin(x) + p),
+        states=("x", "v"),
+        parameters=("p", "m"),
+    )
     return st.Family(system, "bent", ("p",), held={"v": 0.0}, unknown={"x": 0.1}, equations=("v",))
 
 
@@ -57,12 +62,20 @@ def test_a_user_s_family_takes_its_own_name(bent: st.Family) -> None:
     ("family", "at", "names", "axes"),
     [
         ("rolling", 1.2, {"omega3": 1.2}, {"x": ("k", 0.1, 0.5, 5), "y": ("mu", 0.1, 1, 3)}),
-        ("circling", 1.2, {"phi_dot": 1.2},
-         {"x": ("theta", 0.1, 0.5, 5), "y": ("k", 0.1, 0.5, 3), "contact": "rough"}),
-        ("circling", 0.4, {"theta": 0.4},
-         {"x": ("phi_dot", 1.0, 3.0, 5), "y": ("k", 0.1, 0.5, 3), "contact": "rough"}),
+        (
+            "circling",
+            1.2,
+            {"phi_dot": 1.2},
+            {"x": ("theta", 0.1, 0.5, 5), "y": ("k", 0.1, 0.5, 3), "contact": "rough"},
+        ),
+        (
+            "circling",
+            0.4,
+            {"theta": 0.4},
+            {"x": ("phi_dot", 1.0, 3.0, 5), "y": ("k", 0.1, 0.5, 3), "contact": "rough"},
+        ),
     ],
-)  # fmt: skip
+)
 def test_a_map_is_the_same_by_at_and_by_name(
     family: str, at: float, names: dict[str, float], axes: dict[str, Any]
 ) -> None:
@@ -81,21 +94,37 @@ def test_along_an_axis_too() -> None:
     ("asked", "words"),
     [
         (lambda: st.spectrum("rolling", at=1.2, omega3=1.2, **LAW), "omega3 is given as at and by"),
-        (lambda: st.spectrum("tumbling", theta=1.2, lean=0.1, **LAW),
-         "theta is given by name, and lean too"),
+        (
+            lambda: st.spectrum("tumbling", theta=1.2, lean=0.1, **LAW),
+            "theta is given by name, and lean too",
+        ),
         (lambda: st.spectrum("rolling", phi_dot=1.2, **LAW), "at is missing; .* here omega3"),
         (lambda: st.spectrum("rolling", body=st.Torus(0.3), **LAW), "at is missing; .* omega3"),
         (lambda: st.spectrum("circling", theta=0.7, contact="rough"), "here theta and phi_dot"),
-        (lambda: st.spectrum("circling", theta=[0.7, 0.8], phi_dot=[1.0, 2, 3], contact="rough"),
-         "have shapes .2,., .3,.; make them fit"),
+        (
+            lambda: st.spectrum("circling", theta=[0.7, 0.8], phi_dot=[1.0, 2, 3], contact="rough"),
+            "have shapes .2,., .3,.; make them fit",
+        ),
         (lambda: st.spectrum("rolling", omega3="fast", **LAW), "omega3 is 'fast'"),
-        (lambda: st.stability_map("rolling", x=("at", 0.1, 2, 5), y=("mu", 0.1, 1, 3), omega3=1.2),
-         "omega3 is given by name, and at too"),
-        (lambda: st.stability_map("circling", x=("theta", 0.1, 0.5, 5), y=("k", 0.1, 0.5, 3),
-                                  contact="rough", theta=0.2, phi_dot=1.0),
-         "theta is given by name, and as an axis"),
+        (
+            lambda: st.stability_map(
+                "rolling", x=("at", 0.1, 2, 5), y=("mu", 0.1, 1, 3), omega3=1.2
+            ),
+            "omega3 is given by name, and at too",
+        ),
+        (
+            lambda: st.stability_map(
+                "circling",
+                x=("theta", 0.1, 0.5, 5),
+                y=("k", 0.1, 0.5, 3),
+                contact="rough",
+                theta=0.2,
+                phi_dot=1.0,
+            ),
+            "theta is given by name, and as an axis",
+        ),
     ],
-)  # fmt: skip
+)
 def test_what_is_given_twice_or_not_at_all_is_refused(asked: Any, words: str) -> None:
     with pytest.raises(ParameterError, match=words):
         asked()

@@ -17,11 +17,24 @@ def governor() -> st.Family:
     """Watt's governor, whose members are solved for."""
     x, y, z, a, b, e = (ca.SX.sym(n) for n in ("x", "y", "z", "a", "b", "e"))
     rhs = ca.vertcat(y, z**2 * ca.sin(x) * ca.cos(x) - ca.sin(x) - e * y, a * (ca.cos(x) - b))
-    system = st.System("governor", ca.vertcat(x, y, z), ca.vertcat(a, b, e), rhs,
-                       states=("x", "y", "z"), parameters=("a", "b", "e"))  # fmt: skip
-    return st.Family(system, "running", at=("e",), held={"y": 0}, unknown={"x": 1.0, "z": 1.4},
-                     equations=("y", "z"), positive=("x", "z"),
-                     typical={"e": 0.4, "a": 0.5, "b": 0.5})  # fmt: skip
+    system = st.System(
+        "governor",
+        ca.vertcat(x, y, z),
+        ca.vertcat(a, b, e),
+        rhs,
+        states=("x", "y", "z"),
+        parameters=("a", "b", "e"),
+    )
+    return st.Family(
+        system,
+        "running",
+        at=("e",),
+        held={"y": 0},
+        unknown={"x": 1.0, "z": 1.4},
+        equations=("y", "z"),
+        positive=("x", "z"),
+        typical={"e": 0.4, "a": 0.5, "b": 0.5},
+    )
 
 
 def kinked() -> st.Family:
@@ -29,10 +42,18 @@ def kinked() -> st.Family:
     x, y, p, q = (ca.SX.sym(n) for n in ("x", "y", "p", "q"))
     fall = y - p
     rhs = ca.vertcat(fall + ca.sin(fall) - q * x, ca.fabs(p) - p - x - 2 * fall)
-    system = st.System("kinked", ca.vertcat(x, y), ca.vertcat(p, q), rhs, states=("x", "y"),
-                       parameters=("p", "q"))  # fmt: skip
-    return st.Family(system, "line", at=("p",), held={"x": 0}, unknown={"y": 1.0},
-                     equations=("x",), typical={"p": 1.0, "q": 1.0})  # fmt: skip
+    system = st.System(
+        "kinked", ca.vertcat(x, y), ca.vertcat(p, q), rhs, states=("x", "y"), parameters=("p", "q")
+    )
+    return st.Family(
+        system,
+        "line",
+        at=("p",),
+        held={"x": 0},
+        unknown={"y": 1.0},
+        equations=("x",),
+        typical={"p": 1.0, "q": 1.0},
+    )
 
 
 def critical(a: float, b: float) -> float:

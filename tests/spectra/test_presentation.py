@@ -28,8 +28,9 @@ def oscillator(
 ) -> Any:
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
     rates = ca.vertcat(x[1], -p[0] * x[0] - p[1] * x[1])
-    system = st.System("oscillator", x, p, rates, states=states, parameters=names,
-                       units=units or {})  # fmt: skip
+    system = st.System(
+        "oscillator", x, p, rates, states=states, parameters=names, units=units or {}
+    )
     return st.Family(system, "rest", at=(names[0],), held=dict.fromkeys(states, 0.0))
 
 
@@ -206,9 +207,14 @@ def test_a_single_spectrum_is_drawn_in_the_plane_with_its_verdict() -> None:
 @pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("at", "c", "markers", "scale"),
-    [(25.0, -6.0, "^", "linear"), (25.0, 0.0, "D", "linear"), (-1.0, 0.0, "o^", "linear"),
-     (1e-4, 10.0, "o", "asinh"), (0.0, 1.0, "Do", "linear")],
-)  # fmt: skip
+    [
+        (25.0, -6.0, "^", "linear"),
+        (25.0, 0.0, "D", "linear"),
+        (-1.0, 0.0, "o^", "linear"),
+        (1e-4, 10.0, "o", "asinh"),
+        (0.0, 1.0, "Do", "linear"),
+    ],
+)
 def test_a_marker_says_what_a_mode_does_and_no_rate_lies_on_the_axis_unseen(
     at: float, c: float, markers: str, scale: str
 ) -> None:
@@ -229,8 +235,10 @@ def test_a_marker_says_what_a_mode_does_and_no_rate_lies_on_the_axis_unseen(
 
 def test_a_law_is_given_by_name_class_or_instance() -> None:
     asked: list[dict[str, Any]] = [
-        {"contact": "viscous", "mu": 0.3}, {"contact": st.Viscous, "mu": 0.3}, {"mu": 0.3},
-    ]  # fmt: skip
+        {"contact": "viscous", "mu": 0.3},
+        {"contact": st.Viscous, "mu": 0.3},
+        {"mu": 0.3},
+    ]
     plain = st.spectrum("rolling", at=1.8, contact=LAW)
     for words in asked:
         assert st.spectrum("rolling", at=1.8, **words) == plain
@@ -258,8 +266,9 @@ CALLS: dict[str, Any] = {
     "Scene": lambda **law: st.Scene(start={"theta": 1.5}, horizon=1.0, **law),
     "basins": lambda **law: st.basins(**TILTS, horizon=1.0, **law).end_time,
     "launch_labels": lambda **law: st.launch_labels(varied=("theta",), horizon=1.0, **law)(
-        np.array([[1.5], [1.2]])).tolist(),
-}  # fmt: skip
+        np.array([[1.5], [1.2]])
+    ).tolist(),
+}
 """A call of every public name that takes a contact law."""
 
 
@@ -267,10 +276,12 @@ def test_every_function_that_takes_a_law_is_called_here() -> None:
     named = {name: getattr(st, name) for name in st.__all__}
     no_call = (enum.Enum, Exception)
     takes = {
-        name for name, one in named.items() if callable(one)
+        name
+        for name, one in named.items()
+        if callable(one)
         and not (isinstance(one, type) and issubclass(one, no_call))
         and "contact" in inspect.signature(one).parameters
-    }  # fmt: skip
+    }
     # a table takes the name alone, with mu as numbers of its rows; on a page mu is a slider;
     # slow_flow is for other bodies; numbers of a law stay variables of conditions and formulas
     assert takes == {*CALLS, "conditions", "explore", "latex", "slow_flow", "table"}
@@ -313,9 +324,9 @@ def test_a_law_that_is_named_wrongly_is_refused_with_the_spelling(words: Any, pa
 
 
 @pytest.mark.parametrize(
-    ("family", "own", "low"), [("rolling", "omega3", 1), ("spinning", "phi_dot", 1),
-                               ("tumbling", "theta", 0.5)]
-)  # fmt: skip
+    ("family", "own", "low"),
+    [("rolling", "omega3", 1), ("spinning", "phi_dot", 1), ("tumbling", "theta", 0.5)],
+)
 def test_an_axis_takes_the_members_own_name(family: str, own: str, low: float) -> None:
     one, two = (
         st.boundaries(family, axis=(n, low, 1.5, 5), contact=st.Viscous(0.97)) for n in ("at", own)

@@ -58,10 +58,8 @@ def si_units_and_dimensionless_numbers_say_the_same(
         "smooth": lambda: (st.Smooth(), st.Smooth()),
         "rough": lambda: (st.Rough(), st.Rough()),
         "viscous": lambda: (st.Viscous(mu / disk.speed), st.Viscous(mu)),
-        "linear-viscous": lambda: (
-            st.LinearViscous(mu * mass * disk.rate), st.LinearViscous(mu)
-        ),
-    }[law]()  # fmt: skip
+        "linear-viscous": lambda: (st.LinearViscous(mu * mass * disk.rate), st.LinearViscous(mu)),
+    }[law]()
     scale = 1.0 if family == "tumbling" else disk.rate
     found = st.spectrum(family, at=at * scale, disk=disk, contact=physical)
     expected = st.spectrum(family, at=at, disk=unit, contact=plain)
@@ -73,17 +71,33 @@ def si_units_and_dimensionless_numbers_say_the_same(
 
 
 SYMMETRIES: list[tuple[Callable[..., None], dict[str, Any]]] = [
-    (tumbling_and_its_mirror_image_have_one_spectrum,
-     {"theta": tilts, "k": inertias, "mu": frictions}),
-    (turning_the_other_way_has_the_same_spectrum,
-     {"family": some.sampled_from(["rolling", "spinning"]), "at": rates, "k": inertias,
-      "mu": frictions}),
-    (si_units_and_dimensionless_numbers_say_the_same,
-     {"family": some.sampled_from(["rolling", "spinning", "tumbling"]),
-      "law": some.sampled_from(sorted(LAWS)), "mass": some.floats(1e-3, 1e3),
-      "radius": some.floats(1e-3, 1e2), "gravity": some.floats(0.1, 100), "k": inertias,
-      "at": some.floats(0.2, 1.4), "mu": frictions}),
-]  # fmt: skip
+    (
+        tumbling_and_its_mirror_image_have_one_spectrum,
+        {"theta": tilts, "k": inertias, "mu": frictions},
+    ),
+    (
+        turning_the_other_way_has_the_same_spectrum,
+        {
+            "family": some.sampled_from(["rolling", "spinning"]),
+            "at": rates,
+            "k": inertias,
+            "mu": frictions,
+        },
+    ),
+    (
+        si_units_and_dimensionless_numbers_say_the_same,
+        {
+            "family": some.sampled_from(["rolling", "spinning", "tumbling"]),
+            "law": some.sampled_from(sorted(LAWS)),
+            "mass": some.floats(1e-3, 1e3),
+            "radius": some.floats(1e-3, 1e2),
+            "gravity": some.floats(0.1, 100),
+            "k": inertias,
+            "at": some.floats(0.2, 1.4),
+            "mu": frictions,
+        },
+    ),
+]
 
 
 @pytest.mark.parametrize("examples", [10, pytest.param(100, marks=pytest.mark.long)])

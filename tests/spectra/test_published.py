@@ -121,10 +121,16 @@ def bicycle() -> st.Family:
     x, v, g = ca.SX.sym("x", 4), ca.SX.sym("v"), ca.SX.sym("g")
     force = -(v * ca.mtimes(ca.DM(C1), x[2:]) + ca.mtimes(g * ca.DM(K0) + v**2 * ca.DM(K2), x[:2]))
     system = st.System.from_mass_matrix(
-        "bicycle", x, ca.vertcat(v, g), ca.SX(ca.DM(MASS)), force,
-        unknowns=("d_lean_rate", "d_steer_rate"), rates={"lean": x[2], "steer": x[3]},
-        states=("lean", "steer", "lean_rate", "steer_rate"), parameters=("v", "g"),
-    )  # fmt: skip
+        "bicycle",
+        x,
+        ca.vertcat(v, g),
+        ca.SX(ca.DM(MASS)),
+        force,
+        unknowns=("d_lean_rate", "d_steer_rate"),
+        rates={"lean": x[2], "steer": x[3]},
+        states=("lean", "steer", "lean_rate", "steer_rate"),
+        parameters=("v", "g"),
+    )
     upright = dict.fromkeys(system.states, 0.0)
     return st.Family(system, "upright", at=("v",), held=upright, typical={"v": 5.0, "g": 9.81})
 
@@ -148,10 +154,14 @@ def forty_digits(speed: int) -> list[complex]:
     with mpmath.workdps(40):
         v, g = mpmath.mpf(speed), mpmath.mpf(981) / 100
         entries = {
-            (i, j): [mpmath.mpf(MASS[i, j]), v * mpmath.mpf(C1[i, j]),
-                     g * mpmath.mpf(K0[i, j]) + v * v * mpmath.mpf(K2[i, j])]
-            for i in (0, 1) for j in (0, 1)
-        }  # fmt: skip
+            (i, j): [
+                mpmath.mpf(MASS[i, j]),
+                v * mpmath.mpf(C1[i, j]),
+                g * mpmath.mpf(K0[i, j]) + v * v * mpmath.mpf(K2[i, j]),
+            ]
+            for i in (0, 1)
+            for j in (0, 1)
+        }
         product = [mpmath.mpf(0)] * 5
         for sign, left, right in ((1, (0, 0), (1, 1)), (-1, (0, 1), (1, 0))):
             for i, a in enumerate(entries[left]):

@@ -31,9 +31,12 @@ def exact(entry: dict[str, Any]) -> np.ndarray:
 def ask(entry: dict[str, Any], law: Any = None) -> st.Spectrum:
     contact = law or st.Viscous(entry["mu"])
     return st.spectrum(
-        entry["family"], at=entry["at"], disk=st.Disk(k=entry["k"]), contact=contact,
+        entry["family"],
+        at=entry["at"],
+        disk=st.Disk(k=entry["k"]),
+        contact=contact,
         escalate=False,
-    )  # fmt: skip
+    )
 
 
 @pytest.fixture(scope="module")
@@ -132,11 +135,14 @@ def test_the_naive_verdicts_are_wrong_where_ours_are_not(count: int) -> None:
 
 
 BOUNDARIES = [
-    ("rolling", 0.25, 0.3, (1.0, 2.0)), ("rolling", 0.5, 300.0, (0.5, 2.0)),
-    ("spinning", 0.25, 0.3, (1.0, 3.0)), ("spinning", 0.3125, 1.0, (1.8, 2.5)),
-    ("tumbling", 0.25, 3.0, (0.3, 1.5)), ("tumbling", 0.5, 0.1, (0.01, 0.1)),
+    ("rolling", 0.25, 0.3, (1.0, 2.0)),
+    ("rolling", 0.5, 300.0, (0.5, 2.0)),
+    ("spinning", 0.25, 0.3, (1.0, 3.0)),
+    ("spinning", 0.3125, 1.0, (1.8, 2.5)),
+    ("tumbling", 0.25, 3.0, (0.3, 1.5)),
+    ("tumbling", 0.5, 0.1, (0.01, 0.1)),
     ("tumbling", 0.3125, 10.0, (0.001, 0.1)),
-]  # fmt: skip
+]
 
 
 @pytest.mark.few(4)
@@ -195,9 +201,13 @@ def test_a_conservative_system_of_four_more_dimensions_goes_the_same_way() -> No
         "gyroscope", x, p, rhs, states=("x", "y", "vx", "vy"), parameters=("a", "b", "g")
     )
     rest = st.Family(
-        system, "rest", at=("g",), held=dict.fromkeys(system.states, 0.0), conservative=True,
+        system,
+        "rest",
+        at=("g",),
+        held=dict.fromkeys(system.states, 0.0),
+        conservative=True,
         typical={"a": -1.0, "b": -1.5},
-    )  # fmt: skip
+    )
     found = st.spectrum(rest, at=[3.0, 1.0, 0.0], a=-1.0, b=-1.0)
     assert [v.word for v in found.verdict] == ["neutral", "unstable", "unstable"]
     # λ² = 1 twice: discs in double precision touch, arithmetic over Q decides
@@ -206,9 +216,13 @@ def test_a_conservative_system_of_four_more_dimensions_goes_the_same_way() -> No
     assert found.certified.tolist() == [False, False, True]
     with pytest.raises(st.StabilityError, match="not even"):
         damped = st.System(
-            "damped", x, p, rhs - 0.1 * ca.vertcat(0, 0, x[2], x[3]),
-            states=system.states, parameters=system.parameters,
-        )  # fmt: skip
+            "damped",
+            x,
+            p,
+            rhs - 0.1 * ca.vertcat(0, 0, x[2], x[3]),
+            states=system.states,
+            parameters=system.parameters,
+        )
         bad = st.Family(
             damped, "rest", at=("g",), held=dict.fromkeys(system.states, 0.0), conservative=True
         )
@@ -417,8 +431,10 @@ def test_the_bound_on_a_solution_holds_the_exact_one(size: int, count: int) -> N
         errors = [np.abs(m) * 10.0 ** rng.uniform(-16, -8, m.shape) for m in (matrix, right)]
         if rng.random() < 0.5:
             errors = [0 * e for e in errors]
-        near = [m + e * rng.uniform(-0.9, 0.9, m.shape)
-                for m, e in zip((matrix, right), errors, strict=True)]  # fmt: skip
+        near = [
+            m + e * rng.uniform(-0.9, 0.9, m.shape)
+            for m, e in zip((matrix, right), errors, strict=True)
+        ]
         found, doubt = solve(near[0][None], errors[0][None], near[1][None], errors[1][None])
         truth = fmpq_mat([[exact_of(v) for v in row] for row in matrix]).solve(
             fmpq_mat([[exact_of(v) for v in row] for row in right])
@@ -441,16 +457,24 @@ def test_a_map_has_steady_members_only() -> None:
         st.stability_map(rest, **axes)
     q = ca.SX.sym("q")
     two = st.System(
-        "two", x, ca.vertcat(p, q), ca.vertcat(-x[0] + p * (1 - p) * q, -x[1]), ("y", "z"),
+        "two",
+        x,
+        ca.vertcat(p, q),
+        ca.vertcat(-x[0] + p * (1 - p) * q, -x[1]),
+        ("y", "z"),
         ("p", "q"),
-    )  # fmt: skip
+    )
     rest = st.Family(two, "rest", at=("p",), held={"y": 0.0, "z": 0.0})
     with pytest.raises(st.StabilityError, match="not steady"):
         st.stability_map(rest, **axes)
     hole = st.System(
-        "hole", x, ca.vertcat(p, q), ca.vertcat(-x[0] + x[1] * q / (p - 0.5), -x[1]), ("y", "z"),
+        "hole",
+        x,
+        ca.vertcat(p, q),
+        ca.vertcat(-x[0] + x[1] * q / (p - 0.5), -x[1]),
+        ("y", "z"),
         ("p", "q"),
-    )  # fmt: skip
+    )
     rest = st.Family(hole, "rest", at=("p",), held={"y": 0.0, "z": 0.0})
     with pytest.raises(st.StabilityError, match="not finite|overflow"):
         st.stability_map(rest, **axes)

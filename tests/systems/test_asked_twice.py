@@ -130,9 +130,14 @@ def with_branches(rng: random.Random, guess: float | None) -> Case:
     rates = ca.vertcat(rate(y, p[0], p[1]), v, -2 * u + (y - off) * v - v**3)
     system = st.System("asked", x, p, rates, states=("y", "u", "v"), parameters=("p", "q"))
     family = st.Family(
-        system, "m", at=("p",), held={"u": 0.0, "v": 0.0}, equations=("y",),
-        unknown={"y": 5.0 if guess is None else guess}, typical={"p": 0.7, "q": 0.4},
-    )  # fmt: skip
+        system,
+        "m",
+        at=("p",),
+        held={"u": 0.0, "v": 0.0},
+        equations=("y",),
+        unknown={"y": 5.0 if guess is None else guess},
+        typical={"p": 0.7, "q": 0.4},
+    )
 
     def planted(y_: float, p_: float, q: float) -> list[complex]:
         slope = mpmath.diff(lambda w: rate(w, p_, q), mpmath.mpf(y_))
@@ -211,11 +216,9 @@ def questions(case: Case, p: float, q: float) -> dict[str, tuple[Callable[[], An
             lambda word: wrong_word(word.word, case.growth(p, q)),
         ),
         "latex": (lambda: st.latex(family), lambda _: False),
-        "map": (
-            lambda: st.stability_map(family, x=x, y=y, boundaries=True, **plane), cells
-        ),
+        "map": (lambda: st.stability_map(family, x=x, y=y, boundaries=True, **plane), cells),
         "codimension two": (lambda: st.codimension_two(family, x=x, y=y, **plane), doubles),
-    }  # fmt: skip
+    }
 
 
 def written(answer: Any) -> str:

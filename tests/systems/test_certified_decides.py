@@ -75,11 +75,15 @@ def test_the_judge_knows_every_verdict() -> None:
         return [Fraction(c) for c in coefficients]
 
     for coefficients, dropped, word in (
-        (poly(1, 2, 1), 0, "stable"), (poly(1, 0, 2, 0, 1), 0, "neutral"),  # (λ² + 1)²
-        (poly(-1, 0, 1), 0, "unstable"), (poly(0, 1, 1), 0, "neutral"),
-        (poly(0, 1, 1), 1, "stable"), (poly(0, 0, 1, 1), 2, "drifting"),
-        (poly(1, 0, 0, 0, 1), 0, "unstable"), (poly(1, 1, 1, 1), 0, "neutral"),  # (λ² + 1)(λ + 1)
-    ):  # fmt: skip
+        (poly(1, 2, 1), 0, "stable"),
+        (poly(1, 0, 2, 0, 1), 0, "neutral"),  # (λ² + 1)²
+        (poly(-1, 0, 1), 0, "unstable"),
+        (poly(0, 1, 1), 0, "neutral"),
+        (poly(0, 1, 1), 1, "stable"),
+        (poly(0, 0, 1, 1), 2, "drifting"),
+        (poly(1, 0, 0, 0, 1), 0, "unstable"),
+        (poly(1, 1, 1, 1), 0, "neutral"),  # (λ² + 1)(λ + 1)
+    ):
         assert verdict_of(coefficients, dropped, kernel=1) == word
 
 

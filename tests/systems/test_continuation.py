@@ -18,8 +18,9 @@ def scalar(rate: Any, guess: float) -> Any:
 
 def test_a_cubic_is_followed_round_both_its_folds() -> None:
     """P = x³ - 3x turns at x = ∓1, p = ±2."""
-    run = st.branch(scalar(lambda x, p: p - x**3 + 3 * x, -2.5), -5, 5, [], points=41,
-                    arclength=True)  # fmt: skip
+    run = st.branch(
+        scalar(lambda x, p: p - x**3 + 3 * x, -2.5), -5, 5, [], points=41, arclength=True
+    )
     assert run.complete
     assert [f.value for f in run.folds] == pytest.approx([2.0, -2.0], abs=4e-16)
     assert [float(f.state[0]) for f in run.folds] == pytest.approx([-1.0, 1.0], abs=1e-10)
@@ -119,8 +120,15 @@ def test_a_pitchfork_is_located_and_both_its_arms_are_followed() -> None:
 
 @pytest.mark.parametrize("arclength", [False, True])
 def test_a_transcritical_point_has_two_directions(arclength: bool) -> None:
-    run = st.branch(scalar(lambda x, p: (x - p) * (x - 2 * p + 3), -1.0), -1, 5, [], points=14,
-                    guess=[-1.0], arclength=arclength)  # fmt: skip
+    run = st.branch(
+        scalar(lambda x, p: (x - p) * (x - 2 * p + 3), -1.0),
+        -1,
+        5,
+        [],
+        points=14,
+        guess=[-1.0],
+        arclength=arclength,
+    )
     [point] = run.branch_points
     assert point.kind == "transcritical"
     assert point.value == pytest.approx(3.0, abs=1e-14)
@@ -148,8 +156,15 @@ def test_a_broken_pitchfork_has_a_fold_and_no_branch_point() -> None:
 
 
 def test_a_closed_curve_of_members_closes() -> None:
-    run = st.branch(scalar(lambda x, p: 1 - (x - 3) ** 2 - p**2, 4.0), 0, 2, [], points=31,
-                    guess=[4.0], arclength=True)  # fmt: skip
+    run = st.branch(
+        scalar(lambda x, p: 1 - (x - 3) ** 2 - p**2, 4.0),
+        0,
+        2,
+        [],
+        points=31,
+        guess=[4.0],
+        arclength=True,
+    )
     assert [f.value for f in run.folds][:1] == pytest.approx([1.0], abs=1e-15)
     assert not run.complete
     assert np.allclose((run.state[:, 0] - 3) ** 2 + run.at**2, 1, atol=1e-12)
@@ -159,8 +174,13 @@ def test_the_origin_of_lorenz_leads_to_the_fixed_points_and_back() -> None:
     x, p = ca.SX.sym("x", 3), ca.SX.sym("p", 3)
     rates = ca.vertcat(p[0] * (x[1] - x[0]), x[0] * (p[1] - x[2]) - x[1], x[0] * x[1] - p[2] * x[2])
     system = st.System("L", x, p, rates, states=("x", "y", "z"), parameters=("sigma", "r", "b"))
-    origin = st.Family(system, "origin", at=("r",), unknown={"x": 0.0, "y": 0.0, "z": 0.0},
-                       equations=("x", "y", "z"))  # fmt: skip
+    origin = st.Family(
+        system,
+        "origin",
+        at=("r",),
+        unknown={"x": 0.0, "y": 0.0, "z": 0.0},
+        equations=("x", "y", "z"),
+    )
     [point] = st.branch(origin, 0.5, 28, [10, 8 / 3], points=11).branch_points
     assert (point.kind, point.value) == ("pitchfork", pytest.approx(1.0, abs=1e-14))
     arm = point.switch(28.0)

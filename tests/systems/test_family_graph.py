@@ -16,8 +16,9 @@ Make = Callable[[ca.SX, ca.SX], ca.SX]
 def family(make: Make, held: float = 0.0) -> st.Family:
     """ẋ = -x, ẏ = make(x, p) y at x = held."""
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
-    system = st.System("one", x, p, ca.vertcat(-x[0], x[1] * make(x[0], p)),
-                       states=("x", "y"), parameters=("p",))  # fmt: skip
+    system = st.System(
+        "one", x, p, ca.vertcat(-x[0], x[1] * make(x[0], p)), states=("x", "y"), parameters=("p",)
+    )
     return st.Family(system, "rest", at=("p",), held={"x": held, "y": 0.0})
 
 
@@ -38,12 +39,15 @@ def tenths(x: ca.SX) -> ca.SX:
 
 
 @pytest.mark.few(1)
-@pytest.mark.parametrize("make", [
-    lambda x, p: p * tenths(x) - p,
-    lambda x, p: ca.sqrt(TWO(x)) ** 2 - TWO(x) + 0 * p,
-    lambda x, p: p * ca.sqrt(TWO(x)) * ca.sqrt(ca.cosh(x) + ca.exp(x)) - p * TWO(x),
-    lambda x, p: ca.exp(ca.cos(x)) * ca.exp(-ca.cos(x)) - 1 + 0 * p,
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda x, p: p * tenths(x) - p,
+        lambda x, p: ca.sqrt(TWO(x)) ** 2 - TWO(x) + 0 * p,
+        lambda x, p: p * ca.sqrt(TWO(x)) * ca.sqrt(ca.cosh(x) + ca.exp(x)) - p * TWO(x),
+        lambda x, p: ca.exp(ca.cos(x)) * ca.exp(-ca.cos(x)) - 1 + 0 * p,
+    ],
+)
 def test_an_eigenvalue_that_is_exactly_zero_is_never_proved_to_be_another(make: Make) -> None:
     """√2 √2 - 2 is 4e-16 in doubles: a proof from that number would be wrong."""
     found = st.spectrum(family(make), at=1.0, certify=True)
@@ -51,12 +55,15 @@ def test_an_eigenvalue_that_is_exactly_zero_is_never_proved_to_be_another(make: 
     assert "proved" not in found.reason or found.structural_zeros == 1
 
 
-@pytest.mark.parametrize("make", [
-    lambda x, p: p * ca.cos(x) - ca.sin(x) + x**2 * ca.exp(p),
-    lambda x, p: ca.sqrt(p + x**2) / (1 + ca.cosh(x)),
-    lambda x, p: p**3 / THREE(x) + ca.acos(x),
-    lambda x, p: ca.fabs(p - 1) * x + ca.log(ca.cos(x)) - ca.tan(x + p) / 7,
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda x, p: p * ca.cos(x) - ca.sin(x) + x**2 * ca.exp(p),
+        lambda x, p: ca.sqrt(p + x**2) / (1 + ca.cosh(x)),
+        lambda x, p: p**3 / THREE(x) + ca.acos(x),
+        lambda x, p: ca.fabs(p - 1) * x + ca.log(ca.cos(x)) - ca.tan(x + p) / 7,
+    ],
+)
 @pytest.mark.parametrize("held", [0.0, 0.3])
 def test_both_ways_of_reading_a_graph_give_the_same_numbers(
     make: Make, held: float, monkeypatch: pytest.MonkeyPatch

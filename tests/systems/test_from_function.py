@@ -82,7 +82,7 @@ def test_functions_that_do_not_fit_are_refused() -> None:
         (ca.Function("f", [x], [x[0]]), "rates of 1 x 1 for 2 states"),
         (ca.Function("f", [x], []), "0 outputs"),
         (ca.Function("f", [ca.SX.sym("m", 2, 2)], [ca.SX(2, 1)]), "i0 .*is 2 x 2"),
-    ):  # fmt: skip
+    ):
         with pytest.raises(st.StabilityError, match=said):
             st.System.from_function(function)
     with pytest.raises(st.StabilityError, match="x has 2 entries but the names are"):
@@ -105,8 +105,11 @@ def test_wrong_files_are_refused_in_one_sentence(tmp_path: Path) -> None:
     swing(ca.MX).save(str(good))
     cut = good.read_bytes()
     for name, content in {
-        "text": b"hello", "empty": b"", "cut": cut[: len(cut) // 2], "zeros": bytes(200),
-    }.items():  # fmt: skip
+        "text": b"hello",
+        "empty": b"",
+        "cut": cut[: len(cut) // 2],
+        "zeros": bytes(200),
+    }.items():
         path = tmp_path / name
         path.write_bytes(content)
         with pytest.raises(st.StabilityError, match="is no file of a CasADi function") as told:

@@ -43,20 +43,26 @@ def harvested(module: str, test: str) -> list[Any]:
 
 
 QUICK = [
-    ("test_kane", "test_one_dof"), ("test_kane", "test_two_dof"), ("test_kane", "test_pend"),
-    ("test_kane", "test_input_format"), ("test_kane", "test_parallel_axis"),
+    ("test_kane", "test_one_dof"),
+    ("test_kane", "test_two_dof"),
+    ("test_kane", "test_pend"),
+    ("test_kane", "test_input_format"),
+    ("test_kane", "test_parallel_axis"),
     ("test_lagrange", "test_simp_pen"),
     ("test_lagrange2", "test_lagrange_2forces"),
     ("test_models", "test_multi_mass_spring_damper_inputs"),
-]  # fmt: skip
+]
 SLOW = [
-    ("test_kane4", "test_replace_qdots_in_force"), ("test_kane", "test_rolling_disc"),
+    ("test_kane4", "test_replace_qdots_in_force"),
+    ("test_kane", "test_rolling_disc"),
     ("test_kane2", "test_non_central_inertia"),
-    ("test_kane2", "test_sub_qdot"), ("test_lagrange", "test_dub_pen"),
-    ("test_lagrange", "test_rolling_disc"), ("test_models", "test_n_link_pendulum_on_cart_inputs"),
+    ("test_kane2", "test_sub_qdot"),
+    ("test_lagrange", "test_dub_pen"),
+    ("test_lagrange", "test_rolling_disc"),
+    ("test_models", "test_n_link_pendulum_on_cart_inputs"),
     ("test_models", "test_n_link_pendulum_on_cart_higher_order"),
     ("test_models", "test_multi_mass_spring_damper_higher_order"),
-]  # fmt: skip
+]
 
 
 @pytest.mark.few(2)
@@ -92,10 +98,15 @@ def pendulum_kane() -> tuple[Any, Any, Any]:
     kinematics = [q1.diff() - u1, q2.diff() - u2]
     p.set_vel(n, u1 * n.x + u2 * n.y)
     kane = me.KanesMethod(
-        n, [q2], [u2], kinematics, q_dependent=[q1], u_dependent=[u1],
+        n,
+        [q2],
+        [u2],
+        kinematics,
+        q_dependent=[q1],
+        u_dependent=[u1],
         configuration_constraints=[sqrt(q1**2 + q2**2) - length],
         velocity_constraints=[q1 * u1 + q2 * u2],
-    )  # fmt: skip
+    )
     kane.kanes_equations([me.Particle("P", p, m)], [(p, Rational(49, 5) * m * n.x)])
     return kane, q1, sqrt(length**2 - q2**2)
 
@@ -142,9 +153,12 @@ def test_lagranges_multipliers_are_eliminated() -> None:
     p.set_vel(n, q1.diff() * n.x + q2.diff() * n.y)
     bob = me.Particle("P", p, m)
     method = me.LagrangesMethod(
-        me.Lagrangian(n, bob), [q1, q2], hol_coneqs=[q1**2 + q2**2 - length**2],
-        forcelist=[(p, 10 * m * n.x)], frame=n,
-    )  # fmt: skip
+        me.Lagrangian(n, bob),
+        [q1, q2],
+        hol_coneqs=[q1**2 + q2**2 - length**2],
+        forcelist=[(p, 10 * m * n.x)],
+        frame=n,
+    )
     method.form_lagranges_equations()
     system = agrees(method, dependent={q1: sqrt(length**2 - q2**2)})
     assert system.states == ("q2", "q2_dot")
@@ -174,11 +188,18 @@ def test_the_rolling_disc_with_six_speeds_has_sympys_published_matrix() -> None:
     state = {"q1": q1, "q3": 0.4, "u2": w}
     ours = system.linearise([state.get(n, 0.0) for n in system.states], [1.0, 1.0, 1.0])
     s, c = np.sin(q1), np.cos(q1)
-    true = np.array([
-        [0, 0, 0, 0, 0, 0, 0, 1], [0, 0, 0, 0, 0, 1, 0, 0], [0, 0, 0, 0, 0, 0, 1, 0],
-        [s * w, 0, 0, 0, 0, -s, -c, 0], [-c * w, 0, 0, 0, 0, c, -s, 0],
-        [0, 4 / 5, 0, 0, 0, 0, 0, 6 * w / 5], [0] * 8, [0, 0, 0, 0, 0, -2 * w, 0, 0],
-    ])  # fmt: skip
+    true = np.array(
+        [
+            [0, 0, 0, 0, 0, 0, 0, 1],
+            [0, 0, 0, 0, 0, 1, 0, 0],
+            [0, 0, 0, 0, 0, 0, 1, 0],
+            [s * w, 0, 0, 0, 0, -s, -c, 0],
+            [-c * w, 0, 0, 0, 0, c, -s, 0],
+            [0, 4 / 5, 0, 0, 0, 0, 0, 6 * w / 5],
+            [0] * 8,
+            [0, 0, 0, 0, 0, -2 * w, 0, 0],
+        ]
+    )
     assert system.states == ("q1", "q2", "q3", "q4", "q5", "u1", "u2", "u3")
     assert ours == pytest.approx(true, abs=CLOSE)
 
@@ -215,9 +236,17 @@ def test_a_mechanics_system_is_read_through_its_method() -> None:
     system = me.System.from_newtonian(rail)
     system.add_joints(
         me.PrismaticJoint("slider", rail, cart, qc, uc, joint_axis=rail.x),
-        me.PinJoint("pin", cart, bob, qp, up, joint_axis=cart.z, child_interframe=frame,
-                    child_point=l * frame.y),
-    )  # fmt: skip
+        me.PinJoint(
+            "pin",
+            cart,
+            bob,
+            qp,
+            up,
+            joint_axis=cart.z,
+            child_interframe=frame,
+            child_point=l * frame.y,
+        ),
+    )
     system.apply_uniform_gravity(-g * system.y)
     system.add_loads((cart.masscenter, push * rail.x))
     with pytest.raises(st.StabilityError, match=r"call its form_eoms\(\) first"):

@@ -40,14 +40,19 @@ REFUSED: list[tuple[str, Callable[[], Any], str]] = [
     ("flat", lambda: st.simulate(SPRING, {"c": 1}, [1, 0], 1.0, flat=0.05), "only a disk falls"),
     ("no start", lambda: st.simulate(SPRING, {"c": 1}, None, 1.0), "by name or in order: q, v"),
     ("a law", lambda: st.simulate(SPRING, st.Viscous(1), [1, 0], 1.0), "by name or in order: c"),
-    ("no member anywhere", lambda: st.conditions(
-        st.Family(OUTSIDE, "rest", at=("c",), held={"q": 0, "v": 0})),
-     "rest has no member anywhere: q is -1.0."),
-    ("a function of a state", lambda: st.System.from_sympy({U: V, V: sp.Function("f")(U)}),
-     "hold 'f(u)', an unknown function of a state"),
+    (
+        "no member anywhere",
+        lambda: st.conditions(st.Family(OUTSIDE, "rest", at=("c",), held={"q": 0, "v": 0})),
+        "rest has no member anywhere: q is -1.0.",
+    ),
+    (
+        "a function of a state",
+        lambda: st.System.from_sympy({U: V, V: sp.Function("f")(U)}),
+        "hold 'f(u)', an unknown function of a state",
+    ),
     ("no equations", lambda: st.System.from_sympy({}), "model is an empty mapping"),
     ("axis backwards", lambda: st.boundaries(REST, axis=("c", 1, -1, 5)), "axis c runs from 1"),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("call", "words"), [c[1:] for c in REFUSED], ids=[c[0] for c in REFUSED])

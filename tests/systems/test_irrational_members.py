@@ -26,30 +26,42 @@ MEMBERS: dict[str, tuple[Rule, dict[str, float], Rule, dict[str, float]]] = {
     "a square root": (lambda u, p: [p - u**2], {"u": 1.4}, lambda u: u, {"p": 2.0}),
     "a quintic": (lambda u, p: [p + u - u**5], {"u": 1.2}, lambda u: u**2 + 1, {"p": 1.0}),
     "two algebraic unknowns": (
-        lambda u, w, p: [p - u**2 - w, u - w**3], {"u": 1.1, "w": 1.0}, lambda u, w: u + w,
+        lambda u, w, p: [p - u**2 - w, u - w**3],
+        {"u": 1.1, "w": 1.0},
+        lambda u, w: u + w,
         {"p": 3.0},
     ),
     "Lorenz' equations": (
         lambda x, y, z, r, b: [y - x, x * (r - z) - y, x * y - b * z],
-        {"x": 8.0, "y": 8.0, "z": 27.0}, lambda x, y, z: x * y + z + x,
+        {"x": 8.0, "y": 8.0, "z": 27.0},
+        lambda x, y, z: x * y + z + x,
         {"r": 28.0, "b": 8 / 3},
     ),
     "an angle": (
-        lambda u, p: [ca.sin(u) * (p * ca.cos(u) - 1)], {"u": 1.0},
-        lambda u: ca.sin(u) ** 2 + ca.sin(u), {"p": 3.0},
+        lambda u, p: [ca.sin(u) * (p * ca.cos(u) - 1)],
+        {"u": 1.0},
+        lambda u: ca.sin(u) ** 2 + ca.sin(u),
+        {"p": 3.0},
     ),
     "the governor": (
-        lambda u, w, p: [w**2 * ca.cos(u) - 1, ca.cos(u) - p], {"u": 1.0, "w": 1.4},
-        lambda u, w: ca.sin(u) + w, {"p": 0.3},
+        lambda u, w, p: [w**2 * ca.cos(u) - 1, ca.cos(u) - p],
+        {"u": 1.0, "w": 1.4},
+        lambda u, w: ca.sin(u) + w,
+        {"p": 0.3},
     ),
     "Kepler's equation": (
-        lambda u, p: [p - u - ca.sin(u) / 2], {"u": 1.0}, lambda u: 1 + u + ca.cos(u),
+        lambda u, p: [p - u - ca.sin(u) / 2],
+        {"u": 1.0},
+        lambda u: 1 + u + ca.cos(u),
         {"p": 1.0},
     ),
     "an exponential": (
-        lambda u, p: [p - u - ca.exp(u)], {"u": 0.3}, lambda u: u + ca.exp(u) + 1, {"p": 2.0},
+        lambda u, p: [p - u - ca.exp(u)],
+        {"u": 0.3},
+        lambda u: u + ca.exp(u) + 1,
+        {"p": 2.0},
     ),
-}  # fmt: skip
+}
 
 
 def planted(name: str, matrix: Callable[[Any], ca.SX]) -> tuple[Any, dict[str, float]]:
@@ -62,8 +74,14 @@ def planted(name: str, matrix: Callable[[Any], ca.SX]) -> tuple[Any, dict[str, f
     other = ca.mtimes(
         [ca.DM(BASIS), matrix(stiffness(*u[: len(guess)])), ca.DM(back), x[len(guess) :]]
     )
-    system = st.System("planted", x, p, ca.vertcat(*rates(*u), other), states=(*guess, *ADDED),
-                       parameters=tuple(values))  # fmt: skip
+    system = st.System(
+        "planted",
+        x,
+        p,
+        ca.vertcat(*rates(*u), other),
+        states=(*guess, *ADDED),
+        parameters=tuple(values),
+    )
     at = next(iter(values))
     family = system.steady(at, held=dict.fromkeys(ADDED, 0.0), guess={**guess, **values})
     return family, {"at": values[at], **{n: v for n, v in values.items() if n != at}}
@@ -72,9 +90,11 @@ def planted(name: str, matrix: Callable[[Any], ca.SX]) -> tuple[Any, dict[str, f
 def pairs(k: Any, joined: float, damping: float = 0.0, twist: float = 0.0) -> ca.SX:
     """Two oscillators of stiffness k; a twist splits k into k ± i twist."""
     return ca.vertcat(
-        ca.horzcat(0, 1, joined, 0), ca.horzcat(-k, -damping, -twist, joined),
-        ca.horzcat(0, 0, 0, 1), ca.horzcat(twist, 0, -k, -damping),
-    )  # fmt: skip
+        ca.horzcat(0, 1, joined, 0),
+        ca.horzcat(-k, -damping, -twist, joined),
+        ca.horzcat(0, 0, 0, 1),
+        ca.horzcat(twist, 0, -k, -damping),
+    )
 
 
 @pytest.mark.long
@@ -98,9 +118,14 @@ def test_a_double_pair_on_the_axis_is_neutral(name: str, joined: float) -> None:
 @pytest.mark.few(2)
 @pytest.mark.parametrize(
     ("damping", "twist", "wanted"),
-    [(1e-12, 0.0, Verdict.STABLE), (-1e-12, 0.0, Verdict.UNSTABLE), (0.0, 1e-12, Verdict.UNSTABLE),
-     (1e-12, 1e-9, Verdict.UNSTABLE), (1e-9, 1e-12, Verdict.STABLE)],
-)  # fmt: skip
+    [
+        (1e-12, 0.0, Verdict.STABLE),
+        (-1e-12, 0.0, Verdict.UNSTABLE),
+        (0.0, 1e-12, Verdict.UNSTABLE),
+        (1e-12, 1e-9, Verdict.UNSTABLE),
+        (1e-9, 1e-12, Verdict.STABLE),
+    ],
+)
 @pytest.mark.parametrize("name", MEMBERS)
 def test_next_to_the_double_pair_each_side_is_decided(
     name: str, damping: float, twist: float, wanted: Verdict
@@ -109,8 +134,9 @@ def test_next_to_the_double_pair_each_side_is_decided(
     family, values = planted(name, lambda k: pairs(k, 0.0, damping, twist))
     stiffness = MEMBERS[name][2]
     k = float(ca.DM(stiffness(*family.anchor.unknown)))
-    assert wanted is (Verdict.STABLE if damping > 0 and damping**2 * k > twist**2
-                      else Verdict.UNSTABLE)  # fmt: skip
+    assert wanted is (
+        Verdict.STABLE if damping > 0 and damping**2 * k > twist**2 else Verdict.UNSTABLE
+    )
     assert st.spectrum(family, certify=True, **values).verdict is wanted
 
 
@@ -120,10 +146,12 @@ def test_pairs_that_coincide_by_the_equations_alone(joined: float) -> None:
     x, p = ca.SX.sym("x", 6), ca.SX.sym("p")
     u, w, a, b, c, d = ca.vertsplit(x)
     rates = [p - u - ca.exp(w), u * u - w, b, -(u + ca.exp(w)) * a + joined * c, d, -p * c]
-    system = st.System("two", x, p, ca.vertcat(*rates), states=("u", "w", *ADDED),
-                       parameters=("p",))  # fmt: skip
-    family = system.steady("p", held=dict.fromkeys(ADDED, 0.0),
-                           guess={"u": 0.6, "w": 0.3, "p": 2.0})  # fmt: skip
+    system = st.System(
+        "two", x, p, ca.vertcat(*rates), states=("u", "w", *ADDED), parameters=("p",)
+    )
+    family = system.steady(
+        "p", held=dict.fromkeys(ADDED, 0.0), guess={"u": 0.6, "w": 0.3, "p": 2.0}
+    )
     found = st.spectrum(family, at=2.0, certify=True)
     assert found.verdict is Verdict.NEUTRAL
     near = np.abs(np.abs(found.eigenvalues.imag) - 2**0.5) + np.abs(found.eigenvalues.real) < 1e-9
@@ -148,13 +176,20 @@ def test_a_zero_that_only_the_equations_prove_is_not_taken_for_a_boundary() -> N
     """The eigenvalue p - u² - w of z is zero at every member: structural, so never neutral."""
     x, p = ca.SX.sym("x", 3), ca.SX.sym("p")
     u, w, z = ca.vertsplit(x)
-    system = st.System("zero", x, p, ca.vertcat(p - u**2 - w, u - w**3, (p - u**2 - w) * z),
-                       states=("u", "w", "z"), parameters=("p",))  # fmt: skip
+    system = st.System(
+        "zero",
+        x,
+        p,
+        ca.vertcat(p - u**2 - w, u - w**3, (p - u**2 - w) * z),
+        states=("u", "w", "z"),
+        parameters=("p",),
+    )
     family = system.steady("p", held={"z": 0.0}, guess={"u": 1.1, "w": 1.0, "p": 3.0})
     found = st.spectrum(family, at=3.0, certify=True)
     assert (found.verdict, found.structural_zeros) in (
-        (Verdict.STABLE, 1), (Verdict.UNDECIDED, 0),
-    )  # fmt: skip
+        (Verdict.STABLE, 1),
+        (Verdict.UNDECIDED, 0),
+    )
 
 
 @pytest.mark.few(1)
@@ -171,10 +206,17 @@ def test_what_stands_next_to_the_pairs_decides(seed: int) -> None:
     states = ["u", "w", *ADDED, *"xyz"[:size]]
     mixed = ca.mtimes([ca.DM(BASIS), pairs(k, 1.0), ca.DM(np.round(np.linalg.inv(BASIS))), x[2:6]])
     more = ca.mtimes(ca.DM(block) + u * ca.DM(slope), x[6:]) + x[2] * ca.DM.ones(size)
-    system = st.System("rest", x, p, ca.vertcat(p - u**3 - w, u - w**3, mixed, more), states=states,
-                       parameters=("p",))  # fmt: skip
-    family = system.steady("p", held=dict.fromkeys(states[2:], 0.0),
-                           guess={"u": 1.0, "w": 1.0, "p": 3.0})  # fmt: skip
+    system = st.System(
+        "rest",
+        x,
+        p,
+        ca.vertcat(p - u**3 - w, u - w**3, mixed, more),
+        states=states,
+        parameters=("p",),
+    )
+    family = system.steady(
+        "p", held=dict.fromkeys(states[2:], 0.0), guess={"u": 1.0, "w": 1.0, "p": 3.0}
+    )
     with mp.workdps(50):
         root = mp.findroot(lambda w: 3 - w**9 - w, family.anchor.unknown[1])
         matrix = mp.matrix(block.tolist()) + root**3 * mp.matrix(slope.tolist())

@@ -103,16 +103,18 @@ def test_a_coupling_below_its_rounding_is_left_open() -> None:
     """1e-17 made of a difference of ones is not proved to be there."""
     x, p = ca.SX.sym("x", 3), ca.SX.sym("p")
     small = (1 + p) * x[1] - x[1] - p * x[1]  # zero, but not for the graph
-    system = st.System("s", x, p, ca.vertcat(small, 0, -x[2]), states=("x", "v", "z"),
-                       parameters=("p",))  # fmt: skip
+    system = st.System(
+        "s", x, p, ca.vertcat(small, 0, -x[2]), states=("x", "v", "z"), parameters=("p",)
+    )
     rest = st.Family(system, "rest", at=("x",), held={"v": 0.0, "z": 0.0})
     assert st.spectrum(rest, at=0.3, p=0.1).nonlinear is LINEAR
 
 
 def test_many_points_are_judged_one_by_one() -> None:
     x, p = ca.SX.sym("x", 3), ca.SX.sym("p")
-    system = st.System("s", x, p, ca.vertcat(p * x[1], 0, -x[2]), states=("x", "v", "z"),
-                       parameters=("p",))  # fmt: skip
+    system = st.System(
+        "s", x, p, ca.vertcat(p * x[1], 0, -x[2]), states=("x", "v", "z"), parameters=("p",)
+    )
     rest = st.Family(system, "rest", at=("x",), held={"v": 0.0, "z": 0.0})
     found = st.spectrum(rest, at=0.3, p=[0.0, 1.0, 1e-12])
     assert found.nonlinear.tolist() == [LINEAR, GROWS, GROWS]
@@ -136,8 +138,14 @@ def hover() -> st.Family:
     """A craft whose tilt nobody holds: a push grows until drag balances what the tilt pulls."""
     tilt, rate, v, lift, m, c = (ca.SX.sym(n) for n in ("tilt", "rate", "v", "lift", "m", "c"))
     rates = ca.vertcat(rate, 0 * rate, (-lift * ca.sin(tilt) - c * v) / m)
-    system = st.System("hover", ca.vertcat(tilt, rate, v), ca.vertcat(lift, m, c), rates,
-                       states=("tilt", "rate", "v"), parameters=("lift", "m", "c"))  # fmt: skip
+    system = st.System(
+        "hover",
+        ca.vertcat(tilt, rate, v),
+        ca.vertcat(lift, m, c),
+        rates,
+        states=("tilt", "rate", "v"),
+        parameters=("lift", "m", "c"),
+    )
     return st.Family(system, "level", at=("lift",), held={"tilt": 0, "rate": 0, "v": 0})
 
 
@@ -163,8 +171,22 @@ def test_a_hover_drifts_in_every_answer(tmp_path: Any, capsys: Any) -> None:
     assert (grown.verdict == cells.verdict).all()
     file = tmp_path / "hover.py"
     file.write_text(HOVER)
-    assert main(["boundaries", "--system", f"{file}:level", "--axis", "c:-1:1:9",
-                 "--set", "m=4", "--at", "3"]) == 0  # fmt: skip
+    assert (
+        main(
+            [
+                "boundaries",
+                "--system",
+                f"{file}:level",
+                "--axis",
+                "c:-1:1:9",
+                "--set",
+                "m=4",
+                "--at",
+                "3",
+            ]
+        )
+        == 0
+    )
     assert "static, drifting above" in capsys.readouterr().out
 
 
@@ -196,8 +218,14 @@ def test_a_block_that_the_members_equation_undoes(law: str) -> None:
     for coupling, word in ((off, "stable"), (x[3], "drifting")):
         rates = ca.vertcat(coupling * x[1], 0 * x[1], x[0] - x[2], -off)
         system = st.System("s", x, p, rates, states=("x", "y", "z", "u"), parameters=("p",))
-        rest = st.Family(system, "rest", at=("p",), held={"x": 0, "y": 0, "z": 0},
-                         unknown={"u": 1.0}, equations=("u",))  # fmt: skip
+        rest = st.Family(
+            system,
+            "rest",
+            at=("p",),
+            held={"x": 0, "y": 0, "z": 0},
+            unknown={"u": 1.0},
+            equations=("u",),
+        )
         for certify in (False, True):
             found = st.spectrum(rest, at=[2.0, 3.0], certify=certify)
             assert [v.word for v in found.verdict] == [word, word]
@@ -277,8 +305,9 @@ class Planted:
             assert found.complete and one.value == float(edge) and one.stable_below
             assert one.good.word == self.word(edge - 1, b)
         else:
-            found = st.stability_map(family, x=("p", -3, 3, 5), y=("b", -1, 1, 3),
-                                     certify=self.draw.random() < 0.3)  # fmt: skip
+            found = st.stability_map(
+                family, x=("p", -3, 3, 5), y=("b", -1, 1, 3), certify=self.draw.random() < 0.3
+            )
             for i, b in enumerate(found.b.values):
                 words = [st.Verdict(int(c)).word for c in found.verdict.values[i]]
                 assert words == [self.word(Fraction(float(p)), b) for p in found.p.values]

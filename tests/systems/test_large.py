@@ -92,9 +92,11 @@ def swings(n: int) -> st.Family:
     joint = [c * (rates[i + 1] - rates[i]) if i else c * u[0] for i in range(n)] + [0]
     forcing = [
         -sum(weight(i, j) * sympy.sin(q[i] - q[j]) * u[j] ** 2 for j in range(n))
-        - weight(i, i) * g * sympy.sin(q[i]) - joint[i] + joint[i + 1]
+        - weight(i, i) * g * sympy.sin(q[i])
+        - joint[i]
+        + joint[i + 1]
         for i in range(n)
-    ]  # fmt: skip
+    ]
     system = st.System.from_sympy((mass, sympy.Matrix(forcing), q, u), name="swings")
     return st.Family(system, "hanging", at=("g",), held=dict.fromkeys(system.states, 0.0))
 

@@ -14,8 +14,14 @@ Rates = Callable[[Any, Any], Sequence[Any]]
 
 def family(rates: Rates, count: int = 2) -> st.Family:
     x, p = ca.SX.sym("x", count), ca.SX.sym("p", 2)
-    system = st.System("oscillator", x, p, ca.SX(ca.vertcat(*rates(x, p))),
-                       states=("q", "v", "angle")[:count], parameters=("c", "k"))  # fmt: skip
+    system = st.System(
+        "oscillator",
+        x,
+        p,
+        ca.SX(ca.vertcat(*rates(x, p))),
+        states=("q", "v", "angle")[:count],
+        parameters=("c", "k"),
+    )
     return st.Family(system, "rest", at=("c",), held=dict.fromkeys(system.states, 0))
 
 
@@ -26,11 +32,14 @@ def spring(x: Any, p: Any, more: Any = 0) -> tuple[Any, Any]:
 LINEAR: list[tuple[str, Rates, int]] = [
     ("plain", spring, 2),
     ("terms cancel", lambda x, p: spring(x, p, (x[0] + 1) ** 2 - x[0] ** 2 - 2 * x[0] - 1), 2),
-    ("sines cancel", lambda x, p: (
-        x[1], -p[1] * x[0] + p[0] * x[1] * (ca.sin(x[0]) ** 2 + ca.cos(x[0]) ** 2)), 2),
+    (
+        "sines cancel",
+        lambda x, p: (x[1], -p[1] * x[0] + p[0] * x[1] * (ca.sin(x[0]) ** 2 + ca.cos(x[0]) ** 2)),
+        2,
+    ),
     ("functions of parameters", lambda x, p: (x[1], -ca.exp(p[1]) * x[0] + p[0] * x[1]), 2),
     ("a state that follows", lambda x, p: (*spring(x, p), x[0] * ca.cos(x[1])), 3),
-]  # fmt: skip
+]
 OTHERS: list[tuple[str, Rates]] = [
     ("a tiny term", lambda x, p: spring(x, p, -1e-12 * x[0] ** 2 * x[1])),
     ("no term of order two or three", lambda x, p: spring(x, p, -(x[0] ** 5))),

@@ -36,10 +36,12 @@ def double_pendulum() -> st.System:
     a, b, da, db, m, r, g = symbols("a", "b", "da", "db", "m", "r", "g")
     speed = da**2 + db**2 * r**2 + 2 * r * da * db * ca.cos(a - b)
     return st.mechanics(
-        ca.vertcat(a, b), ca.vertcat(da, db), ca.vertcat(m, r, g),
+        ca.vertcat(a, b),
+        ca.vertcat(da, db),
+        ca.vertcat(m, r, g),
         kinetic=(da**2 + m * speed) / 2,
         potential=-g * (ca.cos(a) + m * (ca.cos(a) + r * ca.cos(b))),
-    )  # fmt: skip
+    )
 
 
 def test_a_double_pendulum_is_that_of_sympys_lagrange_method() -> None:
@@ -61,8 +63,15 @@ def test_a_double_pendulum_is_that_of_sympys_lagrange_method() -> None:
 
 def test_forces_by_name_take_the_energy_that_power_says() -> None:
     q, u, k, c = symbols("q", "u", "k", "c")
-    system = st.mechanics(q, u, ca.vertcat(k, c), kinetic=u**2, potential=k * q**2 / 2,
-                          forces={"u": -c * u}, observables={"twice": 2 * q})  # fmt: skip
+    system = st.mechanics(
+        q,
+        u,
+        ca.vertcat(k, c),
+        kinetic=u**2,
+        potential=k * q**2 / 2,
+        forces={"u": -c * u},
+        observables={"twice": 2 * q},
+    )
     assert system.rates([0.5, 2.0], [3.0, 0.1]) == pytest.approx([2.0, (-1.5 - 0.2) / 2])
     seen = system.observe([0.5, 2.0], [3.0, 0.1])
     assert {n: float(v) for n, v in seen.items()} == pytest.approx(
@@ -125,17 +134,27 @@ def sleigh(**options: Any) -> st.System:
     c, s = ca.cos(h), ca.sin(h)
     kinetic = m * ((dx - a * s * w) ** 2 + (dy + a * c * w) ** 2) / 2 + inertia * w**2 / 2
     return st.mechanics(
-        ca.vertcat(x, y, h), ca.vertcat(dx, dy, w), ca.vertcat(m, a, inertia), kinetic=kinetic,
-        velocity_constraints={"blade": dy * c - dx * s}, **options,
-    )  # fmt: skip
+        ca.vertcat(x, y, h),
+        ca.vertcat(dx, dy, w),
+        ca.vertcat(m, a, inertia),
+        kinetic=kinetic,
+        velocity_constraints={"blade": dy * c - dx * s},
+        **options,
+    )
 
 
 def sleigh_rates(h: Any, v: Any, w: Any) -> Any:
     """Rates of (dx, dy, w) from v' = a w², (I + m a²) w' = -m a v w."""
     m, a, inertia = SLEIGH
     dv = a * w**2
-    return np.stack([dv * np.cos(h) - v * w * np.sin(h), dv * np.sin(h) + v * w * np.cos(h),
-                     -m * a * v * w / (inertia + m * a**2)], axis=-1)  # fmt: skip
+    return np.stack(
+        [
+            dv * np.cos(h) - v * w * np.sin(h),
+            dv * np.sin(h) + v * w * np.cos(h),
+            -m * a * v * w / (inertia + m * a**2),
+        ],
+        axis=-1,
+    )
 
 
 @pytest.mark.parametrize("pivots", [None, {"blade": "dx"}, {"blade": "dy"}])
@@ -210,10 +229,15 @@ def rolling_disk(**options: Any) -> st.System:
     parts = [ca.dot(omega, e) for e in (radius, level, axis)]
     kinetic = (ca.sumsqr(u[:3]) + k * (parts[0] ** 2 + parts[1] ** 2 + 2 * parts[2] ** 2)) / 2
     return st.mechanics(
-        q, u, k, kinetic=kinetic, potential=q[2],
+        q,
+        u,
+        k,
+        kinetic=kinetic,
+        potential=q[2],
         velocity_constraints=u[:3] + ca.cross(omega, radius),
-        observables={"omega3": parts[2]}, **options,
-    )  # fmt: skip
+        observables={"omega3": parts[2]},
+        **options,
+    )
 
 
 @pytest.mark.few(1)
@@ -222,8 +246,12 @@ def test_a_rolling_disk_is_that_of_sympys_kane_method(options: dict[str, Any]) -
     k = 0.3
     theta, dtheta, dphi, omega3, phi = states(6, 5).T
     zero = np.zeros_like(theta)
-    truth = kane("rough", np.stack([theta, dtheta, dphi, omega3, zero, zero], -1),
-                 np.broadcast_to([k, 0.0], (6, 2)), phi)  # fmt: skip
+    truth = kane(
+        "rough",
+        np.stack([theta, dtheta, dphi, omega3, zero, zero], -1),
+        np.broadcast_to([k, 0.0], (6, 2)),
+        phi,
+    )
     dpsi = omega3 - dphi * np.cos(theta)
     radius = np.stack([np.cos(phi) * np.cos(theta), np.sin(phi) * np.cos(theta), -np.sin(theta)])
     axis = np.stack([np.cos(phi) * np.sin(theta), np.sin(phi) * np.sin(theta), np.cos(theta)])
@@ -250,8 +278,7 @@ def test_rolling_straight_is_lost_at_the_published_speed() -> None:
 
     Source: SymPy's rolling disc, sympy/physics/mechanics/tests/test_kane.py.
     """
-    disk = rolling_disk(independent=("dphi", "dtheta", "dpsi"),
-                        ignorable=("x", "y", "phi", "psi"))  # fmt: skip
+    disk = rolling_disk(independent=("dphi", "dtheta", "dpsi"), ignorable=("x", "y", "phi", "psi"))
     held = {"z": 1.0, "theta": st.UPRIGHT, "dphi": 0.0, "dtheta": 0.0}
     family = st.Family(disk, "rolling", at=("dpsi",), held=held, typical={"k": 0.3})
     (edge,) = st.boundaries(family, axis=("dpsi", 0.2, 3, 20), k=0.25)
@@ -265,9 +292,14 @@ def hanging_mass(**options: Any) -> st.System:
     """A pendulum in Cartesian coordinates, y down."""
     q, u, p = (ca.vertcat(*symbols(*n)) for n in (("x", "y"), ("dx", "dy"), ("m", "l", "g")))
     return st.mechanics(
-        q, u, p, kinetic=p[0] * ca.sumsqr(u) / 2, potential=-p[0] * p[2] * q[1],
-        holonomic={"rod": (ca.sumsqr(q) - p[1] ** 2) / 2}, **options,
-    )  # fmt: skip
+        q,
+        u,
+        p,
+        kinetic=p[0] * ca.sumsqr(u) / 2,
+        potential=-p[0] * p[2] * q[1],
+        holonomic={"rod": (ca.sumsqr(q) - p[1] ** 2) / 2},
+        **options,
+    )
 
 
 @pytest.mark.parametrize("options", [{}, {"pivots": {"rod": "dy"}}, {"independent": ("dx",)}])
@@ -307,9 +339,13 @@ def test_a_moving_constraint_does_work() -> None:
     """A cart pulled at the speed c stretches a spring: the rope's power is k x c."""
     x, y, dx, dy, k, c = symbols("x", "y", "dx", "dy", "k", "c")
     cart = st.mechanics(
-        ca.vertcat(x, y), ca.vertcat(dx, dy), ca.vertcat(k, c), kinetic=(dx**2 + dy**2) / 2,
-        potential=k * x**2 / 2, velocity_constraints={"rope": dx - c},
-    )  # fmt: skip
+        ca.vertcat(x, y),
+        ca.vertcat(dx, dy),
+        ca.vertcat(k, c),
+        kinetic=(dx**2 + dy**2) / 2,
+        potential=k * x**2 / 2,
+        velocity_constraints={"rope": dx - c},
+    )
     seen = cart.observe([0.5, 0.0, 2.0, 1.0], [3.0, 2.0])
     assert float(seen["multiplier_rope"]) == pytest.approx(1.5)
     assert float(seen["power"]) == pytest.approx(-3.0)
@@ -333,9 +369,13 @@ def test_a_velocity_without_mass_is_solved_from_its_constraint() -> None:
 def refusal(**changes: Any) -> str:
     x, y, dx, dy, m, z = symbols("x", "y", "dx", "dy", "m", "z")
     given = {
-        "q": ca.vertcat(x, y), "u": ca.vertcat(dx, dy), "p": m,
-        "kinetic": m * (dx**2 + dy**2) / 2, "potential": x * y, "stranger": z,
-    }  # fmt: skip
+        "q": ca.vertcat(x, y),
+        "u": ca.vertcat(dx, dy),
+        "p": m,
+        "kinetic": m * (dx**2 + dy**2) / 2,
+        "potential": x * y,
+        "stranger": z,
+    }
     table = {n: v(given) if callable(v) else v for n, v in changes.items()}
     given.pop("stranger")
     with pytest.raises(st.StabilityError) as caught:
@@ -343,51 +383,79 @@ def refusal(**changes: Any) -> str:
     return str(caught.value)
 
 
-@pytest.mark.parametrize(("changes", "said"), [
-    ({"q": "x"}, "q is 'x'; give one column of symbols"),
-    ({"q": ca.SX(0, 1)}, "q or u is empty"),
-    ({"u": lambda g: g["u"][0]}, "q has 2 entries and u has 1"),
-    ({"u": lambda g: g["q"]}, "names 'x' twice"),
-    ({"p": lambda g: g["u"][0]}, "names 'dx' twice"),
-    ({"kinetic": "much"}, "kinetic is 'much'; give a CasADi SX expression"),
-    ({"kinetic": lambda g: g["u"]}, "kinetic has shape 2 x 1; give 1 x 1"),
-    ({"kinetic": lambda g: g["stranger"] * g["kinetic"]}, "kinetic has the symbol z"),
-    ({"kinetic": lambda g: g["u"][0] ** 2}, "singular at every state"),
-    ({"kinetic": lambda g: ca.sum1(g["u"]) ** 2}, "singular at every state"),
-    ({"kinetic": lambda g: g["u"][0] ** 2 - g["u"][1] ** 2}, "pivot for dy is -2"),
-    ({"potential": lambda g: g["u"][0]}, "potential has the symbol dx, which is not in q or p"),
-    ({"forces": lambda g: g["p"]}, "forces has shape 1 x 1; give 2 x 1"),
-    ({"forces": {"x": 1.0}}, "forces is 'x'; known are dx, dy"),
-    ({"velocity_constraints": lambda g: g["u"][0] ** 2}, "constraint 1 is not linear in u"),
-    ({"velocity_constraints": lambda g: {"edge": ca.norm_2(g["u"])}}, "edge is not linear in u"),
-    ({"velocity_constraints": lambda g: [g["stranger"]]}, "velocity constraint 1 has the symbol z"),
-    ({"velocity_constraints": lambda g: [g["u"][0], 2 * g["u"][0]]}, "together are singular"),
-    ({"velocity_constraints": lambda g: g["u"].T}, "velocity_constraints has 2 columns"),
-    ({"holonomic": lambda g: g["u"][0]}, "holonomic constraint 1 has the symbol dx"),
-    ({"holonomic": lambda g: g["p"]}, "together are singular"),
-    ({"velocity_constraints": lambda g: {"a": g["u"][0]}, "holonomic": lambda g: {"a": g["q"][1]}},
-     "names 'a' twice"),
-    ({"q_dot": lambda g: g["u"] ** 2}, "q_dot is not linear in u"),
-    ({"q_dot": lambda g: g["u"] + 1}, "q_dot is not linear in u without a free term"),
-    ({"q_dot": lambda g: ca.vertcat(g["u"][0], g["u"][0])}, "q_dot does not determine u"),
-    ({"q_dot": lambda g: g["u"][0]}, "q_dot has shape 1 x 1; give 2 x 1"),
-    ({"independent": ("dx",)}, "independent names 1 velocities; give 2"),
-    ({"independent": ("x", "dx")}, "independent is 'x'; known are dx, dy"),
-    ({"velocity_constraints": lambda g: g["u"][0], "independent": ("dx",)}, "do not determine"),
-    ({"velocity_constraints": lambda g: g["u"][0], "pivots": {"1": "dy"}},
-     "cannot be solved for dy"),
-    ({"velocity_constraints": lambda g: g["u"][0], "pivots": {"2": "dy"}}, "name each constraint"),
-    ({"velocity_constraints": lambda g: g["u"][0], "pivots": {"1": "x"}}, "known are dx, dy"),
-    ({"velocity_constraints": lambda g: g["u"][0], "pivots": {"1": "dx"}, "independent": ("dx",)},
-     "give each velocity outside independent one constraint"),
-    ({"ignorable": ("x",)}, "the rate of dy changes with x"),
-    ({"ignorable": ("dx",)}, "ignorable is 'dx'; known are x, y"),
-    ({"observables": {"energy": 1.0}}, "names 'energy' twice"),
-    ({"observables": lambda g: {"seen": g["stranger"]}}, "observable seen has the symbol z"),
-    ({"conditions": 3}, "conditions is 3; give a tuple"),
-    ({"conditions": lambda g: [st.Condition(g["stranger"], "no")]}, "a condition has the symbol z"),
-    ({"name": ""}, "name of the system is ''"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"q": "x"}, "q is 'x'; give one column of symbols"),
+        ({"q": ca.SX(0, 1)}, "q or u is empty"),
+        ({"u": lambda g: g["u"][0]}, "q has 2 entries and u has 1"),
+        ({"u": lambda g: g["q"]}, "names 'x' twice"),
+        ({"p": lambda g: g["u"][0]}, "names 'dx' twice"),
+        ({"kinetic": "much"}, "kinetic is 'much'; give a CasADi SX expression"),
+        ({"kinetic": lambda g: g["u"]}, "kinetic has shape 2 x 1; give 1 x 1"),
+        ({"kinetic": lambda g: g["stranger"] * g["kinetic"]}, "kinetic has the symbol z"),
+        ({"kinetic": lambda g: g["u"][0] ** 2}, "singular at every state"),
+        ({"kinetic": lambda g: ca.sum1(g["u"]) ** 2}, "singular at every state"),
+        ({"kinetic": lambda g: g["u"][0] ** 2 - g["u"][1] ** 2}, "pivot for dy is -2"),
+        ({"potential": lambda g: g["u"][0]}, "potential has the symbol dx, which is not in q or p"),
+        ({"forces": lambda g: g["p"]}, "forces has shape 1 x 1; give 2 x 1"),
+        ({"forces": {"x": 1.0}}, "forces is 'x'; known are dx, dy"),
+        ({"velocity_constraints": lambda g: g["u"][0] ** 2}, "constraint 1 is not linear in u"),
+        (
+            {"velocity_constraints": lambda g: {"edge": ca.norm_2(g["u"])}},
+            "edge is not linear in u",
+        ),
+        (
+            {"velocity_constraints": lambda g: [g["stranger"]]},
+            "velocity constraint 1 has the symbol z",
+        ),
+        ({"velocity_constraints": lambda g: [g["u"][0], 2 * g["u"][0]]}, "together are singular"),
+        ({"velocity_constraints": lambda g: g["u"].T}, "velocity_constraints has 2 columns"),
+        ({"holonomic": lambda g: g["u"][0]}, "holonomic constraint 1 has the symbol dx"),
+        ({"holonomic": lambda g: g["p"]}, "together are singular"),
+        (
+            {
+                "velocity_constraints": lambda g: {"a": g["u"][0]},
+                "holonomic": lambda g: {"a": g["q"][1]},
+            },
+            "names 'a' twice",
+        ),
+        ({"q_dot": lambda g: g["u"] ** 2}, "q_dot is not linear in u"),
+        ({"q_dot": lambda g: g["u"] + 1}, "q_dot is not linear in u without a free term"),
+        ({"q_dot": lambda g: ca.vertcat(g["u"][0], g["u"][0])}, "q_dot does not determine u"),
+        ({"q_dot": lambda g: g["u"][0]}, "q_dot has shape 1 x 1; give 2 x 1"),
+        ({"independent": ("dx",)}, "independent names 1 velocities; give 2"),
+        ({"independent": ("x", "dx")}, "independent is 'x'; known are dx, dy"),
+        ({"velocity_constraints": lambda g: g["u"][0], "independent": ("dx",)}, "do not determine"),
+        (
+            {"velocity_constraints": lambda g: g["u"][0], "pivots": {"1": "dy"}},
+            "cannot be solved for dy",
+        ),
+        (
+            {"velocity_constraints": lambda g: g["u"][0], "pivots": {"2": "dy"}},
+            "name each constraint",
+        ),
+        ({"velocity_constraints": lambda g: g["u"][0], "pivots": {"1": "x"}}, "known are dx, dy"),
+        (
+            {
+                "velocity_constraints": lambda g: g["u"][0],
+                "pivots": {"1": "dx"},
+                "independent": ("dx",),
+            },
+            "give each velocity outside independent one constraint",
+        ),
+        ({"ignorable": ("x",)}, "the rate of dy changes with x"),
+        ({"ignorable": ("dx",)}, "ignorable is 'dx'; known are x, y"),
+        ({"observables": {"energy": 1.0}}, "names 'energy' twice"),
+        ({"observables": lambda g: {"seen": g["stranger"]}}, "observable seen has the symbol z"),
+        ({"conditions": 3}, "conditions is 3; give a tuple"),
+        (
+            {"conditions": lambda g: [st.Condition(g["stranger"], "no")]},
+            "a condition has the symbol z",
+        ),
+        ({"name": ""}, "name of the system is ''"),
+    ],
+)
 def test_bad_input_is_refused_in_one_sentence(changes: dict[str, Any], said: str) -> None:
     found = refusal(**changes)
     assert said in found

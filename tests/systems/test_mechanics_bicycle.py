@@ -29,16 +29,34 @@ def running() -> st.Family:
 # P. Basu-Mandal, A. Chatterjee & J. M. Papadopoulos, Proc. R. Soc. A 463 (2007) 1983-2003, Table 1,
 # as in DynamicistToolKit's functions basu_table_one_input and basu_table_one_output.
 GIVEN = {
-    "x": 0, "y": 0, "z": 0.2440472102925, "theta": 0, "psi": 0.9501292851472,
-    "phi": 3.1257073014894, "psif": 0.2311385135743,
-    "xd": -2.8069345714545, "yd": -0.1480982396001, "zd": 0.1058778746261,
-    "thetad": 0.7830033527065, "psid": 0.6068425835418, "phid": -0.0119185528069,
-    "psifd": 0.4859824687093, "betard": 8.9129896614890, "betafd": 8.0133620584155,
-}  # fmt: skip
+    "x": 0,
+    "y": 0,
+    "z": 0.2440472102925,
+    "theta": 0,
+    "psi": 0.9501292851472,
+    "phi": 3.1257073014894,
+    "psif": 0.2311385135743,
+    "xd": -2.8069345714545,
+    "yd": -0.1480982396001,
+    "zd": 0.1058778746261,
+    "thetad": 0.7830033527065,
+    "psid": 0.6068425835418,
+    "phid": -0.0119185528069,
+    "psifd": 0.4859824687093,
+    "betard": 8.9129896614890,
+    "betafd": 8.0133620584155,
+}
 ACCELERATIONS = [
-    -0.5041626315047, -0.3449706619454, -1.4604528332980, 0.8353281706379, -7.8555281128244,
-    0.1205543897884, -4.6198904039403, 1.8472554144217, 2.4548072904550,
-]  # fmt: skip
+    -0.5041626315047,
+    -0.3449706619454,
+    -1.4604528332980,
+    0.8353281706379,
+    -7.8555281128244,
+    0.1205543897884,
+    -4.6198904039403,
+    1.8472554144217,
+    2.4548072904550,
+]
 SIGNS = np.array([-1, 1, -1, -1, -1, -1, -1, 1, 1])
 """From the paper's axes to x forward, y right, z down, with wheels that turn forwards."""
 
@@ -69,8 +87,9 @@ def test_the_nine_published_accelerations(pivots: bool) -> None:
 
 def test_independent_velocities_give_the_same_accelerations() -> None:
     b = bicycle()
-    system = st.mechanics(b.q, b.u, b.p, **b.model(),
-                          independent=("lean_rate", "steer_rate", "rear_rate"))  # fmt: skip
+    system = st.mechanics(
+        b.q, b.u, b.p, **b.model(), independent=("lean_rate", "steer_rate", "rear_rate")
+    )
     place, rates = published_state()
     seen = system.observe([*place, *rates[[4, 6, 7]]], list(b.VALUES.values()))
     found = system.rates([*place, *rates[[4, 6, 7]]], list(b.VALUES.values()))
@@ -87,8 +106,9 @@ def test_energy_is_kept_and_the_wheels_carry_the_weight() -> None:
     b = bicycle()
     system = running().system
     seen = system.observables
-    rate = ca.Function("rate", [system.x, system.p], [
-        ca.jtimes(seen["energy"], system.x, system.rhs)])  # fmt: skip
+    rate = ca.Function(
+        "rate", [system.x, system.p], [ca.jtimes(seen["energy"], system.x, system.rhs)]
+    )
     x = np.random.default_rng(2).uniform(-0.3, 0.3, (5, 7)) + [-0.3, 0, 0, 0, 0, 0, 10]
     values = np.array(list(b.VALUES.values()))
     assert max(abs(float(rate(row, values))) for row in x) < 1e-9  # of some 1e4 W that come and go

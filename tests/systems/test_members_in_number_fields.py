@@ -21,21 +21,39 @@ def triangle() -> st.Family:
     def pull(own: list[ca.SX], mass: ca.SX, other: list[ca.SX], weight: ca.SX) -> list[ca.SX]:
         near, far = (ca.sqrt(p[0] ** 2 + p[1] ** 2) for p in (own, other))
         between = ca.sqrt((other[0] - own[0]) ** 2 + (other[1] - own[1]) ** 2)
-        return [-mass * s / near**3 + weight * ((o - s) / between**3 - o / far**3)
-                for s, o in zip(own, other, strict=True)]  # fmt: skip
+        return [
+            -mass * s / near**3 + weight * ((o - s) / between**3 - o / far**3)
+            for s, o in zip(own, other, strict=True)
+        ]
 
     first, second = pull([x2, y2], 1 - m3, [x3, y3], m3), pull([x3, y3], 1 - m2, [x2, y2], m2)
     system = st.System(
-        "three bodies", ca.vertcat(*z), ca.vertcat(m2, m3),
-        ca.vertcat(u2, v2, u3, v3, first[0] + 2 * v2 + x2, first[1] - 2 * u2 + y2,
-                   second[0] + 2 * v3 + x3, second[1] - 2 * u3 + y3),
-        states=tuple(s.name() for s in z), parameters=("m2", "m3"),
-    )  # fmt: skip
+        "three bodies",
+        ca.vertcat(*z),
+        ca.vertcat(m2, m3),
+        ca.vertcat(
+            u2,
+            v2,
+            u3,
+            v3,
+            first[0] + 2 * v2 + x2,
+            first[1] - 2 * u2 + y2,
+            second[0] + 2 * v3 + x3,
+            second[1] - 2 * u3 + y3,
+        ),
+        states=tuple(s.name() for s in z),
+        parameters=("m2", "m3"),
+    )
     held = dict.fromkeys(("y2", "u2", "v2", "u3", "v3"), 0.0) | {"x2": 1.0, "x3": 0.5}
     return st.Family(
-        system, "triangle", ("m2",), held=held, unknown={"y3": 0.87}, equations=("v3",),
+        system,
+        "triangle",
+        ("m2",),
+        held=held,
+        unknown={"y3": 0.87},
+        equations=("v3",),
         typical={"m2": 0.02, "m3": 0.01},
-    )  # fmt: skip
+    )
 
 
 def test_the_triangle_of_three_bodies_is_neutral_up_to_rouths_mass_ratio() -> None:
@@ -43,8 +61,12 @@ def test_the_triangle_of_three_bodies_is_neutral_up_to_rouths_mass_ratio() -> No
     m3 = mp.mpf(0.01)
     edge = float(mp.findroot(lambda m: (1 - m - m3) * (m + m3) + m * m3 - mp.mpf(1) / 27, 0.03))
     family = triangle()
-    for m2, word in ((0.01, "neutral"), (edge * (1 - 1e-12), "neutral"),
-                     (edge * (1 + 1e-12), "unstable"), (0.06, "unstable")):  # fmt: skip
+    for m2, word in (
+        (0.01, "neutral"),
+        (edge * (1 - 1e-12), "neutral"),
+        (edge * (1 + 1e-12), "unstable"),
+        (0.06, "unstable"),
+    ):
         found = st.spectrum(family, at=m2, m3=0.01, certify=True)
         assert (found.verdict.word, found.structural_zeros, found.certified) == (word, 2, True)
     m2 = 0.01
@@ -59,13 +81,22 @@ def two_roots(second: int) -> st.Family:
     """Members u = √p and w = 1 + √s; the eigenvalue of z is w - u - 1."""
     u, w, z, p, s = (ca.SX.sym(n) for n in "uwzps")
     system = st.System(
-        "roots", ca.vertcat(u, w, z), ca.vertcat(p, s),
+        "roots",
+        ca.vertcat(u, w, z),
+        ca.vertcat(p, s),
         ca.vertcat(p - ca.sqrt(u**4), s - ca.sqrt((w - 1) ** 4), (w - u - 1) * z),
-        states=("u", "w", "z"), parameters=("p", "s"),
-    )  # fmt: skip
+        states=("u", "w", "z"),
+        parameters=("p", "s"),
+    )
     start = second**0.5
-    return st.Family(system, "roots", ("p",), held={"z": 0.0},
-                     unknown={"u": 1.4, "w": 1.1 + start}, equations=("u", "w"))  # fmt: skip
+    return st.Family(
+        system,
+        "roots",
+        ("p",),
+        held={"z": 0.0},
+        unknown={"u": 1.4, "w": 1.1 + start},
+        equations=("u", "w"),
+    )
 
 
 def test_two_unknowns_of_one_field_show_a_zero_between_them() -> None:

@@ -26,9 +26,13 @@ def _hop() -> st.Family:
         "hop", "yzw", lambda x, p: ((x[0] - 1) * (p - (x[0] - 1)), 0.1 * (x[0] - 1) * x[1], -x[2])
     )
     return st.Family(
-        system, "steady", at=("p",), held={"z": 0.0, "w": 0.0}, unknown={"y": 1.3},
+        system,
+        "steady",
+        at=("p",),
+        held={"z": 0.0, "w": 0.0},
+        unknown={"y": 1.3},
         equations=("y",),
-    )  # fmt: skip
+    )
 
 
 WAYS = [{}, {"certify": True}, {"escalate": False}, {"certify": True, "escalate": False}]
@@ -107,9 +111,14 @@ def test_a_zero_that_one_of_two_algebraic_branches_makes_is_proved_there() -> No
     )
     for guess, at, zeros, wanted in ((1.4, 2.0, 1, "stable"), (3.1, 2.0, 0, "unstable")):
         branch = st.Family(
-            system, "two", at=("p",), held={"z": 0.0}, unknown={"y": guess}, equations=("y",),
+            system,
+            "two",
+            at=("p",),
+            held={"z": 0.0},
+            unknown={"y": guess},
+            equations=("y",),
             typical={"p": 2.0},
-        )  # fmt: skip
+        )
         found = st.spectrum(branch, at=at, certify=True)
         assert found.structural_zeros == zeros
         assert found.verdict.word == wanted
@@ -197,14 +206,20 @@ def test_certified_is_not_weaker_than_plain(force: float) -> None:
     stiff = ca.DM([[2.0, -1.0], [-1.0, 1.0]]) - ca.SX(ca.DM([[1.0, -1.0], [0.0, 0.0]])) * p[0]
     acceleration = ca.solve(ca.SX(ca.DM([[3.0, 1.0], [1.0, 1.0]])), -(stiff @ x[:2])) - p[1] * x[2:]
     column = st.System(
-        "column", x, p, ca.vertcat(x[2:], acceleration), states=tuple("abcd"),
+        "column",
+        x,
+        p,
+        ca.vertcat(x[2:], acceleration),
+        states=tuple("abcd"),
         parameters=("F", "damping"),
-    )  # fmt: skip
+    )
     rest = st.Family(column, "straight", at=("F",), held=dict.fromkeys("abcd", 0.0))
     square = np.linalg.eigvals(np.linalg.solve([[3, 1], [1, 1]], [[2 - force, force - 1], [-1, 1]]))
-    wanted = Verdict.NEUTRAL if (square.imag == 0).all() and (square.real > 0).all() else (
-        Verdict.UNSTABLE
-    )  # fmt: skip
+    wanted = (
+        Verdict.NEUTRAL
+        if (square.imag == 0).all() and (square.real > 0).all()
+        else (Verdict.UNSTABLE)
+    )
     for way in ({}, {"certify": True}):
         assert st.spectrum(rest, at=force, damping=0.0, **way).verdict is wanted
 
@@ -212,9 +227,13 @@ def test_certified_is_not_weaker_than_plain(force: float) -> None:
 def test_eigenvalues_that_coincide_are_given_with_their_verdict() -> None:
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
     pendulum = st.System(
-        "pendulum", x, p, ca.vertcat(x[1], -p[0] * ca.sin(x[0]) - p[1] * x[1]),
-        states=("angle", "rate"), parameters=("g", "damping"),
-    )  # fmt: skip
+        "pendulum",
+        x,
+        p,
+        ca.vertcat(x[1], -p[0] * ca.sin(x[0]) - p[1] * x[1]),
+        states=("angle", "rate"),
+        parameters=("g", "damping"),
+    )
     hanging = st.Family(pendulum, "hanging", at=("g",), held={"angle": 0, "rate": 0})
     found = st.spectrum(hanging, at=[1.0, 2.0], damping=2.0, certify=True)
     assert [v.word for v in found.verdict] == ["stable", "stable"]
@@ -223,10 +242,15 @@ def test_eigenvalues_that_coincide_are_given_with_their_verdict() -> None:
     # a member that is not rational: cos of a lean of one radian, balls and a cluster
     x = ca.SX.sym("x", 2)
     leaning = st.System(
-        "leaning", x, p, ca.vertcat(x[1] - p[0] * 0, -ca.cos(p[0]) ** 2 * x[0]
-                                    - 2 * ca.cos(p[0]) * x[1] - p[1] * x[0]),
-        states=("angle", "rate"), parameters=("lean", "push"),
-    )  # fmt: skip
+        "leaning",
+        x,
+        p,
+        ca.vertcat(
+            x[1] - p[0] * 0, -(ca.cos(p[0]) ** 2) * x[0] - 2 * ca.cos(p[0]) * x[1] - p[1] * x[0]
+        ),
+        states=("angle", "rate"),
+        parameters=("lean", "push"),
+    )
     rest = st.Family(leaning, "rest", at=("lean",), held={"angle": 0, "rate": 0})
     twice = st.spectrum(rest, at=1.0, push=0.0, certify=True)
     assert twice.verdict is Verdict.STABLE
@@ -319,10 +343,13 @@ def test_the_error_of_a_root_reaches_the_discs_next_to_a_double_root() -> None:
 
 def test_a_spectrum_without_eigenvalues_is_refused() -> None:
     system = _system(
-        "empty", "yz",
-        lambda x, p: (((p + 0.5) * (p + 0.5) - p * p - p - 0.25) * x[0],
-                      ((p - 1) * (p + 1) - (p * p - 1)) * x[1]),
-    )  # fmt: skip
+        "empty",
+        "yz",
+        lambda x, p: (
+            ((p + 0.5) * (p + 0.5) - p * p - p - 0.25) * x[0],
+            ((p - 1) * (p + 1) - (p * p - 1)) * x[1],
+        ),
+    )
     rest = st.Family(system, "rest", at=("p",), held={"y": 0.0, "z": 0.0})
     for way in WAYS:
         with pytest.raises(DomainError, match="every eigenvalue is zero by structure"):
@@ -342,8 +369,24 @@ def test_an_even_polynomial_that_is_not_even_elsewhere_is_not_taken_as_even(way)
 
 
 @pytest.mark.few(7)
-@pytest.mark.parametrize("name", ["sin", "cos", "tan", "exp", "log", "sqrt", "asin", "acos",
-                                  "atan", "sinh", "cosh", "tanh", "fabs"])  # fmt: skip
+@pytest.mark.parametrize(
+    "name",
+    [
+        "sin",
+        "cos",
+        "tan",
+        "exp",
+        "log",
+        "sqrt",
+        "asin",
+        "acos",
+        "atan",
+        "sinh",
+        "cosh",
+        "tanh",
+        "fabs",
+    ],
+)
 def test_errors_hold_to_every_order(name: str) -> None:
     """The value at any point within the error is within the stated error of the value."""
     import mpmath
@@ -399,14 +442,24 @@ def test_boundaries_keep_to_the_zeros_of_each_member() -> None:
 def test_large_entries_at_typical_members_hide_no_zero() -> None:
     """A line of steady motions; next to it an entry of 1e40 where the zeros are counted."""
     system = _system(
-        "large", "yzvw",
-        lambda x, p: (x[2] - x[0] ** 2, -0.4375 * x[1], x[1] - 0.1 * (x[2] - x[0] ** 2),
-                      -(2.0**20) * p**9 * x[3]),
-    )  # fmt: skip
+        "large",
+        "yzvw",
+        lambda x, p: (
+            x[2] - x[0] ** 2,
+            -0.4375 * x[1],
+            x[1] - 0.1 * (x[2] - x[0] ** 2),
+            -(2.0**20) * p**9 * x[3],
+        ),
+    )
     line = st.Family(
-        system, "line", at=("y",), held={"z": 0.0, "w": 0.0}, unknown={"v": 0.1},
-        equations=("y",), typical={"p": 1e15},
-    )  # fmt: skip
+        system,
+        "line",
+        at=("y",),
+        held={"z": 0.0, "w": 0.0},
+        unknown={"v": 0.1},
+        equations=("y",),
+        typical={"p": 1e15},
+    )
     found = st.spectrum(line, at=0.3, p=1.0, certify=True)
     assert found.structural_zeros == 1
     assert found.verdict is Verdict.STABLE
@@ -415,9 +468,10 @@ def test_large_entries_at_typical_members_hide_no_zero() -> None:
 def test_a_null_vector_that_rounding_leaves_open_bounds_nothing() -> None:
     """In doubles the last entry, which is 1, is 0 ± 2; the zero is that of the third."""
     system = _system(
-        "open", "abcd",
+        "open",
+        "abcd",
         lambda x, p: (-1e-30 * x[0], 1e-30 * x[1], 0 * p, 1e16 * x[3] + x[3] + (-1e16) * x[3]),
-    )  # fmt: skip
+    )
     rest = st.Family(system, "rest", at=("p",), held=dict.fromkeys("abcd", 0.0))
     plain = st.spectrum(rest, at=1.0, escalate=False)
     assert (np.abs(plain.eigenvalues - 1.0) <= plain.radius).any()

@@ -21,14 +21,29 @@ from stability.figures.launch.motion import energy, paths
 from stability.tables.formats.letters import symbol
 from stability.tables.system_conditions import latex, lines
 
-DISK_WORDS = ("theta", "phi", "omega3", "slip", "friction", "disk", "√(g", "mu*", "rolling",
-              "spinning", "contact", "tilt", "lift")  # fmt: skip
+DISK_WORDS = (
+    "theta",
+    "phi",
+    "omega3",
+    "slip",
+    "friction",
+    "disk",
+    "√(g",
+    "mu*",
+    "rolling",
+    "spinning",
+    "contact",
+    "tilt",
+    "lift",
+)
 
 
 def decay(
-    names: tuple[str, ...] = ("rate",), units: dict[str, str] | None = None, state: str = "level",
+    names: tuple[str, ...] = ("rate",),
+    units: dict[str, str] | None = None,
+    state: str = "level",
     name: str = "tank",
-) -> st.Family:  # fmt: skip
+) -> st.Family:
     """dx/dt = (first - others) x: the eigenvalue is the first parameter less the others."""
     x, p = ca.SX.sym("x"), ca.SX.sym("p", len(names))
     slope = p[0] - sum(p[i] for i in range(1, len(names)))
@@ -41,9 +56,15 @@ def oscillator(units: dict[str, str] | None = None, **observables: Any) -> st.Sy
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
     seen = {n: f(x, p) for n, f in observables.items()}
     return st.System(
-        "beam", x, p, ca.vertcat(x[1], -p[0] * x[0] + p[1] * x[1]), states=("q", "v"),
-        parameters=("k", "c"), units=units or {}, observables=seen,
-    )  # fmt: skip
+        "beam",
+        x,
+        p,
+        ca.vertcat(x[1], -p[0] * x[0] + p[1] * x[1]),
+        states=("q", "v"),
+        parameters=("k", "c"),
+        units=units or {},
+        observables=seen,
+    )
 
 
 def rest(system: st.System, **options: Any) -> st.Family:
@@ -55,12 +76,19 @@ def rest(system: st.System, **options: Any) -> st.Family:
 
 @pytest.mark.parametrize(
     ("units", "time", "rate"),
-    [({}, "1", "1"), ({"q": "mm"}, "1", "1"), ({"v": "mm/s"}, "s", "1/s"),
-     ({"beta": "1/day"}, "day", "1/day"), ({"pump": "1/ns"}, "ns", "1/ns"),
-     ({"k": "N/m", "m": "kg"}, "s", "1/s"), ({"v": "m/s", "w": "1/h"}, "1", "1"),
-     ({"v": "m/s", "time": "ms"}, "ms", "1/ms"), ({"a": "m s^-2"}, "s", "1/s"),
-     ({"x": "m", "mass": "g"}, "1", "1")],
-)  # fmt: skip
+    [
+        ({}, "1", "1"),
+        ({"q": "mm"}, "1", "1"),
+        ({"v": "mm/s"}, "s", "1/s"),
+        ({"beta": "1/day"}, "day", "1/day"),
+        ({"pump": "1/ns"}, "ns", "1/ns"),
+        ({"k": "N/m", "m": "kg"}, "s", "1/s"),
+        ({"v": "m/s", "w": "1/h"}, "1", "1"),
+        ({"v": "m/s", "time": "ms"}, "ms", "1/ms"),
+        ({"a": "m s^-2"}, "s", "1/s"),
+        ({"x": "m", "mass": "g"}, "1", "1"),
+    ],
+)
 def test_the_unit_of_time_is_that_of_the_units_given(
     units: dict[str, str], time: str, rate: str
 ) -> None:
@@ -220,9 +248,13 @@ def scene(system: st.System, **options: Any) -> st.Scene:
 
 @pytest.mark.parametrize(
     ("wrong", "said"),
-    [({"start": None}, "q and v"), ({"uncertain": 3}, "'c': 0.2"),
-     ({"quantities": ("speed",)}, "settling_time"), ({"quantities": ("verdict",)}, "final")],
-)  # fmt: skip
+    [
+        ({"start": None}, "q and v"),
+        ({"uncertain": 3}, "'c': 0.2"),
+        ({"quantities": ("speed",)}, "settling_time"),
+        ({"quantities": ("verdict",)}, "final"),
+    ],
+)
 def test_a_refused_scene_of_a_system_names_what_the_system_has(
     wrong: dict[str, Any], said: str
 ) -> None:
@@ -235,10 +267,15 @@ def test_a_refused_scene_of_a_system_names_what_the_system_has(
 def test_a_time_in_the_answer_of_a_scene_has_its_unit() -> None:
     x = oscillator({"v": "m/s"})
     ends = st.System(
-        "jump", x.x, x.p, ca.vertcat(x.x[1], -1 + 0 * x.x[0]), states=("q", "v"),
-        parameters=("k", "c"), units={"v": "m/s"},
+        "jump",
+        x.x,
+        x.p,
+        ca.vertcat(x.x[1], -1 + 0 * x.x[0]),
+        states=("q", "v"),
+        parameters=("k", "c"),
+        units={"v": "m/s"},
         conditions=(st.Condition(x.x[0], "the ball is on the floor, at height {value:g}"),),
-    )  # fmt: skip
+    )
     found = scene(ends, start={"q": 0.5, "v": 0.0}, horizon=3.0).answer()
     assert "until 1 s" in found.sentence  # q = 1/2 - t²/2
 
@@ -295,5 +332,8 @@ def test_latex_tells_unicode_names_apart() -> None:
     assert r"\paragraph{épidémie, empty}" in told
     assert r"$\beta$ &" in told and r"- \beta + \gamma > 0" in told
     assert [symbol(n) for n in ("θ", "x y", "größe", "Ω_1")] == [
-        r"\theta", r"\text{x y}", r"\text{größe}", r"\Omega_{1}",
-    ]  # fmt: skip
+        r"\theta",
+        r"\text{x y}",
+        r"\text{größe}",
+        r"\Omega_{1}",
+    ]

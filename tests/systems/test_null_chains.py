@@ -73,8 +73,13 @@ def test_planted_chains_are_counted(seed: int) -> None:
         if turn.det() != 0:
             break
     back = turn.inv()
-    matrix = [[_sum(turn[i, a] * core[a][b] * back[b, j] for a in range(size)
-                    for b in range(size)) for j in range(size)] for i in range(size)]  # fmt: skip
+    matrix = [
+        [
+            _sum(turn[i, a] * core[a][b] * back[b, j] for a in range(size) for b in range(size))
+            for j in range(size)
+        ]
+        for i in range(size)
+    ]
     sample = fmpq_mat([[_at(e, fmpq(17, 19)) for e in row] for row in matrix])
     true = next(i for i, c in enumerate(sample.charpoly().coeffs()) if c != 0)
     assert constant_zeros(matrix, lambda v: bool(v == 0)) == planted == true

@@ -65,10 +65,13 @@ def test_noise_widens_the_discs() -> None:
 
 
 CURVED = [
-    (lambda t: np.exp(30 * t), 30.0), (lambda t: np.sin(200 * t), 200.0),
-    (lambda t: 1 / (1.001 - t), 1 / 1.001**2), (lambda t: 1e8 + t, 1.0),
-    (lambda t: np.arctan(1e3 * t), 1e3), (lambda t: t**3, 0.0),
-]  # fmt: skip
+    (lambda t: np.exp(30 * t), 30.0),
+    (lambda t: np.sin(200 * t), 200.0),
+    (lambda t: 1 / (1.001 - t), 1 / 1.001**2),
+    (lambda t: 1e8 + t, 1.0),
+    (lambda t: np.arctan(1e3 * t), 1e3),
+    (lambda t: t**3, 0.0),
+]
 
 
 @pytest.mark.parametrize(("function", "slope"), CURVED)

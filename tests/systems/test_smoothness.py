@@ -49,8 +49,9 @@ def _family(rate: Rate) -> st.Family:
     x, v, zero = ca.SX.sym("x"), ca.SX.sym("v"), ca.SX.sym("zero")
     extra = rate(_numbers(ca, x, v, zero=zero, size=ca.fabs))
     rates = ca.vertcat(v, -x - v + 3 * extra)
-    system = st.System("kinked", ca.vertcat(x, v), zero, rates, states=("x", "v"),
-                       parameters=("zero",))  # fmt: skip
+    system = st.System(
+        "kinked", ca.vertcat(x, v), zero, rates, states=("x", "v"), parameters=("zero",)
+    )
     return st.Family(system, "rest", at=("zero",), held={"x": 0.0, "v": 0.0})
 
 
@@ -106,8 +107,14 @@ X, V, C = (ca.SX.sym(n) for n in "xvc")
 
 
 def rest(rate: ca.SX) -> st.Family:
-    system = st.System("s", ca.vertcat(X, V), C, ca.vertcat(V, -X - C * V - rate),
-                       states=("x", "v"), parameters=("c",))  # fmt: skip
+    system = st.System(
+        "s",
+        ca.vertcat(X, V),
+        C,
+        ca.vertcat(V, -X - C * V - rate),
+        states=("x", "v"),
+        parameters=("c",),
+    )
     return st.Family(system, "rest", ("c",), held={"x": 0.0, "v": 0.0})
 
 
@@ -120,18 +127,37 @@ def _leaves_its_domain(force: ca.SX) -> bool:
 
 
 @pytest.mark.few(7)
-@pytest.mark.parametrize(("force", "fine"), [
-    (X**1.5, False), ((2 * X + V) ** 2.5, False), (X ** (C + 1), False), (ca.sqrt(X) * X, False),
-    (ca.fabs(X) ** 1.5, True), ((X**2 + V**2) ** 1.5, True), ((1 + X) ** 1.5 - 1, True),
-    (X**3, True),
-    ((X * V) ** 1.5, False), ((X**2 * V) ** 1.5, False), (X * ca.sqrt(X * V), False),
-    ((X**2 - V**2) ** 1.5, False), ((-(X**2)) ** 1.5, False), (X * ca.acos(1 - X * V), False),
-    (V * ca.asin(1 + X**2), False), ((C * X * V) ** 2.5, False), ((X * ca.sin(V)) ** 1.5, False),
-    ((2 * X**2 / (1 + V)) ** 1.5, True), ((C * X**2 * ca.cosh(V)) ** 1.5, True),
-    ((X * V) ** 2, True), (((X * V) ** 2) ** 1.5, True), (ca.fabs(X * V) ** 1.5, True),
-    (V * ca.sqrt(1 - ca.cos(X)), True), (X * ca.acos(1 - X**2 * V**2), True),
-    (ca.hypot(X, V) ** 1.5, True), (-((X**2 + 2 * V**4) ** 1.5), True),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("force", "fine"),
+    [
+        (X**1.5, False),
+        ((2 * X + V) ** 2.5, False),
+        (X ** (C + 1), False),
+        (ca.sqrt(X) * X, False),
+        (ca.fabs(X) ** 1.5, True),
+        ((X**2 + V**2) ** 1.5, True),
+        ((1 + X) ** 1.5 - 1, True),
+        (X**3, True),
+        ((X * V) ** 1.5, False),
+        ((X**2 * V) ** 1.5, False),
+        (X * ca.sqrt(X * V), False),
+        ((X**2 - V**2) ** 1.5, False),
+        ((-(X**2)) ** 1.5, False),
+        (X * ca.acos(1 - X * V), False),
+        (V * ca.asin(1 + X**2), False),
+        ((C * X * V) ** 2.5, False),
+        ((X * ca.sin(V)) ** 1.5, False),
+        ((2 * X**2 / (1 + V)) ** 1.5, True),
+        ((C * X**2 * ca.cosh(V)) ** 1.5, True),
+        ((X * V) ** 2, True),
+        (((X * V) ** 2) ** 1.5, True),
+        (ca.fabs(X * V) ** 1.5, True),
+        (V * ca.sqrt(1 - ca.cos(X)), True),
+        (X * ca.acos(1 - X**2 * V**2), True),
+        (ca.hypot(X, V) ** 1.5, True),
+        (-((X**2 + 2 * V**4) ** 1.5), True),
+    ],
+)
 def test_a_member_at_the_edge_of_the_domain_of_a_power_is_refused(force: ca.SX, fine: bool) -> None:
     """Next to x = 0 such a power has no value, so no neighbouring motion exists."""
     family = rest(3 * force)
@@ -139,18 +165,30 @@ def test_a_member_at_the_edge_of_the_domain_of_a_power_is_refused(force: ca.SX, 
         assert st.spectrum(family, at=0.5, certify=True).verdict.word == "stable"
         return
     assert _leaves_its_domain(force)
-    for ask in (lambda: st.spectrum(family, at=0.5, certify=True), lambda: st.conditions(family),
-                lambda: st.boundaries(family, axis=("c", 0.25, 0.75, 5))):  # fmt: skip
+    for ask in (
+        lambda: st.spectrum(family, at=0.5, certify=True),
+        lambda: st.conditions(family),
+        lambda: st.boundaries(family, axis=("c", 0.25, 0.75, 5)),
+    ):
         with pytest.raises(st.StabilityError, match="no slope"):
             ask()
 
 
-@pytest.mark.parametrize(("force", "removable"), [
-    (V * ca.sin(X) / X, True), (X**2 / X, True), ((ca.exp(X) - 1) / X - 1, True),
-    (V * (10 * X) / (ca.exp(10 * X) - 1), True), ((X - V) * ca.sinh(X) / X, True),
-    (1 / X, False), (X * V / (X**2 + V**2), False), (ca.sign(X), False), (ca.log(X), False),
-    (ca.fabs(X) / X, False),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("force", "removable"),
+    [
+        (V * ca.sin(X) / X, True),
+        (X**2 / X, True),
+        ((ca.exp(X) - 1) / X - 1, True),
+        (V * (10 * X) / (ca.exp(10 * X) - 1), True),
+        ((X - V) * ca.sinh(X) / X, True),
+        (1 / X, False),
+        (X * V / (X**2 + V**2), False),
+        (ca.sign(X), False),
+        (ca.log(X), False),
+        (ca.fabs(X) / X, False),
+    ],
+)
 def test_a_gap_that_is_removable_is_called_so(force: ca.SX, removable: bool) -> None:
     with pytest.raises(st.StabilityError) as refusal:
         st.spectrum(rest(force), at=0.5)

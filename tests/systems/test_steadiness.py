@@ -13,19 +13,38 @@ from stability.systems.following.steadiness import rate_noise
 X, P = ca.SX.sym("x", 2), ca.SX.sym("p")
 Y = X[0]
 AT_ZERO: dict[str, Any] = {
-    "linear": -P * Y, "cubic": -P * Y + Y**3, "sine": -P * ca.sin(Y), "tanh": -ca.tanh(Y) * P,
-    "one less p": -(Y - (P - 1)), "two roots": Y * (Y - 1) * P, "exp": 1 - ca.exp(P * Y),
-    "slow": -1e-8 * P * Y, "fast": -1e8 * ca.sin(Y) * P, "differences": (2 + Y) * (2 + Y) - 4 * P,
+    "linear": -P * Y,
+    "cubic": -P * Y + Y**3,
+    "sine": -P * ca.sin(Y),
+    "tanh": -ca.tanh(Y) * P,
+    "one less p": -(Y - (P - 1)),
+    "two roots": Y * (Y - 1) * P,
+    "exp": 1 - ca.exp(P * Y),
+    "slow": -1e-8 * P * Y,
+    "fast": -1e8 * ca.sin(Y) * P,
+    "differences": (2 + Y) * (2 + Y) - 4 * P,
     "roots": ca.sqrt(4 * P + Y) - 2,
-}  # fmt: skip
-SLOPE = {"linear": -1, "cubic": -1, "sine": -1, "tanh": -1, "one less p": -1, "two roots": -1,
-         "exp": -1, "slow": -1e-8, "fast": -1e8, "differences": 4, "roots": 0.25}  # fmt: skip
+}
+SLOPE = {
+    "linear": -1,
+    "cubic": -1,
+    "sine": -1,
+    "tanh": -1,
+    "one less p": -1,
+    "two roots": -1,
+    "exp": -1,
+    "slow": -1e-8,
+    "fast": -1e8,
+    "differences": 4,
+    "roots": 0.25,
+}
 
 
 def family(rate: Any, guess: float) -> Any:
     system = st.System("s", X, P, ca.vertcat(rate, -X[1]), states=("y", "z"), parameters=("p",))
-    return st.Family(system, "steady", at=("p",), held={"z": 0.0}, unknown={"y": guess},
-                     equations=("y",))  # fmt: skip
+    return st.Family(
+        system, "steady", at=("p",), held={"z": 0.0}, unknown={"y": guess}, equations=("y",)
+    )
 
 
 @pytest.mark.few(4)
@@ -42,8 +61,9 @@ def test_an_equilibrium_at_zero_is_met_from_a_guess_beside_it(name: str, guess: 
 
 @pytest.mark.parametrize("rate", [5e-11, 1e-13, 1e-15, -3e-12])
 def test_a_rate_above_its_rounding_is_not_steady(rate: float) -> None:
-    system = st.System("s", X, P, ca.vertcat(rate - P * Y, -X[1]), states=("y", "z"),
-                       parameters=("p",))  # fmt: skip
+    system = st.System(
+        "s", X, P, ca.vertcat(rate - P * Y, -X[1]), states=("y", "z"), parameters=("p",)
+    )
     held = st.Family(system, "steady", at=("p",), held={"y": 0.0, "z": 0.0})
     for certify in (False, True):
         with pytest.raises(st.StabilityError, match="is not steady: y still changes"):
@@ -51,8 +71,9 @@ def test_a_rate_above_its_rounding_is_not_steady(rate: float) -> None:
 
 
 def test_a_rate_within_the_rounding_of_what_is_given_is_steady() -> None:
-    pendulum = st.System("pendulum", X, P, ca.vertcat(X[1], -P * ca.sin(Y)), states=("y", "z"),
-                         parameters=("p",))  # fmt: skip
+    pendulum = st.System(
+        "pendulum", X, P, ca.vertcat(X[1], -P * ca.sin(Y)), states=("y", "z"), parameters=("p",)
+    )
     for angle in (math.pi, -math.pi, 2 * math.pi, 3 * math.pi, 101 * math.pi):
         for g in (1e-6, 9.81, 1e9):
             upright = st.Family(pendulum, "upright", at=("p",), held={"y": angle, "z": 0.0})
@@ -61,8 +82,9 @@ def test_a_rate_within_the_rounding_of_what_is_given_is_steady() -> None:
         upright = st.Family(pendulum, "upright", at=("p",), held={"y": angle, "z": 0.0})
         with pytest.raises(st.StabilityError, match="is not steady"):
             st.spectrum(upright, at=9.81)
-    tenths = st.System("tenths", X, P, ca.vertcat(0.1 + P - 0.3 - Y, -X[1]), states=("y", "z"),
-                       parameters=("p",))  # fmt: skip
+    tenths = st.System(
+        "tenths", X, P, ca.vertcat(0.1 + P - 0.3 - Y, -X[1]), states=("y", "z"), parameters=("p",)
+    )
     assert st.spectrum(st.Family(tenths, "s", at=("p",), held={"y": 0.0, "z": 0.0}), at=0.2)
 
 

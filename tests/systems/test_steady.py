@@ -40,7 +40,8 @@ def test_the_fixed_point_of_lorenz_is_followed_from_2_to_60_in_one_call(plus: An
     assert np.abs(members - np.column_stack([x, x, r - 1])).max() < 1e-13
     found = st.spectrum(plus, at=r, sigma=10, b=B)
     assert [v.word for v in found.verdict] == [
-        "stable" if v < 10 * (10 + B + 3) / (10 - B - 1) else "unstable" for v in r]  # fmt: skip
+        "stable" if v < 10 * (10 + B + 3) / (10 - B - 1) else "unstable" for v in r
+    ]
 
 
 @pytest.mark.parametrize("count", [12, pytest.param(60, marks=pytest.mark.long)])
@@ -145,12 +146,14 @@ def test_the_governor_is_found_with_its_unknowns_and_equations() -> None:
     """X = arccos b, z = 1/√b (Sotomayor, Mello, Braga 2006); it ends at b = 1."""
     x, p = ca.SX.sym("x", 3), ca.SX.sym("p", 3)
     rates = ca.vertcat(
-        x[1], x[2] ** 2 * ca.sin(x[0]) * ca.cos(x[0]) - ca.sin(x[0]) - p[0] * x[1],
+        x[1],
+        x[2] ** 2 * ca.sin(x[0]) * ca.cos(x[0]) - ca.sin(x[0]) - p[0] * x[1],
         p[1] * (ca.cos(x[0]) - p[2]),
-    )  # fmt: skip
+    )
     watt = st.System("governor", x, p, rates, states=("x", "y", "z"), parameters=("e", "a", "b"))
-    family = watt.steady("b", guess={"x": 1.0, "z": 1.4, "e": 1.0, "a": 0.5, "b": 0.5},
-                         positive=("x", "z"))  # fmt: skip
+    family = watt.steady(
+        "b", guess={"x": 1.0, "z": 1.4, "e": 1.0, "a": 0.5, "b": 0.5}, positive=("x", "z")
+    )
     b = np.linspace(0.1, 0.99, 12)
     found = family.member(b[:, None], [1.0, 0.5])
     assert np.allclose(found, np.column_stack([np.arccos(b), 0 * b, b**-0.5]), atol=1e-12)
@@ -164,8 +167,14 @@ def test_the_governor_is_found_with_its_unknowns_and_equations() -> None:
 
 def test_a_state_on_which_nothing_depends_is_left_out() -> None:
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
-    system = st.System("s", x, p, ca.vertcat(p - x[0] ** 2, p - x[0] ** 2), states=("x", "place"),
-                       parameters=("p",))  # fmt: skip
+    system = st.System(
+        "s",
+        x,
+        p,
+        ca.vertcat(p - x[0] ** 2, p - x[0] ** 2),
+        states=("x", "place"),
+        parameters=("p",),
+    )
     family = system.steady("p", guess={"x": 1.0, "p": 1.0})
     assert family.left_out == ("place",)
     assert family.equations == ("x",)
@@ -208,8 +217,9 @@ def test_what_does_not_fit_is_refused_in_one_sentence(lorenz: Any) -> None:
     with pytest.raises(st.StabilityError, match="no member that damped Newton steps reach"):
         nothing.steady("p", guess={"x": 1.0, "p": 1.0})
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
-    free = st.System("f", x, p, ca.vertcat(x[0] * x[1] - p, 0), states=("x", "y"),
-                     parameters=("p",))  # fmt: skip
+    free = st.System(
+        "f", x, p, ca.vertcat(x[0] * x[1] - p, 0), states=("x", "y"), parameters=("p",)
+    )
     with pytest.raises(st.StabilityError, match="leave 1 of the unknowns x and y op"):
         free.steady("p", guess={"x": 1.0, "y": 1.0, "p": 1.0})
 
@@ -224,13 +234,23 @@ def test_the_triangular_point_above_is_found_where_only_that_one_is_admissible(
     potential = (x**2 + y**2) / 2 + (1 - m) / far[0] + m / far[1]
     pull = ca.gradient(potential, ca.vertcat(x, y)) + 2 * ca.vertcat(v, -u)
     bodies = st.System(
-        "three bodies", ca.vertcat(x, y, u, v), m, ca.vertcat(u, v, pull),
-        states=("x", "y", "u", "v"), parameters=("m",),
-    )  # fmt: skip
+        "three bodies",
+        ca.vertcat(x, y, u, v),
+        m,
+        ca.vertcat(u, v, pull),
+        states=("x", "y", "u", "v"),
+        parameters=("m",),
+    )
     family = st.Family(
-        bodies, "L4", at=("m",), held={"u": 0, "v": 0}, equations=("u", "v"), positive=("y",),
-        unknown={"x": guess[0], "y": guess[1]}, typical={"m": 0.02},
-    )  # fmt: skip
+        bodies,
+        "L4",
+        at=("m",),
+        held={"u": 0, "v": 0},
+        equations=("u", "v"),
+        positive=("y",),
+        unknown={"x": guess[0], "y": guess[1]},
+        typical={"m": 0.02},
+    )
     share = np.linspace(0.005, 0.495, 50)[:, None]
     found = family.search(share, np.zeros((50, 0)))
     above = np.hypot(found.u[:, 0] - 0.5 + share[:, 0], found.u[:, 1] - 0.75**0.5) < 1e-12
@@ -241,8 +261,14 @@ def test_members_next_to_a_pitchfork_are_not_refused_by_luck() -> None:
     """X = y exists for all p > 0: q x² + (1 + p) x = 1.  Lines cross a pitchfork near p = 1."""
     x, y, p, q = (ca.SX.sym(n) for n in "xypq")
     rates = ca.vertcat(x * (1 - x - p * y - q * x**2), y * (1 - y - p * x - q * y**2))
-    system = st.System("rivals", ca.vertcat(x, y), ca.vertcat(p, q), rates, states=("x", "y"),
-                       parameters=("p", "q"))  # fmt: skip
+    system = st.System(
+        "rivals",
+        ca.vertcat(x, y),
+        ca.vertcat(p, q),
+        rates,
+        states=("x", "y"),
+        parameters=("p", "q"),
+    )
     even = system.steady("p", guess={"x": 0.6, "y": 0.6, "p": 0.5}, q=0.1)
     grid = np.meshgrid(np.linspace(0.1, 3, 40), np.linspace(0.01, 0.5, 30))
     at, other = grid[0].ravel(), grid[1].ravel()
@@ -268,9 +294,14 @@ def test_a_member_that_runs_to_infinity_is_refused_in_a_sentence() -> None:
     """A stirred tank reactor: towards D = 0 the equations overflow, and again where D < 0."""
     x, y, b, c, d = (ca.SX.sym(n) for n in ("x", "y", "B", "c", "D"))
     rate = d * (1 - x) * ca.exp(y)
-    tank = st.System("tank", ca.vertcat(x, y), ca.vertcat(b, c, d),
-                     ca.vertcat(-x + rate, -y + b * rate - c * y), states=("x", "y"),
-                     parameters=("B", "c", "D"))  # fmt: skip
+    tank = st.System(
+        "tank",
+        ca.vertcat(x, y),
+        ca.vertcat(b, c, d),
+        ca.vertcat(-x + rate, -y + b * rate - c * y),
+        states=("x", "y"),
+        parameters=("B", "c", "D"),
+    )
     hot = tank.steady("D", guess={"x": 0.7, "y": 3.0, "D": 0.15}, B=7.06, c=0.74)
     given = np.array([0.15, 7.06, 0.74]) + [-0.155, 204.74, -0.925]
     found = hot.search(given[None, :1], given[None, 1:])
@@ -283,8 +314,14 @@ def test_a_place_may_move() -> None:
     x, v, f, b = (ca.SX.sym(n) for n in ("x", "v", "F", "b"))
 
     def car(rate: ca.SX) -> st.System:
-        return st.System("car", ca.vertcat(x, v), ca.vertcat(f, b), ca.vertcat(v, rate),
-                         states=("x", "v"), parameters=("F", "b"))  # fmt: skip
+        return st.System(
+            "car",
+            ca.vertcat(x, v),
+            ca.vertcat(f, b),
+            ca.vertcat(v, rate),
+            states=("x", "v"),
+            parameters=("F", "b"),
+        )
 
     for guess in ({"v": 1.0}, {"x": 3.0, "v": 1.0}, {}):
         cruise = car(f - b * v).steady("F", guess={**guess, "F": 1.0}, b=1.0)
@@ -298,10 +335,13 @@ def test_a_place_may_move() -> None:
 
     y, heading, turn, m = (ca.SX.sym(n) for n in ("y", "heading", "turn", "M"))
     cart = st.System(
-        "cart", ca.vertcat(x, y, heading, v, turn), ca.vertcat(f, m),
+        "cart",
+        ca.vertcat(x, y, heading, v, turn),
+        ca.vertcat(f, m),
         ca.vertcat(v * ca.cos(heading), v * ca.sin(heading), turn, f - v, m - 2 * turn),
-        states=("x", "y", "heading", "v", "turn"), parameters=("F", "M"),
-    )  # fmt: skip
+        states=("x", "y", "heading", "v", "turn"),
+        parameters=("F", "M"),
+    )
     circle = cart.steady("F", guess={"v": 1.0, "turn": 1.0, "F": 1.0}, M=1.0)
     assert circle.member([2.0], [3.0])[3:] == pytest.approx([2.0, 1.5])
 
@@ -321,9 +361,16 @@ def test_three_hinged_bars_hang_at_the_pose_of_their_guess(guess: tuple[float, .
         kinetic += turn[i] ** 2 / 24
         potential += g * (y + sine / 2)
         x, y, vx, vy = x + cosine, y + sine, vx - sine * turn[i], vy + cosine * turn[i]
-    bars = st.mechanics(q, u, ca.vertcat(g, c), kinetic=kinetic, potential=potential,
-                        forces=ca.vertcat(-c * u[0], 0, 0), holonomic={"X": x - 2, "Y": y},
-                        independent=("u_0",))  # fmt: skip
+    bars = st.mechanics(
+        q,
+        u,
+        ca.vertcat(g, c),
+        kinetic=kinetic,
+        potential=potential,
+        forces=ca.vertcat(-c * u[0], 0, 0),
+        holonomic={"X": x - 2, "Y": y},
+        independent=("u_0",),
+    )
     pose = dict(zip(("q_0", "q_1", "q_2"), guess, strict=True))
     hang = bars.steady("g", guess={**pose, "g": 9.81}, c=0.1)
     found = st.spectrum(hang, at=9.81, c=0.1)
@@ -346,7 +393,8 @@ def test_the_member_of_a_system_without_parameters_needs_no_name() -> None:
     assert found.eigenvalues == pytest.approx(np.sort(np.roots([1, 0.2, 2])))
     assert repr(found).startswith("<Spectrum of right: stable; 2 eigenvalues: ")
     assert st.spectrum(plain.steady((), guess={"x": 0.8})).eigenvalues == pytest.approx(
-        found.eigenvalues)  # fmt: skip
+        found.eigenvalues
+    )
     named = st.Family(other, "right", at=("c",), held={"x": 1, "v": 0})
     grid: dict[str, Any] = {"x": ("x", -2, 2, 4), "y": ("v", -1, 1, 3), "horizon": 100}
     alone = st.basins(plain, families=right, **grid).outcome
@@ -371,8 +419,9 @@ def test_the_member_of_a_system_without_parameters_needs_no_name() -> None:
 def test_a_guess_at_which_the_slope_vanishes_finds_a_member() -> None:
     """Roots p and -q: between them, at p = q + 2, lies the guess 1, where the slope is 0."""
     x, p, q = (ca.SX.sym(n) for n in "xpq")
-    system = st.System("c", x, ca.vertcat(p, q), -(x - p) * (x + q), states=("x",),
-                       parameters=("p", "q"))  # fmt: skip
+    system = st.System(
+        "c", x, ca.vertcat(p, q), -(x - p) * (x + q), states=("x",), parameters=("p", "q")
+    )
     family = st.Family(system, "m", at=("p",), unknown={"x": 1.0}, equations=("x",))
     assert float(st.spectrum(family, at=3.0, q=1.0).states[0]) in (3.0, -1.0)
     assert 4 not in st.stability_map(family, x=("p", 2, 4, 5), y=("q", 0.5, 1.5, 3)).verdict

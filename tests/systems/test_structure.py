@@ -44,10 +44,13 @@ def characteristic(family: str, law: str) -> sympy.Expr:
 CASES = [
     (family, law, zeros)
     for law, counts in {
-        "smooth": (2, 2, 2), "viscous": (2, 1, 1), "linear-viscous": (2, 1, 1), "rough": (2, 2, 2),
+        "smooth": (2, 2, 2),
+        "viscous": (2, 1, 1),
+        "linear-viscous": (2, 1, 1),
+        "rough": (2, 2, 2),
     }.items()
     for family, zeros in zip(("rolling", "spinning", "tumbling"), counts, strict=True)
-]  # fmt: skip
+]
 
 
 @pytest.mark.few(2)

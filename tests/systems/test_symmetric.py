@@ -45,12 +45,24 @@ THRESHOLDS: dict[str, Known] = {
     "saddle": (saddle, "W", {"k": 2.0}, Fraction("1.41421356237309504880168872421"), True, 0),
     "L4": (triangular_point, "m", {}, ROUTH, False, 0),
     "column": (column, "P", {"damping": 0.0}, ZIEGLER, False, 0),
-    "disc": (lambda: DISC, "u2", {"r": 1.0, "g": 1.0},
-             Fraction("0.577350269189625764509148780502"), True, 4),
-    "wheel": (lambda: WHEEL, "u2", {"r": 1.0, "g": 1.0},
-              Fraction("0.577350269189625764509148780502"), True, 6),
+    "disc": (
+        lambda: DISC,
+        "u2",
+        {"r": 1.0, "g": 1.0},
+        Fraction("0.577350269189625764509148780502"),
+        True,
+        4,
+    ),
+    "wheel": (
+        lambda: WHEEL,
+        "u2",
+        {"r": 1.0, "g": 1.0},
+        Fraction("0.577350269189625764509148780502"),
+        True,
+        6,
+    ),
     "body": (lambda: SPIN, "B", {"w": 1.0, "A": 1.0, "C": 2.0}, Fraction(2), False, 1),
-}  # fmt: skip
+}
 
 
 def test_the_critical_mass_is_that_of_routh() -> None:
@@ -119,9 +131,17 @@ def test_a_little_damping_is_never_neutral(damping: float) -> None:
 
 def gain_and_loss() -> st.Family:
     """Two coupled oscillators, one with damping p and one with gain q."""
-    pair = system("pair", "abcd", ("p", "q"), lambda x, p, q: (
-        x[2], x[3], -2 * x[0] + 1.5 * x[1] - p * x[2], -2 * x[1] + 1.5 * x[0] + q * x[3]
-    ))  # fmt: skip
+    pair = system(
+        "pair",
+        "abcd",
+        ("p", "q"),
+        lambda x, p, q: (
+            x[2],
+            x[3],
+            -2 * x[0] + 1.5 * x[1] - p * x[2],
+            -2 * x[1] + 1.5 * x[0] + q * x[3],
+        ),
+    )
     return st.Family(pair, "rest", at=("p",), held=dict.fromkeys("abcd", 0.0))
 
 

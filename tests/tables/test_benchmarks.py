@@ -21,9 +21,16 @@ from stability.tables.benchmarks.row import AGREES, CLOSED, BenchmarkRow, Source
 from stability.tables.registry import definition
 
 QUICK = {
-    "railway wheelset", "Ziegler column", "Lagrange top", "mass on a belt", "Jeffcott rotor",
-    "rotating saddle", "gyropendulum", "Routh's sphere", "body in a liquid",
-}  # fmt: skip
+    "railway wheelset",
+    "Ziegler column",
+    "Lagrange top",
+    "mass on a belt",
+    "Jeffcott rotor",
+    "rotating saddle",
+    "gyropendulum",
+    "Routh's sphere",
+    "body in a liquid",
+}
 """Systems that take a tenth of a second or two."""
 LATER = {"nonlinear bicycle"}
 """Systems that take some seconds: they are asked in the long tests."""
@@ -78,10 +85,16 @@ def firing(v: Any) -> Any:
 
 def gates(v: Any) -> tuple[list[Any], list[Any]]:
     """Rates at which the squid axon's gates m, h, n open and close: Hodgkin & Huxley (1952)."""
-    opens = [mpf(".1") * (25 - v) / mpmath.expm1((25 - v) / 10), mpf(".07") * mpmath.exp(-v / 20),
-             mpf(".01") * (10 - v) / mpmath.expm1((10 - v) / 10)]  # fmt: skip
-    closes = [4 * mpmath.exp(-v / 18), 1 / (mpmath.exp((30 - v) / 10) + 1),
-              mpf(".125") * mpmath.exp(-v / 80)]  # fmt: skip
+    opens = [
+        mpf(".1") * (25 - v) / mpmath.expm1((25 - v) / 10),
+        mpf(".07") * mpmath.exp(-v / 20),
+        mpf(".01") * (10 - v) / mpmath.expm1((10 - v) / 10),
+    ]
+    closes = [
+        4 * mpmath.exp(-v / 18),
+        1 / (mpmath.exp((30 - v) / 10) + 1),
+        mpf(".125") * mpmath.exp(-v / 80),
+    ]
     return opens, closes
 
 
@@ -90,8 +103,12 @@ def axon(v: Any) -> tuple[Any, Any]:
     opens, closes = gates(v)
     m, h, n = (a / (a + b) for a, b in zip(opens, closes, strict=True))
     current = 120 * m**3 * h * (v - 115) + 36 * n**4 * (v + 12) + mpf(".3") * (v - mpf("10.6"))
-    first = [-120 * m**3 * h - 36 * n**4 - mpf(".3"), -360 * m**2 * h * (v - 115),
-             -120 * m**3 * (v - 115), -144 * n**3 * (v + 12)]  # fmt: skip
+    first = [
+        -120 * m**3 * h - 36 * n**4 - mpf(".3"),
+        -360 * m**2 * h * (v - 115),
+        -120 * m**3 * (v - 115),
+        -144 * n**3 * (v + 12),
+    ]
     matrix = mpmath.matrix(4)
     for j, entry in enumerate(first):
         matrix[0, j] = entry
@@ -142,18 +159,23 @@ def oracle() -> dict[str, dict[str, Any]]:
         "Watt governor": {
             "friction above which it is even, a = 0.5, b = 0.5": mpf(".5") ** 1.5,
             "friction above which it is even, a = 0.25, b = 0.64": 2 * mpf(".25") * mpf(".8") ** 3,
-            **{f"b where the first Lyapunov coefficient is 0, a = {a}": soft_until(mpf(a))
-               for a in ("0.25", "0.5", "0.8")},
+            **{
+                f"b where the first Lyapunov coefficient is 0, a = {a}": soft_until(mpf(a))
+                for a in ("0.25", "0.5", "0.8")
+            },
         },
         "Ziegler column": {
             "load above which it flutters, undamped": mpf(7) / 2 - mpmath.sqrt(2),
-            **{f"load above which it flutters, b = {b}": mpf(41) / 28 + mpf(b) ** 2 / 2
-               for b in ("1", "0.1", "0.001")},
+            **{
+                f"load above which it flutters, b = {b}": mpf(41) / 28 + mpf(b) ** 2 / 2
+                for b in ("1", "0.1", "0.001")
+            },
         },
         "Lagrange top": {
             "spin above which it sleeps": mpf(4),  # I3² W² = 4 I1 m g l
-            "nutation at inclination 1, precession 0.7":
-                mpmath.sqrt(mpf(".49") - 2 * mpmath.cos(1) + 1 / mpf(".49")),
+            "nutation at inclination 1, precession 0.7": mpmath.sqrt(
+                mpf(".49") - 2 * mpmath.cos(1) + 1 / mpf(".49")
+            ),
         },
         "triangular points": {
             "mass ratio below which they are neutral": (1 - mpmath.sqrt(69) / 9) / 2,
@@ -174,13 +196,16 @@ def oracle() -> dict[str, dict[str, Any]]:
         },
         # z'' + (d - i G spin) z' - (k + i r spin) z = 0: d² k = r (d G - r) spin²
         "gyropendulum": {
-            "rate above which damping that turns holds it":
-                mpmath.sqrt(mpf(".5") / (mpf(".375") * mpf(".375"))),
+            "rate above which damping that turns holds it": mpmath.sqrt(
+                mpf(".5") / (mpf(".375") * mpf(".375"))
+            ),
         },
         # (I1 + m H²) z'' - i (I3 + m R H) spin z' - m g a z = 0, H = R + a
         "Routh's sphere": {
-            "spin above which its centre of mass stays on top":
-                mpmath.sqrt(4 * (mpf(".5") + height**2) / 4) / (mpf(".375") + height),
+            "spin above which its centre of mass stays on top": mpmath.sqrt(
+                4 * (mpf(".5") + height**2) / 4
+            )
+            / (mpf(".375") + height),
         },
         # n = L - i spin: n (n - J3 spin/J1) = (m3/m1) (m3 - m1) v²/J1
         "body in a liquid": {
@@ -198,7 +223,7 @@ def oracle() -> dict[str, dict[str, Any]]:
             "current at which firing begins": axon_at("5.2", "5.5"),
             "current at which firing ceases": axon_at("21.5", "22.2"),
         },
-    }  # fmt: skip
+    }
 
 
 def quick_first(systems: Iterable[str]) -> list[Any]:
@@ -261,9 +286,15 @@ def test_both_sides_of_each_threshold_are_certified(system: str) -> None:
 
 
 @pytest.mark.few(2)
-@pytest.mark.parametrize(("middle", "neutral"), [
-    ("-.500001", False), ("-.499999", True), ("2.249999", True), ("2.250001", False),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("middle", "neutral"),
+    [
+        ("-.500001", False),
+        ("-.499999", True),
+        ("2.249999", True),
+        ("2.250001", False),
+    ],
+)
 def test_the_vortex_square_is_neutral_between_its_thresholds(middle: str, neutral: bool) -> None:
     """Linear motions of five vortices z in complex numbers, in the frame that turns with them."""
     with mpmath.workdps(40):
@@ -310,8 +341,10 @@ def bicycle() -> tuple[Any, Any, Any, Any]:
     mu, SF = c / w * cos, p["IFyy"] / rF
     ST, SA = p["IRyy"] / rR + SF, mA * uA + mu * mT * xT
     mass = [[ITxx, IAlx + mu * ITxz], [IAlx + mu * ITxz, IAll + 2 * mu * IAlz + mu**2 * ITzz]]
-    damp = [[mpf(0), mu * ST + SF * cos + ITxz / w * cos - mu * mT * zT],
-            [-(mu * ST + SF * cos), IAlz / w * cos + mu * (SA + ITzz / w * cos)]]  # fmt: skip
+    damp = [
+        [mpf(0), mu * ST + SF * cos + ITxz / w * cos - mu * mT * zT],
+        [-(mu * ST + SF * cos), IAlz / w * cos + mu * (SA + ITzz / w * cos)],
+    ]
     still = [[mT * zT, -SA], [-SA, -SA * sin]]
     fast = [[mpf(0), (ST - mT * zT) / w * cos], [mpf(0), (SA + SF * sin) / w * cos]]
     return mass, damp, still, fast
@@ -375,8 +408,9 @@ def test_the_nonlinear_bicycle_has_the_published_accelerations_and_spectrum() ->
     for quantity in (q for q in linear if "[" not in q):
         assert found[quantity].recomputed == pytest.approx(linear[quantity].recomputed, rel=1e-13)
         assert (found[quantity].below, found[quantity].above) == (
-            linear[quantity].below, linear[quantity].above
-        )  # fmt: skip
+            linear[quantity].below,
+            linear[quantity].above,
+        )
 
 
 def test_the_triangular_points_are_decided() -> None:
@@ -406,8 +440,9 @@ def test_the_tippe_top_flutters_at_one_spin_for_every_friction() -> None:
     newton = sympy.Matrix([[0, 0, lam]]) + mu * slip
     det = sympy.expand(sympy.Matrix.vstack(kinematic, moment, newton).det())
     thresholds = {
-        1: a / I3 * (1 - a) ** 2 / (a + I1 / I3 - 1), -1: a / I3 * (1 + a) ** 2 / (1 + a - I1 / I3)
-    }  # fmt: skip
+        1: a / I3 * (1 - a) ** 2 / (a + I1 / I3 - 1),
+        -1: a / I3 * (1 + a) ** 2 / (1 + a - I1 / I3),
+    }
     for sign, square in thresholds.items():
         spin = sympy.sqrt(square)
         at = {s: sign, w: spin, lam: i * spin / (1 - sign * a)}
@@ -464,8 +499,10 @@ def test_the_command_prints_rows_and_writes_json(
 
 def test_progress_counts_systems_and_unknown_ones_are_refused() -> None:
     seen: list[tuple[int, int]] = []
-    definition("benchmarks").rows(systems=["Jeffcott rotor", "rotating saddle"],
-            progress=lambda done, of: seen.append((done, of)))  # fmt: skip
+    definition("benchmarks").rows(
+        systems=["Jeffcott rotor", "rotating saddle"],
+        progress=lambda done, of: seen.append((done, of)),
+    )
     assert seen == [(1, 2), (2, 2)]
     with pytest.raises(NameUnknownError, match="'pendulum'"):
         benchmark_rows(["pendulum"])

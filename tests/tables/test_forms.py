@@ -55,16 +55,24 @@ def made(case: str) -> st.Table:
 
 def listed(name: str, rows: list[dict[str, Any]]) -> st.Table:
     chosen = definition(name)
-    return st.Table(name, chosen.heading, chosen.columns, rows, definition=chosen,
-                    citation=chosen.cites)  # fmt: skip
+    return st.Table(
+        name, chosen.heading, chosen.columns, rows, definition=chosen, citation=chosen.cites
+    )
 
 
 def own(case: str) -> st.Table:
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
     damping, load = p[0], p[1]
     rates = ca.vertcat(x[1], -x[0] - (damping - load) * x[1] - x[0] ** 2 * x[1])
-    system = st.System("belt & mass", x, p, rates, states=("y", "u"), parameters=("d", "speed"),
-                       units={"d": "1/s", "speed": "1/s"})  # fmt: skip
+    system = st.System(
+        "belt & mass",
+        x,
+        p,
+        rates,
+        states=("y", "u"),
+        parameters=("d", "speed"),
+        units={"d": "1/s", "speed": "1/s"},
+    )
     family = st.Family(system, "at_rest", at=("speed",), held={"y": 0.0, "u": 0.0})
     if case == "own conditions":
         return st.table("conditions", family, positive=("d",))
@@ -72,8 +80,7 @@ def own(case: str) -> st.Table:
 
 
 EVERY = (*OPTIONS, "benchmarks", "own conditions", "own flutter")
-SLOW = {"families", "conditions", "conditions in SI", "launches", "launches in SI",
-        "benchmarks"}  # fmt: skip
+SLOW = {"families", "conditions", "conditions in SI", "launches", "launches in SI", "benchmarks"}
 """Tables that take a second or more."""
 BY_COST = [pytest.param(c, marks=pytest.mark.long if c in SLOW else ()) for c in EVERY]
 
@@ -172,11 +179,20 @@ def test_latex_compiles_without_overfull_lines(case: str, tmp_path: Path) -> Non
 def test_long_units_of_a_users_system_leave_no_overfull_line(tmp_path: Path) -> None:
     x, c = ca.SX.sym("x", 2), ca.SX.sym("c")
     rates = ca.vertcat(x[1], -ca.sin(x[0]) + c * (x[1] - x[1] ** 3))
-    system = st.System("swing", x, c, rates, states=("q", "v"), parameters=("c",),
-                       units={"q": "rad", "v": "rad/s", "c": "N*m^2*s"})  # fmt: skip
+    system = st.System(
+        "swing",
+        x,
+        c,
+        rates,
+        states=("q", "v"),
+        parameters=("c",),
+        units={"q": "rad", "v": "rad/s", "c": "N*m^2*s"},
+    )
     family = st.Family(system, "rest", at=("c",), held={"q": 0, "v": 0})
-    for text in (st.table("hopf", family, x=("c", -1, 1, 9)).to_latex(),
-                 st.table("conditions", family).to_latex()):  # fmt: skip
+    for text in (
+        st.table("hopf", family, x=("c", -1, 1, 9)).to_latex(),
+        st.table("conditions", family).to_latex(),
+    ):
         assert r"[N$\cdot$m$^{2}$$\cdot$s]" in text
         assert re.findall(r"(Overfull .*|Undefined .*)", pages(text, tmp_path)) == []
 
@@ -210,12 +226,15 @@ def test_numbers_in_latex_are_those_of_the_rows() -> None:
         assert read == pytest.approx(list(row.values()), rel=1e-3)
 
 
-@pytest.mark.parametrize(("plain", "typeset"), [
-    ("2*k*z - 1 > 0", "2k\\,z-1>0"),
-    ("sqrt(x_1) <= (a + b)**2", r"\sqrt{x_{1}}\le (a+b)^{2}"),
-    ("φ̇² ≠ ω₃", r"\dot\varphi^{2}\ne \omega _{3}"),
-    ("mu*² < 1e-12", r"\mu_{*}^{2}<1\cdot10^{-12}"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("plain", "typeset"),
+    [
+        ("2*k*z - 1 > 0", "2k\\,z-1>0"),
+        ("sqrt(x_1) <= (a + b)**2", r"\sqrt{x_{1}}\le (a+b)^{2}"),
+        ("φ̇² ≠ ω₃", r"\dot\varphi^{2}\ne \omega _{3}"),
+        ("mu*² < 1e-12", r"\mu_{*}^{2}<1\cdot10^{-12}"),
+    ],
+)
 def test_formulas_are_typeset(plain: str, typeset: str) -> None:
     assert mathematics(plain) == typeset
 
@@ -229,8 +248,11 @@ def test_sentences_keep_their_words() -> None:
 def test_points_have_names_units_and_bounds_that_one_reads() -> None:
     head = made("codimension").to_csv().splitlines()[0].split(",")
     assert head[1:5] == [
-        "phi_dot [√(g/R)]", "phi_dot error [√(g/R)]", "mu [1/√(gR)]", "mu error [1/√(gR)]"
-    ]  # fmt: skip
+        "phi_dot [√(g/R)]",
+        "phi_dot error [√(g/R)]",
+        "mu [1/√(gR)]",
+        "mu error [1/√(gR)]",
+    ]
     text = made("codimension").to_latex()
     assert r"kind & $\dot\varphi$ & $\pm$ & $\mu$ & $\pm$" in text
     powers = [int(p) for p in re.findall(r"10\^\{(-\d+)\}", text)]
@@ -256,8 +278,12 @@ def test_the_command_takes_the_arguments_of_the_function() -> None:
     [commands] = [a for a in _parser()._actions if a.choices]
     options = {a.dest for a in commands.choices["table"]._actions}
     forms = {"help", "json", "csv", "latex", "out", "force", "list"}
-    bodies = {n for make in NAMED.values() for n, p in inspect.signature(make).parameters.items()
-              if p.kind is not p.VAR_KEYWORD} | {"length"}  # fmt: skip
+    bodies = {
+        n
+        for make in NAMED.values()
+        for n, p in inspect.signature(make).parameters.items()
+        if p.kind is not p.VAR_KEYWORD
+    } | {"length"}
     scales = {"mass", "radius", "gravity"}
     assert options - forms - {"system", "set"} - scales - bodies == named - {"disk"}
 
@@ -272,12 +298,19 @@ def test_the_command_prints_what_the_function_returns(
 ) -> None:
     words = ["table", "drift", "--k", "0.25", "--mu", "0.3,3", "--mass", "2"]
     table = st.table("drift", k=0.25, mu=(0.3, 3.0), disk=st.Disk(mass=2.0))
-    for form, text in (("csv", table.to_csv()), ("latex", table.to_latex()),
-                       ("json", table.to_json())):  # fmt: skip
+    for form, text in (
+        ("csv", table.to_csv()),
+        ("latex", table.to_latex()),
+        ("json", table.to_json()),
+    ):
         assert main([*words, f"--{form}"]) == 0
         assert capsys.readouterr().out.rstrip() == text.rstrip()
-    for ending, text in ((".csv", table.to_csv()), (".tex", table.to_latex()),
-                         (".json", table.to_json()), (".txt", table.to_text())):  # fmt: skip
+    for ending, text in (
+        (".csv", table.to_csv()),
+        (".tex", table.to_latex()),
+        (".json", table.to_json()),
+        (".txt", table.to_text()),
+    ):
         file = tmp_path / f"drift{ending}"
         assert main([*words, "--out", str(file)]) == 0
         assert file.read_text("utf-8").rstrip() == text.rstrip()
@@ -287,17 +320,22 @@ def test_the_command_prints_what_the_function_returns(
     assert main([*words, "--out", str(tmp_path / "drift.csv"), "--overwrite"]) == 0
 
 
-@pytest.mark.parametrize(("words", "part"), [
-    (("drift", "--csv", "--json"), "--json and --csv are both given"),
-    (("drift", "--csv", "--out", "a.csv"), "--csv and --out are both given"),
-    (("drift", "--out", "drift.xlsx"), "--out is 'drift.xlsx'; the name must end in .csv, "
-     ".json, .tex or .txt."),
-    (("drift", "--x", "at:1:2:3"), "x belongs to"),
-    (("thresholds", "--k", "0.25"), "k belongs to `table conditions`"),
-    (("theorems",), "table theorems is proved and printed by theorems_disk now"),
-    (("bodies", "--json"), "by theorems_steady and theorems_stability now"),
-    (("completeness",), "by theorems_steady now, in the notebooks"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("words", "part"),
+    [
+        (("drift", "--csv", "--json"), "--json and --csv are both given"),
+        (("drift", "--csv", "--out", "a.csv"), "--csv and --out are both given"),
+        (
+            ("drift", "--out", "drift.xlsx"),
+            "--out is 'drift.xlsx'; the name must end in .csv, .json, .tex or .txt.",
+        ),
+        (("drift", "--x", "at:1:2:3"), "x belongs to"),
+        (("thresholds", "--k", "0.25"), "k belongs to `table conditions`"),
+        (("theorems",), "table theorems is proved and printed by theorems_disk now"),
+        (("bodies", "--json"), "by theorems_steady and theorems_stability now"),
+        (("completeness",), "by theorems_steady now, in the notebooks"),
+    ],
+)
 def test_bad_options_end_with_one_sentence(
     words: tuple[str, ...], part: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -307,14 +345,17 @@ def test_bad_options_end_with_one_sentence(
     assert said.count("\n") == 1
 
 
-@pytest.mark.parametrize(("name", "given", "part"), [
-    ("lift", {}, "table is 'lift'; known are families"),
-    ("families", {"k": 0.25}, "`launches`, `flatness` and `codimension` only"),
-    ("drift", {"speed": 3.0}, "speed belongs to"),
-    ("conditions", {"family": "rolling"}, "a family by name belongs to `table codimension`"),
-    ("codimension", {"family": "rolling"}, "takes x and y"),
-    ("launches", {"tilt": (0.1, 0.2)}, "takes one tilt"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "given", "part"),
+    [
+        ("lift", {}, "table is 'lift'; known are families"),
+        ("families", {"k": 0.25}, "`launches`, `flatness` and `codimension` only"),
+        ("drift", {"speed": 3.0}, "speed belongs to"),
+        ("conditions", {"family": "rolling"}, "a family by name belongs to `table codimension`"),
+        ("codimension", {"family": "rolling"}, "takes x and y"),
+        ("launches", {"tilt": (0.1, 0.2)}, "takes one tilt"),
+    ],
+)
 def test_the_function_says_what_is_wrong(name: str, given: dict[str, Any], part: str) -> None:
     with pytest.raises(st.StabilityError, match=re.escape(part)):
         st.table(name, **given)

@@ -233,16 +233,34 @@ def test_the_disk_of_the_table_is_that_of_the_package_without_its_force() -> Non
     for _ in range(5):
         theta, d_theta, d_phi, omega3, sx, sy = rng.uniform(0.3, 1.2, 6)
         rates = st.disk_system("linear-viscous").rates(
-            [theta, d_theta, d_phi, omega3, sx, sy], [k, sliding])  # fmt: skip
+            [theta, d_theta, d_phi, omega3, sx, sy], [k, sliding]
+        )
         # at phi = 0: x along the radius, y across; slip = velocity of the centre + turn x radius
         d_psi = omega3 - d_phi * math.cos(theta)
         turn = np.array([-d_phi * math.sin(theta), d_theta, omega3])
-        lifted = np.array([[math.cos(theta), 0, -math.sin(theta)], [0, 1, 0],
-                           [math.sin(theta), 0, math.cos(theta)]])  # fmt: skip
+        lifted = np.array(
+            [
+                [math.cos(theta), 0, -math.sin(theta)],
+                [0, 1, 0],
+                [math.sin(theta), 0, math.cos(theta)],
+            ]
+        )
         arm = np.cross(turn @ lifted, lifted[0])
-        state = {"phi": 0.0, "theta": theta, "dx": sx - arm[0], "dy": sy - arm[1],
-                 "dphi": d_phi, "dtheta": d_theta, "dpsi": d_psi}  # fmt: skip
-        found = dict(zip(system.states, system.rates([state[n] for n in system.states],
-                                                     [k, sliding, 0.0]), strict=True))  # fmt: skip
+        state = {
+            "phi": 0.0,
+            "theta": theta,
+            "dx": sx - arm[0],
+            "dy": sy - arm[1],
+            "dphi": d_phi,
+            "dtheta": d_theta,
+            "dpsi": d_psi,
+        }
+        found = dict(
+            zip(
+                system.states,
+                system.rates([state[n] for n in system.states], [k, sliding, 0.0]),
+                strict=True,
+            )
+        )
         assert found["dtheta"] == pytest.approx(rates[1], rel=1e-10)
         assert found["dphi"] == pytest.approx(rates[2], rel=1e-10)

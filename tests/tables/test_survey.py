@@ -32,9 +32,11 @@ def test_rows_are_single_runs_beside_linear_theory() -> None:
 def test_spinning_settles_where_linear_theory_says_it_is_stable() -> None:
     rows = launch_rows(launches=("spinning",), k=(0.25,), mu=(0.3,), at=(1.0, 1.9, 2.1, 3.0))
     assert [(r.linear, r.final) for r in rows] == [
-        ("unstable", "tumbling"), ("unstable", "tumbling"),
-        ("stable", "spinning"), ("stable", "spinning"),
-    ]  # fmt: skip
+        ("unstable", "tumbling"),
+        ("unstable", "tumbling"),
+        ("stable", "spinning"),
+        ("stable", "spinning"),
+    ]
     assert all(r.why.startswith("agrees") for r in rows)
 
 
@@ -53,8 +55,9 @@ def test_the_normal_force_at_the_start_is_the_formula_under_the_table() -> None:
         k, tilt, w = rng.uniform(0.05, 0.5), rng.uniform(0.01, 0.5), rng.uniform(0, 9)
         s, c = math.cos(tilt), math.sin(tilt)
         for name, expected in (
-            ("rolling", k / (k + c * c)), ("spinning", k * (1 + w * w * s * c * c) / (k + c * c))
-        ):  # fmt: skip
+            ("rolling", k / (k + c * c)),
+            ("spinning", k * (1 + w * w * s * c * c) / (k + c * c)),
+        ):
             six = launch(name, at=w, tilt=tilt)
             seen = st.disk_system("viscous").observe(six, [k, 0.7])["normal_force"]
             assert float(seen) == pytest.approx(expected, rel=1e-12)
@@ -65,9 +68,13 @@ def test_si_bodies_give_the_same_table_in_their_units() -> None:
     rate, speed, clock = float(disk.rate), float(disk.speed), float(disk.time)
     plain = launch_rows(launches=("spinning",), k=(0.25,), mu=(0.3,), at=(1.0, 2.5), time=300.0)
     si = launch_rows(
-        launches=("spinning",), k=(0.25,), mu=(0.3 / speed,), at=(rate, 2.5 * rate),
-        time=300.0 * clock, disk=disk,
-    )  # fmt: skip
+        launches=("spinning",),
+        k=(0.25,),
+        mu=(0.3 / speed,),
+        at=(rate, 2.5 * rate),
+        time=300.0 * clock,
+        disk=disk,
+    )
     for a, b in zip(plain, si, strict=True):
         assert (a.outcome, a.final, a.linear) == (b.outcome, b.final, b.linear)
         assert b.time == pytest.approx(a.time * clock, rel=1e-6)

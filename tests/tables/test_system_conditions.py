@@ -28,13 +28,19 @@ def family() -> st.Family:
     x, p = ca.SX.sym("x", 4), ca.SX.sym("p", 3)
     a, b, angle = ca.vertsplit(p)
     rates = ca.vertcat(
-        x[2], x[3], -(a**2) * x[0] - ca.sqrt(b) * x[2] + ca.sin(angle) * x[1],
+        x[2],
+        x[3],
+        -(a**2) * x[0] - ca.sqrt(b) * x[2] + ca.sin(angle) * x[1],
         -b * x[1] - ca.cos(angle) ** 2 * x[3] - ca.sin(angle) * x[0],
-    )  # fmt: skip
+    )
     system = st.System(
-        "two_springs & 50%", x, p, rates, states=("q", "s", "u", "v"),
+        "two_springs & 50%",
+        x,
+        p,
+        rates,
+        states=("q", "s", "u", "v"),
         parameters=("omega_0", "mu", "theta"),
-    )  # fmt: skip
+    )
     return st.Family(system, "rest", at=("omega_0",), held=dict.fromkeys(system.states, 0.0))
 
 
@@ -89,10 +95,14 @@ def test_the_reader_of_latex_refuses_what_is_wrong() -> None:
     good = latex(st.conditions(family()))
     check_latex(good)
     for bad in (
-        good.replace("}", "", 1), good.replace(r"\end{aligned}", "", 1), good + "$", good + " a_1",
-        good.replace("&", "", 30), good.replace(r"\right)", "", 1),
+        good.replace("}", "", 1),
+        good.replace(r"\end{aligned}", "", 1),
+        good + "$",
+        good + " a_1",
+        good.replace("&", "", 30),
+        good.replace(r"\right)", "", 1),
         good.replace(r"\sqrt{", r"\sqroot{"),
-    ):  # fmt: skip
+    ):
         assert bad != good
         with pytest.raises((AssertionError, ValueError, IndexError)):
             check_latex(bad)
@@ -179,9 +189,14 @@ def test_print_says_what_was_given_and_assumed_with_units() -> None:
         x[1], -k * x[0] - (c + 0.3) * x[1] + 9.81 * v * x[2], -x[2] * trail * (v + k) - c * x[0] * v
     )
     system = st.System(
-        "towed", x, p, rates, states=("y", "u", "a"), parameters=("v", "trail", "k", "c"),
+        "towed",
+        x,
+        p,
+        rates,
+        states=("y", "u", "a"),
+        parameters=("v", "trail", "k", "c"),
         units={"v": "m/s", "trail": "m", "k": "1/s^2"},
-    )  # fmt: skip
+    )
     family = st.Family(system, "straight", at=("v",), held=dict.fromkeys(system.states, 0.0))
     exact = Fraction("0.07")
     found = st.conditions(family, positive=("v", "c"), trail=exact, k=0.3)
@@ -193,21 +208,35 @@ def test_print_says_what_was_given_and_assumed_with_units() -> None:
     assert "9007199254740992" not in text.split("λ^3")[1].split("Numbers such as")[0]
     formula = latex(found)
     check_latex(formula)
-    for part in (r"\mathit{trail} = 0.07$ m", r"$k \approx 0.3$ 1/s$^{2}$",
-                 "Assumed: $v > 0$, $c > 0$", r"\tag{C1}", "Stable where C1 $>$ 0",
-                 "nearest doubles"):  # fmt: skip
+    for part in (
+        r"\mathit{trail} = 0.07$ m",
+        r"$k \approx 0.3$ 1/s$^{2}$",
+        "Assumed: $v > 0$, $c > 0$",
+        r"\tag{C1}",
+        "Stable where C1 $>$ 0",
+        "nearest doubles",
+    ):
         assert part in formula
     body = record(found)
     assert body["units"] == {"v": "m/s", "trail": "m", "k": "1/s^2"}
     assert body["given"] == {"trail": "7/100", "k": str(Fraction(0.3))}
 
 
-@pytest.mark.parametrize("place", ["lagrange_top.py:sleeping", *(
-    pytest.param(f"{name}.py:{family}", marks=pytest.mark.long) for name, family in (
-        ("bicycle", "upright"), ("watt_governor", "running"), ("triangular_points", "triangle"),
-        ("railway_wheelset", "centred"),
-    )
-)])  # fmt: skip
+@pytest.mark.parametrize(
+    "place",
+    [
+        "lagrange_top.py:sleeping",
+        *(
+            pytest.param(f"{name}.py:{family}", marks=pytest.mark.long)
+            for name, family in (
+                ("bicycle", "upright"),
+                ("watt_governor", "running"),
+                ("triangular_points", "triangle"),
+                ("railway_wheelset", "centred"),
+            )
+        ),
+    ],
+)
 def test_latex_of_the_examples_is_well_formed(
     place: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -223,22 +252,25 @@ def test_latex_of_an_example_compiles(capsys: pytest.CaptureFixture[str], tmp_pa
 
 
 @pytest.mark.few(6)
-@pytest.mark.parametrize(("words", "part"), [
-    (("families", "--system", BICYCLE), "--system belongs"),
-    (("conditions", "--system", "examples/bicycle.py"), "module:family"),
-    (("conditions", "--system", "examples/bicycle.py:nobody"), "its families are upright"),
-    (("conditions", "--system", "examples/nothing.py:upright"), "cannot be imported"),
-    (("conditions", "--system", "no_module_here:upright"), "cannot be imported"),
-    (("conditions", "--system", BICYCLE, "--k", "0.25"), "belongs to the disk"),
-    (("conditions", "--system", BICYCLE, "--latex", "--json"), "both given"),
-    (("conditions", "--system", BICYCLE, "--positive", "w"), "positive is 'w'"),
-    (("conditions", "--system", BICYCLE, "--set", "g"), "NAME=NUMBER"),
-    (("conditions", "--system", BICYCLE, "--set", "h=1"), "--set names 'h'"),
-    (("conditions", "--system", BICYCLE, "--set", "family=1"), "--set names 'family'"),
-    (("conditions", "--system", BICYCLE, "--set", "g=1/0"), "g is '1/0'"),
-    (("conditions", "--decimals"), "family of your own (--system)"),
-    (("conditions", "--positive", "v"), "family of your own (--system)"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("words", "part"),
+    [
+        (("families", "--system", BICYCLE), "--system belongs"),
+        (("conditions", "--system", "examples/bicycle.py"), "module:family"),
+        (("conditions", "--system", "examples/bicycle.py:nobody"), "its families are upright"),
+        (("conditions", "--system", "examples/nothing.py:upright"), "cannot be imported"),
+        (("conditions", "--system", "no_module_here:upright"), "cannot be imported"),
+        (("conditions", "--system", BICYCLE, "--k", "0.25"), "belongs to the disk"),
+        (("conditions", "--system", BICYCLE, "--latex", "--json"), "both given"),
+        (("conditions", "--system", BICYCLE, "--positive", "w"), "positive is 'w'"),
+        (("conditions", "--system", BICYCLE, "--set", "g"), "NAME=NUMBER"),
+        (("conditions", "--system", BICYCLE, "--set", "h=1"), "--set names 'h'"),
+        (("conditions", "--system", BICYCLE, "--set", "family=1"), "--set names 'family'"),
+        (("conditions", "--system", BICYCLE, "--set", "g=1/0"), "g is '1/0'"),
+        (("conditions", "--decimals"), "family of your own (--system)"),
+        (("conditions", "--positive", "v"), "family of your own (--system)"),
+    ],
+)
 def test_bad_input_ends_with_one_sentence_and_code_2(
     words: tuple[str, ...], part: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -249,8 +281,20 @@ def test_bad_input_ends_with_one_sentence_and_code_2(
 
 
 def test_a_symbol_is_safe_for_any_name() -> None:
-    for name in ("v", "phi_dot", "x_1_2", "k1", "mass", "sin(2*theta + a_1)", "sqrt(b**2 - 1)",
-                 "sqrt_3", "Lambda", "_x", "exp(-t)", "breite_α"):  # fmt: skip
+    for name in (
+        "v",
+        "phi_dot",
+        "x_1_2",
+        "k1",
+        "mass",
+        "sin(2*theta + a_1)",
+        "sqrt(b**2 - 1)",
+        "sqrt_3",
+        "Lambda",
+        "_x",
+        "exp(-t)",
+        "breite_α",
+    ):
         text = symbol(name)
         assert text.isascii()
         parsed(text)
@@ -262,8 +306,14 @@ def whirled(beyond: Callable[..., ca.SX]) -> st.Conditions:
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 3)
     a, b, c = ca.vertsplit(p)
     stiffness = (a**2 - b) ** 2 + beyond(b, c)
-    system = st.System("whirled", x, p, ca.vertcat(x[1], -stiffness * x[0] - c * x[1]),
-                       states=("q", "v"), parameters=("a", "b", "c"))  # fmt: skip
+    system = st.System(
+        "whirled",
+        x,
+        p,
+        ca.vertcat(x[1], -stiffness * x[0] - c * x[1]),
+        states=("q", "v"),
+        parameters=("a", "b", "c"),
+    )
     rest = st.Family(system, "rest", at=("a",), held={"q": 0, "v": 0})
     return st.conditions(rest, positive=("c",))
 

@@ -90,20 +90,33 @@ NUMBERS = ("egg", "superellipsoid")
 HEIGHTS: dict[str, Callable[[Given, float], Part]] = {
     "torus": lambda _g, _t: ((lambda t, rim, tube: rim * ca.sin(t) + tube), 0.0, math.pi),
     "eccentric sphere": lambda _g, _t: (
-        (lambda t, offset, radius: radius - offset * ca.cos(t)), 0.0, math.pi),
+        (lambda t, offset, radius: radius - offset * ca.cos(t)),
+        0.0,
+        math.pi,
+    ),
     "spheroid": lambda _g, _t: (
         (lambda t, across, along: ca.sqrt((across * ca.sin(t)) ** 2 + (along * ca.cos(t)) ** 2)),
-        0.0, math.pi),
-    "thick disk": _thick, "egg": _egg, "lens": _lens, "cap": _cap,
+        0.0,
+        math.pi,
+    ),
+    "thick disk": _thick,
+    "egg": _egg,
+    "lens": _lens,
+    "cap": _cap,
     "superellipsoid": _superellipsoid,
-}  # fmt: skip
+}
 
 
 def by_height(body: ConvexBody, theta: float) -> st.Body:
     """The same body by its height, in the interval of inclinations around one."""
     height, low, high = HEIGHTS[body.name](body.parameters, theta)
     return st.Body(
-        height, axial=body.axial / body.mass, transverse=body.transverse / body.mass,
-        mass=body.mass, gravity=body.gravity, between=(low, high), name=body.name,
+        height,
+        axial=body.axial / body.mass,
+        transverse=body.transverse / body.mass,
+        mass=body.mass,
+        gravity=body.gravity,
+        between=(low, high),
+        name=body.name,
         shape={} if body.name in NUMBERS else dict(body.parameters),
-    )  # fmt: skip
+    )

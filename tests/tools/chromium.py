@@ -13,11 +13,19 @@ import pytest
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 ARGUMENTS = (
-    "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
-    "--disable-component-update", "--disable-sync",
-)  # fmt: skip
-SOFTWARE = ("--disable-gpu", "--enable-unsafe-swiftshader", "--use-gl=angle",
-            "--use-angle=swiftshader")  # fmt: skip
+    "--no-sandbox",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+)
+SOFTWARE = (
+    "--disable-gpu",
+    "--enable-unsafe-swiftshader",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+)
 GPU = ("--enable-gpu", "--ignore-gpu-blocklist", "--use-gl=angle")
 """With `--use-angle=`: gl-egl or vulkan on Linux, d3d11 on Windows, metal on macOS."""
 DESKTOP, PHONE = {"width": 1280, "height": 800}, {"width": 390, "height": 844}
@@ -70,9 +78,15 @@ class Visit:
 
 @contextmanager
 def visit(
-    browser: Any, path: Path, link: str = "", *, size: dict[str, int] | None = None,
-    script: str = "", ready: bool = True, **context: Any,
-) -> Iterator[Visit]:  # fmt: skip
+    browser: Any,
+    path: Path,
+    link: str = "",
+    *,
+    size: dict[str, int] | None = None,
+    script: str = "",
+    ready: bool = True,
+    **context: Any,
+) -> Iterator[Visit]:
     """Open a page from its file; every request that leaves it is refused, and kept.
 
     Without another wish nothing moves by itself, which software rendering would draw all the time.

@@ -23,11 +23,15 @@ from stability.jobs.zarr_store import ZarrStore
 LAYOUT = Layout(("y", "x"), (9, 10), (2, 4))
 """Fifteen chunks; those at two edges are smaller."""
 VARIABLES = (
-    Variable("outcome", "int8", -1,
-             {"flag_values": [0, 1, 2, 3, 4, 9], "flag_meanings": "a b c d e unresolved"}),
+    Variable(
+        "outcome",
+        "int8",
+        -1,
+        {"flag_values": [0, 1, 2, 3, 4, 9], "flag_meanings": "a b c d e unresolved"},
+    ),
     Variable("time", "float64", float("nan"), {"units": "s", "long_name": "time of the event"}),
     Variable("last", "float32", 0.0, {}, (("state", 3),)),
-)  # fmt: skip
+)
 COORDS: dict[str, Any] = {
     "x": ("x", np.linspace(0.0, 1.0, 10), {"units": "rad"}),
     "y": ("y", np.arange(9.0)),
@@ -70,21 +74,28 @@ class Logged:
 
 def values(cells: NDArray[Any]) -> dict[str, NDArray[Any]]:
     return {
-        "outcome": (cells % 5).astype(np.int8), "time": np.sqrt(cells),
+        "outcome": (cells % 5).astype(np.int8),
+        "time": np.sqrt(cells),
         "last": np.stack([np.sin(cells), np.cos(cells), cells], axis=-1).astype(np.float32),
-    }  # fmt: skip
+    }
 
 
 def blank(count: int) -> dict[str, NDArray[Any]]:
-    return {"outcome": np.full(count, 9, np.int8), "time": np.full(count, np.nan),
-            "last": np.zeros((count, 3), np.float32)}  # fmt: skip
+    return {
+        "outcome": np.full(count, 9, np.int8),
+        "time": np.full(count, np.nan),
+        "last": np.zeros((count, 3), np.float32),
+    }
 
 
 def store(path: Path, **changed: Any) -> ZarrStore:
     parts: dict[str, Any] = {
-        "layout": LAYOUT, "variables": VARIABLES, "coords": COORDS, "attrs": ATTRS,
+        "layout": LAYOUT,
+        "variables": VARIABLES,
+        "coords": COORDS,
+        "attrs": ATTRS,
         "question": {"horizon": 40.0, "body": {"k": 0.25}},
-    }  # fmt: skip
+    }
     return ZarrStore(path, **(parts | changed))
 
 
@@ -103,8 +114,9 @@ def tree(folder: Path) -> dict[str, str]:
     """Checksum of every file of a folder."""
     return {
         str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
-        for path in sorted(folder.rglob("*")) if path.is_file()
-    }  # fmt: skip
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
 
 
 def undisturbed(path: Path) -> dict[str, str]:
@@ -134,8 +146,13 @@ def others_kept(path: Path, lost: set[int]) -> None:
 def run(name: str, seconds: float, path: str = "a.zarr", log: str = "log") -> Filled:
     """Fill a store by two workers of an engine."""
     with engine(name, 2) as (executor, workers):
-        return fill(store(Path(path)), Logged(os.path.abspath(log), seconds), blank=blank,
-                    executor=executor, workers=workers)  # fmt: skip
+        return fill(
+            store(Path(path)),
+            Logged(os.path.abspath(log), seconds),
+            blank=blank,
+            executor=executor,
+            workers=workers,
+        )
 
 
 if __name__ == "__main__":

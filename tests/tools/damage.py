@@ -56,7 +56,7 @@ def spliced(content: bytes, random: Random, other: bytes) -> bytes:
 
 KINDS: dict[str, Kind] = {
     f.__name__: f for f in (flips, truncated, appended, zeroed, moved, spliced, swapped)
-}  # fmt: skip
+}
 
 
 def damage(
@@ -77,8 +77,9 @@ def bomb(path: Path, kind: str) -> None:
     with h5py.File(path, "w") as file:
         file.attrs["format"] = "stability map 1"
         if kind == "sparse":  # chunks that were never written
-            file.create_dataset("verdict", (150_000, 150_000), "i1", chunks=(1000, 1000),
-                                compression="gzip")  # fmt: skip
+            file.create_dataset(
+                "verdict", (150_000, 150_000), "i1", chunks=(1000, 1000), compression="gzip"
+            )
         elif kind == "contiguous":  # space that was never taken
             file.create_dataset("verdict", (6 * 10**9,), "f8")
         elif kind == "twice":  # compressed and compressed again

@@ -55,8 +55,9 @@ def data() -> str:
 def machine() -> list[str]:
     """Roundings that are the machine's own: LAPACK's, and those of sines and cosines."""
     matrix = np.cos(np.arange(36.0).reshape(6, 6) ** 1.5)
-    return _bits(np.linalg.eigvals(matrix)) + _bits([f(v) for f in (math.sin, math.cos, np.sin,
-        np.cos) for v in (0.3, 1.1, 2.7)])  # fmt: skip
+    return _bits(np.linalg.eigvals(matrix)) + _bits(
+        [f(v) for f in (math.sin, math.cos, np.sin, np.cos) for v in (0.3, 1.1, 2.7)]
+    )
 
 
 def numbers() -> dict[str, Any]:
@@ -68,37 +69,59 @@ def numbers() -> dict[str, Any]:
         found[f"rates {law}"] = _bits(system.rates(x, p))
         found[f"slopes {law}"] = _bits(system.linearise(x, p))
     for family, at, mu in (
-        ("rolling", 1.7, 0.3), ("spinning", 2.9, 0.6), ("tumbling", 0.8, 0.4), ("tumbling", 1.2, 2),
-        ("circling", (0.9, 1.3), 1), ("precession", (0.9, 1.3), 1),
-    ):  # fmt: skip
+        ("rolling", 1.7, 0.3),
+        ("spinning", 2.9, 0.6),
+        ("tumbling", 0.8, 0.4),
+        ("tumbling", 1.2, 2),
+        ("circling", (0.9, 1.3), 1),
+        ("precession", (0.9, 1.3), 1),
+    ):
         laws = {"circling": [st.Rough()], "precession": [st.Smooth()]}.get(
             family, [st.Viscous(mu), st.LinearViscous(mu), st.Smooth(), st.Rough()]
         )
         for law in laws:
             one = st.spectrum(family, at=at, disk=st.Disk(k=0.3), contact=law)
             found[f"{family} {at} {law.name}"] = [
-                *_bits(one.eigenvalues), *_bits(one.states), one.verdict.word]  # fmt: skip
+                *_bits(one.eigenvalues),
+                *_bits(one.states),
+                one.verdict.word,
+            ]
     coin = st.Disk(k=0.25, mass=0.02, radius=0.1, gravity=9.81)
     one = st.spectrum("rolling", at=12.0, disk=coin, contact=st.Viscous(0.3))
     found["rolling in SI"] = _bits(one.eigenvalues)
     for family, low, high, mu in (
-        ("rolling", 0.1, 6.0, 0.3), ("spinning", 0.1, 9.0, 0.7), ("tumbling", 0.05, 1.5, 1.2),
-    ):  # fmt: skip
+        ("rolling", 0.1, 6.0, 0.3),
+        ("spinning", 0.1, 9.0, 0.7),
+        ("tumbling", 0.05, 1.5, 1.2),
+    ):
         edges = st.boundaries(family, axis=("at", low, high, 60), contact=st.Viscous(mu))
         found[f"boundaries {family}"] = [
-            [b.value.hex(), b.error.hex(), b.stable_below] for b in edges]  # fmt: skip
+            [b.value.hex(), b.error.hex(), b.stable_below] for b in edges
+        ]
     for law in (st.Viscous(0.3), st.Rough()):
         start = {"theta": 1.2, "phi_dot": 0.5, "omega3": 1.1}
         run = st.simulate(
-            st.Disk(k=0.3), law, start, [0.0, 1.0, 5.0], method="dop853", tolerance=1e-12,
+            st.Disk(k=0.3),
+            law,
+            start,
+            [0.0, 1.0, 5.0],
+            method="dop853",
+            tolerance=1e-12,
             check=False,
-        )  # fmt: skip
+        )
         names = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
         found[f"motion {law.name}"] = _bits([float(run[n][-1]) for n in names])
-    found["map"] = _digest(np.ascontiguousarray(st.stability_map(
-        "tumbling", x=("theta", 0.1, 1.5, 40), y=("mu", 0.1, 2, 30), disk=st.Disk(k=0.3),
-        contact=st.Viscous,
-    ).verdict.values).tobytes())  # fmt: skip
+    found["map"] = _digest(
+        np.ascontiguousarray(
+            st.stability_map(
+                "tumbling",
+                x=("theta", 0.1, 1.5, 40),
+                y=("mu", 0.1, 2, 30),
+                disk=st.Disk(k=0.3),
+                contact=st.Viscous,
+            ).verdict.values
+        ).tobytes()
+    )
     return found
 
 

@@ -14,8 +14,11 @@ def edged(edge: float = EDGE) -> st.Body:
     """Three inclinations, two of them close; Newton's method goes from one to the other."""
     return st.Body(
         lambda t, bend: ca.sin(t) + bend * ca.sqrt(ca.cos(t) ** 2 + edge) - 0.05 * ca.cos(t),
-        axial=0.5, transverse=0.3, shape={"bend": 0.25}, name="edged",
-    )  # fmt: skip
+        axial=0.5,
+        transverse=0.3,
+        shape={"bend": 0.25},
+        name="edged",
+    )
 
 
 def slope(theta: float, bend: float, edge: float = EDGE) -> float:
@@ -33,6 +36,8 @@ def zeros(bend: float, edge: float = EDGE) -> list[float]:
     """All zeros of the slope, on a fine grid."""
     grid = np.linspace(1.0, 2.4, 14001)
     values = [slope(t, bend, edge) for t in grid]
-    return [brentq(slope, a, b, (bend, edge), xtol=1e-15)
-            for a, b, f, g in zip(grid, grid[1:], values, values[1:], strict=False)
-            if f * g < 0]  # fmt: skip
+    return [
+        brentq(slope, a, b, (bend, edge), xtol=1e-15)
+        for a, b, f, g in zip(grid, grid[1:], values, values[1:], strict=False)
+        if f * g < 0
+    ]

@@ -17,13 +17,22 @@ PALEST, PALEST_WORD = 3.0, 4.5
 the colour of its curve, and of a word."""
 # Machado, Oliveira & Fernandes, IEEE Trans. Vis. Comput. Graph. 15 (2009) 1291-1298, severity 1
 DEFICIENT = {
-    "protan": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216],
-               [-0.003882, -0.048116, 1.051998]],
-    "deutan": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413],
-               [-0.011820, 0.042940, 0.968881]],
-    "tritan": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602],
-               [0.004733, 0.691367, 0.303900]],
-}  # fmt: skip
+    "protan": [
+        [0.152286, 1.052583, -0.204868],
+        [0.114503, 0.786281, 0.099216],
+        [-0.003882, -0.048116, 1.051998],
+    ],
+    "deutan": [
+        [0.367322, 0.860646, -0.227968],
+        [0.280085, 0.672501, 0.047413],
+        [-0.011820, 0.042940, 0.968881],
+    ],
+    "tritan": [
+        [1.255528, -0.076749, -0.178779],
+        [-0.078411, 0.930809, 0.147602],
+        [0.004733, 0.691367, 0.303900],
+    ],
+}
 """Three deficiencies of colour vision, on linear light."""
 
 
@@ -40,11 +49,22 @@ def luminance(light: Any) -> Any:
 
 def lab(light: Any) -> Any:
     """CIE Lab of linear sRGB, white D65."""
-    xyz = light @ np.array([[0.4124564, 0.2126729, 0.0193339], [0.3575761, 0.7151522, 0.1191920],
-                            [0.1804375, 0.0721750, 0.9503041]]) / [0.95047, 1, 1.08883]  # fmt: skip
+    xyz = (
+        light
+        @ np.array(
+            [
+                [0.4124564, 0.2126729, 0.0193339],
+                [0.3575761, 0.7151522, 0.1191920],
+                [0.1804375, 0.0721750, 0.9503041],
+            ]
+        )
+        / [0.95047, 1, 1.08883]
+    )
     f = np.where(xyz > (6 / 29) ** 3, np.cbrt(xyz), xyz / (3 * (6 / 29) ** 2) + 4 / 29)
-    return np.stack([116 * f[..., 1] - 16, 500 * (f[..., 0] - f[..., 1]),
-                     200 * (f[..., 1] - f[..., 2])], axis=-1)  # fmt: skip
+    return np.stack(
+        [116 * f[..., 1] - 16, 500 * (f[..., 0] - f[..., 1]), 200 * (f[..., 1] - f[..., 2])],
+        axis=-1,
+    )
 
 
 def contrast(one: Any, other: Any = "white") -> float:
@@ -89,10 +109,16 @@ def faults(
     texts = drawn(figure) if texts is None else texts
     assert len(texts) > 2
     scale = min(1.0, (printed or np.inf) / figure.get_figwidth())
-    said = [f"{t.get_text()!r} has {size:.3g} pt"
-            for t, _ in texts if (size := scale * t.get_fontsize()) < SMALLEST - 1e-9]  # fmt: skip
-    said += [f"{t.get_text()!r} is pale" for t, _ in texts if contrast(t.get_color()) <
-             (PALEST if t.get_text().isdigit() else PALEST_WORD)]  # fmt: skip
+    said = [
+        f"{t.get_text()!r} has {size:.3g} pt"
+        for t, _ in texts
+        if (size := scale * t.get_fontsize()) < SMALLEST - 1e-9
+    ]
+    said += [
+        f"{t.get_text()!r} is pale"
+        for t, _ in texts
+        if contrast(t.get_color()) < (PALEST if t.get_text().isdigit() else PALEST_WORD)
+    ]
     for (a, one), (b, other) in combinations(texts, 2):
         wide = min(one.x1, other.x1) - max(one.x0, other.x0)
         tall = min(one.y1, other.y1) - max(one.y0, other.y0)
@@ -105,7 +131,13 @@ def faults(
     for axes in figure.axes:
         legend = axes.get_legend()
         box = legend.get_window_extent() if legend else None
-        said += [f"the legend of {axes.get_ylabel()!r} covers data" for other in figure.axes
-                 if box is not None and box.y0 < other.bbox.y1 - 1 and box.y1 > other.bbox.y0 + 1
-                 and box.x0 < other.bbox.x1 - 1 and box.x1 > other.bbox.x0 + 1]  # fmt: skip
+        said += [
+            f"the legend of {axes.get_ylabel()!r} covers data"
+            for other in figure.axes
+            if box is not None
+            and box.y0 < other.bbox.y1 - 1
+            and box.y1 > other.bbox.y0 + 1
+            and box.x0 < other.bbox.x1 - 1
+            and box.x1 > other.bbox.x0 + 1
+        ]
     return said

@@ -67,8 +67,9 @@ def _worker(kind: str, seed: str, first: int, last: int) -> subprocess.Popen[byt
     environment["PYTHONPATH"] = os.pathsep.join([str(HERE.parents[1]), str(HERE)])
     return subprocess.Popen(
         [sys.executable, str(HERE / "fuzz.py"), kind, seed, str(first), str(last), "--worker"],
-        stdout=subprocess.PIPE, env=environment,
-    )  # fmt: skip
+        stdout=subprocess.PIPE,
+        env=environment,
+    )
 
 
 def campaign(kind: str, seed: str, count: int) -> Harvest:

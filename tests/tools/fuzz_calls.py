@@ -84,28 +84,47 @@ def systems() -> list[Any]:
     names = {"states": ("angle", "rate"), "parameters": ("g", "d")}
     return [
         st.System("pendulum", x, p, swing, **names),
-        st.System("observed", x, p, swing, **names, observables={"energy": x[1] ** 2},
-                  conditions=(st.Condition(p[0], "g = {value:.3g} must be positive"),)),
+        st.System(
+            "observed",
+            x,
+            p,
+            swing,
+            **names,
+            observables={"energy": x[1] ** 2},
+            conditions=(st.Condition(p[0], "g = {value:.3g} must be positive"),),
+        ),
         st.disk_system("viscous"),
         st.disk_system("rough"),
-    ]  # fmt: skip
+    ]
 
 
 @lru_cache(maxsize=1)
 def families() -> list[Any]:
     """Families of these systems, and one with something to solve for."""
     x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 1)
-    leaning = st.System("leaning", x, p, ca.vertcat(x[1], p - ca.sin(x[0]) - x[1]),
-                        states=("angle", "rate"), parameters=("torque",))  # fmt: skip
+    leaning = st.System(
+        "leaning",
+        x,
+        p,
+        ca.vertcat(x[1], p - ca.sin(x[0]) - x[1]),
+        states=("angle", "rate"),
+        parameters=("torque",),
+    )
     still = {"angle": 0.0, "rate": 0.0}
     return [
         st.Family(systems()[0], "hanging", at=("g",), held=still),
         st.Family(systems()[1], "seen", at=("g", "d"), held=still),
-        st.Family(leaning, "leaning", at=("torque",), held={"rate": 0.0}, unknown={"angle": 0.1},
-                  equations=("rate",)),
+        st.Family(
+            leaning,
+            "leaning",
+            at=("torque",),
+            held={"rate": 0.0},
+            unknown={"angle": 0.1},
+            equations=("rate",),
+        ),
         st.disk_family("tumbling", "viscous"),
         st.disk_family("circling", "rough"),
-    ]  # fmt: skip
+    ]
 
 
 @lru_cache(maxsize=1)
@@ -183,8 +202,14 @@ def _call(made: Callable[[random.Random, Path], Call]) -> None:
 
 
 _mu = _number(0.05, 3)
-_add("Disk", [], mass=_number(0.1, 3), radius=_number(0.1, 3), k=_number(0.1, 0.5),
-     gravity=_number(1, 10))  # fmt: skip
+_add(
+    "Disk",
+    [],
+    mass=_number(0.1, 3),
+    radius=_number(0.1, 3),
+    k=_number(0.1, 0.5),
+    gravity=_number(1, 10),
+)
 _add("Disk.uniform", [], mass=_mu, radius=_mu)
 _add("Disk.hoop", [], mass=_mu, gravity=_mu)
 _add("Disk.annulus", [_number(0, 1)], mass=_mu)
@@ -198,26 +223,67 @@ _add("Rough", [])
 for _name in ("Verdict", "Nonlinear", "Crossing", "HopfKind", "Outcome"):
     _add(_name, [lambda r, n=_name: r.choice(list(getattr(st, n))).value])  # type: ignore[misc]
 _add("StabilityError", [_of("a sentence.")])
-_add("disk_system", [_of("viscous", "rough", "coulomb")], slip_states=_of(None),
-     direction=_of(False))  # fmt: skip
+_add(
+    "disk_system", [_of("viscous", "rough", "coulomb")], slip_states=_of(None), direction=_of(False)
+)
 _add("disk_family", [_of("rolling", "spinning"), _of("viscous", "rough", "smooth")])
 _add("exact_polynomial", [_of("rolling", "tumbling"), _of("viscous", "rough")])
-_add("spectrum", [_of("rolling", "spinning", "tumbling")], at_=_number(0.2, 1.4), contact_=_law,
-     disk=_disk, certify=_of(False, False, True))  # fmt: skip
-_add("stability_map", [_of("rolling", "spinning", "tumbling")], x_=_axis("at"),
-     y_=_axis("k", "radius"), contact_=_law, certify=_of(False), boundaries=_of(True, False),
-     modes=_of(True, False), workers=_of(None, 1, 2),
-     progress=_of(None, lambda *_: None))  # fmt: skip
-_add("boundaries", [_of("rolling", "spinning", "tumbling")], axis_=_axis("at"), contact_=_law,
-     disk=_disk)  # fmt: skip
-_add("drift", [], at_=_number(1000, 2000), tilt_=_number(0.001, 0.01), contact_=_friction,
-     disk=_disk, launch=_of(True, False))  # fmt: skip
+_add(
+    "spectrum",
+    [_of("rolling", "spinning", "tumbling")],
+    at_=_number(0.2, 1.4),
+    contact_=_law,
+    disk=_disk,
+    certify=_of(False, False, True),
+)
+_add(
+    "stability_map",
+    [_of("rolling", "spinning", "tumbling")],
+    x_=_axis("at"),
+    y_=_axis("k", "radius"),
+    contact_=_law,
+    certify=_of(False),
+    boundaries=_of(True, False),
+    modes=_of(True, False),
+    workers=_of(None, 1, 2),
+    progress=_of(None, lambda *_: None),
+)
+_add(
+    "boundaries",
+    [_of("rolling", "spinning", "tumbling")],
+    axis_=_axis("at"),
+    contact_=_law,
+    disk=_disk,
+)
+_add(
+    "drift",
+    [],
+    at_=_number(1000, 2000),
+    tilt_=_number(0.001, 0.01),
+    contact_=_friction,
+    disk=_disk,
+    launch=_of(True, False),
+)
 _add("hopf", [_of("spinning", "tumbling")], contact_=_friction, disk=_disk, points=_of(20, 60))
-_add("launch", [_of("rolling", "spinning", "tumbling")], at_=_number(0.5, 2),
-     tilt=_number(0.01, 0.2), disk_=_disk)  # fmt: skip
-_add("simulate", [_disk, _any_law, _start, _times], method=_of("auto", "dop853"),
-     tolerance=_of(1e-6, 1e-9), pose=_of(True, False), flat=_of(1e-6), settle=_of(1e-3),
-     check=_of(True, False), workers=_of(None, 1), max_steps=_of(10000, 100))  # fmt: skip
+_add(
+    "launch",
+    [_of("rolling", "spinning", "tumbling")],
+    at_=_number(0.5, 2),
+    tilt=_number(0.01, 0.2),
+    disk_=_disk,
+)
+_add(
+    "simulate",
+    [_disk, _any_law, _start, _times],
+    method=_of("auto", "dop853"),
+    tolerance=_of(1e-6, 1e-9),
+    pose=_of(True, False),
+    flat=_of(1e-6),
+    settle=_of(1e-3),
+    check=_of(True, False),
+    workers=_of(None, 1),
+    max_steps=_of(10000, 100),
+)
 
 
 @_call
@@ -337,8 +403,13 @@ def _condition(r: random.Random, place: Path) -> Call:  # noqa: ARG001
 def _family(r: random.Random, place: Path) -> Call:  # noqa: ARG001
     words: dict[str, Any] = {"at": ("g",), "held": {"angle": 0.0}, "unknown": {"rate": 0.0}}
     words |= {"equations": ("angle",)}
-    for name, value in (("positive", ("rate",)), ("typical", {"g": 2.0}), ("conservative", False),
-                        ("integrals", False), ("drifts", False)):  # fmt: skip
+    for name, value in (
+        ("positive", ("rate",)),
+        ("typical", {"g": 2.0}),
+        ("conservative", False),
+        ("integrals", False),
+        ("drifts", False),
+    ):
         if r.random() < 0.3:
             words[name] = value
     return st.Family, [systems()[0], "own"], words
@@ -389,8 +460,13 @@ RUNGS = ("steady", "linearised", "second-order", "creep", "rough", "creep-1", "v
 
 
 def _scene_words(r: random.Random) -> dict[str, Any]:
-    laws = [st.Viscous(10 ** r.uniform(-2, 4)), st.LinearViscous(mu=10 ** r.uniform(-2, 4)),
-            st.Coulomb(r.uniform(0.1, 0.5)), st.Rough(), st.Smooth()]  # fmt: skip
+    laws = [
+        st.Viscous(10 ** r.uniform(-2, 4)),
+        st.LinearViscous(mu=10 ** r.uniform(-2, 4)),
+        st.Coulomb(r.uniform(0.1, 0.5)),
+        st.Rough(),
+        st.Smooth(),
+    ]
     contact: Any = r.choice(laws)
     if r.random() < 0.15:
         contact = dict(zip("ab", r.sample(laws, 2), strict=True))
@@ -398,11 +474,13 @@ def _scene_words(r: random.Random) -> dict[str, Any]:
     if r.random() < 0.15 and not isinstance(contact, st.Coulomb | dict):
         asked = [r.choice(LINEAR)]
     words = {
-        "disk": st.Disk(k=r.uniform(0.25, 0.5)), "contact": contact,
+        "disk": st.Disk(k=r.uniform(0.25, 0.5)),
+        "contact": contact,
         "start": {"theta": r.uniform(1.2, 1.9), "omega3": r.uniform(0, 1)},
-        "horizon": 10 ** r.uniform(-1, 1.3), "tolerance": 10 ** r.uniform(-9, -1),
+        "horizon": 10 ** r.uniform(-1, 1.3),
+        "tolerance": 10 ** r.uniform(-9, -1),
         "quantities": tuple(asked),
-    }  # fmt: skip
+    }
     if r.random() < 0.3:
         words["uncertain"] = {n: 10 ** r.uniform(-6, -2) for n in r.sample(["theta", "k"], 1)}
     return words
@@ -411,16 +489,26 @@ def _scene_words(r: random.Random) -> dict[str, Any]:
 def _system_words(r: random.Random) -> dict[str, Any]:
     family, asked = r.choice([(), (families()[0],)]), r.sample(QUANTITIES[:4], r.randint(1, 2))
     return {
-        "disk": systems()[0], "contact": {"g": r.uniform(0.5, 2), "d": r.uniform(0, 1)},
-        "start": [r.uniform(-1, 1), r.uniform(-1, 1)], "horizon": r.uniform(1, 20),
-        "quantities": asked, "families": family, "uncertain": r.choice([{}, {"g": 0.1}]),
-    }  # fmt: skip
+        "disk": systems()[0],
+        "contact": {"g": r.uniform(0.5, 2), "d": r.uniform(0, 1)},
+        "start": [r.uniform(-1, 1), r.uniform(-1, 1)],
+        "horizon": r.uniform(1, 20),
+        "quantities": asked,
+        "families": family,
+        "uncertain": r.choice([{}, {"g": 0.1}]),
+    }
 
 
 def _answered(
-    disk: Any, contact: Any, start: Any, horizon: Any, tolerance: Any = 1e-6, quantities: Any = (),
-    uncertain: Any = None, families: Any = (),
-) -> Any:  # fmt: skip
+    disk: Any,
+    contact: Any,
+    start: Any,
+    horizon: Any,
+    tolerance: Any = 1e-6,
+    quantities: Any = (),
+    uncertain: Any = None,
+    families: Any = (),
+) -> Any:
     """The answer to a scene, and all that it says."""
     more = {} if uncertain is None else {"uncertain": uncertain}
     scene = st.Scene(
@@ -431,9 +519,15 @@ def _answered(
 
 
 def _verified(
-    disk: Any, contact: Any, start: Any, horizon: Any, tolerance: Any = 1e-6, quantities: Any = (),
-    uncertain: Any = None, families: Any = (),
-) -> Any:  # fmt: skip
+    disk: Any,
+    contact: Any,
+    start: Any,
+    horizon: Any,
+    tolerance: Any = 1e-6,
+    quantities: Any = (),
+    uncertain: Any = None,
+    families: Any = (),
+) -> Any:
     """The same, held against the full model."""
     more = {} if uncertain is None else {"uncertain": uncertain}
     return st.Scene(
@@ -493,12 +587,29 @@ def _reduced_model(r: random.Random, place: Path) -> Call:  # noqa: ARG001
 
 
 WEIGHTY = (
-    "scene_told", "scene_told", "scene_of_system", "scene_only",
-    "spectrum", "stability_map", "boundaries", "drift", "hopf", "launch", "simulate",
-    "spectrum_own", "map_own", "boundaries_own", "branch", "system", "mass_matrix",
-    "system_methods", "family",
-    "family_member", "family_methods", "Disk",
-)  # fmt: skip
+    "scene_told",
+    "scene_told",
+    "scene_of_system",
+    "scene_only",
+    "spectrum",
+    "stability_map",
+    "boundaries",
+    "drift",
+    "hopf",
+    "launch",
+    "simulate",
+    "spectrum_own",
+    "map_own",
+    "boundaries_own",
+    "branch",
+    "system",
+    "mass_matrix",
+    "system_methods",
+    "family",
+    "family_member",
+    "family_methods",
+    "Disk",
+)
 """Calls that are made more often: they have more arguments."""
 
 
@@ -635,8 +746,11 @@ def case(seed: str, number: int, place: Path) -> dict[str, Any]:
     if valid and outcome in ("refused", "no signature"):
         detail = detail or f"a valid call is {outcome}"
     what = f"{name}({'; '.join(notes)})"
-    return {"what": ascii(what)[:300], "status": "fault" if detail else outcome,
-            "detail": ascii(detail)}  # fmt: skip
+    return {
+        "what": ascii(what)[:300],
+        "status": "fault" if detail else outcome,
+        "detail": ascii(detail),
+    }
 
 
 @contextmanager

@@ -13,15 +13,33 @@ from typing import Any
 TOKEN = re.compile(r"\s*(?:(\d+\.?\d*(?:[eE][-+]?\d+)?)|([^\W\d]\w*)|(.))")
 FUNCTIONS: dict[str, Any] = {
     name: getattr(math, name)
-    for name in ("sin", "cos", "tan", "sqrt", "exp", "log", "sinh", "cosh", "tanh", "asin", "acos",
-                 "hypot", "expm1", "log1p", "asinh", "acosh", "atanh")
+    for name in (
+        "sin",
+        "cos",
+        "tan",
+        "sqrt",
+        "exp",
+        "log",
+        "sinh",
+        "cosh",
+        "tanh",
+        "asin",
+        "acos",
+        "hypot",
+        "expm1",
+        "log1p",
+        "asinh",
+        "acosh",
+        "atanh",
+    )
 } | {
-    "abs": abs, "sign": lambda x: math.copysign(1.0, x) if x else 0.0,
+    "abs": abs,
+    "sign": lambda x: math.copysign(1.0, x) if x else 0.0,
     "atan": lambda y, x=None: math.atan(y) if x is None else math.atan2(y, x),
     "reshape": lambda values, rows, columns: [  # column by column, as Julia stores
         [values[i + rows * j] for j in range(columns)] for i in range(rows)
     ],
-}  # fmt: skip
+}
 
 
 class Reader:

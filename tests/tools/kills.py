@@ -41,31 +41,55 @@ class Command:
 REPORT = r"report/cells\.jsonl"
 COMMANDS = {
     "map": Command((*MAP, "--out", "m.nc", "--plot", "m.png"), ("m.nc", "m.png"), 7.0),
-    "checkpoint": Command((*MAP, "--modes", "--out", "m.nc", "--checkpoint", "kept"), ("m.nc",),
-                          6.0, r"kept/(map\.json|\d+\.npz)"),
+    "checkpoint": Command(
+        (*MAP, "--modes", "--out", "m.nc", "--checkpoint", "kept"),
+        ("m.nc",),
+        6.0,
+        r"kept/(map\.json|\d+\.npz)",
+    ),
     "verdict-only": Command(
-        ("map", "tumbling", "--x", "at:0.05:1.5:6000", "--y", "mu:0.1:5:6000", "--verdict-only",
-         "--out", "m.nc"), ("m.nc",), 6.0),
-    "simulate": Command((*RUN, "--out", "r.nc", "--plot", "r.png", "--film", "r.gif"),
-                        ("r.nc", "r.png", "r.gif"), 14.0),
+        (
+            "map",
+            "tumbling",
+            "--x",
+            "at:0.05:1.5:6000",
+            "--y",
+            "mu:0.1:5:6000",
+            "--verdict-only",
+            "--out",
+            "m.nc",
+        ),
+        ("m.nc",),
+        6.0,
+    ),
+    "simulate": Command(
+        (*RUN, "--out", "r.nc", "--plot", "r.png", "--film", "r.gif"),
+        ("r.nc", "r.png", "r.gif"),
+        14.0,
+    ),
     "simulate-mp4": Command((*RUN, "--out", "r.nc", "--film", "r.mp4"), ("r.nc", "r.mp4"), 14.0),
     "atlas": Command(("atlas", "--out", "atlas", "--resolution", "8"), ("atlas",), 40.0),
-    "chart": Command(("chart", "spectrum", "--out", "report"), ("report/index.html",), 15.0,
-                     REPORT),
-    "failures": Command(("failures", "--out", "report", "--workers", "2"), ("report/index.html",),
-                        15.0, REPORT),
+    "chart": Command(
+        ("chart", "spectrum", "--out", "report"), ("report/index.html",), 15.0, REPORT
+    ),
+    "failures": Command(
+        ("failures", "--out", "report", "--workers", "2"), ("report/index.html",), 15.0, REPORT
+    ),
     "report": Command(("report", "--out", "report"), ("report/index.html",), 15.0, REPORT),
-}  # fmt: skip
+}
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
 
 
 def start(command: Command, folder: Path, mark: str) -> subprocess.Popen[bytes]:
     return subprocess.Popen(
-        [sys.executable, "-m", "stability", *command.words], cwd=folder,
+        [sys.executable, "-m", "stability", *command.words],
+        cwd=folder,
         env=os.environ | {MARK: mark, "PYTHONPATH": str(Path(st.__file__).parents[1])},
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
         preexec_fn=_hearing,
-    )  # fmt: skip
+    )
 
 
 def _hearing() -> None:
@@ -132,8 +156,9 @@ def kill(name: str, number: int, delay: float, folder: Path, *, group: bool = Fa
     litter = [p for p in _paths(folder) if not _expected(command, p)]
     there = [t for t in command.targets if (folder / t).exists()]
     partial = there if 0 < len(there) < len(command.targets) else []
-    return Outcome(process.returncode, took, orphans, litter, partial,
-                   errors.decode(errors="replace"), done)  # fmt: skip
+    return Outcome(
+        process.returncode, took, orphans, litter, partial, errors.decode(errors="replace"), done
+    )
 
 
 def _paths(folder: Path) -> Iterator[str]:

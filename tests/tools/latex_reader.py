@@ -5,9 +5,19 @@ from __future__ import annotations
 import math
 import re
 
-FUNCTIONS = {"sin": math.sin, "cos": math.cos, "tan": math.tan, "exp": math.exp, "log": math.log,
-             "arcsin": math.asin, "arccos": math.acos, "arctan": math.atan, "sinh": math.sinh,
-             "cosh": math.cosh, "tanh": math.tanh}  # fmt: skip
+FUNCTIONS = {
+    "sin": math.sin,
+    "cos": math.cos,
+    "tan": math.tan,
+    "exp": math.exp,
+    "log": math.log,
+    "arcsin": math.asin,
+    "arccos": math.acos,
+    "arctan": math.atan,
+    "sinh": math.sinh,
+    "cosh": math.cosh,
+    "tanh": math.tanh,
+}
 TOKEN = re.compile(r"\\left|\\right|\\[a-zA-Z]+|\\.|\d+(?:\.\d+)?|.", re.DOTALL)
 
 

@@ -33,8 +33,13 @@ ROOT = Path(__file__).resolve().parents[2]
 PLACES = ROOT / "tests/data/mutants.json"
 KINDS = ("comparison", "sign", "constant", "term", "exception", "range")
 TURNED = {
-    ast.Lt: ">", ast.LtE: ">", ast.Gt: "<", ast.GtE: "<", ast.Eq: "!=", ast.NotEq: "==",
-}  # fmt: skip
+    ast.Lt: ">",
+    ast.LtE: ">",
+    ast.Gt: "<",
+    ast.GtE: "<",
+    ast.Eq: "!=",
+    ast.NotEq: "==",
+}
 PROBE = '''"""Notes which test executes a place, and how long each test takes."""
 import os
 FILE, SEEN = {file!r}, set()
@@ -116,9 +121,14 @@ def places(file: Path) -> Iterator[Place]:
                 return
             for kind, broken in _broken(node, source):
                 yield Place(
-                    file.relative_to(ROOT).as_posix(), name, kind,
-                    node.lineno, node.col_offset, node.end_col_offset, broken,
-                )  # fmt: skip
+                    file.relative_to(ROOT).as_posix(),
+                    name,
+                    kind,
+                    node.lineno,
+                    node.col_offset,
+                    node.end_col_offset,
+                    broken,
+                )
 
     tree = ast.parse(source)
     for node in tree.body:
@@ -144,11 +154,16 @@ def draw(seed: int) -> None:
         row = (ROOT / place.file).read_text(encoding="utf-8").splitlines()[place.line - 1]
         records.append(
             {
-                "number": number, "file": place.file, "function": place.function,
-                "kind": place.kind, "line": row, "start": place.start, "end": place.end,
+                "number": number,
+                "file": place.file,
+                "function": place.function,
+                "kind": place.kind,
+                "line": row,
+                "start": place.start,
+                "end": place.end,
                 "broken": row[: place.start] + place.broken + row[place.end :],
             }
-        )  # fmt: skip
+        )
     PLACES.write_text(json.dumps(records, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     print(f"{len(records)} places in {PLACES.relative_to(ROOT)}")
 
@@ -188,9 +203,15 @@ def _lines_of(source: str, function: str) -> range:
 def _pytest(tree: Path, *words: str, **kwargs: Any) -> subprocess.CompletedProcess[str]:
     environment = os.environ | {"PYTHONPATH": str(tree)}
     return subprocess.run(
-        [sys.executable, "-m", "pytest", "-q", *words], cwd=tree, env=environment, text=True,
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, **kwargs,
-    )  # fmt: skip
+        [sys.executable, "-m", "pytest", "-q", *words],
+        cwd=tree,
+        env=environment,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        check=False,
+        **kwargs,
+    )
 
 
 def reach(out: Path, commit: str, words: list[str]) -> None:
@@ -209,8 +230,13 @@ def reach(out: Path, commit: str, words: list[str]) -> None:
             probed = f"{call}; {text}" if r["kind"] == "exception" else f"({call} and ({text}))"
             _line(tree, r, r["line"][: r["start"]] + probed + r["line"][r["end"] :])
         result = _pytest(
-            tree, "-n", "2", "-p", "stability._probe", *words,
-        )  # fmt: skip
+            tree,
+            "-n",
+            "2",
+            "-p",
+            "stability._probe",
+            *words,
+        )
         (out / "reach.log").write_text(result.stdout)
     print(result.stdout.splitlines()[-1])
 
@@ -265,9 +291,10 @@ def tried(tree: Path, record: dict[str, Any], tests: list[str], limit: float) ->
 def run(out: Path, commit: str, numbers: list[int], jobs: int, limit: float) -> None:
     """Try every place, and print which test finds it."""
     records = [
-        r for r in json.loads(PLACES.read_text(encoding="utf-8"))
+        r
+        for r in json.loads(PLACES.read_text(encoding="utf-8"))
         if not numbers or r["number"] in numbers
-    ]  # fmt: skip
+    ]
     tests, seconds = reached(out)
     results_file = out / "results.json"
     results: dict[str, Any] = json.loads(results_file.read_text()) if results_file.exists() else {}

@@ -77,9 +77,12 @@ class Engine:
         html = page.read_text(encoding="utf-8")
         [text] = re.findall(r'<script type="application/json" id="data">(.*?)</script>', html, re.S)
         self._node = subprocess.Popen(
-            [NODE, "-e", SERVE], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+            [NODE, "-e", SERVE],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
             encoding="utf-8",
-        )  # fmt: skip
+        )
         weakref.finalize(self, _ended, self._node)
         self._asked(f"{script()}\nconst text = {json.dumps(text)};\n{START}\nnull")
         self.page = self

@@ -10,10 +10,15 @@ def pendulum(*, observed: bool = True) -> st.System:
     seen = {"energy": x[1] ** 2 / 2 - p[0] * ca.cos(x[0]), "power": p[1] * x[1] ** 2}
     units = {"angle": "rad", "rate": "rad/s", "g": "1/s2", "c": "1/s"}
     return st.System(
-        "pendulum", x, p, ca.vertcat(x[1], -p[0] * ca.sin(x[0]) - p[1] * x[1]),
-        states=("angle", "rate"), parameters=("g", "c"), observables=seen if observed else {},
+        "pendulum",
+        x,
+        p,
+        ca.vertcat(x[1], -p[0] * ca.sin(x[0]) - p[1] * x[1]),
+        states=("angle", "rate"),
+        parameters=("g", "c"),
+        observables=seen if observed else {},
         units=units | ({"energy": "J/kg"} if observed else {}),
-    )  # fmt: skip
+    )
 
 
 def hanging(system: st.System) -> st.Family:
@@ -31,14 +36,20 @@ def top() -> st.System:
     omega = momentum + 0 * axis  # I₁ = 1 across the axis; along it ω does not move the axis
     down = ca.SX([0, 0, -1])
     return st.System(
-        "top", x, p, ca.vertcat(ca.cross(omega, axis), ca.cross(axis, down)),
-        states=("a", "b", "c", "l", "m", "n"), parameters=("spin",),
+        "top",
+        x,
+        p,
+        ca.vertcat(ca.cross(omega, axis), ca.cross(axis, down)),
+        states=("a", "b", "c", "l", "m", "n"),
+        parameters=("spin",),
         observables={
             "energy": ca.sumsqr(momentum - ca.dot(momentum, axis) * axis) / 2 + x[2],
-            "power": ca.SX(0), "momentum_up": x[5], "along": ca.dot(momentum, axis),
+            "power": ca.SX(0),
+            "momentum_up": x[5],
+            "along": ca.dot(momentum, axis),
             "size": ca.sumsqr(axis),
         },
-    )  # fmt: skip
+    )
 
 
 def sleigh() -> st.System:
@@ -48,10 +59,14 @@ def sleigh() -> st.System:
     m, a, inertia = p[0], p[1], p[2]
     whole = inertia + m * a**2
     return st.System(
-        "sleigh", x, p, ca.vertcat(a * w**2, -m * a * v * w / whole),
-        states=("v", "w"), parameters=("m", "a", "I"),
+        "sleigh",
+        x,
+        p,
+        ca.vertcat(a * w**2, -m * a * v * w / whole),
+        states=("v", "w"),
+        parameters=("m", "a", "I"),
         observables={"energy": (m * v**2 + whole * w**2) / 2, "power": ca.SX(0)},
-    )  # fmt: skip
+    )
 
 
 SLEIGH = {"m": 1.0, "a": 0.3, "I": 0.2}

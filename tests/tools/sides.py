@@ -29,9 +29,12 @@ def fraction(value: Any) -> Fraction:
 
 
 def words(
-    family: st.Family, value: Fraction, numbers: Mapping[str, Any], name: str = "",
+    family: st.Family,
+    value: Fraction,
+    numbers: Mapping[str, Any],
+    name: str = "",
     at: tuple[Fraction, ...] = (),
-) -> list[str]:  # fmt: skip
+) -> list[str]:
     """Verdicts below and above a value of the family's last number, or of a parameter by name.
 
     at: the family's other numbers, which stay.

@@ -17,8 +17,14 @@ def simulate(
     """States of the viscous disk at given times, shape (times, 6); dimensionless."""
     system = st.disk_system("viscous")
     options = {"reltol": tolerance, "abstol": tolerance * 1e-3, "max_num_steps": 10**9}
-    flow = ca.integrator("flow", "cvodes", {"x": system.x, "p": system.p, "ode": system.rhs},
-                         0.0, list(np.asarray(times, dtype=float)), options)  # fmt: skip
+    flow = ca.integrator(
+        "flow",
+        "cvodes",
+        {"x": system.x, "p": system.p, "ode": system.rhs},
+        0.0,
+        list(np.asarray(times, dtype=float)),
+        options,
+    )
     found = flow(x0=list(start), p=[k, mu])["xf"]
     return np.array(found).T
 

@@ -15,10 +15,14 @@ def towed_wheel() -> st.Family:
     sine, cosine = ca.sin(q[1]), ca.cos(q[1])
     along, across = v + centre * u[1] * sine, u[0] - centre * u[1] * cosine
     wheel = st.mechanics(
-        q, u, p,
+        q,
+        u,
+        p,
         kinetic=m * (along**2 + across**2) / 2 + inertia * u[1] ** 2 / 2,
-        potential=k * q[0] ** 2 / 2, forces=ca.vertcat(-c * u[0], 0),
+        potential=k * q[0] ** 2 / 2,
+        forces=ca.vertcat(-c * u[0], 0),
         velocity_constraints={"no_slip": u[0] * cosine - v * sine - trail * u[1]},
-        independent=("sway_rate",), name="towed wheel",
-    )  # fmt: skip
+        independent=("sway_rate",),
+        name="towed wheel",
+    )
     return st.Family(wheel, "straight", at=("v",), held=dict.fromkeys(wheel.states, 0.0))

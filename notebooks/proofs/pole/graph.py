@@ -61,8 +61,17 @@ def pole_graph(law: str | type[Contact], side: int, *, still: bool = True) -> Po
     """
     contact = LAWS[law] if isinstance(law, str) else law
     given = tuple(p.name for p in contact.parameters)
-    values = {"axial": I3, "transverse": I1, "h": H, "slope": -side * BEND, "second": SECOND,
-              "third": THIRD, "mu": MU, "force_x": FORCE_X, "force_y": FORCE_Y}  # fmt: skip
+    values = {
+        "axial": I3,
+        "transverse": I1,
+        "h": H,
+        "slope": -side * BEND,
+        "second": SECOND,
+        "third": THIRD,
+        "mu": MU,
+        "force_x": FORCE_X,
+        "force_y": FORCE_Y,
+    }
     names = [n for n in values if n in given or n not in ("mu", "force_x", "force_y")]
     numbers = {n: ca.SX.sym(n) for n in names}
     table = dict.fromkeys(SCALES, 1) | numbers
@@ -72,8 +81,9 @@ def pole_graph(law: str | type[Contact], side: int, *, still: bool = True) -> Po
         numbers["slope"] + step * (numbers["second"] / 2 + step * numbers["third"] / 6)
     )
     up = side * ca.sqrt(1 - ca.sumsqr(x[:2]))
-    body = PoleBody(ca.vertcat(x[:2], up), x[2:5], x[5:], (cosine, height),
-                    Law(contact, table, given), table)  # fmt: skip
+    body = PoleBody(
+        ca.vertcat(x[:2], up), x[2:5], x[5:], (cosine, height), Law(contact, table, given), table
+    )
     rhs, seen = body.solved()
     whole = ca.vertcat(ca.cross(body.turn, body.axis)[:2], rhs)
     outputs = [whole, ca.jacobian(whole, x), seen["normal_force"]]
@@ -83,8 +93,10 @@ def pole_graph(law: str | type[Contact], side: int, *, still: bool = True) -> Po
     if not still:
         state[2:4], state[5:] = (TURN_X, TURN_Y), (SLIP_X, SLIP_Y)[: x.numel() - 5]
     at = [state, [values[n] for n in names]]
-    read = [sympy.Matrix(program.dense(sympy_algebra(), at, i)).applyfunc(sympy.cancel)
-            for i in range(3)]  # fmt: skip
+    read = [
+        sympy.Matrix(program.dense(sympy_algebra(), at, i)).applyfunc(sympy.cancel)
+        for i in range(3)
+    ]
     return PoleGraph(tuple(read[0]), read[1], read[2][0])
 
 

@@ -63,8 +63,9 @@ def vertical(law: str) -> ComplexPolynomial:
     ((I1, 0), (0, -I3*n), (h′′, 0))
     """
     found = [_at(law, side) for side in POLES]
-    if not all(vanishes(a - b) for p, q in zip(*found, strict=True)
-               for a, b in zip(p, q, strict=True)):  # fmt: skip
+    if not all(
+        vanishes(a - b) for p, q in zip(*found, strict=True) for a, b in zip(p, q, strict=True)
+    ):
         raise StabilityError(f"the polynomials of both poles differ ({law}).")
     own = ComplexPolynomial(law, 1, found[0])
     _check(own)
@@ -96,8 +97,9 @@ def _check(found: ComplexPolynomial) -> None:
         whole = (LAM * sympy.eye(matrix.rows) - matrix).applyfunc(sympy.together)
         ring = DomainMatrix.from_Matrix(whole)
         real = ring.domain.to_sympy(ring.det())
-        parts = [sum(c[k] * LAM**i for i, c in enumerate(reversed(found.coefficients)))
-                 for k in (0, 1)]  # fmt: skip
+        parts = [
+            sum(c[k] * LAM**i for i, c in enumerate(reversed(found.coefficients))) for k in (0, 1)
+        ]
         product = LAM**found.zeros * (parts[0] ** 2 + parts[1] ** 2)
         scale = found.coefficients[0][0] ** 2
         if not vanishes(real * scale - product):

@@ -96,8 +96,12 @@ class Expression(Element):
         return self.field.of_argument(name, self)
 
 
-_PAIRS = {"sin": ("sin", "cos", 1), "cos": ("sin", "cos", 1),
-          "sinh": ("sinh", "cosh", -1), "cosh": ("sinh", "cosh", -1)}  # fmt: skip
+_PAIRS = {
+    "sin": ("sin", "cos", 1),
+    "cos": ("sin", "cos", 1),
+    "sinh": ("sinh", "cosh", -1),
+    "cosh": ("sinh", "cosh", -1),
+}
 _QUOTIENTS = {"tan": ("sin", "cos"), "tanh": ("sinh", "cosh")}
 
 

@@ -103,9 +103,18 @@ def _fabs(x: Any) -> Any:
 
 
 RATIONAL_AT = {
-    "sin": (0, 0), "cos": (0, 1), "tan": (0, 0), "exp": (0, 1), "log": (1, 0), "asin": (0, 0),
-    "acos": (1, 0), "atan": (0, 0), "sinh": (0, 0), "cosh": (0, 1), "tanh": (0, 0),
-}  # fmt: skip
+    "sin": (0, 0),
+    "cos": (0, 1),
+    "tan": (0, 0),
+    "exp": (0, 1),
+    "log": (1, 0),
+    "asin": (0, 0),
+    "acos": (1, 0),
+    "atan": (0, 0),
+    "sinh": (0, 0),
+    "cosh": (0, 1),
+    "tanh": (0, 0),
+}
 """Point where each transcendental function is rational, and its value there."""
 RATIONAL_TOO = {"expm1": (0, 0), "log1p": (0, 0), "asinh": (0, 0), "acosh": (1, 0), "atanh": (0, 0)}
 """The same of functions that exact numbers know by others."""
@@ -121,9 +130,10 @@ def _function(name: str) -> Callable[[Any], Any]:
 
 
 EXACT = Algebra(
-    "exact", _constant,
+    "exact",
+    _constant,
     {name: _function(name) for name in RATIONAL_AT} | {"sqrt": _sqrt, "fabs": _fabs, "pow": _power},
-)  # fmt: skip
+)
 """Rationals and elements of the fields below: one algebra, since all fields contain Q."""
 
 
@@ -305,10 +315,13 @@ def characteristic(matrix: Sequence[Sequence[Any]]) -> list[Any]:
             band.append(-_dot(row, column))
             column = {i: v for i in range(size) if not _is(v := _dot(rows[i], column), 0)}
         poly = [
-            _sum(band[i - j] * poly[j] for j in range(len(poly))
-                 if 0 <= i - j < len(band) and not _is(band[i - j], 0))
+            _sum(
+                band[i - j] * poly[j]
+                for j in range(len(poly))
+                if 0 <= i - j < len(band) and not _is(band[i - j], 0)
+            )
             for i in range(size + 2)
-        ]  # fmt: skip
+        ]
     return poly[::-1]
 
 

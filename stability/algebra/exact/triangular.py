@@ -241,9 +241,12 @@ class Triangular:
 
     def _inserted(self, polynomials: list[Any], index: int, value: Expression) -> list[Any]:
         return [f for f in polynomials if index not in occurring(f)] + [
-            g for f in polynomials if index in occurring(f)
-            for g in [inserted(self.field, f, index, value).num] if not g.is_constant()
-        ]  # fmt: skip
+            g
+            for f in polynomials
+            if index in occurring(f)
+            for g in [inserted(self.field, f, index, value).num]
+            if not g.is_constant()
+        ]
 
     def _linear(self) -> bool:
         """Solve one equation that is linear in an unknown."""

@@ -119,9 +119,13 @@ class _Value:
 
 
 _FUNCTIONS: dict[str, Callable[..., Any]] = {
-    "sqrt": _Value.sqrt, "sin": _Value.sin, "cos": _Value.cos, "fabs": _Value.fabs,
-    "tan": lambda x: x.sin() / x.cos(), "pow": _Value.power,
-}  # fmt: skip
+    "sqrt": _Value.sqrt,
+    "sin": _Value.sin,
+    "cos": _Value.cos,
+    "fabs": _Value.fabs,
+    "tan": lambda x: x.sin() / x.cos(),
+    "pow": _Value.power,
+}
 
 
 @dataclass(frozen=True, eq=False)

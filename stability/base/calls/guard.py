@@ -132,8 +132,11 @@ def _unfit(function: Any, name: str, given: Any, named: Mapping[str, Any], first
             f"{'is' if taken == 1 else 'are'} given; {'; '.join(filter(None, (which, rest)))}"
         ).removesuffix("; ") + "."
     lacking = [
-        n for n, p in own.parameters.items()
-        if p.default is Parameter.empty and n not in named and n not in bare[: len(given)]
+        n
+        for n, p in own.parameters.items()
+        if p.default is Parameter.empty
+        and n not in named
+        and n not in bare[: len(given)]
         and p.kind in (either, Parameter.KEYWORD_ONLY, Parameter.POSITIONAL_ONLY)
-    ]  # fmt: skip
+    ]
     return f"{absent(lacking)} in a call of {name}; {shown_words}." if lacking else ""

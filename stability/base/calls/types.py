@@ -127,10 +127,16 @@ def _numeric(value: Any, most: int | None = None) -> bool:
 
 _NO_NUMBERS = (type, types.FunctionType, types.BuiltinFunctionType, set)
 _WORDS: dict[Any, str] = {
-    bool: "True or False", int: "a whole number", float: "a number", complex: "a number",
-    str: "a text", dict: "a mapping by name", Mapping: "a mapping by name", Callable: "a function",
+    bool: "True or False",
+    int: "a whole number",
+    float: "a number",
+    complex: "a number",
+    str: "a text",
+    dict: "a mapping by name",
+    Mapping: "a mapping by name",
+    Callable: "a function",
     type(None): "nothing",
-}  # fmt: skip
+}
 
 
 def words(accepted: Any) -> str:

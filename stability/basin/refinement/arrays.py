@@ -36,12 +36,18 @@ def border_arrays(found: Borders, axes: tuple[Axis, Axis]) -> xarray.Dataset:
     import xarray
 
     parts, meaning = blocks(found, axes)
-    return xarray.Dataset(_variables(found, axes) | parts, attrs={
-        "border_width": [float(w) for w in found.widths[-1]],
-        "border_levels": found.lattice_levels, "border_launches": found.asked,
-        "border_note": found.note, "border_cells": [int(n) for n in found.counts],
-        **exponent(found), **meaning,
-    })  # fmt: skip
+    return xarray.Dataset(
+        _variables(found, axes) | parts,
+        attrs={
+            "border_width": [float(w) for w in found.widths[-1]],
+            "border_levels": found.lattice_levels,
+            "border_launches": found.asked,
+            "border_note": found.note,
+            "border_cells": [int(n) for n in found.counts],
+            **exponent(found),
+            **meaning,
+        },
+    )
 
 
 def _variables(found: Borders, axes: tuple[Axis, Axis]) -> dict[str, Any]:
@@ -50,19 +56,28 @@ def _variables(found: Borders, axes: tuple[Axis, Axis]) -> dict[str, Any]:
     pairs = np.array([line.labels for line in found.lines], dtype=np.int64).reshape(-1, 2)
     sides = np.repeat(pairs, lengths, axis=0)
     made: dict[str, Any] = {
-        f"border_{a.name}": ("border_point", points[:, i], {
-            "long_name": f"{a.name} of the border, off the true one by less than border_width"})
+        f"border_{a.name}": (
+            "border_point",
+            points[:, i],
+            {"long_name": f"{a.name} of the border, off the true one by less than border_width"},
+        )
         for i, a in enumerate(axes)
-    }  # fmt: skip
-    made["border_curve"] = ("border_point", np.repeat(np.arange(len(lines)), lengths),
-                            {"long_name": "number of the line"})  # fmt: skip
+    }
+    made["border_curve"] = (
+        "border_point",
+        np.repeat(np.arange(len(lines)), lengths),
+        {"long_name": "number of the line"},
+    )
     for side, column in (("low", 0), ("high", 1)):
-        for name, part in (("outcome", sides[:, column] // FAMILIES),
-                           ("family", sides[:, column] % FAMILIES)):  # fmt: skip
+        for name, part in (
+            ("outcome", sides[:, column] // FAMILIES),
+            ("family", sides[:, column] % FAMILIES),
+        ):
             made[f"border_{name}_{side}"] = (
-                "border_point", part.astype(np.int8),
+                "border_point",
+                part.astype(np.int8),
                 {"long_name": f"{name} on the {side} side, a flag value of {name}"},
-            )  # fmt: skip
+            )
     return made
 
 

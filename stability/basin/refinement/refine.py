@@ -14,9 +14,14 @@ from .waves import Waves, expected_launches, mixed_cells
 
 
 def refine(
-    kept: Store, labels: LaunchLabels, axes: tuple[Axis, Axis], levels: int,
-    pool: Executor | None, workers: int | None, progress: Progress | None,
-) -> None:  # fmt: skip
+    kept: Store,
+    labels: LaunchLabels,
+    axes: tuple[Axis, Axis],
+    levels: int,
+    pool: Executor | None,
+    workers: int | None,
+    progress: Progress | None,
+) -> None:
     """Add the borders between the outcomes of a map to its store.
 
     Launches along the borders are kept wave by wave.  The borders are added when all are there.
@@ -37,9 +42,20 @@ def refine(
     there = kept.dataset()
     known = coded(there.outcome.values, there.family.values)
     total = kept.layout.total
-    waves = Waves(labels, kept.folder, pool, workers, progress, total,
-                  total + expected_launches(mixed_cells(known), levels))  # fmt: skip
-    found = borders(waves, *((a.name, a.low, a.high, a.count, *(["log"] * a.log)) for a in axes),
-                    levels=levels, known=known)  # fmt: skip
+    waves = Waves(
+        labels,
+        kept.folder,
+        pool,
+        workers,
+        progress,
+        total,
+        total + expected_launches(mixed_cells(known), levels),
+    )
+    found = borders(
+        waves,
+        *((a.name, a.low, a.high, a.count, *(["log"] * a.log)) for a in axes),
+        levels=levels,
+        known=known,
+    )
     kept.attach(border_arrays(found, axes))
     waves.finish()

@@ -50,18 +50,24 @@ def blocks(found: Borders, axes: tuple[Axis, Axis]) -> tuple[dict[str, Any], dic
     for axis, index in zip(axes, local.blocks.T, strict=True):
         ends = [between(axis, (index + i) << span, found.levels) for i in (0, 1)]
         arrays[f"border_block_{axis.name}"] = (
-            (BLOCK, "edge"), np.stack(ends, axis=-1),
+            (BLOCK, "edge"),
+            np.stack(ends, axis=-1),
             {"long_name": f"{axis.name} at the low and high edge of the block"},
-        )  # fmt: skip
+        )
     arrays["border_block_exponent"] = (
-        BLOCK, local.block_exponent,
+        BLOCK,
+        local.block_exponent,
         {"long_name": "local uncertainty exponent between the last widths", "units": "1"},
-    )  # fmt: skip
+    )
     arrays["border_sensitive"] = (
-        BLOCK, np.where(local.strips, 2, local.block_exponent < local.bound).astype(np.int8),
-        {"long_name": "whether the block is sensitive", "flag_values": [0, 1, 2],
-         "flag_meanings": "smooth sensitive open"},
-    )  # fmt: skip
+        BLOCK,
+        np.where(local.strips, 2, local.block_exponent < local.bound).astype(np.int8),
+        {
+            "long_name": "whether the block is sensitive",
+            "flag_values": [0, 1, 2],
+            "flag_meanings": "smooth sensitive open",
+        },
+    )
     return arrays, {"border_sensitive_note": local.note}
 
 

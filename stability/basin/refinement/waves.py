@@ -57,8 +57,14 @@ class Waves:
         layout = Layout(("launch",), (count,), (min(PIECE, max(LEAST, -(-count // 8))),))
         store = self._store(points, layout)
         self.count += 1
-        fill(store, _Wave(shared((self.labels, points), self.pool), layout), blank=_unresolved,
-             executor=self.pool, workers=self.workers, progress=self._told)  # fmt: skip
+        fill(
+            store,
+            _Wave(shared((self.labels, points), self.pool), layout),
+            blank=_unresolved,
+            executor=self.pool,
+            workers=self.workers,
+            progress=self._told,
+        )
         self.done += count
         found: Ints = store.dataset()[LABEL.name].values
         return found

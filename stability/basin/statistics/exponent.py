@@ -211,9 +211,16 @@ def exponent_of(
         note += f"  But {doubt}: take the exponent over a smaller range."
         warned(f"{doubt}; take a smaller range.")
     return UncertaintyExponent(
-        law.exponent, (low, high), level, dimensions, steps, table.sum(axis=0), len(table),
-        law.fit, note,
-    )  # fmt: skip
+        law.exponent,
+        (low, high),
+        level,
+        dimensions,
+        steps,
+        table.sum(axis=0),
+        len(table),
+        law.fit,
+        note,
+    )
 
 
 def _box(low: ArrayLike, high: ArrayLike) -> Floats:

@@ -70,8 +70,9 @@ class _Likelihood:
         return float((self.counts * q + (self.points - self.counts) * np.log(-np.expm1(q))).sum())
 
 
-def fitted(table: Floats | np.ndarray[tuple[int, ...], np.dtype[np.bool_]], epsilons: Floats,
-           level: float) -> PowerLaw:  # fmt: skip
+def fitted(
+    table: Floats | np.ndarray[tuple[int, ...], np.dtype[np.bool_]], epsilons: Floats, level: float
+) -> PowerLaw:
     """The power law of a table of events.
 
     Parameters
@@ -109,8 +110,12 @@ def fitted(table: Floats | np.ndarray[tuple[int, ...], np.dtype[np.bool_]], epsi
     if (counts == len(table)).any():
         raise ParameterError("all base points differ at one displacement; take smaller ones.")
     law = _Likelihood(np.asarray(table, dtype=float), epsilons)
-    found = minimize_scalar(lambda b: -law.profile(b), bounds=(-STEEPEST, STEEPEST),
-                            method="bounded", options={"xatol": 1e-9})  # fmt: skip
+    found = minimize_scalar(
+        lambda b: -law.profile(b),
+        bounds=(-STEEPEST, STEEPEST),
+        method="bounded",
+        options={"xatol": 1e-9},
+    )
     b = float(found.x)
     p = np.exp(law.level(b) + b * law.x)
     design = np.stack([np.ones_like(p), law.x], axis=1)

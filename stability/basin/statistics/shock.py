@@ -320,16 +320,25 @@ class _Search:
         radius = min(self.size, self.reach)
         what = (
             f"A disturbance of size {self.size:.4g} changes the label: the smallest one is no "
-            "larger." if self.best is not None else
-            f"No disturbance up to {self.reach:g} that was tried changes the label."
-        )  # fmt: skip
+            "larger."
+            if self.best is not None
+            else f"No disturbance up to {self.reach:g} that was tried changes the label."
+        )
         note = (
             f"{what}  {self.searched} labels were computed.  A smaller one is not excluded: "
             f"{self.clear} random launches below {radius:.4g} keep the label, so that others "
             f"have at most {share:.2g} of this ball within the ranges, at a risk of {RISK:g}."
         )
         return Shock(
-            self.size, self.ball.launches(best), self.found, self.ball.start, self.own,
-            self.inner, self.searched, self.clear, share, note,
+            self.size,
+            self.ball.launches(best),
+            self.found,
+            self.ball.start,
+            self.own,
+            self.inner,
+            self.searched,
+            self.clear,
+            share,
+            note,
             str(getattr(self.label, "citation", "stability")),
-        )  # fmt: skip
+        )

@@ -25,9 +25,13 @@ from .shapes.named import of_disk
 
 
 def of_body(
-    family: Any, body: Any, disk: Any, contact: Any, parameters: Mapping[str, Any],
+    family: Any,
+    body: Any,
+    disk: Any,
+    contact: Any,
+    parameters: Mapping[str, Any],
     axes: Sequence[Any] = (),
-) -> tuple[Any, Any, Any, dict[str, Any]]:  # fmt: skip
+) -> tuple[Any, Any, Any, dict[str, Any]]:
     """Family, disk, contact and parameters of a call, with a body's numbers among the parameters.
 
     Parameters
@@ -92,8 +96,10 @@ def _check_axis(body: RoundShape, law: Contact, axis: Any) -> None:
     if not (isinstance(axis, (tuple, list)) and len(axis) > 2 and isinstance(axis[0], str)):
         return
     name = axis[0]
-    low, high = (one_number(f"the {side} end of the axis {name}", value)
-                 for side, value in zip(("low", "high"), axis[1:3], strict=True))  # fmt: skip
+    low, high = (
+        one_number(f"the {side} end of the axis {name}", value)
+        for side, value in zip(("low", "high"), axis[1:3], strict=True)
+    )
     if type(law).alternatives(name):
         type(law).accepted(name, [low, high])
     own = {n: v for n, v in body.given.items() if n not in body.shape}
@@ -174,9 +180,15 @@ def _resolved(
         if np.any(r.value) or r.coefficient in swept:
             _survives(family, body, r, theta)
     found = round_family(
-        body, family, type(law), tuple(coefficients), physical=physical, theta=theta, pole=pole,
+        body,
+        family,
+        type(law),
+        tuple(coefficients),
+        physical=physical,
+        theta=theta,
+        pole=pole,
         resistance=tuple(type(r) for r in against),
-    )  # fmt: skip
+    )
     numbers = body.given | coefficients | {r.coefficient: r.value for r in against}
     for name in given:
         if name in numbers:

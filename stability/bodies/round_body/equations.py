@@ -35,10 +35,14 @@ Resistances = tuple[type[Resistance], ...]
 
 
 def round_system(
-    body: RoundShape, law: type[Contact], given: tuple[str, ...], *, physical: bool,
+    body: RoundShape,
+    law: type[Contact],
+    given: tuple[str, ...],
+    *,
+    physical: bool,
     slip_states: bool = False,
     resistance: Resistances = (),
-) -> System:  # fmt: skip
+) -> System:
     """A body under a contact law as a `System`, built once for each.
 
     Parameters
@@ -72,9 +76,13 @@ def round_system(
 
 @lru_cache(maxsize=64)
 def _system(  # noqa: PLR0913
-    shape: Shape, law: type[Contact], given: tuple[str, ...], physical: bool,  # noqa: FBT001
-    resistance: Resistances, slips: bool,  # noqa: FBT001
-) -> System:  # fmt: skip
+    shape: Shape,
+    law: type[Contact],
+    given: tuple[str, ...],
+    physical: bool,  # noqa: FBT001
+    resistance: Resistances,
+    slips: bool,  # noqa: FBT001
+) -> System:
     name, height, _, _, between = shape
     numbers = Numbers.of(shape, (*given, *(r.coefficient for r in resistance)), physical=physical)
     states = STATES if slips else STATES[:4]
@@ -94,11 +102,18 @@ def _system(  # noqa: PLR0913
     body = RoundBody(x, along, numbers.table, law, given, slips, slip)
     body.against = [(r, numbers.table[r.coefficient]) for r in resistance]
     system = System.from_mass_matrix(
-        f"{name}, {law.name}", x, numbers.p, *body.implicit_form(),
-        unknowns=body.unknown_names, rates={"theta": x[1]}, pivots=body.pivots,
-        observables=body.observables, conditions=_conditions(x, between, creeps),
-        states=states, parameters=numbers.names,
-    )  # fmt: skip
+        f"{name}, {law.name}",
+        x,
+        numbers.p,
+        *body.implicit_form(),
+        unknowns=body.unknown_names,
+        rates={"theta": x[1]},
+        pivots=body.pivots,
+        observables=body.observables,
+        conditions=_conditions(x, between, creeps),
+        states=states,
+        parameters=numbers.names,
+    )
     return with_quantities(system, shape, law, resistance, physical=physical)
 
 
@@ -190,9 +205,15 @@ class RoundBody(NewtonEuler):
     """A body of revolution: its contact point lies at a = h' x̂ - h ẑ from the centre."""
 
     def __init__(
-        self, x: ca.SX, height: ca.SX, table: dict[str, Any], contact: type[Contact],
-        given: tuple[str, ...], slips: bool, slip: list[ca.SX] | None = None,  # noqa: FBT001
-    ) -> None:  # fmt: skip
+        self,
+        x: ca.SX,
+        height: ca.SX,
+        table: dict[str, Any],
+        contact: type[Contact],
+        given: tuple[str, ...],
+        slips: bool,
+        slip: list[ca.SX] | None = None,  # noqa: FBT001
+    ) -> None:
         length = table["length"]
         self.si = Law(contact, table, given)
         self.mass, self.weight = self.si.mass, self.si.weight
@@ -236,9 +257,10 @@ class RoundBody(NewtonEuler):
         """ṡ = vA - ω×a along (x̂, ŷ, ẑ)."""
         theta_dot = self.x[1]
         return ca.vertcat(
-            self.slip[0] + theta_dot * self.h, self.slip[1] - self.rim_speed(),
+            self.slip[0] + theta_dot * self.h,
+            self.slip[1] - self.rim_speed(),
             theta_dot * self.slope,
-        )  # fmt: skip
+        )
 
     def momentum(self) -> ca.SX:
         """L along (1̂, 2̂, 3̂)."""

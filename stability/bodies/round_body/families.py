@@ -42,9 +42,16 @@ def survives(name: str, resistance: Resistances, *, upright: bool) -> bool:
 
 
 def round_family(
-    body: RoundShape, name: str, law: type[Contact], given: tuple[str, ...], *, physical: bool,
-    theta: float | None = None, pole: Any = None, resistance: Resistances = (),
-) -> Family:  # fmt: skip
+    body: RoundShape,
+    name: str,
+    law: type[Contact],
+    given: tuple[str, ...],
+    *,
+    physical: bool,
+    theta: float | None = None,
+    pole: Any = None,
+    resistance: Resistances = (),
+) -> Family:
     """A family of steady motions of a body under a contact law; built once.
 
     Parameters
@@ -130,19 +137,39 @@ def _pairs(table: Held) -> tuple[tuple[str, Any], ...]:
 
 @lru_cache(maxsize=64)
 def _family(  # noqa: PLR0913
-    system: System, record: SteadyFamily, held: Any, unknown: Any, equations: Any, typical: Any,
-    law: Any, own: Any = None,
-) -> Family:  # fmt: skip
+    system: System,
+    record: SteadyFamily,
+    held: Any,
+    unknown: Any,
+    equations: Any,
+    typical: Any,
+    law: Any,
+    own: Any = None,
+) -> Family:
     formulas = None
     if own is not None:
         shape, given, physical = own
-        formulas = closed_form(system, record.name, shape, law, given, physical=physical,
-                               start=dict(unknown).get("theta"))  # fmt: skip
+        formulas = closed_form(
+            system,
+            record.name,
+            shape,
+            law,
+            given,
+            physical=physical,
+            start=dict(unknown).get("theta"),
+        )
     return Family(
-        system, record.name, record.at, held=dict(held), unknown=dict(unknown),
-        equations=equations, positive=record.positive, typical=dict(typical),
-        integrals=law.conservative and not record.pole, formulas=formulas,
-    )  # fmt: skip
+        system,
+        record.name,
+        record.at,
+        held=dict(held),
+        unknown=dict(unknown),
+        equations=equations,
+        positive=record.positive,
+        typical=dict(typical),
+        integrals=law.conservative and not record.pole,
+        formulas=formulas,
+    )
 
 
 def _near(pole: Any) -> int:

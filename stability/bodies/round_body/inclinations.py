@@ -71,8 +71,7 @@ def tumbling_ranges(body: RoundShape) -> list[tuple[float, float]]:
         there &= np.abs(theta - math.pi / 2) > (high - low) / SAMPLES
     ends = np.flatnonzero(np.diff(np.concatenate([[0], there.astype(int), [0]])))
     step = (high - low) / SAMPLES / 2
-    return [(float(theta[a] - step), float(theta[b - 1] + step))
-            for a, b in ends.reshape(-1, 2)]  # fmt: skip
+    return [(float(theta[a] - step), float(theta[b - 1] + step)) for a, b in ends.reshape(-1, 2)]
 
 
 def sizes(body: RoundShape, *, rests: bool) -> dict[str, float]:
@@ -100,8 +99,9 @@ def sizes(body: RoundShape, *, rests: bool) -> dict[str, float]:
     usual = _usual(*body.between)
     for digits in range(COARSEST, FINEST + 1):
         near = {n: _rounded(v, digits) for n, v in numbers.items()}
-        inside = all(low < near[n] / SPREAD and near[n] * SPREAD <= high
-                     for n, (low, high) in limits.items())  # fmt: skip
+        inside = all(
+            low < near[n] / SPREAD and near[n] * SPREAD <= high for n, (low, high) in limits.items()
+        )
         theta = _tumbling_at(shape_of(body), tuple(near.items())) if rests else usual
         if inside and theta is not None:
             return near | {"theta": theta}
@@ -125,8 +125,9 @@ def _tumbling_at(shape: Shape, numbers: tuple[tuple[str, float], ...]) -> float 
     """The middle of the widest interval in which a body tumbles; None where it does not."""
     name, height, moments, words, between = shape
     known = dict(numbers)
-    axial, transverse = (known[n] if m is None else m
-                         for n, m in zip(MOMENTS, moments, strict=True))  # fmt: skip
+    axial, transverse = (
+        known[n] if m is None else m for n, m in zip(MOMENTS, moments, strict=True)
+    )
     body = Outline(height, axial, transverse, {n: known[n] for n in words}, name, between)
     ranges = tumbling_ranges(body)
     if not ranges:

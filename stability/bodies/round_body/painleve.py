@@ -136,8 +136,9 @@ def _program(body: Body) -> Any:
 def _enclosed(values: Any, low: arb, high: arb, body: Body) -> PainleveLimit:
     """Bisection: an interval is dropped where |g| stays below the best value found so far."""
     best, place = arb(0), float(low)
-    boxes = [((low + (high - low) * i / 64), (low + (high - low) * (i + 1) / 64))
-             for i in range(64)]  # fmt: skip
+    boxes = [
+        ((low + (high - low) * i / 64), (low + (high - low) * (i + 1) / 64)) for i in range(64)
+    ]
     top, done = arb(0), 0
     while boxes:
         done += len(boxes)

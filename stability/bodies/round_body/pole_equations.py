@@ -41,10 +41,15 @@ STRAIN = 1e-9
 
 
 def pole_system(
-    body: RoundShape, law: type[Contact], given: tuple[str, ...], *, physical: bool, near: int = 0,
+    body: RoundShape,
+    law: type[Contact],
+    given: tuple[str, ...],
+    *,
+    physical: bool,
+    near: int = 0,
     slip_states: bool = False,
     resistance: Resistances = (),
-) -> System:  # fmt: skip
+) -> System:
     """A body under a contact law along fixed axes, built once for each.
 
     Parameters
@@ -154,9 +159,14 @@ def _check_even(law: type[Contact], count: int) -> None:
 
 @lru_cache(maxsize=32)
 def _system(  # noqa: PLR0913
-    shape: Shape, law: type[Contact], given: tuple[str, ...], physical: bool, near: int,  # noqa: FBT001
-    resistance: Resistances, slips: bool,  # noqa: FBT001
-) -> System:  # fmt: skip
+    shape: Shape,
+    law: type[Contact],
+    given: tuple[str, ...],
+    physical: bool,
+    near: int,  # noqa: FBT001
+    resistance: Resistances,
+    slips: bool,  # noqa: FBT001
+) -> System:
     name, height, *_ = shape
     numbers = Numbers.of(shape, (*given, *(r.coefficient for r in resistance)), physical=physical)
     axis = AXIS[:2] if near else AXIS
@@ -166,10 +176,13 @@ def _system(  # noqa: PLR0913
     up = near * ca.sqrt(1 - flat) if near else x[2]
     cosine = ca.SX.sym("c")
     body = PoleBody(
-        ca.vertcat(x[0], x[1], up), x[len(axis) : len(axis) + 3], x[len(axis) + 3 :],
-        (cosine, height_of_cosine(height, cosine, numbers.own)), Law(law, numbers.table, given),
+        ca.vertcat(x[0], x[1], up),
+        x[len(axis) : len(axis) + 3],
+        x[len(axis) + 3 :],
+        (cosine, height_of_cosine(height, cosine, numbers.own)),
+        Law(law, numbers.table, given),
         numbers.table,
-    )  # fmt: skip
+    )
     body.against = [(r, numbers.table[r.coefficient]) for r in resistance]
     rhs, seen = body.solved()
     turning = ca.cross(body.turn, body.axis)
@@ -184,9 +197,15 @@ def _system(  # noqa: PLR0913
         inside = "axis_X² + axis_Y² must be below 1 in this chart; 1 less that is {value:.3g}"
         conditions.append(Condition(1 - flat, inside))
     system = System(
-        f"{name}, {law.name}", x, numbers.p, ca.vertcat(turning[: len(axis)], rhs), states=states,
-        parameters=numbers.names, observables=seen, conditions=tuple(conditions),
-    )  # fmt: skip
+        f"{name}, {law.name}",
+        x,
+        numbers.p,
+        ca.vertcat(turning[: len(axis)], rhs),
+        states=states,
+        parameters=numbers.names,
+        observables=seen,
+        conditions=tuple(conditions),
+    )
     return with_quantities(system, shape, law, resistance, physical=physical)
 
 
@@ -225,9 +244,14 @@ class PoleBody:
     """
 
     def __init__(
-        self, axis: ca.SX, turn: ca.SX, slip: ca.SX, height: tuple[ca.SX, ca.SX], law: Law,
+        self,
+        axis: ca.SX,
+        turn: ca.SX,
+        slip: ca.SX,
+        height: tuple[ca.SX, ca.SX],
+        law: Law,
         table: dict[str, Any],
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.axis, self.turn, self.law, self.mass = axis, turn, law, law.mass
         c, f = height
         slope = ca.jacobian(f, c)
@@ -277,10 +301,14 @@ class PoleBody:
         power = -ca.dot(force, self.slip) if self.law.holds else self.law.power(sides, normal)
         power = power - ca.dot(self.moment(normal), self.turn)
         seen = {
-            "energy": kinetic + self.law.weight * self.f, "normal_force": normal,
-            "contact_force": force, "slip": self.slip, "determinant": determinant,
-            "power": power, "jellett": -ca.dot(self.momentum, self.point),
-        }  # fmt: skip
+            "energy": kinetic + self.law.weight * self.f,
+            "normal_force": normal,
+            "contact_force": force,
+            "slip": self.slip,
+            "determinant": determinant,
+            "power": power,
+            "jellett": -ca.dot(self.momentum, self.point),
+        }
         return ca.vertcat(*rates), {n: ca.SX(v) for n, v in seen.items()}
 
     def _free(self) -> tuple[ca.SX, ca.SX, ca.SX, ca.SX]:

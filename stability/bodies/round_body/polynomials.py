@@ -71,9 +71,15 @@ def stored(name: str, law: type[Contact]) -> bool:
 
 
 def closed_form(
-    system: System, name: str, shape: Shape, law: type[Contact], given: Sequence[str], *,
-    physical: bool, start: float | None = None,
-) -> ClosedForm | None:  # fmt: skip
+    system: System,
+    name: str,
+    shape: Shape,
+    law: type[Contact],
+    given: Sequence[str],
+    *,
+    physical: bool,
+    start: float | None = None,
+) -> ClosedForm | None:
     """Unknowns and polynomial of a family; None where none is stored.
 
     Parameters
@@ -92,8 +98,13 @@ def closed_form(
         First guess of the inclination where that is solved for.
     """
     record = _catalogue().get(f"{name} {KINDS.get(law, '')}")
-    return None if record is None else _Formulas(system, name, record).of(
-        shape, Numbers.of(shape, given, physical=physical), law, given, start)  # fmt: skip
+    return (
+        None
+        if record is None
+        else _Formulas(system, name, record).of(
+            shape, Numbers.of(shape, given, physical=physical), law, given, start
+        )
+    )
 
 
 def _waves(height: Expression) -> int:
@@ -112,9 +123,13 @@ class _Formulas:
         self.constants: list[tuple[ca.SX, float]] = []
 
     def of(
-        self, shape: Shape, numbers: Numbers, law: type[Contact], given: Sequence[str],
+        self,
+        shape: Shape,
+        numbers: Numbers,
+        law: type[Contact],
+        given: Sequence[str],
         start: float | None,
-    ) -> ClosedForm:  # fmt: skip
+    ) -> ClosedForm:
         """The closed form of one body under one law."""
         table, theta = numbers.table, self.theta
         rate = table["gravity"] / table["length"]  # square of the unit of rates
@@ -123,22 +138,32 @@ class _Formulas:
         slope = ca.jacobian(h, theta)
         s, c = ca.sin(theta), ca.cos(theta)
         known = {
-            "I1": self._kept(table["transverse"]), "I3": self._kept(table["axial"]), "s": s, "c": c,
-            "r": h * s + slope * c, "z": h * c - slope * s, "ρ": h + ca.jacobian(slope, theta),
-            "h": h, "h′′": ca.jacobian(slope, theta),
-        }  # fmt: skip
+            "I1": self._kept(table["transverse"]),
+            "I3": self._kept(table["axial"]),
+            "s": s,
+            "c": c,
+            "r": h * s + slope * c,
+            "z": h * c - slope * s,
+            "ρ": h + ca.jacobian(slope, theta),
+            "h": h,
+            "h′′": ca.jacobian(slope, theta),
+        }
         turn = self.turn / ca.sqrt(rate)
         unknowns, positive = self._member(known, h, slope, turn)
         known |= {"mu": self._drag(table, given)} | unknowns
         powers = [self._value(terms, known) for terms in self.record["coefficients"]]
-        scaled = [p / ca.sqrt(rate) ** k if k % 2 else p / rate ** (k // 2)
-                  for k, p in enumerate(powers)]  # fmt: skip
+        scaled = [
+            p / ca.sqrt(rate) ** k if k % 2 else p / rate ** (k // 2) for k, p in enumerate(powers)
+        ]
         if self.name == "rolling":
             solved = {"theta": theta}
             free = {"theta": theta, "omega3": self.turn}
         else:
-            solved = {n: v * ca.sqrt(rate) for n, v in unknowns.items() if n != "phi_dot" or
-                      self.name == "tumbling"}  # fmt: skip
+            solved = {
+                n: v * ca.sqrt(rate)
+                for n, v in unknowns.items()
+                if n != "phi_dot" or self.name == "tumbling"
+            }
             free = {"theta": theta, "phi_dot": self.turn} | solved
         state = ca.vertcat(*[free.get(n, 0) for n in self.system.states])
         within = self._conditions(shape, law, given, numbers, h, state)
@@ -158,9 +183,14 @@ class _Formulas:
         return ImplicitForm(*record, equation.serialize(), start, shape[4])
 
     def _conditions(  # noqa: PLR0913
-        self, shape: Shape, law: type[Contact], given: Sequence[str], numbers: Numbers, h: ca.SX,
+        self,
+        shape: Shape,
+        law: type[Contact],
+        given: Sequence[str],
+        numbers: Numbers,
+        h: ca.SX,
         state: ca.SX,
-    ) -> ca.SX:  # fmt: skip
+    ) -> ca.SX:
         """Numbers that the system's conditions ask to be positive, with the same reading of h."""
         x, p = self.system.x, self.system.p
         if _waves(shape[1]) > FEW:

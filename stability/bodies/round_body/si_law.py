@@ -26,8 +26,9 @@ def shape_of(body: RoundShape) -> Shape:
     body
         The body.
     """
-    moments = tuple(m if isinstance(m, Expression) else None
-                    for m in (getattr(body, n) for n in MOMENTS))  # fmt: skip
+    moments = tuple(
+        m if isinstance(m, Expression) else None for m in (getattr(body, n) for n in MOMENTS)
+    )
     height: Any = body.height
     return body.name, height, moments, tuple(body.shape), body.between
 

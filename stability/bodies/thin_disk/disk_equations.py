@@ -30,9 +30,11 @@ from .disk_quantities import SYSTEM, disk_quantities
 
 
 def disk_system(
-    law: str | Contact | type[Contact] | None = None, *, slip_states: bool | None = None,
+    law: str | Contact | type[Contact] | None = None,
+    *,
+    slip_states: bool | None = None,
     direction: bool = False,
-) -> System:  # fmt: skip
+) -> System:
     """The disk under a contact law as a `System`; dimensionless, built once for each law.
 
     Parameters
@@ -104,11 +106,18 @@ def _disk_system(contact: type[Contact], slip_states: bool | None, *, direction:
         slip = slip_of(contact, _below(contact), x, named)
     body = DiskBody(x, k, contact, coefficient, slips, slip)
     system = System.from_mass_matrix(
-        SYSTEM + law, x, p, *body.implicit_form(),
-        unknowns=body.unknown_names, rates={"theta": x[1]}, pivots=body.pivots,
-        observables=body.observables, conditions=_conditions(x, named, contact),
-        states=names, parameters=tuple(named),
-    )  # fmt: skip
+        SYSTEM + law,
+        x,
+        p,
+        *body.implicit_form(),
+        unknowns=body.unknown_names,
+        rates={"theta": x[1]},
+        pivots=body.pivots,
+        observables=body.observables,
+        conditions=_conditions(x, named, contact),
+        states=names,
+        parameters=tuple(named),
+    )
     own = (*system.states, *system.parameters, *system.observables)
     quantities = disk_quantities(contact)
     return replace(system, units={n: quantities[n].kind.si for n in own if n in quantities})
@@ -148,9 +157,14 @@ class DiskBody(NewtonEuler):
     """The disk: its contact point is fixed in the plane of the frame, a = 1̂; m = R = g = 1."""
 
     def __init__(  # noqa: PLR0913
-        self, x: ca.SX, k: ca.SX, contact: type[Contact], mu: Any, slips: bool,
+        self,
+        x: ca.SX,
+        k: ca.SX,
+        contact: type[Contact],
+        mu: Any,
+        slips: bool,
         slip: list[ca.SX] | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.k = k
         super().__init__(x, contact, mu, slips, slip)
 

@@ -67,12 +67,16 @@ def _disk_family(record: SteadyFamily, law: type[Contact]) -> Family:
     system = disk_system(law)
     at_rest = {n: v for n, v in AT_REST.items() if n in system.states}
     return Family(
-        system, record.name, record.at,
-        held=record.disk_held | at_rest, unknown=record.disk_unknown,
+        system,
+        record.name,
+        record.at,
+        held=record.disk_held | at_rest,
+        unknown=record.disk_unknown,
         equations=("theta_dot",) * bool(record.disk_unknown),
         positive=record.positive,
         typical={"theta": 1.0, "phi_dot": 1.9, "omega3": 1.3, "k": 0.3}
         | dict.fromkeys(law.symbols(), 30.0 if law.holds else 0.7),
-        conservative=law.conservative, integrals=law.conservative and stored(law),
+        conservative=law.conservative,
+        integrals=law.conservative and stored(law),
         drifts=record.drifts and stored(law) and bool(law.parameters),
-    )  # fmt: skip
+    )

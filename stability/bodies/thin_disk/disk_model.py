@@ -122,27 +122,41 @@ def _disk_model(law: type[Contact], pose: bool, sticking: bool) -> Model:  # noq
         guards[NO_CONTACT] = determinant
     friction = [system.parameters.index("mu")] if "mu" in system.parameters else []
     series = {
-        "energy": seen["energy"], "potential": ca.sin(system.x[0]), "normal_force": normal,
-        "force_x": seen["contact_force"][0], "force_y": seen["contact_force"][1],
+        "energy": seen["energy"],
+        "potential": ca.sin(system.x[0]),
+        "normal_force": normal,
+        "force_x": seen["contact_force"][0],
+        "force_y": seen["contact_force"][1],
         "power": seen["power"],
-    }  # fmt: skip
+    }
     if pose:
         series["reach"] = ca.cos(x[0])
     if issubclass(law, Creep):
         [guards[CREEP_ENDS]] = (c.value for c in system.conditions if c.sentence == CREEPS)
         series |= {"slip_x": seen["slip"][0], "slip_y": seen["slip"][1]}
     return Model(
-        system, STATES, ca.vertcat(*columns), ca.vertcat(parameters, flat), ca.vertcat(*rates),
-        tuple(names), guards, WORDS, series, QUANTITIES,
+        system,
+        STATES,
+        ca.vertcat(*columns),
+        ca.vertcat(parameters, flat),
+        ca.vertcat(*rates),
+        tuple(names),
+        guards,
+        WORDS,
+        series,
+        QUANTITIES,
         law.symbols()[0] if law.relaxes and not sticking else "",
-        turning=(1, 2, 3), sliding=() if law.sticks or len(system.states) < 6 else (4, 5),
-        parking=partial(_park, friction), sound=_stands, short=_short(law, sticking or pose),
+        turning=(1, 2, 3),
+        sliding=() if law.sticks or len(system.states) < 6 else (4, 5),
+        parking=partial(_park, friction),
+        sound=_stands,
+        short=_short(law, sticking or pose),
         dry=_dry(law, pose) if law.sticks and not sticking else None,
         held=Held(partial(disk_model, Rough), held_disk) if law.relaxes else None,
         title=f"motion of a disk, {law.name} contact",
         source="equations of Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) "
         "204-231, integrated",
-    )  # fmt: skip
+    )
 
 
 def _solved(system: System, law: type[Contact]) -> tuple[list[ca.SX], ca.SX, ca.SX]:
@@ -165,8 +179,12 @@ def held_disk() -> tuple[Program, Program]:
 
 def _dry(law: type[Contact], pose: bool) -> Dry:  # noqa: FBT001
     """The disk at rest."""
-    return Dry(disk_system(law, direction=True), disk_system("rough"),
-               partial(disk_model, law, pose=pose, sticking=True), _unique)  # fmt: skip
+    return Dry(
+        disk_system(law, direction=True),
+        disk_system("rough"),
+        partial(disk_model, law, pose=pose, sticking=True),
+        _unique,
+    )
 
 
 def _unique(p: Floats) -> bool:

@@ -64,16 +64,32 @@ def momenta_model(law: type[Contact], whole: Model) -> Model:
     normal = pressing / determinant
     fx, fy = (b + normal * h for b, h in zip(bare, share, strict=True))
     rates = ca.vertcat(
-        turning, gyroscopic - (normal * lever + bare[0] * s) / k, -turning * excess,
-        (fy / k) / 2, phi_dot * vy + fx, fy - phi_dot * vx,
-    )  # fmt: skip
+        turning,
+        gyroscopic - (normal * lever + bare[0] * s) / k,
+        -turning * excess,
+        (fy / k) / 2,
+        phi_dot * vy + fx,
+        fy - phi_dot * vx,
+    )
     guards = dict(zip(whole.guards, (pressing, s - flat, determinant), strict=False))
     return Model(
-        whole.system, whole.states, z, whole.p, rates, NAMES, guards, whole.words,
-        quantities=whole.quantities, friction=whole.friction, turning=(1, 3),
-        parking=whole.parking, sound=whole.sound, chart=Chart(pack, report, _along),
-        title=whole.title, source=whole.source,
-    )  # fmt: skip
+        whole.system,
+        whole.states,
+        z,
+        whole.p,
+        rates,
+        NAMES,
+        guards,
+        whole.words,
+        quantities=whole.quantities,
+        friction=whole.friction,
+        turning=(1, 3),
+        parking=whole.parking,
+        sound=whole.sound,
+        chart=Chart(pack, report, _along),
+        title=whole.title,
+        source=whole.source,
+    )
 
 
 def _parts(law: type[Contact], slip: list[ca.SX], mu: list[ca.SX]) -> tuple[Any, Any]:

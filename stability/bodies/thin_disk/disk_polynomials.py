@@ -195,7 +195,11 @@ def _read(key: str, record: Mapping[str, Any]) -> Exact:
         return Polynomial(names, tuple((c, tuple(e)) for c, *e in terms))
 
     return Exact(
-        family, law, names, record["zeros"], record["even"],
+        family,
+        law,
+        names,
+        record["zeros"],
+        record["even"],
         tuple(tuple(polynomial(c) for c in factor) for factor in record["factors"]),
         tuple((c["kind"], polynomial(c["terms"])) for c in record["conditions"]),
-    )  # fmt: skip
+    )

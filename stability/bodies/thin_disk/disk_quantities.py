@@ -22,8 +22,9 @@ _TABLE = (
     Quantity("k", "k", "inertia factor", Kind.NUMBER),
     Quantity("mu", "μ", "friction coefficient", Kind.INVERSE_VELOCITY, r"\mu"),
     Quantity("c", "c", "linear friction coefficient", Kind.DRAG),
-    Quantity("epsilon", "ε", "slip speed below which friction gives way", Kind.VELOCITY,
-             r"\varepsilon"),
+    Quantity(
+        "epsilon", "ε", "slip speed below which friction gives way", Kind.VELOCITY, r"\varepsilon"
+    ),
     Quantity("direction", "", "direction of slip from x̂", Kind.ANGLE),
     Quantity("time", "t", "time", Kind.TIME),
     Quantity("lean", "π/2-θ", "lean from upright", Kind.ANGLE, r"\pi/2-\theta"),
@@ -51,7 +52,7 @@ _TABLE = (
     Quantity("centre_y", "", "centre, Y", Kind.LENGTH),
     Quantity("contact_x", "", "contact point, X", Kind.LENGTH),
     Quantity("contact_y", "", "contact point, Y", Kind.LENGTH),
-)  # fmt: skip
+)
 QUANTITIES: Mapping[str, Quantity] = {q.name: q for q in _TABLE}
 """Every quantity by name, in the order of a motion's dataset; mu is that of the viscous law."""
 

@@ -149,8 +149,10 @@ class Branch:
             if level.own is None:
                 continue
             parts = by_power(level.own, level.place)
-            balls = [arb(evaluate(parts[k], known)) if k in parts else arb(0)
-                     for k in range(max(parts) + 1)]  # fmt: skip
+            balls = [
+                arb(evaluate(parts[k], known)) if k in parts else arb(0)
+                for k in range(max(parts) + 1)
+            ]
             roots = None if balls[-1].contains(0) else isolated(balls, even=False)
             if roots is None:
                 return None
@@ -291,8 +293,10 @@ class Branch:
         if grows(a):
             return True
         polys = self.tower.whole.factors[index][0]
-        zero = [c == 0 or (b.contains(0) and self._nothing(all_, one, c))
-                for c, b in zip(polys, a, strict=True)]  # fmt: skip
+        zero = [
+            c == 0 or (b.contains(0) and self._nothing(all_, one, c))
+            for c, b in zip(polys, a, strict=True)
+        ]
         low = zero.index(False)
         rest = [arb(0) if z else b for z, b in zip(zero, a, strict=True)][low:]
         if rest[-1].contains(0):

@@ -140,8 +140,9 @@ def _eliminated(poly: Any, level: Any, budget: Budget) -> list[Any]:
         if len(rest) ** degree > budget.terms**2:
             raise NotExact(f"a norm of {len(rest)} terms and degree {degree} is too large")
         # the leading coefficient that the remainder was multiplied with adds candidates only
-        poly = rest.resultant(level.relation, level.index) if level.index in occurring(
-            rest) else rest  # fmt: skip
+        poly = (
+            rest.resultant(level.relation, level.index) if level.index in occurring(rest) else rest
+        )
         budget.watch(poly)
         if poly == 0:
             raise NotExact("a condition vanishes all along the axis, on some branch")

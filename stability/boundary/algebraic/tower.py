@@ -63,8 +63,11 @@ class Along(Reading):
             return self.field.number(1)
         if index in self.triangular.solved or index in dict(self.triangular.kept):
             return self.field.symbols[index]
-        sine = (i for i, (function, x, _) in self.field.meaning.items()
-                if function == "sin" and x == self.field.symbols[index])  # fmt: skip
+        sine = (
+            i
+            for i, (function, x, _) in self.field.meaning.items()
+            if function == "sin" and x == self.field.symbols[index]
+        )
         place = next(sine, None)
         if place is None:
             raise NotExact(f"{name} obeys no polynomial equation")
@@ -310,10 +313,14 @@ class Tower:
             if inside & occurring(x.den) or max(parts, default=0) > 1:
                 raise NotExact(f"the argument of {name} is not linear in the axis")
             below = x.den.leading_coefficient()
-            numbers = [parts[i].leading_coefficient() / below if i in parts else fmpq(0)
-                       for i in (0, 1)]  # fmt: skip
-            out.append((place, name, numbers[1], numbers[0]) if free else
-                       (place, name, numbers[0], fmpq(0)))  # fmt: skip
+            numbers = [
+                parts[i].leading_coefficient() / below if i in parts else fmpq(0) for i in (0, 1)
+            ]
+            out.append(
+                (place, name, numbers[1], numbers[0])
+                if free
+                else (place, name, numbers[0], fmpq(0))
+            )
         return out
 
     def _clocked(
@@ -371,9 +378,18 @@ class Tower:
             raise NotExact("a variable has two equations")
         out: list[Level] = []
         while levels:
-            last = next((one for one in levels if not any(
-                one.index in occurring(other.relation) for other in levels if other is not one
-            )), None)  # fmt: skip
+            last = next(
+                (
+                    one
+                    for one in levels
+                    if not any(
+                        one.index in occurring(other.relation)
+                        for other in levels
+                        if other is not one
+                    )
+                ),
+                None,
+            )
             if last is None:
                 raise NotExact("the equations of the unknowns are not in triangular form")
             levels.remove(last)

@@ -145,9 +145,18 @@ def birth(line: Line, point: BoundaryPoint) -> CycleBirth:
                 continue
     nan = float("nan")
     return CycleBirth(
-        point.value, point.error, Onset.UNDECIDED, point.stable_below, point.frequency,
-        nan, nan, nan, nan, nan, reason,
-    )  # fmt: skip
+        point.value,
+        point.error,
+        Onset.UNDECIDED,
+        point.stable_below,
+        point.frequency,
+        nan,
+        nan,
+        nan,
+        nan,
+        nan,
+        reason,
+    )
 
 
 def _checked(line: Line, point: BoundaryPoint) -> Pair:
@@ -185,8 +194,15 @@ def _record(point: BoundaryPoint, pair: Pair, found: Coefficients, reason: str) 
     value, error = rounded(pair.value)
     frequency, speed, first = map(rounded, (pair.frequency, found.speed, found.first))
     return CycleBirth(
-        value, error, kind, point.stable_below, *frequency, *speed, *first, reason,
-    )  # fmt: skip
+        value,
+        error,
+        kind,
+        point.stable_below,
+        *frequency,
+        *speed,
+        *first,
+        reason,
+    )
 
 
 def rounded(ball: Any) -> tuple[float, float]:
@@ -218,10 +234,15 @@ def _on_line(line: Line, point: BoundaryPoint) -> HopfPoint:
             whole = np.zeros(len(line.family.system.states), dtype=complex)
             whole[line.d.kept] = mode
             return HopfPoint(
-                rounded(pair.value)[0], kind if signs else HopfKind.DEGENERATE, point.stable_below,
-                float(pair.frequency.mid()), float(form.speed.mid()), float(form.push.mid()),
-                whole, 1.0,
-            )  # fmt: skip
+                rounded(pair.value)[0],
+                kind if signs else HopfKind.DEGENERATE,
+                point.stable_below,
+                float(pair.frequency.mid()),
+                float(form.speed.mid()),
+                float(form.push.mid()),
+                whole,
+                1.0,
+            )
     raise StabilityError(
         f"{line.family.name} at {line.axis} = {point.value:.10g}: {NO_PAIR}, so its normal form is "
         "not known."

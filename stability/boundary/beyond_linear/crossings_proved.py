@@ -136,8 +136,12 @@ def guess(line: Line, value: float, frequency: float) -> tuple[PairEquations, li
     mode = vectors[:, best] / np.linalg.norm(vectors[:, best])
     unknowns = line.member(value)
     return PairEquations(line, mode), [
-        value, *unknowns, *map(float, mode.real), *map(float, mode.imag), float(values[best].imag),
-    ]  # fmt: skip
+        value,
+        *unknowns,
+        *map(float, mode.real),
+        *map(float, mode.imag),
+        float(values[best].imag),
+    ]
 
 
 def pair_near(line: Line, value: float, frequency: float) -> Pair:
@@ -191,8 +195,12 @@ def bordered(matrix: Any, right: Balls, *, by: Balls | None = None) -> Balls:
         If the kernel is not proved to be one-dimensional, or the eigenvalue to be simple.
     """
     n = len(right)
-    table = np.array([[complex(matrix[i, j].real.mid(), matrix[i, j].imag.mid())
-                       for j in range(n)] for i in range(n)])  # fmt: skip
+    table = np.array(
+        [
+            [complex(matrix[i, j].real.mid(), matrix[i, j].imag.mid()) for j in range(n)]
+            for i in range(n)
+        ]
+    )
     if not np.isfinite(table).all():
         raise NotProvedError
     column = by or [acb(float(c.real), float(c.imag)) for c in np.linalg.svd(table)[0][:, -1]]
@@ -217,8 +225,9 @@ def dot(x: Balls, y: Balls) -> Any:
 def shifted(matrix: Any, number: Any) -> Any:
     """A - number, complex."""
     n = matrix.nrows()
-    return acb_mat([[acb(matrix[i, j]) - (number if i == j else 0) for j in range(n)]
-                    for i in range(n)])  # fmt: skip
+    return acb_mat(
+        [[acb(matrix[i, j]) - (number if i == j else 0) for j in range(n)] for i in range(n)]
+    )
 
 
 def solve(matrix: Any, right: Balls) -> Balls:

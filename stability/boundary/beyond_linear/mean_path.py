@@ -72,10 +72,16 @@ class _Circling:
         ]
         self.family = self.flows[0].family
         self.pushes = [
-            Program(ca.Function("push", [s.x, s.p], [
-                ca.densify(ca.jacobian(s.rhs, s.p[s.parameters.index(flow.small)]))
-            ])) for flow in self.flows for s in (flow.disturbed,)
-        ]  # fmt: skip
+            Program(
+                ca.Function(
+                    "push",
+                    [s.x, s.p],
+                    [ca.densify(ca.jacobian(s.rhs, s.p[s.parameters.index(flow.small)]))],
+                )
+            )
+            for flow in self.flows
+            for s in (flow.disturbed,)
+        ]
 
     def __call__(self, at: Floats, k: Floats, share: Floats) -> tuple[Floats, Floats]:
         """Rates of (θ, φ̇) for the coefficients (1 - share, share), and the nutation frequency."""
@@ -103,9 +109,11 @@ class _Circling:
 
 
 def retrograde_map(
-    inner: ArrayLike | None = None, share: ArrayLike | None = None, *,
+    inner: ArrayLike | None = None,
+    share: ArrayLike | None = None,
+    *,
     starts: Sequence[tuple[float, float]] = STARTS,
-) -> xarray.Dataset:  # fmt: skip
+) -> xarray.Dataset:
     """Where the mean path of a ring turns back, over its inner radius and the kind of resistance.
 
     Parameters
@@ -171,9 +179,14 @@ def retrograde_map(
             "start_theta": ("start", [a for a, _ in pairs], {"units": "degree"}),
             "start_speed": ("start", [b for _, b in pairs], {"units": "1"}),
         },
-        attrs={"format": FORMAT, "contact": "rough", "end": FLAT, "stability": __version__,
-               "citation": cited("rough", model=True)},
-    )  # fmt: skip
+        attrs={
+            "format": FORMAT,
+            "contact": "rough",
+            "end": FLAT,
+            "stability": __version__,
+            "citation": cited("rough", model=True),
+        },
+    )
 
 
 def _points(name: str, given: ArrayLike | None) -> Floats:

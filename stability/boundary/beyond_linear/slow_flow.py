@@ -228,9 +228,14 @@ class SlowFlow(Record):
 
 
 def slow_flow(
-    family: str | Family, *, body: Body | None = None, contact: Contact | str | None = None,
-    resistance: Resistance | None = None, small: str | None = None, **parameters: Any,
-) -> SlowFlow:  # fmt: skip
+    family: str | Family,
+    *,
+    body: Body | None = None,
+    contact: Contact | str | None = None,
+    resistance: Resistance | None = None,
+    small: str | None = None,
+    **parameters: Any,
+) -> SlowFlow:
     """Slow drift along a family under a small disturbance.
 
     Parameters
@@ -324,11 +329,15 @@ def _still(family: Family, small: str) -> Family:
     kept = [i for i in range(len(system.parameters)) if i != place]
     p = system.p[kept] if kept else ca.SX(0, 1)
     quiet = System(
-        system.name, system.x, p, at_zero(system.rhs), states=system.states,
+        system.name,
+        system.x,
+        p,
+        at_zero(system.rhs),
+        states=system.states,
         parameters=tuple(system.parameters[i] for i in kept),
         observables={n: at_zero(v) for n, v in system.observables.items()},
         conditions=tuple(Condition(at_zero(c.value), c.sentence) for c in system.conditions),
         units={n: u for n, u in system.units.items() if n != small},
-    )  # fmt: skip
+    )
     typical = {n: v for n, v in family.typical.items() if n != small}
     return replace(family, system=quiet, typical=typical, exact=None, formulas=None)

@@ -56,9 +56,8 @@ def meaningful(line: AxisScan, low: float, high: float, found: Boundaries) -> Bo
         found,
         points=tuple(p for p in found.points if free(p.value, p.error)),
         touching=tuple(v for v in found.touching if free(v)),
-        unresolved=tuple(sorted([
-            *(u for u in found.unresolved if not _inside(u, parts)), *parts])),
-    )  # fmt: skip
+        unresolved=tuple(sorted([*(u for u in found.unresolved if not _inside(u, parts)), *parts])),
+    )
 
 
 def _inside(part: Unresolved, others: Sequence[Unresolved]) -> bool:

@@ -132,8 +132,10 @@ def pieces(line: AxisScan, low: float, high: float, *, log: bool = False) -> Pie
 
 def _leaves(quick: Quick) -> list[Leaf]:
     """The pieces that doubles prove."""
-    one = [Leaf(s.low, s.high, 1, near=None if s.crossing is None else (s.root, s.crossing))
-           for s in quick.single]  # fmt: skip
+    one = [
+        Leaf(s.low, s.high, 1, near=None if s.crossing is None else (s.root, s.crossing))
+        for s in quick.single
+    ]
     return [*(Leaf(*ends, 0) for ends in quick.clear), *one]
 
 

@@ -148,9 +148,12 @@ class Rounds:
     """Rounds of pieces, each cut where the one before left it open."""
 
     def __init__(
-        self, found: FormulaMeetings, tapes: Sequence[Tape], inputs: tuple[Floats, Floats],
+        self,
+        found: FormulaMeetings,
+        tapes: Sequence[Tape],
+        inputs: tuple[Floats, Floats],
         place: int,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.found, self.inputs, self.place = found, inputs, place
         self.whole, self.inner, self.slope = tapes
         self.functions = len(found.kinds)
@@ -201,8 +204,9 @@ class Rounds:
         inner = self._at(points, np.zeros(len(points)), self.inner)
         outer = self._at(points, half, self.whole)
         with np.errstate(all="ignore"):
-            m, r = (np.concatenate([v, w[:, ORDER:]], axis=1)
-                    for v, w in zip(inner, outer, strict=True))  # fmt: skip
+            m, r = (
+                np.concatenate([v, w[:, ORDER:]], axis=1) for v, w in zip(inner, outer, strict=True)
+            )
             powers = half ** np.arange(ORDER + 1)[:, None]
             size = (np.abs(m) + r) * powers
             rest = (r[:, 0] + size[:, 1:].sum(axis=1)) * ROOM
@@ -228,8 +232,10 @@ class Rounds:
         which = np.argmax(turned[:, one], axis=0)
         rises = value[which, 1, one] > 0
         roots = self._roots(lows[one], highs[one], which, rises) if len(one) else ()
-        found = [Single(float(lows[i]), float(highs[i]), root, self.found.kinds[k])
-                 for i, k, root in zip(one, which, roots, strict=True)]  # fmt: skip
+        found = [
+            Single(float(lows[i]), float(highs[i]), root, self.found.kinds[k])
+            for i, k, root in zip(one, which, roots, strict=True)
+        ]
         return sure & ~turned.any(axis=0), list(zip(one.tolist(), found, strict=True))
 
     def _roots(self, lows: Floats, highs: Floats, which: NDArray[Any], rises: Flags) -> list[float]:
@@ -249,9 +255,17 @@ class Rounds:
             after = here - step
             inside = (low < after) & (after < high)
             here = np.where(near, here, np.where(inside, after, low + (high - low) / 2))
-        return [self._polished(*point) for point in zip(
-            here.tolist(), slope.tolist(), which.tolist(), lows.tolist(), highs.tolist(),
-            strict=True)]  # fmt: skip
+        return [
+            self._polished(*point)
+            for point in zip(
+                here.tolist(),
+                slope.tolist(),
+                which.tolist(),
+                lows.tolist(),
+                highs.tolist(),
+                strict=True,
+            )
+        ]
 
     def _polished(self, here: float, slope: float, which: int, low: float, high: float) -> float:
         """A zero to all digits of a double, by balls."""

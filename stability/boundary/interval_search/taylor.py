@@ -132,10 +132,12 @@ def _plain(name: str) -> Callable[[Any], Any]:
 
 
 SLOPES: dict[str, Callable[[Any], Any]] = {
-    "expm1": lambda x: x.exp(), "log1p": lambda x: 1 / (1 + x),
-    "asinh": lambda x: 1 / (1 + x * x).sqrt(), "acosh": lambda x: 1 / (x * x - 1).sqrt(),
+    "expm1": lambda x: x.exp(),
+    "log1p": lambda x: 1 / (1 + x),
+    "asinh": lambda x: 1 / (1 + x * x).sqrt(),
+    "acosh": lambda x: 1 / (x * x - 1).sqrt(),
     "atanh": lambda x: 1 / (1 - x * x),
-}  # fmt: skip
+}
 """Derivatives of functions that power series lack."""
 
 

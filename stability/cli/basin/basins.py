@@ -48,16 +48,26 @@ def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None) -> 
         The command line, as for `add_body`.
     """
     for axis in ("--x", "--y"):
-        sub.add_argument(axis, metavar="NAME:LO:HI:N[:log]",
-                         help="axis: a state at the start (theta, phi_dot, omega3, …), a number of "
-                         "the body (k) or of the law (mu); with --family also tilt, and at for "
-                         "what names its members")  # fmt: skip
-    sub.add_argument("--more", action="append", metavar="NAME:LO:HI:N[:log]",
-                     help="a further axis; once for each")  # fmt: skip
+        sub.add_argument(
+            axis,
+            metavar="NAME:LO:HI:N[:log]",
+            help="axis: a state at the start (theta, phi_dot, omega3, …), a number of "
+            "the body (k) or of the law (mu); with --family also tilt, and at for "
+            "what names its members",
+        )
+    sub.add_argument(
+        "--more",
+        action="append",
+        metavar="NAME:LO:HI:N[:log]",
+        help="a further axis; once for each",
+    )
     kinds = ", ".join(f"NAME:{kind}:{numbers}" for kind, numbers in KINDS.items())
-    sub.add_argument("--sample", action="append", metavar="NAME:KIND:A:B",
-                     help=f"a random sample in place of axes: {kinds}; once for each "
-                     "quantity")  # fmt: skip
+    sub.add_argument(
+        "--sample",
+        action="append",
+        metavar="NAME:KIND:A:B",
+        help=f"a random sample in place of axes: {kinds}; once for each quantity",
+    )
     sub.add_argument("--count", type=int, metavar="N", help="launches of the sample")
     sub.add_argument(
         "--seed",
@@ -65,26 +75,51 @@ def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None) -> 
         metavar="S",
         help="of the sample (default 0); launch i of a seed is always the same",
     )
-    sub.add_argument("--family", help="launch near rolling, spinning, tumbling or, of a "
-                     "body, vertical, the axis tilted")  # fmt: skip
+    sub.add_argument(
+        "--family",
+        help="launch near rolling, spinning, tumbling or, of a body, vertical, the axis tilted",
+    )
     add_subject(sub, words, motion=True, place=True)
     sub.add_argument("--time", type=float, required=True, metavar="T", help="last time")
-    sub.add_argument("--tolerance", type=float, default=1e-9, metavar="E",
-                     help="error allowed in a step (default 1e-9)")  # fmt: skip
-    sub.add_argument("--no-check", action="store_true",
-                     help="run each launch once: no error estimate, half the time")  # fmt: skip
-    sub.add_argument("--out", required=True, metavar="STORE.zarr",
-                     help="Zarr store; finished launches are kept there, and the same command "
-                     "goes on")  # fmt: skip
+    sub.add_argument(
+        "--tolerance",
+        type=float,
+        default=1e-9,
+        metavar="E",
+        help="error allowed in a step (default 1e-9)",
+    )
+    sub.add_argument(
+        "--no-check",
+        action="store_true",
+        help="run each launch once: no error estimate, half the time",
+    )
+    sub.add_argument(
+        "--out",
+        required=True,
+        metavar="STORE.zarr",
+        help="Zarr store; finished launches are kept there, and the same command goes on",
+    )
     sub.add_argument("--plot", metavar="F.png", help="figure to write (PNG, PDF or SVG)")
-    sub.add_argument("--levels", type=int, default=0, metavar="L",
-                     help="halve the steps of a map this often along the borders between ends; the "
-                     "store gets the borders, and the figure shows them")  # fmt: skip
+    sub.add_argument(
+        "--levels",
+        type=int,
+        default=0,
+        metavar="L",
+        help="halve the steps of a map this often along the borders between ends; the "
+        "store gets the borders, and the figure shows them",
+    )
     scheduling(sub)
-    sub.add_argument("--chunk", type=int, metavar="N",
-                     help="launches of a chunk, the work of a worker (default 4096)")  # fmt: skip
-    sub.add_argument("--dry-run", action="store_true",
-                     help="say what it would cost, from a few launches, and stop")  # fmt: skip
+    sub.add_argument(
+        "--chunk",
+        type=int,
+        metavar="N",
+        help="launches of a chunk, the work of a worker (default 4096)",
+    )
+    sub.add_argument(
+        "--dry-run",
+        action="store_true",
+        help="say what it would cost, from a few launches, and stop",
+    )
     overwriting(sub, "replace a store that was made with other arguments, and an existing figure")
 
 
@@ -105,8 +140,16 @@ def run(options: argparse.Namespace) -> None:
             from ...basin.basins import run as fill
             from ...basin.dataset import lost
 
-            kept = fill(plan, out, options.force, options.scheduler, options.workers, progress,
-                        options.levels, cost.border)  # fmt: skip
+            kept = fill(
+                plan,
+                out,
+                options.force,
+                options.scheduler,
+                options.workers,
+                progress,
+                options.levels,
+                cost.border,
+            )
             dataset, numbers = kept.dataset(), lost(kept)
             if picture is not None:
                 _draw(dataset, picture, options)
@@ -132,9 +175,14 @@ def _planned(options: argparse.Namespace) -> tuple[Plan, Path, Path | None]:
     given = launched(options)
     thing = given.pop("disk")
     plan = planned(
-        thing, given.pop("contact", None), horizon=options.time, tolerance=options.tolerance,
-        check=not options.no_check, chunk=options.chunk, **given,
-    )  # fmt: skip
+        thing,
+        given.pop("contact", None),
+        horizon=options.time,
+        tolerance=options.tolerance,
+        check=not options.no_check,
+        chunk=options.chunk,
+        **given,
+    )
     return plan, out, picture
 
 
@@ -170,11 +218,16 @@ def _draw(dataset: Any, picture: Path, options: argparse.Namespace) -> None:
 
 def _record(cost: Cost) -> dict[str, Any]:
     return {
-        "launches": cost.launches, "border_launches": cost.border, "stored": cost.stored,
-        "tried": cost.sampled, "computing_seconds": cost.computing, "seconds": cost.seconds,
-        "seconds_of_all_but_single_launches": cost.least, "workers": cost.workers,
+        "launches": cost.launches,
+        "border_launches": cost.border,
+        "stored": cost.stored,
+        "tried": cost.sampled,
+        "computing_seconds": cost.computing,
+        "seconds": cost.seconds,
+        "seconds_of_all_but_single_launches": cost.least,
+        "workers": cost.workers,
         "store_bytes": cost.size,
-    }  # fmt: skip
+    }
 
 
 def _in_words(cost: Cost) -> str:
@@ -224,9 +277,13 @@ def _bytes(size: int) -> str:
 
 
 def _report(
-    options: argparse.Namespace, dataset: Any, cost: Cost, out: Path, picture: Path | None,
+    options: argparse.Namespace,
+    dataset: Any,
+    cost: Cost,
+    out: Path,
+    picture: Path | None,
     numbers: tuple[int, ...],
-) -> None:  # fmt: skip
+) -> None:
     from ...basin.dataset import told_of_lost
     from ...motion.result import BY_CODE
     from ...storage.targets import path_text
@@ -234,10 +291,15 @@ def _report(
     codes = dataset.outcome.values
     counts = {o.word: int((codes == c).sum()) for c, o in BY_CODE.items()}
     record = {
-        "out": str(out), "plot": None if picture is None else str(picture),
-        "launches": int(codes.size), "outcomes": counts, "cost": _record(cost),
-        "lost": list(numbers), "citation": dataset.attrs["citation"], **_borders(dataset),
-    }  # fmt: skip
+        "out": str(out),
+        "plot": None if picture is None else str(picture),
+        "launches": int(codes.size),
+        "outcomes": counts,
+        "cost": _record(cost),
+        "lost": list(numbers),
+        "citation": dataset.attrs["citation"],
+        **_borders(dataset),
+    }
     if options.json:
         print(json_text(record))
         return

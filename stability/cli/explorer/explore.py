@@ -32,10 +32,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         Its parser.
     """
     for axis, where in (("--x", "across"), ("--y", "up")):
-        parser.add_argument(axis, metavar="NAME:LO:HI[:log]",
-                            help=f"axis {where} at first")  # fmt: skip
-    parser.add_argument("--positive", metavar="NAME,NAME",
-                        help="with --system: quantities that are positive")  # fmt: skip
+        parser.add_argument(axis, metavar="NAME:LO:HI[:log]", help=f"axis {where} at first")
+    parser.add_argument(
+        "--positive", metavar="NAME,NAME", help="with --system: quantities that are positive"
+    )
     parser.add_argument("--out", required=True, metavar="PAGE.html", help="page to write")
 
 
@@ -63,8 +63,14 @@ def _explore(options: argparse.Namespace) -> None:
         thing: dict[str, Any] = (
             {"disk": disk_of(options)} if body is None else {"body": body, **where_of(options)}
         )
-        path = explore(options.family or "spinning", at=at, contact=options.contact,
-                       **thing, **common, **others)  # fmt: skip
+        path = explore(
+            options.family or "spinning",
+            at=at,
+            contact=options.contact,
+            **thing,
+            **common,
+            **others,
+        )
     if options.json:
         print(json_text({"page": str(path), "bytes": path.stat().st_size}))
     else:

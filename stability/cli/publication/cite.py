@@ -54,7 +54,11 @@ def add_arguments(sub: argparse.ArgumentParser) -> None:
     sub
         The command's parser.
     """
-    sub.add_argument("file", metavar="FILE", nargs="?",
-                     help="a map, motion or store of launches that this package wrote (.nc or "
-                     ".zarr); without it: this package, and the paper of the disk")  # fmt: skip
+    sub.add_argument(
+        "file",
+        metavar="FILE",
+        nargs="?",
+        help="a map, motion or store of launches that this package wrote (.nc or "
+        ".zarr); without it: this package, and the paper of the disk",
+    )
     sub.add_argument("--bibtex", action="store_true", help="entries of BibTeX alone")

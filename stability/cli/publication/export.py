@@ -107,8 +107,13 @@ def _c(options: argparse.Namespace) -> dict[str, Any]:
     else:
         subject = _subject(options)
     code = c_code(subject, options.out, overwrite=options.force)
-    return {"out": str(code.folder), "name": code.name, "inputs": list(code.inputs),
-            "outputs": list(code.outputs), "command": code.command}  # fmt: skip
+    return {
+        "out": str(code.folder),
+        "name": code.name,
+        "inputs": list(code.inputs),
+        "outputs": list(code.outputs),
+        "command": code.command,
+    }
 
 
 def _continuation(options: argparse.Namespace) -> dict[str, Any]:
@@ -125,8 +130,16 @@ def _continuation(options: argparse.Namespace) -> dict[str, Any]:
     given = doubles(_numbers(options, family))
     for name in sorted(own.keys() & given.keys()):
         raise ParameterError(f"{name} is a number of the body; give it there alone.")
-    found = write(family, options.out, free=free, start=start, stop=stop, overwrite=options.force,
-                  **own, **given)  # fmt: skip
+    found = write(
+        family,
+        options.out,
+        free=free,
+        start=start,
+        stop=stop,
+        overwrite=options.force,
+        **own,
+        **given,
+    )
     return {"out": str(found), "files": sorted(p.name for p in found.iterdir())}
 
 
@@ -142,21 +155,28 @@ def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None) -> 
     """
     sub.add_argument("format", choices=FORMATS, help="format of the export")
     add_family(sub)
-    sub.add_argument("--system", metavar="MODULE:FAMILY",
-                     help="a family of your own: module:name, or file.py:name; `c` takes a System "
-                     "too")  # fmt: skip
+    sub.add_argument(
+        "--system",
+        metavar="MODULE:FAMILY",
+        help="a family of your own: module:name, or file.py:name; `c` takes a System too",
+    )
     add_body(sub, words)
-    sub.add_argument("--contact", help=f"{CONTACTS}, or module:Class for a law of your own "
-                     "(default viscous)")  # fmt: skip
+    sub.add_argument(
+        "--contact", help=f"{CONTACTS}, or module:Class for a law of your own (default viscous)"
+    )
     sub.add_argument("--mass", type=float, help="mass of --body [kg] (default 1)")
     sub.add_argument("--gravity", type=float, help="gravity of --body [m/s²] (default 1)")
     ends = "`auto`, `bifurcationkit`: what is continued, from where, to where"
     sub.add_argument("--axis", metavar="NAME:START:STOP", help=ends)
-    add_numbers(sub, "a number, such as k=1/4, once for each: all others for a continuation; "
-                "for `latex` those that the conditions take as numbers")  # fmt: skip
-    sub.add_argument("--positive", metavar="NAMES",
-                     help="`latex`: positive names in the conditions, comma-separated (of the "
-                     "disk: k and mu)")  # fmt: skip
-    sub.add_argument("--out", required=True,
-                     help="`latex`: a .tex file; the others: a folder")  # fmt: skip
+    add_numbers(
+        sub,
+        "a number, such as k=1/4, once for each: all others for a continuation; "
+        "for `latex` those that the conditions take as numbers",
+    )
+    sub.add_argument(
+        "--positive",
+        metavar="NAMES",
+        help="`latex`: positive names in the conditions, comma-separated (of the disk: k and mu)",
+    )
+    sub.add_argument("--out", required=True, help="`latex`: a .tex file; the others: a folder")
     overwriting(sub, "replace existing files")

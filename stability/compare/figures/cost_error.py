@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ...figures.letters import SMALL, Letter, letters  # fmt: skip
+from ...figures.letters import SMALL, Letter, letters
 from ..spectrum import dataset as spectral_data
 from .panels import (
     BROAD,
@@ -39,8 +39,17 @@ if TYPE_CHECKING:
     import xarray
 
 
-__all__ = ["answering", "boundary_figure", "failure_figure", "first_call_figure", "ladder_figure",
-           "motion_figure", "panels_of", "spectrum_figure", "verdict_figure"]  # fmt: skip
+__all__ = [
+    "answering",
+    "boundary_figure",
+    "failure_figure",
+    "first_call_figure",
+    "ladder_figure",
+    "motion_figure",
+    "panels_of",
+    "spectrum_figure",
+    "verdict_figure",
+]
 LOWEST, FLOOR = 3e-18, 1e-17
 """Lower end of an axis of errors, and the least error that is drawn."""
 REFERENCES = ("ad-1e-9", "spectrum", "map", "certified")
@@ -85,8 +94,11 @@ def spectrum_figure(chart: xarray.Dataset) -> Figure:
             top = max([1e-13, *worst])
             log_axis(axes.yaxis, LOWEST, top * 60, 2 if top < 1e-10 else 4)
             spots, wrong = shown[index]
-            title(axes, str(chart.class_title.sel(hardness=kind).values),
-                  named("wrong verdicts", wrong, len(names)))  # fmt: skip
+            title(
+                axes,
+                str(chart.class_title.sel(hardness=kind).values),
+                named("wrong verdicts", wrong, len(names)),
+            )
             standing = spectral_data.standing(chart, "eigenvalues", kind)
             _draw(axes, spots, {n for n, p in standing.items() if p.on_front}, set(REFERENCES))
         frame(panels, "time per point [s]", "error of eigenvalues")
@@ -121,8 +133,9 @@ def _spots(chart: xarray.Dataset, names: Sequence[str], kind: str) -> tuple[list
             wrong.append(name)
         elif errors.size and str(cell.status.values) == "done":
             time = spectral_data.seconds(chart, name, kind)[0]
-            found.append(_Spot(name, bool(cell.own), time, float(errors.max()),
-                               float(np.median(errors))))  # fmt: skip
+            found.append(
+                _Spot(name, bool(cell.own), time, float(errors.max()), float(np.median(errors)))
+            )
     return found, wrong
 
 
@@ -133,10 +146,25 @@ def _draw(axes: Axes, spots: Sequence[_Spot], front: set[str], named: set[str]) 
     for spot in spots:
         told = spot.name in front or spot.name in named
         colour = (OWN if spot.own else PEOPLE) if told else PALE
-        axes.plot([spot.time] * 2, [spot.median, spot.worst], lw=0.7, alpha=0.6, color=colour,
-                  zorder=2, solid_capstyle="butt")  # fmt: skip
-        axes.plot([spot.time], [spot.worst], "D" if spot.own else "o", ms=3, mew=0.7, mec=colour,
-                  mfc=colour if spot.own else "white", zorder=4 if told else 3)  # fmt: skip
+        axes.plot(
+            [spot.time] * 2,
+            [spot.median, spot.worst],
+            lw=0.7,
+            alpha=0.6,
+            color=colour,
+            zorder=2,
+            solid_capstyle="butt",
+        )
+        axes.plot(
+            [spot.time],
+            [spot.worst],
+            "D" if spot.own else "o",
+            ms=3,
+            mew=0.7,
+            mec=colour,
+            mfc=colour if spot.own else "white",
+            zorder=4 if told else 3,
+        )
         if told:
             written.append(Letter(spot.time, spot.worst, spot.name, colour))
     letters(axes, written)
@@ -171,10 +199,12 @@ def boundary_figure(chart: xarray.Dataset) -> Figure:
         body, rows, gap, foot = 1.1, 0.125 * (len(edges) + 0.8), 0.36, 0.62
         tall = HEAD + body + gap + rows + foot
         figure = Figure(figsize=(WIDTH, tall))
-        upper = figure.add_axes((LEFT / WIDTH, (foot + rows + gap) / tall,
-                                 (WIDTH - LEFT - RIGHT) / WIDTH, body / tall))  # fmt: skip
-        lower = figure.add_axes((1.78 / WIDTH, foot / tall, (WIDTH - 1.78 - RIGHT) / WIDTH,
-                                 rows / tall))  # fmt: skip
+        upper = figure.add_axes(
+            (LEFT / WIDTH, (foot + rows + gap) / tall, (WIDTH - LEFT - RIGHT) / WIDTH, body / tall)
+        )
+        lower = figure.add_axes(
+            (1.78 / WIDTH, foot / tall, (WIDTH - 1.78 - RIGHT) / WIDTH, rows / tall)
+        )
         _boundary_panel(upper, chart, names)
         _boundary_rows(lower, chart, edges)
         own, common, _, median, front = _route_handles()
@@ -197,8 +227,15 @@ def _boundary_panel(axes: Axes, chart: xarray.Dataset, names: Sequence[str]) -> 
             missing.append(name)
         elif errors.size:
             known = np.maximum(errors, FLOOR)
-            spots.append(_Spot(name, bool(route.own), float(np.median(times)), float(known.max()),
-                               float(np.median(known))))  # fmt: skip
+            spots.append(
+                _Spot(
+                    name,
+                    bool(route.own),
+                    float(np.median(times)),
+                    float(known.max()),
+                    float(np.median(known)),
+                )
+            )
     log_axis(axes.xaxis, *span([s.time for s in spots], 3), 1)
     log_axis(axes.yaxis, LOWEST, max([1e-12, *(s.worst for s in spots)]) * 60, 4)
     standing = spectral_data.standing(chart, "boundary")
@@ -218,14 +255,26 @@ def _boundary_rows(axes: Axes, chart: xarray.Dataset, edges: Sequence[str]) -> N
         error, own = here.boundary_error.values, here.own.values
         for mine, colour in ((False, PEOPLE), (True, OWN)):
             known = np.maximum(error[asked & (own == mine) & np.isfinite(error)], FLOOR)
-            axes.plot(known, [row + (0.14 if mine else -0.14)] * known.size,
-                      "D" if mine else "o", ms=2.4, mew=0.6, mec=colour,
-                      mfc=colour if mine else "white")  # fmt: skip
+            axes.plot(
+                known,
+                [row + (0.14 if mine else -0.14)] * known.size,
+                "D" if mine else "o",
+                ms=2.4,
+                mew=0.6,
+                mec=colour,
+                mfc=colour if mine else "white",
+            )
         missed = int((asked & np.isnan(error)).sum())
         if missed:
             axes.plot([0.08], [row], "x", ms=3.2, mew=0.9, color="black")
-            axes.annotate(str(missed), (0.08, row), (4, 0), textcoords="offset points",
-                          fontsize=SMALL, va="center_baseline")  # fmt: skip
+            axes.annotate(
+                str(missed),
+                (0.08, row),
+                (4, 0),
+                textcoords="offset points",
+                fontsize=SMALL,
+                va="center_baseline",
+            )
     axes.set_yticks(range(len(edges)), [_edge_words(e) for e in edges], fontsize=SMALL)
     axes.tick_params(labelsize=SMALL, length=2, pad=1.5)
     axes.set_xlabel("relative error", fontsize=7, labelpad=2)

@@ -80,8 +80,17 @@ def title(axes: Axes, text: str, note: str = "", width: int = LETTERS) -> None:
         # lines of about the same length
         count = len(wrap(text, width))
         lines = next(ls for n in range(1, width + 1) if len(ls := wrap(text, n)) <= count)
-    axes.annotate(note, (0.5, 1), (0, 2), xycoords="axes fraction", textcoords="offset points",
-                  fontsize=SMALL, color="#555555", ha="center", va="bottom")  # fmt: skip
+    axes.annotate(
+        note,
+        (0.5, 1),
+        (0, 2),
+        xycoords="axes fraction",
+        textcoords="offset points",
+        fontsize=SMALL,
+        color="#555555",
+        ha="center",
+        va="bottom",
+    )
     axes.set_title("\n".join(lines), fontsize=6.5, pad=10.5 if note else 3, linespacing=1.05)
 
 
@@ -170,8 +179,13 @@ def steps(axes: Axes, spots: Sequence[tuple[float, float]]) -> None:
     # ties on the front must not make the line rise again
     errors = np.minimum.accumulate(errors)
     # corners one by one, so that labels can avoid the line
-    axes.plot(np.append(np.repeat(times, 2)[1:], axes.get_xlim()[1]), np.repeat(errors, 2),
-              solid_joinstyle="miter", solid_capstyle="butt", **BROAD)  # fmt: skip
+    axes.plot(
+        np.append(np.repeat(times, 2)[1:], axes.get_xlim()[1]),
+        np.repeat(errors, 2),
+        solid_joinstyle="miter",
+        solid_capstyle="butt",
+        **BROAD,
+    )
 
 
 BROAD: dict[str, Any] = {"color": FRONT, "alpha": 0.35, "linewidth": 2.6, "zorder": 1.5}
@@ -210,10 +224,19 @@ def legend(figure: Figure, top: float, handles: Sequence[Any], columns: int) -> 
     columns
         Number of columns.
     """
-    figure.legend(handles=handles, loc="upper center", ncols=columns, frameon=False,
-                  bbox_to_anchor=(0.5, top / figure.get_figheight()), fontsize=SMALL + 0.5,
-                  columnspacing=1.0, handletextpad=0.4, handlelength=1.8, borderpad=0,
-                  labelspacing=0.35)  # fmt: skip
+    figure.legend(
+        handles=handles,
+        loc="upper center",
+        ncols=columns,
+        frameon=False,
+        bbox_to_anchor=(0.5, top / figure.get_figheight()),
+        fontsize=SMALL + 0.5,
+        columnspacing=1.0,
+        handletextpad=0.4,
+        handlelength=1.8,
+        borderpad=0,
+        labelspacing=0.35,
+    )
 
 
 def named(words: str, names: Sequence[str], count: int, width: int = LETTERS + 3) -> str:

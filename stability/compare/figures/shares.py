@@ -25,20 +25,30 @@ if TYPE_CHECKING:
     import xarray
 
 MARKS: dict[str, tuple[str, str]] = {
-    "right": ("#2b6ca3", ""), "degraded": ("#b9d6ec", ""), "undecided": ("#e2e2e2", "....."),
-    "refused": ("#f4f4f4", "-----"), "wrong": ("#D55E00", "xxxxx"), "crashed": ("black", ""),
+    "right": ("#2b6ca3", ""),
+    "degraded": ("#b9d6ec", ""),
+    "undecided": ("#e2e2e2", "....."),
+    "refused": ("#f4f4f4", "-----"),
+    "wrong": ("#D55E00", "xxxxx"),
+    "crashed": ("black", ""),
     "late": ("#b0b0b0", "//////"),
-}  # fmt: skip
+}
 """Colour and hatching of each mark."""
 LINE, APART = 0.125, 0.45
 """Height of a row [in], and the gap between people's methods and the package's [rows]."""
 
 
 def _figure(
-    methods: Sequence[str], own: Sequence[bool], heads: Sequence[str],
-    counts: NDArray[np.float64], *, marks: Sequence[str], notes: Sequence[str] = (),
-    label: str = "", blank: str = "no answer",
-) -> Figure:  # fmt: skip
+    methods: Sequence[str],
+    own: Sequence[bool],
+    heads: Sequence[str],
+    counts: NDArray[np.float64],
+    *,
+    marks: Sequence[str],
+    notes: Sequence[str] = (),
+    label: str = "",
+    blank: str = "no answer",
+) -> Figure:
     """Rows of methods against columns; each cell is split by its shares.
 
     `counts` has shape (methods, columns, marks): numbers over the number of questions, so that a
@@ -56,16 +66,25 @@ def _figure(
     with figure_style(STYLE | {"hatch.linewidth": 0.5, "hatch.color": "black"}):
         height = LINE * tall + top + foot
         figure = Figure(figsize=(WIDTH, height))
-        axes = figure.add_axes((left / WIDTH, foot / height, (WIDTH - left - right) / WIDTH,
-                                LINE * tall / height))  # fmt: skip
+        axes = figure.add_axes(
+            (left / WIDTH, foot / height, (WIDTH - left - right) / WIDTH, LINE * tall / height)
+        )
         axes.set(xlim=(-0.5, len(heads) - 0.5), ylim=(tall - 0.5, -0.5))
         for i, j in np.ndindex(counts.shape[:2]):
             _cell(axes, j, y[i], counts[i, j], marks)
         _label(axes, (y, methods, own), label, heads if label else turned)
         for place, text in zip(y, notes, strict=False):
-            axes.annotate(text, (1, place), (28, 0), annotation_clip=False,
-                          xycoords=("axes fraction", "data"), textcoords="offset points",
-                          fontsize=SMALL, ha="right", va="center_baseline")  # fmt: skip
+            axes.annotate(
+                text,
+                (1, place),
+                (28, 0),
+                annotation_clip=False,
+                xycoords=("axes fraction", "data"),
+                textcoords="offset points",
+                fontsize=SMALL,
+                ha="right",
+                va="center_baseline",
+            )
         _key(figure, seen, blank if blanks else "", 0.02 / height)
     return figure
 
@@ -77,9 +96,11 @@ def _wide(name: str) -> float:
 
 
 def _label(
-    axes: Axes, rows: tuple[Sequence[float], Sequence[str], Sequence[bool]], label: str,
+    axes: Axes,
+    rows: tuple[Sequence[float], Sequence[str], Sequence[bool]],
+    label: str,
     heads: Sequence[str],
-) -> None:  # fmt: skip
+) -> None:
     places, methods, own = rows
     if label:
         axes.set_xticks(range(len(heads)), heads, fontsize=SMALL + 0.5)
@@ -100,21 +121,43 @@ def _cell(axes: Axes, x: float, y: float, shares: Any, marks: Sequence[str]) -> 
     for word, share in zip(marks, np.nan_to_num(shares), strict=True):
         if share > 0:
             colour, hatch = MARKS[word]
-            axes.add_patch(Rectangle((start, y - 0.41), 0.92 * share, 0.82, facecolor=colour,
-                                     hatch=hatch, edgecolor="black", linewidth=0))  # fmt: skip
+            axes.add_patch(
+                Rectangle(
+                    (start, y - 0.41),
+                    0.92 * share,
+                    0.82,
+                    facecolor=colour,
+                    hatch=hatch,
+                    edgecolor="black",
+                    linewidth=0,
+                )
+            )
             start += 0.92 * share
-    axes.add_patch(Rectangle((x - 0.46, y - 0.41), 0.92, 0.82, facecolor="none", linewidth=0.3,
-                             edgecolor="#909090"))  # fmt: skip
+    axes.add_patch(
+        Rectangle(
+            (x - 0.46, y - 0.41), 0.92, 0.82, facecolor="none", linewidth=0.3, edgecolor="#909090"
+        )
+    )
 
 
 def _key(figure: Figure, marks: Sequence[str], blank: str, bottom: float) -> None:
     shown = [Patch(facecolor=MARKS[w][0], hatch=MARKS[w][1], label=w, linewidth=0) for w in marks]
     if blank:
         shown.append(Patch(facecolor="none", edgecolor="#909090", linewidth=0.4, label=blank))
-    figure.legend(handles=shown, loc="lower center", bbox_to_anchor=(0.5, bottom),
-                  ncols=4, frameon=False, fontsize=SMALL + 0.5, borderpad=0, borderaxespad=0,
-                  handlelength=1.6, columnspacing=1.0, handletextpad=0.4,
-                  labelspacing=0.3)  # fmt: skip
+    figure.legend(
+        handles=shown,
+        loc="lower center",
+        bbox_to_anchor=(0.5, bottom),
+        ncols=4,
+        frameon=False,
+        fontsize=SMALL + 0.5,
+        borderpad=0,
+        borderaxespad=0,
+        handlelength=1.6,
+        columnspacing=1.0,
+        handletextpad=0.4,
+        labelspacing=0.3,
+    )
 
 
 def verdict_figure(chart: xarray.Dataset) -> Figure:
@@ -135,10 +178,13 @@ def verdict_figure(chart: xarray.Dataset) -> Figure:
     names, kinds = chart.route.values.tolist(), chart.hardness.values.tolist()
     times = [[spectral_data.seconds(chart, n, k)[0] for k in kinds] for n in names]
     return _figure(
-        names, chart.own.values.tolist(), [_short(str(t)) for t in chart.class_title.values],
-        shares, marks=("right", "undecided", "wrong"),
+        names,
+        chart.own.values.tolist(),
+        [_short(str(t)) for t in chart.class_title.values],
+        shares,
+        marks=("right", "undecided", "wrong"),
         notes=[_time(float(np.nanmedian(t))) if np.isfinite(t).any() else "" for t in times],
-    )  # fmt: skip
+    )
 
 
 def _short(text: str) -> str:
@@ -153,9 +199,11 @@ def _time(seconds: float) -> str:
 
 
 def ladder_figure(
-    methods: Sequence[str], own: Sequence[bool], decades: Sequence[int],
+    methods: Sequence[str],
+    own: Sequence[bool],
+    decades: Sequence[int],
     shares: NDArray[np.float64],
-) -> Figure:  # fmt: skip
+) -> Figure:
     """How near a boundary the verdict of each method holds.
 
     Parameters
@@ -175,14 +223,22 @@ def ladder_figure(
         A journal column wide.
     """
     heads = [f"$10^{{{d}}}$" if i % 3 == 0 else "" for i, d in enumerate(decades)]
-    return _figure(methods, own, heads, shares, marks=("right", "undecided", "wrong"),
-                   label="relative distance from the boundary")  # fmt: skip
+    return _figure(
+        methods,
+        own,
+        heads,
+        shares,
+        marks=("right", "undecided", "wrong"),
+        label="relative distance from the boundary",
+    )
 
 
 def failure_figure(
-    methods: Sequence[str], own: Sequence[bool], groups: Sequence[tuple[str, int]],
+    methods: Sequence[str],
+    own: Sequence[bool],
+    groups: Sequence[tuple[str, int]],
     shares: NDArray[np.float64],
-) -> Figure:  # fmt: skip
+) -> Figure:
     """Shares of each mark among the hard cases of a group, for every method.
 
     Parameters

@@ -48,22 +48,30 @@ LOWEST, HIGHEST = 1e-16, 1e2
 """Ends of an axis of errors."""
 REFERENCES = ("simulate", "rk45")
 """Drivers that are drawn in colour in every panel: the package's default and SciPy's."""
-SHORT = {"simulate": "simulate()", "unchecked": "simulate(check=False)", "rk45": "SciPy RK45",
-         "rough-model": "rough model", "smooth-model": "smooth model"}  # fmt: skip
+SHORT = {
+    "simulate": "simulate()",
+    "unchecked": "simulate(check=False)",
+    "rk45": "SciPy RK45",
+    "rough-model": "rough model",
+    "smooth-model": "smooth model",
+}
 """Names in the legend where they differ from those of the drivers."""
 LOOKS: dict[str, dict[str, Any]] = {
     "simulate": {"color": OWN, "marker": "o", "lw": 1.6, "ms": 3.2, "zorder": 5},
     "unchecked": {"color": OWN, "marker": "o", "mfc": "white", "zorder": 4.5},
-    "heyoka": {"color": "#0072B2", "marker": "s"}, "dop853": {"color": "#E69F00", "marker": "^"},
-    "lsoda": {"color": "#000000", "marker": "v"}, "radau": {"color": "#CC79A7", "marker": "p"},
-    "bdf": {"color": "#882255", "marker": "h"}, "cvodes": {"color": "#56B4E9", "marker": "<"},
+    "heyoka": {"color": "#0072B2", "marker": "s"},
+    "dop853": {"color": "#E69F00", "marker": "^"},
+    "lsoda": {"color": "#000000", "marker": "v"},
+    "radau": {"color": "#CC79A7", "marker": "p"},
+    "bdf": {"color": "#882255", "marker": "h"},
+    "cvodes": {"color": "#56B4E9", "marker": "<"},
     "idas": {"color": "#332288", "marker": ">"},
     "rk45": {"color": "#6a6a6a", "marker": "X", "ms": 3.2},
     "rk4": {"color": "#6a6a6a", "marker": "s", "mfc": "white"},
     "rough-model": {"color": "#7f4f24", "marker": "D"},
     "smooth-model": {"color": "#9c6b24", "marker": "d"},
     "regularised": {"color": "#4d3b1f", "marker": "D", "mfc": "white"},
-}  # fmt: skip
+}
 """Line and marker of every driver."""
 PLAIN: dict[str, Any] = {"ls": "-", "lw": 0.8, "ms": 2.4, "mew": 0.6, "zorder": 4}
 """What their looks have in common."""
@@ -161,8 +169,11 @@ def _silent(here: xarray.Dataset) -> str:
     mute = asked & ~ran.any(axis=-1)
     names = here.driver.values
     bad, none = names[wrong.any(axis=-1)].tolist(), names[mute].tolist()
-    both = "; ".join(named(*pair, int(asked.sum()), 99) for pair in (("wrong", bad),
-                     ("no answer", none)) if pair[1])  # fmt: skip
+    both = "; ".join(
+        named(*pair, int(asked.sum()), 99)
+        for pair in (("wrong", bad), ("no answer", none))
+        if pair[1]
+    )
     if len(both) <= LETTERS + 3:
         return both
     return "; ".join(f"{w}: {len(n)}" for w, n in (("wrong", bad), ("no answer", none)) if n) + (
@@ -198,8 +209,9 @@ def first_call_figure(chart: xarray.Dataset) -> Figure:
     height = body + foot + 0.05
     with figure_style(STYLE):
         figure = Figure(figsize=(WIDTH, height))
-        axes = figure.add_axes((left / WIDTH, foot / height, (WIDTH - left - RIGHT) / WIDTH,
-                                body / height))  # fmt: skip
+        axes = figure.add_axes(
+            (left / WIDTH, foot / height, (WIDTH - left - RIGHT) / WIDTH, body / height)
+        )
         log_axis(axes.xaxis, *span([*_repeats(chart).ravel(), *chart["first"].values.ravel()]), 1)
         axes.grid(True, axis="x", linewidth=0.3, color="#dddddd")
         for line, (again, first) in enumerate(
@@ -208,20 +220,38 @@ def first_call_figure(chart: xarray.Dataset) -> Figure:
             for times, shift, look in ((again, -0.16, SOLID), (first, 0.16, OPEN)):
                 known = times[np.isfinite(times)]
                 if known.size:
-                    axes.plot([known.min(), known.max()], [line + shift] * 2, lw=0.8,
-                              color=look["mec"], alpha=0.6)  # fmt: skip
+                    axes.plot(
+                        [known.min(), known.max()],
+                        [line + shift] * 2,
+                        lw=0.8,
+                        color=look["mec"],
+                        alpha=0.6,
+                    )
                     axes.plot([np.median(known)], [line + shift], **look)
         axes.set_yticks(range(len(names)), names)
         axes.set_ylim(len(names) - 0.4, -0.6)
         axes.tick_params(labelsize=6.5, length=2, pad=1.5)
         axes.set_xlabel("time of a run [s]", fontsize=7, labelpad=2)
-        legend(figure, 0.24, [handle("repeat, middle tolerance", **SOLID),
-                              handle("first call in a process", **OPEN)], 2)  # fmt: skip
+        legend(
+            figure,
+            0.24,
+            [
+                handle("repeat, middle tolerance", **SOLID),
+                handle("first call in a process", **OPEN),
+            ],
+            2,
+        )
     return figure
 
 
-SOLID: dict[str, Any] = {"marker": "o", "ms": 3.2, "mew": 0.8, "mec": "#303030",
-                         "mfc": "#303030", "ls": ""}  # fmt: skip
+SOLID: dict[str, Any] = {
+    "marker": "o",
+    "ms": 3.2,
+    "mew": 0.8,
+    "mec": "#303030",
+    "mfc": "#303030",
+    "ls": "",
+}
 OPEN: dict[str, Any] = SOLID | {"mec": OWN, "mfc": "white"}
 """Marks of repeats and of first calls."""
 

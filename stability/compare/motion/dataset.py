@@ -52,9 +52,15 @@ def dataset(cells: Mapping[str, Cell]) -> xarray.Dataset:
     kinds = [k for k in CHARTED if any(key.startswith(f"motion/{k}/") for key in cells)]
     names = [n for n in NAMES if any(key.endswith(f"/{n}") for key in cells)]
     rungs = max((len(DRIVERS[n].tolerances) for n in names), default=0)
-    repeats = max((len(r.get("seconds", ())) for key, c in cells.items()
-                   if key.startswith("motion/") and c.value for r in c.value["rows"]),
-                  default=1)  # fmt: skip
+    repeats = max(
+        (
+            len(r.get("seconds", ()))
+            for key, c in cells.items()
+            if key.startswith("motion/") and c.value
+            for r in c.value["rows"]
+        ),
+        default=1,
+    )
     shape = (len(kinds), len(names), rungs)
     numbers = {key: np.full(shape, np.nan) for key in ("tolerance", *LONG)}
     seconds = np.full((*shape, repeats), np.nan)
@@ -83,31 +89,45 @@ def dataset(cells: Mapping[str, Cell]) -> xarray.Dataset:
                     numbers[key][place] = np.nan if row[key] is None else row[key]
     along = ("scene", "driver", "rung")
     data: dict[str, Any] = {
-        key: (along, values, {"long_name": LONG.get(key, "tolerance, step or ε"),
-                              "units": "1"}) for key, values in numbers.items()
-    }  # fmt: skip
-    data["seconds"] = ((*along, "repeat"), seconds,
-                       {"long_name": "time of each repeated run", "units": "s"})  # fmt: skip
-    data["first"] = (along[:2], first, {
-        "long_name": "time of the first run in its process: graphs built, code compiled",
-        "units": "s"})  # fmt: skip
-    data |= {"outcome": (along, outcome), "message": (along, message),
-             "status": (along[:2], status)}  # fmt: skip
+        key: (along, values, {"long_name": LONG.get(key, "tolerance, step or ε"), "units": "1"})
+        for key, values in numbers.items()
+    }
+    data["seconds"] = (
+        (*along, "repeat"),
+        seconds,
+        {"long_name": "time of each repeated run", "units": "s"},
+    )
+    data["first"] = (
+        along[:2],
+        first,
+        {
+            "long_name": "time of the first run in its process: graphs built, code compiled",
+            "units": "s",
+        },
+    )
+    data |= {
+        "outcome": (along, outcome),
+        "message": (along, message),
+        "status": (along[:2], status),
+    }
     truths = [scene(k) for k in kinds]
     coordinates = {
-        "scene": kinds, "driver": names,
+        "scene": kinds,
+        "driver": names,
         "scene_title": ("scene", [CHARTED[k] for k in kinds]),
         "title": ("driver", [DRIVERS[n].title for n in names]),
         "own": ("driver", [DRIVERS[n].own for n in names]),
         "default": ("driver", [DRIVERS[n].default for n in names]),
         "true_outcome": ("scene", [t.outcome for t in truths]),
         "truth_error": ("scene", [t.error for t in truths]),
-    }  # fmt: skip
+    }
     attributes = {
-        "format": FORMAT, "title": "ways to a motion: time against error",
-        "machine": json.dumps(machine()), "created": today(),
+        "format": FORMAT,
+        "title": "ways to a motion: time against error",
+        "machine": json.dumps(machine()),
+        "created": today(),
         "truth": "two independent integrations in many digits (reference_motions.json)",
-    }  # fmt: skip
+    }
     return xarray.Dataset(data, coordinates, attributes)
 
 

@@ -84,9 +84,13 @@ class Simulated(Driver):
     def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
         """Call `simulate`."""
         return simulated(
-            scene, scene.contact(), times, method=self.method, tolerance=tolerance,
+            scene,
+            scene.contact(),
+            times,
+            method=self.method,
+            tolerance=tolerance,
             check=self.check,
-        )  # fmt: skip
+        )
 
 
 class Default(Simulated):
@@ -112,11 +116,14 @@ class Fine(Simulated):
 
 
 KINDS = {
-    "heyoka": "Taylor series in compiled code", "dop853": "explicit Runge-Kutta, order 8",
-    "lsoda": "multistep, switches at stiffness", "radau": "implicit Runge-Kutta, order 5",
-    "bdf": "implicit multistep, in SciPy", "cvodes": "implicit multistep, in SUNDIALS",
+    "heyoka": "Taylor series in compiled code",
+    "dop853": "explicit Runge-Kutta, order 8",
+    "lsoda": "multistep, switches at stiffness",
+    "radau": "implicit Runge-Kutta, order 5",
+    "bdf": "implicit multistep, in SciPy",
+    "cvodes": "implicit multistep, in SUNDIALS",
     "idas": "implicit multistep for differential-algebraic equations, in SUNDIALS",
-}  # fmt: skip
+}
 """What each integrator is, in a few words."""
 
 
@@ -158,11 +165,14 @@ def simulated(scene: ReferenceMotion, contact: Any, times: Floats, **options: An
     kept = np.isin(run.time.values, times)
     ended = _events(run.event_kind.values.tolist(), run.event_time.values.tolist())
     return Answer(
-        run.time.values[kept], states[kept],
+        run.time.values[kept],
+        states[kept],
         "moving" if outcome == "settled" else outcome,  # contact lasted: the only question here
-        float(run.end_time), float(run.energy_error),
-        float(run.final_error) if "final_error" in run else None, ended,
-    )  # fmt: skip
+        float(run.end_time),
+        float(run.energy_error),
+        float(run.final_error) if "final_error" in run else None,
+        ended,
+    )
 
 
 def _events(kinds: list[str], times: list[float]) -> tuple[tuple[str, float], ...]:
@@ -309,9 +319,7 @@ class RoughInstead(Driver):
     def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
         """`simulate` of the rough disk from the same start without its slip."""
         scene = replace(scene, start=(*scene.start[:4], 0.0, 0.0))
-        return simulated(
-            scene, Rough(), times, method="auto", tolerance=tolerance, check=False
-        )  # fmt: skip
+        return simulated(scene, Rough(), times, method="auto", tolerance=tolerance, check=False)
 
 
 class SmoothInstead(RoughInstead):
@@ -321,9 +329,7 @@ class SmoothInstead(RoughInstead):
 
     def run(self, scene: ReferenceMotion, times: Floats, tolerance: float) -> Answer:
         """`simulate` of the smooth disk from the same start."""
-        return simulated(
-            scene, Smooth(), times, method="auto", tolerance=tolerance, check=False
-        )  # fmt: skip
+        return simulated(scene, Smooth(), times, method="auto", tolerance=tolerance, check=False)
 
 
 class Regularised(Driver):

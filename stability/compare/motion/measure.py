@@ -133,9 +133,11 @@ def judged(it: ReferenceMotion, motion: Answer) -> dict[str, Any]:
     return {
         "final": float(off[-1]) if whole else None,
         "path": float(off.max()) if whole else None,
-        "audit": motion.audit, "event": _event(it, motion), "outcome": motion.outcome,
+        "audit": motion.audit,
+        "event": _event(it, motion),
+        "outcome": motion.outcome,
         "stated": motion.stated,
-    }  # fmt: skip
+    }
 
 
 def distance(mine: Floats, true: Floats) -> Floats:

@@ -120,8 +120,16 @@ def _read(record: Mapping[str, Any]) -> ReferenceMotion:
     end = float(record["end_time"])
     ended = record["outcome"] in ("lift-off", "flat")
     return ReferenceMotion(
-        record["name"], record["law"], record["k"], record["mu"], tuple(record["start"]),
-        times, states, record["outcome"], end, record["error"],
+        record["name"],
+        record["law"],
+        record["k"],
+        record["mu"],
+        tuple(record["start"]),
+        times,
+        states,
+        record["outcome"],
+        end,
+        record["error"],
         tuple((e["kind"], float(e["time"])) for e in record.get("events", ())),
         last=max(float(times[-1]), end + 2.0) if ended else float(times[-1]),
-    )  # fmt: skip
+    )

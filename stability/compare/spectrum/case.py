@@ -59,8 +59,11 @@ class Case:
             return self.judge_verdicts(points, answer)
         eigenvalues, abscissa = errors(points, answer)
         if self.question == "eigenvalues":
-            return None if eigenvalues is None else by_error(float(eigenvalues.max()),
-                                                             ASKED_EIGENVALUES)  # fmt: skip
+            return (
+                None
+                if eigenvalues is None
+                else by_error(float(eigenvalues.max()), ASKED_EIGENVALUES)
+            )
         if abscissa is None:
             return None
         worst = int(abscissa.argmax())

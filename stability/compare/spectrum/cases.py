@@ -71,10 +71,15 @@ def _rung(where: Sequence[Any]) -> type[Case]:
     friction = "" if mu is None else f", mu = {mu:g}"
     name = f"{family}, {law}, k = {k:g}{friction}"
     return type(
-        "Ladder", (Ladder,),
-        {"name": name, "where": tuple(where), "__doc__": Ladder.__doc__,
-         "physics": "the growth rate vanishes there: its sign hangs on its last digits"},
-    )  # fmt: skip
+        "Ladder",
+        (Ladder,),
+        {
+            "name": name,
+            "where": tuple(where),
+            "__doc__": Ladder.__doc__,
+            "physics": "the growth rate vanishes there: its sign hangs on its last digits",
+        },
+    )
 
 
 LADDERS: tuple[type[Case], ...] = tuple(_rung(e) for e in EDGES)
@@ -209,14 +214,20 @@ def _limit(family: str, at: float, question: str, *, large: bool) -> type[Case]:
     mus = tuple(10.0**d for d in (range(2, 9) if large else range(-10, -1)))
     limit = "mu → ∞ (1e2…1e8)" if large else "mu → 0 (1e-2…1e-10)"
     physics = (
-        "growth rates O(1/mu) next to decay rates O(mu): they look like round-off" if large
+        "growth rates O(1/mu) next to decay rates O(mu): they look like round-off"
+        if large
         else "the limit is singular: the smooth disk's zeros split by O(mu)"
-    )  # fmt: skip
+    )
     body = {
-        "name": f"{family}, {limit}: {question}", "group": "limits of friction",
-        "question": question, "family": family, "at": at, "mus": mus, "physics": physics,
+        "name": f"{family}, {limit}: {question}",
+        "group": "limits of friction",
+        "question": question,
+        "family": family,
+        "at": at,
+        "mus": mus,
+        "physics": physics,
         "__doc__": _Limit.__doc__,
-    }  # fmt: skip
+    }
     return type("Limit", (_Limit,), body)
 
 
@@ -241,10 +252,13 @@ class _Flat(Case):
 
 def _flat(degrees: float, question: str) -> type[Case]:
     body = {
-        "name": f"hoop at {degrees:g}° from flat: {question}", "group": "tumbling hoop",
-        "question": question, "degrees": degrees, "__doc__": _Flat.__doc__,
+        "name": f"hoop at {degrees:g}° from flat: {question}",
+        "group": "tumbling hoop",
+        "question": question,
+        "degrees": degrees,
+        "__doc__": _Flat.__doc__,
         "physics": "growth rates down to 1e-12 next to frequencies of 30: real, not round-off",
-    }  # fmt: skip
+    }
     return type("Flat", (_Flat,), body)
 
 
@@ -308,9 +322,21 @@ class NonSteady(Case):
 
 
 _EVERY: tuple[type[Case], ...] = (
-    *LADDERS, DoubleZero, JordanSmooth, JordanSpinning, JordanRough, ViscousAtRough, Coalescing,
-    CoalescingTumbling, BranchPoint, BesideBranch, *FLATS, *LIMITS, Upright, DifferenceStep,
+    *LADDERS,
+    DoubleZero,
+    JordanSmooth,
+    JordanSpinning,
+    JordanRough,
+    ViscousAtRough,
+    Coalescing,
+    CoalescingTumbling,
+    BranchPoint,
+    BesideBranch,
+    *FLATS,
+    *LIMITS,
+    Upright,
+    DifferenceStep,
     NonSteady,
-)  # fmt: skip
+)
 CASES = {c.name: c for c in _EVERY}
 """Every case of the linear analysis by name."""

@@ -82,35 +82,52 @@ def dataset(cells: Mapping[str, Cell]) -> xarray.Dataset:
     def number(key: str) -> Any:
         return np.array([np.nan if v is None else v for v in rows(key, grid)], float).reshape(shape)
 
-    two, long = ("route", "hardness"), {
-        "eigenvalues": "error of the eigenvalues over the largest modulus, best matching",
-        "abscissa": "error of the abscissa over the abscissa, over the largest modulus where 0",
-        "one": "time of a call with one point", "many": "time a point of a call with many points",
-    }  # fmt: skip
+    two, long = (
+        ("route", "hardness"),
+        {
+            "eigenvalues": "error of the eigenvalues over the largest modulus, best matching",
+            "abscissa": "error of the abscissa over the abscissa, over the largest modulus where 0",
+            "one": "time of a call with one point",
+            "many": "time a point of a call with many points",
+        },
+    )
     data: dict[str, Any] = {}
-    for key, unit, last in (("eigenvalues", "1", "point"), ("abscissa", "1", "point"),
-                            ("one", "s", "call_one"), ("many", "s", "call_many")):  # fmt: skip
+    for key, unit, last in (
+        ("eigenvalues", "1", "point"),
+        ("abscissa", "1", "point"),
+        ("one", "s", "call_one"),
+        ("many", "s", "call_many"),
+    ):
         values = padded(rows(key, grid), shape)
-        data[key] = ((*two, f"{last}_{key}" if last == "point" else last), values,
-                     {"units": unit, "long_name": long[key]})  # fmt: skip
-    for key, text in (("wrong", "wrong verdicts"), ("undecided", "verdicts said to be undecided"),
-                      ("count", "points asked")):  # fmt: skip
+        data[key] = (
+            (*two, f"{last}_{key}" if last == "point" else last),
+            values,
+            {"units": unit, "long_name": long[key]},
+        )
+    for key, text in (
+        ("wrong", "wrong verdicts"),
+        ("undecided", "verdicts said to be undecided"),
+        ("count", "points asked"),
+    ):
         data[key] = (two, number(key), {"long_name": text, "units": "1"})
     data["first"] = (two, number("first"), {"long_name": "time of the first call", "units": "s"})
     data["status"] = (two, np.array([c.status for c in grid], dtype="U10").reshape(shape))
     data["message"] = (two, np.array([c.message for c in grid], dtype="U200").reshape(shape))
     coordinates: dict[str, Any] = {
-        "route": names, "hardness": kinds,
+        "route": names,
+        "hardness": kinds,
         "title": ("route", [ROUTES[n].title for n in names]),
         "own": ("route", [ROUTES[n].own for n in names]),
         "default": ("route", [ROUTES[n].default for n in names]),
         "class_title": ("hardness", [classes()[c] for c in kinds]),
-    }  # fmt: skip
+    }
     attributes = {
-        "format": FORMAT, "title": "routes to a spectrum: time against error",
-        "machine": json.dumps(machine()), "created": today(),
+        "format": FORMAT,
+        "title": "routes to a spectrum: time against error",
+        "machine": json.dumps(machine()),
+        "created": today(),
         "truth": "characteristic polynomial of the graph in balls of 1024 bits and more",
-    }  # fmt: skip
+    }
     if edges:
         data |= _boundaries(edges)
         coordinates["boundary"] = [" ".join(str(part) for part in e[:4]) for e in EDGES]
@@ -120,19 +137,22 @@ def dataset(cells: Mapping[str, Cell]) -> xarray.Dataset:
 def _boundaries(edges: Sequence[Cell]) -> dict[str, Any]:
     """Variables over (route, boundary)."""
     data: dict[str, Any] = {}
-    for key, unit, text in (("error", "1", "relative error of a boundary found"),
-                            ("seconds", "s", "time to find it"),
-                            ("width", "1", "stated half-width, relative")):  # fmt: skip
+    for key, unit, text in (
+        ("error", "1", "relative error of a boundary found"),
+        ("seconds", "s", "time to find it"),
+        ("width", "1", "stated half-width, relative"),
+    ):
         values = padded([c.value and c.value[key] for c in edges], (len(edges),))
-        values = np.pad(values, ((0, 0), (0, len(EDGES) - values.shape[1])),
-                        constant_values=np.nan)  # fmt: skip
+        values = np.pad(values, ((0, 0), (0, len(EDGES) - values.shape[1])), constant_values=np.nan)
         data[f"boundary_{key}"] = (
             ("route", "boundary"),
             values,
             {"units": unit, "long_name": text},
         )
-    asked = [[r is not None for r in c.value["seconds"]] if c.value else [True] * len(EDGES)
-             for c in edges]  # fmt: skip
+    asked = [
+        [r is not None for r in c.value["seconds"]] if c.value else [True] * len(EDGES)
+        for c in edges
+    ]
     data["boundary_asked"] = (("route", "boundary"), np.array(asked))
     return data
 

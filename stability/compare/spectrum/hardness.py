@@ -18,16 +18,21 @@ from .points import Points, edge
 
 SEED = 20161
 EDGES: tuple[tuple[str, str, float, float | None, float, float], ...] = (
-    ("rolling", "viscous", 0.25, 0.3, 1.0, 2.0), ("rolling", "viscous", 0.5, 300.0, 0.5, 2.0),
-    ("spinning", "viscous", 0.25, 0.3, 1.0, 3.0), ("spinning", "viscous", 0.3125, 0.9, 2.0, 9.0),
-    ("tumbling", "viscous", 0.25, 3.0, 0.3, 1.5), ("tumbling", "viscous", 0.5, 0.1, 0.01, 0.1),
+    ("rolling", "viscous", 0.25, 0.3, 1.0, 2.0),
+    ("rolling", "viscous", 0.5, 300.0, 0.5, 2.0),
+    ("spinning", "viscous", 0.25, 0.3, 1.0, 3.0),
+    ("spinning", "viscous", 0.3125, 0.9, 2.0, 9.0),
+    ("tumbling", "viscous", 0.25, 3.0, 0.3, 1.5),
+    ("tumbling", "viscous", 0.5, 0.1, 0.01, 0.1),
     ("tumbling", "viscous", 0.5, 0.003, 1e-6, 1e-3),
     ("tumbling", "viscous", 0.375, 0.9, 0.7, 1.0),
     ("tumbling", "viscous", 0.3125, 10.0, 0.001, 0.1),
     ("rolling", "linear-viscous", 0.3125, 2.0, 0.5, 3.0),
-    ("rolling", "rough", 0.25, None, 0.3, 1.0), ("rolling", "smooth", 0.3, None, 0.3, 2.0),
-    ("spinning", "rough", 0.25, None, 0.3, 2.0), ("spinning", "smooth", 0.375, None, 0.5, 3.0),
-)  # fmt: skip
+    ("rolling", "rough", 0.25, None, 0.3, 1.0),
+    ("rolling", "smooth", 0.3, None, 0.3, 2.0),
+    ("spinning", "rough", 0.25, None, 0.3, 2.0),
+    ("spinning", "smooth", 0.375, None, 0.5, 3.0),
+)
 """Boundaries of the verdict along `at`: family, law, k, mu, and values on either side."""
 DEGREES = (0.1, 0.3, 1.0, 2.0, 5.0)
 """Inclinations of a hoop that is nearly flat [degrees]."""
@@ -71,12 +76,14 @@ def _random(rng: np.random.Generator, count: int, mu: tuple[float, float]) -> li
     ranges = {name: family.sampled for name, family in FAMILIES.items() if family.sampled}
     return [
         _points(
-            family, "viscous", rng.uniform(0.05, 0.5, count),
+            family,
+            "viscous",
+            rng.uniform(0.05, 0.5, count),
             10 ** rng.uniform(math.log10(mu[0]), math.log10(mu[1]), count),
             rng.uniform(low, high, count),
         )
         for family, (low, high) in ranges.items()
-    ]  # fmt: skip
+    ]
 
 
 def _flat_hoop() -> list[Points]:
@@ -118,9 +125,11 @@ def coalescence(family: str, k: float, mu: float, low: float, high: float) -> fl
 
 
 MEETINGS = (
-    ("rolling", 0.25, 1.0, 0.2, 1.0), ("rolling", 0.5, 3.0, 0.05, 0.6),
-    ("spinning", 0.25, 4.0, 0.5, 1.0), ("tumbling", 0.25, 4.0, 0.3, 0.6),
-)  # fmt: skip
+    ("rolling", 0.25, 1.0, 0.2, 1.0),
+    ("rolling", 0.5, 3.0, 0.05, 0.6),
+    ("spinning", 0.25, 4.0, 0.5, 1.0),
+    ("tumbling", 0.25, 4.0, 0.3, 0.6),
+)
 """Where eigenvalues coalesce along `at`: family, k, mu and values on either side."""
 
 
@@ -158,12 +167,13 @@ def _makers() -> Mapping[str, tuple[str, Callable[[], list[Points]]]]:
         ),
         "large-mu": ("large friction: μ* in 10³…10⁸", lambda: _random(rng(SEED), 16, (1e3, 1e8))),
         "small-mu": (
-            "small friction: μ* in 10⁻¹⁰…10⁻³", lambda: _random(rng(SEED), 16, (1e-10, 1e-3))
+            "small friction: μ* in 10⁻¹⁰…10⁻³",
+            lambda: _random(rng(SEED), 16, (1e-10, 1e-3)),
         ),
         "flat-hoop": ("tumbling hoop at 0.1°…5° from flat", _flat_hoop),
         "meeting": ("two eigenvalues coalesce (defective), to 1 ulp…10⁻¹⁰", _meeting),
         "conservative": ("smooth and rough: 10⁻²…10⁻¹⁵ next to a Jordan block", _conservative),
-    }  # fmt: skip
+    }
 
 
 def classes() -> dict[str, str]:

@@ -14,7 +14,7 @@ from ...jobs.processes import Task
 from ..timing import timed
 from .hardness import EDGES, classes, points_of
 from .points import Points, edge
-from .routes.jacobians import (  # fmt: skip
+from .routes.jacobians import (
     AutomaticJacobian,
     AutomaticRaw,
     AutomaticTolerance,
@@ -43,13 +43,25 @@ HALVINGS = 32
 SPARSE = 4
 """A slow route is asked one boundary in this many."""
 PEOPLE: tuple[type[Route], ...] = (
-    ForwardDifferences, CentralDifferences, ComplexStep, AutomaticJacobian, AutomaticTolerance,
-    SymbolicJacobian, PolynomialRoots, Hurwitz, ManyDigits, MoreDigits, MostDigits,
-)  # fmt: skip
+    ForwardDifferences,
+    CentralDifferences,
+    ComplexStep,
+    AutomaticJacobian,
+    AutomaticTolerance,
+    SymbolicJacobian,
+    PolynomialRoots,
+    Hurwitz,
+    ManyDigits,
+    MoreDigits,
+    MostDigits,
+)
 """Routes that people use, in the charts."""
 STEPS: tuple[type[Route], ...] = (
-    LongForwardDifferences, ShortForwardDifferences, AutomaticRaw, SolvedSymbolically,
-)  # fmt: skip
+    LongForwardDifferences,
+    ShortForwardDifferences,
+    AutomaticRaw,
+    SolvedSymbolically,
+)
 """Further routes that people use, in the catalogue of failures only."""
 ROUTES: dict[str, type[Route]] = {r.name: r for r in (*PEOPLE, *STEPS, *OWN)}
 """Every route by name."""
@@ -92,7 +104,7 @@ def tasks() -> list[list[Task]]:
             Task(f"boundary/{name}", locate, (name,)),
         ]
         for name in CHARTED
-    ]  # fmt: skip
+    ]
 
 
 def errors(points: Points, answer: Answer) -> tuple[Floats | None, Floats | None]:
@@ -117,11 +129,17 @@ def errors(points: Points, answer: Answer) -> tuple[Floats | None, Floats | None
     size = np.where(size > 0, size, 1.0)
     eigenvalues = None
     if answer.eigenvalues is not None:
-        eigenvalues = np.array([
-            _matched(mine, exact, rest)
-            for mine, exact, rest in zip(
-                answer.eigenvalues, truth.eigenvalues, truth.rest, strict=True)
-        ]) / size  # fmt: skip
+        eigenvalues = (
+            np.array(
+                [
+                    _matched(mine, exact, rest)
+                    for mine, exact, rest in zip(
+                        answer.eigenvalues, truth.eigenvalues, truth.rest, strict=True
+                    )
+                ]
+            )
+            / size
+        )
     if answer.abscissa is None:
         return eigenvalues, None
     scale = np.where(truth.abscissa != 0, np.abs(truth.abscissa), size)
@@ -320,9 +338,11 @@ def _proved(where: Any, near: float) -> tuple[float | None, float | None]:
     family, law, k, mu = where[:4]
     try:
         found = boundaries(
-            family, axis=("at", near * (1 - BRACKET), near * (1 + BRACKET), 4),
-            disk=Disk(k=k), contact=law_named(law, mu),
-        )  # fmt: skip
+            family,
+            axis=("at", near * (1 - BRACKET), near * (1 + BRACKET), 4),
+            disk=Disk(k=k),
+            contact=law_named(law, mu),
+        )
     except StabilityError:
         return None, None
     if len(found) != 1:

@@ -66,10 +66,10 @@ class Points:
         """Some of the points, by a slice, a mask or an array of numbers."""
         mu, lean, given = (
             None if v is None else v[index] for v in (self.mu, self.lean, self.given)
-        )  # fmt: skip
+        )
         return Points(
             self.family, self.law, self.k[index], mu, self.at[index], lean, self.label, given
-        )  # fmt: skip
+        )
 
     @property
     def member(self) -> Family:
@@ -205,9 +205,7 @@ def _sharp(roots: list[Any], sign: int, even: bool) -> bool:
 def _balls(values: list[Any]) -> list[Any]:
     from flint import arb
 
-    return [
-        arb.pi() / 2 - arb(v[1]) if isinstance(v, tuple) else arb(v) for v in values
-    ]  # fmt: skip
+    return [arb.pi() / 2 - arb(v[1]) if isinstance(v, tuple) else arb(v) for v in values]
 
 
 def _roots(coefficients: list[Any], even: bool) -> list[Any] | None:

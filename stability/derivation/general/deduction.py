@@ -118,10 +118,12 @@ class Deduction:
         content = gcd(*(int(c.p) * (scale.numerator // int(c.q)) for c in numbers)) or 1
         scale /= content
         terms = tuple(
-            (int(c.p) * scale.numerator // (int(c.q) * scale.denominator),
-             tuple(map(int, e))[: len(names)])
+            (
+                int(c.p) * scale.numerator // (int(c.q) * scale.denominator),
+                tuple(map(int, e))[: len(names)],
+            )
             for e, c in poly.to_dict().items()
-        )  # fmt: skip
+        )
         return Polynomial(names, terms)
 
     def reduced(self, poly: Poly) -> Poly:
@@ -143,8 +145,9 @@ class Deduction:
         rows: list[dict[str, Any]] = []
         for place, (coefficients, even, _) in enumerate(self.factors):
             try:
-                named = _even(coefficients, budget) if even else self._smallest(
-                    coefficients, budget)  # fmt: skip
+                named = (
+                    _even(coefficients, budget) if even else self._smallest(coefficients, budget)
+                )
             except NotExact as reason:
                 n = len(coefficients) - 1
                 self.left_out.append(
@@ -162,10 +165,9 @@ class Deduction:
         n = len(a) - 1
         minors = hurwitz_determinants(a, budget) if n > 1 else []
         found = [
-            (f"Hurwitz determinant {k}", "flutter" if k == n - 1 else "auxiliary",
-             minors[k - 1], k)
+            (f"Hurwitz determinant {k}", "flutter" if k == n - 1 else "auxiliary", minors[k - 1], k)
             for k in range(n - 1, 1, -2)
-        ]  # fmt: skip
+        ]
         sets = []
         for powers in ({0, *range(2, n, 2)}, {0, *range(1, n, 2)}):
             if n % 2 == 0:
@@ -195,8 +197,16 @@ class Deduction:
         status = "positive" if sign.known > 0 else "negative" if sign.known else "zero"
         if sign.open or sign.nonzero:
             status = "open"
-        return {"name": name, "factor": place, "kind": kind, "status": status, "rest": rest,
-                "all": poly, "proof": "; ".join(sign.reasons), "witnesses": ()}  # fmt: skip
+        return {
+            "name": name,
+            "factor": place,
+            "kind": kind,
+            "status": status,
+            "rest": rest,
+            "all": poly,
+            "proof": "; ".join(sign.reasons),
+            "witnesses": (),
+        }
 
     def _follow(self, rows: list[dict[str, Any]], budget: Budget) -> None:
         """Mark conditions that follow from another one of the same list."""
@@ -210,8 +220,11 @@ class Deduction:
                     return
                 same = other["rest"] == row["rest"]
                 name = f"`{other['name']}`"
-                proof = f"is the same as {name}" if same else self.domain.implied(
-                    row["rest"], other["rest"], name)  # fmt: skip
+                proof = (
+                    f"is the same as {name}"
+                    if same
+                    else self.domain.implied(row["rest"], other["rest"], name)
+                )
                 if proof and not (same and row["kind"] == "flutter" != other["kind"]):
                     row |= {"status": "follows", "proof": proof}
                     break
@@ -277,10 +290,14 @@ def _even(a: Sequence[Poly], budget: Budget) -> list[tuple[str, str, Poly, int]]
         minors = subdiscriminants(q, budget)
         kept = minors[-1:] if m < 4 else minors
         named += [
-            ("discriminant in λ²" if d is minors[-1] else f"subdiscriminant {k} in λ²",
-             "flutter" if d is minors[-1] else "auxiliary", d, 2)
+            (
+                "discriminant in λ²" if d is minors[-1] else f"subdiscriminant {k} in λ²",
+                "flutter" if d is minors[-1] else "auxiliary",
+                d,
+                2,
+            )
             for k, d in enumerate(kept, start=m - len(kept) + 1)
-        ]  # fmt: skip
+        ]
     return named
 
 
@@ -295,6 +312,5 @@ def closed_forms(reading: Reading) -> tuple[tuple[str, str], ...]:
     found = [(i, reading.text(v)) for i, v in reading.triangular.solved.items()]
     named = {i: reading.name(i) for i, _ in found}
     texts = " ".join(text for _, text in found)
-    kept = [i for i, name in named.items()
-            if i < len(reading.base) or "(" in name or name in texts]  # fmt: skip
+    kept = [i for i, name in named.items() if i < len(reading.base) or "(" in name or name in texts]
     return tuple((named[i], text) for i, text in found if i in kept)

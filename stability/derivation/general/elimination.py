@@ -105,14 +105,17 @@ class Reading:
 
     def _required(self, symbols: Mapping[str, Any]) -> list[tuple[Any, str]]:
         system = self.family.system
-        table: dict[str, Any] = {n: self.number(v) for n, v in self.family.held.items()
-                                 if not isinstance(v, Upright)} | dict(symbols)  # fmt: skip
+        table: dict[str, Any] = {
+            n: self.number(v) for n, v in self.family.held.items() if not isinstance(v, Upright)
+        } | dict(symbols)
         out: list[tuple[Any, str]] = []
         as_read = replace(EXACT, name="read", constant=self._constant)
         for condition in system.conditions:
             program = Program(ca.Function("condition", [system.x, system.p], [condition.value]))
-            place = [[table.get(n, "upright") for n in names]
-                     for names in (system.states, system.parameters)]  # fmt: skip
+            place = [
+                [table.get(n, "upright") for n in names]
+                for names in (system.states, system.parameters)
+            ]
             try:
                 value = program.run(as_read, place)[0][0]
             except (NotExact, TypeError, ZeroDivisionError):
@@ -336,8 +339,9 @@ def whole(reading: Reading) -> Whole:
 def _determinant(reading: Reading, block: list[list[Any]], common: Poly) -> Poly:
     """A multiple of det(λ - A), without common factor of its coefficients."""
     field_ = reading.field
-    plain = [[Expression(field_, e.num * (common / e.den), field_.one) for e in row]
-             for row in block]  # fmt: skip
+    plain = [
+        [Expression(field_, e.num * (common / e.den), field_.one) for e in row] for row in block
+    ]
     powers = [reading.element(c).num * common**k for k, c in enumerate(characteristic(plain))]
     lam = field_.generator(reading.lam)
     total = field_.ring.constant(0)
@@ -392,8 +396,13 @@ def _compact(
     ends = [moved(p) for p in nonzero if p not in reading.triangular.crossed]
     ending = [f for poly in ends for f, _ in factors(poly)[1]]
     return Whole(
-        tuple(reading.name(i) for i in order), tuple(order), ring, zeros, tuple(rows),
-        tuple(clean), tuple(f for f in clean if f not in ending),
+        tuple(reading.name(i) for i in order),
+        tuple(order),
+        ring,
+        zeros,
+        tuple(rows),
+        tuple(clean),
+        tuple(f for f in clean if f not in ending),
         tuple((moved(p), s) for p, s in required),
         tuple((places[i], moved(f)) for i, f in kept.items() if occurring(f) <= used),
-    )  # fmt: skip
+    )

@@ -25,9 +25,22 @@ Poly = Any
 """An `fmpq_mpoly`."""
 TRIALS = 60
 """Random members at which signs are sought."""
-FACTORS = tuple(fmpq(p, q) for p, q in (
-    (1, 1), (2, 1), (1, 2), (4, 1), (1, 4), (10, 1), (1, 10), (3, 2), (2, 3), (30, 1), (1, 30),
-))  # fmt: skip
+FACTORS = tuple(
+    fmpq(p, q)
+    for p, q in (
+        (1, 1),
+        (2, 1),
+        (1, 2),
+        (4, 1),
+        (1, 4),
+        (10, 1),
+        (1, 10),
+        (3, 2),
+        (2, 3),
+        (30, 1),
+        (1, 30),
+    )
+)
 """Multiples of typical sizes for these members."""
 WITNESS_BITS = 160
 """Precision of the balls at these members."""
@@ -123,8 +136,10 @@ class Members:
             if index not in here or not occurring(poly) <= set(here):
                 continue
             gens = self.whole.ring.gens()
-            others = [g if i == index else self.whole.ring.constant(here.get(i, 0))
-                      for i, g in enumerate(gens)]  # fmt: skip
+            others = [
+                g if i == index else self.whole.ring.constant(here.get(i, 0))
+                for i, g in enumerate(gens)
+            ]
             along = poly.compose(*others)
             if along.is_constant():
                 continue
@@ -154,8 +169,10 @@ class Members:
                 f"another branch of {self.reading.family.name} than the conditions."
             )
         exact = {n: v for n, v in point.items() if isinstance(v, fmpq)}
-        return [exact.get(n, known[i])
-                for n, i in zip(self.whole.names, self.whole.indices, strict=True)]  # fmt: skip
+        return [
+            exact.get(n, known[i])
+            for n, i in zip(self.whole.names, self.whole.indices, strict=True)
+        ]
 
     def check(self, values: Sequence[Any]) -> bool:
         """Refuse a point outside the domain, or off this branch of the family.

@@ -105,8 +105,9 @@ class Numbers:
         given
             Numbers or balls by name.
         """
-        return {n: v if isinstance(v, (arb, fmpq)) else self.rational(n, v)
-                for n, v in given.items()}  # fmt: skip
+        return {
+            n: v if isinstance(v, (arb, fmpq)) else self.rational(n, v) for n, v in given.items()
+        }
 
     def intervals(
         self, family: Family, positive: Sequence[str], between: Mapping[str, tuple[Any, Any]]

@@ -121,9 +121,11 @@ class Domain:
         edge = -number_of(parts.get(0)) / number_of(parts[1])
         limits = self.bounds.get(index, Bounds())
         self.bounds[index] = Bounds(
-            limits.low, limits.high, limits.at_low and limits.low != edge,
+            limits.low,
+            limits.high,
+            limits.at_low and limits.low != edge,
             limits.at_high and limits.high != edge,
-        )  # fmt: skip
+        )
         self._known.clear()
 
     def _take(self, poly: Poly, reason: str) -> None:

@@ -46,8 +46,9 @@ def outweighed(terms: Terms, never_negative: Callable[[Exponents], bool]) -> dic
     negative = [e for e, c in terms.items() if c < 0 or not never_negative(e)]
     if not negative or len(negative) > MOST_NEGATIVE or len(terms) > MOST_TERMS:
         return None
-    return _completed({e: c for e, c in terms.items() if e not in negative},
-                      [(e, terms[e]) for e in negative])  # fmt: skip
+    return _completed(
+        {e: c for e, c in terms.items() if e not in negative}, [(e, terms[e]) for e in negative]
+    )
 
 
 def _completed(

@@ -20,8 +20,10 @@ HALVINGS = 24
 
 
 def look(
-    quantities: int, formula: Callable[..., Seen], even: Sequence[bool],
-) -> str:  # fmt: skip
+    quantities: int,
+    formula: Callable[..., Seen],
+    even: Sequence[bool],
+) -> str:
     """Source of a shader's function: growth rate, least condition over its size, least of members.
 
     Parameters

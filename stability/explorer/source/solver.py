@@ -37,12 +37,15 @@ class Solver:
         family, names = self.family, self.unknown
         known = family.anchor
         return {
-            "names": names, "equations": graph(family.graph.along), "cut": len(family.at),
+            "names": names,
+            "equations": graph(family.graph.along),
+            "cut": len(family.at),
             "guess": list(family.unknown.values()),
             "positive": [i for i, name in enumerate(names) if name in family.positive],
             "anchor": {"given": known.given.tolist(), "unknown": list(known.unknown)}
-            if known else None,
-        }  # fmt: skip
+            if known
+            else None,
+        }
 
     def polished(self, algebra: Algebra, q: Sequence[Any]) -> tuple[list[Any], list[Any]]:
         """Quantities with unknowns, by Newton's method from a guess, and what is positive there."""

@@ -23,13 +23,21 @@ def _shader_number(value: float) -> str:
 
 
 JAVASCRIPT = Language(
-    "JavaScript", "{name} = {text}", _javascript_number, "Math.{name}({value})",
-    "Math.pow({a}, {b})", renamed=(("fabs", "abs"),),
-)  # fmt: skip
+    "JavaScript",
+    "{name} = {text}",
+    _javascript_number,
+    "Math.{name}({value})",
+    "Math.pow({a}, {b})",
+    renamed=(("fabs", "abs"),),
+)
 SHADER = Language(
-    "GLSL", "float {name} = {text};", _shader_number, "{name}({value})",
-    lacking=("expm1", "log1p"), renamed=(("fabs", "abs"),),
-)  # fmt: skip
+    "GLSL",
+    "float {name} = {text};",
+    _shader_number,
+    "{name}({value})",
+    lacking=("expm1", "log1p"),
+    renamed=(("fabs", "abs"),),
+)
 
 
 def javascript(inputs: Sequence[int], formula: Callable[..., Sequence[Any]]) -> str:

@@ -41,9 +41,12 @@ def tracked(algebra: Algebra) -> Algebra:
         return out
 
     table: dict[str, Callable[..., Any]] = {
-        "sin": apply("sin", lambda _, e, __: e), "cos": apply("cos", lambda _, e, __: e),
-        "sqrt": apply("sqrt", root), "fabs": apply("fabs", lambda _, e, __: e), "pow": power,
-    }  # fmt: skip
+        "sin": apply("sin", lambda _, e, __: e),
+        "cos": apply("cos", lambda _, e, __: e),
+        "sqrt": apply("sqrt", root),
+        "fabs": apply("fabs", lambda _, e, __: e),
+        "pow": power,
+    }
     return Algebra(f"tracked {algebra.name}", float, table, lasting=False)
 
 

@@ -59,8 +59,9 @@ def closed_formulas(family: Family, quantities: Mapping[str, Quantity]) -> Formu
     powers, unknown, positive = form.function(ca.vertcat(a, theta), p, c)
     degree = powers.numel() - 1
     rules = _rules(degree, even=form.even)
-    found = [rule([Sized(one, ca.fabs(one), 0) for one in ca.vertsplit(powers)])
-             for _, _, rule in rules]  # fmt: skip
+    found = [
+        rule([Sized(one, ca.fabs(one), 0) for one in ca.vertsplit(powers)]) for _, _, rule in rules
+    ]
 
     def part(*entries: Any) -> Callable[[Algebra, Values], list[Any]]:
         function = ca.Function("part", [a, p, c], [ca.densify(ca.vertcat(*entries))])
@@ -75,15 +76,19 @@ def closed_formulas(family: Family, quantities: Mapping[str, Quantity]) -> Formu
     if not form.even and degree >= 3:
         note += "; Δ: Hurwitz's determinants of it"
     return Formulas(
-        names=tuple(quantities), even=(form.even,), zeros=form.zeros,
+        names=tuple(quantities),
+        even=(form.even,),
+        zeros=form.zeros,
         coefficients=lambda algebra, q: [coefficients(algebra, q)],
         rules=tuple(Rule(kind, FLOAT, text) for kind, text, _ in rules),
         signs=lambda algebra, q: list(zip(values(algebra, q), sizes(algebra, q), strict=True)),
         unknown=lambda algebra, q: dict(zip(family.unknown, states(algebra, q), strict=True)),
         good=best(even=form.even),
         bounds=None if solved else lambda algebra, q: with_bounds(values, algebra, q),
-        members=part(positive, there), proved=not solved, note=note,
-    )  # fmt: skip
+        members=part(positive, there),
+        proved=not solved,
+        note=note,
+    )
 
 
 def _nearest(form: ImplicitForm, p: ca.SX, first: Sequence[float]) -> tuple[ca.SX, ca.SX]:
@@ -122,9 +127,13 @@ def _rules(degree: int, *, even: bool) -> list[tuple[str, str, Callable[[list[An
     Each has the sign that it has for a polynomial with positive leading coefficient.
     """
     rules: list[Any] = [
-        ("auxiliary" if i else "static", f"c<sub>{i}</sub> c<sub>{degree}</sub>",
-         partial(_product, i, degree)) for i in range(0, 1 if even else degree, 2)
-    ]  # fmt: skip
+        (
+            "auxiliary" if i else "static",
+            f"c<sub>{i}</sub> c<sub>{degree}</sub>",
+            partial(_product, i, degree),
+        )
+        for i in range(0, 1 if even else degree, 2)
+    ]
     for order in range(degree - 1, 0, -2) if not even else ():
         kind = "flutter" if order == degree - 1 else "auxiliary"
         text = f"Δ<sub>{order}</sub>" if order > 1 else f"c<sub>{degree - 1}</sub>"

@@ -97,18 +97,27 @@ def derived_formulas(
         return [v[0] if v else 0.0 for v in out]
 
     formulas = Formulas(
-        names=names, even=tuple(f.even for f in factors), zeros=found.zeros,
+        names=names,
+        even=tuple(f.even for f in factors),
+        zeros=found.zeros,
         coefficients=coefficients,
         rules=tuple(
-            Rule(c.kind, FLOAT if solver else share_of(p, roundings),
-                 typeset(p, written, shift), filled(p, put, shift))
+            Rule(
+                c.kind,
+                FLOAT if solver else share_of(p, roundings),
+                typeset(p, written, shift),
+                filled(p, put, shift),
+            )
             for c, (p, shift) in zip(deciding, polynomials, strict=True)
         ),
         signs=signs,
         unknown=lambda _, __: {} if solver else family.unknown,
         good=_good(family, even=any(f.even for f in found.factors) or found._extra_zeros > 0),
-        members=members, solver=solver, proved=solver is None, numbers=found.numbers,
-    )  # fmt: skip
+        members=members,
+        solver=solver,
+        proved=solver is None,
+        numbers=found.numbers,
+    )
     return formulas
 
 

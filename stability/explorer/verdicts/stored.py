@@ -55,9 +55,15 @@ def stored_formulas(family: Family, law: str, quantities: Mapping[str, Quantity]
         return {n: states[n] for n in family.unknown}
 
     return Formulas(
-        names=tuple(quantities), even=(known.even,) * len(known.factors), zeros=known.zeros,
-        coefficients=coefficients, signs=signs,
-        rules=tuple(Rule(kind, share_of(p, PLAIN), typeset(p, written), filled(p, put))
-                    for kind, p in known.conditions),
-        unknown=unknown, good=best(even=known.even),
-    )  # fmt: skip
+        names=tuple(quantities),
+        even=(known.even,) * len(known.factors),
+        zeros=known.zeros,
+        coefficients=coefficients,
+        signs=signs,
+        rules=tuple(
+            Rule(kind, share_of(p, PLAIN), typeset(p, written), filled(p, put))
+            for kind, p in known.conditions
+        ),
+        unknown=unknown,
+        good=best(even=known.even),
+    )

@@ -98,8 +98,9 @@ def plot_basins(
     strip = None if ax is not None else linear_strip(dataset, x)
     present = fates(dataset)
     more = LINE * max(0, len(present) - FEW)
-    with drawing(ax, width, fontsize,
-                 lambda wide: min(0.98 * wide, 2.0 + 0.4 * wide) + more) as figure:  # fmt: skip
+    with drawing(
+        ax, width, fontsize, lambda wide: min(0.98 * wide, 2.0 + 0.4 * wide) + more
+    ) as figure:
         above, main = (None, ax) if ax is not None else _panels(figure, strip)
         if is_sample(dataset):
             entries: list[Any] = draw_sample(main, dataset, present, x, y)

@@ -84,9 +84,12 @@ class Fate:
     def patch(self) -> Patch:
         """The entry of the legend."""
         return Patch(
-            facecolor=self.ramp(0.5), edgecolor=matplotlib.rcParams["hatch.color"], linewidth=0.3,
-            hatch=self.texture and self.texture + self.texture[:2], label=self.label,
-        )  # fmt: skip
+            facecolor=self.ramp(0.5),
+            edgecolor=matplotlib.rcParams["hatch.color"],
+            linewidth=0.3,
+            hatch=self.texture and self.texture + self.texture[:2],
+            label=self.label,
+        )
 
 
 def fates(dataset: xarray.Dataset) -> list[Fate]:
@@ -108,10 +111,17 @@ def fates(dataset: xarray.Dataset) -> list[Fate]:
             continue
         colours, texture, way = RAMPS[max(code - 1, 0) % len(RAMPS)]
         own = member[where & np.isfinite(member)]
-        found.append(Fate(
-            f"settled: {name.replace('_', ' ')}", where, colours, texture, way,
-            name.replace("_", " "), (float(own.min()), float(own.max())) if own.size else None,
-        ))  # fmt: skip
+        found.append(
+            Fate(
+                f"settled: {name.replace('_', ' ')}",
+                where,
+                colours,
+                texture,
+                way,
+                name.replace("_", " "),
+                (float(own.min()), float(own.max())) if own.size else None,
+            )
+        )
     for one, (colour, texture, way) in PLAIN.items():
         where = outcome == one.code
         if where.any():

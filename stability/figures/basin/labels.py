@@ -62,8 +62,9 @@ def label(dataset: xarray.Dataset, name: str) -> str:
         Name of a coordinate or variable.
     """
     if name == "end_time":  # its long name says what an end is
-        return axis_label(Quantity(name, "", "time of the end", Kind.TIME), name,
-                          unit_of(dataset[name].attrs))  # fmt: skip
+        return axis_label(
+            Quantity(name, "", "time of the end", Kind.TIME), name, unit_of(dataset[name].attrs)
+        )
     return axis_label(_quantities(dataset).get(name), name, unit_of(dataset[name].attrs))
 
 

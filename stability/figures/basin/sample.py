@@ -28,12 +28,18 @@ MOST, PASSES = 3000, 6
 """Marks of a figure, the first launches of the sample; drawn in parts, so that no end hides all
 others where ends mix."""
 MARKS = {
-    "plain": ("o", "circles"), "dots": ("s", "squares"), "level lines": ("^", "triangles"),
-    "upright lines": ("v", "triangles on their tips"), "lines that rise": ("x", "slanted crosses"),
-    "lines that fall": ("_", "dashes"), "crosses": ("D", "diamonds"),
-    "upright crosses": ("P", "thick crosses"), "small circles": ("h", "hexagons"),
-    "large circles": ("p", "pentagons"), "stars": ("*", "stars"),
-}  # fmt: skip
+    "plain": ("o", "circles"),
+    "dots": ("s", "squares"),
+    "level lines": ("^", "triangles"),
+    "upright lines": ("v", "triangles on their tips"),
+    "lines that rise": ("x", "slanted crosses"),
+    "lines that fall": ("_", "dashes"),
+    "crosses": ("D", "diamonds"),
+    "upright crosses": ("P", "thick crosses"),
+    "small circles": ("h", "hexagons"),
+    "large circles": ("p", "pentagons"),
+    "stars": ("*", "stars"),
+}
 """Mark and its name, by the hatching of the same end on a map."""
 EDGE = 0.3
 """Width of a mark's outline [pt]."""
@@ -131,11 +137,13 @@ def draw_sample(
             look: dict[str, Any] = {"c": colours, "edgecolors": outline, "linewidths": EDGE}
             if mark in "x_":  # lines alone, which no outline shows
                 look = {"c": outline, "linewidths": 2 * EDGE}
-            axes.scatter(across[mine], along[mine], s=size, marker=mark, rasterized=count > 500,
-                         **look)  # fmt: skip
+            axes.scatter(
+                across[mine], along[mine], s=size, marker=mark, rasterized=count > 500, **look
+            )
     for name, values, scale, limits in (
-        (x, across, axes.set_xscale, axes.set_xlim), (y, along, axes.set_yscale, axes.set_ylim)
-    ):  # fmt: skip
+        (x, across, axes.set_xscale, axes.set_xlim),
+        (y, along, axes.set_yscale, axes.set_ylim),
+    ):
         low, high = float(np.nanmin(values)), float(np.nanmax(values))
         if f"{name!r}: {LogUniform.__name__}(" in str(dataset.attrs.get("sample")) and high > low:
             scale("log")
@@ -151,10 +159,16 @@ def _entry(fate: Fate, share: str, outline: Any) -> Line2D:
     mark = MARKS[fate.way][0]
     bare = mark in "x_"
     return Line2D(
-        [], [], linestyle="none", marker=mark, markersize=4.5, label=f"{fate.label}, {share}",
-        markerfacecolor=fate.ramp(0.5), markeredgecolor=outline,
+        [],
+        [],
+        linestyle="none",
+        marker=mark,
+        markersize=4.5,
+        label=f"{fate.label}, {share}",
+        markerfacecolor=fate.ramp(0.5),
+        markeredgecolor=outline,
         markeredgewidth=2 * EDGE if bare else EDGE,
-    )  # fmt: skip
+    )
 
 
 def shares(present: list[Fate]) -> list[str]:

@@ -74,8 +74,9 @@ def outline(across: Any, along: Any) -> list[list[Point]]:
     for way, (fixed, free) in enumerate(((across, along), (along, across))):
         sides = Counter(
             (float(f), float(low), float(high))
-            for at, (low, high) in zip(fixed, free, strict=True) for f in at
-        )  # fmt: skip
+            for at, (low, high) in zip(fixed, free, strict=True)
+            for f in at
+        )
         joined: list[list[float]] = []
         for place, low, high in sorted(s for s, count in sides.items() if count == 1):
             if joined and joined[-1][0] == place and joined[-1][2] == low:

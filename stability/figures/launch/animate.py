@@ -31,9 +31,17 @@ if TYPE_CHECKING:
 
 
 KEPT = (
-    "time", "event_time", "event_kind", "event_launch", "outcome", "evidence", "mass", "radius",
-    "gravity", "k",
-)  # fmt: skip
+    "time",
+    "event_time",
+    "event_kind",
+    "event_launch",
+    "outcome",
+    "evidence",
+    "mass",
+    "radius",
+    "gravity",
+    "k",
+)
 """Variables that a film needs in addition to `POSED` and `LINEAR`."""
 SHORTEST, LONGEST = 4.0, 20.0
 """Range of a film's length when `seconds` is left out [s]."""
@@ -199,9 +207,13 @@ def _check_numbers(dataset: xarray.Dataset, body: Body) -> None:
 
 
 def _page(
-    dataset: xarray.Dataset, motion: dict[str, Any], length: float, body: Body | None, *,
+    dataset: xarray.Dataset,
+    motion: dict[str, Any],
+    length: float,
+    body: Body | None,
+    *,
     contact_path: bool,
-) -> str:  # fmt: skip
+) -> str:
     """Text of the page: the template with the motion in it."""
     times = motion["time"]
     if len(times) > MOST_SAMPLES:
@@ -216,11 +228,16 @@ def _page(
     outcome = BY_CODE[int(dataset.outcome)]
     data |= {
         "title": str(dataset.attrs.get("title", "motion of a disk")),
-        "caption": caption_of(dataset), "outcome": outcome.word, "sentence": outcome.value,
-        "evidence": str(dataset.evidence.values), "seconds": length, "trail": contact_path,
+        "caption": caption_of(dataset),
+        "outcome": outcome.word,
+        "sentence": outcome.value,
+        "evidence": str(dataset.evidence.values),
+        "seconds": length,
+        "trail": contact_path,
         "weight": float(dataset.mass * dataset.gravity),
-        "time_unit": unit_of(dataset.time.attrs), "force_unit": unit_of(dataset.normal_force.attrs),
-    }  # fmt: skip
+        "time_unit": unit_of(dataset.time.attrs),
+        "force_unit": unit_of(dataset.normal_force.attrs),
+    }
     text = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     template = resources.files(__package__).joinpath("animation.html")
     # no "<" in the data, so that no text can end the script element

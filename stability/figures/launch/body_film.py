@@ -169,18 +169,27 @@ def on_page(motion: Mapping[str, Floats], body: Body, times: Floats) -> dict[str
     series |= {n: found[n] for n in names}
     shape = surface(body)
     return series | {
-        "time": times, "phi": found["phi"], "centre_z": found["placed"].centre[:, 2],
-        "turn": turn, "shape": shape, "size": found["placed"].radius,
-    }  # fmt: skip
+        "time": times,
+        "phi": found["phi"],
+        "centre_z": found["placed"].centre[:, 2],
+        "turn": turn,
+        "shape": shape,
+        "size": found["placed"].radius,
+    }
 
 
 class BodyCamera(Camera):
     """The figure of a film of a body."""
 
     def __init__(
-        self, motion: dict[str, Any], dataset: xarray.Dataset, pace: float, body: Body, *,
+        self,
+        motion: dict[str, Any],
+        dataset: xarray.Dataset,
+        pace: float,
+        body: Body,
+        *,
         contact_path: bool = True,
-    ) -> None:  # fmt: skip
+    ) -> None:
         super().__init__(motion, dataset, pace, motion["placed"], contact_path=contact_path)
         shape = surface(body)
         angle = np.linspace(0, 2 * math.pi, ROUND, endpoint=False)

@@ -56,7 +56,7 @@ def caption(dataset: xarray.Dataset) -> str:
         f"{q.symbol} = {float(data[name]):.4g}{'' if plain else q.kind.suffix}"
         for name, q in _quantities(dataset).items()
         if name in data.coords and not data[name].ndim
-    ]  # fmt: skip
+    ]
     units = {n: "" if plain else f" {readable(data[n].attrs['units'])}" for n in STATES}
     start = [f"{name} = {float(data[name][0]):.4g}{units[name]}" for name in STATES]
     return (
@@ -83,8 +83,11 @@ def _quantities(dataset: xarray.Dataset) -> Mapping[str, Quantity]:
     known = quantities_of(SYSTEM + str(dataset.attrs.get("contact", "")))
     if "body" not in dataset.attrs:
         return known
-    own = {str(n): Quantity(str(n), str(n), str(n), Kind.NUMBER) for n in dataset.coords
-           if n not in known and n not in ("time", "number", "length")}  # fmt: skip
+    own = {
+        str(n): Quantity(str(n), str(n), str(n), Kind.NUMBER)
+        for n in dataset.coords
+        if n not in known and n not in ("time", "number", "length")
+    }
     if not dataset.attrs.get("dimensionless", 0):
         own |= {"length": Quantity("length", "L", "length", Kind.LENGTH)}
     return own | dict(known)

@@ -76,9 +76,14 @@ class Camera:
     fine = FINE
 
     def __init__(
-        self, motion: dict[str, Any], dataset: xarray.Dataset, pace: float, seen: Any = None, *,
+        self,
+        motion: dict[str, Any],
+        dataset: xarray.Dataset,
+        pace: float,
+        seen: Any = None,
+        *,
         contact_path: bool = True,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.motion, self.seen = motion, geometry(motion) if seen is None else seen
         self.contact_path = contact_path
         self.frames = (len(motion["time"]) - 1) // FINE + 1
@@ -110,8 +115,13 @@ class Camera:
         self.clock = put(0.02, 0.975, "", fontsize=LARGE, va="top")
         self.places = int(np.clip(2 - np.floor(np.log10(pace)), 0, 12))
         word = BY_CODE[int(dataset.outcome)].word
-        put(0.98, 0.975, f"1 s of film = {pace:.3g} {self.unit}\noutcome: {word}", ha="right",
-            va="top")  # fmt: skip
+        put(
+            0.98,
+            0.975,
+            f"1 s of film = {pace:.3g} {self.unit}\noutcome: {word}",
+            ha="right",
+            va="top",
+        )
         put(0.02, 0.02, broken(caption_of(dataset), lambda line: len(line) <= LETTERS), va="bottom")
         self.seat = self._overview(strong) if self.follows or not contact_path else None
 

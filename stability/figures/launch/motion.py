@@ -52,9 +52,11 @@ FILLS = (("#56B4E9", ""), ("#F0E442", "////"), ("#CC79A7", "...."))
 # the palest end of the map would be lost on white paper
 TIME_MAP = ListedColormap(matplotlib.colormaps["viridis"](np.linspace(0, 0.92, 256)))
 PANELS = (
-    ("inclination", ("theta",)), ("rates", ("theta_dot", "phi_dot", "omega3")),
-    ("slip", ("slip_x", "slip_y")), ("normal force", ("normal_force",)),
-)  # fmt: skip
+    ("inclination", ("theta",)),
+    ("rates", ("theta_dot", "phi_dot", "omega3")),
+    ("slip", ("slip_x", "slip_y")),
+    ("normal force", ("normal_force",)),
+)
 """Word and series of each panel over time."""
 ENDS = {"contact": ("s", 6.0), "centre": ("o", 3.4)}
 """Shape and size of the marks at the ends of each path, hollow at the start, filled at the end."""
@@ -124,8 +126,9 @@ def plot_motion(
     tall = sum(_heights(parts, names, stacked=stacked)) * (wide / usual) ** 0.5
     draw: dict[str, Callable[[Any, SingleRun], None]] = {
         "states": partial(draw_system, names=names) if names else _draw_states,
-        "paths": _draw_paths, "energy": _draw_energy,
-    }  # fmt: skip
+        "paths": _draw_paths,
+        "energy": _draw_energy,
+    }
     with drawing(ax, width if ax is not None else wide, fontsize, lambda _: tall) as figure:
         if ax is not None:
             draw[parts[0]](GivenAxes(figure, ax, parts[0]), motion)
@@ -164,8 +167,11 @@ def _needed(dataset: xarray.Dataset, names: tuple[str, ...], show: str | None) -
 
 def _heights(parts: list[str], names: tuple[str, ...], *, stacked: bool) -> list[float]:
     """Heights of the rows of a figure of the usual width [in]."""
-    tall = {"states": 1.35 + min(len(names), MOST_PANELS) if names else 4.9, "paths": 3.4,
-            "energy": 3.45}  # fmt: skip
+    tall = {
+        "states": 1.35 + min(len(names), MOST_PANELS) if names else 4.9,
+        "paths": 3.4,
+        "energy": 3.45,
+    }
     if len(parts) == 1 or stacked:
         return [tall[part] for part in parts]
     return [max(3.45, tall["states"]) if names else 4.6 + 1.2 * (len(parts) > 2)]
@@ -218,13 +224,26 @@ def _draw_states(page: Any, motion: SingleRun) -> None:
         axes.set_ylabel(f"{word}\n{symbol} {unit(data, names[0])}".replace("\n ", "\n"))
         axes.yaxis.set_major_locator(MaxNLocator(5))
         for start, stop in motion.sticking:
-            axes.axvspan(start, stop, facecolor="#e4e4e4", edgecolor="#9a9a9a", hatch="////",
-                         linewidth=0, zorder=0)  # fmt: skip
+            axes.axvspan(
+                start,
+                stop,
+                facecolor="#e4e4e4",
+                edgecolor="#9a9a9a",
+                hatch="////",
+                linewidth=0,
+                zorder=0,
+            )
         for t, _ in motion.events:
             axes.axvline(t, color="#404040", linewidth=0.5, zorder=1)
     panels[0].axhline(np.pi / 2, color="#404040", linestyle="--", linewidth=0.7, zorder=1)
-    panels[0].annotate(r"$\pi/2$", (1.01, np.pi / 2), xycoords=("axes fraction", "data"),
-                       va="center", fontsize=small(), annotation_clip=False)  # fmt: skip
+    panels[0].annotate(
+        r"$\pi/2$",
+        (1.01, np.pi / 2),
+        xycoords=("axes fraction", "data"),
+        va="center",
+        fontsize=small(),
+        annotation_clip=False,
+    )
     low, high = panels[0].get_ylim()
     panels[0].set_ylim(min(low, high - 0.02), max(high, low + 0.02))  # not down to rounding errors
     panels[0].ticklabel_format(useOffset=False)
@@ -264,21 +283,44 @@ def _draw_paths(page: Any, motion: SingleRun) -> None:
         corners = np.column_stack([x, y])
         # each piece overlaps the next, so that no seams show
         pieces = [corners[i : i + 3] for i in range(len(x) - 1)]
-        axes.add_collection(LineCollection(pieces, array=(times[1:] + times[:-1]) / 2, **shade,
-                            linewidths=width, rasterized=len(x) > 20_000,
-                            zorder=2 if width > 1 else 3))  # fmt: skip
+        axes.add_collection(
+            LineCollection(
+                pieces,
+                array=(times[1:] + times[:-1]) / 2,
+                **shade,
+                linewidths=width,
+                rasterized=len(x) > 20_000,
+                zorder=2 if width > 1 else 3,
+            )
+        )
         shape, size = ENDS[name]
         for at, filled in ((0, False), (-1, True)):
             # a white edge keeps one filled mark visible on another
-            axes.plot(x[at], y[at], shape, color="black", markersize=size + 0.6 * (not filled),
-                      markerfacecolor="black" if filled else "none", markeredgewidth=0.8,
-                      markeredgecolor="white" if filled else "black", zorder=4)  # fmt: skip
+            axes.plot(
+                x[at],
+                y[at],
+                shape,
+                color="black",
+                markersize=size + 0.6 * (not filled),
+                markerfacecolor="black" if filled else "none",
+                markeredgewidth=0.8,
+                markeredgecolor="white" if filled else "black",
+                zorder=4,
+            )
     for a, b in motion.sticking:
         # white gaps over the colours, since a line of many colours cannot be dashed
         when = np.union1d([a, b], times[(times > a) & (times < b)])
         x, y = (np.interp(when, times, data[f"contact_{c}"].values) for c in "xy")
-        axes.plot(x, y, color="white", linewidth=2.4, dashes=(0.7, 1.3), dash_capstyle="butt",
-                  label="gaps", zorder=2.5)  # fmt: skip
+        axes.plot(
+            x,
+            y,
+            color="white",
+            linewidth=2.4,
+            dashes=(0.7, 1.3),
+            dash_capstyle="butt",
+            label="gaps",
+            zorder=2.5,
+        )
     # for a disk that spins on the spot the axes must not shrink to rounding errors
     spot = 0.02 * length_of(data) * np.array([[-1, -1], [1, 1]])
     axes.update_datalim([data.centre_x.values[0], data.centre_y.values[0]] + spot)
@@ -301,12 +343,29 @@ def _keys(sticks: bool, first: str) -> list[Any]:
     name = "contact, sliding" if sticks else "contact point"
     slides = Line2D([0, 1], [0, 0], linewidth=1.8, label=name, **marked, **ink)
     stuck = Line2D([], [], linewidth=1.8, dashes=(1.7, 1), label="contact, sticking", **ink)
-    centre = Line2D([0, 1], [0, 0], linewidth=0.8, label="centre", marker=ring, markersize=little,
-                    markevery=[1], **ink)  # fmt: skip
-    begin = Line2D([], [], ls="", marker=square, markersize=large, color="black",
-                   markerfacecolor="none", label=f"{first} (hollow)")  # fmt: skip
-    end = Line2D([], [], ls="", marker=square, markersize=large, color="black",
-                 label="end (filled)")  # fmt: skip
+    centre = Line2D(
+        [0, 1],
+        [0, 0],
+        linewidth=0.8,
+        label="centre",
+        marker=ring,
+        markersize=little,
+        markevery=[1],
+        **ink,
+    )
+    begin = Line2D(
+        [],
+        [],
+        ls="",
+        marker=square,
+        markersize=large,
+        color="black",
+        markerfacecolor="none",
+        label=f"{first} (hollow)",
+    )
+    end = Line2D(
+        [], [], ls="", marker=square, markersize=large, color="black", label="end (filled)"
+    )
     return [slides, *([stuck] if sticks else []), centre, begin, end]
 
 
@@ -327,11 +386,19 @@ def _draw_energy(page: Any, motion: SingleRun) -> None:
     seen = np.where(audit > 0, audit, np.nan)  # a log axis has no zero, so leave a gap
     lower.set_yscale("log")
     lower.set_autoscaley_on(False)  # an audit of zeros alone has no range
-    lower.plot(times, seen, label="audit", marker=".", markersize=1.2, linewidth=0.7,
-               color=STROKES[0]["color"])  # fmt: skip
+    lower.plot(
+        times,
+        seen,
+        label="audit",
+        marker=".",
+        markersize=1.2,
+        linewidth=0.7,
+        color=STROKES[0]["color"],
+    )
     tolerance = tolerance_of(data)
-    lower.axhline(tolerance, label="tolerance of a step", color="black", linestyle="--",
-                  linewidth=0.8)  # fmt: skip
+    lower.axhline(
+        tolerance, label="tolerance of a step", color="black", linestyle="--", linewidth=0.8
+    )
     shown = np.append(seen[audit > 0], tolerance)
     lower.set_ylim(shown.min() / 5, shown.max() * 5)
     legend(lower)

@@ -60,10 +60,16 @@ def legend(axes: Axes, handles: list[Line2D] | None = None) -> None:
     """Draw a legend above the panel, where it hides no data."""
     shown = handles or axes.get_legend_handles_labels()[0]
     axes.legend(
-        handles=shown, loc="lower right", bbox_to_anchor=(1.02, 0.98),
-        ncols=len(shown) if len(shown) < 5 else 3, frameon=False, handlelength=2.2, borderpad=0.1,
-        columnspacing=1.1, handletextpad=0.4,
-    )  # fmt: skip
+        handles=shown,
+        loc="lower right",
+        bbox_to_anchor=(1.02, 0.98),
+        ncols=len(shown) if len(shown) < 5 else 3,
+        frameon=False,
+        handlelength=2.2,
+        borderpad=0.1,
+        columnspacing=1.1,
+        handletextpad=0.4,
+    )
 
 
 def words(axes: Axes, motion: SingleRun) -> None:
@@ -77,8 +83,16 @@ def words(axes: Axes, motion: SingleRun) -> None:
     for t, word in marks[-1:] + marks[:-1]:
         if all(abs(t - other) > room for other in free):
             free.append(t)
-            axes.text(t, 1.03, word, rotation=90, fontsize=small(), ha="center", va="bottom",
-                      transform=axes.get_xaxis_transform())  # fmt: skip
+            axes.text(
+                t,
+                1.03,
+                word,
+                rotation=90,
+                fontsize=small(),
+                ha="center",
+                va="bottom",
+                transform=axes.get_xaxis_transform(),
+            )
 
 
 def draw_system(page: Any, motion: SingleRun, names: tuple[str, ...]) -> None:

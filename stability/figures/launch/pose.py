@@ -15,8 +15,15 @@ from ...base.types import Floats
 POSED = ("theta", "phi", "psi", "centre_x", "centre_y")
 """Series that place the disk."""
 LINEAR = (
-    "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y", "normal_force", "force_x", "force_y",
-)  # fmt: skip
+    "theta_dot",
+    "phi_dot",
+    "omega3",
+    "slip_x",
+    "slip_y",
+    "normal_force",
+    "force_x",
+    "force_y",
+)
 """Series that are interpolated by lines."""
 
 

@@ -18,8 +18,14 @@ if TYPE_CHECKING:
 
 
 KEPT = (
-    "end_time", "event_time", "event_kind", "event_launch", "outcome", "evidence", "method",
-)  # fmt: skip
+    "end_time",
+    "event_time",
+    "event_kind",
+    "event_launch",
+    "outcome",
+    "evidence",
+    "method",
+)
 """Variables that every figure needs in addition to its series."""
 ACCOUNT = ("energy", "dissipated", "audit")
 """Series of the energy; a user's system has them where it observes `energy` and `power`."""

@@ -128,8 +128,13 @@ def plot_locus(
             _frequencies(lowest, at, values, groups)
         for panel in panels:
             for threshold in thresholds:
-                panel.axvline(threshold, color="black", linewidth=0.8, linestyle=(0, (1, 1.5)),
-                              label="change of verdict")  # fmt: skip
+                panel.axvline(
+                    threshold,
+                    color="black",
+                    linewidth=0.8,
+                    linestyle=(0, (1, 1.5)),
+                    label="change of verdict",
+                )
         key(top, _entries(top), title)
         note(lowest, fixed_numbers(spectrum, name))
     return figure
@@ -171,28 +176,58 @@ def _axis(spectrum: Spectrum, name: str) -> str:
 
 
 def _growth(
-    axes: Axes, at: Floats, values: Complexes, radius: Floats, groups: Groups,
-    names: Sequence[str], known: Sequence[float],
-) -> None:  # fmt: skip
+    axes: Axes,
+    at: Floats,
+    values: Complexes,
+    radius: Floats,
+    groups: Groups,
+    names: Sequence[str],
+    known: Sequence[float],
+) -> None:
     """Draw the real parts; growth is shaded, crossings are marked, a number is on each mode."""
     axes.axhline(0, color="0.3", linewidth=0.6)
     for index, columns in enumerate(groups):
         for position, column in enumerate(columns):
-            axes.plot(at, values[:, column].real, color=_colour(index), zorder=3,
-                      linestyle=DASHES[position % len(DASHES)],
-                      label=None if position else f"{index + 1}: {names[index]}")  # fmt: skip
+            axes.plot(
+                at,
+                values[:, column].real,
+                color=_colour(index),
+                zorder=3,
+                linestyle=DASHES[position % len(DASHES)],
+                label=None if position else f"{index + 1}: {names[index]}",
+            )
     asinh_scale(axes, "y", values.real, linear_width(values.real, radius))
     axes.axhspan(0, axes.get_ylim()[1], facecolor="#fdebdc", zorder=0)
     zero = float(axes.transAxes.inverted().transform(axes.transData.transform((at[0], 0.0)))[1])
-    for word, height, colour in (("growth", (1 + zero) / 2, "#7f2704"),
-                                 ("decay", zero / 2, "#08306b")):  # fmt: skip
-        axes.text(1.015, height, word, transform=axes.transAxes, rotation=90, ha="left",
-                  va="center", fontsize=small(), color=colour)  # fmt: skip
+    for word, height, colour in (
+        ("growth", (1 + zero) / 2, "#7f2704"),
+        ("decay", zero / 2, "#08306b"),
+    ):
+        axes.text(
+            1.015,
+            height,
+            word,
+            transform=axes.transAxes,
+            rotation=90,
+            ha="left",
+            va="center",
+            fontsize=small(),
+            color=colour,
+        )
     found = crossings(at, values.real, radius, known)
     if found:
-        axes.plot(found, np.zeros(len(found)), "o", markersize=4, markerfacecolor="white",
-                  markeredgecolor="black", markeredgewidth=0.9, zorder=5, clip_on=False,
-                  label=r"Re $\lambda$ = 0")  # fmt: skip
+        axes.plot(
+            found,
+            np.zeros(len(found)),
+            "o",
+            markersize=4,
+            markerfacecolor="white",
+            markeredgecolor="black",
+            markeredgewidth=0.9,
+            zorder=5,
+            clip_on=False,
+            label=r"Re $\lambda$ = 0",
+        )
     _numbers(axes, at, values.real, groups)
 
 
@@ -204,9 +239,17 @@ def _frequencies(axes: Axes, at: Floats, values: Complexes, groups: Groups) -> N
     """Draw the frequencies where eigenvalues are complex; say so where none is."""
     every = np.abs(values.imag)
     if not every.any():
-        axes.text(0.5, 0.5, "no oscillation: every eigenvalue is real", ha="center", va="center",
-                  transform=axes.transAxes, fontsize=small(), path_effects=HALO,
-                  zorder=5)  # fmt: skip
+        axes.text(
+            0.5,
+            0.5,
+            "no oscillation: every eigenvalue is real",
+            ha="center",
+            va="center",
+            transform=axes.transAxes,
+            fontsize=small(),
+            path_effects=HALO,
+            zorder=5,
+        )
         axes.set_yticks([])
         return
     shown = np.ma.masked_equal(every, 0.0)
@@ -235,8 +278,11 @@ def _numbers(axes: Axes, at: Floats, values: Floats, groups: Groups) -> None:
     for index, own in enumerate(curves):
         others = [p for j, c in enumerate(curves) if j != index for p in c]
         # from the middle outward, since the first of equal spots is taken
-        picked = [int((0.5 + side * off) * (len(at) - 1)) for off in np.linspace(0, 0.44, 23)
-                  for side in (1, -1)]  # fmt: skip
+        picked = [
+            int((0.5 + side * off) * (len(at) - 1))
+            for off in np.linspace(0, 0.44, 23)
+            for side in (1, -1)
+        ]
         tries = [p[i] for p in own for i in picked if np.isfinite(p[i]).all()]
         if not tries:
             continue
@@ -244,8 +290,17 @@ def _numbers(axes: Axes, at: Floats, values: Floats, groups: Groups) -> None:
         best = tries[int(np.argmax(clear))]
         written.append(best)
         x, y = axes.transData.inverted().transform(best / points)
-        axes.text(x, y, str(index + 1), color=_colour(index), ha="center", va="center",
-                  fontsize=small(), path_effects=HALO, zorder=4)  # fmt: skip
+        axes.text(
+            x,
+            y,
+            str(index + 1),
+            color=_colour(index),
+            ha="center",
+            va="center",
+            fontsize=small(),
+            path_effects=HALO,
+            zorder=4,
+        )
 
 
 def _clearance(spot: Floats, others: list[Floats], written: list[Floats]) -> float:

@@ -63,8 +63,12 @@ def plane(
         axes.set_xlabel("growth rate Re $\\lambda$" + units)
         axes.set_ylabel("Im $\\lambda$" + units)
         settle(figure)
-        key(axes, _eigenvalues(axes, spectrum), f"{title or spectrum.family.name}: {verdict}",
-            reach=1.0)  # fmt: skip
+        key(
+            axes,
+            _eigenvalues(axes, spectrum),
+            f"{title or spectrum.family.name}: {verdict}",
+            reach=1.0,
+        )
         note(axes, fixed_numbers(spectrum, ""))
     return figure
 
@@ -91,8 +95,16 @@ def _eigenvalues(axes: Axes, spectrum: Spectrum) -> list[Line2D]:
         word, colour, look = LOOKS[int(signs[picked].max())]
         look = look | {"mec": colour, "mew": 0.8, "ls": ""}
         where = row[picked]
-        axes.errorbar(where.real, where.imag, errors[picked], errors[picked], fmt="none",
-                      ecolor="0.5", elinewidth=0.6, zorder=2)  # fmt: skip
+        axes.errorbar(
+            where.real,
+            where.imag,
+            errors[picked],
+            errors[picked],
+            fmt="none",
+            ecolor="0.5",
+            elinewidth=0.6,
+            zorder=2,
+        )
         axes.plot(where.real, where.imag, zorder=3, **look)
         entries.append(Line2D([], [], label=f"{number}: {word}, {name}", **look))
         marks += [Letter(v.real, v.imag, str(number), colour) for v in where]
@@ -103,8 +115,18 @@ def _eigenvalues(axes: Axes, spectrum: Spectrum) -> list[Line2D]:
         axes.plot([0.0], [0.0], zorder=2.5, **look)
         entries.append(Line2D([], [], label=label, **look))
     for word, side, place in (("growth", "right", 0.985), ("decay", "left", 0.015)):
-        axes.text(place, 0.02, word, transform=axes.transAxes, ha=side, va="bottom",
-                  fontsize=small(), color="0.25", path_effects=HALO, zorder=4)  # fmt: skip
+        axes.text(
+            place,
+            0.02,
+            word,
+            transform=axes.transAxes,
+            ha=side,
+            va="bottom",
+            fontsize=small(),
+            color="0.25",
+            path_effects=HALO,
+            zorder=4,
+        )
     letters(axes, marks, 2.6)
     return entries
 
@@ -143,8 +165,9 @@ def asinh_scale(axes: Axes, along: str, real: Floats, linear: float) -> None:
         return float(np.arcsinh(value / linear))
 
     ends = [place(1.6 * max(float((sign * real).max()), linear)) for sign in (-1, 1)]
-    ends = [max(end, SHARE / (1 - SHARE) * other) for end, other in zip(ends, ends[::-1],
-                                                                        strict=True)]  # fmt: skip
+    ends = [
+        max(end, SHARE / (1 - SHARE) * other) for end, other in zip(ends, ends[::-1], strict=True)
+    ]
     low, high = (linear * float(np.sinh(end)) for end in ends)
     getattr(axes, f"set_{along}lim")(-low, high)
     box, dpi = axes.get_window_extent(), axes.get_figure(root=True).dpi  # type: ignore[union-attr]
@@ -175,5 +198,8 @@ def fixed_numbers(spectrum: Spectrum, name: str) -> str:
         return fixed(held, system.quantities, system.units, law=body, dimensionless=plain)
     return fixed(
         {family.at[0] if n == "at" else n: v for n, v in held.items()},
-        disk_quantities(type(law)), {}, law=law.name, dimensionless=spectrum.dimensionless,
-    )  # fmt: skip
+        disk_quantities(type(law)),
+        {},
+        law=law.name,
+        dimensionless=spectrum.dimensionless,
+    )

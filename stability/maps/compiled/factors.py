@@ -11,9 +11,20 @@ import math
 from typing import Any
 
 INLINE = (
-    "two_sum", "two_product", "renewed", "larger", "smaller", "corrected_cubic",
-    "corrected_quintic", "_quadratic", "pair", "clear", "weight", "cubic_discs", "quintic_discs",
-)  # fmt: skip
+    "two_sum",
+    "two_product",
+    "renewed",
+    "larger",
+    "smaller",
+    "corrected_cubic",
+    "corrected_quintic",
+    "_quadratic",
+    "pair",
+    "clear",
+    "weight",
+    "cubic_discs",
+    "quintic_discs",
+)
 """Functions that are written into the loops over cells."""
 EPS = 2.0**-52
 """Relative distance of doubles."""
@@ -63,8 +74,9 @@ def corrected_cubic(a: Any, b: Any, c: Any, r: Any, p: Any, q: Any) -> Any:
     return r + dr, p + dp, q + dq, change
 
 
-def _quadratic(a: Any, b: Any, c: Any, d: Any, e: Any, r: Any, p: Any, q: Any, u: Any,
-               v: Any) -> Any:  # fmt: skip
+def _quadratic(
+    a: Any, b: Any, c: Any, d: Any, e: Any, r: Any, p: Any, q: Any, u: Any, v: Any
+) -> Any:
     """Change of x² + p x + q, next to x - r and x² + u x + v."""
     one = e - p
     two = d - p * one - q
@@ -78,8 +90,9 @@ def _quadratic(a: Any, b: Any, c: Any, d: Any, e: Any, r: Any, p: Any, q: Any, u
     return dp, dq, (dq / q) ** 2 + dp * dp / (abs(q) + p * p)
 
 
-def corrected_quintic(a: Any, b: Any, c: Any, d: Any, e: Any, r: Any, p: Any, q: Any, u: Any,
-                      v: Any) -> Any:  # fmt: skip
+def corrected_quintic(
+    a: Any, b: Any, c: Any, d: Any, e: Any, r: Any, p: Any, q: Any, u: Any, v: Any
+) -> Any:
     """The five numbers of the factors after one correction, and the square of the change."""
     value = ((((r + e) * r + d) * r + c) * r + b) * r + a
     dr = -value / (((r + p) * r + q) * ((r + u) * r + v))
@@ -102,9 +115,14 @@ def pair(p: Any, q: Any) -> Any:
     other = q / (1.0 if big == 0 else big)
     common = math.sqrt(abs(q))
     return (
-        big if real else half, other if real else half, 0.0 if real else root,
-        abs(big) if real else common, abs(other) if real else common, 4 * size, slip,
-    )  # fmt: skip
+        big if real else half,
+        other if real else half,
+        0.0 if real else root,
+        abs(big) if real else common,
+        abs(other) if real else common,
+        4 * size,
+        slip,
+    )
 
 
 def cubic_discs(a: Any, b: Any, c: Any, x: Any, y: Any, z: Any, r: Any, p: Any, q: Any) -> Any:
@@ -133,8 +151,23 @@ def clear(n: int, heaviest: Any, total: Any, closest: Any) -> Any:
     return 0.0 if (closest > away * away) & (total < math.inf) else math.inf
 
 
-def quintic_discs(a: Any, b: Any, c: Any, d: Any, e: Any, ea: Any, eb: Any, ec: Any, ed: Any,
-                  ee: Any, r: Any, p: Any, q: Any, u: Any, v: Any) -> Any:  # fmt: skip
+def quintic_discs(
+    a: Any,
+    b: Any,
+    c: Any,
+    d: Any,
+    e: Any,
+    ea: Any,
+    eb: Any,
+    ec: Any,
+    ed: Any,
+    ee: Any,
+    r: Any,
+    p: Any,
+    q: Any,
+    u: Any,
+    v: Any,
+) -> Any:
     """Five real parts, |imaginary parts| of both pairs, five radii; ea … ee are errors."""
     c0, c1, c2 = -r * q, -r * p + q, -r + p
     s, ps, qs, us, vs = abs(r), abs(p), abs(q), abs(u), abs(v)
@@ -162,8 +195,20 @@ def quintic_discs(a: Any, b: Any, c: Any, d: Any, e: Any, ea: Any, eb: Any, ec: 
     w4 = weight(ea, eb, ec, ed, ee, m4, (close * d4) * (d14 * d24)) + slide
     heaviest = larger(larger(larger(w0, w1), larger(w2, w3)), w4)
     far = clear(5, heaviest, w0 + w1 + w2 + w3 + w4, closest)
-    return (r, x1, x2, x3, x4, y, z, far + 1.4 * w0, far + 1.4 * w1, far + 1.4 * w2,
-            far + 1.4 * w3, far + 1.4 * w4)  # fmt: skip
+    return (
+        r,
+        x1,
+        x2,
+        x3,
+        x4,
+        y,
+        z,
+        far + 1.4 * w0,
+        far + 1.4 * w1,
+        far + 1.4 * w2,
+        far + 1.4 * w3,
+        far + 1.4 * w4,
+    )
 
 
 def weight(a: Any, b: Any, c: Any, d: Any, e: Any, size: Any, spread: Any) -> Any:

@@ -62,16 +62,34 @@ def correct(degree: int, w: Any) -> int:
     if degree == 3:
         for j in range(SIDE):
             w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j], w[CHANGE + j] = corrected_cubic(
-                w[A + j], w[A + SIDE + j], w[A + 2 * SIDE + j],
-                w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j])  # fmt: skip
+                w[A + j],
+                w[A + SIDE + j],
+                w[A + 2 * SIDE + j],
+                w[F + j],
+                w[F + SIDE + j],
+                w[F + 2 * SIDE + j],
+            )
     else:
         for j in range(SIDE):
-            (w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j], w[F + 3 * SIDE + j],
-             w[F + 4 * SIDE + j], w[CHANGE + j]) = corrected_quintic(
-                w[A + j], w[A + SIDE + j], w[A + 2 * SIDE + j], w[A + 3 * SIDE + j],
+            (
+                w[F + j],
+                w[F + SIDE + j],
+                w[F + 2 * SIDE + j],
+                w[F + 3 * SIDE + j],
+                w[F + 4 * SIDE + j],
+                w[CHANGE + j],
+            ) = corrected_quintic(
+                w[A + j],
+                w[A + SIDE + j],
+                w[A + 2 * SIDE + j],
+                w[A + 3 * SIDE + j],
                 w[A + 4 * SIDE + j],
-                w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j], w[F + 3 * SIDE + j],
-                w[F + 4 * SIDE + j])  # fmt: skip
+                w[F + j],
+                w[F + SIDE + j],
+                w[F + 2 * SIDE + j],
+                w[F + 3 * SIDE + j],
+                w[F + 4 * SIDE + j],
+            )
     open_cells = 0
     for j in range(SIDE):
         open_cells += 0 if w[CHANGE + j] < ENOUGH else 1
@@ -82,15 +100,33 @@ def correct_one(degree: int, j: int, w: Any) -> None:
     """One correction of one cell of a block."""
     if degree == 3:
         w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j], w[CHANGE + j] = corrected_cubic(
-            w[A + j], w[A + SIDE + j], w[A + 2 * SIDE + j],
-            w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j])  # fmt: skip
+            w[A + j],
+            w[A + SIDE + j],
+            w[A + 2 * SIDE + j],
+            w[F + j],
+            w[F + SIDE + j],
+            w[F + 2 * SIDE + j],
+        )
     else:
-        (w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j], w[F + 3 * SIDE + j],
-         w[F + 4 * SIDE + j], w[CHANGE + j]) = corrected_quintic(
-            w[A + j], w[A + SIDE + j], w[A + 2 * SIDE + j], w[A + 3 * SIDE + j],
+        (
+            w[F + j],
+            w[F + SIDE + j],
+            w[F + 2 * SIDE + j],
+            w[F + 3 * SIDE + j],
+            w[F + 4 * SIDE + j],
+            w[CHANGE + j],
+        ) = corrected_quintic(
+            w[A + j],
+            w[A + SIDE + j],
+            w[A + 2 * SIDE + j],
+            w[A + 3 * SIDE + j],
             w[A + 4 * SIDE + j],
-            w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j], w[F + 3 * SIDE + j],
-            w[F + 4 * SIDE + j])  # fmt: skip
+            w[F + j],
+            w[F + SIDE + j],
+            w[F + 2 * SIDE + j],
+            w[F + 3 * SIDE + j],
+            w[F + 4 * SIDE + j],
+        )
 
 
 def begin(degree: int, j: int, z: Any, w: Any) -> None:
@@ -162,24 +198,58 @@ def discs(degree: int, slot: int, w: Any) -> None:
             w[RADIUS + slot * SIDE + j] = w[E + j]
     elif degree == 3:
         for j in range(SIDE):
-            (w[REAL + j], w[REAL + SIDE + j], w[REAL + 2 * SIDE + j], turn,
-             w[RADIUS + j], w[RADIUS + SIDE + j], w[RADIUS + 2 * SIDE + j]) = cubic_discs(
-                w[A + j], w[A + SIDE + j], w[A + 2 * SIDE + j],
-                w[E + j], w[E + SIDE + j], w[E + 2 * SIDE + j],
-                w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j])  # fmt: skip
+            (
+                w[REAL + j],
+                w[REAL + SIDE + j],
+                w[REAL + 2 * SIDE + j],
+                turn,
+                w[RADIUS + j],
+                w[RADIUS + SIDE + j],
+                w[RADIUS + 2 * SIDE + j],
+            ) = cubic_discs(
+                w[A + j],
+                w[A + SIDE + j],
+                w[A + 2 * SIDE + j],
+                w[E + j],
+                w[E + SIDE + j],
+                w[E + 2 * SIDE + j],
+                w[F + j],
+                w[F + SIDE + j],
+                w[F + 2 * SIDE + j],
+            )
             w[IMAG + j], w[IMAG + SIDE + j], w[IMAG + 2 * SIDE + j] = 0.0, turn, turn
     else:
         for j in range(SIDE):
-            (w[REAL + j], w[REAL + SIDE + j], w[REAL + 2 * SIDE + j], w[REAL + 3 * SIDE + j],
-             w[REAL + 4 * SIDE + j], turn, tilt, w[RADIUS + j], w[RADIUS + SIDE + j],
-             w[RADIUS + 2 * SIDE + j], w[RADIUS + 3 * SIDE + j],
-             w[RADIUS + 4 * SIDE + j]) = quintic_discs(
-                w[A + j], w[A + SIDE + j], w[A + 2 * SIDE + j], w[A + 3 * SIDE + j],
+            (
+                w[REAL + j],
+                w[REAL + SIDE + j],
+                w[REAL + 2 * SIDE + j],
+                w[REAL + 3 * SIDE + j],
+                w[REAL + 4 * SIDE + j],
+                turn,
+                tilt,
+                w[RADIUS + j],
+                w[RADIUS + SIDE + j],
+                w[RADIUS + 2 * SIDE + j],
+                w[RADIUS + 3 * SIDE + j],
+                w[RADIUS + 4 * SIDE + j],
+            ) = quintic_discs(
+                w[A + j],
+                w[A + SIDE + j],
+                w[A + 2 * SIDE + j],
+                w[A + 3 * SIDE + j],
                 w[A + 4 * SIDE + j],
-                w[E + j], w[E + SIDE + j], w[E + 2 * SIDE + j], w[E + 3 * SIDE + j],
+                w[E + j],
+                w[E + SIDE + j],
+                w[E + 2 * SIDE + j],
+                w[E + 3 * SIDE + j],
                 w[E + 4 * SIDE + j],
-                w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j], w[F + 3 * SIDE + j],
-                w[F + 4 * SIDE + j])  # fmt: skip
+                w[F + j],
+                w[F + SIDE + j],
+                w[F + 2 * SIDE + j],
+                w[F + 3 * SIDE + j],
+                w[F + 4 * SIDE + j],
+            )
             w[IMAG + j], w[IMAG + SIDE + j], w[IMAG + 2 * SIDE + j] = 0.0, turn, turn
             w[IMAG + 3 * SIDE + j], w[IMAG + 4 * SIDE + j] = tilt, tilt
 
@@ -228,8 +298,9 @@ def judge_squares(flags: Any, w: Any) -> int:
     return sure
 
 
-def fill(values: Any, where: Any, count: int, row: int, column: int, many: int, line: int,
-         w: Any) -> None:  # fmt: skip
+def fill(
+    values: Any, where: Any, count: int, row: int, column: int, many: int, line: int, w: Any
+) -> None:
     """Lines of variables of a block, the last cell repeated; a row's own stay for its blocks."""
     for v in range(count):
         at = where[v, 0] + row * where[v, 1] + column * where[v, 2]
@@ -244,8 +315,9 @@ def fill(values: Any, where: Any, count: int, row: int, column: int, many: int, 
                 w[to + j] = values[at]
 
 
-def predict(row: int, column: int, many: int, degree: int, past: Any, near: Any, z: Any,
-            w: Any) -> None:  # fmt: skip
+def predict(
+    row: int, column: int, many: int, degree: int, past: Any, near: Any, z: Any, w: Any
+) -> None:
     """Factors of a block from the rows before; in the first row, from cells a stride apart."""
     if row == 0:
         last = 0
@@ -261,21 +333,31 @@ def predict(row: int, column: int, many: int, degree: int, past: Any, near: Any,
         return
     known = min(row, 4)
     one, two, three, four = (
-        (1.0, 0.0, 0.0, 0.0) if known == 1 else (2.0, -1.0, 0.0, 0.0) if known == 2
-        else (3.0, -3.0, 1.0, 0.0) if known == 3 else (4.0, -6.0, 4.0, -1.0))  # fmt: skip
+        (1.0, 0.0, 0.0, 0.0)
+        if known == 1
+        else (2.0, -1.0, 0.0, 0.0)
+        if known == 2
+        else (3.0, -3.0, 1.0, 0.0)
+        if known == 3
+        else (4.0, -6.0, 4.0, -1.0)
+    )
     a, b, c, d = (row - 1) % 4, (row - 2) % 4, (row - 3) % 4, (row - 4) % 4
     for f in range(degree):
         to = F + f * SIDE
         for j in range(many):
             k = column + j
-            w[to + j] = (one * past[a, f, k] + two * past[b, f, k]
-                         + (three * past[c, f, k] + four * past[d, f, k]))  # fmt: skip
+            w[to + j] = (
+                one * past[a, f, k]
+                + two * past[b, f, k]
+                + (three * past[c, f, k] + four * past[d, f, k])
+            )
         for j in range(many, SIDE):
             w[to + j] = w[to + many - 1]
 
 
-def settle(row: int, column: int, many: int, degree: int, past: Any, near: Any, z: Any,
-           w: Any) -> None:  # fmt: skip
+def settle(
+    row: int, column: int, many: int, degree: int, past: Any, near: Any, z: Any, w: Any
+) -> None:
     """Factors of a block, corrected until they no longer change, and kept for the next rows."""
     predict(row, column, many, degree, past, near, z, w)
     left, now = SIDE, row % 4
@@ -326,8 +408,18 @@ def leave(cell: int, j: int, count: int, poor: Any, kept: Any, w: Any) -> int:
     return count
 
 
-def sweep(table: Any, where: Any, values: Any, shape: Any, even: bool, flags: Any, out: Any,
-          codes: Any, poor: Any, kept: Any) -> int:  # fmt: skip
+def sweep(
+    table: Any,
+    where: Any,
+    values: Any,
+    shape: Any,
+    even: bool,
+    flags: Any,
+    out: Any,
+    codes: Any,
+    poor: Any,
+    kept: Any,
+) -> int:
     """Growth rates and flags of a tile; the number of cells that are to be computed again."""
     steps, numbers, parts, bounds, factors = table
     rows, columns = shape
@@ -362,8 +454,21 @@ def sweep(table: Any, where: Any, values: Any, shape: Any, even: bool, flags: An
     return count
 
 
-def refine(table: Any, where: Any, values: Any, rest: Any, columns: int, cells: Any, known: Any,
-           even: bool, flags: Any, out: Any, codes: Any, poor: Any, kept: Any) -> int:  # fmt: skip
+def refine(
+    table: Any,
+    where: Any,
+    values: Any,
+    rest: Any,
+    columns: int,
+    cells: Any,
+    known: Any,
+    even: bool,
+    flags: Any,
+    out: Any,
+    codes: Any,
+    poor: Any,
+    kept: Any,
+) -> int:
     """The same for some cells, with coefficients from pairs of doubles."""
     steps, numbers, parts, bounds, factors = table
     variables = len(where) - 1

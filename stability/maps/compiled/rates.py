@@ -132,9 +132,14 @@ def tables(exact: TabulatedPolynomial, behind: Mapping[str, int]) -> Tables | No
             parts.append(ends)
             bounds.append(1.02 * most * UNIT)
     return Tables(
-        np.array(steps), np.array(numbers), np.array(parts), np.array(bounds), np.array(rows),
-        order, known.even,
-    )  # fmt: skip
+        np.array(steps),
+        np.array(numbers),
+        np.array(parts),
+        np.array(bounds),
+        np.array(rows),
+        order,
+        known.even,
+    )
 
 
 def order_of(exact: TabulatedPolynomial) -> list[int]:
@@ -186,9 +191,12 @@ class CompiledRates:
         return compiled(factors, schemes, loops)
 
     def __call__(
-        self, point: list[Any], unit: Any, shape: tuple[int, int],
+        self,
+        point: list[Any],
+        unit: Any,
+        shape: tuple[int, int],
         out: tuple[Any, ...] | None = None,
-    ) -> Found | None:  # fmt: skip
+    ) -> Found | None:
         """Growth rates of a tile; None where a variable is too large or too small.
 
         Parameters
@@ -212,9 +220,17 @@ class CompiledRates:
         degree = int(self.tables.factors[0, 1])
         kept = np.empty((degree, count))
         left = self.loops.sweep(
-            self.tables[:5], where, values, shape, self.tables.even, self.flags, tuple(rates),
-            codes, poor, kept,
-        )  # fmt: skip
+            self.tables[:5],
+            where,
+            values,
+            shape,
+            self.tables.even,
+            self.flags,
+            tuple(rates),
+            codes,
+            poor,
+            kept,
+        )
         return Found(tuple(rates), codes, poor[:left], kept[:, :left])
 
     def refine(self, found: Found, point: list[Any], unit: Any, columns: int) -> Found:
@@ -236,9 +252,20 @@ class CompiledRates:
         rest = (values - doubles).astype(float)
         poor, kept = np.empty_like(found.poor), np.empty_like(found.factors)
         left = self.loops.refine(
-            self.tables[:5], where, doubles, rest, columns, found.poor, found.factors,
-            self.tables.even, self.flags, found.rates, found.codes, poor, kept,
-        )  # fmt: skip
+            self.tables[:5],
+            where,
+            doubles,
+            rest,
+            columns,
+            found.poor,
+            found.factors,
+            self.tables.even,
+            self.flags,
+            found.rates,
+            found.codes,
+            poor,
+            kept,
+        )
         return Found(found.rates, found.codes, poor[:left], kept[:, :left])
 
 

@@ -134,8 +134,9 @@ def constant(steps: Any, first: int, last: int) -> bool:
     return bool(steps[first, 0] == SET)
 
 
-def coefficients(steps: Any, numbers: Any, parts: Any, bounds: Any, first: int, count: int,
-                 led: bool, w: Any) -> None:  # fmt: skip
+def coefficients(
+    steps: Any, numbers: Any, parts: Any, bounds: Any, first: int, count: int, led: bool, w: Any
+) -> None:
     """Monic coefficients of a factor, and their errors, from its row `first` on.
 
     `led`: the lines of the leading coefficient hold its inverse already.
@@ -160,8 +161,9 @@ def coefficients(steps: Any, numbers: Any, parts: Any, bounds: Any, first: int, 
     monic(count, w)
 
 
-def long_coefficients(steps: Any, numbers: Any, parts: Any, bounds: Any, first: int, count: int,
-                      w: Any) -> None:  # fmt: skip
+def long_coefficients(
+    steps: Any, numbers: Any, parts: Any, bounds: Any, first: int, count: int, w: Any
+) -> None:
     """The same from pairs of doubles, with the error of variables in long double."""
     for i in range(count, -1, -1):
         k = first + i

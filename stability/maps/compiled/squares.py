@@ -85,13 +85,24 @@ def rate(c: Any, lead: Any, off: Any, slack: Any, wanted: Any) -> Any:
     bound = radius + 8 * UNIT * root if grows else 0.0
     sure = (radius < root) & (bound <= wanted * root)
     return (
-        root if grows else 0.0, bound, 0.0 if grows else root,
+        root if grows else 0.0,
+        bound,
+        0.0 if grows else root,
         (1 if grows else -1) if sure else 0,
-    )  # fmt: skip
+    )
 
 
-def sweep(tape: Any, registers: Any, lines: Any, rows: Any, ends: Any, wanted: float, flags: Any,
-          out: Any, codes: Any) -> None:  # fmt: skip
+def sweep(
+    tape: Any,
+    registers: Any,
+    lines: Any,
+    rows: Any,
+    ends: Any,
+    wanted: float,
+    flags: Any,
+    out: Any,
+    codes: Any,
+) -> None:
     """Growth rates and flags of a grid, flat.
 
     Parameters

@@ -34,9 +34,12 @@ def _tape(bounded: Program, moving: frozenset[tuple[int, int]], count: int) -> T
 
 
 def swept(
-    bounded: Program, places: list[list[Any]], moving: frozenset[tuple[int, int]], wanted: float,
+    bounded: Program,
+    places: list[list[Any]],
+    moving: frozenset[tuple[int, int]],
+    wanted: float,
     flags: tuple[int, ...],
-) -> tuple[tuple[Floats, Floats, Floats], NDArray[np.int8]]:  # fmt: skip
+) -> tuple[tuple[Floats, Floats, Floats], NDArray[np.int8]]:
     """Flags and growth rates over a grid, flat.
 
     Parameters
@@ -58,8 +61,12 @@ def swept(
     rates, codes
         Abscissa, error and frequency, and the flags.
     """
-    columns = max(np.size(v) for i, some in enumerate(places) for j, v in enumerate(some)
-                  if (i, j) not in moving)  # fmt: skip
+    columns = max(
+        np.size(v)
+        for i, some in enumerate(places)
+        for j, v in enumerate(some)
+        if (i, j) not in moving
+    )
     with np.errstate(all="ignore"):
         fixed = bounded.begun(numpy_algebra(), places, moving).kept
     tape = _tape(bounded, moving, len(fixed))
@@ -80,9 +87,14 @@ def swept(
     out = np.empty(cells), np.empty(cells), np.empty(cells)
     codes = np.empty(cells, dtype=np.int8)
     compiled(double_balls, squares).sweep(
-        tape.steps, registers, (np.array(lines, dtype=np.int64), values),
+        tape.steps,
+        registers,
+        (np.array(lines, dtype=np.int64), values),
         (np.arange(len(fixed), len(fixed) + len(points)), points),
-        np.array([c, lead, off, slack, *positive]), wanted, np.array(flags, dtype=np.int8), out,
+        np.array([c, lead, off, slack, *positive]),
+        wanted,
+        np.array(flags, dtype=np.int8),
+        out,
         codes,
-    )  # fmt: skip
+    )
     return out, codes

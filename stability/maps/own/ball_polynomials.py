@@ -91,8 +91,10 @@ def ball_determinants(coefficients: Sequence[BallPolynomial], budget: Budget) ->
     n = len(a) - 1
     out: list[Any] = []
     for size in range(1, n):
-        rows = [[a[k] if 0 <= (k := 2 * (j + 1) - (i + 1)) <= n else 0 for j in range(size)]
-                for i in range(size)]  # fmt: skip
+        rows = [
+            [a[k] if 0 <= (k := 2 * (j + 1) - (i + 1)) <= n else 0 for j in range(size)]
+            for i in range(size)
+        ]
         found = characteristic(rows)[0] + BallPolynomial({})
         out.append(-found if size % 2 else found)
         budget.watch(out[-1])
@@ -112,7 +114,9 @@ def _rebuilt(parts: dict[Exponents, Any]) -> BallPolynomial:
     from ...algebra.balls import precision
 
     with precision(4096):
-        return BallPolynomial({
-            e: arb(m[0]) * arb(2) ** m[1] + arb(0, arb(r[0]) * arb(2) ** r[1])
-            for e, (m, r) in parts.items()
-        })  # fmt: skip
+        return BallPolynomial(
+            {
+                e: arb(m[0]) * arb(2) ** m[1] + arb(0, arb(r[0]) * arb(2) ** r[1])
+                for e, (m, r) in parts.items()
+            }
+        )

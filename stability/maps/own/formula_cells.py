@@ -126,8 +126,11 @@ class FormulaCells(Bands):
     @property
     def _moving(self) -> frozenset[tuple[int, int]]:
         """Places of the y axis among family parameters and parameters."""
-        return frozenset((i, names.index(self.axes[1])) for i, names in enumerate(self.names)
-                         if self.axes[1] in names)  # fmt: skip
+        return frozenset(
+            (i, names.index(self.axes[1]))
+            for i, names in enumerate(self.names)
+            if self.axes[1] in names
+        )
 
     @property
     def _square(self) -> bool:
@@ -153,8 +156,9 @@ class FormulaCells(Bands):
             lacking: Any = np.False_
             for v, e in numbers:
                 member, lacking = member & (v > e), lacking | (v < -e)
-            coefficients = [[np.broadcast_to(v, shape).reshape(-1) for v in some]
-                            for some in (value, error)]  # fmt: skip
+            coefficients = [
+                [np.broadcast_to(v, shape).reshape(-1) for v in some] for some in (value, error)
+            ]
             out = rates([(monic(*coefficients), self.even, 1)], modes=self.modes)
         out.poor[:] |= ~np.broadcast_to(member, shape).reshape(-1)
         out.poor[:] |= ~np.isfinite(out.error)

@@ -108,10 +108,12 @@ class GraphCells:
         found = None if watch else quick_rates(reduced, even=even, modes=self.modes)
         if found is not None:
             return {
-                "codes": found.codes, "abscissa": found.abscissa * rate,
-                "error": found.error * rate, "frequency": found.frequency * rate,
+                "codes": found.codes,
+                "abscissa": found.abscissa * rate,
+                "error": found.error * rate,
+                "frequency": found.frequency * rate,
                 **({"values": found.values * rate[:, None]} if found.values is not None else {}),
-            }  # fmt: skip
+            }
         values, radius, _ = eigenvalues(reduced, even=even)
         codes = decide(values, radius, even=even)
         if watch:
@@ -128,9 +130,13 @@ class GraphCells:
         return chunk
 
     def _restore(
-        self, values: Any, radius: Floats, codes: NDArray[np.int8],
-        place: tuple[Floats, Floats, Floats], supported: NDArray[np.intp],
-    ) -> None:  # fmt: skip
+        self,
+        values: Any,
+        radius: Floats,
+        codes: NDArray[np.int8],
+        place: tuple[Floats, Floats, Floats],
+        supported: NDArray[np.intp],
+    ) -> None:
         """Restore the leading eigenvalue of members that have fewer zeros than typical ones."""
         for count in range(self.zeros):
             rows = np.flatnonzero(supported == count)

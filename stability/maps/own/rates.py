@@ -111,12 +111,16 @@ def rates(factors: Sequence[tuple[Coefficients, bool, int]], *, modes: bool) -> 
     if len(factors) == 1 and factors[0][1] and factors[0][0][0].shape[0] == 2 and not modes:
         return _of_square(*factors[0][0])
     with np.errstate(all="ignore"):
-        parts = [(_mirrored(discs(a[::2], e[::2])) if even else discs(a, e), even, count)
-                 for (a, e), even, count in factors]  # fmt: skip
+        parts = [
+            (_mirrored(discs(a[::2], e[::2])) if even else discs(a, e), even, count)
+            for (a, e), even, count in factors
+        ]
         real = [part.roots.real for part, _, _ in parts]
         # on the imaginary axis by symmetry, without an error of the real part
-        spread = [np.where(r == 0, 0.0, part.radius) if even else part.radius
-                  for r, (part, even, _) in zip(real, parts, strict=True)]  # fmt: skip
+        spread = [
+            np.where(r == 0, 0.0, part.radius) if even else part.radius
+            for r, (part, even, _) in zip(real, parts, strict=True)
+        ]
         x, r = np.concatenate(real), np.concatenate(spread)
         z = np.concatenate([part.roots for part, _, _ in parts])
         apart = np.logical_and.reduce([part.apart for part, _, _ in parts])
@@ -214,10 +218,14 @@ def of_matrices(matrix: Floats, error: Floats) -> Coefficients:
 
 def _of_block(matrix: Floats, error: Floats, used: NDArray[np.bool_]) -> Coefficients:
     n = matrix.shape[-1]
-    entries: list[list[Any]] = [[np.ascontiguousarray(matrix[:, i, j]) if used[i, j] else 0
-                                 for j in range(n)] for i in range(n)]  # fmt: skip
-    sizes: list[list[Any]] = [[np.abs(matrix[:, i, j]) + error[:, i, j] if used[i, j] else 0
-                               for j in range(n)] for i in range(n)]  # fmt: skip
+    entries: list[list[Any]] = [
+        [np.ascontiguousarray(matrix[:, i, j]) if used[i, j] else 0 for j in range(n)]
+        for i in range(n)
+    ]
+    sizes: list[list[Any]] = [
+        [np.abs(matrix[:, i, j]) + error[:, i, j] if used[i, j] else 0 for j in range(n)]
+        for i in range(n)
+    ]
     values, largest = characteristic(entries), _sizes(sizes)
     # entries off by a share ε of their size change a product of k of them by at most k ε
     share: Any = 0.0
@@ -251,6 +259,9 @@ def _sizes(matrix: list[list[Any]]) -> list[Any]:
 
 def _dot(left: Sequence[Any], right: Sequence[Any]) -> Any:
     """A sum of products; the integer 0 means nothing."""
-    terms = [v * w for v, w in zip(left, right, strict=False)
-             if not (isinstance(v, int) or isinstance(w, int))]  # fmt: skip
+    terms = [
+        v * w
+        for v, w in zip(left, right, strict=False)
+        if not (isinstance(v, int) or isinstance(w, int))
+    ]
     return sum(terms[1:], start=terms[0]) if terms else 0

@@ -63,8 +63,10 @@ class SliceCells(Bands):
             Values of the axes.
         """
         with np.errstate(all="ignore"):
-            t, s = (powers(w(v), d) for w, v, d in zip(self.windows, (xs, ys), self._degrees,
-                                                       strict=True))  # fmt: skip
+            t, s = (
+                powers(w(v), d)
+                for w, v, d in zip(self.windows, (xs, ys), self._degrees, strict=True)
+            )
             parts = [(_coefficients(row, t, s), even, count) for row, even, count in self._factors]
         return rates(parts, modes=self.modes)
 

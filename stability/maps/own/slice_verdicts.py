@@ -56,8 +56,10 @@ class SliceVerdicts:
     def everywhere(self) -> bool:
         """Whether every point of the map is proved to be a member at which the slice holds."""
         edges = [np.linspace(g.low, g.high, MESH + 1) for g in self.axes]
-        x, y = ([v.ravel() for v in np.meshgrid(*pair)] for pair in zip(
-            *((e[:-1], e[1:]) for e in edges), strict=True))  # fmt: skip
+        x, y = (
+            [v.ravel() for v in np.meshgrid(*pair)]
+            for pair in zip(*((e[:-1], e[1:]) for e in edges), strict=True)
+        )
         with np.errstate(all="ignore"):
             signs = self._over((x[0], y[0]), (x[1], y[1]), np.repeat(self.known, MESH**2, axis=1))
         return bool(self._member(signs).all())
@@ -190,8 +192,9 @@ class SliceVerdicts:
         self, signs: Any, rows: Any, columns: Any, xs: Floats, ys: Floats
     ) -> tuple[Codes, int]:
         """Flags of single cells: by the surfaces that are open, then over Q."""
-        t, s = (powers(w(v), d) for w, v, d in zip(self.windows, (xs, ys), self.degrees,
-                                                   strict=True))  # fmt: skip
+        t, s = (
+            powers(w(v), d) for w, v, d in zip(self.windows, (xs, ys), self.degrees, strict=True)
+        )
         for row, one in zip(signs, self.surfaces, strict=True):
             left = np.flatnonzero(row == 0)
             if len(left):

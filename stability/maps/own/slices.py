@@ -196,8 +196,10 @@ class _Reading:
         if any(self._element(r).num != 0 for r in rates):
             raise NotExact("a rate that does not vanish identically")
         table = dict(known) | dict(zip(family.unknown, self.u, strict=True))
-        table |= {n: v if isinstance(v, Upright) else self.field.number(rational(v))
-                  for n, v in family.held.items()}  # fmt: skip
+        table |= {
+            n: v if isinstance(v, Upright) else self.field.number(rational(v))
+            for n, v in family.held.items()
+        }
         values = [table[n] for n in family.positive]
         system = family.system
         place = [[table[n] for n in names] for names in (system.states, system.parameters)]
@@ -296,8 +298,10 @@ class _Reading:
         """A common denominator, and the entries times it; a polynomial of low degree."""
         dens = [[convert(e.den) for e in row] for row in block]
         common = common_multiple((den for row in dens for den in row), one)
-        plain = [[convert(e.num) * (common / den) for e, den in zip(*both, strict=True)]
-                 for both in zip(block, dens, strict=True)]  # fmt: skip
+        plain = [
+            [convert(e.num) * (common / den) for e, den in zip(*both, strict=True)]
+            for both in zip(block, dens, strict=True)
+        ]
         reach = max((int(p.total_degree()) for row in plain for p in row if p != 0), default=0)
         if len(block) * max(reach, int(common.total_degree())) > MOST_DEGREE:
             raise NotExact("a polynomial of high degree")
@@ -329,8 +333,9 @@ def _asked(family: Family) -> Program | None:
     """The conditions that depend on more than a right angle; the others are proved here."""
     system = family.system
     right = [i for i, n in enumerate(system.states) if isinstance(family.held.get(n), Upright)]
-    others = ca.vertcat(*[s for i, s in enumerate(ca.vertsplit(system.x)) if i not in right],
-                        system.p)  # fmt: skip
+    others = ca.vertcat(
+        *[s for i, s in enumerate(ca.vertsplit(system.x)) if i not in right], system.p
+    )
     asked = [c.value for c in system.conditions if ca.depends_on(c.value, others)]
     if len(asked) == len(system.conditions):
         return system.condition_program if asked else None

@@ -211,8 +211,10 @@ class Surface:
     def derivatives(self) -> list[tuple[int, int, Floats, float]]:
         """(a, b, derivative of these orders by a! b! as a matrix, its size), last orders first."""
         rows, columns = self.matrix.shape
-        along = [[float(comb(n, k)) for n in range(max(rows, columns))]
-                 for k in range(max(rows, columns))]  # fmt: skip
+        along = [
+            [float(comb(n, k)) for n in range(max(rows, columns))]
+            for k in range(max(rows, columns))
+        ]
         found = []
         for a in range(rows):
             for b in range(columns):
@@ -297,8 +299,12 @@ def _shifted(table: list[list[Any]], window: Window, number: Any) -> list[list[A
     for k in range(len(table)):
         rows = [(number(comb(i, k)) * middle ** (i - k), table[i]) for i in range(k, len(table))]
         rows = [(c, row) for c, row in rows if c != 0]
-        out.append([unit**k * sum((c * row[j] for c, row in rows), number(0))
-                    for j in range(len(table[0]))])  # fmt: skip
+        out.append(
+            [
+                unit**k * sum((c * row[j] for c, row in rows), number(0))
+                for j in range(len(table[0]))
+            ]
+        )
     return out
 
 

@@ -29,9 +29,17 @@ from .verdicts import METHOD, Judge, band, flags
 
 
 def write_verdicts(
-    target: Path, judge: Judge, problem: Problem, axes: tuple[Axis, Axis], layout: Layout, *,
-    executor: Executor | None, workers: int, progress: Progress | None, overwrite: bool,
-) -> None:  # fmt: skip
+    target: Path,
+    judge: Judge,
+    problem: Problem,
+    axes: tuple[Axis, Axis],
+    layout: Layout,
+    *,
+    executor: Executor | None,
+    workers: int,
+    progress: Progress | None,
+    overwrite: bool,
+) -> None:
     """Write a NetCDF file with its checksum.
 
     Parameters
@@ -70,9 +78,15 @@ def write_verdicts(
 
 
 def _fill(
-    variable: Any, sink: _Sink, verdicts: Judge, axes: tuple[Axis, Axis], step: int, workers: int,
-    progress: Progress | None, executor: Executor | None,
-) -> int:  # fmt: skip
+    variable: Any,
+    sink: _Sink,
+    verdicts: Judge,
+    axes: tuple[Axis, Axis],
+    step: int,
+    workers: int,
+    progress: Progress | None,
+    executor: Executor | None,
+) -> int:
     """Write the bands in order; return the number of cells that went to exact arithmetic."""
     xs, ys = axes[0].values, axes[1].values
     left, judge, total = 0, shared(verdicts, executor), math.prod(g.count for g in axes)
@@ -80,11 +94,16 @@ def _fill(
     def task(first: int) -> Callable[[], tuple[Codes, int]]:
         return partial(band, judge, xs, ys[first : first + step])
 
-    with closing(ordered(
-        range(0, len(ys), step), task, executor=executor, workers=workers,
-        progress=Counted(progress, total),
-        size=lambda first: min(step, len(ys) - first) * len(xs),
-    )) as results:  # fmt: skip
+    with closing(
+        ordered(
+            range(0, len(ys), step),
+            task,
+            executor=executor,
+            workers=workers,
+            progress=Counted(progress, total),
+            size=lambda first: min(step, len(ys) - first) * len(xs),
+        )
+    ) as results:
         for first, (codes, open_cells) in results:
             with postponed():
                 variable[first : first + len(codes), :] = codes
@@ -168,11 +187,13 @@ def _created(
             coordinate.attrs.update(axis_attributes(problem, grid.name))
     second = [g.alias for g in axes if g.alias]
     verdict = file.create_variable(
-        "verdict", (axes[1].name, axes[0].name), np.int8,
-        chunks=layout.chunk, compression="gzip", compression_opts=1,
-    )  # fmt: skip
-    verdict.attrs.update(
-        flags() | ({"coordinates": " ".join(second)} if second else {})
-    )  # fmt: skip
+        "verdict",
+        (axes[1].name, axes[0].name),
+        np.int8,
+        chunks=layout.chunk,
+        compression="gzip",
+        compression_opts=1,
+    )
+    verdict.attrs.update(flags() | ({"coordinates": " ".join(second)} if second else {}))
     file.attrs.update(provenance(problem, axes, METHOD))
     return file, verdict

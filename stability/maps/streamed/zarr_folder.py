@@ -59,19 +59,27 @@ def growth_store(folder: Path, cells: Cells, layout: Layout, *, overwrite: bool)
         *(Variable(name, "float64", np.nan, attributes[name]) for name in RATES),
     )
     question = {"growth rates": True, "solver of eigenvalues": name_of(cells.solver)}
-    return _store(folder, cells.problem, cells.axes, layout, arrays, cells.method, question,
-                  overwrite)  # fmt: skip
+    return _store(
+        folder, cells.problem, cells.axes, layout, arrays, cells.method, question, overwrite
+    )
 
 
 def _store(
-    folder: Path, problem: Problem, axes: tuple[Axis, Axis], layout: Layout,
-    arrays: tuple[Variable, ...], method: str, more: Mapping[str, Any], overwrite: bool,
-) -> ZarrStore:  # fmt: skip
+    folder: Path,
+    problem: Problem,
+    axes: tuple[Axis, Axis],
+    layout: Layout,
+    arrays: tuple[Variable, ...],
+    method: str,
+    more: Mapping[str, Any],
+    overwrite: bool,
+) -> ZarrStore:
     """The store of a map; equal maps have equal files, so it holds no date."""
     coords = {
         name: (grid.name, grid.values, axis_attributes(problem, grid.name))
-        for grid in axes for name in filter(None, (grid.name, grid.alias))
-    }  # fmt: skip
+        for grid in axes
+        for name in filter(None, (grid.name, grid.alias))
+    }
     attrs = {n: v for n, v in provenance(problem, axes, method).items() if n != "created"}
     graph = hashlib.sha256(str(problem.family.system.rhs).encode()).hexdigest()
     question = {"equations": graph, "anchor": repr(problem.family.anchor), **more}
@@ -123,5 +131,9 @@ def no_rates(count: int) -> Arrays:
     """The same with growth rates: numbers are missing, and the bound is infinite."""
     missing = np.full(count, np.nan)
     bound = np.full(count, np.inf)
-    return {**no_verdicts(count), "abscissa": missing, "abscissa_error": bound,
-            "frequency": missing}  # fmt: skip
+    return {
+        **no_verdicts(count),
+        "abscissa": missing,
+        "abscissa_error": bound,
+        "frequency": missing,
+    }

@@ -206,8 +206,13 @@ def held_of(problem: Problem) -> HeldMotion:
 
 
 def creep_path(
-    problem: Problem, held: HeldMotion, start: Floats, begin: float, last: float, tolerance: float,
-) -> CreepPath | str:  # fmt: skip
+    problem: Problem,
+    held: HeldMotion,
+    start: Floats,
+    begin: float,
+    last: float,
+    tolerance: float,
+) -> CreepPath | str:
     """Creep from a state whose slip has decayed.
 
     Parameters
@@ -264,9 +269,14 @@ def _window(change: Floats, path: Floats) -> int:
 
 
 def _orders(
-    held: HeldMotion, linear: Linear, path: Floats, slip: Floats, rate: Floats, change: Floats,
+    held: HeldMotion,
+    linear: Linear,
+    path: Floats,
+    slip: Floats,
+    rate: Floats,
+    change: Floats,
     tolerance: float,
-) -> tuple[Order, ...]:  # fmt: skip
+) -> tuple[Order, ...]:
     """Orders from the first change on, until one is fine enough or they no longer fall."""
     found: list[Order] = []
     size, elements = np.inf, linear.elements
@@ -396,8 +406,15 @@ def transient(
         inner[-1] = min(inner[-1], problem.last)
         asked = problem.times[(problem.times > now) & (problem.times < inner[-1])][:1000]
         grid = np.union1d(inner, asked)
-        leg = Leg(own, p, own.pack(states[-1]), grid, decade(tolerance / 100, most=1e-10),
-                  100_000, problem.max_seconds)  # fmt: skip
+        leg = Leg(
+            own,
+            p,
+            own.pack(states[-1]),
+            grid,
+            decade(tolerance / 100, most=1e-10),
+            100_000,
+            problem.max_seconds,
+        )
         run = METHODS[explicit(own)](leg)
         times = np.concatenate([times, grid[1 : len(run.states)]])
         states = np.concatenate([states, run.states[1:, : problem.own]])

@@ -161,8 +161,15 @@ def creeping(
         word = "the law" if problem.launches.law is None else problem.launches.law.name
         why = f"{word} has no creep: its slip does not decay at a rate mu"
         return {}, "creep", Refused(why)
-    climb = Climb(problem, held_of(problem), work, order, state=problem.start,
-                  carried=np.zeros(problem.own), reach=work.probe)  # fmt: skip
+    climb = Climb(
+        problem,
+        held_of(problem),
+        work,
+        order,
+        state=problem.start,
+        carried=np.zeros(problem.own),
+        reach=work.probe,
+    )
     turns, why = 0, ""
     while climb.finish is None and climb.now < problem.last:
         if climb.spent > work.least and climb.spent + climb.ahead > work.most:
@@ -200,8 +207,9 @@ def _indicators(climb: Climb) -> dict[str, float]:
         return {}
     return {
         "rate of decay of slip over that of its drive": climb.relaxation,
-        "least normal force": climb.normal, "largest slip": climb.slip,
-    }  # fmt: skip
+        "least normal force": climb.normal,
+        "largest slip": climb.slip,
+    }
 
 
 def _forward(climb: Climb) -> str:
@@ -282,9 +290,13 @@ def _use(climb: Climb, times: Floats, states: Floats, path: CreepPath) -> str:
         still = Piece(climb.now, first, early, lambda asked: np.full(len(asked), small))
         climb.pieces.append(still)
     climb.pieces += [
-        Piece(first, float(elements.edges[-1]), lambda asked: elements.at(asked, six),
-              lambda asked: elements.at(asked, size[..., None])[:, 0] + inside(asked)),
-    ]  # fmt: skip
+        Piece(
+            first,
+            float(elements.edges[-1]),
+            lambda asked: elements.at(asked, six),
+            lambda asked: elements.at(asked, size[..., None])[:, 0] + inside(asked),
+        ),
+    ]
     told = climb.problem.when
     if first > climb.now:
         climb.notes.append(f"the full model to {told(first)}, until the slip has decayed")
@@ -303,10 +315,14 @@ def _use(climb: Climb, times: Floats, states: Floats, path: CreepPath) -> str:
 def _by_full(climb: Climb, last: float) -> None:
     """The full model from where creep no longer holds."""
     track = full(climb.problem, climb.now, climb.state, climb.carried, last)
-    climb.pieces.append(Piece(
-        climb.now, float(track.times[-1]), track.at,
-        lambda asked: np.interp(asked, track.times, track.errors),
-    ))  # fmt: skip
+    climb.pieces.append(
+        Piece(
+            climb.now,
+            float(track.times[-1]),
+            track.at,
+            lambda asked: np.interp(asked, track.times, track.errors),
+        )
+    )
     reached = climb.problem.when(track.times[-1])
     climb.notes.append(f"the full model to {reached}, where slip is not bound")
     climb.steps += track.steps
@@ -343,6 +359,12 @@ def _joined(climb: Climb) -> Track:
 
     errors = gather(times, lambda piece: piece.errors)
     return Track(
-        times, at(times), errors, at, climb.finish, climb.steps, tuple(climb.notes),
+        times,
+        at(times),
+        errors,
+        at,
+        climb.finish,
+        climb.steps,
+        tuple(climb.notes),
         _indicators(climb),
-    )  # fmt: skip
+    )

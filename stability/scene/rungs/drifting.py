@@ -206,8 +206,10 @@ def drifting(problem: Problem) -> Track | Refused:
     if near.member is None or near.family != ROLLING:
         return Refused(f"the nearest steady motion is {near.family or 'unknown'}, not rolling")
     if near.member[0] != np.pi / 2:
-        return Refused(f"the body leans by {np.pi / 2 - near.member[0]:.3g} rad as it rolls, where "
-                       "no drift is known")  # fmt: skip
+        return Refused(
+            f"the body leans by {np.pi / 2 - near.member[0]:.3g} rad as it rolls, where "
+            "no drift is known"
+        )
     if problem.thin and 2 * float(problem.p[0]) * near.at**2 <= 1:
         return Refused("rolling is below its threshold, where nothing lasts")
     found = modes(problem, near.member, near.family)
@@ -241,9 +243,12 @@ def _split(found: Modes, zero: Floats) -> tuple[Floats, Floats]:
 
 
 def _track(
-    problem: Problem, start: Modes, manifold: SlowManifold | NumericManifold, fast: Floats,
+    problem: Problem,
+    start: Modes,
+    manifold: SlowManifold | NumericManifold,
+    fast: Floats,
     where: dict[str, float],
-) -> Track | Refused:  # fmt: skip
+) -> Track | Refused:
     looks = problem.last * (np.arange(1, LOOKS + 1) / LOOKS)
     sizes, mode, moved = np.empty(LOOKS), np.empty((LOOKS + 1, 6)), np.empty((LOOKS + 1, 6))
     every = np.append(0.0, looks)

@@ -33,9 +33,12 @@ LASTING = (Outcome.MOVING, Outcome.SETTLED)
 
 
 def full(
-    problem: Problem, begin: float = 0.0, start: Floats | None = None,
-    carried: Floats | None = None, last: float | None = None,
-) -> Track:  # fmt: skip
+    problem: Problem,
+    begin: float = 0.0,
+    start: Floats | None = None,
+    carried: Floats | None = None,
+    last: float | None = None,
+) -> Track:
     """The track of the full model, at tolerances that fall until the error is small enough.
 
     Parameters
@@ -132,9 +135,16 @@ def _stiff(problem: Problem) -> bool:
 
 def _settings(problem: Problem, tolerance: float, *, check: bool) -> Settings:
     return Settings(
-        "auto", tolerance, False, problem.flat, problem.settle, 1_000_000, 1, check,
+        "auto",
+        tolerance,
+        False,
+        problem.flat,
+        problem.settle,
+        1_000_000,
+        1,
+        check,
         problem.max_seconds,
-    )  # fmt: skip
+    )
 
 
 def _results(
@@ -144,16 +154,23 @@ def _results(
     clock = float(problem.launches.size(Kind.TIME))
     many = (len(states),)
     launches = replace(
-        problem.launches, starts=states, times=times * clock, shape=many,
+        problem.launches,
+        starts=states,
+        times=times * clock,
+        shape=many,
         p=np.broadcast_to(problem.p, (*many, len(problem.p))).copy(),
-    )  # fmt: skip
+    )
     return results(launches, _settings(problem, tolerance, check=check))
 
 
 def _run(
-    problem: Problem, begin: float, start: Floats, times: Floats, tolerance: float,
+    problem: Problem,
+    begin: float,
+    start: Floats,
+    times: Floats,
+    tolerance: float,
     carried: Floats | None,
-) -> Track:  # fmt: skip
+) -> Track:
     [one] = _results(problem, start[None], times, tolerance, check=True)
     track = _track(problem, begin, times, one, tolerance)
     if len(times) > 2 and np.isfinite(track.errors[-1]):

@@ -251,8 +251,10 @@ def modes(
     growth = float(values.real.max(initial=0.0)) * problem.last
     size = float(relative(problem.start[:n] - at, at)) * np.exp(min(growth, 700.0))
     if growth > GROWTH or size > FAR or (growth > 1 and not always and _hopeless(problem, size)):
-        return Refused(f"the linear deviation from {family} grows e^{growth:.3g} times",
-                       {"growth exponent to the horizon": growth})  # fmt: skip
+        return Refused(
+            f"the linear deviation from {family} grows e^{growth:.3g} times",
+            {"growth exponent to the horizon": growth},
+        )
     length = 1.0 if growth > 1 else problem.last  # what grows has most of its size at the end
     if not always and _vain(problem, size, price, length):
         return Refused(VAIN)

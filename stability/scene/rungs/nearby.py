@@ -36,9 +36,13 @@ Pair = tuple[tuple[Problem, Track], tuple[Problem, Track]]
 
 
 def nearby(
-    problem: Problem, track: Track, others: Sequence[tuple[Problem, Problem]], *, exact: bool,
+    problem: Problem,
+    track: Track,
+    others: Sequence[tuple[Problem, Problem]],
+    *,
+    exact: bool,
     seconds: float = np.inf,
-) -> tuple[Track, list[Pair | Refused]] | Refused:  # fmt: skip
+) -> tuple[Track, list[Pair | Refused]] | Refused:
     """The tracks at both ends of each input, from one linear equation along the track.
 
     Parameters
@@ -82,9 +86,13 @@ def nearby(
 
 
 def _end(
-    found: Forward, track: Track, other: Problem, change: Floats, bend: Floats,
+    found: Forward,
+    track: Track,
+    other: Problem,
+    change: Floats,
+    bend: Floats,
     margins: tuple[Floats, Floats],
-) -> tuple[Problem, Track] | Refused:  # fmt: skip
+) -> tuple[Problem, Track] | Refused:
     """Problem and track at one end of an input."""
     other = replace(other, times=found.problem.times)
     if not np.isfinite(change).all():

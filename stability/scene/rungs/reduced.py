@@ -154,10 +154,15 @@ def reduced(problem: Problem, model: ReducedModel) -> Track | Refused:
 
     times = problem.times
     return Track(
-        times, at(times), elements.at(times, size[..., None])[:, 0] + tail, at, None,
-        len(run.steps), (f"{model.name}, {own} state{'s' * (own > 1)}",),
+        times,
+        at(times),
+        elements.at(times, size[..., None])[:, 0] + tail,
+        at,
+        None,
+        len(run.steps),
+        (f"{model.name}, {own} state{'s' * (own > 1)}",),
         {"defect": float(size.max())},
-    )  # fmt: skip
+    )
 
 
 def _errors(problem: Problem, elements: Elements, states: Floats) -> tuple[Floats, float]:

@@ -170,9 +170,14 @@ class Forward:
 
 
 def forward(
-    problem: Problem, track: Track, starts: Floats, parameters: Floats, *, exact: bool,
+    problem: Problem,
+    track: Track,
+    starts: Floats,
+    parameters: Floats,
+    *,
+    exact: bool,
     seconds: float = np.inf,
-) -> Forward | Refused:  # fmt: skip
+) -> Forward | Refused:
     """The sensitivities of a track along directions.
 
     Parameters
@@ -263,9 +268,13 @@ def _path(problem: Problem, track: Track, elements: Elements, *, exact: bool) ->
 
 
 def _solved(
-    problem: Problem, elements: Elements, states: Floats, directions: tuple[Floats, Floats], *,
+    problem: Problem,
+    elements: Elements,
+    states: Floats,
+    directions: tuple[Floats, Floats],
+    *,
     exact: bool,
-) -> Forward | Refused:  # fmt: skip
+) -> Forward | Refused:
     """The sensitivities on elements that resolve the path."""
     n, program = problem.own, _slopes(problem.flow.system)
     starts, parameters = directions

@@ -139,9 +139,14 @@ def _lyapunov(a: Floats) -> Floats | None:
 
 
 def _box(
-    around: Surroundings, given: Sequence[float], y: Sequence[Any], e: Sequence[Any],
-    centre: list[float], slow: Floats, basis: Floats,
-) -> Attraction | None:  # fmt: skip
+    around: Surroundings,
+    given: Sequence[float],
+    y: Sequence[Any],
+    e: Sequence[Any],
+    centre: list[float],
+    slow: Floats,
+    basis: Floats,
+) -> Attraction | None:
     """The test of the module's docstring in one basis."""
     from flint import arb, arb_mat
 
@@ -192,9 +197,11 @@ def _box(
                 size = _length([_length([x[i, k] for k in range(m)]) for i in range(m)])
                 error = [size * rho / beta]
             return Attraction(
-                tuple(centre), max((float(v.abs_upper()) for v in error), default=0.0),
-                float(beta.mid()), float(half.mid()),
-            )  # fmt: skip
+                tuple(centre),
+                max((float(v.abs_upper()) for v in error), default=0.0),
+                float(beta.mid()),
+                float(half.mid()),
+            )
         delta = [(WIDEN * v).abs_upper() for v in needed]
     return None
 

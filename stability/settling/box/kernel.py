@@ -95,9 +95,7 @@ def start(z: Any, x: Any, slow: Any, y: Any, ry: Any, e: Any, re: Any, centre: A
     return f, kappa, r, eta, rows, sideways
 
 
-def turn(
-    z: Any, x: Any, slow: Any, j: Any, rj: Any, f: Any, kappa: Any, r: Any, eta: Any
-) -> Any:  # fmt: skip
+def turn(z: Any, x: Any, slow: Any, j: Any, rj: Any, f: Any, kappa: Any, r: Any, eta: Any) -> Any:
     """The rate β and the bound η + Γ r/β of a box.
 
     Parameters

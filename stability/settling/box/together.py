@@ -87,9 +87,13 @@ def nothing(count: int, n: int) -> Settled:
     """
     blank = np.full((3, count), np.nan)
     return Settled(
-        np.zeros(count, bool), np.full((count, n), np.nan), blank[0], blank[1], blank[2],
+        np.zeros(count, bool),
+        np.full((count, n), np.nan),
+        blank[0],
+        blank[1],
+        blank[2],
         np.full(count, NEARER),
-    )  # fmt: skip
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,9 +137,15 @@ def tapes(around: Surroundings) -> Tapes:
 
 
 def boxes(  # noqa: PLR0913
-    around: Surroundings, y: Balls, given: Floats, e: Balls, found: Settled,
-    left: NDArray[np.bool_], *, plain: bool = False,
-) -> None:  # fmt: skip
+    around: Surroundings,
+    y: Balls,
+    given: Floats,
+    e: Balls,
+    found: Settled,
+    left: NDArray[np.bool_],
+    *,
+    plain: bool = False,
+) -> None:
     """Write down which launches are proved to converge by a box about each.
 
     Parameters

@@ -82,9 +82,12 @@ def derivatives(around: Surroundings) -> Derivatives:
     second = ca.vertcat(there[1], ca.reshape(there[2].T, -1, 1))
     flat = ca.reshape(there[0].T, -1, 1)
     return Derivatives(
-        m, tape([y, given], flat), tape([y, given], second),
-        tape([y, given, e, d, ell], third / 6), _guards(around),
-    )  # fmt: skip
+        m,
+        tape([y, given], flat),
+        tape([y, given], second),
+        tape([y, given, e, d, ell], third / 6),
+        _guards(around),
+    )
 
 
 def _tape(program: Program, sizes: list[int]) -> Tape:

@@ -177,8 +177,21 @@ def _kept(around: Surroundings) -> _Kept:
 
 def _flat(found: Tubes) -> Floats:
     n, form = len(found.p), found.form
-    parts = [form.ell, form.z, form.q, form.c, found.p, found.n, found.q, found.c,
-             found.reach, found.rate, found.half, found.inner, found.drift]  # fmt: skip
+    parts = [
+        form.ell,
+        form.z,
+        form.q,
+        form.c,
+        found.p,
+        found.n,
+        found.q,
+        found.c,
+        found.reach,
+        found.rate,
+        found.half,
+        found.inner,
+        found.drift,
+    ]
     return np.concatenate([v.reshape(n, -1) for v in parts], axis=1)
 
 

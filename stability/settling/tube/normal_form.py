@@ -259,8 +259,11 @@ class _Parts:
         still = norm(np.abs(a[:, :m] - block) * WIDE + off[:, :m]) * kappa + norm(block) * slack
         turn = norm(np.abs(self.turn0[:, :m]) + self.turn_wide[:, :m]) * kappa
         own = self.turn0[:, :m] + n @ block - block @ n
-        off_own = LOOSE * (np.abs(self.turn0[:, :m]) + np.abs(n) @ np.abs(block)
-                           + np.abs(block) @ np.abs(n)) + self.turn_wide[:, :m]  # fmt: skip
+        off_own = (
+            LOOSE
+            * (np.abs(self.turn0[:, :m]) + np.abs(n) @ np.abs(block) + np.abs(block) @ np.abs(n))
+            + self.turn_wide[:, :m]
+        )
         turn_off = (norm(off_own) + turn * slack) * WIDE
         turn_left, turn_even = norm(own), norm(0.5 * (own + np.swapaxes(own, 1, 2)))
         half = 0.5 * kappa * kappa * WIDE
@@ -278,12 +281,26 @@ class _Parts:
         of_c = np.abs(self.turn0[:, m] + row) * WIDE + LOOSE * (np.abs(self.turn0[:, m]) + sizes)
         line = norm(np.abs(self.turn0[:, m]) + self.turn_wide[:, m])
         return Bounds(
-            rate, _bilinear_norm(p), norm(n), _bilinear_norm(q[:, None]), norm(c), rows,
-            np.abs(z), still * WIDE, turn * WIDE, turn_left, turn_even, turn_off,
-            bend * WIDE, left * WIDE, norm(np.abs(a[:, m]) + off[:, m]) * kappa, line * kappa,
-            norm(of_c + self.turn_wide[:, m]) * WIDE + line * slack, along_bend * WIDE,
+            rate,
+            _bilinear_norm(p),
+            norm(n),
+            _bilinear_norm(q[:, None]),
+            norm(c),
+            rows,
+            np.abs(z),
+            still * WIDE,
+            turn * WIDE,
+            turn_left,
+            turn_even,
+            turn_off,
+            bend * WIDE,
+            left * WIDE,
+            norm(np.abs(a[:, m]) + off[:, m]) * kappa,
+            line * kappa,
+            norm(of_c + self.turn_wide[:, m]) * WIDE + line * slack,
+            along_bend * WIDE,
             rest * WIDE,
-        )  # fmt: skip
+        )
 
 
 def _followed(

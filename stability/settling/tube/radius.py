@@ -126,8 +126,9 @@ def _largest(made: Derivatives, form: Form, b: Bounds, y: Floats, given: Floats)
         third, along, clear = _third(made, form, b, y, given, r)
         found = _tube(b, r, third, along)
         good = clear & (found[0] > 0)
-        for kept, new in zip((best, t, t_w, reach, rate, drift), (r, third, along, *found),
-                             strict=True):  # fmt: skip
+        for kept, new in zip(
+            (best, t, t_w, reach, rate, drift), (r, third, along, *found), strict=True
+        ):
             kept[good] = new[good]
         low, high = np.where(good, low, middle), np.where(good, middle, high)
     inner, drifts = [reach], [drift]
@@ -137,8 +138,9 @@ def _largest(made: Derivatives, form: Form, b: Bounds, y: Floats, given: Floats)
         inner.append(r)
         drifts.append(d)
     half = best * np.sqrt(np.square(b.rows).sum(1)) * WIDE
-    return Tubes(form, b.p, b.n, b.q, b.c, reach, rate, np.stack(inner, 1), np.stack(drifts, 1),
-                 half)  # fmt: skip
+    return Tubes(
+        form, b.p, b.n, b.q, b.c, reach, rate, np.stack(inner, 1), np.stack(drifts, 1), half
+    )
 
 
 def _tube(b: Bounds, r: Floats, third: Floats, along: Floats) -> tuple[Floats, Floats, Floats]:

@@ -65,8 +65,9 @@ def _units(asked: Any, fixed: Mapping[str, Any]) -> dict[str, Any]:
     units: dict[str, Any] = {"parameter_units": json.dumps(known)} if known else {}
     if system.quantities:
         units["dimensionless"] = int(without_dimension(system.quantities, system.units))
-        units["quantities"] = written({n: q for n, q in system.quantities.items()
-                                       if n in asked.values})  # fmt: skip
+        units["quantities"] = written(
+            {n: q for n, q in system.quantities.items() if n in asked.values}
+        )
     return units
 
 
@@ -107,11 +108,14 @@ def origin(asked: Any, fixed: Mapping[str, Any], *, citation: str, **more: Any) 
         **({"dimensionless": int(asked.dimensionless)} if asked.law else _units(asked, fixed)),
         **more,
         "source": "equations of Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) "
-        "204-231, linearisation recomputed" if asked.law else "equations of a body of revolution "
-        "by its height, linearised" if family.system.quantities else "user's system",
+        "204-231, linearisation recomputed"
+        if asked.law
+        else "equations of a body of revolution by its height, linearised"
+        if family.system.quantities
+        else "user's system",
         "citation": citation,
         "software": f"stability {__version__}",
         "versions": versions(LIBRARIES),
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "Conventions": "CF-1.11",
-    }  # fmt: skip
+    }

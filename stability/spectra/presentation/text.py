@@ -110,8 +110,9 @@ def page(spectrum: Any) -> str:
         head = f"{title}, {escape(where)}: {escape(spectrum.verdict.value)}"
         head += f"; {escape(spectrum.growth())}" * bool(spectrum.growth())
         rows = zip(spectrum.eigenvalues, spectrum.radius, _labels(spectrum), strict=True)
-        cells = [(f"{v.real + 0.0:+.6g}", f"{v.imag + 0.0:+.6g}", f"{r:.1g}", m)
-                 for v, r, m in rows]  # fmt: skip
+        cells = [
+            (f"{v.real + 0.0:+.6g}", f"{v.imag + 0.0:+.6g}", f"{r:.1g}", m) for v, r, m in rows
+        ]
         columns = [f"Re λ{units}", f"Im λ{units}", "error", "mode"]
         return _table(head, columns, cells, f"<i>{escape(spectrum.reason)}</i>")
     fixed = f", {escape(where)}" * bool(where)
@@ -119,10 +120,14 @@ def page(spectrum: Any) -> str:
     shape = spectrum.codes.shape
     picked = list(np.ndindex(shape))[:LONGEST]
     cells = [
-        (*(f"{v:.6g}" for v in spectrum.at[i]), spectrum.verdict[i].word,
-         f"{spectrum.abscissa[i]:+.6g}", f"{spectrum.abscissa_error[i]:.1g}")
+        (
+            *(f"{v:.6g}" for v in spectrum.at[i]),
+            spectrum.verdict[i].word,
+            f"{spectrum.abscissa[i]:+.6g}",
+            f"{spectrum.abscissa_error[i]:.1g}",
+        )
         for i in picked
-    ]  # fmt: skip
+    ]
     columns = [*map(escape, names), "verdict", f"largest Re λ{units}", "error"]
     left = spectrum.codes.size - len(picked)
     return _table(head, columns, cells, f"and {left} more points" if left else "")
@@ -139,5 +144,6 @@ def _table(head: str, names: list[str], rows: Sequence[tuple[str, ...]], foot: s
     top = "".join(f"<th>{n}</th>" for n in names)
     body = "".join("<tr>" + "".join(f"<td>{escape(c)}</td>" for c in row) + "</tr>" for row in rows)
     below = f"<div>{foot}</div>" if foot else ""
-    return f"<div>{head}</div><table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>" \
-        f"{below}"  # fmt: skip
+    return (
+        f"<div>{head}</div><table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>{below}"
+    )

@@ -80,11 +80,21 @@ def numeric_spectrum(problem: Problem, system: NumericSystem, *, certify: bool) 
     roundings = (0,) * (a.shape[1] + q.shape[1])
     place = NumericPlace(a, q, unknowns.reshape(len(a), -1), rate, roundings, found)
     return Spectrum(
-        family, a.reshape(*shape, -1), values.reshape(*shape, n), radius.reshape(*shape, n), 0,
-        decide(values, radius, even=False).reshape(shape), states.reshape(*shape, n), place,
-        rate.reshape(shape), np.ones((*shape, n)), note=NOTE, pairs=pairs, solver=chosen(),
+        family,
+        a.reshape(*shape, -1),
+        values.reshape(*shape, n),
+        radius.reshape(*shape, n),
+        0,
+        decide(values, radius, even=False).reshape(shape),
+        states.reshape(*shape, n),
+        place,
+        rate.reshape(shape),
+        np.ones((*shape, n)),
+        note=NOTE,
+        pairs=pairs,
+        solver=chosen(),
         values=dict(problem.values),
-    )  # fmt: skip
+    )
 
 
 def _member(
@@ -127,9 +137,14 @@ def _value(family: Family, given: dict[str, float], name: str) -> float:
 
 
 def _solve(
-    family: Family, system: NumericSystem, x: Floats, p: Floats, where: list[int],
-    rows: list[int], given: dict[str, float],
-) -> Floats:  # fmt: skip
+    family: Family,
+    system: NumericSystem,
+    x: Floats,
+    p: Floats,
+    where: list[int],
+    rows: list[int],
+    given: dict[str, float],
+) -> Floats:
     """Newton's method on the unknowns within x; returns the last step."""
     step: Floats = np.full(len(where), np.inf)
     for _ in range(MOST_STEPS):

@@ -75,9 +75,14 @@ class _Pace:
 
 
 def walk(
-    curve: Curve, z: Floats, tangent: Floats, scale: Floats, longest: float, most: int,
+    curve: Curve,
+    z: Floats,
+    tangent: Floats,
+    scale: Floats,
+    longest: float,
+    most: int,
     inside: Callable[[Floats], bool],
-) -> Trace:  # fmt: skip
+) -> Trace:
     """Follow a curve from a point in a direction, until it leaves a region.
 
     Parameters

@@ -72,8 +72,11 @@ def find(family: Any, a: Floats, q: Floats, start: Floats | None) -> Found:
     """
     # members that differ only in numbers outside the equations (mu, for the disk) share a root
     given = np.hstack([a, q])
-    key = given[:, family.graph.used] if start is None else np.hstack(
-        [given[:, family.graph.used], start])  # fmt: skip
+    key = (
+        given[:, family.graph.used]
+        if start is None
+        else np.hstack([given[:, family.graph.used], start])
+    )
     inverse = np.zeros(1, dtype=int)
     if len(key) > 1:
         inverse = np.unique(key, axis=0, return_inverse=True)[1].ravel()

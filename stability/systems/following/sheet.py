@@ -165,8 +165,7 @@ def follow(graph: FamilyGraph, cut: int, start: Floats, u: Floats, stop: Floats)
         done = rows[fine]
         left[done] = _left(h, large, size[rows])[fine]
         size[done] = large[fine]
-        u[done], t[done], sign[done], turn[done] = (
-            v[fine] for v in (new, following, now, after))  # fmt: skip
+        u[done], t[done], sign[done], turn[done] = (v[fine] for v in (new, following, now, after))
         jumped[done] = False
         failed = rows[~fine & ~jump]
         step[failed] *= SHORTER

@@ -63,8 +63,9 @@ class FamilyGraph:
         self._size = len(u)
         self._constants = Constants(decimals=frame.decimals)
         known: dict[str, Any] = dict(zip([*frame.at, *others], [*a, *q], strict=True))
-        known |= {n: v if isinstance(v, Upright) else self._constants(v)
-                  for n, v in frame.held.items()}  # fmt: skip
+        known |= {
+            n: v if isinstance(v, Upright) else self._constants(v) for n, v in frame.held.items()
+        }
         guessed = known | {n: self._constants(v) for n, v in frame.unknown.items()}
         table = known | dict(zip(frame.unknown, u, strict=True))
         self._seen = [n for n in frame.equations if n not in system.states]
@@ -224,9 +225,13 @@ class FamilyGraph:
         return form
 
     def _solved_for(
-        self, frame: Frame, table: Mapping[str, Any], guessed: Mapping[str, Any],
-        rows: Sequence[int], others: Sequence[str],
-    ) -> None:  # fmt: skip
+        self,
+        frame: Frame,
+        table: Mapping[str, Any],
+        guessed: Mapping[str, Any],
+        rows: Sequence[int],
+        others: Sequence[str],
+    ) -> None:
         """Rates, Jacobian and equations of a large system with a mass matrix."""
         system, (a, u, q) = self._system, self._inputs
         names = [*system.states, *system.parameters]
@@ -276,9 +281,13 @@ class FamilyGraph:
         self.state = self._program("state", state)
         self.residual = self._program("residual", dense, by_u)
         self.tangent = self._program(
-            "tangent", ca.jacobian(state, a), ca.jacobian(state, u), dense, by_u,
+            "tangent",
+            ca.jacobian(state, a),
+            ca.jacobian(state, u),
+            dense,
+            by_u,
             ca.jacobian(residual, a),
-        )  # fmt: skip
+        )
         given = ca.vertcat(a, q)
         self.used = [i for i in range(given.numel()) if ca.depends_on(residual, given[i])]
         """Indices in (family parameters, parameters) of those in the equations."""
@@ -295,9 +304,11 @@ class FamilyGraph:
         """Equations, and their slopes by the unknowns and by (family parameters, parameters)."""
         residual, (a, u, q) = self._unsolved, self._inputs
         return self._program(
-            "along", ca.densify(residual), ca.jacobian(residual, u),
+            "along",
+            ca.densify(residual),
+            ca.jacobian(residual, u),
             ca.jacobian(residual, ca.vertcat(a, q)),
-        )  # fmt: skip
+        )
 
     def _conditions(self, table: Mapping[str, Any]) -> None:
         """The conditions without unknowns, to be checked before solving."""

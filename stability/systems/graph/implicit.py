@@ -37,8 +37,10 @@ def solvable(system: Equations) -> bool:
     """
     if system.mass is None or system.forcing is None:
         return False
-    point = [[0.1 + 0.37 * ((5 * i) % 7) for i in range(len(names))]
-             for names in (system.states, system.parameters)]  # fmt: skip
+    point = [
+        [0.1 + 0.37 * ((5 * i) % 7) for i in range(len(names))]
+        for names in (system.states, system.parameters)
+    ]
     sides = ca.Function("sides", [system.x, system.p], [system.mass, system.forcing, system.rhs])
     mass, forcing, rates = (np.array(v) for v in sides(*point))
     if not all(np.isfinite(v).all() for v in (mass, forcing, rates)):
@@ -87,9 +89,13 @@ class Implicit:
     """
 
     def __init__(
-        self, system: Equations, values: Mapping[str, Any], algebra: Algebra,
-        program: Callable[..., Program], hidden: Sequence[tuple[int, int]],
-    ) -> None:  # fmt: skip
+        self,
+        system: Equations,
+        values: Mapping[str, Any],
+        algebra: Algebra,
+        program: Callable[..., Program],
+        hidden: Sequence[tuple[int, int]],
+    ) -> None:
         assert system.mass is not None and system.forcing is not None
         self.solved = solved_rates(system)
         self.own = [i for i in range(len(system.states)) if i not in self.solved]
@@ -197,8 +203,12 @@ class Implicit:
             return asked.other.places[0]
         if asked.columns is None:  # rates are a dense column
             return tuple((i, 0) for i in range(len(asked.rows)))
-        return tuple((i, j) for j, column in enumerate(asked.columns)
-                     for i, row in enumerate(asked.rows) if slopes[row, column])  # fmt: skip
+        return tuple(
+            (i, j)
+            for j, column in enumerate(asked.columns)
+            for i, row in enumerate(asked.rows)
+            if slopes[row, column]
+        )
 
     @cached_property
     def _sides(self) -> Program:

@@ -95,22 +95,31 @@ def _joined(first: Slopes, second: Slopes) -> Slopes:
 
 
 BY_VALUE: dict[str, Callable[[Any], Any]] = {
-    "tan": lambda y: 1 + y * y, "sqrt": lambda y: 1 / (2 * y), "exp": lambda y: y,
+    "tan": lambda y: 1 + y * y,
+    "sqrt": lambda y: 1 / (2 * y),
+    "exp": lambda y: y,
     "tanh": lambda y: 1 - y * y,
-}  # fmt: skip
+}
 """Derivatives that the value y of the function gives."""
 
 
 def _by_argument(f: Mapping[str, Callable[..., Any]]) -> dict[str, Callable[[Any], Any]]:
     """Derivatives of the other functions, from the argument x."""
     return {
-        "sin": f["cos"], "cos": lambda x: -f["sin"](x), "log": lambda x: 1 / x,
-        "asin": lambda x: 1 / f["sqrt"](1 - x * x), "acos": lambda x: -1 / f["sqrt"](1 - x * x),
-        "atan": lambda x: 1 / (1 + x * x), "sinh": f["cosh"], "cosh": f["sinh"],
-        "expm1": f["exp"], "log1p": lambda x: 1 / (x + 1),
-        "asinh": lambda x: 1 / f["sqrt"](x * x + 1), "acosh": lambda x: 1 / f["sqrt"](x * x - 1),
+        "sin": f["cos"],
+        "cos": lambda x: -f["sin"](x),
+        "log": lambda x: 1 / x,
+        "asin": lambda x: 1 / f["sqrt"](1 - x * x),
+        "acos": lambda x: -1 / f["sqrt"](1 - x * x),
+        "atan": lambda x: 1 / (1 + x * x),
+        "sinh": f["cosh"],
+        "cosh": f["sinh"],
+        "expm1": f["exp"],
+        "log1p": lambda x: 1 / (x + 1),
+        "asinh": lambda x: 1 / f["sqrt"](x * x + 1),
+        "acosh": lambda x: 1 / f["sqrt"](x * x - 1),
         "atanh": lambda x: 1 / (-(x * x) + 1),
-    }  # fmt: skip
+    }
 
 
 def sloped_algebra(plain: Algebra) -> Algebra:

@@ -42,9 +42,11 @@ REMOVABLE = (
     "quotient, or take a member next to it."
 )
 EDGES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
-    "sqrt": ((0.0,), ()), "asin": ((-1.0,), (1.0,)), "acos": ((-1.0,), (1.0,)),
+    "sqrt": ((0.0,), ()),
+    "asin": ((-1.0,), (1.0,)),
+    "acos": ((-1.0,), (1.0,)),
     "acosh": ((1.0,), ()),
-}  # fmt: skip
+}
 """Least and largest arguments: there a function has a value and no slope, beyond it no value."""
 LEVEL: dict[str, tuple[float, ...]] = {"cos": (0.0,), "cosh": (0.0,)}
 """Arguments at which a function has the slope 0: its largest value or its least."""
@@ -54,9 +56,16 @@ and the others everywhere."""
 STEEP = 1.5
 """Largest argument at which sin and tan count as rising, half the largest for cos and cosh."""
 _CODES = {
-    ca.OP_SQRT, ca.OP_FABS, ca.OP_ASIN, ca.OP_ACOS, ca.OP_POW, ca.OP_CONSTPOW, ca.OP_ACOSH,
-    ca.OP_HYPOT, ca.OP_ATAN2,
-}  # fmt: skip
+    ca.OP_SQRT,
+    ca.OP_FABS,
+    ca.OP_ASIN,
+    ca.OP_ACOS,
+    ca.OP_POW,
+    ca.OP_CONSTPOW,
+    ca.OP_ACOSH,
+    ca.OP_HYPOT,
+    ca.OP_ATAN2,
+}
 _PLAIN = numpy_algebra().functions
 
 
@@ -84,10 +93,14 @@ class _Number:
     ) -> _Number:
         """Of two numbers; mine and others: whether each one's change counts."""
         return _Number(
-            value, (self.moves & mine) | (other.moves & others),
-            (self.kinked & mine) | (other.kinked & others), self.broken | other.broken,
-            self.depends or other.depends, least, most,
-        )  # fmt: skip
+            value,
+            (self.moves & mine) | (other.moves & others),
+            (self.kinked & mine) | (other.kinked & others),
+            self.broken | other.broken,
+            self.depends or other.depends,
+            least,
+            most,
+        )
 
     def __add__(self, other: Any) -> _Number:
         other, all_ = _number(other), np.True_
@@ -194,10 +207,14 @@ def _power(x: Any, exponent: Any) -> _Number:
     rises, fixed = (e.value > 0) & (x.value >= 0) & (not e.depends), x.least & x.most
     least = (rises & x.least) | (zero & even & (e.value > 0)) | fixed
     return _Number(
-        found.value, found.moves | e.moves, found.kinked | e.kinked,
-        found.broken | e.broken | steep, x.depends or e.depends,
-        least & (not e.depends), ((rises & x.most) | fixed) & (not e.depends),
-    )  # fmt: skip
+        found.value,
+        found.moves | e.moves,
+        found.kinked | e.kinked,
+        found.broken | e.broken | steep,
+        x.depends or e.depends,
+        least & (not e.depends),
+        ((rises & x.most) | fixed) & (not e.depends),
+    )
 
 
 def _sign(x: Any) -> _Number:

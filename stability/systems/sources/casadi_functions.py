@@ -90,11 +90,14 @@ def casadi_function(
         scalar = _expanded(function)
         found = scalar.call([x, p][:inputs])
     return {
-        "name": function.name(), "x": x, "p": p, "rhs": ca.densify(found[0]),
+        "name": function.name(),
+        "x": x,
+        "p": p,
+        "rhs": ca.densify(found[0]),
         "states": names[0] if own is None else own,
         "parameters": (names[1] if inputs == 2 else ()) if given is None else given,
         "observables": dict(zip(function.name_out()[1:], found[1:], strict=True)),
-    }  # fmt: skip
+    }
 
 
 def _names(name: str, count: int) -> tuple[str, ...]:

@@ -225,9 +225,11 @@ class Probes:
 
 
 def solve(
-    matrix: Sequence[Sequence[Term]], right: Sequence[Term],
-    stages: Sequence[tuple[Sequence[int], Sequence[int]]], probes: Probes,
-) -> tuple[list[Term], list[tuple[int, int]]]:  # fmt: skip
+    matrix: Sequence[Sequence[Term]],
+    right: Sequence[Term],
+    stages: Sequence[tuple[Sequence[int], Sequence[int]]],
+    probes: Probes,
+) -> tuple[list[Term], list[tuple[int, int]]]:
     """Solve matrix · u = right by elimination, with pivots that do not vanish at the probes.
 
     In each stage a number is preferred as a pivot, then the natural order if it is sound, then the
@@ -307,10 +309,14 @@ def _preferred(
         (
             not (isinstance(rows[r][c], Fraction) and score[i, j] > LEAST_PIVOT),
             not (twins.get(r) == c and score[i, j] >= NATURAL * best),
-            -score[i, j] if twins.get(r) != c else -best, r, c,
+            -score[i, j] if twins.get(r) != c else -best,
+            r,
+            c,
         )
-        for i, r in enumerate(tried[0]) for j, c in enumerate(tried[1]) if score[i, j] > LEAST_PIVOT
-    )  # fmt: skip
+        for i, r in enumerate(tried[0])
+        for j, c in enumerate(tried[1])
+        if score[i, j] > LEAST_PIVOT
+    )
     return ranked[0][-2], ranked[0][-1]
 
 

@@ -189,6 +189,9 @@ def _best(
                 fill = (rest[i].sum() - 1) * (rest[:, j].sum() - 1)
                 sound = bool(abs(values[0, row, column]) > 1e-9)  # False for NaN
                 scores[row, column] = (
-                    not sound, np.ptp(entry) > 1e-12, fill, -np.abs(entry).min(),
-                )  # fmt: skip
+                    not sound,
+                    np.ptp(entry) > 1e-12,
+                    fill,
+                    -np.abs(entry).min(),
+                )
     return min(scores, key=lambda place: scores[place]) if scores else None

@@ -85,9 +85,17 @@ def symbols_of(what: str, value: Any, given: Any = None) -> tuple[ca.SX, tuple[s
 
 
 def read_model(
-    q: Any, u: Any, p: Any, *, kinetic: Any, potential: Any, forces: Any, q_dot: Any,
-    velocity_constraints: Any, holonomic: Any,
-) -> Model:  # fmt: skip
+    q: Any,
+    u: Any,
+    p: Any,
+    *,
+    kinetic: Any,
+    potential: Any,
+    forces: Any,
+    q_dot: Any,
+    velocity_constraints: Any,
+    holonomic: Any,
+) -> Model:
     """The model, or a refusal that says what does not fit.
 
     Parameters

@@ -231,10 +231,19 @@ def guarded(
         free, ties = list(speeds), list(constraints)
         held, masses = dict(zip(ties, pivots[len(speeds) :], strict=True)), pivots[: len(speeds)]
     word = "its pivot, squared," if solved else "its pivot"
-    firm = [(n, v, f"the mass matrix is not positive: its pivot for {n}", False)
-            for n, v in zip(free, masses, strict=True)]  # fmt: skip
-    tied = [(n, v, f"constraint {n} does not determine a force or velocity of its own: {word}",
-             bool(solved)) for n, v in held.items()]  # fmt: skip
+    firm = [
+        (n, v, f"the mass matrix is not positive: its pivot for {n}", False)
+        for n, v in zip(free, masses, strict=True)
+    ]
+    tied = [
+        (
+            n,
+            v,
+            f"constraint {n} does not determine a force or velocity of its own: {word}",
+            bool(solved),
+        )
+        for n, v in held.items()
+    ]
     seen, conditions = {}, []
     entries = [*tied, *firm] if solved else [*firm, *tied]  # as eliminated: the cause comes first
     for name, value, reason, either in entries:

@@ -55,9 +55,13 @@ class NumericSystem(Equations):
     """
 
     def __init__(
-        self, name: str, function: Rates, states: Sequence[str], parameters: Sequence[str] = (),
+        self,
+        name: str,
+        function: Rates,
+        states: Sequence[str],
+        parameters: Sequence[str] = (),
         units: Mapping[str, str] | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         checked = check_names(name, states, parameters, units or {})
         for what, value in (checked | {"_call": function}).items():
             object.__setattr__(self, what, value)

@@ -14,8 +14,13 @@ from ...base.errors import ParameterError, shown
 from .exact_terms import ONE, ZERO, Term, graph, over, plus, power, times
 
 RECIPROCAL = {
-    "sec": "cos", "csc": "sin", "cot": "tan", "sech": "cosh", "csch": "sinh", "coth": "tanh",
-}  # fmt: skip
+    "sec": "cos",
+    "csc": "sin",
+    "cot": "tan",
+    "sech": "cosh",
+    "csch": "sinh",
+    "coth": "tanh",
+}
 """Functions that are one over a function of the graph."""
 DIRECT: dict[str, Callable[[Any], Any]] = {n: getattr(ca, n) for n in (*UNARY, *MORE)} | {
     "Abs": ca.fabs

@@ -91,10 +91,16 @@ def _kane(model: Any) -> Implicit:
     depends = len(model._udep)
     velocity = tuple(model._k_nh * model.u + model._f_nh) if depends else ()
     return Implicit(
-        q, u, matrix, forcing, (len(q), len(u) - depends, depends),
-        zero=(*aux, *(a.diff() for a in aux)), configuration=tuple(model._f_h), velocity=velocity,
+        q,
+        u,
+        matrix,
+        forcing,
+        (len(q), len(u) - depends, depends),
+        zero=(*aux, *(a.diff() for a in aux)),
+        configuration=tuple(model._f_h),
+        velocity=velocity,
         dependent=(*model._qdep, *model._udep),
-    )  # fmt: skip
+    )
 
 
 def _lagrange(model: Any, chosen: Sequence[Any]) -> Implicit:
@@ -112,10 +118,16 @@ def _lagrange(model: Any, chosen: Sequence[Any]) -> Implicit:
             "many dependent coordinates (or rates) in dependent, such as dependent=[q1]."
         )
     return Implicit(
-        q, u, model.mass_matrix_full, model.forcing_full, (len(q), len(q), len(constraints)),
-        configuration=tuple(model._hol_coneqs), velocity=constraints,
-        dependent=tuple(s for s in named if s in (*q, *u)), multipliers=len(constraints),
-    )  # fmt: skip
+        q,
+        u,
+        model.mass_matrix_full,
+        model.forcing_full,
+        (len(q), len(q), len(constraints)),
+        configuration=tuple(model._hol_coneqs),
+        velocity=constraints,
+        dependent=tuple(s for s in named if s in (*q, *u)),
+        multipliers=len(constraints),
+    )
 
 
 def _matrices(mass: Any, forcing: Any, q: tuple[Any, ...], u: tuple[Any, ...]) -> Implicit:

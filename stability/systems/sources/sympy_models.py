@@ -25,9 +25,13 @@ CLOSE = 1e-6
 
 
 def sympy_model(
-    model: Any, *, parameters: Any = None, dependent: Any = (), cyclic: Any = (),
+    model: Any,
+    *,
+    parameters: Any = None,
+    dependent: Any = (),
+    cyclic: Any = (),
     observables: Any = None,
-) -> dict[str, Any]:  # fmt: skip
+) -> dict[str, Any]:
     """The arguments of a `System` from a SymPy model.
 
     Parameters
@@ -159,9 +163,10 @@ def _without(found: dict[str, Any], cyclic: Any) -> dict[str, Any]:
             )
     x = found["x"]
     seen = {
-        n: e for n, e in found["observables"].items()
+        n: e
+        for n, e in found["observables"].items()
         if not any(ca.depends_on(e, x[i]) for i in range(x.numel()) if i not in kept)
-    }  # fmt: skip
+    }
     left = found | {"rhs": rates, "x": x[kept], "observables": seen}
     left["states"] = tuple(found["states"][i] for i in kept)
     if gone:  # the implicit form holds the rates of the states that are gone
@@ -188,10 +193,13 @@ def _explicit(
     x, p = _column(states), _column(own)
     read = Translation(_known(states, x) | _known(own, p))
     return {
-        "x": x, "p": p, "rhs": ca.vertcat(*[graph(read(r)) for r in rates]),
-        "states": tuple(map(label, states)), "parameters": tuple(map(label, own)),
+        "x": x,
+        "p": p,
+        "rhs": ca.vertcat(*[graph(read(r)) for r in rates]),
+        "states": tuple(map(label, states)),
+        "parameters": tuple(map(label, own)),
         "observables": {n: graph(read(e)) for n, e in seen.items()},
-    }  # fmt: skip
+    }
 
 
 def _expressions(observables: Any) -> dict[str, Any]:
@@ -241,9 +249,13 @@ class _Reader:
         self.states = [s for s in (*form.q, *form.u) if s not in gone and s not in u_dep]
         known = (*form.q, *form.u, *form.zero)
         written = [
-            *form.matrix, *form.forcing, *form.configuration, *form.velocity, *seen.values(),
+            *form.matrix,
+            *form.forcing,
+            *form.configuration,
+            *form.velocity,
+            *seen.values(),
             *(e for e in self.given.values() if e is not None),
-        ]  # fmt: skip
+        ]
         own = _parameters(self.parameters, _free(written, known))
         self.names = tuple(map(label, self.states)), tuple(map(label, own))
         self.x, self.p = _column(self.states), _column(own)
@@ -358,13 +370,17 @@ class _Reader:
             self.seen[f"lam{number}"] = times(MINUS, solved[f"lambda_{number}"])
         self.seen |= {n: read(e) for n, e in self.expressions.items()}
         return {
-            "x": self.x, "p": self.p, "states": self.names[0], "parameters": self.names[1],
+            "x": self.x,
+            "p": self.p,
+            "states": self.names[0],
+            "parameters": self.names[1],
             "rhs": ca.vertcat(*[graph(solved[f"d_{n}"]) for n in self.names[0]]),
             "observables": {n: graph(v) for n, v in self.seen.items()},
             "conditions": tuple(self.conditions),
             "mass": ca.vertcat(*[ca.horzcat(*map(graph, row)) for row in matrix]),
-            "forcing": ca.vertcat(*map(graph, right)), "unknowns": tuple(unknowns),
-        }  # fmt: skip
+            "forcing": ca.vertcat(*map(graph, right)),
+            "unknowns": tuple(unknowns),
+        }
 
 
 def _rational(value: float) -> Any:

@@ -172,8 +172,9 @@ def _krawczyk(
             return found
         shift = inverse * _residual(family, a, x, q)[0]
     for least in (0, 1):
-        start = [3 * shift[i, 0].abs_upper() + (least + abs(x[i, 0])) * _small()
-                 for i in range(size)]  # fmt: skip
+        start = [
+            3 * shift[i, 0].abs_upper() + (least + abs(x[i, 0])) * _small() for i in range(size)
+        ]
         image = _contained(family, (a, q), x, shift, inverse, start)
         if image is not None:
             return [v + w for v, w in zip(x.entries(), image.entries(), strict=True)]

@@ -76,8 +76,9 @@ def _sample(matrix: Sequence[Sequence[Any]], number: int) -> Any:
                 raise NotExact("an algebraic entry")
             return fmpq(entry)
         count = entry.num.context().nvars()
-        point = [fmpq(3 + 2 * ((i + 7 * number) % 11) + i, 5 + (i + number) % 3)
-                 for i in range(count)]  # fmt: skip
+        point = [
+            fmpq(3 + 2 * ((i + 7 * number) % 11) + i, 5 + (i + number) % 3) for i in range(count)
+        ]
         return fmpq(entry.num(*point)) / fmpq(entry.den(*point))
 
     return fmpq_mat([[value(entry) for entry in row] for row in matrix])
@@ -119,9 +120,11 @@ def _kernel(rows: list[list[Any]], size: int) -> list[list[Any]]:
 
 
 def _mapped(
-    matrix: Sequence[Sequence[Any]], vectors: list[list[Any]], checks: list[list[Any]],
+    matrix: Sequence[Sequence[Any]],
+    vectors: list[list[Any]],
+    checks: list[list[Any]],
     zero: Callable[[Any], bool],
-) -> bool:  # fmt: skip
+) -> bool:
     """Whether the matrix maps vectors to where all checks vanish, identically."""
     for vector in vectors:
         image = [_product(row, vector) for row in matrix]

@@ -227,8 +227,13 @@ def _powers(matrix: Rows, count: int) -> Any:
     for p in range(count):
         yield whole
         if p + 1 < count:
-            whole = [[_sum(v * w for v, w in zip(row, column, strict=True)) for column in
-                      zip(*matrix, strict=True)] for row in whole]  # fmt: skip
+            whole = [
+                [
+                    _sum(v * w for v, w in zip(row, column, strict=True))
+                    for column in zip(*matrix, strict=True)
+                ]
+                for row in whole
+            ]
 
 
 def _sum(terms: Any) -> Any:

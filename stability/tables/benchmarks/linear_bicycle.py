@@ -16,20 +16,47 @@ from .row import PUBLISHED, BenchmarkRow, Source, at_threshold, compared, thresh
 
 LINEAR = Source("linear bicycle", "Meijaard et al., Proc. R. Soc. A 463 (2007) 1955, Table 1")
 BENCHMARK: dict[str, Any] = {
-    "w": 1.02, "c": 0.08, "lam": math.pi / 10, "g": 9.81,
-    "rR": 0.3, "mR": 2.0, "IRxx": 0.0603, "IRyy": 0.12,
-    "xB": 0.3, "zB": -0.9, "mB": 85.0, "IBxx": 9.2, "IByy": 11.0, "IBzz": 2.8, "IBxz": 2.4,
-    "xH": 0.9, "zH": -0.7, "mH": 4.0,
-    "IHxx": 0.05892, "IHyy": 0.06, "IHzz": 0.00708, "IHxz": -0.00756,
-    "rF": 0.35, "mF": 3.0, "IFxx": 0.1405, "IFyy": 0.28,
-}  # fmt: skip
+    "w": 1.02,
+    "c": 0.08,
+    "lam": math.pi / 10,
+    "g": 9.81,
+    "rR": 0.3,
+    "mR": 2.0,
+    "IRxx": 0.0603,
+    "IRyy": 0.12,
+    "xB": 0.3,
+    "zB": -0.9,
+    "mB": 85.0,
+    "IBxx": 9.2,
+    "IByy": 11.0,
+    "IBzz": 2.8,
+    "IBxz": 2.4,
+    "xH": 0.9,
+    "zH": -0.7,
+    "mH": 4.0,
+    "IHxx": 0.05892,
+    "IHyy": 0.06,
+    "IHzz": 0.00708,
+    "IHxz": -0.00756,
+    "rF": 0.35,
+    "mF": 3.0,
+    "IFxx": 0.1405,
+    "IFyy": 0.28,
+}
 """Parameters of the benchmark in SI units: w wheelbase, c trail, lam tilt of the steering axis."""
 ENTRIES = {
-    "M_00": "80.81722", "M_01": "2.31941332208709", "M_11": "0.29784188199686",
-    "C1_01": "33.86641391492494", "C1_10": "-0.85035641456978", "C1_11": "1.68540397397560",
-    "K0_00": "-80.95", "K0_01": "-2.59951685249872", "K0_11": "-0.80329488458618",
-    "K2_01": "76.59734589573222", "K2_11": "2.65431523794604",
-}  # fmt: skip
+    "M_00": "80.81722",
+    "M_01": "2.31941332208709",
+    "M_11": "0.29784188199686",
+    "C1_01": "33.86641391492494",
+    "C1_10": "-0.85035641456978",
+    "C1_11": "1.68540397397560",
+    "K0_00": "-80.95",
+    "K0_01": "-2.59951685249872",
+    "K0_11": "-0.80329488458618",
+    "K2_01": "76.59734589573222",
+    "K2_11": "2.65431523794604",
+}
 """Entries of the matrices as printed; the others are zero, or follow by symmetry."""
 EIGENVALUES = {
     "castering eigenvalue at 5 m/s": "-14.07838969279822",
@@ -101,12 +128,18 @@ def bicycle() -> Family:
     stiffness = P["g"] * found["K0"] + v**2 * found["K2"]
     seen = {f"{n}_{i}{j}": found[n][i, j] for n in found for i in (0, 1) for j in (0, 1)}
     system = System.from_mass_matrix(
-        "linear bicycle", x, ca.vertcat(v, *P.values()), mass=found["M"],
+        "linear bicycle",
+        x,
+        ca.vertcat(v, *P.values()),
+        mass=found["M"],
         forcing=-(v * found["C1"] @ x[2:] + stiffness @ x[:2]),
-        unknowns=("d_lean_rate", "d_steer_rate"), rates={"lean": x[2], "steer": x[3]},
-        states=("lean", "steer", "lean_rate", "steer_rate"), parameters=("v", *P),
-        observables=lambda *_: seen, units={"v": "m/s"},
-    )  # fmt: skip
+        unknowns=("d_lean_rate", "d_steer_rate"),
+        rates={"lean": x[2], "steer": x[3]},
+        states=("lean", "steer", "lean_rate", "steer_rate"),
+        parameters=("v", *P),
+        observables=lambda *_: seen,
+        units={"v": "m/s"},
+    )
     held = dict.fromkeys(system.states, 0.0)
     return Family(system, "upright", at=("v",), held=held, typical=BENCHMARK)
 
@@ -134,10 +167,18 @@ def of_spectrum(about: Source, family: Family, at: float, zeros: int = 0) -> lis
     values = found.eigenvalues if right else np.full(4, np.nan)
     numbers = [values[0].real, values[1].real, values[2].imag, values[3].real]
     return [
-        compared(about, quantity, known, float(numbers[i]), origin=PUBLISHED,
-                 unit="1/s", reason="another number of eigenvalues", exact=EXACT.get(quantity, ""))
+        compared(
+            about,
+            quantity,
+            known,
+            float(numbers[i]),
+            origin=PUBLISHED,
+            unit="1/s",
+            reason="another number of eigenvalues",
+            exact=EXACT.get(quantity, ""),
+        )
         for i, (quantity, known) in enumerate(EIGENVALUES.items())
-    ]  # fmt: skip
+    ]
 
 
 def of_speeds(
@@ -160,14 +201,23 @@ def of_speeds(
     -------
     list of BenchmarkRow
     """
-    words = {"weave": "speed above which weave is stable",
-             "capsize": "speed above which it capsizes"}  # fmt: skip
+    words = {
+        "weave": "speed above which weave is stable",
+        "capsize": "speed above which it capsizes",
+    }
     return [
-        at_threshold(about, threshold(family, *brackets[name], 5, **BENCHMARK), known,
-                     quantity=words[name], origin=PUBLISHED, unit="m/s", scale=scale,
-                     exact=EXACT[name])
+        at_threshold(
+            about,
+            threshold(family, *brackets[name], 5, **BENCHMARK),
+            known,
+            quantity=words[name],
+            origin=PUBLISHED,
+            unit="m/s",
+            scale=scale,
+            exact=EXACT[name],
+        )
         for name, known in SPEEDS.items()
-    ]  # fmt: skip
+    ]
 
 
 def linear_bicycle() -> list[BenchmarkRow]:
@@ -180,9 +230,14 @@ def linear_bicycle() -> list[BenchmarkRow]:
     family = bicycle()
     seen = family.system.observe([0.0] * 4, [5.0, *BENCHMARK.values()])
     entries = [
-        compared(LINEAR, name.replace("_", "[")[:-1] + f",{name[-1]}]", known, float(seen[name]),
-                 origin=PUBLISHED)
+        compared(
+            LINEAR,
+            name.replace("_", "[")[:-1] + f",{name[-1]}]",
+            known,
+            float(seen[name]),
+            origin=PUBLISHED,
+        )
         for name, known in ENTRIES.items()
-    ]  # fmt: skip
+    ]
     brackets = {"weave": (3.0, 5.0), "capsize": (5.0, 8.0)}
     return [*entries, *of_spectrum(LINEAR, family, 5.0), *of_speeds(LINEAR, family, brackets, 1.0)]

@@ -21,18 +21,33 @@ STRAIGHT = Source("nonlinear bicycle, straight", "Meijaard et al., Proc. R. Soc.
 COORDINATES = ("x", "y", "z", "yaw", "lean", "pitch", "steer", "rear", "front")
 """Coordinates; axes x forward, y right, z down."""
 GIVEN = {
-    "z": "0.2440472102925", "theta": "0.0", "psi": "0.9501292851472", "phi": "3.1257073014894",
-    "psif": "0.2311385135743", "xd": "-2.8069345714545", "yd": "-0.1480982396001",
-    "zd": "0.1058778746261", "thetad": "0.7830033527065", "psid": "0.6068425835418",
-    "phid": "-0.0119185528069", "psifd": "0.4859824687093", "betard": "8.9129896614890",
+    "z": "0.2440472102925",
+    "theta": "0.0",
+    "psi": "0.9501292851472",
+    "phi": "3.1257073014894",
+    "psif": "0.2311385135743",
+    "xd": "-2.8069345714545",
+    "yd": "-0.1480982396001",
+    "zd": "0.1058778746261",
+    "thetad": "0.7830033527065",
+    "psid": "0.6068425835418",
+    "phid": "-0.0119185528069",
+    "psifd": "0.4859824687093",
+    "betard": "8.9129896614890",
     "betafd": "8.0133620584155",
-}  # fmt: skip
+}
 """State of Table 1 as printed, as in DynamicistToolKit's `basu_table_one_input`."""
 ACCELERATIONS = {
-    "xdd": "-.5041626315047", "ydd": "-.3449706619454", "zdd": "-1.4604528332980",
-    "thetadd": ".8353281706379", "psidd": "-7.8555281128244", "phidd": ".1205543897884",
-    "psifdd": "-4.6198904039403", "betardd": "1.8472554144217", "betafdd": "2.4548072904550",
-}  # fmt: skip
+    "xdd": "-.5041626315047",
+    "ydd": "-.3449706619454",
+    "zdd": "-1.4604528332980",
+    "thetadd": ".8353281706379",
+    "psidd": "-7.8555281128244",
+    "phidd": ".1205543897884",
+    "psifdd": "-4.6198904039403",
+    "betardd": "1.8472554144217",
+    "betafdd": "2.4548072904550",
+}
 """Accelerations of Table 1, as in `basu_table_one_output`."""
 SIGNS = np.array([-1, 1, -1, -1, -1, -1, -1, 1, 1])
 """From the paper's velocities to those of the coordinates, in which wheels turn to the front."""
@@ -96,9 +111,12 @@ def model(P: Mapping[str, ca.SX]) -> dict[str, Any]:
     rear_slip = _contact(ca.jtimes(rear, q, u), frame[:, 1], P["rR"], rear_spin)
     front_slip = _contact(ca.jtimes(front, q, u), fork[:, 1], P["rF"], front_spin)
     return {
-        "q": q, "u": u, "kinetic": kinetic, "potential": potential,
+        "q": q,
+        "u": u,
+        "kinetic": kinetic,
+        "potential": potential,
         "velocity_constraints": ca.vertcat(rear_slip, front_slip),
-    }  # fmt: skip
+    }
 
 
 def _system(**choice: Any) -> System:
@@ -109,8 +127,10 @@ def _system(**choice: Any) -> System:
 @cache
 def straight() -> Family:
     """Straight running, by the rate of the rear wheel."""
-    system = _system(independent=("lean_rate", "steer_rate", "rear_rate"),
-                     ignorable=("x", "y", "yaw", "rear", "front"))  # fmt: skip
+    system = _system(
+        independent=("lean_rate", "steer_rate", "rear_rate"),
+        ignorable=("x", "y", "yaw", "rear", "front"),
+    )
     held = dict.fromkeys((n for n in system.states if n != "rear_rate"), 0.0)
     held["z"] = -BENCHMARK["rR"]
     return Family(system, "straight", at=("rear_rate",), held=held, typical=BENCHMARK)
@@ -125,8 +145,17 @@ def accelerations() -> tuple[list[float], list[float]]:
     """
     system = _system()
     g = {name: float(digits) for name, digits in GIVEN.items()}
-    place = [0.0, 0.0, -g["z"], -g["theta"], math.pi / 2 - g["psi"], math.pi - g["phi"],
-             -g["psif"], 0.0, 0.0]  # fmt: skip
+    place = [
+        0.0,
+        0.0,
+        -g["z"],
+        -g["theta"],
+        math.pi / 2 - g["psi"],
+        math.pi - g["phi"],
+        -g["psif"],
+        0.0,
+        0.0,
+    ]
     rates = SIGNS * [v for n, v in g.items() if n.endswith("d")]
     x, values = [*place, *rates], list(BENCHMARK.values())
     found = SIGNS * system.rates(x, values)[9:]

@@ -123,9 +123,17 @@ def compared(
         off = Fraction(recomputed) - Fraction(known)
         difference, status = float(off), _status(known, recomputed, off, inputs, exact)
     return BenchmarkRow(
-        about.system, quantity, unit, about.source, origin, known, recomputed, difference, status,
+        about.system,
+        quantity,
+        unit,
+        about.source,
+        origin,
+        known,
+        recomputed,
+        difference,
+        status,
         *sides,
-    )  # fmt: skip
+    )
 
 
 def _status(known: str, recomputed: float, off: Fraction, inputs: float, exact: str) -> str:
@@ -250,8 +258,17 @@ def at_threshold(
     BenchmarkRow
     """
     value = None if found.value is None else found.value * scale
-    return compared(about, quantity, known, value, origin=origin, unit=unit, sides=found.sides,
-                    reason=found.reason, exact=exact)  # fmt: skip
+    return compared(
+        about,
+        quantity,
+        known,
+        value,
+        origin=origin,
+        unit=unit,
+        sides=found.sides,
+        reason=found.reason,
+        exact=exact,
+    )
 
 
 Case = Callable[[], list[BenchmarkRow]]

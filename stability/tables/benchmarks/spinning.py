@@ -30,18 +30,29 @@ def gyropendulum() -> list[BenchmarkRow]:
     spin, fixed, turning, gyro, fall = (ca.SX.sym(n) for n in names)
     damping, follow = fixed + turning, turning * spin
     system = System(
-        "gyropendulum", ca.vertcat(x, y, u, v), ca.vertcat(spin, fixed, turning, gyro, fall),
+        "gyropendulum",
+        ca.vertcat(x, y, u, v),
+        ca.vertcat(spin, fixed, turning, gyro, fall),
         ca.vertcat(
-            u, v,
+            u,
+            v,
             -damping * u - gyro * spin * v + fall * x - follow * y,
             -damping * v + gyro * spin * u + fall * y + follow * x,
         ),
-        states=("x", "y", "u", "v"), parameters=names,
-    )  # fmt: skip
+        states=("x", "y", "u", "v"),
+        parameters=names,
+    )
     upright = Family(system, "upright", at=("spin",), held=dict.fromkeys(system.states, 0.0))
     found = threshold(upright, 0.1, 10.0, fixed=0.125, turning=0.375, gyro=1.5, fall=2.0)
-    return [at_threshold(GYROPENDULUM, found, "1.8856180831641267", origin=CLOSED,
-                         quantity="rate above which damping that turns holds it")]  # fmt: skip
+    return [
+        at_threshold(
+            GYROPENDULUM,
+            found,
+            "1.8856180831641267",
+            origin=CLOSED,
+            quantity="rate above which damping that turns holds it",
+        )
+    ]
 
 
 def rolling_sphere() -> Family:
@@ -65,11 +76,16 @@ def rolling_sphere() -> Family:
     )
     states = [f"{word}_{i}" for word in ("w", "up") for i in range(3)]
     system = System.from_mass_matrix(
-        "Routh's sphere", ca.vertcat(turn, up), ca.vertcat(*p.values()),
-        mass=ca.jacobian(momentum(turn), turn), forcing=balance,
+        "Routh's sphere",
+        ca.vertcat(turn, up),
+        ca.vertcat(*p.values()),
+        mass=ca.jacobian(momentum(turn), turn),
+        forcing=balance,
         unknowns=[f"d_w_{i}" for i in range(3)],
-        rates={f"up_{i}": d_up[i] for i in range(3)}, states=states, parameters=tuple(p),
-    )  # fmt: skip
+        rates={f"up_{i}": d_up[i] for i in range(3)},
+        states=states,
+        parameters=tuple(p),
+    )
     held = dict.fromkeys(("w_0", "w_1", "up_0", "up_1"), 0.0) | {"up_2": 1.0}
     return Family(system, "spinning", at=("w_2",), held=held)
 
@@ -83,8 +99,15 @@ def sphere() -> list[BenchmarkRow]:
     """
     numbers: dict[str, Any] = {"I1": 0.5, "I3": 0.375, "R": 1.0, "a": 0.25, "g": 1.0, "m": 1.0}
     found = threshold(rolling_sphere(), 0.1, 5.0, **numbers)
-    return [at_threshold(SPHERE, found, "0.8837788686981583", origin=CLOSED,
-                         quantity="spin above which its centre of mass stays on top")]  # fmt: skip
+    return [
+        at_threshold(
+            SPHERE,
+            found,
+            "0.8837788686981583",
+            origin=CLOSED,
+            quantity="spin above which its centre of mass stays on top",
+        )
+    ]
 
 
 def liquid() -> list[BenchmarkRow]:
@@ -103,13 +126,26 @@ def liquid() -> list[BenchmarkRow]:
         (ca.cross(moment, turn) + ca.cross(impulse, velocity)) / inertias,
     )
     states = tuple(f"{word}_{i}" for word in ("v", "w") for i in range(3))
-    system = System("body in a liquid", ca.vertcat(velocity, turn), ca.vertcat(m1, m3, J1, J3),
-                    rates, states=states, parameters=("m1", "m3", "J1", "J3"))  # fmt: skip
+    system = System(
+        "body in a liquid",
+        ca.vertcat(velocity, turn),
+        ca.vertcat(m1, m3, J1, J3),
+        rates,
+        states=states,
+        parameters=("m1", "m3", "J1", "J3"),
+    )
     held = dict.fromkeys(("v_0", "v_1", "w_0", "w_1"), 0.0) | {"v_2": 1.0}
     along = Family(system, "along its axis", at=("w_2",), held=held)
     found = threshold(along, 0.1, 10.0, m1=3.0, m3=1.0, J1=2.0, J3=0.5)
-    return [at_threshold(BODY, found, "4.6188021535170061", origin=CLOSED,
-                         quantity="spin above which it keeps its course")]  # fmt: skip
+    return [
+        at_threshold(
+            BODY,
+            found,
+            "4.6188021535170061",
+            origin=CLOSED,
+            quantity="spin above which it keeps its course",
+        )
+    ]
 
 
 def square() -> Family:
@@ -128,8 +164,14 @@ def square() -> Family:
         rates += [u, v]
     states = tuple(f"{word}_{i}" for i in range(5) for word in "xy")
     columns = [c for i in range(5) for c in (x[i], y[i])]
-    system = System("five vortices", ca.vertcat(*columns), middle, ca.vertcat(*rates),
-                    states=states, parameters=("middle",))  # fmt: skip
+    system = System(
+        "five vortices",
+        ca.vertcat(*columns),
+        middle,
+        ca.vertcat(*rates),
+        states=states,
+        parameters=("middle",),
+    )
     held = dict(zip(states, (float(c) for corner in corners for c in corner), strict=True))
     return Family(system, "square", at=("middle",), held=held)
 
@@ -143,8 +185,18 @@ def vortices() -> list[BenchmarkRow]:
     """
     low, high = threshold(square(), -1.2, 0.7), threshold(square(), 0.7, 4.0)
     return [
-        at_threshold(VORTICES, low, "-0.5", origin=CLOSED,
-                     quantity="circulation in the middle above which the square is neutral"),
-        at_threshold(VORTICES, high, "2.25", origin=CLOSED,
-                     quantity="circulation in the middle above which it is unstable"),
-    ]  # fmt: skip
+        at_threshold(
+            VORTICES,
+            low,
+            "-0.5",
+            origin=CLOSED,
+            quantity="circulation in the middle above which the square is neutral",
+        ),
+        at_threshold(
+            VORTICES,
+            high,
+            "2.25",
+            origin=CLOSED,
+            quantity="circulation in the middle above which it is unstable",
+        ),
+    ]

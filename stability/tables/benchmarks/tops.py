@@ -37,14 +37,21 @@ def sleeping() -> Family:
     across = (d_lean * ca.cos(tilt)) ** 2 + d_tilt**2
     along = (spin + d_lean * ca.sin(tilt)) ** 2
     top = mechanics(
-        ca.vertcat(lean, tilt, turn), ca.vertcat(d_lean, d_tilt, spin), ca.vertcat(one, three, mgl),
+        ca.vertcat(lean, tilt, turn),
+        ca.vertcat(d_lean, d_tilt, spin),
+        ca.vertcat(one, three, mgl),
         kinetic=(one * across + three * along) / 2,
-        potential=mgl * ca.cos(lean) * ca.cos(tilt), ignorable=("turn",), name="Lagrange top",
-    )  # fmt: skip
+        potential=mgl * ca.cos(lean) * ca.cos(tilt),
+        ignorable=("turn",),
+        name="Lagrange top",
+    )
     held = dict.fromkeys(("lean", "tilt", "d_lean", "d_tilt"), 0.0)
     return Family(
-        top, "sleeping", at=("spin",), held=held,
-    )  # fmt: skip
+        top,
+        "sleeping",
+        at=("spin",),
+        held=held,
+    )
 
 
 def precessing() -> Family:
@@ -55,14 +62,22 @@ def precessing() -> Family:
     across = d_theta**2 + (d_phi * ca.sin(theta)) ** 2
     along = (spin + d_phi * ca.cos(theta)) ** 2
     top = mechanics(
-        ca.vertcat(theta, phi, psi), ca.vertcat(d_theta, d_phi, spin), ca.vertcat(one, three, mgl),
-        kinetic=(one * across + three * along) / 2, potential=mgl * ca.cos(theta),
-        ignorable=("phi", "psi"), name="Lagrange top",
-    )  # fmt: skip
+        ca.vertcat(theta, phi, psi),
+        ca.vertcat(d_theta, d_phi, spin),
+        ca.vertcat(one, three, mgl),
+        kinetic=(one * across + three * along) / 2,
+        potential=mgl * ca.cos(theta),
+        ignorable=("phi", "psi"),
+        name="Lagrange top",
+    )
     return Family(
-        top, "precessing", at=("theta", "d_phi"), held={"d_theta": 0.0}, unknown={"spin": 3.0},
+        top,
+        "precessing",
+        at=("theta", "d_phi"),
+        held={"d_theta": 0.0},
+        unknown={"spin": 3.0},
         equations=("d_theta",),
-    )  # fmt: skip
+    )
 
 
 def lagrange() -> list[BenchmarkRow]:
@@ -76,9 +91,14 @@ def lagrange() -> list[BenchmarkRow]:
     nodding = spectrum(precessing(), at=(1.0, 0.7), **TOP).eigenvalues.imag.max()
     return [
         at_threshold(LAGRANGE, found, "4", quantity="spin above which it sleeps", origin=CLOSED),
-        compared(LAGRANGE, "nutation at inclination 1, precession 0.7", "1.20424736445397",
-                 float(nodding), origin=CLOSED),
-    ]  # fmt: skip
+        compared(
+            LAGRANGE,
+            "nutation at inclination 1, precession 0.7",
+            "1.20424736445397",
+            float(nodding),
+            origin=CLOSED,
+        ),
+    ]
 
 
 # --- the tippe top ---
@@ -104,13 +124,17 @@ def tippe_system() -> System:
     balance, unknowns = ca.vertcat(moment - ca.cross(arm, force), newton), (d_spin, d_slide, load)
     names = [f"{word}_{i}" for word in ("axis", "spin", "slide") for i in "xyz"][:-1]
     return System.from_mass_matrix(
-        "tippe top", ca.vertcat(axis, spin, slide), ca.vertcat(*p.values()),
+        "tippe top",
+        ca.vertcat(axis, spin, slide),
+        ca.vertcat(*p.values()),
         mass=ca.jacobian(balance, ca.vertcat(*unknowns)),
         forcing=-ca.substitute(balance, ca.vertcat(*unknowns), ca.SX.zeros(6)),
         unknowns=(*(f"d_{n}" for n in names[3:]), "load"),
-        rates=dict(zip(names[:3], ca.vertsplit(turned), strict=True)), states=names,
-        parameters=tuple(p), units={"spin_z": "rad/s", "m": "kg", "R": "m", "mu": "s/m"},
-    )  # fmt: skip
+        rates=dict(zip(names[:3], ca.vertsplit(turned), strict=True)),
+        states=names,
+        parameters=tuple(p),
+        units={"spin_z": "rad/s", "m": "kg", "R": "m", "mu": "s/m"},
+    )
 
 
 def spinning(way: str) -> Family:
@@ -164,26 +188,48 @@ def tippe() -> list[BenchmarkRow]:
     list of BenchmarkRow
     """
     known = {"upright": "27.667917094780", "inverted": "41.332688957659"}
-    words = {"upright": "spin below which upright is stable",
-             "inverted": "spin above which inverted is stable"}  # fmt: skip
+    words = {
+        "upright": "spin below which upright is stable",
+        "inverted": "spin above which inverted is stable",
+    }
     rows: list[BenchmarkRow] = []
     last = None
     for way, value in known.items():
         for mu in (0.3, 3.0, 30.0):
             last = threshold(spinning(way), 1.0, 99.0, mu=mu, **BODY)
             words_now = f"{words[way]}, mu = {mu:g} s/m"
-            rows.append(at_threshold(TIPPE, last, value, quantity=words_now, origin=CLOSED,
-                                     unit="rad/s"))  # fmt: skip
+            rows.append(
+                at_threshold(TIPPE, last, value, quantity=words_now, origin=CLOSED, unit="rad/s")
+            )
     integral = None
     if last is not None and last.value is not None:
         integral = BODY["I3"] * BODY["R"] * (1 + BODY["a"]) * last.value
-    rows.append(compared(TIPPE, "Jellett's integral above which inverted is stable",
-                         "3.438879721e-6", integral, origin=CLOSED, unit="J s m",
-                         reason="no threshold"))  # fmt: skip
-    proofs = {"upright": (0.0, 27.7, {27.69: math.inf}),
-              "inverted": (41.29, math.inf, {0.0: 22.95, 22.9: 41.3})}  # fmt: skip
+    rows.append(
+        compared(
+            TIPPE,
+            "Jellett's integral above which inverted is stable",
+            "3.438879721e-6",
+            integral,
+            origin=CLOSED,
+            unit="J s m",
+            reason="no threshold",
+        )
+    )
+    proofs = {
+        "upright": (0.0, 27.7, {27.69: math.inf}),
+        "inverted": (41.29, math.inf, {0.0: 22.95, 22.9: 41.3}),
+    }
     for way, (low, high, others) in proofs.items():
         edge, why = for_every_friction(spinning(way), low, high, others)
-        rows.append(compared(TIPPE, f"{words[way]}, every mu, exact condition", known[way], edge,
-                             origin=CLOSED, unit="rad/s", reason=why))  # fmt: skip
+        rows.append(
+            compared(
+                TIPPE,
+                f"{words[way]}, every mu, exact condition",
+                known[way],
+                edge,
+                origin=CLOSED,
+                unit="rad/s",
+                reason=why,
+            )
+        )
     return rows

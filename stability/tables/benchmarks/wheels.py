@@ -18,9 +18,19 @@ WHEELSET = Source("railway wheelset", "J. K. Moore, course EME 134 (UC Davis), l
 SLEIGH = Source("Chaplygin sleigh", "S. A. Chaplygin (1911)")
 DISC = Source("SymPy's rolling disc", "sympy/physics/mechanics/tests/test_kane.py")
 AXLE: dict[str, Any] = {
-    "m": 1000.0, "d": 0.72, "I": 1000 * 0.72**2, "N": 20e3, "R": 0.23, "Rr": 0.2, "d1": 0.36,
-    "cone": math.pi / 180, "f": 1e6, "k1": 13e3, "k2": 13e3, "r0": 0.46,
-}  # fmt: skip
+    "m": 1000.0,
+    "d": 0.72,
+    "I": 1000 * 0.72**2,
+    "N": 20e3,
+    "R": 0.23,
+    "Rr": 0.2,
+    "d1": 0.36,
+    "cone": math.pi / 180,
+    "f": 1e6,
+    "k1": 13e3,
+    "k2": 13e3,
+    "r0": 0.46,
+}
 """The wheelset in SI units: mass, half gauge, moment, load, radii, arm, cone, creep, springs."""
 BLADE: dict[str, Any] = {"m": 1.0, "a": 0.3, "I": 0.2}
 """The sleigh: mass, distance of its centre from the blade, moment of inertia."""
@@ -36,10 +46,14 @@ def wheelset() -> Family:
     steer = 2 * p["f"] * lam * p["d"] / p["r0"]
     turn = -steer * y - 2 * p["k2"] * p["d1"] ** 2 * yaw - 2 * p["f"] * p["d"] ** 2 / v * dyaw
     system = System(
-        "wheelset", ca.vertcat(y, yaw, dy, dyaw), ca.vertcat(v, *p.values()),
+        "wheelset",
+        ca.vertcat(y, yaw, dy, dyaw),
+        ca.vertcat(v, *p.values()),
         ca.vertcat(dy, dyaw, side / p["m"], turn / p["I"]),
-        states=("y", "yaw", "dy", "dyaw"), parameters=("v", *p), units={"v": "m/s"},
-    )  # fmt: skip
+        states=("y", "yaw", "dy", "dyaw"),
+        parameters=("v", *p),
+        units={"v": "m/s"},
+    )
     return Family(system, "centred", at=("v",), held=dict.fromkeys(system.states, 0.0))
 
 
@@ -59,13 +73,28 @@ def hunting() -> list[BenchmarkRow]:
         "imaginary part of the slow pair at 20 m/s": ("12.14204292", slow[3].imag),
     }
     return [
-        at_threshold(WHEELSET, found, "48.558435944090", quantity="speed above which it hunts",
-                     origin=ELSEWHERE, unit="m/s"),
-        compared(WHEELSET, "frequency of hunting", "26.132674311418", found.frequency,
-                 origin=ELSEWHERE, unit="rad/s", reason=found.reason),
-        *(compared(WHEELSET, quantity, known, float(value), origin=ELSEWHERE, unit="1/s")
-          for quantity, (known, value) in numbers.items()),
-    ]  # fmt: skip
+        at_threshold(
+            WHEELSET,
+            found,
+            "48.558435944090",
+            quantity="speed above which it hunts",
+            origin=ELSEWHERE,
+            unit="m/s",
+        ),
+        compared(
+            WHEELSET,
+            "frequency of hunting",
+            "26.132674311418",
+            found.frequency,
+            origin=ELSEWHERE,
+            unit="rad/s",
+            reason=found.reason,
+        ),
+        *(
+            compared(WHEELSET, quantity, known, float(value), origin=ELSEWHERE, unit="1/s")
+            for quantity, (known, value) in numbers.items()
+        ),
+    ]
 
 
 def sleigh() -> System:
@@ -74,12 +103,16 @@ def sleigh() -> System:
     m, a, inertia = (ca.SX.sym(n) for n in BLADE)
     c, s = ca.cos(heading), ca.sin(heading)
     return mechanics(
-        ca.vertcat(x, y, heading), ca.vertcat(v, across, w), ca.vertcat(m, a, inertia),
+        ca.vertcat(x, y, heading),
+        ca.vertcat(v, across, w),
+        ca.vertcat(m, a, inertia),
         q_dot=ca.vertcat(c * v - s * across, s * v + c * across, w),
         kinetic=(m * (v**2 + (across + a * w) ** 2) + inertia * w**2) / 2,
-        velocity_constraints={"blade": across}, independent=("v", "w"),
-        ignorable=("x", "y", "heading"), name="sleigh",
-    )  # fmt: skip
+        velocity_constraints={"blade": across},
+        independent=("v", "w"),
+        ignorable=("x", "y", "heading"),
+        name="sleigh",
+    )
 
 
 def turning() -> list[BenchmarkRow]:
@@ -94,11 +127,21 @@ def turning() -> list[BenchmarkRow]:
     rate = spectrum(straight, at=1.0, **BLADE).eigenvalues[0].real
     run = simulate(system, BLADE, {"v": -1.0, "w": 0.05}, 60.0, tolerance=1e-14)
     return [
-        compared(SLEIGH, "rate of attraction at speed 1", "-1.0344827586206897", float(rate),
-                 origin=CLOSED),
-        compared(SLEIGH, "final speed from v = -1, w = 0.05", "1.00036243432068",
-                 float(run.v[-1]), origin=CLOSED),
-    ]  # fmt: skip
+        compared(
+            SLEIGH,
+            "rate of attraction at speed 1",
+            "-1.0344827586206897",
+            float(rate),
+            origin=CLOSED,
+        ),
+        compared(
+            SLEIGH,
+            "final speed from v = -1, w = 0.05",
+            "1.00036243432068",
+            float(run.v[-1]),
+            origin=CLOSED,
+        ),
+    ]
 
 
 def kane_model() -> tuple[Any, dict[str, Any]]:
@@ -133,8 +176,19 @@ def sympy_disc() -> list[BenchmarkRow]:
     kane, needed = kane_model()
     system = System.from_sympy(kane, name="disc", **needed)
     straight = Family(
-        system, "straight", at=("u2",), held=dict.fromkeys(("q2", "u1", "u3"), 0.0),
-    )  # fmt: skip
+        system,
+        "straight",
+        at=("u2",),
+        held=dict.fromkeys(("q2", "u1", "u3"), 0.0),
+    )
     found = threshold(straight, 0.1, 9.0, m=1.0, r=1.0, g=9.81)
-    return [at_threshold(DISC, found, "1.808314132002512", origin=CLOSED, unit="rad/s",
-                         quantity="rate of rolling above which it is neutral")]  # fmt: skip
+    return [
+        at_threshold(
+            DISC,
+            found,
+            "1.808314132002512",
+            origin=CLOSED,
+            unit="rad/s",
+            quantity="rate of rolling above which it is neutral",
+        )
+    ]

@@ -34,11 +34,17 @@ def listed() -> list[dict[str, str]]:
         if one.about is None:
             raise StabilityError(f"the table {name} has no source; give its Definition `about`.")
         shows = one.heading.format(name="a family").removesuffix(" (recomputed)")
-        rows.append({
-            "name": name, "shows": shows, "source": one.about.source,
-            "published": one.about.published, "recomputed": one.about.recomputed,
-            "difference": one.about.difference, "status": str(one.about.standing.value),
-        })  # fmt: skip
+        rows.append(
+            {
+                "name": name,
+                "shows": shows,
+                "source": one.about.source,
+                "published": one.about.published,
+                "recomputed": one.about.recomputed,
+                "difference": one.about.difference,
+                "status": str(one.about.standing.value),
+            }
+        )
     return rows
 
 

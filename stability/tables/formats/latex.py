@@ -34,9 +34,13 @@ def latex(table: Content) -> str:
     cells = [c for c in table.columns if c.place == "cell"]
     notes = [line for line in table.notes if line != units_note(table)]  # the header has the units
     body = longtable(
-        table.heading, [spec(c, table) for c in cells], [_head(c) for c in cells], rows,
-        [_unit(c, table) for c in cells], label=table.name,
-    )  # fmt: skip
+        table.heading,
+        [spec(c, table) for c in cells],
+        [_head(c) for c in cells],
+        rows,
+        [_unit(c, table) for c in cells],
+        label=table.name,
+    )
     return "\n".join([start(table.name), *body, *symbols(table), *paragraphs(notes), END])
 
 
@@ -46,12 +50,15 @@ END = r"\par\endgroup"
 
 def start(name: str) -> str:
     """First lines of a table: where it is from, and its size of letters."""
-    return "\n".join([
-        f"% stability table {name}: recomputed", NEEDS,
-        r"\begingroup\footnotesize\setlength{\tabcolsep}{2pt}\setlength{\parindent}{0pt}"
-        r"\raggedright",
-        r"\setlength{\LTleft}{0pt}\setlength{\LTright}{0pt}",
-    ])  # fmt: skip
+    return "\n".join(
+        [
+            f"% stability table {name}: recomputed",
+            NEEDS,
+            r"\begingroup\footnotesize\setlength{\tabcolsep}{2pt}\setlength{\parindent}{0pt}"
+            r"\raggedright",
+            r"\setlength{\LTleft}{0pt}\setlength{\LTright}{0pt}",
+        ]
+    )
 
 
 def longtable(
@@ -92,12 +99,19 @@ def longtable(
     return [
         rf"\begin{{longtable}}{{@{{\extracolsep{{\fill}}}}{''.join(specs)}@{{}}}}",
         rf"\caption{{{prose(caption[:1].upper() + caption[1:])}.}}\label{{tab:{label}}}\\",
-        r"\toprule", *titles, r"\midrule", r"\endfirsthead",
-        r"\toprule", *titles, r"\midrule", r"\endhead",
-        r"\bottomrule", r"\endfoot",
+        r"\toprule",
+        *titles,
+        r"\midrule",
+        r"\endfirsthead",
+        r"\toprule",
+        *titles,
+        r"\midrule",
+        r"\endhead",
+        r"\bottomrule",
+        r"\endfoot",
         *rows,
         r"\end{longtable}",
-    ]  # fmt: skip
+    ]
 
 
 def breaking(share: float) -> str:

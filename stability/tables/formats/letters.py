@@ -16,28 +16,63 @@ GREEK = frozenset(
 GREEK_LETTERS = {
     letter: word
     for word in GREEK
-    for letter in [unicodedata.lookup(
-        f"GREEK {'CAPITAL' if word[0].isupper() else 'SMALL'} LETTER "
-        f"{word.upper().replace('LAMBDA', 'LAMDA')}")]
-} | {"µ": "mu", "ϕ": "phi", "ϑ": "theta", "ϵ": "epsilon"}  # fmt: skip
+    for letter in [
+        unicodedata.lookup(
+            f"GREEK {'CAPITAL' if word[0].isupper() else 'SMALL'} LETTER "
+            f"{word.upper().replace('LAMBDA', 'LAMDA')}"
+        )
+    ]
+} | {"µ": "mu", "ϕ": "phi", "ϑ": "theta", "ϵ": "epsilon"}
 """Names that LaTeX writes as Greek letters."""
 SYMBOLS = {
     name: re.sub(r"_(\w)$", r"_{\1}", QUANTITIES[name].latex)
     for name in ("mu", "phi_dot", "theta_dot", "omega3", "theta")
 } | {
-    "lam": r"\lambda", "omega3_c": r"\omega_{3,c}", "gn": "g_{n}",
-    "vA": "v_{A}", "vx": "v_{x}", "bx": "b_{x}", "by": "b_{y}", "bz": "b_{z}", "Fx": "F_{x}",
-    "Fy": "F_{y}", "oo": r"\infty", "tilt0": r"\mathrm{tilt}_{0}", "det": r"\det ", "pi": r"\pi",
-}  # fmt: skip
+    "lam": r"\lambda",
+    "omega3_c": r"\omega_{3,c}",
+    "gn": "g_{n}",
+    "vA": "v_{A}",
+    "vx": "v_{x}",
+    "bx": "b_{x}",
+    "by": "b_{y}",
+    "bz": "b_{z}",
+    "Fx": "F_{x}",
+    "Fy": "F_{y}",
+    "oo": r"\infty",
+    "tilt0": r"\mathrm{tilt}_{0}",
+    "det": r"\det ",
+    "pi": r"\pi",
+}
 """Names of the package's formulas."""
 FUNCTIONS = ("sin", "cos", "tan", "log", "ln", "exp")
 SIGNS = {
-    "*": r"\,", "≤": r"\le ", "≥": r"\ge ", "≠": r"\ne ", "→": r"\to ", "∞": r"\infty ",
-    "±": r"\pm ", "·": r"\cdot ", "×": r"\times ", "…": r"\ldots ", "{": r"\{", "}": r"\}",
-    "∂": r"\partial ", "′": "'", "%": r"\%", "&": r"\&", "#": r"\#", "$": r"\$", "~": r"\sim ",
-    "≈": r"\approx ", "∈": r"\in ", "−": "-", "–": "-", "_": r"\_", "\\": r"\backslash ",
+    "*": r"\,",
+    "≤": r"\le ",
+    "≥": r"\ge ",
+    "≠": r"\ne ",
+    "→": r"\to ",
+    "∞": r"\infty ",
+    "±": r"\pm ",
+    "·": r"\cdot ",
+    "×": r"\times ",
+    "…": r"\ldots ",
+    "{": r"\{",
+    "}": r"\}",
+    "∂": r"\partial ",
+    "′": "'",
+    "%": r"\%",
+    "&": r"\&",
+    "#": r"\#",
+    "$": r"\$",
+    "~": r"\sim ",
+    "≈": r"\approx ",
+    "∈": r"\in ",
+    "−": "-",
+    "–": "-",
+    "_": r"\_",
+    "\\": r"\backslash ",
     "\u2060": "",
-}  # fmt: skip
+}
 ACCENTS = {"\u0307": "dot", "\u0308": "ddot", "\u0302": "hat"}
 _SUPER, _SUB = "⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "₀₁₂₃₄₅₆₇₈₉"
 _DIGITS = str.maketrans(_SUPER + _SUB, "0123456789-0123456789")
@@ -310,9 +345,10 @@ def _run(words: list[str]) -> list[str]:
     end = stop[0] if stop else ""
     body = body[: len(body) - len(end)]
     return [
-        *(_plain(w) for w in words[:first]), f"${mathematics(body)}${end}",
+        *(_plain(w) for w in words[:first]),
+        f"${mathematics(body)}${end}",
         *(_plain(w) for w in words[last + 1 :]),
-    ]  # fmt: skip
+    ]
 
 
 def _plain(word: str) -> str:
@@ -339,11 +375,32 @@ def escaped(text: str) -> str:
     >>> print(escaped("a_1 & 50% of x**2"))
     a\_1 \& 50\% of x**2
     """
-    table = {"\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "_": r"\_", "&": r"\&",
-             "%": r"\%", "#": r"\#", "$": r"\$", "^": r"\^{}", "~": r"$\sim$", "<": "$<$",
-             ">": "$>$", "λ": r"$\lambda$", "²": "$^2$", "…": r"\dots{}", "≈": r"$\approx$",
-             "≤": r"$\le$", "≥": r"$\ge$", "√": r"$\surd$", "→": r"$\to$", "≠": r"$\ne$",
-             "±": r"$\pm$", "·": r"$\cdot$", "∞": r"$\infty$"}  # fmt: skip
+    table = {
+        "\\": r"\textbackslash{}",
+        "{": r"\{",
+        "}": r"\}",
+        "_": r"\_",
+        "&": r"\&",
+        "%": r"\%",
+        "#": r"\#",
+        "$": r"\$",
+        "^": r"\^{}",
+        "~": r"$\sim$",
+        "<": "$<$",
+        ">": "$>$",
+        "λ": r"$\lambda$",
+        "²": "$^2$",
+        "…": r"\dots{}",
+        "≈": r"$\approx$",
+        "≤": r"$\le$",
+        "≥": r"$\ge$",
+        "√": r"$\surd$",
+        "→": r"$\to$",
+        "≠": r"$\ne$",
+        "±": r"$\pm$",
+        "·": r"$\cdot$",
+        "∞": r"$\infty$",
+    }
     table |= {letter: rf"$\{word}$" for letter, word in GREEK_LETTERS.items()}
     found = "".join(table.get(c, c) for c in text)  # LaTeX reads other letters in UTF-8
     return _breaking(found)

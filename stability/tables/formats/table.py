@@ -135,13 +135,21 @@ class Table(Record):
         for c in self.columns:
             units: dict[str, Any] = {"unit": c.unit(dimensionless=self.dimensionless)}
             if c.by:
-                units = {"unit_by": c.by, "units": {
-                    word: q.kind.label(dimensionless=self.dimensionless)
-                    for word, q in c.quantities(self.rows).items()
-                }}  # fmt: skip
+                units = {
+                    "unit_by": c.by,
+                    "units": {
+                        word: q.kind.label(dimensionless=self.dimensionless)
+                        for word, q in c.quantities(self.rows).items()
+                    },
+                }
             columns.append({"name": c.name, "meaning": c.meaning, **units})
-        body = {"table": self.name, "heading": self.heading, "citation": self.citation,
-                "columns": columns, "rows": self.rows}  # fmt: skip
+        body = {
+            "table": self.name,
+            "heading": self.heading,
+            "citation": self.citation,
+            "columns": columns,
+            "rows": self.rows,
+        }
         return json_text(body | dict(self.more))
 
     def to_csv(self) -> str:

@@ -100,11 +100,18 @@ def _circle(lean: int, ratio: str) -> list[BenchmarkRow]:
     verdict = found.verdict.word if found.certified else Verdict.UNDECIDED.word
     rate_of = "growth rate" if known.nodding < 0 else "frequency of nutation"
     rows = [
-        compared(RELATION, f"relative spin, {where}", spin, float(relative), origin=CLOSED,
-                 unit="rad/s"),
-        compared(BALANCE, f"{rate_of} ({verdict}, certified), {where}", nodding,
-                 float(abs(found.eigenvalues).max()), origin=CLOSED, unit="1/s"),
-    ]  # fmt: skip
+        compared(
+            RELATION, f"relative spin, {where}", spin, float(relative), origin=CLOSED, unit="rad/s"
+        ),
+        compared(
+            BALANCE,
+            f"{rate_of} ({verdict}, certified), {where}",
+            nodding,
+            float(abs(found.eigenvalues).max()),
+            origin=CLOSED,
+            unit="1/s",
+        ),
+    ]
     return rows + ([_path(at, rolling, ratio)] if (lean, ratio) == EXAMPLE else [])
 
 
@@ -115,8 +122,14 @@ def _path(at: tuple[float, float], rolling: Floats, ratio: str) -> BenchmarkRow:
     x, y = run.contact_x.values[:4], run.contact_y.values[:4]  # a quarter of a turn apart
     found = float(np.hypot(x[2] - x[0], y[2] - y[0]) / 2)
     radius = str(Decimal(str(DISK.radius)) / Decimal(ratio))
-    return compared(RELATION, "radius of the contact point's circle, from a simulated turn", radius,
-                    found, origin=CLOSED, unit="m")  # fmt: skip
+    return compared(
+        RELATION,
+        "radius of the contact point's circle, from a simulated turn",
+        radius,
+        found,
+        origin=CLOSED,
+        unit="m",
+    )
 
 
 def edge_rows(disk: Disk, lean: int, about: Source) -> list[BenchmarkRow]:

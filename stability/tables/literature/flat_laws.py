@@ -75,18 +75,48 @@ class Law(Record):
 OWN = "this package (`{}`)"
 """Source of a law that is a class of the package."""
 LAWS = (
-    Law("rolling resistance", "2/3 c/k", 1.0, 1.0, RollingResistance,
-        OWN.format("RollingResistance")),
-    Law("pivoting resistance", "2/3 c/k", 3.0, 1.0, PivotingResistance,
-        OWN.format("PivotingResistance")),
+    Law(
+        "rolling resistance",
+        "2/3 c/k",
+        1.0,
+        1.0,
+        RollingResistance,
+        OWN.format("RollingResistance"),
+    ),
+    Law(
+        "pivoting resistance",
+        "2/3 c/k",
+        3.0,
+        1.0,
+        PivotingResistance,
+        OWN.format("PivotingResistance"),
+    ),
     Law("air torque", "2/3 c/k", 1.0, 1.0, AirTorque, OWN.format("AirTorque")),
-    Law("dry friction along the rim", "2/3 c/k^(1/2)", -0.5, 0.5, lambda rim, _: -ca.sign(rim),
-        "contour friction of Le Saux, Leine & Glocker, J. Nonlinear Sci. 15 (2005)"),
-    Law("viscous friction along the rim", "2/3 c/k", -1.0, 1.0, lambda rim, _: -rim,
-        "contour friction of Le Saux, Leine & Glocker, J. Nonlinear Sci. 15 (2005)"),
-    Law("layer of air below", "2/3 c/k", -2.0, 1.0, lambda rim, s: -rim / s,
-        "Moffatt, Nature 404 (2000) 833-834, with c = pi k mu for air of viscosity mu"),
-)  # fmt: skip
+    Law(
+        "dry friction along the rim",
+        "2/3 c/k^(1/2)",
+        -0.5,
+        0.5,
+        lambda rim, _: -ca.sign(rim),
+        "contour friction of Le Saux, Leine & Glocker, J. Nonlinear Sci. 15 (2005)",
+    ),
+    Law(
+        "viscous friction along the rim",
+        "2/3 c/k",
+        -1.0,
+        1.0,
+        lambda rim, _: -rim,
+        "contour friction of Le Saux, Leine & Glocker, J. Nonlinear Sci. 15 (2005)",
+    ),
+    Law(
+        "layer of air below",
+        "2/3 c/k",
+        -2.0,
+        1.0,
+        lambda rim, s: -rim / s,
+        "Moffatt, Nature 404 (2000) 833-834, with c = pi k mu for air of viscosity mu",
+    ),
+)
 """The laws of the table."""
 
 
@@ -127,7 +157,12 @@ def rim_disk(force: Force) -> System:
     forces = -sliding * ca.jacobian(slip, u).T @ slip
     forces[4] += c * force(u[4], up)
     return mechanics(
-        q, u, ca.vertcat(k, sliding, c), potential=up, forces=forces,
+        q,
+        u,
+        ca.vertcat(k, sliding, c),
+        potential=up,
+        forces=forces,
         kinetic=(ca.sumsqr(centre) + k * (one**2 + two**2 + 2 * three**2)) / 2,
-        ignorable=("x", "y", "psi"), name="disk with friction along its rim",
-    )  # fmt: skip
+        ignorable=("x", "y", "psi"),
+        name="disk with friction along its rim",
+    )

@@ -95,9 +95,16 @@ def _row(law: Law, k: float) -> FlatRow:
     run = descent(law, k, c)
     power, rate = measured(run.time.values, np.ravel(run.theta.values), law.power)
     return FlatRow(
-        law.name, law.source, k, law.decay, law.power, power, power - law.power, law.formula,
+        law.name,
+        law.source,
+        k,
+        law.decay,
+        law.power,
+        power,
+        power - law.power,
+        law.formula,
         rate / law.coefficient(c, k) - 1,
-    )  # fmt: skip
+    )
 
 
 def descent(law: Law, k: float, c: float) -> xarray.Dataset:
@@ -121,8 +128,16 @@ def descent(law: Law, k: float, c: float) -> xarray.Dataset:
     if isinstance(law.by, type) and issubclass(law.by, Resistance):
         start = {"theta": START, "phi_dot": turn}
         resistance = cast(Callable[[float], Resistance], law.by)
-        return simulate(Disk(k=k), Viscous(SLIDING), start, times, resistance=resistance(c),
-                        check=False, max_seconds=60.0, max_steps=10**7)  # fmt: skip
+        return simulate(
+            Disk(k=k),
+            Viscous(SLIDING),
+            start,
+            times,
+            resistance=resistance(c),
+            check=False,
+            max_seconds=60.0,
+            max_steps=10**7,
+        )
     system = rim_disk(law.by)
     rest = dict.fromkeys(system.states, 0.0)
     moving = {"theta": START, "dphi": turn, "dpsi": -turn * math.cos(START)}

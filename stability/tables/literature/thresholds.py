@@ -98,10 +98,14 @@ def _change(family: str, law: str, formula: str, square: Callable[[arb], arb]) -
     found = threshold(disk_family(family, law), near / 2, 2 * near, **values)
     quantity = {"rolling": "omega3", "spinning": "phi_dot"}[family]
     return at_threshold(
-        Source(f"{family} of the disk of 0.5 m", LINEAR), found, known, origin=CLOSED,
-        unit="rad/s", scale=float(DISK.rate),
+        Source(f"{family} of the disk of 0.5 m", LINEAR),
+        found,
+        known,
+        origin=CLOSED,
+        unit="rad/s",
+        scale=float(DISK.rate),
         quantity=f"{quantity} of {family}, {law}: the root of {formula}",
-    )  # fmt: skip
+    )
 
 
 TABLE = Definition(

@@ -43,23 +43,39 @@ from stability.derivation.body_polynomials import PAIRS, characteristic
 
 ROOT = Path(__file__).resolve().parents[3]
 CONTACT: dict[str, Callable[..., st.Contact]] = {
-    "viscous": st.Viscous, "rough": lambda _: st.Rough(), "smooth": lambda _: st.Smooth(),
-}  # fmt: skip
+    "viscous": st.Viscous,
+    "rough": lambda _: st.Rough(),
+    "smooth": lambda _: st.Smooth(),
+}
 EGG = st.Body(
     lambda theta, a, b: 1 + a * ca.cos(theta) + b * ca.cos(2 * theta) + 0.01 * ca.cos(3 * theta),
-    axial=0.3, transverse=0.4, shape={"a": 0.1, "b": 0.08}, name="egg",
-)  # fmt: skip
-LEAN = st.Body(lambda t: 1 + 0.3 * ca.cos(t - 1.2), axial=0.3, transverse=0.35, name="leaning",
-               between=(0.3, 2.8))  # fmt: skip
-LOW = st.Body(lambda t: 1 - 0.3 * ca.cos(t - 1.2), axial=0.3, transverse=0.35, name="low",
-              between=(0.3, 2.8))  # fmt: skip
+    axial=0.3,
+    transverse=0.4,
+    shape={"a": 0.1, "b": 0.08},
+    name="egg",
+)
+LEAN = st.Body(
+    lambda t: 1 + 0.3 * ca.cos(t - 1.2),
+    axial=0.3,
+    transverse=0.35,
+    name="leaning",
+    between=(0.3, 2.8),
+)
+LOW = st.Body(
+    lambda t: 1 - 0.3 * ca.cos(t - 1.2), axial=0.3, transverse=0.35, name="low", between=(0.3, 2.8)
+)
 
 
 @lru_cache
 def upright(rho: float, axial: float, transverse: float) -> st.Body:
     """A body with h(π/2) = 1 and radius of curvature rho there."""
-    return st.Body(lambda theta, rho: rho + (1 - rho) * ca.sin(theta), axial=axial,
-                   transverse=transverse, shape={"rho": rho}, name="upright")  # fmt: skip
+    return st.Body(
+        lambda theta, rho: rho + (1 - rho) * ca.sin(theta),
+        axial=axial,
+        transverse=transverse,
+        shape={"rho": rho},
+        name="upright",
+    )
 
 
 def numbers(body: st.Body, theta: float) -> dict[str, float]:
@@ -67,8 +83,18 @@ def numbers(body: st.Body, theta: float) -> dict[str, float]:
     h, slope, bend = (float(body.height_at(theta, n)) for n in range(3))
     s, c = math.sin(theta), math.cos(theta)
     axial, transverse = body.moments()
-    return {"h": h, "h′": slope, "h′′": bend, "ρ": h + bend, "I1": transverse, "I3": axial, "s": s,
-            "c": c, "r": h * s + slope * c, "z": h * c - slope * s}  # fmt: skip
+    return {
+        "h": h,
+        "h′": slope,
+        "h′′": bend,
+        "ρ": h + bend,
+        "I1": transverse,
+        "I3": axial,
+        "s": s,
+        "c": c,
+        "r": h * s + slope * c,
+        "z": h * c - slope * s,
+    }
 
 
 @lru_cache
@@ -121,27 +147,44 @@ def test_a_sign_is_proved_only_where_it_holds() -> None:
 
 
 MEMBERS: list[tuple[str, st.Body, float | tuple[float, float]]] = [
-    ("rolling", st.Torus(0.2), 1.3), ("rolling", LEAN, 0.7), ("rolling", LOW, 1.1),
-    ("rolling", st.ThickDisk(0.4), 2.0), ("spinning", st.Spheroid(1.7), 1.2),
-    ("spinning", st.Torus(0.3, solid=False), 2.1), ("tumbling", st.Spheroid(0.4), 0.8),
-    ("tumbling", st.Torus(0.2), 1.1), ("tumbling", st.ThickDisk(0.3), 0.9),
-    ("tumbling", EGG, 0.9), ("circling", EGG, (0.9, 1.3)), ("circling", LEAN, (1.6, 0.7)),
-    ("circling", st.ThickDisk(0.3), (1.1, 2.1)), ("precession", EGG, (2.1, 0.8)),
+    ("rolling", st.Torus(0.2), 1.3),
+    ("rolling", LEAN, 0.7),
+    ("rolling", LOW, 1.1),
+    ("rolling", st.ThickDisk(0.4), 2.0),
+    ("spinning", st.Spheroid(1.7), 1.2),
+    ("spinning", st.Torus(0.3, solid=False), 2.1),
+    ("tumbling", st.Spheroid(0.4), 0.8),
+    ("tumbling", st.Torus(0.2), 1.1),
+    ("tumbling", st.ThickDisk(0.3), 0.9),
+    ("tumbling", EGG, 0.9),
+    ("circling", EGG, (0.9, 1.3)),
+    ("circling", LEAN, (1.6, 0.7)),
+    ("circling", st.ThickDisk(0.3), (1.1, 2.1)),
+    ("precession", EGG, (2.1, 0.8)),
     ("precession", st.Torus(0.2), (0.8, 1.9)),
-]  # fmt: skip
+]
 
 
-SLOW = {("rolling", "viscous"), ("rolling", "rough"), ("tumbling", "viscous"),
-        ("tumbling", "rough"), ("circling", "rough")}  # fmt: skip
+SLOW = {
+    ("rolling", "viscous"),
+    ("rolling", "rough"),
+    ("tumbling", "viscous"),
+    ("tumbling", "rough"),
+    ("circling", "rough"),
+}
 """Polynomials that take a second and more."""
 
 
 @pytest.mark.few(4)
 @pytest.mark.parametrize(
     ("family", "body", "member", "law"),
-    [pytest.param(*m, law, marks=[pytest.mark.long] if (m[0], law) in SLOW else [])
-     for m in MEMBERS for law in CONTACT if PAIRS.get(m[0], law) == law],
-)  # fmt: skip
+    [
+        pytest.param(*m, law, marks=[pytest.mark.long] if (m[0], law) in SLOW else [])
+        for m in MEMBERS
+        for law in CONTACT
+        if PAIRS.get(m[0], law) == law
+    ],
+)
 def test_polynomials_have_the_eigenvalues_of_the_spectrum(
     family: str, body: st.Body, member: float | tuple[float, float], law: str
 ) -> None:
@@ -164,8 +207,13 @@ def test_conditions_are_those_of_the_roots(count: int) -> None:
     named = conditions(found)
     seen = set()
     for _ in range(count):
-        values = {"I1": rng.uniform(0.2, 1), "h": 1.0, "h′′": rng.uniform(-1, 1),
-                  "phi_dot": rng.uniform(0.3, 4), "mu": rng.uniform(0.1, 3)}  # fmt: skip
+        values = {
+            "I1": rng.uniform(0.2, 1),
+            "h": 1.0,
+            "h′′": rng.uniform(-1, 1),
+            "phi_dot": rng.uniform(0.3, 4),
+            "mu": rng.uniform(0.1, 3),
+        }
         values["I3"] = values["I1"] * rng.uniform(0.3, 1.9)
         roots = np.roots([at(c, values) for c in found.coefficients])
         holds = all(at(c, values) > 0 for _, c in named)
@@ -195,8 +243,9 @@ def test_rolling_turns_at_the_printed_threshold(body: st.Body, law: str) -> None
         "viscous": -i1 * bend / (i3 * (i3 - i1)),
     }[law]
     for mu in (0.3, 3.0):
-        found = st.boundaries("rolling", axis=("omega3", 0.05, 6, 20), body=body,
-                              contact=CONTACT[law](mu))  # fmt: skip
+        found = st.boundaries(
+            "rolling", axis=("omega3", 0.05, 6, 20), body=body, contact=CONTACT[law](mu)
+        )
         assert [b.value**2 for b in found] == pytest.approx([known], rel=1e-12)
         assert not found[0].stable_below
 
@@ -205,12 +254,14 @@ def test_rolling_of_a_long_body_turns_the_other_way() -> None:
     body = st.Spheroid(1.6)
     v = numbers(body, math.pi / 2)
     known = v["I1"] * v["h′′"] / (v["I3"] * (v["I1"] - v["I3"]))
-    found = st.boundaries("rolling", axis=("omega3", 0.05, 8, 20), body=body,
-                          contact=st.Viscous(0.8))  # fmt: skip
+    found = st.boundaries(
+        "rolling", axis=("omega3", 0.05, 8, 20), body=body, contact=st.Viscous(0.8)
+    )
     assert [b.value**2 for b in found] == pytest.approx([known], rel=1e-12)
     assert found[0].stable_below
-    assert not len(st.boundaries("rolling", axis=("omega3", 0.05, 8, 20), body=body,
-                                 contact=st.Rough()))  # fmt: skip
+    assert not len(
+        st.boundaries("rolling", axis=("omega3", 0.05, 8, 20), body=body, contact=st.Rough())
+    )
 
 
 @pytest.mark.parametrize("law", ["rough", "smooth"])
@@ -218,8 +269,9 @@ def test_rolling_of_a_long_body_turns_the_other_way() -> None:
 def test_spinning_turns_at_the_printed_threshold(body: st.Body, law: str) -> None:
     v = numbers(body, math.pi / 2)
     known = -v["h′′"] / (v["I1"] + (v["h"] ** 2 if law == "rough" else 0))
-    found = st.boundaries("spinning", axis=("phi_dot", 0.1, 5, 20), body=body,
-                          contact=CONTACT[law](0))  # fmt: skip
+    found = st.boundaries(
+        "spinning", axis=("phi_dot", 0.1, 5, 20), body=body, contact=CONTACT[law](0)
+    )
     assert [b.value**2 for b in found] == pytest.approx([known], rel=1e-12)
 
 
@@ -236,12 +288,17 @@ def _limits(rho: float, axial: float, transverse: float) -> tuple[float, float, 
             * (transverse + axial)
             / ((1 + axial) * (axial - transverse) * (transverse + axial + 2 * transverse * axial))
         )
-    return q1, m1, m2  # fmt: skip
+    return q1, m1, m2
 
 
 def _member(rho: float, axial: float, transverse: float, m: float, q: float) -> str:
-    return st.spectrum("spinning", at=math.sqrt(q), body=upright(rho, axial, transverse),
-                       contact=st.Viscous(math.sqrt(m)), certify=True).verdict.word  # fmt: skip
+    return st.spectrum(
+        "spinning",
+        at=math.sqrt(q),
+        body=upright(rho, axial, transverse),
+        contact=st.Viscous(math.sqrt(m)),
+        certify=True,
+    ).verdict.word
 
 
 @pytest.mark.parametrize("count", [1, pytest.param(3, marks=pytest.mark.long)])
@@ -266,8 +323,10 @@ def test_spinning_is_stable_exactly_where_the_theorem_says(count: int) -> None:
             if math.isfinite(m2):
                 assert _member(*body, m2 * (1 + near), q) == "unstable"
         middle = (m1 + m2) / 2 if math.isfinite(m2) else 3 * m1
-        coefficients = [at(c, {"ρ": rho, "I1": transverse, "I3": axial, "M": middle})
-                        for c in spinning.flutter()]  # fmt: skip
+        coefficients = [
+            at(c, {"ρ": rho, "I1": transverse, "I3": axial, "M": middle})
+            for c in spinning.flutter()
+        ]
         [edge] = [r.real for r in np.roots(coefficients) if r.real > 0]
         for share, word in ((1 - near, "stable"), (1 + near, "unstable")):
             assert _member(*body, middle, q1 + edge * share) == word
@@ -285,15 +344,24 @@ def test_a_wrong_limit_would_be_refuted() -> None:
 def test_a_lying_spheroid_rises_above_the_same_number(aspect: float) -> None:
     for mu in (0.05, 0.7):
         words = [
-            st.spectrum("spinning", at=math.sqrt(5 * (1 + d)), body=st.Spheroid(aspect),
-                        contact=st.Viscous(mu), certify=True).verdict.word
+            st.spectrum(
+                "spinning",
+                at=math.sqrt(5 * (1 + d)),
+                body=st.Spheroid(aspect),
+                contact=st.Viscous(mu),
+                certify=True,
+            ).verdict.word
             for d in (-1e-9, 1e-9)
-        ]  # fmt: skip
+        ]
         assert words == ["stable", "unstable"]
     fast = st.spectrum("spinning", at=2.3, body=st.Spheroid(aspect), contact=st.Viscous(2.0))
     assert fast.verdict.word == "unstable"
-    flat = st.boundaries("spinning", axis=("phi_dot", 1.0, 3, 20), body=st.Spheroid(1 / aspect),
-                         contact=st.Viscous(0.05))  # fmt: skip
+    flat = st.boundaries(
+        "spinning",
+        axis=("phi_dot", 1.0, 3, 20),
+        body=st.Spheroid(1 / aspect),
+        contact=st.Viscous(0.05),
+    )
     assert [b.value**2 for b in flat] == pytest.approx([5], rel=1e-12)
 
 
@@ -352,8 +420,9 @@ def test_tumbling_has_its_static_boundary_where_energy_is_stationary(whole: bool
         low, high = shape.between
         for theta in np.linspace(low, high, 30)[2 : -2 : 1 if whole else 3]:
             try:
-                found = st.spectrum("tumbling", at=float(theta), body=shape,
-                                    contact=st.Viscous(0.4))  # fmt: skip
+                found = st.spectrum(
+                    "tumbling", at=float(theta), body=shape, contact=st.Viscous(0.4)
+                )
             except st.StabilityError:
                 continue
             v = numbers(shape, theta)
@@ -372,8 +441,12 @@ def test_energy_is_least_at_neutral_members(law: str) -> None:
     table = {"axial": 0.3, "transverse": 0.4, "a": 0.1, "b": 0.08}
     p = [table[n] for n in system.parameters]
     words = set()
-    for family, member in (("rolling", 0.2), ("rolling", 3.0), ("tumbling", 0.9),
-                           ("tumbling", 2.2)):  # fmt: skip
+    for family, member in (
+        ("rolling", 0.2),
+        ("rolling", 3.0),
+        ("tumbling", 0.9),
+        ("tumbling", 2.2),
+    ):
         theta_star = {"theta": 1.4} if family == "rolling" else {}
         try:
             found = st.spectrum(family, at=member, body=EGG, contact=CONTACT[law](0), **theta_star)
@@ -406,8 +479,13 @@ def test_energy_is_least_at_neutral_members(law: str) -> None:
 def rounded(kind: str, k: float, eps: float) -> st.Body:
     """A coin with a rounded rim."""
     outer = 1.0 if kind == "h = sinθ + ε" else 1 - eps
-    return st.Body(lambda theta, eps, outer: outer * ca.sin(theta) + eps, axial=2 * k, transverse=k,
-                   shape={"eps": eps, "outer": outer}, name="coin")  # fmt: skip
+    return st.Body(
+        lambda theta, eps, outer: outer * ca.sin(theta) + eps,
+        axial=2 * k,
+        transverse=k,
+        shape={"eps": eps, "outer": outer},
+        name="coin",
+    )
 
 
 @pytest.mark.few(4)
@@ -423,12 +501,14 @@ def test_thresholds_of_a_rounded_coin_move_at_the_printed_rate(shift: Any) -> No
             static = THRESHOLDS["spinning", "viscous", "φ̇²"]
             lower = at(static, numbers(body, math.pi / 2))
             rate = 1e5 if shift.quantity.endswith("M1") else math.sqrt(lower * (1 + 1e-9))
-            found = st.boundaries("spinning", at=rate, axis=("mu", 0.3, 3, 30), body=body,
-                                  contact="viscous")  # fmt: skip
+            found = st.boundaries(
+                "spinning", at=rate, axis=("mu", 0.3, 3, 30), body=body, contact="viscous"
+            )
         else:
             axis = "omega3" if shift.family == "rolling" else "phi_dot"
-            found = st.boundaries(shift.family, axis=(axis, 0.2, 4, 20), body=body,
-                                  contact=CONTACT[shift.law](0.2))  # fmt: skip
+            found = st.boundaries(
+                shift.family, axis=(axis, 0.2, 4, 20), body=body, contact=CONTACT[shift.law](0.2)
+            )
         left.append(abs(found[0].value ** 2 - value - eps * slope))
     assert left[0] < 20 * 0.02**2 * max(value, 1)
     if left[1] > 1e-7:
@@ -445,8 +525,12 @@ def test_the_solid_torus_moves_as_the_rounded_hoop(shift: Any) -> None:
     value, slope = (float(e.subs(sp.Symbol("k"), 0.5)) for e in (shift.value, shift.slope))
     axis, left = ("omega3" if shift.family == "rolling" else "phi_dot"), []
     for eps in (0.02, 0.01):
-        found = st.boundaries(shift.family, axis=(axis, 0.2, 4, 20), body=st.Torus(eps),
-                              contact=CONTACT[shift.law](0.2))  # fmt: skip
+        found = st.boundaries(
+            shift.family,
+            axis=(axis, 0.2, 4, 20),
+            body=st.Torus(eps),
+            contact=CONTACT[shift.law](0.2),
+        )
         left.append(abs(found[0].value ** 2 - value - eps * slope))
     assert 3.4 < left[0] / left[1] < 4.8
 
@@ -461,8 +545,13 @@ def test_tumbling_of_a_rounded_coin_moves_at_the_printed_rate(kind: str) -> None
         assert all(x.rad() < 1e-40 for x in pair)
         left = []
         for eps in (0.004, 0.002):
-            found = st.boundaries("tumbling", at=theta, axis=("mu", 0.2, 3, 30),
-                                  body=rounded(kind, k, eps), contact="viscous")  # fmt: skip
+            found = st.boundaries(
+                "tumbling",
+                at=theta,
+                axis=("mu", 0.2, 3, 30),
+                body=rounded(kind, k, eps),
+                contact="viscous",
+            )
             assert len(found) == 1
             left.append(abs(found[0].value ** 2 - value - eps * slope))
         assert left[0] < 50 * 0.004**2
@@ -487,8 +576,9 @@ def test_a_flat_coin_tumbles_stably_for_every_mu_where_there_is_no_limit(k: floa
     kind, theta = "h = sinθ + ε", 0.5  # cos²θ > k/((1-3k)(1+2k))
     assert tumbling_shift(kind, k, theta) is None
     for mu in (0.1, 3.0, 100.0):
-        found = st.spectrum("tumbling", at=theta, body=rounded(kind, k, 1e-9),
-                            contact=st.Viscous(mu), certify=True)  # fmt: skip
+        found = st.spectrum(
+            "tumbling", at=theta, body=rounded(kind, k, 1e-9), contact=st.Viscous(mu), certify=True
+        )
         assert found.verdict.word == "stable"
 
 
@@ -507,8 +597,10 @@ def test_known_results_are_recovered_and_say_what_of_their_source_was_at_hand() 
         elif entry.status.startswith("recomputed"):
             assert not entry.published
     assert {n for n, e in known.items() if e.status.startswith("published")} == {
-        "tippe top, inverted", "rolling coin", "gyroscopic balance"
-    }  # fmt: skip
+        "tippe top, inverted",
+        "rolling coin",
+        "gyroscopic balance",
+    }
 
 
 @pytest.mark.long

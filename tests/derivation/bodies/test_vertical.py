@@ -39,15 +39,24 @@ def body_of(found: Ellipsoid) -> st.Body:
     square, half, centre = (float(v) for v in (found.square, found.half, found.centre))
     return st.Body(
         lambda t: ca.sqrt(square * ca.sin(t) ** 2 + half**2 * ca.cos(t) ** 2) - centre * ca.cos(t),
-        axial=float(found.axial), transverse=float(found.transverse), name="ellipsoid",
-    )  # fmt: skip
+        axial=float(found.axial),
+        transverse=float(found.transverse),
+        name="ellipsoid",
+    )
 
 
 def values(found: Ellipsoid, side: int, mu: Any = 0, n: Any = 0) -> dict[sp.Symbol, Any]:
     """Values of the symbols of the package."""
     h, rho = found.height(side), found.curvature
-    table = {"h": h, "h′′": rho - h, "ρ": rho, "I1": found.transverse, "I3": found.axial,
-             "mu": mu, "n": n}  # fmt: skip
+    table = {
+        "h": h,
+        "h′′": rho - h,
+        "ρ": rho,
+        "I1": found.transverse,
+        "I3": found.axial,
+        "mu": mu,
+        "n": n,
+    }
     return {sp.Symbol(name): value for name, value in table.items()}
 
 
@@ -58,8 +67,13 @@ def drawn(rng: np.random.Generator) -> tuple[Ellipsoid, int, sp.Rational, sp.Rat
         return sp.Rational(int(rng.integers(low, high)), int(rng.integers(7, 15)))
 
     half, across = number(5, 20), number(3, 9)
-    body = Ellipsoid(number(3, 30), half, half * sp.Rational(int(rng.integers(-8, 9)), 10), across,
-                     across * sp.Rational(int(rng.integers(2, 20)), 10))  # fmt: skip
+    body = Ellipsoid(
+        number(3, 30),
+        half,
+        half * sp.Rational(int(rng.integers(-8, 9)), 10),
+        across,
+        across * sp.Rational(int(rng.integers(2, 20)), 10),
+    )
     return body, int(rng.choice([1, -1])), number(1, 30), number(-40, 40)
 
 
@@ -80,9 +94,13 @@ def test_exact_jacobians_of_another_formulation_have_the_printed_polynomial(
     while len(seen) < count or len(set(seen)) < 2:
         body, side, mu, n = drawn(rng)
         given = values(body, side, mu, n)
-        parts = [sum(sp.sympify(c[k]).subs(given) * LAM**i
-                     for i, c in enumerate(reversed(printed.coefficients)))
-                 for k in (0, 1)]  # fmt: skip
+        parts = [
+            sum(
+                sp.sympify(c[k]).subs(given) * LAM**i
+                for i, c in enumerate(reversed(printed.coefficients))
+            )
+            for k in (0, 1)
+        ]
         lead = sp.sympify(printed.coefficients[0][0]).subs(given)
         exact = jacobian(body, law, side, mu, n).charpoly(LAM).as_expr()
         assert (
@@ -120,8 +138,9 @@ def kind_of(body: Ellipsoid, side: int) -> str:
 
 
 def word(body: st.Body, side: int, rate: float, contact: st.Contact) -> str:
-    found = st.spectrum("vertical", at=rate, body=body, contact=contact, pole=SIDES[side],
-                        certify=True)  # fmt: skip
+    found = st.spectrum(
+        "vertical", at=rate, body=body, contact=contact, pole=SIDES[side], certify=True
+    )
     return found.verdict.word
 
 
@@ -148,16 +167,21 @@ def test_vertical_spin_is_stable_exactly_where_the_theorem_says(mus: tuple[float
         edge = math.sqrt(h**2 * (h - rho) / (rho * lever))
         inside, outside = ("stable", "unstable") if kind == "low-down" else ("unstable", "stable")
         for mu in mus:
-            for rate, wanted in ((edge * (1 - near), inside), (edge * (1 + near), outside),
-                                 (-edge * (1 + near), outside), (20 * edge, outside),
-                                 (edge / 20, inside)):  # fmt: skip
+            for rate, wanted in (
+                (edge * (1 - near), inside),
+                (edge * (1 + near), outside),
+                (-edge * (1 + near), outside),
+                (20 * edge, outside),
+                (edge / 20, inside),
+            ):
                 assert word(round_body, side, rate, st.Viscous(mu)) == wanted, (kind, mu, rate)
 
 
 def test_a_wrong_threshold_would_be_refuted() -> None:
     """The lever with I1 and I3 exchanged is another threshold, and verdicts tell."""
-    body = Ellipsoid(sp.Rational(1), sp.Rational(1), sp.Rational(1, 5), sp.Rational(1, 2),
-                     sp.Rational(2, 5))  # fmt: skip
+    body = Ellipsoid(
+        sp.Rational(1), sp.Rational(1), sp.Rational(1, 5), sp.Rational(1, 2), sp.Rational(2, 5)
+    )
     h, rho = 0.8, 1.0
     wrong = math.sqrt(h**2 * (rho - h) / (rho * (0.4 * rho - 0.3 * h)))
     right = math.sqrt(h**2 * (rho - h) / (rho * (0.5 * rho - 0.4 * h)))
@@ -233,8 +257,9 @@ def test_rouths_sphere_has_the_value_of_the_benchmarks() -> None:
     square = 4 * e * (i1 + (1 + e) ** 2) / (i3 + 1 + e) ** 2
     assert math.sqrt(square) == pytest.approx(float(row.known), rel=1e-14)
     top = st.EccentricSphere(e, axial=i3, transverse=i1)
-    [edge] = st.boundaries("vertical", axis=("at", 0.1, 5, 20), body=top, contact=st.Rough(),
-                           pole="pi")  # fmt: skip
+    [edge] = st.boundaries(
+        "vertical", axis=("at", 0.1, 5, 20), body=top, contact=st.Rough(), pole="pi"
+    )
     assert edge.value**2 == pytest.approx(square, rel=1e-12)
 
 
@@ -269,8 +294,13 @@ def test_a_body_of_equal_moments_leans_and_spins() -> None:
     """ω = φ̇ Ẑ at a leaning zero of h′ is steady for every φ̇ under friction, if I1 = I3."""
     level, law = 1.2, LAWS["viscous"]
     for axial, steady in ((0.3, True), (0.31, False)):
-        body = st.Body(lambda t: 1 + 0.3 * ca.cos(t - level), axial=axial, transverse=0.3,
-                       name="leaning", between=(0.3, 2.8))  # fmt: skip
+        body = st.Body(
+            lambda t: 1 + 0.3 * ca.cos(t - level),
+            axial=axial,
+            transverse=0.3,
+            name="leaning",
+            between=(0.3, 2.8),
+        )
         system = round_system(body, law, ("mu",), physical=False)
         table = {"axial": axial, "transverse": 0.3, "mu": 0.6}
         p = [table[n] for n in system.parameters]
@@ -284,8 +314,11 @@ def test_a_body_of_equal_moments_leans_and_spins() -> None:
 
 EGG = st.Body(
     lambda theta, a, b: 1 + a * ca.cos(theta) + b * ca.cos(2 * theta) + 0.01 * ca.cos(3 * theta),
-    axial=0.3, transverse=0.4, shape={"a": 0.1, "b": 0.08}, name="egg",
-)  # fmt: skip
+    axial=0.3,
+    transverse=0.4,
+    shape={"a": 0.1, "b": 0.08},
+    name="egg",
+)
 THIN = st.Body(lambda t: ca.sin(t), axial=0.5, transverse=0.25, name="coin")
 THICK = st.ThickDisk(0.4)
 
@@ -294,8 +327,18 @@ def inclined(body: st.Body, theta: float) -> Mapping[str, float]:
     h, slope, bend = (float(body.height_at(theta, n)) for n in range(3))
     s, c = math.sin(theta), math.cos(theta)
     axial, transverse = body.moments()
-    return {"h": h, "h′": slope, "h′′": bend, "ρ": h + bend, "I1": transverse, "I3": axial, "s": s,
-            "c": c, "r": h * s + slope * c, "z": h * c - slope * s}  # fmt: skip
+    return {
+        "h": h,
+        "h′": slope,
+        "h′′": bend,
+        "ρ": h + bend,
+        "I1": transverse,
+        "I3": axial,
+        "s": s,
+        "c": c,
+        "r": h * s + slope * c,
+        "z": h * c - slope * s,
+    }
 
 
 @pytest.mark.parametrize(

@@ -115,9 +115,10 @@ class InCosine:
         b = self._of(other)
         square = 1 - self.cosine * self.cosine
         return InCosine(
-            self.cosine, self.even * b.even + self.odd * b.odd * square,
+            self.cosine,
+            self.even * b.even + self.odd * b.odd * square,
             self.even * b.odd + self.odd * b.even,
-        )  # fmt: skip
+        )
 
     __rmul__ = __mul__
 

@@ -114,8 +114,19 @@ class WaveSum:
                 if n == m:
                     near = near[0], 0.0
                 for k, (p, q) in (*parts.items(), (abs(n - m), near)):
-                    found += WaveSum({k: _term(p / 2, q / 2, size + U * abs(a * c) + U * abs(b * d)
-                                               + U * abs(a * d) + U * abs(b * c))})  # fmt: skip
+                    found += WaveSum(
+                        {
+                            k: _term(
+                                p / 2,
+                                q / 2,
+                                size
+                                + U * abs(a * c)
+                                + U * abs(b * d)
+                                + U * abs(a * d)
+                                + U * abs(b * c),
+                            )
+                        }
+                    )
         return found
 
     __rmul__ = __mul__
@@ -124,8 +135,9 @@ class WaveSum:
         below = _constant(other)
         if below == 0 or not math.isfinite(below):
             raise NoSumError("a quotient by zero")
-        return WaveSum({n: _term(a / below, b / below, e / abs(below))
-                        for n, (a, b, e) in self.terms.items()})  # fmt: skip
+        return WaveSum(
+            {n: _term(a / below, b / below, e / abs(below)) for n, (a, b, e) in self.terms.items()}
+        )
 
     def __rtruediv__(self, other: Any) -> WaveSum:
         return WaveSum.of(other) / self
@@ -149,8 +161,13 @@ class WaveSum:
         error = 2 * e + size * U * (4 * n + len(n) + 16)
         rows: list[Floats] = []
         bounds: list[Floats] = []
-        for part, weight in ((level, 1 + 0 * n), (slope, 1 + 0 * n), (level, curve), (slope, curve),
-                             (-level * n * n, curve)):  # fmt: skip
+        for part, weight in (
+            (level, 1 + 0 * n),
+            (slope, 1 + 0 * n),
+            (level, curve),
+            (slope, curve),
+            (-level * n * n, curve),
+        ):
             power = len(rows) - 2 * (len(rows) > 1)  # of n in this row
             rows.append(part @ weight)
             steep = abs(weight) * n**power

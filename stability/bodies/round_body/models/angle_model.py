@@ -44,9 +44,13 @@ LEVEL = 1e-9
 
 
 def round_model(
-    body: Body, law: type[Contact], given: tuple[str, ...], *, pose: bool,
+    body: Body,
+    law: type[Contact],
+    given: tuple[str, ...],
+    *,
+    pose: bool,
     resistance: Resistances = (),
-) -> Model:  # fmt: skip
+) -> Model:
     """A body under a contact law, dimensionless; built once for each.  Of dry friction, sliding.
 
     Parameters
@@ -89,9 +93,16 @@ def round_model(
         at_rest = system(CoulombAlong, (*given, DIRECTION)), system(Rough, ())
     kind: Any = law  # a class is hashable
     return _round_model(
-        system(law, given), shape_of(body), flat_poles(body), kind, given, resistance, bool(pose),
-        at_rest, sticking=False,
-    )  # fmt: skip
+        system(law, given),
+        shape_of(body),
+        flat_poles(body),
+        kind,
+        given,
+        resistance,
+        bool(pose),
+        at_rest,
+        sticking=False,
+    )
 
 
 def flat_poles(body: Body) -> tuple[bool, bool]:
@@ -104,8 +115,9 @@ def flat_poles(body: Body) -> tuple[bool, bool]:
     ((False, False), (True, False))
     """
     found = []
-    for reached, end in zip((body.between[0] == 0, body.between[1] == math.pi), (0.0, math.pi),
-                            strict=True):  # fmt: skip
+    for reached, end in zip(
+        (body.between[0] == 0, body.between[1] == math.pi), (0.0, math.pi), strict=True
+    ):
         with np.errstate(all="ignore"):
             slope, height = body.height_at(end, 1), body.height_at(end)
         found.append(bool(reached and not (np.abs(slope) <= LEVEL * np.abs(height)).all()))
@@ -114,10 +126,17 @@ def flat_poles(body: Body) -> tuple[bool, bool]:
 
 @lru_cache(maxsize=32)
 def _round_model(  # noqa: PLR0913
-    system: System, of: Shape, flat_at: tuple[bool, bool], law: type[Contact],
-    given: tuple[str, ...], resistance: Resistances, pose: bool,  # noqa: FBT001
-    at_rest: tuple[System, System] | None, *, sticking: bool,
-) -> Model:  # fmt: skip
+    system: System,
+    of: Shape,
+    flat_at: tuple[bool, bool],
+    law: type[Contact],
+    given: tuple[str, ...],
+    resistance: Resistances,
+    pose: bool,  # noqa: FBT001
+    at_rest: tuple[System, System] | None,
+    *,
+    sticking: bool,
+) -> Model:
     name, height, _, shape, between = of
     p, mu, dry = system.p, ca.SX.sym(MU), None
     if at_rest is not None and sticking:  # the parameters of sliding
@@ -137,10 +156,13 @@ def _round_model(  # noqa: PLR0913
         solved = _solved(system, of, law, given, resistance)
         rates, pressing, determinant = [*solved[:2]], solved[2], solved[3]
     series = {
-        "energy": seen["energy"], "potential": h, "normal_force": normal,
-        "force_x": seen["contact_force"][0], "force_y": seen["contact_force"][1],
+        "energy": seen["energy"],
+        "potential": h,
+        "normal_force": normal,
+        "force_x": seen["contact_force"][0],
+        "force_y": seen["contact_force"][1],
         "power": seen["power"],
-    }  # fmt: skip
+    }
     if pose:
         extra = ca.SX.sym("pose", len(POSE))
         columns.append(extra)
@@ -159,19 +181,30 @@ def _round_model(  # noqa: PLR0913
         series |= {"slip_x": seen["slip"][0], "slip_y": seen["slip"][1]}
     held = None
     if law.relaxes:
-        held = Held(partial(_rough_model, of, flat_at, resistance),
-                    partial(held_round, of, resistance))  # fmt: skip
+        held = Held(
+            partial(_rough_model, of, flat_at, resistance), partial(held_round, of, resistance)
+        )
     return Model(
-        system, STATES, ca.vertcat(*columns), ca.vertcat(p, flat), ca.vertcat(*rates),
-        tuple(names), guards, WORDS | words, series, quantities_with(law, shape),
+        system,
+        STATES,
+        ca.vertcat(*columns),
+        ca.vertcat(p, flat),
+        ca.vertcat(*rates),
+        tuple(names),
+        guards,
+        WORDS | words,
+        series,
+        quantities_with(law, shape),
         given[0] if law.relaxes else "",
-        turning=(1, 2, 3), sliding=() if law.sticks or len(system.states) < 6 else (4, 5),
-        dry=dry, held=held,
+        turning=(1, 2, 3),
+        sliding=() if law.sticks or len(system.states) < 6 else (4, 5),
+        dry=dry,
+        held=held,
         title=f"motion of {name}, {law.name} contact",
         source=system.qualified(
             "equations of a convex body of revolution (docs/explanation/bodies.md), integrated"
         ),
-    )  # fmt: skip
+    )
 
 
 def _solved(

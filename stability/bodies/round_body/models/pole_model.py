@@ -36,9 +36,13 @@ PLACE = ("centre_X", "centre_Y")
 
 
 def pole_model(
-    body: Body, law: type[Contact], given: tuple[str, ...], *, pose: bool,
+    body: Body,
+    law: type[Contact],
+    given: tuple[str, ...],
+    *,
+    pose: bool,
     resistance: Resistances = (),
-) -> Model:  # fmt: skip
+) -> Model:
     """A body that is smooth at a pole, dimensionless; built once for each.
 
     Parameters
@@ -70,9 +74,14 @@ def pole_model(
 
 @lru_cache(maxsize=32)
 def _pole_model(  # noqa: PLR0913
-    system: System, shape: Shape, smooth: tuple[bool, bool], law: type[Contact],
-    given: tuple[str, ...], pose: bool, resistance: Resistances,  # noqa: FBT001
-) -> Model:  # fmt: skip
+    system: System,
+    shape: Shape,
+    smooth: tuple[bool, bool],
+    law: type[Contact],
+    given: tuple[str, ...],
+    pose: bool,
+    resistance: Resistances,  # noqa: FBT001
+) -> Model:
     name, height, _, own, between = shape
     x, seen, slips = system.x, system.observables, SLIP[0] in system.states
     axis, turn, c = x[:3], x[3:6], ca.SX.sym("c")
@@ -84,10 +93,14 @@ def _pole_model(  # noqa: PLR0913
     rates = [system.rhs, seen["power"]]
     force, normal = seen["contact_force"], seen["normal_force"]
     series = {
-        "energy": seen["energy"], "potential": h, "normal_force": normal, "force_x": force[0],
-        "force_y": force[1], "power": seen["power"],
+        "energy": seen["energy"],
+        "potential": h,
+        "normal_force": normal,
+        "force_x": force[0],
+        "force_y": force[1],
+        "power": seen["power"],
         **dict(zip(AXES, ca.vertsplit(axis), strict=True)),
-    }  # fmt: skip
+    }
     if pose:
         extra = ca.SX.sym("pose", len(FRONT) + len(PLACE))
         columns.append(extra)
@@ -101,23 +114,36 @@ def _pole_model(  # noqa: PLR0913
         guards[NO_CONTACT] = seen["determinant"]
     held = None
     if law.relaxes:
-        held = Held(partial(_rough_model, shape, smooth, resistance),
-                    partial(held_at_pole, shape, resistance))  # fmt: skip
+        held = Held(
+            partial(_rough_model, shape, smooth, resistance),
+            partial(held_at_pole, shape, resistance),
+        )
     return Model(
-        system, STATES, ca.vertcat(*columns), ca.vertcat(system.p, ca.SX.sym("flat")),
-        ca.vertcat(*rates), tuple(names), guards, WORDS | words, series,
-        quantities_with(law, own, AXES), given[0] if law.relaxes else "", turning=(3, 4, 5),
-        sliding=(6, 7) if slips else (), title=f"motion of {name}, {law.name} contact",
+        system,
+        STATES,
+        ca.vertcat(*columns),
+        ca.vertcat(system.p, ca.SX.sym("flat")),
+        ca.vertcat(*rates),
+        tuple(names),
+        guards,
+        WORDS | words,
+        series,
+        quantities_with(law, own, AXES),
+        given[0] if law.relaxes else "",
+        turning=(3, 4, 5),
+        sliding=(6, 7) if slips else (),
+        title=f"motion of {name}, {law.name} contact",
         source=system.qualified(
             "equations of a convex body of revolution along fixed axes "
             "(docs/explanation/bodies.md), integrated"
         ),
         chart=Chart(
-            partial(_packed, slips, len(names), pose), partial(_angles, slips),
+            partial(_packed, slips, len(names), pose),
+            partial(_angles, slips),
             partial(_along, len(system.states)),
         ),
         held=held,
-    )  # fmt: skip
+    )
 
 
 @lru_cache(maxsize=32)
@@ -153,8 +179,13 @@ def _packed(slips: bool, width: int, pose: bool, states: Floats) -> Floats:  # n
     sine, cosine = np.sin(theta), np.cos(theta)
     y = np.zeros((*states.shape[:-1], width))
     spin = omega3 - phi_dot * cosine
-    for i, value in ((0, sine), (2, cosine), (3, spin * sine), (4, theta_dot),
-                     (5, phi_dot + spin * cosine)):  # fmt: skip
+    for i, value in (
+        (0, sine),
+        (2, cosine),
+        (3, spin * sine),
+        (4, theta_dot),
+        (5, phi_dot + spin * cosine),
+    ):
         y[..., i] = value
     if slips:
         y[..., 6], y[..., 7] = slip
@@ -199,8 +230,10 @@ def _along(own: int, y: Floats, found: dict[str, Floats]) -> dict[str, Floats]:
     """Series along x̂ and ŷ, and the pose, from those along X and Y."""
     cosine, sine_of, sine = _heading(y)
     east, north = found["force_x"], found["force_y"]
-    found |= {"force_x": east * cosine + north * sine_of,
-              "force_y": north * cosine - east * sine_of}  # fmt: skip
+    found |= {
+        "force_x": east * cosine + north * sine_of,
+        "force_y": north * cosine - east * sine_of,
+    }
     if y.shape[-1] == own + 1:
         return found
     front, place = y[..., own + 1 : own + 4], POSE_UNIT * y[..., own + 4 :]

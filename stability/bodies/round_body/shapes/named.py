@@ -57,10 +57,11 @@ def Torus(tube: ArrayLike, *, solid: bool = True, **scales: Any) -> Body:  # noq
         lambda theta, tube: ca.sin(theta) + tube,
         axial=lambda tube: 1 + 3 * share * tube**2 / 4,
         transverse=lambda tube: (4 + 5 * share * tube**2) / 8,
-        shape={"tube": tube}, limits={"tube": (0.0, 1.0)},
+        shape={"tube": tube},
+        limits={"tube": (0.0, 1.0)},
         name="torus" if share == 1 else "hollow torus",
         **_scales(scales),
-    )  # fmt: skip
+    )
 
 
 def Spheroid(aspect: ArrayLike, **scales: Any) -> Body:  # noqa: N802
@@ -96,15 +97,20 @@ def Spheroid(aspect: ArrayLike, **scales: Any) -> Body:  # noqa: N802
         lambda theta, aspect: ca.sqrt(ca.sin(theta) ** 2 + (aspect * ca.cos(theta)) ** 2),
         axial=lambda aspect: 2 * ca.SX(1 / 5) + 0 * aspect,
         transverse=lambda aspect: (1 + aspect**2) * (1 / 5),
-        shape={"aspect": aspect}, limits={"aspect": (0.0, math.inf)}, name="spheroid",
+        shape={"aspect": aspect},
+        limits={"aspect": (0.0, math.inf)},
+        name="spheroid",
         **_scales(scales),
-    )  # fmt: skip
+    )
 
 
 def EccentricSphere(  # noqa: N802
-    offset: ArrayLike, *, axial: ArrayLike | None = None, transverse: ArrayLike | None = None,
+    offset: ArrayLike,
+    *,
+    axial: ArrayLike | None = None,
+    transverse: ArrayLike | None = None,
     **scales: Any,
-) -> Body:  # fmt: skip
+) -> Body:
     """A ball whose centre of mass lies off its centre: a tippe top without its stem.
 
     At θ = 0 the centre of mass is at its lowest.
@@ -151,9 +157,12 @@ def EccentricSphere(  # noqa: N802
         }
     return Body(
         lambda theta, offset: 1 - offset * ca.cos(theta),
-        shape={"offset": offset}, limits={"offset": (0.0, 1.0)},
-        name="eccentric sphere", **moments, **_scales(scales),
-    )  # fmt: skip
+        shape={"offset": offset},
+        limits={"offset": (0.0, 1.0)},
+        name="eccentric sphere",
+        **moments,
+        **_scales(scales),
+    )
 
 
 def ThickDisk(thickness: ArrayLike, **scales: Any) -> Body:  # noqa: N802
@@ -192,9 +201,12 @@ def ThickDisk(thickness: ArrayLike, **scales: Any) -> Body:  # noqa: N802
         lambda theta, thickness: ca.sin(theta) + thickness * ca.cos(theta) / 2,
         axial=lambda thickness: ca.SX(1) / 2 + 0 * thickness,
         transverse=lambda thickness: (3 + thickness**2) / 12,
-        shape={"thickness": thickness}, limits={"thickness": (0.0, math.inf)}, name="thick disk",
-        between=(0.0, math.pi / 2), **_scales(scales),
-    )  # fmt: skip
+        shape={"thickness": thickness},
+        limits={"thickness": (0.0, math.inf)},
+        name="thick disk",
+        between=(0.0, math.pi / 2),
+        **_scales(scales),
+    )
 
 
 def of_disk(disk: Disk) -> Body:
@@ -215,9 +227,15 @@ def of_disk(disk: Disk) -> Body:
     (1.0, 0.5)
     """
     return Body(
-        lambda theta, k: ca.sin(theta) + 0 * k, axial=lambda k: 2 * k, transverse=lambda k: k,
-        mass=disk.mass, gravity=disk.gravity, length=disk.radius, shape={"k": disk.k}, name="disk",
-    )  # fmt: skip
+        lambda theta, k: ca.sin(theta) + 0 * k,
+        axial=lambda k: 2 * k,
+        transverse=lambda k: k,
+        mass=disk.mass,
+        gravity=disk.gravity,
+        length=disk.radius,
+        shape={"k": disk.k},
+        name="disk",
+    )
 
 
 def _scales(scales: dict[str, Any]) -> dict[str, Any]:

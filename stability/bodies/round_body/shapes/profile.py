@@ -40,9 +40,13 @@ LOOSE = 1e-9
 
 
 def from_profile(
-    curve: Curve, *, density: Callable[[Any, Any], Any] | None = None, name: str = "profile",
-    tolerance: float = TOLERANCE, **scales: Any,
-) -> Body:  # fmt: skip
+    curve: Curve,
+    *,
+    density: Callable[[Any, Any], Any] | None = None,
+    name: str = "profile",
+    tolerance: float = TOLERANCE,
+    **scales: Any,
+) -> Body:
     """A solid of revolution from its meridian, convex and smooth, with any density.
 
     Parameters
@@ -98,8 +102,12 @@ def from_profile(
     numbers = [float(t) for t in terms]
     return Body(
         lambda theta: sum((a * ca.cos(n * theta) for n, a in enumerate(numbers) if n), numbers[0]),
-        axial=axial, transverse=transverse, name=name, error=max(error, doubt), **scales,
-    )  # fmt: skip
+        axial=axial,
+        transverse=transverse,
+        name=name,
+        error=max(error, doubt),
+        **scales,
+    )
 
 
 FLATTEST = 1e-3
@@ -108,7 +116,7 @@ FLATTEST = 1e-3
 
 def Egg(  # noqa: N802
     taper: float = 0.2, *, aspect: float = 1.3, tolerance: float = TOLERANCE, **scales: Any
-) -> Body:  # fmt: skip
+) -> Body:
     """A solid egg of uniform density: r = sin u (1 + taper·cos u), z = -aspect·cos u.
 
     Its blunt end lies at negative z: at θ = 0 the egg stands on it.
@@ -154,9 +162,11 @@ def Egg(  # noqa: N802
             f"aspect is {aspect:g}; it must lie in [{FLATTEST:g}, {1 / FLATTEST:g}]."
         )
     egg = from_profile(
-        lambda u: (np.sin(u) * (1 + taper * np.cos(u)), -aspect * np.cos(u)), name="egg",
-        tolerance=tolerance, **scales,
-    )  # fmt: skip
+        lambda u: (np.sin(u) * (1 + taper * np.cos(u)), -aspect * np.cos(u)),
+        name="egg",
+        tolerance=tolerance,
+        **scales,
+    )
     return replace(egg, constants={"taper": taper, "aspect": aspect})
 
 
@@ -191,8 +201,7 @@ class _Meridian:
                 return np.broadcast_to(found.imag / step, u.shape)
         h = 1e-3  # eighth order
         weights = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
-        total = sum(c * (self(u + k * h)[1] - self(u - k * h)[1])
-                    for k, c in enumerate(weights, 1))  # fmt: skip
+        total = sum(c * (self(u + k * h)[1] - self(u - k * h)[1]) for k, c in enumerate(weights, 1))
         return np.asarray(total / h, dtype=float)
 
     def check(self) -> None:

@@ -151,8 +151,15 @@ class OnsetForms:
     @cached_property
     def characteristic(self) -> Column:
         """Coefficients of p(μ), lowest first."""
-        rows = [[self.reading.element(self.field.quotient(self.matrix.get((i, j), self.zero),
-                 self.field.one)) for j in self.kept] for i in self.kept]  # fmt: skip
+        rows = [
+            [
+                self.reading.element(
+                    self.field.quotient(self.matrix.get((i, j), self.zero), self.field.one)
+                )
+                for j in self.kept
+            ]
+            for i in self.kept
+        ]
         return [self.reading.element(c).num for c in characteristic(rows)]
 
     def __iter__(self) -> Iterator[OnsetForm]:

@@ -379,12 +379,13 @@ def joined(some: Sequence[UnresolvedBox]) -> list[UnresolvedBox]:
             for old in out:
                 same = (old.kind, old.reason) == (new.kind, new.reason)
                 if same and all(
-                    a[0] <= b[1] and b[0] <= a[1]
-                    for a, b in ((old.x, new.x), (old.y, new.y))
-                ):  # fmt: skip
+                    a[0] <= b[1] and b[0] <= a[1] for a, b in ((old.x, new.x), (old.y, new.y))
+                ):
                     out.remove(old)
-                    x, y = ((min(a[0], b[0]), max(a[1], b[1]))
-                            for a, b in ((old.x, new.x), (old.y, new.y)))  # fmt: skip
+                    x, y = (
+                        (min(a[0], b[0]), max(a[1], b[1]))
+                        for a, b in ((old.x, new.x), (old.y, new.y))
+                    )
                     new = UnresolvedBox(new.kind, x, y, new.reason)
                     again = True
                     break

@@ -121,11 +121,13 @@ class ExactSearch:
         for axis, name in enumerate(self.names):
             own = reading.base.index(name)
             cosine = [
-                i for i, (function, x, _) in reading.field.meaning.items()
+                i
+                for i, (function, x, _) in reading.field.meaning.items()
                 if function == "cos" and x.num == reading.field.generator(own) and x.den == 1
-            ]  # fmt: skip
-            turned = bool(cosine) and bool(used & {i for i in reading.field.meaning
-                                                   if own in reading.field.uses(i)})  # fmt: skip
+            ]
+            turned = bool(cosine) and bool(
+                used & {i for i in reading.field.meaning if own in reading.field.uses(i)}
+            )
             if turned and own in used:
                 raise NotExact("an axis and its sine occur together")
             if turned:
@@ -138,10 +140,11 @@ class ExactSearch:
         return (places[0], places[1]), (turns[0], turns[1])
 
     def _used(self, form: OnsetForm) -> set[int]:
-        out: set[int] = set().union(
-            *map(occurring, (*form.even, *form.odd, *form.coefficient)))  # fmt: skip
-        while more := {j for i in out & set(self.roots) for p in self.roots[i]
-                       for j in occurring(p)} - out:  # fmt: skip
+        out: set[int] = set().union(*map(occurring, (*form.even, *form.odd, *form.coefficient)))
+        while (
+            more := {j for i in out & set(self.roots) for p in self.roots[i] for j in occurring(p)}
+            - out
+        ):
             out |= more
         return out
 
@@ -176,8 +179,9 @@ class ExactSearch:
             raise NotProvedError
         for count in range(1, len(present) + 1):
             for some in combinations(present, count):
-                terms = {e: -c if sum(e[i] for i in some) % 2 else c
-                         for e, c in poly.to_dict().items()}  # fmt: skip
+                terms = {
+                    e: -c if sum(e[i] for i in some) % 2 else c for e, c in poly.to_dict().items()
+                }
                 other = self.reading.field.ring.from_dict(terms)
                 if other not in (poly, -poly):
                     yield other
@@ -357,8 +361,10 @@ class _Judge:
 
     def _vanishing(self, known: dict[int, Any]) -> Iterator[Any]:
         """Common roots z of E and O that may be negative, and at which N may vanish."""
-        rows = [[arb(evaluate(c, known)) for c in row]
-                for row in (self.even, self.odd, self.coefficient)]  # fmt: skip
+        rows = [
+            [arb(evaluate(c, known)) for c in row]
+            for row in (self.even, self.odd, self.coefficient)
+        ]
         monic = rows[0] if len(rows[0]) > len(rows[1]) else rows[1]
         roots = [acb(-monic[0] / monic[1])] if len(monic) == 2 else root_balls(monic, even=False)
         if roots is None:

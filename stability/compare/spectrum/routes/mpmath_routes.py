@@ -90,8 +90,16 @@ def _mpmath_algebra() -> Algebra:
     import mpmath
 
     return Algebra(
-        "mpmath", lambda v: mpmath.mpf(v),
-        {"sin": mpmath.sin, "cos": mpmath.cos, "tan": mpmath.tan, "sqrt": mpmath.sqrt,
-         "exp": mpmath.exp, "pow": mpmath.power, "fabs": mpmath.fabs},
+        "mpmath",
+        lambda v: mpmath.mpf(v),
+        {
+            "sin": mpmath.sin,
+            "cos": mpmath.cos,
+            "tan": mpmath.tan,
+            "sqrt": mpmath.sqrt,
+            "exp": mpmath.exp,
+            "pow": mpmath.power,
+            "fabs": mpmath.fabs,
+        },
         lasting=False,  # a constant has the digits of one route
-    )  # fmt: skip
+    )

@@ -26,18 +26,26 @@ def _somewhere(points: Points, *, certify: bool) -> Spectrum:
     held = dict(zip(system.states, points.given[0].tolist(), strict=True))
     at = held.pop("omega3")
     family = Family(
-        system, "claimed", ("omega3",), held=held, unknown={}, equations=(),
-        typical={"omega3": at, "k": 0.3, "mu": 0.7}, conservative=law.conservative,
-    )  # fmt: skip
+        system,
+        "claimed",
+        ("omega3",),
+        held=held,
+        unknown={},
+        equations=(),
+        typical={"omega3": at, "k": 0.3, "mu": 0.7},
+        conservative=law.conservative,
+    )
     p = dict(zip(system.parameters, points.parameters[0].tolist(), strict=True))
     return spectrum(family, at=at, certify=certify, **p)
 
 
 def _told(found: Spectrum) -> Answer:
     return Answer(
-        np.atleast_1d(found.codes), np.atleast_2d(found.eigenvalues),
-        np.atleast_1d(found.abscissa), np.atleast_1d(found.abscissa_error),
-    )  # fmt: skip
+        np.atleast_1d(found.codes),
+        np.atleast_2d(found.eigenvalues),
+        np.atleast_1d(found.abscissa),
+        np.atleast_1d(found.abscissa_error),
+    )
 
 
 def _arguments(points: Points) -> dict[str, Any]:

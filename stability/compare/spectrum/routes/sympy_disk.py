@@ -43,10 +43,11 @@ def residual(law: str) -> tuple[sympy.Matrix, list[Any], list[Any]]:
     if not slides:
         sx, sy = (-q * sympy.sin(theta), w) if law == "smooth" else (sympy.S.Zero, sympy.S.Zero)
     fx, fy = {
-        "smooth": (sympy.S.Zero, sympy.S.Zero), "rough": (FORCE_X, FORCE_Y),
+        "smooth": (sympy.S.Zero, sympy.S.Zero),
+        "rough": (FORCE_X, FORCE_Y),
         "viscous": (-MU * NORMAL * sx, -MU * NORMAL * sy),
         "linear-viscous": (-MU * sx, -MU * sy),
-    }[law]  # fmt: skip
+    }[law]
     sine, cosine = sympy.sin(theta), sympy.cos(theta)
     speed = dict(zip(X, (q, *RATES), strict=True))
 
