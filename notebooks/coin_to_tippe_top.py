@@ -56,13 +56,8 @@ assert math.isclose(edge.value, 3**-0.5, rel_tol=1e-14)
 
 # %%
 for rim in (0.0, 0.01, 0.05, 0.2):
-    body = st.Body(
-        lambda t, e: (1 - e) * ca.sin(t) + e,
-        axial=0.5,
-        transverse=0.25,
-        shape={"e": rim},
-        name="rounded coin",
-    )
+    body = st.Body(lambda t, e: (1 - e) * ca.sin(t) + e, axial=0.5, transverse=0.25,
+                   shape={"e": rim}, name="rounded coin")  # fmt: skip
     [at] = st.boundaries("rolling", axis=("omega3", 0.1, 3, 9), body=body, contact=st.Rough())
     print(f"rim {rim:4.2f}: {at.value:.12f}, formula {math.sqrt((1 - rim) / 3):.12f}")
     assert math.isclose(at.value, math.sqrt((1 - rim) / 3), rel_tol=1e-13)
@@ -75,13 +70,8 @@ for rim in (0.0, 0.01, 0.05, 0.2):
 
 # %%
 tyre = st.Torus(0.2)
-chart = st.stability_map(
-    "rolling",
-    x=("omega3", 0.05, 1.6, 60),
-    y=("tube", 0.02, 0.6, 50),
-    body=tyre,
-    contact=st.Viscous(0.5),
-)
+chart = st.stability_map("rolling", x=("omega3", 0.05, 1.6, 60), y=("tube", 0.02, 0.6, 50),
+                         body=tyre, contact=st.Viscous(0.5))  # fmt: skip
 figure = st.plot_map(chart, width=3.39)
 figure
 
@@ -136,10 +126,8 @@ assert float(rising.normal_force.min()) > 0 and abs(float(rising.axis_z[-1])) > 
 
 # %%
 top = st.EccentricSphere(0.15, axial=0.4, transverse=0.4)
-edges = [
-    st.boundaries("vertical", axis=("at", 0.1, 20, 9), body=top, contact=law, pole=pole)[0]
-    for pole in (0, "pi")
-]
+edges = [st.boundaries("vertical", axis=("at", 0.1, 20, 9), body=top, contact=law, pole=pole)[0]
+         for pole in (0, "pi")]  # fmt: skip
 known = [math.sqrt(0.15 * (1 - s * 0.15) ** 2 / (0.4 * s * (1 - (1 - s * 0.15)))) for s in (1, -1)]
 for place, found, formula in zip(("upright", "inverted"), edges, known, strict=True):
     print(f"{place}: {found.value:.12f}, formula {formula:.12f}")

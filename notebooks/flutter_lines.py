@@ -37,12 +37,8 @@ import stability as st
 # stretch.  The stretch begins at a fold, where the pair crosses with zero speed.
 
 # %%
-for family, k, mu in (
-    ("spinning", 0.25, 0.8),
-    ("tumbling", 0.25, 1.5),
-    ("tumbling", 0.375, 0.9),
-    ("tumbling", 0.5, 1.0),
-):
+for family, k, mu in (("spinning", 0.25, 0.8), ("tumbling", 0.25, 1.5), ("tumbling", 0.375, 0.9),
+                      ("tumbling", 0.5, 1.0)):  # fmt: skip
     for point in st.hopf(family, disk=st.Disk(k=k), contact=st.Viscous(mu)):
         side = "below" if point.stable_below else "above"
         print(f"{family} k={k} mu={mu}: at {point.at:.6f}, stable {side}, {point.kind.word}")
@@ -62,13 +58,9 @@ def path(family: str, k: float, mu: float, y: float, z: float, time: float):
     system = st.disk_system("viscous")
     times = np.linspace(0, time, 12000)[1:]
     flow = ca.integrator(
-        "flow",
-        "cvodes",
-        {"x": system.x, "p": system.p, "ode": system.rhs},
-        0.0,
-        list(times),
+        "flow", "cvodes", {"x": system.x, "p": system.p, "ode": system.rhs}, 0.0, list(times),
         {"reltol": 1e-10, "abstol": 1e-13, "max_num_steps": 10**9},
-    )
+    )  # fmt: skip
     states = np.array(flow(x0=start + 2 * z * point.mode.real, p=[k, mu])["xf"])
     along = states[2 if family == "spinning" else 0] - point.at
     return point, times, along, np.hypot(states[4], states[5])

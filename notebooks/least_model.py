@@ -105,10 +105,8 @@ chosen = {}
 for power in range(1, 9):
     scene = st.Scene(coin, st.Viscous(1.0), start, HORIZON, tolerance=10.0**-power)
     answer = chosen[power] = scene.verify()
-    print(
-        f"1e-{power}  {answer.model:<13} estimate {answer.estimate:.1e}, "
-        f"true error {answer.true_error:.1e}"
-    )
+    print(f"1e-{power}  {answer.model:<13} estimate {answer.estimate:.1e}, "
+          f"true error {answer.true_error:.1e}")  # fmt: skip
     assert answer.true_error <= scene.tolerance
 names = [answer.model for answer in chosen.values()]
 assert names[:3] == ["steady", "linearised", "second-order"]
@@ -165,10 +163,8 @@ taken = {}
 for mu in (1.0, 10.0, 100.0, 1e3, 1e4, 1e5):
     answer = taken[mu] = st.Scene(coin, st.Viscous(mu), tilted, HORIZON, tolerance=1e-4).verify()
     slip = math.hypot(answer.value["slip_x"], answer.value["slip_y"])
-    print(
-        f"mu = {mu:>8.0f} s/m  {answer.model:<8} true error {answer.true_error:.0e}, "
-        f"slip {1e3 * slip:.4f} mm/s"
-    )
+    print(f"mu = {mu:>8.0f} s/m  {answer.model:<8} true error {answer.true_error:.0e}, "
+          f"slip {1e3 * slip:.4f} mm/s")  # fmt: skip
     assert answer.true_error <= 1e-4
 assert taken[1.0].model == "viscous"
 assert taken[1e3].model == "creep-1"

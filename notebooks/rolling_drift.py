@@ -77,12 +77,9 @@ assert sympy.simplify(sympy.diff(primitive, W) - rate) == 0
 threshold = 1 / sympy.sqrt(2 * K)
 time = sympy.simplify(primitive.subs(W, w0) - primitive.subs(W, threshold))
 stated = (
-    MU
-    * (2 * K + 1) ** 3
-    * w0**2
-    / ((2 * (2 * K + 1) * w0**2 - 1) * tilt**2)
+    MU * (2 * K + 1) ** 3 * w0**2 / ((2 * (2 * K + 1) * w0**2 - 1) * tilt**2)
     * ((2 * K + 1) * (w0**2 - 1 / (2 * K)) - sympy.log(w0 * sympy.sqrt(2 * K)))
-)
+)  # fmt: skip
 difference = sympy.lambdify((K, MU, w0, tilt), time / stated - 1)
 assert all(
     abs(difference(k, m, w, 0.01)) < 1e-12

@@ -142,8 +142,7 @@ plt.show()
 
 # %%
 for k, _, _ in looks:
-    [found] = st.boundaries(
-        "tumbling", at=1.0, axis=("mu", 0.2, 3, 30), disk=st.Disk(k=k), contact="viscous"
-    )
+    [found] = st.boundaries("tumbling", at=1.0, axis=("mu", 0.2, 3, 30), disk=st.Disk(k=k),
+                            contact="viscous")  # fmt: skip
     print(f"k = {k}: mu = {found.value:.6f} at theta = 1")
     assert abs(found.value**2 / boundary(k, math.cos(1.0) ** 2) - 1) < 1e-9

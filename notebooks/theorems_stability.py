@@ -170,9 +170,8 @@ plt.show()
 # The package's own boundary of a spinning coin lies on the curve.
 
 # %%
-[found] = st.boundaries(
-    "spinning", at=2.5, axis=("mu", 0.6, 1.2, 12), disk=st.Disk(k=0.25), contact="viscous"
-)
+[found] = st.boundaries("spinning", at=2.5, axis=("mu", 0.6, 1.2, 12), disk=st.Disk(k=0.25),
+                        contact="viscous")  # fmt: skip
 excess = np.roots(boundary(0.25, 0.5, 0.0, found.value**2))
 print(f"mu = {found.value:.6f} at 2.5 √(g/R)")
 assert min(abs(excess - (2.5**2 - 4))) < 1e-6
