@@ -19,14 +19,9 @@ VALUES = {"belt": 0.2, "rest": 1.0, "sliding": 0.5}
 def phase(name: str, rates: ca.SX, positive: ca.SX, end: str) -> st.System:
     """The mass in one phase, which ends where a quantity is no longer positive."""
     return st.System(
-        name,
-        ca.vertcat(x, u),
-        ca.vertcat(belt, rest, sliding),
-        rates,
-        states=("x", "u"),
-        parameters=tuple(VALUES),
-        conditions=(st.Condition(positive, end),),
-    )
+        name, ca.vertcat(x, u), ca.vertcat(belt, rest, sliding), rates, states=("x", "u"),
+        parameters=tuple(VALUES), conditions=(st.Condition(positive, end),),
+    )  # fmt: skip
 
 
 # positive where the belt is ahead or the spring pulls forwards: a + b + sqrt(a² + b²), smooth

@@ -13,16 +13,12 @@ v, across, w = (ca.SX.sym(n) for n in ("v", "across", "w"))
 m, a, inertia = (ca.SX.sym(n) for n in ("m", "a", "I"))
 c, s = ca.cos(heading), ca.sin(heading)
 sleigh = st.mechanics(
-    ca.vertcat(x, y, heading),
-    ca.vertcat(v, across, w),
-    ca.vertcat(m, a, inertia),
+    ca.vertcat(x, y, heading), ca.vertcat(v, across, w), ca.vertcat(m, a, inertia),
     q_dot=ca.vertcat(c * v - s * across, s * v + c * across, w),
     kinetic=(m * (v**2 + (across + a * w) ** 2) + inertia * w**2) / 2,
-    velocity_constraints={"blade": across},
-    independent=("v", "w"),
-    ignorable=("x", "y", "heading"),
-    name="sleigh",
-)
+    velocity_constraints={"blade": across}, independent=("v", "w"),
+    ignorable=("x", "y", "heading"), name="sleigh",
+)  # fmt: skip
 straight = st.Family(sleigh, "straight", at=("v",), held={"w": 0.0})
 VALUES = {"m": 1.0, "a": 0.3, "I": 0.2}
 print(st.spectrum(straight, at=1.0, **VALUES).eigenvalues)  # attraction: -m a v / (I + m a²)

@@ -14,14 +14,11 @@ I1, I3, mgl = (ca.SX.sym(n) for n in ("I1", "I3", "mgl"))
 across = (d_lean * ca.cos(tilt)) ** 2 + d_tilt**2
 along = (spin + d_lean * ca.sin(tilt)) ** 2
 top = st.mechanics(
-    ca.vertcat(lean, tilt, turn),
-    ca.vertcat(d_lean, d_tilt, spin),
-    ca.vertcat(I1, I3, mgl),
+    ca.vertcat(lean, tilt, turn), ca.vertcat(d_lean, d_tilt, spin), ca.vertcat(I1, I3, mgl),
     kinetic=(I1 * across + I3 * along) / 2,
     potential=mgl * ca.cos(lean) * ca.cos(tilt),
-    ignorable=("turn",),
-    name="Lagrange top",
-)
+    ignorable=("turn",), name="Lagrange top",
+)  # fmt: skip
 held = dict.fromkeys(("lean", "tilt", "lean_rate", "tilt_rate"), 0.0)
 sleeping = st.Family(top, "sleeping", at=("spin",), held=held)
 

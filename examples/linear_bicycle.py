@@ -12,44 +12,22 @@ import casadi as ca
 import stability as st
 
 VALUES = {
-    "w": 1.02,
-    "c": 0.08,
-    "lam": math.pi / 10,
-    "g": 9.81,
-    "rR": 0.3,
-    "mR": 2.0,
-    "IRxx": 0.0603,
-    "IRyy": 0.12,
-    "xB": 0.3,
-    "zB": -0.9,
-    "mB": 85.0,
-    "IBxx": 9.2,
-    "IByy": 11.0,
-    "IBzz": 2.8,
-    "IBxz": 2.4,
-    "xH": 0.9,
-    "zH": -0.7,
-    "mH": 4.0,
-    "IHxx": 0.05892,
-    "IHyy": 0.06,
-    "IHzz": 0.00708,
-    "IHxz": -0.00756,
-    "rF": 0.35,
-    "mF": 3.0,
-    "IFxx": 0.1405,
-    "IFyy": 0.28,
-}
+    "w": 1.02, "c": 0.08, "lam": math.pi / 10, "g": 9.81,
+    "rR": 0.3, "mR": 2.0, "IRxx": 0.0603, "IRyy": 0.12,
+    "xB": 0.3, "zB": -0.9, "mB": 85.0, "IBxx": 9.2, "IByy": 11.0, "IBzz": 2.8, "IBxz": 2.4,
+    "xH": 0.9, "zH": -0.7, "mH": 4.0,
+    "IHxx": 0.05892, "IHyy": 0.06, "IHzz": 0.00708, "IHxz": -0.00756,
+    "rF": 0.35, "mF": 3.0, "IFxx": 0.1405, "IFyy": 0.28,
+}  # fmt: skip
 
 
 def matrices(P: dict[str, ca.SX]) -> dict[str, ca.SX]:
     """M, C1, K0 and K2 in the parameters: appendix A."""
     w, c, s, k = P["w"], P["c"], ca.sin(P["lam"]), ca.cos(P["lam"])
     rear, body, fork, front = (
-        (P["mR"], 0, -P["rR"]),
-        (P["mB"], P["xB"], P["zB"]),
-        (P["mH"], P["xH"], P["zH"]),
-        (P["mF"], w, -P["rF"]),
-    )
+        (P["mR"], 0, -P["rR"]), (P["mB"], P["xB"], P["zB"]),
+        (P["mH"], P["xH"], P["zH"]), (P["mF"], w, -P["rF"]),
+    )  # fmt: skip
     parts = (rear, body, fork, front)
     across = (P["IRxx"], P["IBxx"], P["IHxx"], P["IFxx"])
     mixed = (0, P["IBxz"], P["IHxz"], 0)
@@ -92,19 +70,14 @@ x, v = ca.SX.sym("x", 4), ca.SX.sym("v")
 found = matrices(P)
 stiffness = P["g"] * found["K0"] + v**2 * found["K2"]
 bicycle = st.System.from_mass_matrix(
-    "linear bicycle",
-    x,
-    ca.vertcat(v, *P.values()),
-    mass=found["M"],
+    "linear bicycle", x, ca.vertcat(v, *P.values()), mass=found["M"],
     forcing=-(v * found["C1"] @ x[2:] + stiffness @ x[:2]),
-    unknowns=("d_lean_rate", "d_steer_rate"),
-    rates={"lean": x[2], "steer": x[3]},
-    states=("lean", "steer", "lean_rate", "steer_rate"),
-    parameters=("v", *P),
+    unknowns=("d_lean_rate", "d_steer_rate"), rates={"lean": x[2], "steer": x[3]},
+    states=("lean", "steer", "lean_rate", "steer_rate"), parameters=("v", *P),
     observables=lambda *_: {
         f"{n}_{i}{j}": found[n][i, j] for n in found for i in (0, 1) for j in (0, 1)
     },
-)
+)  # fmt: skip
 held = dict.fromkeys(bicycle.states, 0.0)
 upright = st.Family(bicycle, "upright", at=("v",), held=held, typical=VALUES)
 

@@ -10,33 +10,13 @@ import casadi as ca
 import stability as st
 
 VALUES = {
-    "w": 1.02,
-    "c": 0.08,
-    "lam": 0.3141592653589793,
-    "g": 9.81,
-    "rR": 0.3,
-    "mR": 2.0,
-    "IRxx": 0.0603,
-    "IRyy": 0.12,
-    "xB": 0.3,
-    "zB": -0.9,
-    "mB": 85.0,
-    "IBxx": 9.2,
-    "IByy": 11.0,
-    "IBzz": 2.8,
-    "IBxz": 2.4,
-    "xH": 0.9,
-    "zH": -0.7,
-    "mH": 4.0,
-    "IHxx": 0.05892,
-    "IHyy": 0.06,
-    "IHzz": 0.00708,
-    "IHxz": -0.00756,
-    "rF": 0.35,
-    "mF": 3.0,
-    "IFxx": 0.1405,
-    "IFyy": 0.28,
-}
+    "w": 1.02, "c": 0.08, "lam": 0.3141592653589793, "g": 9.81,
+    "rR": 0.3, "mR": 2.0, "IRxx": 0.0603, "IRyy": 0.12,
+    "xB": 0.3, "zB": -0.9, "mB": 85.0, "IBxx": 9.2, "IByy": 11.0, "IBzz": 2.8, "IBxz": 2.4,
+    "xH": 0.9, "zH": -0.7, "mH": 4.0,
+    "IHxx": 0.05892, "IHyy": 0.06, "IHzz": 0.00708, "IHxz": -0.00756,
+    "rF": 0.35, "mF": 3.0, "IFxx": 0.1405, "IFyy": 0.28,
+}  # fmt: skip
 P = {n: ca.SX.sym(n) for n in VALUES}
 Q = {n: ca.SX.sym(n) for n in ("x", "y", "z", "yaw", "lean", "pitch", "steer", "rear", "front")}
 U = {n: ca.SX.sym(f"{n}_rate") for n in Q}
@@ -101,23 +81,17 @@ def model() -> dict[str, ca.SX]:
     rear_slip = contact(rear, frame[:, 1], P["rR"], rear_spin)
     front_slip = contact(front, fork[:, 1], P["rF"], front_spin)
     return {
-        "kinetic": kinetic,
-        "potential": potential,
+        "kinetic": kinetic, "potential": potential,
         "velocity_constraints": ca.vertcat(rear_slip, front_slip),
-    }
+    }  # fmt: skip
 
 
 def riding() -> st.System:
     """The bicycle in lean, steer and speed; where it is, and where it goes, is ignorable."""
     return st.mechanics(
-        q,
-        u,
-        p,
-        **model(),
-        independent=("lean_rate", "steer_rate", "rear_rate"),
-        ignorable=("x", "y", "yaw", "rear", "front"),
-        name="nonlinear bicycle",
-    )
+        q, u, p, **model(), independent=("lean_rate", "steer_rate", "rear_rate"),
+        ignorable=("x", "y", "yaw", "rear", "front"), name="nonlinear bicycle",
+    )  # fmt: skip
 
 
 def straight(system: st.System) -> st.Family:

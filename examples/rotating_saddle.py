@@ -10,20 +10,14 @@ import stability as st
 
 x, y, u, v, W, k = (ca.SX.sym(n) for n in ("x", "y", "u", "v", "W", "k"))
 saddle = st.System(
-    "rotating saddle",
-    ca.vertcat(x, y, u, v),
-    ca.vertcat(W, k),
+    "rotating saddle", ca.vertcat(x, y, u, v), ca.vertcat(W, k),
     ca.vertcat(u, v, (W**2 - k) * x + 2 * W * v, (W**2 + k) * y - 2 * W * u),
-    states=("x", "y", "u", "v"),
-    parameters=("W", "k"),
+    states=("x", "y", "u", "v"), parameters=("W", "k"),
     units={"x": "m", "y": "m", "u": "m/s", "v": "m/s", "W": "rad/s", "k": "1/s²"},
-)
+)  # fmt: skip
 centre = st.Family(
-    saddle,
-    "centre",
-    at=("W",),
-    held=dict.fromkeys(saddle.states, 0.0),
-)
+    saddle, "centre", at=("W",), held=dict.fromkeys(saddle.states, 0.0),
+)  # fmt: skip
 for rate in (1.7, 1.8):
     print(rate, st.spectrum(centre, at=rate, k=3.0, certify=True).verdict.word)
 

@@ -22,16 +22,13 @@ newton = ca.vertcat(m * d_slide - force[:2], m * (rise + g) - load)
 balance, unknowns = ca.vertcat(moment - ca.cross(arm, force), newton), (d_spin, d_slide, load)
 names = [*(f"axis_{i}" for i in "xyz"), *(f"spin_{i}" for i in "xyz"), "slide_x", "slide_y"]
 top = st.System.from_mass_matrix(
-    "tippe top",
-    ca.vertcat(axis, spin, slide),
-    ca.vertcat(m, R, a, I1, I3, g, mu),
+    "tippe top", ca.vertcat(axis, spin, slide), ca.vertcat(m, R, a, I1, I3, g, mu),
     mass=ca.jacobian(balance, ca.vertcat(*unknowns)),
     forcing=-ca.substitute(balance, ca.vertcat(*unknowns), ca.SX.zeros(6)),
     unknowns=(*(f"d_{n}" for n in names[3:]), "load"),
-    rates=dict(zip(names, ca.vertsplit(turned), strict=False)),
-    states=names,
+    rates=dict(zip(names, ca.vertsplit(turned), strict=False)), states=names,
     parameters=("m", "R", "a", "I1", "I3", "g", "mu"),
-)
+)  # fmt: skip
 rest = dict.fromkeys((n for n in names if n != "spin_z"), 0.0)
 inverted = st.Family(top, "inverted", at=("spin_z",), held=rest | {"axis_z": -1.0})
 BODY = {"m": 0.02, "R": 0.02, "a": 0.3, "g": 9.82, "I3": 8e-6 * 2 / 5, "I1": 8e-6 * 131 / 350}

@@ -11,13 +11,10 @@ import stability as st
 x, y, z = (ca.SX.sym(n) for n in "xyz")
 e, a, b = (ca.SX.sym(n) for n in "eab")
 governor = st.System(
-    "Watt governor",
-    ca.vertcat(x, y, z),
-    ca.vertcat(e, a, b),
+    "Watt governor", ca.vertcat(x, y, z), ca.vertcat(e, a, b),
     ca.vertcat(y, z**2 * ca.sin(x) * ca.cos(x) - ca.sin(x) - e * y, a * (ca.cos(x) - b)),
-    states=("x", "y", "z"),
-    parameters=("e", "a", "b"),
-)
+    states=("x", "y", "z"), parameters=("e", "a", "b"),
+)  # fmt: skip
 near = {"x": 1.0, "z": 1.4, "e": 0.4, "a": 0.5, "b": 0.5}
 running = governor.steady("e", held={"y": 0.0}, guess=near, equations=("y", "z"), name="running")
 for friction in (0.3, 0.4):

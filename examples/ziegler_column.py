@@ -19,16 +19,10 @@ def column(friction: ca.SX, parameters: dict[str, ca.SX]) -> st.Family:
     """The straight column, by its load."""
     names = ("lower", "upper", "lower_rate", "upper_rate")
     system = st.System.from_mass_matrix(
-        "Ziegler column",
-        x,
-        ca.vertcat(*parameters.values()),
-        mass=M,
-        forcing=-K @ angles - friction,
-        unknowns=("d_lower_rate", "d_upper_rate"),
-        rates={"lower": x[2], "upper": x[3]},
-        states=names,
-        parameters=tuple(parameters),
-    )
+        "Ziegler column", x, ca.vertcat(*parameters.values()), mass=M,
+        forcing=-K @ angles - friction, unknowns=("d_lower_rate", "d_upper_rate"),
+        rates={"lower": x[2], "upper": x[3]}, states=names, parameters=tuple(parameters),
+    )  # fmt: skip
     held = dict.fromkeys(names, 0.0)
     return st.Family(system, "straight", at=("P",), held=held)
 
