@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import casadi as ca
 from numpy.typing import ArrayLike
 
 from ..base.quantities import Units
@@ -66,6 +65,8 @@ class CoulombAlong(Coulomb):
 
     def force(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
         """Against the direction, mu times the normal force."""
+        import casadi as ca  # the command line reads the laws for its help
+
         coefficient, angle = mu
         return [-coefficient * normal * ca.cos(angle), -coefficient * normal * ca.sin(angle)]
 

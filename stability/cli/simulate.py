@@ -97,10 +97,10 @@ def run(options: argparse.Namespace) -> None:
     from ..storage.files import together
 
     _check(options)
-    launch = moving(options)
-    thing = launch["disk"] if options.system is None else None
     targets = _targets(options)
     with waiting("integrating"):
+        launch = moving(options)
+        thing = launch["disk"] if options.system is None else None
         launch |= _start_of_body(options) if thing is not None else _start(options, launch["disk"])
         from ..motion.simulate import simulate
 

@@ -33,7 +33,7 @@ def test_a_page_is_written_for_the_disk_a_body_and_a_system(
     [
         (["rolling", "--k", "0.7"], "k is 0.7"),
         (["wobbling"], "wobbling"),
-        (["--set", "nu=1"], "--set"),
+        (["--set", "nu=1"], "nu is no number of the page"),
         (["--positive", "v"], "--positive"),
         (["--contact", "mylaw:Law"], "stored laws"),
         (["--x", "at:1"], "NAME:LO:HI"),
