@@ -45,6 +45,9 @@ CLEAR = 0.3
 """Least D over its value without slip."""
 STALLS = 0.7
 """Ratio of two corrections above which the orders no longer converge."""
+NEARLY, DOUBT = 0.5, 2.0
+"""Ratio that the next two corrections are expected to have, above which the rest of the orders is
+hardly known; factor on the error there."""
 LAYER = 1e-3
 """Share of the tolerance to which the slip of the start has decayed when creep begins."""
 LAYER_LOOKS = 25
@@ -279,19 +282,22 @@ def _orders(
 ) -> tuple[Order, ...]:
     """Orders from the first change on, until one is fine enough or they no longer fall."""
     found: list[Order] = []
-    size, elements = np.inf, linear.elements
+    size, ratio, elements = np.inf, 0.0, linear.elements
     now, zero = Order(path, np.zeros_like(slip)), np.zeros(held.n)
     for _ in range(MOST_ORDERS + 1):
         then = Order(now.path + change, slip)
         errors = np.concatenate([change, slip - now.slip], axis=-1)
         before, size = size, float(relative(errors, then.states).max())
-        if not size < STALLS * before or not np.isfinite(size):
+        earlier, ratio = ratio, size / before
+        # the orders are an asymptotic series: the share by which each falls grows, soon above 1
+        following = ratio * max(1.0, ratio / earlier) if earlier else ratio
+        if not (ratio < STALLS and following < STALLS and np.isfinite(size)):
             if found:  # what the next order would change is not known to be its error, but counts
                 last = found[-1]
                 found[-1] = replace(last, errors=np.abs(last.errors) + np.abs(errors))
             break
-        ratio = size / before  # the orders after the next fall as it does
-        found.append(Order(now.path, now.slip, errors / (1 - ratio)))
+        rest = (DOUBT if following > NEARLY else 1.0) / (1 - following)
+        found.append(Order(now.path, now.slip, rest * errors))
         if size <= tolerance or size < 1e-14:
             break
         now = then
