@@ -41,8 +41,6 @@ LIBRARIES = ("casadi", "heyoka", "numba", "numpy", "python-flint", "scipy")
 """Libraries on which the numbers depend."""
 FEW = 5
 """Launches that are named in a sentence at most."""
-NO_FAMILY = 0
-"""Flag value of `family` where none is settled on; families count from 1."""
 
 
 def variables(sample: Starts) -> tuple[Variable, ...]:

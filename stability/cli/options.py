@@ -76,6 +76,17 @@ def overwriting(parser: argparse.ArgumentParser, what: str) -> None:
     parser.add_argument("--overwrite", "--force", dest="force", action="store_true", help=what)
 
 
+def step_error(parser: argparse.ArgumentParser) -> None:
+    """The error that commands of motions allow in a step."""
+    parser.add_argument(
+        "--tolerance",
+        type=float,
+        default=1e-9,
+        metavar="E",
+        help="error allowed in a step (default 1e-9)",
+    )
+
+
 def scheduling(parser: argparse.ArgumentParser, default: str | None = "threads") -> None:
     """Options of the workers of a job; `default` is the scheduler where none is given."""
     parser.add_argument(

@@ -11,7 +11,7 @@ from typing import Any
 from ..base.errors import ParameterError, absent, shown
 from ..base.quantities import Kind
 from ..storage.json_text import json_text
-from .options import overwriting
+from .options import overwriting, step_error
 from .subject import add_subject, body_numbers, moving, refuse_of_body, require
 from .system_option import doubles, exact_numbers
 from .terminal import progress_bar, waiting
@@ -60,13 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser, words: Sequence[str] | None =
     parser.add_argument(
         "--method", default="auto", help="auto, heyoka, dop853, lsoda, radau, bdf, cvodes, idas"
     )
-    parser.add_argument(
-        "--tolerance",
-        type=float,
-        default=1e-9,
-        metavar="E",
-        help="error allowed in a step (default 1e-9)",
-    )
+    step_error(parser)
     parser.add_argument(
         "--max-seconds",
         type=float,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ...base.checks import whole_number
 from ...base.errors import FileError, ParameterError
 from ...storage.json_text import json_text
-from ..options import _picture, overwriting, scheduling
+from ..options import _picture, overwriting, scheduling, step_error
 from ..subject import add_subject
 from ..terminal import progress_bar, say
 from .launched import KINDS, launched
@@ -81,13 +81,7 @@ def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None) -> 
     )
     add_subject(sub, words, motion=True, place=True)
     sub.add_argument("--time", type=float, required=True, metavar="T", help="last time")
-    sub.add_argument(
-        "--tolerance",
-        type=float,
-        default=1e-9,
-        metavar="E",
-        help="error allowed in a step (default 1e-9)",
-    )
+    step_error(sub)
     sub.add_argument(
         "--no-check",
         action="store_true",

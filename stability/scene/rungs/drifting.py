@@ -23,15 +23,12 @@ import numpy as np
 
 from ...base.types import Floats
 from ...bodies.contact_laws import LinearViscous, Viscous
-from ...boundary.drift import FORMULAS
 from .elements import Elements, chebyshev
 from .near_steady import SAMPLES, Modes, modes, modes_of, rates_at, slope_at
 from .track import Problem, Refused, Track, relative
 
 DRIFT, ROLLING = "drift", "rolling"
 """Name of the rung, and of the family that drifts."""
-SOURCE = FORMULAS["time"]
-"""The formula of `stability.boundary.drift` that the closed form inverts."""
 ZERO = 1e-9
 """Size of an eigenvalue, over the largest, below which it is one of the two zeros."""
 MARGIN = 0.1
