@@ -17,7 +17,7 @@ from ..base.verdict import Nonlinear, Verdict
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES
-from ..bodies.thin_disk.launch import TILT, TIME, disk_of, near_steady
+from ..bodies.launch import TILT, TIME, disk_of, near_steady
 from ..boundary.drift import drift
 from ..motion.result import BY_CODE, Outcome
 from ..motion.simulate import simulate

@@ -13,7 +13,7 @@ from ...algebra.balls import precision
 from ...base.citation.used import cited
 from ...base.types import Progress
 from ...bodies.disk import Disk
-from ...bodies.thin_disk.disk_families import disk_family
+from ...bodies.thin_disk import disk_family
 from ..benchmarks.catalogue import COLUMNS, benchmark_lines, benchmark_notes
 from ..benchmarks.row import (
     CLOSED,
