@@ -17,6 +17,8 @@ PHYSICAL = ("mass", "radius", "gravity")
 """The disk's dimensional quantities."""
 SYSTEM = DISK
 """Start of the names of the disk's systems; the name of the law follows."""
+THIN = DISK.rstrip(", ")
+"""Name of the thin disk as a body."""
 
 _TABLE = (
     Quantity("mass", "m", "mass", Kind.MASS),
@@ -133,6 +135,8 @@ def round_quantities(
     >>> [q.symbol for q in found.values()]
     ['b', 'ω₃']
     """
+    if body == THIN:
+        return disk_quantities(law)
     known = {**disk_quantities(law), **{q.name: q for q in _OWN}}
     for name in ("slip_x", "slip_y"):  # of the disk, these words name its sides
         known[name] = replace(known[name], long_name=known[name].long_name.split(",")[0])

@@ -21,8 +21,7 @@ from ..base.verdict import Verdict
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
-from ..bodies.subject import of_body
-from ..spectra.arguments import axis_of, prepare
+from ..spectra.arguments import swept
 from ..spectra.certificate import verdict as certified
 from ..spectra.presentation.labels import of_package
 from ..spectra.problem import Problem
@@ -104,9 +103,9 @@ def boundaries(
     >>> [(round(b.value, 10), b.crossing.word) for b in found], found.complete
     ([(2.0, 'static'), (2.0451355787, 'flutter')], True)
     """
-    family, disk, contact, given = of_body(family, body, disk, contact, parameters, [axis])
-    grid = axis_of(family, axis, "axis", MOST_SCAN)
-    problem = prepare(family, (grid,), disk, contact, at, given, exact=True)
+    problem, (grid,) = swept(
+        family, {"axis": axis}, disk, body, contact, at, parameters, exact=True, most=MOST_SCAN
+    )
     found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
     law = problem.law.name if problem.law else None
     works = cited(law, model=of_package(problem), proofs=True)

@@ -111,7 +111,7 @@ def search(
     given = problem.rationals({n: v for n, v in problem.values.items() if n != axis})
     source, angle, edge = _source(problem, given, axis)
     ends = tuple(None if v is None else rational(v) for v in (low, high))
-    positive = problem.law is not None and axis in POSITIVE
+    positive = not problem.plain and axis in POSITIVE
     while bits <= MOST_BITS:
         with precision(bits):
             try:

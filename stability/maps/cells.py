@@ -88,7 +88,7 @@ class Cells:
         if problem.exact is not None:
             self._graph += OWN
         self.slice: Bands | None = None
-        if problem.law is None and math.prod(self.shape) >= LEAST:
+        if problem.plain and math.prod(self.shape) >= LEAST:
             self.slice = formula_cells(problem, axes, modes) or slice_cells(problem, axes, modes)
         if self.exact:
             self._verdicts = GridVerdicts(problem, axes[0].name, axes[1].name)
@@ -141,7 +141,7 @@ class Cells:
             return self._how
         if self.exact:
             return EXACT + LOOPS * self._growth.compiled
-        single = self.problem.law is None or bool(self.handed_on)
+        single = self.problem.plain or bool(self.handed_on)
         return self._graph + SINGLE * (single and self.problem.exact is None)
 
     def key(self) -> dict[str, Any]:
@@ -242,7 +242,7 @@ class Cells:
         self._look_at_zeros(codes, grid)
         if self.problem.exact is not None and not self.exact:
             self._settle(codes, grid, len(codes), None)
-        elif self.problem.law is None:
+        elif self.problem.plain:
             self._settle(codes, grid, MOST_SETTLED, BITS)
 
     def _look_at_zeros(self, codes: NDArray[np.int8], grid: Grid) -> None:

@@ -16,6 +16,7 @@ from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..boundary.curves import trace
 from ..jobs.checkpoint import Checkpoint
+from ..spectra.arguments import swept
 from ..systems.family import Family
 from .cells import Cells
 from .proved_boxes import MOST_LEVELS, prove_boxes
@@ -24,9 +25,7 @@ if TYPE_CHECKING:
     import xarray
 
 from ..base.types import Progress
-from ..bodies.subject import of_body
 from ..jobs.dask import check_pool, pool_of
-from ..spectra.arguments import axis_of, prepare
 
 MOST_CELLS = 100_000_000
 """Largest map in memory."""
@@ -132,14 +131,13 @@ def stability_map(
     if levels is not None:
         levels = whole_number("levels", levels, 0, MOST_LEVELS)
     check_pool(executor, workers, progress)
-    family, disk, contact, parameters = of_body(family, body, disk, contact, parameters, (x, y))
-    axes = axis_of(family, x, "x"), axis_of(family, y, "y")
+    problem, (across, up) = swept(family, {"x": x, "y": y}, disk, body, contact, at, parameters)
+    axes = across, up
     if (total := axes[0].count * axes[1].count) > MOST_CELLS:
         raise ParameterError(
             f"the map has {total:.3g} cells, at most {MOST_CELLS:.0e} are kept in memory; take "
             "fewer points, or stream_map (`--out map.zarr`), which writes a folder."
         )
-    problem = prepare(family, axes, disk, contact, at, parameters)
     marked = None
     if points:  # first, since a family may be refused
         from ..boundary.beyond_linear.two_parameters.points import in_plane

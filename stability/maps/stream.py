@@ -17,12 +17,11 @@ from ..base.types import Progress
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
-from ..bodies.subject import of_body
 from ..jobs.chunks import Layout
 from ..jobs.dask import check_pool, pool_of
 from ..jobs.filling import fill
 from ..jobs.shared import shared
-from ..spectra.arguments import axis_of, prepare
+from ..spectra.arguments import swept
 from ..spectra.problem import Problem
 from ..storage.targets import (
     NETCDF,
@@ -135,11 +134,9 @@ def stream_map(
     """
     growth = flag("growth", growth)
     check_pool(executor, workers, progress)
-    family, disk, contact, parameters = of_body(family, body, disk, contact, parameters, (x, y))
-    axes = axis_of(family, x, "x"), axis_of(family, y, "y")
-    own = isinstance(family, Family)
-    problem = prepare(family, axes, disk, contact, at, parameters)
-    judge = None if growth else judge_of(problem, axes, own=own)
+    problem, (across, up) = swept(family, {"x": x, "y": y}, disk, body, contact, at, parameters)
+    axes = across, up
+    judge = None if growth else judge_of(problem, axes)
     total = axes[0].count * axes[1].count
     if total > MOST_CELLS:
         raise ParameterError(

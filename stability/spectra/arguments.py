@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.axis import MOST_POINTS, Axis
+from ..base.axis import MOST_POINTS, Axis, AxisLike
 from ..base.checks import checked, real_numbers
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.types import Floats
@@ -19,6 +20,8 @@ from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES
 from ..bodies.law_names import class_named, law_given, law_only, refuse_misspelt
 from ..bodies.quantities import PHYSICAL
+from ..bodies.round_body.body import Body
+from ..bodies.subject import of_body
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import steady_where
 from ..systems.system import refuse_system
@@ -37,6 +40,7 @@ RESERVED = (
     "end",
 )
 """Variables and dimensions of every map; no axis may have such a name."""
+NONE: Mapping[str, Any] = MappingProxyType({})
 COLUMNS = ("axis", "error", "kind", "curve", "point")
 """A map has `boundary_axis` and so on for itself, and `boundary_NAME` for each of its two axes."""
 
@@ -96,6 +100,42 @@ def check_names(family: Any, names: Sequence[str], contact: Any) -> None:
             raise NameUnknownError(
                 f"axis is {shown(name)}; known for {family} are {', '.join(known)}."
             )
+
+
+def swept(
+    family: str | Family,
+    axes: Mapping[str, AxisLike],
+    disk: Disk | None,
+    body: Body | Disk | None,
+    contact: Contact | type[Contact] | str | None,
+    at: ArrayLike | None,
+    parameters: Mapping[str, Any],
+    *,
+    exact: bool = False,
+    most: int = MOST_POINTS,
+) -> tuple[Problem, tuple[Axis, ...]]:
+    """The problem of a call with axes, and the axes.
+
+    Parameters
+    ----------
+    family, disk, body, contact, at, parameters
+        As for `stability_map`.
+    axes
+        Axes as the caller gave them, by the names of the arguments.
+    exact
+        As for `prepare`.
+    most
+        Most points of an axis.
+
+    Raises
+    ------
+    StabilityError
+        If the arguments do not fit together.
+    """
+    given = [*axes.values()]
+    family, disk, contact, numbers = of_body(family, body, disk, contact, parameters, given)
+    grids = tuple(axis_of(family, axis, word, most) for word, axis in axes.items())
+    return prepare(family, grids, disk, contact, at, numbers, exact=exact), grids
 
 
 def prepare(
@@ -186,12 +226,12 @@ def prepare(
         if np.ndim(value) and name not in names:
             raise ParameterError(f"{name} is an array; what is not an axis must be one number.")
     kept = dict(problem.values)
-    for name in names if problem.law is not None else ():  # the axis takes the other's place
-        assert problem.law is not None
+    for name in names if problem.law else ():  # the axis takes the other's place
+        assert problem.law
         kept = {n: v for n, v in kept.items() if n not in problem.law.alternatives(name)}
     merged = kept | {n: _middle(v) for n, v in axis_values.items()}
     ratios = {n: r for n, r in problem.ratios.items() if n not in names}
-    if problem.law is None:
+    if problem.plain:
         problem = replace(problem, family=steady_where(problem.family, kept))
     problem = replace(problem, values=merged, ratios=ratios)
     problem = problem if exact else problem.rounded()
@@ -322,7 +362,7 @@ def _check_members(problem: Problem, axis_values: Mapping[str, Floats]) -> None:
         n: c.ravel() for n, c in zip(axis_values, corners, strict=True)
     }
     a, q, _, _ = problem.arrays(values)
-    if problem.law is None and len(axis_values) == 2:
+    if problem.plain and len(axis_values) == 2:
         found = problem.family.members(a, q)
         problem.family.checked_states(a[found.good], found.u[found.good], q[found.good])
     else:
@@ -354,25 +394,27 @@ def opened(family: Family, given: Mapping[str, Any]) -> dict[str, Any]:
 
 def problem_of(
     family: str | Family,
-    at: ArrayLike | None,
-    disk: Disk | None,
-    contact: Contact | type[Contact] | str | None,
-    parameters: dict[str, Any],
+    at: ArrayLike | None = None,
+    disk: Disk | None = None,
+    contact: Contact | type[Contact] | str | None = None,
+    parameters: Mapping[str, Any] = NONE,
     lean: ArrayLike | None = None,
+    *,
+    body: Body | Disk | None = None,
 ) -> Problem:
-    """The problem of the arguments of `spectrum` or `stability_map`.
+    """The problem of the arguments of `spectrum`.
 
     Parameters
     ----------
     family
-        Name of a disk's family, or a family of a user's system.
+        Name of a family of a disk or body, or a `Family`.
     at
         Family parameter, or None where it is an axis or `lean` is given.
-    disk, contact
-        Body and law, for the disk's families.
+    disk, body, contact
+        Body and law, for families by name.
     parameters
-        Parameters by name, for a user's family.  A parameter that has the name of an argument,
-        such as `at` or `axis`, is given in a mapping called `parameters`.
+        Numbers by name.  One that has the name of an argument, such as `at` or `axis`, is given in
+        a mapping called `parameters`.
     lean
         Angle π/2 - theta [rad] instead of `at`, where theta alone names a member.
 
@@ -385,6 +427,7 @@ def problem_of(
     StabilityError
         If the arguments do not fit together.
     """
+    family, disk, contact, parameters = of_body(family, body, disk, contact, parameters)
     refuse_system(family)
     if isinstance(family, Family):
         words = {"lean": lean, "disk": disk, "contact": contact}

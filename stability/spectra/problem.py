@@ -27,7 +27,7 @@ from ..algebra.routh_balls import product
 from ..base.checks import checked
 from ..base.errors import NameUnknownError, NoMemberError, ParameterError, absent, listing, shown
 from ..base.exact_numbers import double, no_double, warn_rounded
-from ..base.quantities import Units
+from ..base.quantities import Units, without_dimension
 from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..systems.closed_form import ClosedForm
@@ -58,7 +58,7 @@ class Problem:
     values: Mapping[str, Any]
     """Value or array by name: at (or its parts), parameters, physical quantities."""
     dimensionless: bool
-    """Whether the user's numbers are dimensionless."""
+    """Whether the numbers have no unit by choice of the units; False where a system has its own."""
     reduce: Callable[[Mapping[str, Any], Callable[[Any], Any]], tuple[list[Any], list[Any], Any]]
     """(values, square root) → family parameters, parameters, unit of rate; over any number type."""
     units: Callable[[Mapping[str, Any]], Units] = _plain
@@ -69,6 +69,8 @@ class Problem:
     """The contact law, for the disk."""
     exact: ExactPolynomial | None = None
     """The characteristic polynomial, or None where it is not known."""
+    plain: bool = False
+    """Whether the family's numbers are the caller's as they are, without a conversion."""
     ratios: Mapping[str, Fraction] = field(default_factory=dict)
     """Values that are given exactly and are no doubles; `values` has their nearest doubles."""
 
@@ -249,10 +251,11 @@ def system_problem(
     return Problem(
         family,
         values,
-        False,
+        without_dimension(family.system.quantities, family.system.units),
         reduce,
         roundings=roundings,
         exact=_compared(family),
+        plain=True,
         ratios=ratios,
     )
 

@@ -146,7 +146,7 @@ class Spectrum(Record):
     law: Contact | None = None
     """The contact law of the disk; None for a user's system."""
     dimensionless: bool = False
-    """Whether the numbers of a disk are dimensionless."""
+    """Whether the numbers have no unit by choice of the units."""
 
     __getstate__ = fields_of
 
@@ -212,9 +212,9 @@ class Spectrum(Record):
         >>> st.spectrum("rolling", at=1.8, contact=st.Viscous(0.3)).rate_unit
         '√(g/R)'
         """
-        if self.law is None:
-            system = self.family.system
-            return rate_unit(system.units, system.quantities)
+        system = self.family.system
+        if not system.quantities:
+            return rate_unit(system.units)
         return Kind.GROWTH_RATE.label(dimensionless=self.dimensionless)
 
     @property
@@ -268,7 +268,7 @@ class Spectrum(Record):
         stable = Nonlinear.ASYMPTOTIC if harmless else Nonlinear.OPEN
         if self.family.drifts:
             # the sentence on drift tells what a disk does
-            stable = Nonlinear.DRIFTS if self.law is not None else Nonlinear.CARRIED
+            stable = Nonlinear.DRIFTS if of_package(self) else Nonlinear.CARRIED
         # neutral with every λ² strictly negative: the integrals confine the motion
         kept = Nonlinear.BY_INTEGRALS if self.family.integrals else Nonlinear.OPEN
         table = {
@@ -293,8 +293,8 @@ class Spectrum(Record):
 
     @property
     def _linear(self) -> bool:
-        """Whether the rates of a user's system are proved to be linear."""
-        return self.law is None and linear(self.family.system)
+        """Whether the rates are proved to be linear."""
+        return linear(self.family.system)
 
     @property
     def reason(self) -> Any:

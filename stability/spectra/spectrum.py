@@ -17,9 +17,7 @@ from ..base.verdict import CODES, Verdict
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES, SteadyFamily
-from ..bodies.quantities import QUANTITIES
 from ..bodies.round_body.body import Body
-from ..bodies.subject import of_body
 from ..systems.family import Family
 from ..systems.sources.numeric import NumericSystem
 from .arguments import opened, problem_of
@@ -103,19 +101,19 @@ def spectrum(
     if at is None and lean is None:
         _check_named(family, parameters)
     certify, escalate = flag("certify", certify), flag("escalate", escalate)
-    family, disk, contact, given = of_body(family, body, disk, contact, parameters)
-    problem = problem_of(family, at, disk, contact, given, lean)
+    problem = problem_of(family, at, disk, contact, parameters, lean, body=body)
     if isinstance(problem.family.system, NumericSystem):
         return numeric_spectrum(problem, problem.family.system, certify=certify)
     rows = Rows(problem, exact=certify or escalate)
     resolved, shape, rate = problem.family, rows.shape, rows.place.rate
-    last = 0.0 if problem.dimensionless else 4 * UNIT  # rounding of the product with the unit
+    # rounding of the product with the unit
+    last = 0.0 if problem.plain or problem.dimensionless else 4 * UNIT
     names = resolved.system.states
     scale = np.ones((len(rate), len(names)))
-    if problem.law is not None:
+    if not problem.plain:
         units = problem.units(problem.values)
         for index, name in enumerate(names):
-            size = units.size(QUANTITIES[name].kind)
+            size = units.size(resolved.system.quantities[name].kind)
             scale[:, index] = np.broadcast_to(size, shape).reshape(-1)
     values, radius, codes, pairs = rows.spectra()
     with np.errstate(all="ignore"):  # a radius may overflow to infinity
@@ -238,9 +236,8 @@ def _given(problem: Problem) -> list[Any]:
     values = dict(problem.values)
     if "lean" in values:
         values["at"] = np.pi / 2 - np.asarray(values["lean"])
-    # a user's system may have a parameter called at
-    keys = ["at"] if problem.law is not None and "at" in values else problem.family.at
-    return [np.broadcast_to(values[k], shape).reshape(-1) for k in keys]
+    named = {problem.family.meaning(n): v for n, v in values.items()}
+    return [np.broadcast_to(named[k], shape).reshape(-1) for k in problem.family.at]
 
 
 def _shaped(rows: Any, shape: tuple[int, ...]) -> Any:

@@ -116,6 +116,17 @@ class Family(Record):
 
     __getstate__ = fields_of
 
+    def meaning(self, name: str) -> str:
+        """The name of a number, where `at` stands for the one that names a member.
+
+        Parameters
+        ----------
+        name
+            A name as a caller gave it.
+        """
+        known = name != "at" or len(self.at) != 1 or name in self.parameters
+        return name if known else self.at[0]
+
     def _content(self) -> tuple[Any, ...]:
         return (*super()._content(), tuple(self.unknown))  # their order is that of the guesses
 

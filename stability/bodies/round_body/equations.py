@@ -112,7 +112,7 @@ def _system(  # noqa: PLR0913
         states=states,
         parameters=numbers.names,
     )
-    return with_quantities(system, shape, law, resistance, physical=physical or is_thin(shape))
+    return with_quantities(system, shape, law, resistance, physical=physical)
 
 
 def rough_round(shape: Shape, resistance: Resistances) -> System:
@@ -190,15 +190,14 @@ def with_quantities(
         The system.
     shape
         From `shape_of`.
-    law, resistance
+    law, resistance, physical
         As for `round_system`.
-    physical
-        Whether the units are SI; so they are of a thin disk, whose numbers a `Disk` converts.
     """
     every = (*system.states, *system.parameters, *system.observables)
     coefficients = {r.coefficient: r.unit if physical else "1" for r in resistance}
     known = round_quantities(shape[0], law, shape[3], [n for n in every if n not in coefficients])
-    units = {n: q.kind.unit(dimensionless=not physical) for n, q in known.items()}
+    own = {n: q for n, q in known.items() if n in every}
+    units = {n: q.kind.unit(dimensionless=not physical) for n, q in own.items()}
     fit = of_fit(shape[0], shape[1].error)
     return replace(system, units=units | coefficients, quantities=known, approximation=fit)
 

@@ -83,7 +83,7 @@ def algebraic(line: AxisScan, low: float, high: float) -> Boundaries:
         If the family is not algebraic along the axis, or the polynomials are too large.
     """
     problem, family = line.problem, line.problem.family
-    if problem.exact is not None or problem.law is not None:
+    if problem.exact is not None or not problem.plain:
         raise NotExact("the family's own polynomial is not algebraic along the axis")
     if len(family.system.states) > MOST_STATES:
         raise NotExact(f"{len(family.system.states)} states, more than {MOST_STATES}")

@@ -43,7 +43,7 @@ def meaningful(line: AxisScan, low: float, high: float, found: Boundaries) -> Bo
     Boundaries
         These parts are unresolved, each with the condition.
     """
-    if line.problem.law is not None or not line.problem.family.system.conditions:
+    if not line.problem.plain or not line.problem.family.system.conditions:
         return found
     parts = [u for u in _Conditions(line).fail(low, high) if not _inside(u, found.unresolved)]
     if not parts:

@@ -108,7 +108,7 @@ def rounds_of(found: FormulaMeetings) -> Rounds | None:
     """
     line = found.line
     names = (*line.problem.family.at, *line.problem.family.parameters)
-    if line.problem.ratios or line.problem.law is not None or line.axis not in names:
+    if line.problem.ratios or not line.problem.plain or line.axis not in names:
         return None
     cut = len(line.problem.family.at)
     place = names.index(line.axis)

@@ -14,9 +14,8 @@ from matplotlib.patheffects import withStroke
 
 from ...base.checks import instance
 from ...base.errors import ParameterError
-from ...base.quantities import axis_label, in_latex, without_dimension
+from ...base.quantities import axis_label, in_latex
 from ...base.types import Complexes, Floats
-from ...bodies.quantities import disk_quantities
 from ...spectra.result import Spectrum
 from .modes import (
     crossings,
@@ -162,16 +161,9 @@ def _entries(top: Axes) -> list[Any]:
 
 def _axis(spectrum: Spectrum, name: str) -> str:
     """Label of the swept quantity, with the unit of its system."""
-    family = spectrum.family
-    if spectrum.law is None:
-        system = family.system
-        known, unit = system.quantities.get(name), system.units.get(name, "1")
-        plain = without_dimension(system.quantities, system.units)
-        unit = known.kind.label(dimensionless=plain) if known else unit
-        return axis_label(known, name, unit or "1")
-    meaning = family.at[0] if name == "at" else name
-    known = disk_quantities(type(spectrum.law)).get(meaning)
-    unit = known.kind.label(dimensionless=spectrum.dimensionless) if known else "1"
+    system, meaning = spectrum.family.system, spectrum.family.meaning(name)
+    known, unit = system.quantities.get(meaning), system.units.get(meaning, "1")
+    unit = known.kind.label(dimensionless=spectrum.dimensionless) if known else unit
     return axis_label(known, meaning, unit or "1")
 
 

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from ...base.errors import ParameterError, listed
 from ...base.quantities import plain_text
 from ...base.types import Complexes, Floats
-from ...bodies.quantities import disk_quantities
 from ...spectra.result import Spectrum
 
 LINEAR_SHARE, LEAST_SHARE = 1e-3, 1e-9
@@ -169,7 +168,7 @@ def mode_names(
         found = names()
         twice = [i for i, name in enumerate(found) if found.count(name) > 1]
         count = [n + (i in twice and n < len(states)) for i, n in enumerate(count)]
-    known = spectrum.family.system.quantities if spectrum.law is None else disk_quantities()
+    known = spectrum.family.system.quantities
     return [
         ", ".join(known[s].typeset if s in known else plain_text(s) for s in states if s in name)
         for name in names()

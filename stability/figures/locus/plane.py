@@ -16,10 +16,8 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
 from ...base.errors import ParameterError
-from ...base.quantities import without_dimension
 from ...base.types import Floats
 from ...base.verdict import BY_CODE
-from ...bodies.quantities import disk_quantities
 from ...spectra.result import Spectrum
 from ..letters import Letter, letters
 from .modes import LEAST_SHARE, mode_groups, mode_names, sure_signs, tracked
@@ -189,17 +187,12 @@ def fixed_numbers(spectrum: Spectrum, name: str) -> str:
     name
         The quantity that is not, or empty.
     """
-    family, law = spectrum.family, spectrum.law
-    held = {n: np.ravel(v)[0] for n, v in spectrum.values.items() if n != name and np.size(v) == 1}
-    if law is None:
-        system = family.system
-        body = system.name if system.quantities else ""
-        plain = without_dimension(system.quantities, system.units)
-        return fixed(held, system.quantities, system.units, law=body, dimensionless=plain)
-    return fixed(
-        {family.at[0] if n == "at" else n: v for n, v in held.items()},
-        disk_quantities(type(law)),
-        {},
-        law=law.name,
-        dimensionless=spectrum.dimensionless,
-    )
+    system, law = spectrum.family.system, spectrum.law
+    held = {
+        spectrum.family.meaning(n): np.ravel(v)[0]
+        for n, v in spectrum.values.items()
+        if n != name and np.size(v) == 1
+    }
+    said = law.name if law else system.name if system.quantities else ""
+    plain = spectrum.dimensionless
+    return fixed(held, system.quantities, system.units, law=said, dimensionless=plain)

@@ -202,7 +202,7 @@ def formula_cells(problem: Problem, axes: tuple[Axis, Axis], modes: bool) -> For
         As for `stability.maps.cells.Cells`.
     """
     formulas = formulas_of(problem.family)
-    if formulas is None or problem.law is not None or problem.exact is not None:
+    if formulas is None or not problem.plain or problem.exact is not None:
         return None
     try:
         return FormulaCells(problem, formulas, axes, modes)

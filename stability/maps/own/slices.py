@@ -77,7 +77,7 @@ def slice_of(problem: Problem, x: str, y: str) -> Slice | None:
         None for a family that is not algebraic, whose zeros by structure are not proved for every
         member, or whose polynomial is beyond the limits of this module.
     """
-    if problem.law is not None or problem.exact is not None:
+    if not problem.plain or problem.exact is not None:
         return None
     names = (*problem.family.at, *problem.family.parameters)
     fixed = tuple((n, float(problem.values[n])) for n in names if n not in (x, y))

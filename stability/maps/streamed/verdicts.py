@@ -26,7 +26,7 @@ METHOD = (
 """Method in words."""
 
 
-def judge_of(problem: Problem, axes: tuple[Axis, Axis], *, own: bool) -> Judge:
+def judge_of(problem: Problem, axes: tuple[Axis, Axis]) -> Judge:
     """What gives the verdicts of a map.
 
     Parameters
@@ -35,15 +35,13 @@ def judge_of(problem: Problem, axes: tuple[Axis, Axis], *, own: bool) -> Judge:
         Family with values in the user's units.
     axes
         x and y.
-    own
-        Whether the family is the user's, not one of a disk or body.
 
     Raises
     ------
     ParameterError
         If there are no exact polynomials.
     """
-    if own:
+    if problem.plain:
         return _own_verdicts(problem, axes)
     if not isinstance(problem.exact, TabulatedPolynomial):
         raise ParameterError(

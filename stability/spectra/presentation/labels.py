@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from ...base.provenance import versions
-from ...base.quantities import Kind, rate_unit, without_dimension, written
+from ...base.quantities import Kind, rate_unit, written
 from ...base.verdict import CODES
 from ...base.version import __version__
-from ...bodies.quantities import disk_quantities
+from ...bodies.quantities import SYSTEM
 
 FORMAT = "stability map 1"
 """Attribute `format` of a file of a map, or of a spectrum."""
@@ -22,29 +22,19 @@ LIBRARIES = ("casadi", "numpy", "scipy", "python-flint", "xarray")
 
 def axis_attributes(asked: Any, name: str) -> dict[str, str]:
     """Long name, unit and quantity of a parameter of a `Problem` or a `Spectrum`."""
-    if asked.law is None:
-        system = asked.family.system
-        if name in system.quantities:
-            plain = without_dimension(system.quantities, system.units)
-            own: dict[str, str] = system.quantities[name].attributes(dimensionless=plain)
-            return own | {"quantity": name}
-        unit = system.units.get(name, "1")
-        return {"units": unit, "long_name": name, "quantity": name}
-    meaning = asked.family.at[0] if name == "at" else name
-    known = disk_quantities(type(asked.law)).get(meaning)
-    if known is None:
-        return {"units": "1", "long_name": meaning, "quantity": meaning}
-    return known.attributes(dimensionless=asked.dimensionless) | {"quantity": meaning}
+    system, meaning = asked.family.system, asked.family.meaning(name)
+    known = system.quantities.get(meaning)
+    found = {"units": system.units.get(meaning, "1"), "long_name": meaning}
+    if known is not None:
+        found = known.attributes(dimensionless=asked.dimensionless)
+    return found | {"quantity": meaning}
 
 
 def rate_attributes(asked: Any) -> dict[str, str]:
-    """Unit of rates of a `Problem` or a `Spectrum`: the disk's, or from a user's units."""
-    if asked.law is None:
-        system = asked.family.system
-        if not system.quantities:
-            return {"units": rate_unit(system.units)}
-        plain = without_dimension(system.quantities, system.units)
-        return Kind.GROWTH_RATE.attributes(dimensionless=plain)
+    """Unit of rates of a `Problem` or a `Spectrum`."""
+    system = asked.family.system
+    if not system.quantities:
+        return {"units": rate_unit(system.units)}
     return Kind.GROWTH_RATE.attributes(dimensionless=asked.dimensionless)
 
 
@@ -59,12 +49,14 @@ def verdict_attributes() -> dict[str, Any]:
 
 
 def _units(asked: Any, fixed: Mapping[str, Any]) -> dict[str, Any]:
-    """Units of the fixed numbers of a user's system, where it has units; quantities of a body."""
+    """Units of the fixed numbers, and the quantities of a body."""
     system = asked.family.system
+    if asked.law:  # the numbers of a `Disk`, whose units its fields say
+        return {"dimensionless": int(asked.dimensionless)}
     known = {n: system.units[n] for n in sorted(fixed) if n in system.units}
     units: dict[str, Any] = {"parameter_units": json.dumps(known)} if known else {}
     if system.quantities:
-        units["dimensionless"] = int(without_dimension(system.quantities, system.units))
+        units["dimensionless"] = int(asked.dimensionless)
         units["quantities"] = written(
             {n: q for n, q in system.quantities.items() if n in asked.values}
         )
@@ -72,8 +64,8 @@ def _units(asked: Any, fixed: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def of_package(asked: Any) -> bool:
-    """Whether the body is the disk, which has a law, or one of revolution, which has quantities."""
-    return asked.law is not None or bool(asked.family.system.quantities)
+    """Whether the equations are those of the package, for the disk or a body of revolution."""
+    return bool(asked.family.system.quantities)
 
 
 def origin(asked: Any, fixed: Mapping[str, Any], *, citation: str, **more: Any) -> dict[str, Any]:
@@ -105,11 +97,11 @@ def origin(asked: Any, fixed: Mapping[str, Any], *, citation: str, **more: Any) 
         **({"contact": asked.law.name} if asked.law else {}),
         "at": ", ".join(family.at),
         "parameters": json.dumps({n: float(v) for n, v in fixed.items()}, sort_keys=True),
-        **({"dimensionless": int(asked.dimensionless)} if asked.law else _units(asked, fixed)),
+        **_units(asked, fixed),
         **more,
         "source": "equations of Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) "
         "204-231, linearisation recomputed"
-        if asked.law
+        if family.system.name.startswith(SYSTEM)
         else "equations of a body of revolution by its height, linearised"
         if family.system.quantities
         else "user's system",

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...base.errors import StabilityError
-from ...base.quantities import Kind, Quantity, without_dimension
+from ...base.quantities import Kind, Quantity
 from ...base.types import Complexes
 
 MOST = 8
@@ -54,11 +54,13 @@ def member(spectrum: Any) -> str:
 def of_body(spectrum: Any) -> str:
     """Every number of a spectrum of a body that is no array, with symbol and unit."""
     system = spectrum.family.system
-    plain = without_dimension(system.quantities, system.units)
-    single = {n: float(v) for n, v in spectrum.values.items() if np.ndim(v) == 0}
+    values = {spectrum.family.meaning(n): v for n, v in spectrum.values.items()}
+    single = {n: float(v) for n, v in values.items() if np.ndim(v) == 0}
     single = {n: single[n] for n in (*spectrum.family.at, *single) if n in single}
     known = {n: Quantity(n, "", n, Kind.NUMBER) for n in single} | dict(system.quantities)
-    return ", ".join(known[n].value(v, dimensionless=plain) for n, v in single.items())
+    return ", ".join(
+        known[n].value(v, dimensionless=spectrum.dimensionless) for n, v in single.items()
+    )
 
 
 def line(spectrum: Any) -> str:
@@ -97,10 +99,7 @@ def page(spectrum: Any) -> str:
     """
     family, unit = spectrum.family, spectrum.rate_unit
     units = f" [{escape(unit)}]" if unit != "1" else ""
-    law = f", {escape(spectrum.law.name)} contact" if spectrum.law is not None else ""
-    title = f"<b>{escape(family.name)}</b> of {escape(family.system.name)}{law}"
-    if spectrum.law is not None:
-        title = f"<b>{escape(family.name)}</b>{law}"
+    title = f"<b>{escape(family.name)}</b> of {escape(family.system.name)}"
     names = list(family.at)
     where = "" if spectrum.codes.ndim else member(spectrum)
     if family.system.quantities:

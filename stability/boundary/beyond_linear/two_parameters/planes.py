@@ -68,8 +68,7 @@ class GraphPlane:
         """Axes in the equations of the unknowns; both where there are none or neither is."""
         family = self.family
         base = (*family.at, *family.parameters)
-        rename = {"at": family.at[0]} if self.problem.law is not None else {}
-        names = [rename.get(n, n) for n in self.names]
+        names = [family.meaning(n) for n in self.names]
         used = {base[i] for i in family.graph.used} if family.unknown else set()
         found = tuple(i for i, n in enumerate(names) if n in used)
         return found or (0, 1)
@@ -212,11 +211,10 @@ def exact_plane(problem: Problem, names: tuple[str, str]) -> ExactPlane:
     """
     family = problem.family
     base = (*family.at, *family.parameters)
-    rename = {"at": family.at[0]} if problem.law is not None else {}
-    if problem.law is not None and not problem.dimensionless:
+    if not (problem.plain or problem.dimensionless):
         raise NotExact("units bring square roots")
-    axes = tuple(rename.get(n, n) for n in names)
-    given = {rename.get(n, n): v for n, v in problem.values.items()}
+    axes = tuple(family.meaning(n) for n in names)
+    given = {family.meaning(n): v for n, v in problem.values.items()}
     if not set(base) <= set(given) or not set(axes) <= set(base):
         raise NotExact("the family has other names")
     values = {n: rational(float(given[n])) for n in base if n not in axes}

@@ -16,8 +16,7 @@ from ....base.errors import ParameterError
 from ....bodies.contact import Contact
 from ....bodies.disk import Disk
 from ....bodies.round_body.body import Body
-from ....bodies.subject import of_body
-from ....spectra.arguments import axis_of, prepare
+from ....spectra.arguments import swept
 from ....spectra.presentation.labels import of_package
 from ....spectra.problem import Problem
 from ....systems.family import Family
@@ -117,10 +116,10 @@ def codimension_two(
     >>> [(p.kind.word, p.x, p.y) for p in found], found.complete
     ([('double zero', 0.0, 0.0)], True)
     """
-    family, disk, contact, given = of_body(family, body, disk, contact, parameters, (x, y))
-    axes = (axis_of(family, x, "x", MOST_LINES), axis_of(family, y, "y", MOST_LINES))
-    problem = prepare(family, axes, disk, contact, at, given)
-    result = in_plane(problem, axes)
+    problem, (first, second) = swept(
+        family, {"x": x, "y": y}, disk, body, contact, at, parameters, most=MOST_LINES
+    )
+    result = in_plane(problem, (first, second))
     result.warn()
     return result
 
@@ -144,7 +143,7 @@ def in_plane(problem: Problem, axes: tuple[Axis, Axis]) -> CodimensionTwo:
     found, left, how = _spectral(problem, axes, rectangle)
     units = [_point(problem, axes, f) for f in found]
     said, every = NONE_ON_LINES, False
-    if problem.law is None and zeros_left(problem.family) == 0:
+    if problem.plain and zeros_left(problem.family) == 0:
         some, open_, said, every = _vanishing(problem, axes, rectangle)
         units += some
         left += open_
