@@ -117,7 +117,7 @@ class Family(Record):
     __getstate__ = fields_of
 
     def meaning(self, name: str) -> str:
-        """The name of a number, where `at` stands for the one that names a member.
+        """The name of a number; `at` is the one that names a member.
 
         Parameters
         ----------
