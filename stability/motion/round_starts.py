@@ -141,7 +141,7 @@ def _of_disk(disk: Disk, contact: Contact, *, pose: bool) -> _Round:
         "radius",
         contact.arguments,
         tuple(law.symbols()),
-        disk_settling(law),
+        disk_settling(law),  # type: ignore[arg-type]  # a class is hashable
         (0.0, np.pi),
         "theta must lie strictly between 0 and π, because the disk is flat at both and its "
         "equations of motion end there",
@@ -172,7 +172,7 @@ def _of_body(body: Body, contact: Contact, resistance: Any, *, pose: bool) -> _R
         "length",
         scaled,
         given,
-        body_settling(body, law, given, kinds),
+        body_settling(body, law, given, kinds),  # type: ignore[arg-type]  # a class is hashable
         body.between,
         f"the height of {body.name} holds for theta between {low:.6g} and {high:.6g}",
     )

@@ -14,13 +14,15 @@ from numpy.typing import NDArray
 
 from ..base.types import Floats
 from .box.together import Settled, nothing
-from .line import Line, Near
+from .line import Line, Near, nearest
 from .proof import settled
 from .surroundings import NOT_PROVED, Surroundings
 
 SETTLE = 1e-3
 """Largest distance from a steady motion, dimensionless, at which a motion counts as settled: the
 default of launches, basins and scenes.  No eye sees such a distance; its convergence is proved."""
+NONE = -1
+"""Number of no family."""
 
 
 @dataclass(frozen=True)
@@ -54,19 +56,26 @@ class NearestMany:
     names: tuple[str, ...]
     """Names of the families."""
     family: NDArray[np.int64]
-    """Number of the nearest family among `names`, shape (launches,); -1 where there is none."""
-    at: Floats
-    """States y that name the nearest members, shape (launches, n), n the most of any family."""
+    """Number of the nearest family among `names`, shape (launches,); `NONE` for none."""
     distance: Floats
-    """Distances from them, shape (launches,)."""
+    """Distances from the nearest members, shape (launches,)."""
     settled: Settled
-    """Proofs; `limit` has the shape of `at`."""
+    """Proofs; `limit` has as many columns as any family has states y that name a member."""
     near: tuple[Near, ...]
     """The nearest members of each family."""
     states: Floats
     """The states, as the families name them, shape (launches, s)."""
     p: Floats
     """The parameters, shape (launches, ·)."""
+
+    @property
+    def at(self) -> Floats:
+        """States y that name the nearest members, in the columns of `settled.limit`."""
+        at = np.full(self.settled.limit.shape, np.nan)
+        for number, one in enumerate(self.near):
+            mine = self.family == number
+            at[mine, : one.y.shape[1]] = one.y[mine]
+        return at
 
     @property
     def limit(self) -> Floats:
@@ -117,30 +126,26 @@ class Settling:
         NearestMany
         """
         states, count = self.read(states), len(states)
-        p = np.broadcast_to(p, (count, np.shape(p)[-1]))
-        near = [line.near(states, p) for line in self.lines]
-        apart = np.array([one.distance for one in near]).reshape(len(near), count)
-        apart[np.isnan(apart)] = np.inf
-        best = np.argmin(apart, axis=0) if near else np.zeros(count, int)
-        distance = apart.min(axis=0, initial=np.inf)
-        family = np.where(np.isfinite(distance), best, -1)
-        most = max((one.y.shape[1] for one in near), default=0)
-        at, whole = np.full((count, most), np.nan), nothing(count, most)
-        for i, (line, one) in enumerate(zip(self.lines, near, strict=True)):
-            here, n = family == i, one.y.shape[1]
-            if not here.any():
+        p = p if p.ndim == 2 else np.broadcast_to(p, (count, len(p)))
+        near = nearest(self.lines, states, p)
+        apart = np.full((1 + len(near), count), np.inf)  # the first row is that of no family
+        for row, one in zip(apart[1:], near, strict=True):
+            np.fmin(row, one.distance, out=row)
+        family, distance = apart.argmin(axis=0) - 1, apart.min(axis=0)
+        whole = nothing(count, max((one.y.shape[1] for one in near), default=0))
+        close = distance <= within
+        for number in set(family[close].tolist()) - {NONE}:
+            line, one = self.lines[number], near[number]
+            if not isinstance(around := line.around, Surroundings):
                 continue
-            at[here, :n] = one.y[here]
-            some = (here & (distance <= within)).nonzero()[0]
-            if not (len(some) and isinstance(around := line.around, Surroundings)):
-                continue
+            some = (close & (family == number)).nonzero()[0]
             with np.errstate(all="ignore"):
                 y, e = line.enclosed(states[some], one.given[some], plain=plain or alone)
             found = settled(around, y, one.given[some], e, alone=alone, plain=plain)
-            whole.limit[some, :n] = found.limit
+            whole.limit[some, : one.y.shape[1]] = found.limit
             for name in ("proved", "error", "rate", "reach", "nearer"):
                 getattr(whole, name)[some] = getattr(found, name)
-        return NearestMany(self.names, family, at, distance, whole, tuple(near), states, p)
+        return NearestMany(self.names, family, distance, whole, tuple(near), states, p)
 
     def closest(self, state: Floats, p: Floats) -> Nearest:
         """The steady motion nearest to a state; settling is not tested."""
@@ -164,11 +169,11 @@ class Settling:
         """
         found = self.many(states, p, within, alone=True)
         members: dict[int, Floats] = {}
-        for number, (line, near) in enumerate(zip(self.lines, found.near, strict=True)):
+        for number in set(found.family.tolist()) - {NONE}:
             mine = (found.family == number).nonzero()[0]
-            if len(mine):
-                table = line.members(found.states[mine], near.y[mine], near.given[mine])
-                members |= zip(mine.tolist(), table, strict=True)
+            line, near = self.lines[number], found.near[number]
+            table = line.members(found.states[mine], near.y[mine], near.given[mine])
+            members |= zip(mine.tolist(), table, strict=True)
         return [self._one(found, i, members.get(i), within) for i in range(len(states))]
 
     def _one(self, found: NearestMany, i: int, member: Floats | None, within: float) -> Nearest:
