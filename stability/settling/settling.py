@@ -7,7 +7,9 @@ attracts there.  A body, a disk and a system differ by their families alone (`li
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,12 +43,21 @@ class Nearest:
     """Size of the box across the family in which convergence is proved; 0 where it is not."""
     evidence: str
     """Evidence, in one sentence."""
-    member: Floats | None = None
-    """The states of the steady motion; None where they are not known."""
     limit: float = np.nan
     """First of the numbers that name the steady motion that is converged to; nan where none."""
     error: float = np.nan
     """Bound on the error of the limit; nan where convergence is not proved."""
+    place: Callable[[], Floats | None] = lambda: None
+    """Gives `member`."""
+
+    @cached_property
+    def member(self) -> Floats | None:
+        """The states of the steady motion; None where they are not known."""
+        return self.place()
+
+
+NOWHERE = Nearest("", np.nan, np.inf, False, 0.0, "")
+"""What is nearest where nothing is sought."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,10 +104,15 @@ class Settling:
     none: str = "no steady motion is near"
     """What is said where no family has a member."""
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of the families."""
         return tuple(line.name for line in self.lines)
+
+    @cached_property
+    def idle(self) -> bool:
+        """Whether nothing settles on any family."""
+        return all(line.idle for line in self.lines)
 
     def many(
         self,
@@ -168,19 +184,13 @@ class Settling:
         list of Nearest
         """
         found = self.many(states, p, within, alone=True)
-        members: dict[int, Floats] = {}
-        for number in set(found.family.tolist()) - {NONE}:
-            mine = (found.family == number).nonzero()[0]
-            line, near = self.lines[number], found.near[number]
-            table = line.members(found.states[mine], near.y[mine], near.given[mine])
-            members |= zip(mine.tolist(), table, strict=True)
-        return [self._one(found, i, members.get(i), within) for i in range(len(states))]
+        return [self._one(found, i, within) for i in range(len(states))]
 
-    def _one(self, found: NearestMany, i: int, member: Floats | None, within: float) -> Nearest:
+    def _one(self, found: NearestMany, i: int, within: float) -> Nearest:
         """What is nearest to one of some launches, in words."""
-        if member is None:
-            return Nearest("", np.nan, np.inf, False, 0.0, self.none)
         number, distance, proof = int(found.family[i]), float(found.distance[i]), found.settled
+        if number == NONE:
+            return replace(NOWHERE, evidence=self.none)
         line, y, done = self.lines[number], found.near[number].y[i], bool(proof.proved[i])
         error, called = float(proof.error[i]), line.called(y, found.p[i])
         evidence = f"{distance:.3g} from {called}; "
@@ -198,10 +208,16 @@ class Settling:
             done,
             float(proof.reach[i]) if done else 0.0,
             evidence,
-            self.member(line, member),
             float(found.limit[i]),
             error,
+            partial(self._member, found, i),
         )
+
+    def _member(self, found: NearestMany, i: int) -> Floats | None:
+        """The states of the member that is nearest to one of some launches."""
+        line, near = self.lines[number := found.family[i]], found.near[number]
+        own = slice(i, i + 1)
+        return self.member(line, line.members(found.states[own], near.y[own], near.given[own])[0])
 
     def distances(self, states: Floats, p: Floats, near: Nearest) -> Floats:
         """Distances of states, shape (t, s), from the family of a nearest member, shape (t,)."""
