@@ -72,6 +72,22 @@ LONGER = 500
 """Fewest instructions that few points run by a kernel: an operation on arrays costs 1 to 5 µs."""
 
 
+def entries(points: Floats) -> list[Any]:
+    """The entries of an input at points, one array for each.
+
+    Parameters
+    ----------
+    points
+        Shape (…, n).
+
+    Examples
+    --------
+    >>> [v.tolist() for v in entries(np.array([[1.0, 2.0], [3.0, 4.0]]))]
+    [[1.0, 3.0], [2.0, 4.0]]
+    """
+    return list(points.transpose(points.ndim - 1, *range(points.ndim - 1)))
+
+
 def lanes(block: Sequence[Any], shape: tuple[int, ...]) -> list[list[Any]]:
     """The entries of an input at each point of a shape, as numbers.
 

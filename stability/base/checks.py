@@ -73,6 +73,8 @@ def real_numbers(name: str, value: Any) -> NDArray[np.float64]:
     -------
     ndarray
     """
+    if type(value) is np.ndarray and value.dtype == np.float64:  # nothing to convert
+        return value
     try:
         if value is None or isinstance(value, (str, bytes)):
             raise TypeError
