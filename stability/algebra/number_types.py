@@ -273,11 +273,12 @@ def heyoka() -> Any:
     ImportError
         If heyoka is not installed.
     """
+    if {"heyoka", "sympy"} & sys.modules.keys():
+        return import_module("heyoka")
     others = [t for t in threading.enumerate() if t is not threading.current_thread()]
     # a thread that imports SymPy meanwhile would find the stand-in; that of a progress bar does not
     alone = all(type(t).__module__.startswith(("tqdm", "stability.cli")) for t in others)
-    ready = {"heyoka", "sympy"} & sys.modules.keys()
-    found = find_spec("sympy") if alone and not ready and _known() else None
+    found = find_spec("sympy") if alone and _known() else None
     if found is None:
         return import_module("heyoka")
     later = sys.modules["sympy"] = _SymPyLater("sympy")

@@ -66,10 +66,26 @@ def _in_words(code: int) -> str:
 FEW = 4
 """Largest number of points that are taken one by one: an operation on a short array costs seven
 times one on a number."""
-LONG = 80
-"""Fewest instructions for which this is worth its own time."""
+LONG = 20
+"""Fewest instructions for each point for which this is worth its own time."""
 LONGER = 500
 """Fewest instructions that few points run by a kernel: an operation on arrays costs 1 to 5 µs."""
+
+
+def entries(points: Floats) -> list[Any]:
+    """The entries of an input at points, one array for each.
+
+    Parameters
+    ----------
+    points
+        Shape (…, n).
+
+    Examples
+    --------
+    >>> [v.tolist() for v in entries(np.array([[1.0, 2.0], [3.0, 4.0]]))]
+    [[1.0, 3.0], [2.0, 4.0]]
+    """
+    return list(points.transpose(points.ndim - 1, *range(points.ndim - 1)))
 
 
 def lanes(block: Sequence[Any], shape: tuple[int, ...]) -> list[list[Any]]:
@@ -273,7 +289,7 @@ class Program:
         list of ndarray
             For each output an array of shape `shape + (rows, columns)`.
         """
-        if shape and self.size >= LONG and 0 < math.prod(shape) <= FEW:
+        if shape and 0 < (count := math.prod(shape)) <= FEW and self.size >= LONG * count:
             points = zip(*(lanes(block, shape) for block in arguments), strict=True)
             found = [self.arrays(point, ()) for point in points]
             return [np.array(v).reshape(*shape, *v[0].shape) for v in zip(*found, strict=True)]

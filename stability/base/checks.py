@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any, TypeVar
@@ -43,10 +44,9 @@ def checked(name: str, value: ArrayLike) -> Number:
     >>> checked("mu", 3)
     3.0
     """
-    if type(value) is float:  # the most frequent case by far
-        array = np.asarray(value)
-    else:
-        array = real_numbers(name, value)
+    if type(value) is float and math.isfinite(value):  # the most frequent case by far
+        return value
+    array = real_numbers(name, value)
     if array.size == 0:
         raise ParameterError(f"{name} is an empty array; at least one number is needed.")
     bad = ~np.isfinite(array)
@@ -73,6 +73,8 @@ def real_numbers(name: str, value: Any) -> NDArray[np.float64]:
     -------
     ndarray
     """
+    if type(value) is np.ndarray and value.dtype == np.float64:  # nothing to convert
+        return value
     try:
         if value is None or isinstance(value, (str, bytes)):
             raise TypeError
@@ -128,6 +130,8 @@ def positive(
     0.3
     """
     number = checked(name, value)
+    if isinstance(number, float) and number > 0:
+        return number
     values = np.asarray(number)
     low = values[values < 0 if zero else values <= 0]
     if low.size:
@@ -210,8 +214,11 @@ def broadcast(**shapes: tuple[int, ...]) -> tuple[int, ...]:
     >>> broadcast(at=(3, 1), mu=(4,))
     (3, 4)
     """
+    different = {shape for shape in shapes.values() if shape}
+    if len(different) < 2:
+        return next(iter(different), ())
     try:
-        return np.broadcast_shapes(*shapes.values())
+        return np.broadcast_shapes(*different)
     except ValueError:
         listed = ", ".join(f"{n} {s}" for n, s in shapes.items() if s)
         raise ParameterError(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Set
 from dataclasses import fields, is_dataclass
 from enum import Enum, EnumMeta
+from functools import cache
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -40,8 +41,14 @@ class Record:
 
     def _content(self) -> tuple[Any, ...]:
         """Everything that equal records have in common, as values with a hash."""
-        compared = (f.name for f in fields(self) if f.compare)  # type: ignore[arg-type]
-        return (type(self), *(content(getattr(self, name)) for name in compared))
+        kind = type(self)
+        return (kind, *(content(getattr(self, name)) for name in _compared(kind)))  # type: ignore[arg-type]  # a class is hashable
+
+
+@cache
+def _compared(kind: type[Record]) -> tuple[str, ...]:
+    """Names of the fields that count."""
+    return tuple(f.name for f in fields(kind) if f.compare)  # type: ignore[arg-type]
 
 
 def content(value: Any) -> Any:
@@ -59,6 +66,8 @@ def content(value: Any) -> Any:
     >>> content(np.ones(2)) == content(np.ones(3))
     False
     """
+    if value is None or isinstance(value, (str, int)):  # the most frequent by far
+        return value
     if isinstance(value, (float, np.floating)):
         return "NaN" if value != value else float(value)  # noqa: PLR0124  # NaN alone differs
     if isinstance(value, np.ndarray):

@@ -8,6 +8,8 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from inspect import signature
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -253,31 +255,7 @@ def basins(
     >>> found.outcome.dims, found.outcome.values.tolist()
     (('tilt', 'phi_dot'), [[1, 1, 1], [1, 1, 1]])
     """
-    plan = planned(
-        disk,
-        contact,
-        x=x,
-        y=y,
-        more=more,
-        distribution=distribution,
-        count=count,
-        seed=seed,
-        held=held,
-        family=family,
-        theta=theta,
-        pole=pole,
-        horizon=horizon,
-        body=body,
-        families=families,
-        tolerance=tolerance,
-        check=check,
-        settle=settle,
-        flat=flat,
-        max_steps=max_steps,
-        max_seconds=max_seconds,
-        chunk=chunk,
-        **parameters,
-    )
+    plan = _plan(SimpleNamespace(**locals()))  # every argument by its name
     check_pool(executor, workers, progress)
     levels = whole_number("levels", levels, 0, MOST_LEVELS)
     if levels and len(plan.axes) != 2:
@@ -289,62 +267,68 @@ def basins(
     return kept.dataset().assign_attrs({"lost": list(numbers)} if numbers else {})
 
 
-def planned(
-    disk: Any,
-    contact: Any,
-    *,
-    x: Any = None,
-    y: Any = None,
-    more: Sequence[Any] = (),
-    distribution: Any = None,
-    count: Any = None,
-    seed: Any = 0,
-    held: Any = None,
-    family: str = "",
-    theta: Any = None,
-    pole: Any = None,
-    horizon: Any,
-    body: Any = None,
-    families: Any = (),
-    tolerance: Any = Judging.tolerance,
-    check: Any = Judging.check,
-    settle: Any = Judging.settle,
-    flat: Any = Judging.flat,
-    max_steps: Any = Judging.most,
-    max_seconds: Any = Judging.seconds,
-    chunk: Any = None,
-    **parameters: Any,
-) -> Plan:
-    """Check the arguments of `basins`; parameters and errors are its own.
+def planned(*given: Any, **named: Any) -> Plan:
+    """The plan of a call of `basins`, from the same arguments and with the same errors.
+
+    Parameters
+    ----------
+    *given, **named
+        As for `basins`; where and how the launches run does not matter.
 
     Returns
     -------
     Plan
     """
-    thing = moving(disk, body)
-    judging = judged_by(tolerance, check, settle, flat, max_steps, max_seconds)
-    last = last_time(horizon)
+    call = signature(basins).bind(*given, **named)
+    call.apply_defaults()
+    return _plan(SimpleNamespace(**call.arguments))
+
+
+def _plan(asked: SimpleNamespace) -> Plan:
+    """The plan of a call of `basins`, whose arguments are checked here."""
+    thing, family, distribution = moving(asked.disk, asked.body), asked.family, asked.distribution
+    judging = judged_by(
+        asked.tolerance,
+        asked.check,
+        asked.settle,
+        asked.flat,
+        asked.max_steps,
+        asked.max_seconds,
+    )
+    last = last_time(asked.horizon)
     axes: tuple[Axis, ...] = ()
     if distribution is None:
-        axes = _axes(x, y, more, family)
+        axes = _axes(asked.x, asked.y, asked.more, family)
         names, shape = tuple(a.name for a in axes), tuple(a.count for a in axes)
     else:
-        if x is not None or y is not None or more:
+        if asked.x is not None or asked.y is not None or asked.more:
             raise ParameterError("a sample has no axes; give a distribution, or x and y.")
-        if count is None:
+        if asked.count is None:
             raise ParameterError("count is missing; give the number of launches of the sample.")
         if isinstance(distribution, Mapping):
             distribution = Independent({_named(n, family): d for n, d in distribution.items()})
         check_distribution(distribution)
-        names, shape = tuple(distribution.names), (whole_number("count", count, most=MOST),)
+        names = tuple(distribution.names)
+        shape = (whole_number("count", asked.count, most=MOST),)
     if math.prod(shape) > MOST:
         raise ParameterError(f"{math.prod(shape):.3g} launches are asked; give at most {MOST:.0e}.")
+    held = asked.held
     if isinstance(held, Mapping):
         held = {_named(n, family): v for n, v in held.items()}
-    launches = prepare(thing, contact, names, held, family, families, dict(parameters), theta, pole)
+    launches = prepare(
+        thing,
+        asked.contact,
+        names,
+        held,
+        family,
+        asked.families,
+        dict(asked.parameters),
+        asked.theta,
+        asked.pole,
+    )
     size = min(max(TILE, math.prod(shape) // PIECES), LARGE)
-    size = size if chunk is None else whole_number("chunk", chunk, most=MOST)
-    seed = whole_number("seed", seed, least=0)
+    size = size if asked.chunk is None else whole_number("chunk", asked.chunk, most=MOST)
+    seed = whole_number("seed", asked.seed, least=0)
     layout = Layout(names if axes else ("launch",), shape, even_chunk(shape, size))
     if axes:
         launches.check_edges(axes, last)

@@ -29,9 +29,9 @@ from ..motion.neighbours import signs
 from ..motion.result import CODES, OF_END, Outcome, Settings
 from ..motion.run import TOGETHER, results
 from ..motion.starts import Starts
-from ..settling.settling import SETTLE, Settling
+from ..settling.settling import NONE, SETTLE, Settling
 from .lanes import EVENT, FAILED, LASTED, PROVED, ends, lean_of
-from .proofs import NONE, Watcher
+from .proofs import Watcher
 
 LOOSER = 100.0
 """Tolerance of the second run over that of the first."""

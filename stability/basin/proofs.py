@@ -8,10 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.types import Floats
-from ..settling.settling import Settling
-
-NONE = -1
-"""Number of no family."""
+from ..settling.settling import NONE, Settling
 
 
 class Watcher:

@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 
 from ..algebra.eigensolver import eigenvalues_alone
-from ..algebra.program import Program
+from ..algebra.program import Program, entries
 from ..base.types import Floats, fields_of
 from ..bodies.contact import Contact
 from ..bodies.model import Model
@@ -196,8 +196,7 @@ class Flow:
             return np.empty((*y.shape[:-1], 0)), np.empty((*y.shape[:-1], 0))
         if y.ndim == 1:
             return self.quick.watch(p, y)
-        arguments = [list(np.moveaxis(y, -1, 0)), list(np.moveaxis(p, -1, 0))]
-        both = self._watch_program.arrays(arguments, y.shape[:-1])[0][..., 0]
+        both = self._watch_program.arrays([entries(y), entries(p)], y.shape[:-1])[0][..., 0]
         count = len(self.guards)
         return both[..., :count], both[..., count:]
 

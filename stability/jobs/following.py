@@ -18,6 +18,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
 from multiprocessing.connection import Connection, wait
+from multiprocessing.context import BaseContext
 from multiprocessing.reduction import ForkingPickler
 from typing import Any, TypeVar, cast
 
@@ -137,11 +138,13 @@ class Lanes(Executor):
     ----------
     workers
         Number of processes.
+    context
+        How `multiprocessing` starts them; by `spawn` when left out.
     """
 
-    def __init__(self, workers: int) -> None:
+    def __init__(self, workers: int, context: BaseContext | None = None) -> None:
         self._workers = workers
-        self._context = multiprocessing.get_context("spawn")
+        self._context: Any = context or multiprocessing.get_context("spawn")
         self._lock = threading.Lock()
         self._waiting: deque[tuple[Future[Any], bytes]] = deque()
         self._heard, self._bell = self._context.Pipe(duplex=False)
@@ -226,9 +229,9 @@ class Lanes(Executor):
 
     def _start(self) -> None:
         pipe, theirs = self._context.Pipe()
-        process = self._context.Process(
-            target=_serve_pieces, args=(theirs, os.getpid()), daemon=False
-        )
+        # a server that forks processes is their parent
+        parent = os.getpid() if self._context.get_start_method() == "spawn" else None
+        process = self._context.Process(target=_serve_pieces, args=(theirs, parent), daemon=False)
         with ignoring_signals():
             process.start()
         theirs.close()
@@ -271,9 +274,9 @@ class Lanes(Executor):
                 future.set_exception(BrokenExecutor(NOT_STARTED))
 
 
-def _serve_pieces(pipe: Connection, parent: int) -> None:
+def _serve_pieces(pipe: Connection, parent: int | None) -> None:
     """Do pieces until the pipe closes: the life of a process of `Lanes`."""
-    follow(parent)
+    follow(os.getppid() if parent is None else parent)
     pipe.send_bytes(pickle.dumps((True, None)))
     while True:
         try:

@@ -5,10 +5,9 @@ task raises, exceeds its time limit or ends its process, its cell records that. 
 group continues, after a time limit or a dead process in another process.  Finished cells are lines
 of a journal in the folder of the comparison, so that a stopped run continues where it was.
 
-No `concurrent.futures.Executor` can do this.  A task that hangs in a library cannot be ended
-(`Future.cancel` stops no running work).  A worker that dies breaks the whole pool, and with it
-every other task.  So this module starts the processes.  Progress, interruption and the protocol of
-the store are those of `pipeline`.
+No `concurrent.futures.Executor` can end a task that hangs in a library (`Future.cancel` stops no
+running work).  So each group has an executor of its own, with one process, and that executor is
+killed at the limit.
 """
 
 from __future__ import annotations
@@ -18,21 +17,24 @@ import multiprocessing
 import os
 import time
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import BrokenExecutor, Future
 from dataclasses import dataclass
 from importlib.util import find_spec
-from multiprocessing.connection import Connection, wait
+from queue import Empty, SimpleQueue
 from typing import Any
 
 from ..base.calls.main_module import check_main
 from ..base.errors import StabilityError
 from ..base.types import Progress
-from ..storage.files import STOPS, ignoring_signals
-from .following import follow
+from ..storage.files import postponed
+from .following import Lanes, WorkerEnded
 from .journal import CRASHED, DONE, LATE, REFUSED, Cell
 from .pipeline import Counted, Keep, resumable
 
 START = 120.0
 """Time in which a process must start [s]."""
+LOOK = 0.5
+"""Time between two looks at the limits of time [s]."""
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """Variables set to 1 in the processes: several threads do not help with small matrices."""
 
@@ -90,109 +92,93 @@ def run(
     waiting = [[t for t in group if not keep.done(t.key)] for group in groups]
     waiting = [group for group in waiting if group]
     lanes: list[_Lane] = []
-    with resumable(keep.folder, counted):
+    ended: SimpleQueue[Any] = SimpleQueue()
+    with resumable(keep.folder, counted), _single_threads():
         try:
             counted.add(len(keys) - sum(len(group) for group in waiting))
             while waiting or lanes:
                 while waiting and len(lanes) < lanes_at_most:
-                    lanes.append(_Lane(waiting.pop(0)))
-                for lane, cell in _ended(lanes):
+                    lanes.append(_Lane(waiting.pop(0), ended))
+                with contextlib.suppress(Empty):
+                    ended.get(timeout=LOOK)
+                for lane in list(lanes):
+                    cell = lane.outcome()
+                    if cell is None:
+                        continue
                     keep.add(cell.key, cell)
                     counted.add(1)
                     if not lane.left:
-                        lane.stop()
+                        lane.pool.kill()
                         lanes.remove(lane)
         finally:
             for lane in lanes:
-                lane.stop()
+                lane.pool.kill()
     return {key: found for key in keys if (found := keep.get(key)) is not None}
 
 
 class _Lane:
     """A process that works through a group."""
 
-    def __init__(self, tasks: Sequence[Task]) -> None:
-        self.left = list(tasks)
+    def __init__(self, tasks: Sequence[Task], ended: SimpleQueue[Any]) -> None:
+        self.left, self._ended = list(tasks), ended
         self._start()
 
     def _start(self) -> None:
-        context = _context()
-        self.pipe, theirs = context.Pipe()
-        self.process = context.Process(target=_work, args=(theirs,), daemon=True)
+        self.pool = Lanes(1, _context())
         try:
-            with (
-                _single_threads(),
-                ignoring_signals(),
-            ):  # this process handles signals to stop
-                self.process.start()
-            theirs.close()
-            if not self.pipe.poll(START):
-                raise EOFError
-            self.pipe.recv()
-        except KeyboardInterrupt:
-            self.stop()
-            raise
-        except (EOFError, OSError):
-            self.stop()
+            started: SimpleQueue[Any] = SimpleQueue()
+            self._sent(started, int)
+            started.get(timeout=START).result()
+        except (Empty, BrokenExecutor):
+            self.pool.kill()
             raise StabilityError(
                 "the processes that do the work cannot start; in a script, make the call under "
                 "`if __name__ == '__main__':`."
             ) from None
+        except KeyboardInterrupt:
+            self.pool.kill()
+            raise
         self._next()
+
+    def _sent(self, ended: SimpleQueue[Any], work: Callable[..., Any], *given: Any) -> Future[Any]:
+        with postponed():
+            future = self.pool.submit(work, *given)
+            future.add_done_callback(ended.put)
+        return future
 
     def _next(self) -> None:
         task = self.left[0]
-        self.since = time.monotonic()
-        # time counts from here, after the start of the process
+        self.since = time.monotonic()  # the process has started
         self.deadline = self.since + 1.5 * task.limit + 10.0
-        with contextlib.suppress(OSError):
-            self.pipe.send((task.function, task.arguments, task.limit))
+        self.future = self._sent(self._ended, _answer, task.function, task.arguments, task.limit)
 
     def outcome(self) -> Cell | None:
         """The cell that has just ended, or None."""
         task = self.left[0]
-        found: Cell | None = None
-        dead = False
-        if self.pipe.poll():
-            try:
-                status, value, message, seconds = self.pipe.recv()
-                found = Cell(task.key, status, value, message, seconds)
-            except (EOFError, OSError):
-                dead = True
-        if found is None and not dead and time.monotonic() > self.deadline:
+        if self.future.done():
+            found = self._cell(task)
+        elif time.monotonic() > self.deadline:
             found = Cell(task.key, LATE, None, f"no answer in {task.limit:g} s", task.limit)
-            dead = True
-        elif dead or (found is None and not self.process.is_alive()):
-            dead = True
-            self.process.join(5)
-            code = self.process.exitcode
-            took = time.monotonic() - self.since
-            found = Cell(task.key, CRASHED, None, f"its process ended with code {code}", took)
-        if found is None:
+        else:
             return None
         self.left.pop(0)
-        if dead or found.status == LATE:
-            self.stop()
+        if found.status == LATE or self.future.exception() is not None:
+            self.pool.kill()
             if self.left:
                 self._start()
         elif self.left:
             self._next()
         return found
 
-    def stop(self) -> None:
-        """End the process."""
-        if self.process.pid is not None:
-            self.process.kill()
-            self.process.join()
-        self.pipe.close()
-
-
-def _ended(lanes: list[_Lane]) -> Iterator[tuple[_Lane, Cell]]:
-    wait([lane.pipe for lane in lanes], timeout=0.5)
-    for lane in list(lanes):
-        cell = lane.outcome()
-        if cell is not None:
-            yield lane, cell
+    def _cell(self, task: Task) -> Cell:
+        """The cell of a task whose process has answered or ended."""
+        try:
+            return Cell(task.key, *self.future.result())
+        except WorkerEnded as error:
+            why = f"its process {error}"
+        except Exception as error:  # an answer that cannot be sent
+            why = str(error)
+        return Cell(task.key, CRASHED, None, why, time.monotonic() - self.since)
 
 
 @contextlib.contextmanager
@@ -238,23 +224,14 @@ class Late(BaseException):
     """Raised in a task at its time limit; a task with part of an answer may catch it."""
 
 
-def _work(pipe: Connection) -> None:
-    """Answer tasks until the pipe closes."""
-    import signal
-
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if hasattr(signal, "pthread_sigmask"):  # SIGTERM, blocked at the start, must end it
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, STOPS)
-    follow(os.getppid())
-    with contextlib.suppress(OSError):  # the parent has ended
-        _answer(pipe)
-
-
-def _answer(pipe: Connection) -> None:
+def _answer(
+    function: Callable[..., Any], arguments: tuple[Any, ...], limit: float
+) -> tuple[str, Any, str, float]:
+    """How a task ends, in a process of its group."""
     import signal
     import warnings
 
-    pipe.send("ready")
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     warnings.simplefilter("ignore")  # an error in the answer counts, not a warning
 
     def late(*_: Any) -> None:
@@ -263,23 +240,18 @@ def _answer(pipe: Connection) -> None:
     timer = hasattr(signal, "setitimer")
     if timer:
         signal.signal(signal.SIGALRM, late)
-    while True:
-        try:
-            function, arguments, limit = pipe.recv()
-        except (EOFError, OSError):
-            return
-        start = time.perf_counter()
-        try:
-            if timer:
-                signal.setitimer(signal.ITIMER_REAL, limit)
-            answer: tuple[str, Any, str] = (DONE, function(*arguments), "")
-        except StabilityError as error:
-            answer = (REFUSED, None, str(error))
-        except Late:
-            answer = (LATE, None, f"no answer in {limit:g} s")
-        except Exception as error:
-            answer = (CRASHED, None, f"{type(error).__name__}: {error}"[:300])
-        finally:
-            if timer:
-                signal.setitimer(signal.ITIMER_REAL, 0)
-        pipe.send((*answer, time.perf_counter() - start))
+    start = time.perf_counter()
+    try:
+        if timer:
+            signal.setitimer(signal.ITIMER_REAL, limit)
+        answer: tuple[str, Any, str] = (DONE, function(*arguments), "")
+    except StabilityError as error:
+        answer = (REFUSED, None, str(error))
+    except Late:
+        answer = (LATE, None, f"no answer in {limit:g} s")
+    except Exception as error:
+        answer = (CRASHED, None, f"{type(error).__name__}: {error}"[:300])
+    finally:
+        if timer:
+            signal.setitimer(signal.ITIMER_REAL, 0)
+    return (*answer, time.perf_counter() - start)

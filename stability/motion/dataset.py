@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 import platform
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
-from functools import cache, partial
+from functools import cache, lru_cache, partial
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +29,7 @@ from .result import Outcome, outcome_flags
 if TYPE_CHECKING:
     import xarray
 
+    from ..bodies.model import Model
     from ..settling.settling import Nearest
     from .result import Result, Settings
     from .starts import Starts
@@ -59,6 +61,12 @@ def _versions() -> str:
     return ", ".join(found) + f", python {platform.python_version()}"
 
 
+@lru_cache(maxsize=64)
+def _labels(model: Model, dimensionless: bool) -> Callable[[str], dict[str, str]]:  # noqa: FBT001
+    """Name in words and units of each series."""
+    return cache(partial(model.attributes, dimensionless=dimensionless))
+
+
 def assemble(launches: Starts, settings: Settings, results: list[Result]) -> xarray.Dataset:
     """The dataset that `simulate` returns.
 
@@ -88,7 +96,7 @@ def assemble(launches: Starts, settings: Settings, results: list[Result]) -> xar
     along = (*dims, "time")
     shape = (*launches.shape, y.shape[1])
     fast: Any = xarray.Variable
-    labels = partial(launches.model.attributes, dimensionless=launches.dimensionless)
+    labels = _labels(launches.model, launches.dimensionless)
     variables = {
         n: fast(along, v.reshape(shape), labels(n), fastpath=True) for n, v in series.items()
     }

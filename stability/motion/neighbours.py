@@ -304,6 +304,8 @@ def _settled(
     """The estimates, with finer neighbours for unsure launches until two of them agree."""
     for _ in range(TURNS):
         unsure = [j for j in unsure if tight[j] > limits[j]]
+        if not unsure:
+            break
         tight[unsure] = np.maximum(tight[unsure] / 10, limits[unsure])
         more = rerun(unsure, tight[unsure], np.zeros(len(unsure)))
         left = []

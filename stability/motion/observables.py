@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
-from ..algebra.program import Program
+from ..algebra.program import Program, entries
 from ..base.errors import DomainError
 from ..base.quantities import Kind
 from ..base.types import Floats
@@ -43,8 +43,8 @@ def _slopes(model: Model) -> Program:
 
 def _energy_slopes(model: Model, states: Floats, p: Floats) -> Floats:
     """Gradient of the energy, shape (…, n)."""
-    x, q = list(np.moveaxis(states, -1, 0)), list(np.moveaxis(p, -1, 0))
-    return np.asarray(_slopes(model).arrays([x, q], states.shape[:-1])[0][..., 0])
+    given = [entries(states), entries(p)]
+    return np.asarray(_slopes(model).arrays(given, states.shape[:-1])[0][..., 0])
 
 
 def observe(
@@ -82,13 +82,13 @@ def observe(
         states[still, 4] = REST * np.cos(heading[still])
         states[still, 5] = REST * np.sin(heading[still])
     own = len(model.system.states)
-    x, q = list(np.moveaxis(states[..., :own], -1, 0)), list(np.moveaxis(p, -1, 0))
+    x, q = entries(states[..., :own]), entries(p)
     values = _observer(model).arrays([x, q], states.shape[:-1])[0][..., 0]
     if modes is not None and (modes == STICKING).any():
         sticking = modes == STICKING
         assert model.dry is not None
         given = model.dry.at_rest([np.broadcast_to(v, modes.shape)[sticking] for v in q])
-        held = [list(np.moveaxis(states[sticking][:, :4], -1, 0)), given]
+        held = [entries(states[sticking][:, :4]), given]
         at_rest = _observer(model.dry.sticking())
         values[sticking] = at_rest.arrays(held, (int(sticking.sum()),))[0][..., 0]
     return dict(zip(model.series, np.moveaxis(values, -1, 0), strict=True))

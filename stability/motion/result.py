@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from concurrent.futures import Executor
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -139,12 +140,15 @@ def outcome_flags(*, disk: bool) -> dict[str, Any]:
     dict
         `flag_values` and `flag_meanings`.
     """
+    codes, words = _flags(disk)
+    return {"flag_values": np.array(codes, dtype=np.int8), "flag_meanings": words}
+
+
+@cache
+def _flags(disk: bool) -> tuple[list[int], str]:  # noqa: FBT001
     of_disk = (Outcome.FLAT, Outcome.LIFT_OFF, Outcome.NO_CONTACT, Outcome.NON_UNIQUE)
     possible = {code: o for code, o in BY_CODE.items() if disk or o not in of_disk}
-    return {
-        "flag_values": np.array(list(possible), dtype=np.int8),
-        "flag_meanings": " ".join(o.word for o in possible.values()),
-    }
+    return list(possible), " ".join(o.word for o in possible.values())
 
 
 @dataclass(frozen=True)

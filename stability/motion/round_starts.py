@@ -142,7 +142,7 @@ def _of_disk(disk: Disk, contact: Contact, *, pose: bool) -> _Round:
         "radius",
         contact.arguments,
         tuple(law.symbols()),
-        disk_settling(law),
+        disk_settling(law),  # type: ignore[arg-type]  # a class is hashable
         (0.0, np.pi),
         "theta must lie strictly between 0 and π, because the disk is flat at both and its "
         "equations of motion end there",
@@ -173,7 +173,7 @@ def _of_body(body: RoundShape, contact: Contact, resistance: Any, *, pose: bool)
         "length",
         scaled,
         given,
-        body_settling(body, law, given, kinds),
+        body_settling(body, law, given, kinds),  # type: ignore[arg-type]  # a class is hashable
         body.between,
         f"the height of {body.name} holds for theta between {low:.6g} and {high:.6g}",
     )
@@ -240,14 +240,17 @@ def _gathered(
         for n, v in fields.items()
     }
     units = Units(flat["mass"], flat[setting.length], flat["gravity"], np.sqrt)
-    starts = np.broadcast_to(six, (*shape, 6)).reshape(count, 6).copy()
+    starts = np.empty((*shape, 6))
+    starts[...] = six
+    starts = starts.reshape(count, 6)
     starts[:, 1:4] *= np.asarray(units.time)[..., None]
     starts[:, 4:] /= np.asarray(units.speed)[..., None]
     if law.holds:
         starts[:, 4:] = 0.0
     own = {**flat, **setting.scaled(flat, units)}
-    columns = [np.broadcast_to(own[n], (count,)) for n in model.system.parameters]
-    p = np.column_stack(columns) if columns else np.zeros((count, 0))
+    p = np.empty((count, len(model.system.parameters)))
+    for column, name in zip(p.T, model.system.parameters, strict=True):
+        column[:] = own[name]
     last = when[-1] / units.time
     if not (np.all(last <= LONGEST) and np.all(last >= BRIEFEST)):
         unit = "R" if setting.length == "radius" else "length"
@@ -319,8 +322,7 @@ def _check(
     system, zeros = model.system, {one.place for one in contact.parameters if one.zero}
     forces = {n: p[:, system.parameters.index(n)] for n in setting.coefficients}
     lost = any((v < 0).any() or (n not in zeros and (v == 0).any()) for n, v in forces.items())
-    finite = np.isfinite(starts).all() and np.isfinite(p).all() and not lost
-    if not (finite and np.abs(starts).max() < FASTEST):
+    if lost or not (np.isfinite(p).all() and np.abs(starts).max() < FASTEST):
         raise ParameterError(
             "a dimensionless number of the start or the body leaves the range of double precision "
             f"(rates up to {FASTEST:g}); give values nearer to 1."
@@ -346,10 +348,9 @@ def _check(
     seen = _look(model).arrays([list(own.T), list(p.T)], starts.shape[:1])[0][..., 0]
     if model.dry is not None:
         _look_at_rest(model.dry, starts, p, seen)
-    bad = np.argwhere(~(seen[:, :-1] > 0))
-    fit = np.column_stack([inside, seen[:, :-1] > 0])
-    if len(bad) and not mark:
-        row, column = (int(i) for i in bad[0])
+    positive = seen[:, :-1] > 0
+    if not (mark or positive.all()):
+        row, column = (int(i) for i in np.argwhere(~positive)[0])
         where, value = _place(row, shape), float(seen[row, column])
         if column < len(system.conditions):
             raise DomainError(f"start{where}: {system.conditions[column].refusal(value)}")
@@ -359,6 +360,7 @@ def _check(
             f"the {what} is not in contact; turn it slower."
         )
     energies: Floats = seen[:, -1]
+    fit = np.column_stack([inside, positive])
     return energies, unfit_of(fit, [FLAT], len(system.conditions) + 1)
 
 

@@ -26,7 +26,7 @@ from ..integrators.stick_slip import integrate as integrate_dry
 from ..integrators.taylor import CORES
 from ..jobs.pipeline import Counted, here, ordered
 from ..jobs.shared import shared
-from ..settling.settling import Nearest
+from ..settling.settling import NOWHERE, Nearest
 from .growth import LARGEST, NONE, growth, growth_along
 from .neighbours import (
     COMPARED,
@@ -97,17 +97,21 @@ def _checked(
     if not settings.check:
         return found
 
+    compared = [
+        replace(leg, times=_compared(leg, one.choice.method))
+        for leg, one in zip(legs, found, strict=True)
+    ]
     left = [settings.max_seconds] * len(legs)  # seconds that the neighbours of each share
     finer: dict[int, Result] = {}  # the first neighbour of each
 
     def rerun(which: Sequence[int], tolerances: Floats, off: Floats) -> list[Result]:
         methods = [found[i].choice.method for i in which]
-        numbers = zip(which, tolerances.tolist(), off.tolist(), methods, strict=True)
+        numbers = zip(which, tolerances.tolist(), off.tolist(), strict=True)
         shadows = [
-            _shadow(legs[i], starts[i], tolerance, size, left[i], method)
-            for i, tolerance, size, method in numbers
+            _shadow(compared[i], starts[i], tolerance, size, left[i])
+            for i, tolerance, size in numbers
         ]
-        results = _run(shadows, launches, settings, methods, None)
+        results = _run(shadows, launches, settings, methods, None, own=False)
         for i, result in zip(which, results, strict=True):
             left[i] -= result.path.seconds
             finer.setdefault(i, result)
@@ -116,7 +120,7 @@ def _checked(
     judged = estimate_errors(found, [FINEST[r.choice.method] for r in found], rerun)
     if not launches.dry:
         for i, result in finer.items():
-            doubt, leg = judged[i], replace(legs[i], seconds=left[i])
+            doubt, leg = judged[i], replace(compared[i], seconds=left[i])
             if doubt is not None and not doubt.contrary and math.isfinite(doubt.final_error):
                 judged[i] = _grown(leg, found[i], doubt, result, launches, settings)
     return [_doubted(result, doubt) for result, doubt in zip(found, judged, strict=True)]
@@ -141,10 +145,10 @@ def _grown(
     shown = max(HIDDEN * doubt.final_error / one.tolerance, steps)
     if shown >= LARGEST:
         return doubt
-    states, all_times = finer.path.states, _compared(leg, one.choice.method)
+    states = finer.path.states
     with np.errstate(all="ignore"):
         for every in (4, 1):  # few samples are enough nearly always
-            times = all_times[: len(states) : every]
+            times = leg.times[: len(states) : every]
             grown = growth(leg.flow, leg.p, times, states[::every], shown)
             if grown.largest <= shown:
                 return doubt
@@ -156,7 +160,7 @@ def _grown(
             path = integrate_by_steps(shadow, method="lsoda", trail=trail)
             grown = growth_along(leg.flow, leg.p, trail)
             choice = Choice("lsoda", "its steps show how errors grow")
-            [other] = _judged([shadow], [(path, choice)], launches, settings)
+            [other] = _judged([shadow], [(path, choice)], launches, settings, own=False)
             if fine * grown.largest < SMALL or fine == FINE_ENOUGH:
                 break
     if grown.largest > shown:
@@ -188,13 +192,10 @@ def _legs(launches: Starts, settings: Settings) -> list[Leg]:
     ]
 
 
-def _shadow(
-    leg: Leg, states: Floats, tolerance: float, off: float, seconds: float, method: str
-) -> Leg:
-    """The leg from a start with a relative change, with the times of a comparison."""
+def _shadow(leg: Leg, states: Floats, tolerance: float, off: float, seconds: float) -> Leg:
+    """The leg from a start with a relative change."""
     start = leg.flow.pack(states * (1.0 + off * signs(len(states))))
-    times = _compared(leg, method)
-    return replace(leg, start=start, times=times, tolerance=tolerance, seconds=seconds)
+    return replace(leg, start=start, tolerance=tolerance, seconds=seconds)
 
 
 def _compared(leg: Leg, method: str) -> Floats:
@@ -230,8 +231,10 @@ def _run(
     settings: Settings,
     methods: Sequence[str],
     progress: Callable[[int, int], None] | None,
+    *,
+    own: bool = True,
 ) -> list[Result]:
-    """Run legs, each by its method, and judge how they ended."""
+    """Run legs, each by its method, and judge how they ended; `own` as for `_judged`."""
     if launches.dry:
         asked = shared(legs[0].flow, settings.executor)
 
@@ -252,7 +255,7 @@ def _run(
         names = [explicit() if method == "auto" else method for method in methods]
         said = "sliding and sticking; landings by LSODA, onsets by CVODES"
         ran = [(dry.path, Choice(name, said)) for dry, name in zip(dries, names, strict=True)]
-        return _judged(legs, ran, launches, settings, dries)
+        return _judged(legs, ran, launches, settings, dries, own=own)
     found: dict[int, tuple[Path, Choice]] = {}
     for method in dict.fromkeys(methods):
         mine = [i for i, name in enumerate(methods) if name == method]
@@ -264,7 +267,7 @@ def _run(
             executor=settings.executor,
         )
         found |= zip(mine, zip(paths, choices, strict=True), strict=True)
-    return _judged(legs, [found[i] for i in range(len(legs))], launches, settings)
+    return _judged(legs, [found[i] for i in range(len(legs))], launches, settings, own=own)
 
 
 def _dry(flow: Callable[[], Flow], numbers: tuple[Any, ...], method: str) -> DryPath:
@@ -289,8 +292,13 @@ def _judged(
     launches: Starts,
     settings: Settings,
     dries: Sequence[DryPath] | None = None,
+    *,
+    own: bool = True,
 ) -> list[Result]:
-    """How each of some paths ended; the motions nearest to their ends are found together."""
+    """How each of some paths ended; the motions nearest to their ends are found together.
+
+    Of a neighbour, which is not the user's own launch, only its outcome counts.
+    """
     paths, why = [], []
     for leg, (path, _) in zip(legs, ran, strict=True):
         contact = launches.law is not None and dries is None
@@ -301,7 +309,9 @@ def _judged(
         why.append(moved[1] if moved else "")
     ends = np.array([path.states[-1] if path.end is None else path.end.state for path in paths])
     p = np.array([leg.p[: len(leg.flow.system.parameters)] for leg in legs])
-    near = launches.settling.each(legs[0].flow.reported(ends), p, settings.settle)
+    near = [NOWHERE] * len(legs)
+    if own or not launches.settling.idle:
+        near = launches.settling.each(legs[0].flow.reported(ends), p, settings.settle)
     return [
         _judge(leg, path, end, choice, one, launches, settings, dry, said)
         for leg, path, end, (_, choice), one, dry, said in zip(

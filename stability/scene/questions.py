@@ -16,7 +16,7 @@ from ..bodies.round_body.pole_equations import AXIS
 from ..motion.neighbours import signs
 from ..settling.fixed_axes import STATES
 from ..settling.settling import Nearest
-from .rungs.elements import chebyshev
+from .rungs.elements import chebyshev, coefficients
 from .rungs.track import Problem, Track
 
 SECTIONS, ROUNDS = 16, 13
@@ -269,11 +269,7 @@ def _polynomial(values: Floats) -> Any:
     """The polynomial through values at Chebyshev points, on [-1, 1]."""
     from numpy.polynomial import Chebyshev
 
-    order = np.arange(LOCAL)
-    matrix = np.cos(np.pi * np.outer(order, order[::-1]) / (LOCAL - 1))
-    matrix[:, [0, -1]] /= 2
-    matrix[[0, -1]] /= 2
-    return Chebyshev(matrix @ values * 2 / (LOCAL - 1))
+    return Chebyshev(coefficients(LOCAL) @ values)
 
 
 def _crossing(times: Floats, values: Floats) -> float:

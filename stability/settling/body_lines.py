@@ -38,10 +38,13 @@ ROOT = 60
 """Most iterations for the inclination of rolling."""
 
 
+@lru_cache(maxsize=16)
 def body_settling(
     body: RoundShape, law: type[Contact], given: tuple[str, ...], resistance: Resistances = ()
 ) -> Settling:
     """The families that a body may settle on under a law, and those that it may depart from.
+
+    They are built once for each body.
 
     Parameters
     ----------

@@ -17,7 +17,7 @@ from ..spectra.deflation import lowered
 from ..spectra.problem import system_problem
 from ..spectra.rows import Rows
 from ..systems.family import Family
-from .line import Line
+from .line import Line, Near
 from .settling import Settling
 
 GROWTH = 10.0
@@ -63,8 +63,9 @@ def departures(
         family, mine = line.family, before.family == number
         if family is None or not mine.any():
             continue
-        both = [settling.read(x[mine]) for x in (starts, ends)]
-        first, last = (line.near(x, p[mine]) for x in both)
+        both = before.states[mine], settling.read(ends[mine])
+        first = Near(*(part[mine] for part in before.near[number]))
+        last = line.near(both[1], p[mine])
         near, far = first.distance, last.distance
         gone = np.isfinite(far) & (far - errors[mine] > np.maximum(within, GROWTH * near))
         if not gone.any():

@@ -20,6 +20,7 @@ from .settling import Settling
 DRIFTS = "{} with slip drifts on its centre manifold (stability.drift): not settled"
 
 
+@lru_cache(maxsize=64)
 def disk_settling(law: type[Contact]) -> Settling:
     """The families that the disk may settle on under a contact law, each built once.
 
@@ -34,10 +35,9 @@ def disk_settling(law: type[Contact]) -> Settling:
         Its second argument `p` has the inertia factor first.
     """
     records = sorted(lines_under(law.name), key=lambda record: record.name)  # for equal distances
-    return Settling(tuple(_line(law, record) for record in records))  # type: ignore[arg-type]  # a class is hashable
+    return Settling(tuple(_line(law, record) for record in records))
 
 
-@lru_cache(maxsize=64)
 def _line(law: type[Contact], family: SteadyFamily) -> Line:
     system = disk_system(law)
     seen, y, sign = system.observables, ca.SX.sym("y"), ca.SX.sym("sign")

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import casadi as ca
@@ -101,7 +101,7 @@ class Line:
     unchart: Callable[[Floats], Floats] | None = None
     """From y of members to the six states of a launch; None without a chart."""
 
-    @property
+    @cached_property
     def across(self) -> tuple[str, ...]:
         """The states off the family, e, in their order."""
         return tuple(n for n in self.states if n not in self.along)
@@ -117,7 +117,7 @@ class Line:
         )
 
     @cached_property
-    def _reading(self) -> Program:
+    def reading(self) -> ca.Function:
         """(states of a launch, given, π/2) → y, then e."""
         x = ca.SX.sym("x", len(SIX) if self.chart else len(self.states))
         right = ca.SX.sym("right")
@@ -132,7 +132,7 @@ class Line:
         if self.along:
             e = ca.substitute(e, self.y, y)
         both = ca.densify(ca.vertcat(y, e))
-        return Program(ca.Function("reading", [x, self.given, right], [both]))
+        return ca.Function("reading", [x, self.given, right], [both])
 
     @cached_property
     def _there(self) -> Program:
@@ -155,26 +155,11 @@ class Line:
         -------
         Near
         """
-        (given, exists), cut = self.numbers(states, p), len(self.along)
-        with np.errstate(all="ignore"):
-            values = self._reading.run(NUMPY, self._arguments(states, given))[0]
-            distance = np.zeros(len(states))
-            for v in values[cut:]:  # no square on the way can make it overflow
-                np.hypot(distance, v, out=distance)
-        if exists is not None:
-            distance[~exists] = np.nan
-        y = np.empty((len(states), cut))
-        for i, v in enumerate(values[:cut]):
-            y[:, i] = v
-        return Near(y, distance, given)
+        return nearest((self,), states, p)[0]
 
     def deviations(self, states: Floats, near: Near) -> Floats:
         """Deviations of states from the nearest members, shape (N, across)."""
-        arguments = self._arguments(states, near.given)
-        found: Floats = self._reading.arrays(arguments, states.shape[:1])[0][
-            :, len(self.along) :, 0
-        ]
-        return found
+        return _read((self,), states, [near.given])[len(self.along) :].T
 
     def enclosed(
         self, states: Floats, given: Floats, *, plain: bool = False
@@ -192,11 +177,11 @@ class Line:
         -------
         y, e
         """
-        right = np.full((1, len(states)), RIGHT_ANGLE[0])
-        mid = np.vstack([states.T[: self._reading.inputs[0]], given.T, right])
+        reading, right = _reading((self,)), np.full((1, len(states)), RIGHT_ANGLE[0])
+        mid = np.vstack([states.T[: reading.inputs[0]], given.T, right])
         rad = np.zeros_like(mid)
         rad[-1] = RIGHT_ANGLE[1]
-        tape = self._reading.tape
+        tape = reading.tape
         m, r = self._singly(mid, rad) if tape is None else tape.run(mid, rad, plain=plain)
         cut = len(self.along)
         return Balls(m[:cut].T, r[:cut].T), Balls(m[cut:].T, r[cut:].T)
@@ -205,28 +190,25 @@ class Line:
         """The readings one by one, where a function has no kernel."""
         from flint import arb
 
-        found = np.empty((2, len(self.states), mid.shape[1]))
-        parts = np.cumsum(self._reading.inputs)[:-1].tolist()
+        reading, found = _reading((self,)), np.empty((2, len(self.states), mid.shape[1]))
+        parts = np.cumsum(reading.inputs)[:-1].tolist()
         for i in range(mid.shape[1]):
             own = [arb(*v) for v in zip(mid[:, i].tolist(), rad[:, i].tolist(), strict=True)]
             blocks = [own[: parts[0]], own[parts[0] : parts[1]], own[parts[1] :]]
-            for j, [v] in enumerate(self._reading.dense(balls(), blocks)):
+            for j, [v] in enumerate(reading.dense(balls(), blocks)):
                 found[:, j, i] = float(v.mid()), float(v.rad())  # at 53 bits both are doubles
         return found[0], found[1]
-
-    def _arguments(self, states: Floats, given: Floats) -> list[list[Any]]:
-        return [list(states.T[: self._reading.inputs[0]]), list(given.T), [math.pi / 2]]
 
     def members(self, states: Floats, y: Floats, given: Floats) -> Floats:
         """The states of the members nearest to launches, of which `near` gives y and `given`."""
         if self.unchart is not None:
             return self.unchart(y)
-        arguments = [list(y.T), list(given.T), [math.pi / 2]]
-        across = self._there.arrays(arguments, states.shape[:1])[0][..., 0]
+        with np.errstate(all="ignore"):
+            across = self._there.run(NUMPY, [list(y.T), list(given.T), [math.pi / 2]])[0]
         there = states.copy()
-        for i, name in enumerate(self.across):
+        for name, value in zip(self.across, across, strict=True):
             if self.member[name] is not None:
-                there[:, self.states.index(name)] = across[:, i]
+                there[:, self.states.index(name)] = value
         return there
 
     def at(self, y: Floats, p: Floats) -> list[float]:
@@ -263,3 +245,55 @@ class Line:
             f"its deviation falling at the rate {rate:.3g}{'' if unit == '1' else f' {unit}'} at "
             "least"
         )
+
+
+def nearest(lines: tuple[Line, ...], states: Floats, p: Floats) -> list[Near]:
+    """The members of each of some families that are nearest to launches; one graph reads them all.
+
+    Parameters
+    ----------
+    lines
+        The families.
+    states, p
+        As for `Line.near`.
+
+    Returns
+    -------
+    list of Near
+    """
+    numbers = {find: find(states, p) for find in {line.numbers for line in lines}}
+    read = _read(lines, states, [numbers[line.numbers][0] for line in lines])
+    found, first = [], 0
+    for line in lines:
+        given, exists = numbers[line.numbers]
+        own = first + len(line.along)
+        last = own + len(line.across)
+        # no square on the way can make it overflow
+        distance = np.hypot.reduce(read[own:last], axis=0, initial=0.0)
+        if exists is not None:
+            distance[~exists] = np.nan
+        found.append(Near(read[first:own].T, distance, given))
+        first = last
+    return found
+
+
+def _read(lines: tuple[Line, ...], states: Floats, given: Sequence[Floats]) -> Floats:
+    """The states y that name members, then the deviations e, of each family; shape (·, N)."""
+    program = _reading(lines)
+    blocks = [list(states.T[: program.inputs[0]]), *(list(g.T) for g in given), [math.pi / 2]]
+    with np.errstate(all="ignore"):
+        values = program.run(NUMPY, blocks)[0]
+    found = np.empty((len(values), len(states)))
+    for i, value in enumerate(values):
+        found[i] = value
+    return found
+
+
+@lru_cache(maxsize=64)
+def _reading(lines: tuple[Line, ...]) -> Program:
+    """(states of a launch, given of each family, π/2) → y, then e, of each family."""
+    own = [line.reading for line in lines]
+    x = ca.SX.sym("x", max((f.numel_in(0) for f in own), default=0))
+    given, right = [ca.SX.sym("given", f.numel_in(1)) for f in own], ca.SX.sym("right")
+    parts = [f(x[: f.numel_in(0)], g, right) for f, g in zip(own, given, strict=True)]
+    return Program(ca.Function("reading", [x, *given, right], [ca.vertcat(*parts)]))

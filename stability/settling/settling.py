@@ -7,20 +7,24 @@ attracts there.  A body, a disk and a system differ by their families alone (`li
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..base.types import Floats
 from .box.together import Settled, nothing
-from .line import Line, Near
+from .line import Line, Near, nearest
 from .proof import settled
 from .surroundings import NOT_PROVED, Surroundings
 
 SETTLE = 1e-3
 """Largest distance from a steady motion, dimensionless, at which a motion counts as settled: the
 default of launches, basins and scenes.  No eye sees such a distance; its convergence is proved."""
+NONE = -1
+"""Number of no family."""
 
 
 @dataclass(frozen=True)
@@ -39,12 +43,21 @@ class Nearest:
     """Size of the box across the family in which convergence is proved; 0 where it is not."""
     evidence: str
     """Evidence, in one sentence."""
-    member: Floats | None = None
-    """The states of the steady motion; None where they are not known."""
     limit: float = np.nan
     """First of the numbers that name the steady motion that is converged to; nan where none."""
     error: float = np.nan
     """Bound on the error of the limit; nan where convergence is not proved."""
+    place: Callable[[], Floats | None] = lambda: None
+    """Gives `member`."""
+
+    @cached_property
+    def member(self) -> Floats | None:
+        """The states of the steady motion; None where they are not known."""
+        return self.place()
+
+
+NOWHERE = Nearest("", np.nan, np.inf, False, 0.0, "")
+"""What is nearest where nothing is sought."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,19 +67,26 @@ class NearestMany:
     names: tuple[str, ...]
     """Names of the families."""
     family: NDArray[np.int64]
-    """Number of the nearest family among `names`, shape (launches,); -1 where there is none."""
-    at: Floats
-    """States y that name the nearest members, shape (launches, n), n the most of any family."""
+    """Number of the nearest family among `names`, shape (launches,); `NONE` for none."""
     distance: Floats
-    """Distances from them, shape (launches,)."""
+    """Distances from the nearest members, shape (launches,)."""
     settled: Settled
-    """Proofs; `limit` has the shape of `at`."""
+    """Proofs; `limit` has as many columns as any family has states y that name a member."""
     near: tuple[Near, ...]
     """The nearest members of each family."""
     states: Floats
     """The states, as the families name them, shape (launches, s)."""
     p: Floats
     """The parameters, shape (launches, ·)."""
+
+    @property
+    def at(self) -> Floats:
+        """States y that name the nearest members, in the columns of `settled.limit`."""
+        at = np.full(self.settled.limit.shape, np.nan)
+        for number, one in enumerate(self.near):
+            mine = self.family == number
+            at[mine, : one.y.shape[1]] = one.y[mine]
+        return at
 
     @property
     def limit(self) -> Floats:
@@ -84,10 +104,15 @@ class Settling:
     none: str = "no steady motion is near"
     """What is said where no family has a member."""
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of the families."""
         return tuple(line.name for line in self.lines)
+
+    @cached_property
+    def idle(self) -> bool:
+        """Whether nothing settles on any family."""
+        return all(line.idle for line in self.lines)
 
     def many(
         self,
@@ -117,30 +142,26 @@ class Settling:
         NearestMany
         """
         states, count = self.read(states), len(states)
-        p = np.broadcast_to(p, (count, np.shape(p)[-1]))
-        near = [line.near(states, p) for line in self.lines]
-        apart = np.array([one.distance for one in near]).reshape(len(near), count)
-        apart[np.isnan(apart)] = np.inf
-        best = np.argmin(apart, axis=0) if near else np.zeros(count, int)
-        distance = apart.min(axis=0, initial=np.inf)
-        family = np.where(np.isfinite(distance), best, -1)
-        most = max((one.y.shape[1] for one in near), default=0)
-        at, whole = np.full((count, most), np.nan), nothing(count, most)
-        for i, (line, one) in enumerate(zip(self.lines, near, strict=True)):
-            here, n = family == i, one.y.shape[1]
-            if not here.any():
+        p = p if p.ndim == 2 else np.broadcast_to(p, (count, len(p)))
+        near = nearest(self.lines, states, p)
+        apart = np.full((1 + len(near), count), np.inf)  # the first row is that of no family
+        for row, one in zip(apart[1:], near, strict=True):
+            np.fmin(row, one.distance, out=row)
+        family, distance = apart.argmin(axis=0) - 1, apart.min(axis=0)
+        whole = nothing(count, max((one.y.shape[1] for one in near), default=0))
+        close = distance <= within
+        for number in set(family[close].tolist()) - {NONE}:
+            line, one = self.lines[number], near[number]
+            if not isinstance(around := line.around, Surroundings):
                 continue
-            at[here, :n] = one.y[here]
-            some = (here & (distance <= within)).nonzero()[0]
-            if not (len(some) and isinstance(around := line.around, Surroundings)):
-                continue
+            some = (close & (family == number)).nonzero()[0]
             with np.errstate(all="ignore"):
                 y, e = line.enclosed(states[some], one.given[some], plain=plain or alone)
             found = settled(around, y, one.given[some], e, alone=alone, plain=plain)
-            whole.limit[some, :n] = found.limit
+            whole.limit[some, : one.y.shape[1]] = found.limit
             for name in ("proved", "error", "rate", "reach", "nearer"):
                 getattr(whole, name)[some] = getattr(found, name)
-        return NearestMany(self.names, family, at, distance, whole, tuple(near), states, p)
+        return NearestMany(self.names, family, distance, whole, tuple(near), states, p)
 
     def closest(self, state: Floats, p: Floats) -> Nearest:
         """The steady motion nearest to a state; settling is not tested."""
@@ -163,19 +184,13 @@ class Settling:
         list of Nearest
         """
         found = self.many(states, p, within, alone=True)
-        members: dict[int, Floats] = {}
-        for number, (line, near) in enumerate(zip(self.lines, found.near, strict=True)):
-            mine = (found.family == number).nonzero()[0]
-            if len(mine):
-                table = line.members(found.states[mine], near.y[mine], near.given[mine])
-                members |= zip(mine.tolist(), table, strict=True)
-        return [self._one(found, i, members.get(i), within) for i in range(len(states))]
+        return [self._one(found, i, within) for i in range(len(states))]
 
-    def _one(self, found: NearestMany, i: int, member: Floats | None, within: float) -> Nearest:
+    def _one(self, found: NearestMany, i: int, within: float) -> Nearest:
         """What is nearest to one of some launches, in words."""
-        if member is None:
-            return Nearest("", np.nan, np.inf, False, 0.0, self.none)
         number, distance, proof = int(found.family[i]), float(found.distance[i]), found.settled
+        if number == NONE:
+            return replace(NOWHERE, evidence=self.none)
         line, y, done = self.lines[number], found.near[number].y[i], bool(proof.proved[i])
         error, called = float(proof.error[i]), line.called(y, found.p[i])
         evidence = f"{distance:.3g} from {called}; "
@@ -193,10 +208,16 @@ class Settling:
             done,
             float(proof.reach[i]) if done else 0.0,
             evidence,
-            self.member(line, member),
             float(found.limit[i]),
             error,
+            partial(self._member, found, i),
         )
+
+    def _member(self, found: NearestMany, i: int) -> Floats | None:
+        """The states of the member that is nearest to one of some launches."""
+        line, near = self.lines[number := found.family[i]], found.near[number]
+        own = slice(i, i + 1)
+        return self.member(line, line.members(found.states[own], near.y[own], near.given[own])[0])
 
     def distances(self, states: Floats, p: Floats, near: Nearest) -> Floats:
         """Distances of states, shape (t, s), from the family of a nearest member, shape (t,)."""

@@ -7,6 +7,7 @@ For other families only distances are given, and no state counts as settled.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache, partial
 from typing import Any
 
@@ -19,6 +20,10 @@ from ..base.types import Floats
 from ..systems.family import Family
 from .line import Line
 from .settling import Settling
+
+KEPT = 4
+"""Sets of members of a family that are kept."""
+Members = tuple[Floats, NDArray[np.bool_]]
 
 
 def system_settling(families: tuple[Family, ...]) -> Settling:
@@ -61,7 +66,7 @@ def _line(family: Family) -> Line:
         member,
         ca.SX.sym("y", len(along)),
         ca.vertcat(u, ca.SX.sym("p", len(system.parameters))),
-        partial(_numbers, family),
+        partial(_numbers, family, lru_cache(maxsize=KEPT)(partial(_members, family))),
         [c.value for c in system.conditions],
         steady=False,
         reason=reason,
@@ -70,7 +75,9 @@ def _line(family: Family) -> Line:
     )
 
 
-def _numbers(family: Family, states: Floats, p: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+def _numbers(
+    family: Family, members: Callable[..., Members], states: Floats, p: Floats
+) -> tuple[Floats, NDArray[np.bool_]]:
     """The unknowns at members with the `at` of states, then the parameters; and which exist."""
     known = dict(zip(family.system.states, states.T, strict=True))
     known |= dict(zip(family.system.parameters, p.T, strict=True))
@@ -78,10 +85,23 @@ def _numbers(family: Family, states: Floats, p: Floats) -> tuple[Floats, NDArray
         np.column_stack([known[n] for n in names]) if names else np.zeros((len(states), 0))
         for names in (family.at, family.parameters)
     )
+    u, good = members(len(states), a.tobytes(), q.tobytes())
+    return np.hstack([u, p]), good
+
+
+def _members(family: Family, count: int, *given: bytes) -> Members:
+    """The unknowns at members with values of `at` and parameters, and which exist.
+
+    A launch begins and ends with the same values where no state is among them.
+    """
+    a, q = (
+        np.frombuffer(values).reshape(count, len(names))
+        for values, names in zip(given, (family.at, family.parameters), strict=True)
+    )
     found = family.members(a, q)
     good = found.good.copy()
     good[good] = steady(family, a[good], found.u[good], q[good])
-    return np.hstack([found.u, p]), good
+    return found.u, good
 
 
 def steady(family: Family, a: Floats, u: Floats, q: Floats) -> NDArray[np.bool_]:

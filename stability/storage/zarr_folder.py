@@ -86,6 +86,11 @@ def damaged_files(folder: Path) -> list[str]:
             return [HEAD]
     except (OSError, *UNREADABLE):
         return [HEAD]
+    return _unlike(folder, sums)
+
+
+def _unlike(folder: Path, sums: Mapping[str, str]) -> list[str]:
+    """Names of the files that are missing, or have another checksum."""
     return [
         name
         for name, digest in sums.items()
@@ -123,13 +128,7 @@ class Seals:
     def damaged(self, block: Block) -> list[str] | None:
         """Names of the files of a chunk that are missing or damaged; None where it is not there."""
         record = self.record(block)
-        if record is None:
-            return None
-        return [
-            name
-            for name, digest in record.items()
-            if (content := content_of(self.folder / name)) is None or digest_of(content) != digest
-        ]
+        return None if record is None else _unlike(self.folder, record)
 
     def count(self) -> int:
         """Number of records."""

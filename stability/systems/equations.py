@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..algebra.program import Program
+from ..algebra.program import Program, entries
 from ..base.checks import broadcast, known, rows
 from ..base.errors import DomainError, ParameterError, shown
 from ..base.quantities import Quantity
@@ -229,8 +229,7 @@ class Equations(Portable, Record):
     def _arguments(self, x: ArrayLike, p: ArrayLike) -> tuple[list[Any], tuple[int, ...]]:
         xs, ps = rows("x", x, self.states), rows("p", p, self.parameters)
         shape = broadcast(x=xs.shape[:-1], p=ps.shape[:-1])
-        arguments = [list(np.moveaxis(xs, -1, 0)), list(np.moveaxis(ps, -1, 0))]
-        return arguments, shape
+        return [entries(xs), entries(ps)], shape
 
     def check(self, x: ArrayLike, p: ArrayLike) -> None:
         """Refuse a state at which the equations have no meaning, with the reason.

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..algebra.exact.known_polynomial import ExactPolynomial
+from ..algebra.program import entries
 from ..algebra.upright import Upright
 from ..base.checks import broadcast, instance, rows
 from ..base.errors import DomainError, NoMemberError, ParameterError, StabilityError, listing
@@ -299,7 +300,7 @@ class Family(Record):
             Shape (N, n, n).
         """
         a, u, q = tables(self, a, q, u)
-        out: Floats = self.graph.matrix.arrays([columns(a), columns(u), columns(q)], a.shape[:1])[0]
+        out: Floats = self.graph.matrix.arrays([entries(a), entries(u), entries(q)], a.shape[:1])[0]
         return out
 
     def tangent(self, a: Floats, u: Floats, q: Floats) -> Floats:
@@ -316,7 +317,7 @@ class Family(Record):
             Shape (N, n, t) with t = `tangents`.
         """
         a, u, q = tables(self, a, q, u)
-        arguments = [columns(a), columns(u), columns(q)]
+        arguments = [entries(a), entries(u), entries(q)]
         by_a, by_u, _, r_u, r_a = self.graph.tangent.arrays(arguments, a.shape[:1])
         keep = [i for i, name in enumerate(self.at) if name in self.system.states]
         if u.shape[1] and not self.closed:
@@ -428,7 +429,7 @@ class Family(Record):
             Shape (N, n).
         """
         a, u, q = tables(self, a, q, u)
-        arguments = [columns(a), columns(u), columns(q)]
+        arguments = [entries(a), entries(u), entries(q)]
         out: Floats = self.graph.state.arrays(arguments, a.shape[:1])[0][..., 0]
         return out
 
@@ -436,7 +437,7 @@ class Family(Record):
         """Rows at which the equations have a meaning for some root, and why others have none."""
         conditions, program = self.graph.early
         none = [np.zeros(1)] * len(self.unknown)
-        arguments = [columns(a), none, columns(q)]
+        arguments = [entries(a), none, entries(q)]
         values = program.arrays(arguments, a.shape[:1]) if conditions else []
         fine = np.array([v.reshape(-1) > 0 for v in values]).reshape(-1, len(a))
 
@@ -464,8 +465,3 @@ class Family(Record):
         table = dict(zip(self.at, a.T, strict=True)) | dict(zip(self.parameters, q.T, strict=True))
         columns = [table[n] for n in self.system.parameters]
         return np.column_stack(columns) if columns else np.zeros((len(a), 0))
-
-
-def columns(array: Floats) -> list[Any]:
-    """The columns of an array, one for each entry of a graph's input."""
-    return list(array.T)

@@ -139,7 +139,7 @@ def test_a_script_without_a_guard_gets_a_sentence(tmp_path: Path) -> None:
         check=False,
     )
     assert done.returncode == 1
-    assert "make the call under `if __name__ == '__main__':`" in done.stderr
+    assert "put that line under `if __name__ == '__main__':`" in done.stderr
     assert not Journal(tmp_path / "d").cells
 
 

@@ -158,19 +158,30 @@ class Elements:
         ndarray
             The largest over the n values, each over 1 or its own size, shape (E,).
         """
-        matrix = _last_coefficients(self.points)
+        matrix = coefficients(self.points)[-2:]
         size = np.maximum(1.0, np.abs(values).max(axis=1))
         found: Floats = (np.abs(matrix @ values).sum(axis=1) / size).max(axis=-1)
         return found
 
 
 @lru_cache(maxsize=8)
-def _last_coefficients(count: int) -> Floats:
-    """Rows that take values to the last two Chebyshev coefficients."""
+def coefficients(count: int) -> Floats:
+    """Rows that take values at Chebyshev points to the coefficients of their polynomial.
+
+    Parameters
+    ----------
+    count
+        Number of points.
+
+    Examples
+    --------
+    >>> (coefficients(3) @ [1.0, 0.0, 1.0]).round(12).tolist()  # x² = 1/2 + (2 x² - 1)/2
+    [0.5, 0.0, 0.5]
+    """
     order = np.arange(count)
-    cosines = np.cos(np.pi * np.outer(order[-2:], order[::-1]) / (count - 1)) * 2 / (count - 1)
+    cosines: Floats = np.cos(np.pi * np.outer(order, order[::-1]) / (count - 1)) * 2 / (count - 1)
     cosines[:, [0, -1]] /= 2
-    cosines[1] /= 2
+    cosines[[0, -1]] /= 2
     return cosines
 
 

@@ -17,7 +17,7 @@ import casadi as ca
 import numpy as np
 
 from ...algebra.eigensolver import eigenpairs
-from ...algebra.program import Program
+from ...algebra.program import Program, entries
 from ...base.types import Floats
 from ...systems.system import System
 from .track import Problem, Refused, Track, relative
@@ -72,7 +72,7 @@ def _rates(system: System) -> Program:
 
 def rates_at(problem: Problem, states: Floats) -> Floats:
     """Rates of a problem's equations at states, shape (…, n), without a check of conditions."""
-    given = [list(np.moveaxis(states, -1, 0)), list(problem.p)]
+    given = [entries(states), list(problem.p)]
     found: Floats = _rates(problem.flow.system).arrays(given, states.shape[:-1])[0][..., 0]
     return found
 

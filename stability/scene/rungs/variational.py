@@ -16,7 +16,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from ...algebra.program import Program
+from ...algebra.program import Program, entries
 from ...base.types import Floats
 from ...integrators.dense import dense
 from ...integrators.leg import Leg
@@ -70,9 +70,7 @@ def _rates(system: Equations) -> Program:
 def _run(program: Program, states: Floats, p: Floats) -> list[Floats]:
     """Values at states, shape (…, n), and parameters that fit."""
     with np.errstate(all="ignore"):
-        found: list[Floats] = program.arrays(
-            [list(np.moveaxis(states, -1, 0)), list(np.moveaxis(p, -1, 0))], states.shape[:-1]
-        )
+        found: list[Floats] = program.arrays([entries(states), entries(p)], states.shape[:-1])
     return found
 
 

@@ -85,15 +85,9 @@ def nothing(count: int, n: int) -> Settled:
     n
         Parameters of a member.
     """
-    blank = np.full((3, count), np.nan)
-    return Settled(
-        np.zeros(count, bool),
-        np.full((count, n), np.nan),
-        blank[0],
-        blank[1],
-        blank[2],
-        np.full(count, NEARER),
-    )
+    error, rate, reach = (blank := np.full((3 + n, count), np.nan))[:3]
+    proved, nearer = np.zeros(count, bool), np.full(count, NEARER)
+    return Settled(proved, blank[3:].T, error, rate, reach, nearer)
 
 
 @dataclass(frozen=True, eq=False)
