@@ -366,7 +366,7 @@ def settling(count: int = 20_000, singles: int = 1000) -> dict[str, Any]:
     `own`: each launch has its own k and mu; `shared`: one body and friction; `far`: states at no
     family.  flint tests some of the launches of `own`.
     """
-    from stability.settling.disk_lines import disk_settling
+    from stability.settling.body_lines import disk_settling
 
     rng = np.random.default_rng(1)
     near, own = (
@@ -409,7 +409,7 @@ def first_calls() -> dict[str, float]:
     """CPU time of the first test in a process: with an empty cache, then with a full one."""
     code = (
         "import time, numpy as np, stability as st\n"
-        "from stability.settling.disk_lines import disk_settling\n"
+        "from stability.settling.body_lines import disk_settling\n"
         "start = time.process_time()\n"
         "x = np.array([[np.pi / 2, 0, 2.5, 0, 0, 1e-5]])\n"
         "disk_settling(st.Viscous).many(x, np.array([0.25, 0.3]), 1e-3)\n"

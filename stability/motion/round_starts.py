@@ -18,7 +18,7 @@ from ..base.errors import DomainError, NameUnknownError, ParameterError, if_degr
 from ..base.quantities import Units
 from ..base.types import Floats
 from ..bodies.contact import Contact
-from ..bodies.contact_laws import MOTION_LAWS, law_missing, spelled
+from ..bodies.contact_laws import MOTION_LAWS, law_class, law_missing, spelled
 from ..bodies.disk import Disk
 from ..bodies.model import FLAT, TAKEN, Dry, Model
 from ..bodies.resistance import UNITS, Resistance, resistances
@@ -29,12 +29,10 @@ from ..bodies.round_body.models.pole_model import pole_model
 from ..bodies.round_body.pole_equations import smooth_at
 from ..bodies.round_body.shape import RoundShape
 from ..bodies.round_body.thin import thin_body
-from ..bodies.thin_disk import disk_model
 from ..integrators.flow import flow_of
 from ..integrators.friction_at_rest import continuations
 from ..integrators.stick_slip import REST
 from ..settling.body_lines import body_settling
-from ..settling.disk_lines import disk_settling
 from ..settling.settling import Settling
 from ..systems.system import System
 from .starts import Starts, Unfit, counted, six_states, times_of, unfit_of
@@ -43,6 +41,11 @@ FASTEST = 1e9
 """Largest dimensionless rate or slip of a start: beyond it forces are lost in rounding."""
 ROUGHEST = 1e8
 """Largest dimensionless friction."""
+FLAT_AT_BOTH = (
+    "theta must lie strictly between 0 and π, because the disk is flat at both and its equations "
+    "of motion end there"
+)
+"""Why the disk's inclination has ends."""
 LONGEST, BRIEFEST = 1e12, 1e-200
 """Range of the last time, dimensionless."""
 
@@ -99,18 +102,8 @@ def gather_round(
     """
     accepted(contact)
     with np.errstate(all="ignore"):  # an overflow is refused by _check
-        if isinstance(thing, Disk) and resistance is None:
-            setting = _of_disk(thing, contact, pose=pose)
-        else:
-            body = thin_body(thing) if isinstance(thing, Disk) else thing
-            setting = _of_body(body, contact, resistance, pose=pose)
-        found = _gathered(setting, thing, contact, start, times, mark=mark)
-    if isinstance(thing, Body) or setting.length == "radius":
-        return found
-    # a file of a disk, as figures and films know it
-    return replace(
-        found, given={"radius" if n == "length" else n: v for n, v in found.given.items()}
-    )
+        setting = _setting(thing, contact, resistance, pose=pose)
+        return _gathered(setting, thing, contact, start, times, mark=mark)
 
 
 def accepted(contact: Any) -> type[Contact]:
@@ -130,52 +123,39 @@ def accepted(contact: Any) -> type[Contact]:
         raise law_missing(MOTION_LAWS)
     if not isinstance(contact, Contact) or not contact.name:
         raise NameUnknownError(f"contact is {shown(contact)}; give one of {spelled(MOTION_LAWS)}.")
-    return type(contact)
+    return law_class(type(contact))
 
 
-def _of_disk(disk: Disk, contact: Contact, *, pose: bool) -> _Round:
-    law = type(contact)
-    fields = {n: getattr(disk, n) for n in ("mass", "radius", "gravity", "k")} | contact.given
-    return _Round(
-        disk_model(law, pose=pose),
-        fields,
-        "radius",
-        contact.arguments,
-        tuple(law.symbols()),
-        disk_settling(law),  # type: ignore[arg-type]  # a class is hashable
-        (0.0, np.pi),
-        "theta must lie strictly between 0 and π, because the disk is flat at both and its "
-        "equations of motion end there",
-    )
-
-
-def _of_body(body: RoundShape, contact: Contact, resistance: Any, *, pose: bool) -> _Round:
-    against, law, given = _acting(body, contact, resistance), type(contact), tuple(contact.given)
-    kinds = tuple(type(r) for r in against)
+def _setting(thing: Disk | Body, contact: Contact, resistance: Any, *, pose: bool) -> _Round:
+    body: RoundShape = thin_body(thing) if isinstance(thing, Disk) else thing
+    length, why = "length", f"the height of {body.name} holds for theta between {{}} and {{}}"
+    if isinstance(thing, Disk):
+        length, why = "radius", FLAT_AT_BOTH
+    against, law = _acting(body, contact, resistance), type(contact)
+    given, kinds = law.symbols(), tuple(type(r) for r in against)
     model = _model(body, law, given, kinds, pose=pose)
     _check_names(body, model)
 
     def scaled(flat: Mapping[str, Floats], units: Units) -> Mapping[str, Any]:
-        found = {
-            p.name: p.dimensionless(flat[p.name], units) for p in law.parameters if p.name in flat
-        }
-        own = flat["mass"], flat["length"], units.time, units.force
+        own = flat["mass"], flat[length], units.time, units.force
         sizes = dict(zip(UNITS, own, strict=True))
-        return found | {
+        return contact.arguments(flat, units) | {
             r.coefficient: replace(r, **{r.coefficient: flat[r.coefficient]}).dimensionless(sizes)
             for r in against
         }
 
-    low, high = body.between
+    numbers = {length if n == "length" else n: v for n, v in body.given.items()}
+    settled = thin_body(Disk()) if isinstance(thing, Disk) else body  # the same for every disk
+    rest: Any = law, given, kinds
     return _Round(
         model,
-        body.given | contact.given | {r.coefficient: r.value for r in against},
-        "length",
+        numbers | contact.given | {r.coefficient: r.value for r in against},
+        length,
         scaled,
         given,
-        body_settling(body, law, given, kinds),  # type: ignore[arg-type]  # a class is hashable
+        body_settling(settled, *rest),
         body.between,
-        f"the height of {body.name} holds for theta between {low:.6g} and {high:.6g}",
+        why.format(*(f"{v:.6g}" for v in body.between)),
     )
 
 
@@ -183,7 +163,7 @@ def _acting(body: RoundShape, contact: Contact, given: Any) -> tuple[Resistance,
     """The resistances of a call that are not zero everywhere."""
     found = tuple(r for r in resistances(given) if np.any(r.value))
     for r in found:
-        if r.coefficient in body.given | contact.given:
+        if r.coefficient in {*body.given, *contact.given, *contact.symbols()}:
             raise ParameterError(
                 f"{r.coefficient} is the coefficient of {r.name}, and a number of {body.name} or "
                 f"of the {contact.name} law; give that another name."

@@ -1,9 +1,9 @@
 """Convergence to steady motions.
 
 `settling.py` says which states have settled, for one launch or many; `proof.py` tries a tube
-(`tube/`), then a box (`box/`), from the equations near a family (`surroundings.py`).  Disk, body
-and system differ by their families alone: a `Line` (`line.py`) of each, from `disk_lines.py`,
-`body_lines.py`, `system_lines.py`; `fixed_axes.py` reads states along fixed axes.
+(`tube/`), then a box (`box/`), from the equations near a family (`surroundings.py`).  Bodies
+and systems differ by their families alone: a `Line` (`line.py`) of each, from `body_lines.py` and
+`system_lines.py`; `fixed_axes.py` reads states along fixed axes.
 May import `spectra`, `derivation`, `integrators` and the floors below.
 To add what motions settle on: a `Line` for each family.
 """

@@ -1,13 +1,16 @@
-"""What a body of revolution settles on: its families of steady motions that one number names.
+"""What the disk or a body settles on: its families of steady motions that one number names.
 
 They are those of docs/explanation/bodies.md: rolling at each zero of the height's slope, spinning
-where that slope vanishes upright, tumbling, and vertical spin at smooth poles.
+where that slope vanishes upright, tumbling, and vertical spin at smooth poles.  Stable rolling of a
+slipping disk drifts (`stability.drift`), so no motion settles on it.
+tests/settling/test_settling.py continues launches from the state that counts as settled.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache, partial
 from typing import Any
@@ -21,12 +24,16 @@ from ..base.errors import NoMemberError
 from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import Creep
+from ..bodies.disk import Disk
+from ..bodies.families import FAMILIES, SteadyFamily, lines_under
 from ..bodies.newton_euler import STATES
 from ..bodies.round_body.equations import Resistances, round_system
 from ..bodies.round_body.families import round_family, survives
 from ..bodies.round_body.inclinations import levels
 from ..bodies.round_body.pole_equations import AXIS, SLIP, TURN, pole_system, smooth_at
 from ..bodies.round_body.shape import RoundShape
+from ..bodies.round_body.si_law import shape_of
+from ..bodies.round_body.thin import is_thin, thin_body
 from ..systems.system import System
 from .line import Line, idle_under, signed
 from .settling import Settling
@@ -34,11 +41,11 @@ from .surroundings import NOT_PROVED
 
 THETA, AXIAL = STATES.index("theta"), STATES.index("omega3")
 SPIN = TURN[2]
+DRIFTS = "{} with slip drifts on its centre manifold (stability.drift): not settled"
 ROOT = 60
 """Most iterations for the inclination of rolling."""
 
 
-@lru_cache(maxsize=16)
 def body_settling(
     body: RoundShape, law: type[Contact], given: tuple[str, ...], resistance: Resistances = ()
 ) -> Settling:
@@ -56,22 +63,46 @@ def body_settling(
     Settling
         With the families that lose nothing to the resistances.
     """
+    thin, poles = is_thin(shape_of(body)), [f for f in FAMILIES.values() if f.pole]
+    # of another body only these have members in closed form; by name for equal distances
+    known = [f for f in lines_under(law.name) if thin or f.level or f.upright or f.rests]
+    records = sorted(known, key=lambda record: record.name)
+    every: Any = body, law, given, resistance, (*records, *poles)
+    return _settling(*every)
+
+
+@lru_cache(maxsize=16)
+def _settling(
+    body: RoundShape,
+    law: type[Contact],
+    given: tuple[str, ...],
+    resistance: Resistances,
+    records: tuple[SteadyFamily, ...],
+) -> Settling:
     line = partial(_line, body, law, given, resistance)
-    lines, places = [], levels(body)
-    for theta in places:
-        if survives("rolling", resistance, upright=theta == math.pi / 2):
-            lines.append(line("rolling", theta, several=len(places) > 1))
-    for name in ("spinning", "tumbling"):
-        if survives(name, resistance, upright=False):
-            try:
-                lines.append(line(name))
-            except NoMemberError:
+    lines: list[Line] = []
+    # a law that sticks, and creep, have no equations at a pole
+    smooth = [p for p in (1, -1) if not law.sticks and smooth_at(body, p)]
+    smooth = [] if issubclass(law, Creep) else smooth
+    for record in records:
+        if record.pole:
+            if survives(record.name, resistance, upright=False):
+                lines += [_vertical(body, law, given, resistance, pole) for pole in smooth]
+            continue
+        places = levels(body) if record.level else [math.pi / 2]
+        for theta in places:
+            upright = record.level and theta == math.pi / 2
+            if not survives(record.name, resistance, upright=upright):
                 continue
-    upright = not (law.sticks or issubclass(law, Creep))  # such laws have no equations at a pole
-    for pole in (1, -1):
-        if upright and smooth_at(body, pole) and survives("vertical", resistance, upright=False):
-            lines.append(_vertical(body, law, given, resistance, pole))
+            with suppress(NoMemberError):
+                lines.append(line(record, theta, several=len(places) > 1))
     return Settling(tuple(lines))
+
+
+def disk_settling(law: type[Contact]) -> Settling:
+    """The same for every disk; its second argument `p` has the inertia factor first."""
+    given: Any = thin_body(Disk()), law, law.symbols()
+    return body_settling(*given)
 
 
 def _line(  # noqa: PLR0913
@@ -79,12 +110,13 @@ def _line(  # noqa: PLR0913
     law: type[Contact],
     given: tuple[str, ...],
     resistance: Resistances,
-    name: str,
-    theta: float = math.pi / 2,
+    record: SteadyFamily,
+    theta: float,
     *,
     several: bool = False,
 ) -> Line:
     """A family in the angles; `several` says that the body rolls at more than one inclination."""
+    thin, name = is_thin(shape_of(body)), record.name
     family = round_family(
         body,
         name,
@@ -92,17 +124,21 @@ def _line(  # noqa: PLR0913
         given,
         physical=False,
         resistance=resistance,
-        theta=theta if name == "rolling" else None,
+        theta=theta if record.level else None,
     )
     call: dict[str, Any] = {"family": name}
     if several:
-        family = replace(family, name=f"rolling near theta = {theta:.4g}")
+        family = replace(family, name=f"{name} near theta = {theta:.4g}")
         call["theta"] = theta
     system = round_system(body, law, given, physical=False, slip_states=True, resistance=resistance)
-    leaning = name == "rolling" and family.held.get("theta") is not UPRIGHT
+    leaning = record.level and family.held.get("theta") is not UPRIGHT
     y, sign, level = ca.SX.sym("y"), ca.SX.sym("sign"), ca.SX.sym("level")
     member = dict.fromkeys(system.states, 0.0) | {"theta": level if leaning else UPRIGHT}
-    if name == "tumbling":
+    reason = NOT_PROVED if leaning else ""  # that inclination is not known exactly
+    if thin:
+        member = record.member(ca, y, system.p[0], sign)
+        reason = DRIFTS.format(name) if record.drifts and not resistance else ""
+    elif record.rests:
         member |= _tumbling(body, system.p, system.parameters, y, sign)
     return Line(
         family.name,
@@ -115,8 +151,8 @@ def _line(  # noqa: PLR0913
         partial(_leaning, _level(body, theta)) if leaning else signed,
         _guards(body, system),
         idle=idle_under(law),
-        reason=NOT_PROVED if leaning else "",  # that inclination is not known exactly
-        family=family,
+        reason=reason,
+        family=None if thin and not resistance else family,
         call=call,
     )
 
@@ -124,6 +160,8 @@ def _line(  # noqa: PLR0913
 def _guards(body: RoundShape, system: System) -> list[ca.SX]:
     """Contact, and the room that θ has; the exact π/2 has a sine and a cosine alone."""
     seen, theta = system.observables, system.x[0]
+    if body.between == (0.0, math.pi):
+        return [seen["normal_force"], seen["determinant"], ca.sin(theta)]
     room = [
         sign * ca.sin(theta) * math.cos(end) - sign * ca.cos(theta) * math.sin(end)
         for sign, end in zip((1, -1), body.between, strict=True)

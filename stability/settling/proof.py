@@ -52,7 +52,7 @@ def settled(  # noqa: PLR0913
     Examples
     --------
     >>> import stability as st
-    >>> from stability.settling.disk_lines import disk_settling
+    >>> from stability.settling.body_lines import disk_settling
     >>> spinning = disk_settling(st.Viscous).lines[1]
     >>> y, e = np.array([[2.5], [1.9]]), np.full((2, 5), 1e-5)
     >>> given = np.array([[1, 0.25, 0.3]] * 2)

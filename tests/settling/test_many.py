@@ -16,11 +16,10 @@ from scipy.integrate import solve_ivp
 import stability as st
 from stability.algebra.program import Program
 from stability.settling import proof
-from stability.settling.body_lines import body_settling
+from stability.settling.body_lines import body_settling, disk_settling
 from stability.settling.box import kernel, together
 from stability.settling.box.alone import attraction
 from stability.settling.box.together import Balls
-from stability.settling.disk_lines import disk_settling
 from stability.settling.proof import settled
 from stability.settling.settling import Nearest
 from stability.settling.surroundings import Surroundings

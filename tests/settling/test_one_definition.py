@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.settling.body_lines import body_settling
-from stability.settling.disk_lines import disk_settling
+from stability.settling.body_lines import body_settling, disk_settling
 from stability.settling.settling import Settling
 from stability.settling.system_lines import system_settling
 

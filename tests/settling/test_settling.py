@@ -15,7 +15,7 @@ from stability.bodies.contact_laws import MOTION_LAWS
 from stability.bodies.families import lines_under
 from stability.bodies.newton_euler import STATES
 from stability.motion.result import BY_CODE, Outcome
-from stability.settling.disk_lines import disk_settling
+from stability.settling.body_lines import disk_settling
 from stability.settling.settling import Settling
 from stability.settling.surroundings import Surroundings
 

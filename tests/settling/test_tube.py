@@ -12,9 +12,8 @@ from kane_disk import fixed_axes
 from scipy.integrate import solve_ivp
 
 import stability as st
-from stability.settling.body_lines import body_settling
+from stability.settling.body_lines import body_settling, disk_settling
 from stability.settling.box.alone import attraction
-from stability.settling.disk_lines import disk_settling
 from stability.settling.system_lines import system_settling
 from stability.settling.tube.derivatives import derivatives
 from stability.settling.tube.normal_form import normal_form
