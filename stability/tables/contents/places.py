@@ -12,7 +12,6 @@ PLACES = {
     "conditions": "conditions",
     "drift": "drift",
     "hopf": "hopf",
-    "launches": "launches",
     "painleve": "painleve",
     "benchmarks": "benchmarks.catalogue",
     "circular": "literature.circular",
