@@ -99,8 +99,8 @@ def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None = No
         "name",
         metavar="NAME",
         nargs="?",
-        help="families, conditions, drift, hopf, codimension, painleve, benchmarks, "
-        "circular, thresholds, flatness or list",
+        help="families, conditions, drift, hopf, codimension, painleve, benchmarks, thresholds "
+        "or list",
     )
     sub.add_argument(
         "--list",
@@ -135,7 +135,8 @@ def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None = No
     )
     sub.add_argument(
         "--contact",
-        help=f"`conditions`, `drift`, `hopf`, `codimension --family`: one law of {CONTACTS}, or module:Class of your own",
+        help=f"`conditions`, `drift`, `hopf`, `codimension --family`: one law of {CONTACTS}, "
+        "or module:Class of your own",
     )
     for name, unit in (("mass", "kg"), ("radius", "m"), ("gravity", "m/s²")):
         sub.add_argument(

@@ -55,7 +55,7 @@ def table(
     ----------
     name
         Any of list (the tables themselves), families, conditions, drift, hopf, codimension,
-        painleve, benchmarks, circular, thresholds or flatness.
+        painleve, benchmarks or thresholds.
     family
         A `Family` of your own, for conditions, hopf and codimension; one of the disk's families by
         name, for codimension.

@@ -34,7 +34,6 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "drift in SI": {"k": 1 / 3, "mu": (3e-4, 1e5), "disk": SI, "tilt": 0.0123456},
     "hopf": {"k": (0.375, 0.5), "mu": 0.9},
     "hopf in SI": {"k": 0.375, "mu": 0.9 / SPEED, "disk": SI},
-    "circular": {},
     "thresholds": {},
     "list": {},
     "painleve": {"body": st.Torus(0.2)},
@@ -349,11 +348,12 @@ def test_bad_options_end_with_one_sentence(
     ("name", "given", "part"),
     [
         ("lift", {}, "table is 'lift'; known are families"),
-        ("families", {"k": 0.25}, "`flatness` and `codimension` only"),
+        ("families", {"k": 0.25}, "`table conditions`, `drift`, `hopf` and `codimension` only"),
         ("drift", {"speed": 3.0}, "speed belongs to"),
         ("conditions", {"family": "rolling"}, "a family by name belongs to `table codimension`"),
         ("codimension", {"family": "rolling"}, "takes x and y"),
         ("launches", {}, "table is 'launches'; known are families, conditions, drift"),
+        ("circular", {}, "known are families, conditions, drift, hopf, painleve, benchmarks"),
     ],
 )
 def test_the_function_says_what_is_wrong(name: str, given: dict[str, Any], part: str) -> None:

@@ -14,9 +14,7 @@ PLACES = {
     "hopf": "hopf",
     "painleve": "painleve",
     "benchmarks": "benchmarks.catalogue",
-    "circular": "literature.circular",
-    "thresholds": "literature.thresholds",
-    "flatness": "literature.flatness",
+    "thresholds": "thresholds",
     "list": "contents.listing",
 }
 """Module of each table, by name; its `TABLE` is the `Definition`."""
