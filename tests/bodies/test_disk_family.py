@@ -219,12 +219,11 @@ def test_launches_end_as_its_linear_theory_says(monkeypatch: pytest.MonkeyPatch)
 
 
 def test_figures_mark_the_member_that_was_settled_on(family: str) -> None:
-    from stability.figures.launch.motion import states
 
     at = 2.5 if family == "edge-on" else 3.0
     start = st.launch(family, at=at, tilt=0.02, disk=st.Disk())
     run = st.simulate(st.Disk(), st.Viscous(0.3), start, np.linspace(0, 2000, 11))
-    panels = states(run).axes
+    panels = st.plot_motion(run, show="states").axes
     steady = [[line for line in panel.lines if line.get_label() == "steady"] for panel in panels]
     assert [len(lines) for lines in steady] == [int(family == "coning"), 1, 0, 0]
     ends = member(family, float(run.nearest_at), 0.25)
