@@ -19,6 +19,7 @@ from ..base.errors import FileError
 from ..jobs.journal import JOURNAL, Cell, Journal, is_journal
 from ..jobs.pipeline import check_run, resumable
 from ..jobs.processes import run
+from ..storage.csv_text import csv_text
 from ..storage.files import atomic_write, together
 from ..storage.netcdf import packed
 from ..storage.targets import check_folder, path_text, place, refusing
@@ -374,7 +375,7 @@ def _write(folder: Path, one: Part, cells: Mapping[str, Cell]) -> None:
 
 
 def _texts(one: Part, cells: Mapping[str, Cell]) -> dict[str, str]:
-    from .csv_files import boundary_csv, csv_text, motion_csv, spectrum_csv
+    from .csv_files import boundary_csv, motion_csv, spectrum_csv
 
     if one.name == SCENES:
         return {"scenes.csv": csv_text(scenes.COLUMNS, scenes.rows(one.chart))}
