@@ -50,7 +50,6 @@ def report(
     overwrite: bool = False,
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
-    force: bool | None = None,
 ) -> Path:
     """Make a report, or resume one that was stopped.
 
@@ -74,8 +73,6 @@ def report(
         Processes for the catalogue; all cores when left out.  Timed charts take one.
     progress
         Called with (cells done, cells in all).
-    force
-        Old name of `overwrite`.
 
     Returns
     -------
@@ -111,7 +108,7 @@ def report(
 
     check_run(workers, progress)
     plan = planned(parts, cases, methods)
-    overwrite = flag("overwrite", overwrite if force is None else force)
+    overwrite = flag("overwrite", overwrite)
     folder = _folder(out, overwrite)
     journal = Journal(folder)
     total, before = sum(len(group) for groups in plan.values() for group in groups), 0
