@@ -106,7 +106,7 @@ peers: $(READY)
 
 # Every polynomial and condition derived again from the graph, into disk_polynomials.json and body_polynomials.json.
 derive: $(READY)
-	$(BIN)/python -c "from stability.derivation.hurwitz import write; write('stability/bodies/thin_disk/disk_polynomials.json', 'stability/bodies/thin_disk/disk_polynomials.py')"
+	$(BIN)/python -c "from stability.derivation.hurwitz import write; write('stability/bodies/disk_polynomials.json', 'stability/bodies/disk_polynomials.py')"
 	$(BIN)/python -c "from stability.derivation.hurwitz import write; from stability.derivation.body_polynomials import stored; write('stability/bodies/round_body/body_polynomials.json', 'stability/bodies/round_body/polynomials.py', stored)"
 
 lint: $(READY)

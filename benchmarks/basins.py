@@ -4,7 +4,7 @@ The raw batch integrates the same launches to the same horizon with the same eve
 documentation does: whole batches of as many launches as the processor has lanes, no outcome, no
 proof, no second run.  It stops where all launches of a batch have ended.  It has the equations of
 the Newton-Euler graph in the disk's six states, without the account of energy; a second raw batch
-has those of `disk_momenta.py`, which the package integrates itself: two ratios separate what the
+has those of `momenta.py`, which the package integrates itself: two ratios separate what the
 equations give from what ends by proof and full lanes give.  CPU time of one process, paired;
 medians of the ratios.
 """

@@ -22,7 +22,7 @@ import numpy as np
 
 import stability as st
 from stability.algebra.program import Program
-from stability.bodies.thin_disk.disk_equations import STATES
+from stability.bodies.newton_euler import STATES
 from stability.integrators import taylor
 from stability.integrators.flow import Evaluator, flow
 from stability.integrators.leg import Leg

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 import stability as st
-from stability.bodies.thin_disk.disk_equations import STATES
+from stability.bodies.newton_euler import STATES
 from stability.compare.motion.reference_motions import scene as known_motion
 from stability.scene.chart import chart
 

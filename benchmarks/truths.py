@@ -33,8 +33,8 @@ from scipy.special import roots_jacobi
 import stability as st
 from stability.algebra.number_types import balls
 from stability.algebra.program import Program
-from stability.bodies.thin_disk.disk_equations import STATES
-from stability.bodies.thin_disk.disk_model import FLAT, LIFT_OFF
+from stability.bodies.model import FLAT, LIFT_OFF
+from stability.bodies.newton_euler import STATES
 from stability.integrators.flow import flow
 from stability.integrators.taylor import heyoka_algebra
 

@@ -29,8 +29,7 @@ _HOME = {
     "systems.condition": ("Condition",),
     "algebra.upright": ("UPRIGHT",),
     "systems.family": ("Family",),
-    "bodies.thin_disk.disk_families": ("disk_family",),
-    "bodies.thin_disk.disk_equations": ("disk_system",),
+    "bodies.thin_disk": ("disk_family", "disk_system"),
     "systems.continuation": ("branch", "Branch", "BranchPoint"),
     "systems.following.turning_points": ("Fold",),
     "spectra.spectrum": ("spectrum",),
@@ -42,9 +41,9 @@ _HOME = {
     "maps.netcdf": ("read_map", "write_map"),
     "maps.stream": ("stream_map",),
     "algebra.exact.known_polynomial": ("Exact", "ExactPolynomial"),
-    "bodies.thin_disk.disk_polynomials": ("exact_polynomial",),
+    "bodies.disk_polynomials": ("exact_polynomial",),
     "derivation.conditions": ("conditions", "Conditions"),
-    "bodies.round_body.painleve": ("painleve_limit", "PainleveLimit"),
+    "bodies.painleve": ("painleve_limit", "PainleveLimit"),
     "boundary.drift": ("drift", "Drift"),
     "boundary.hopf": ("hopf", "HopfPoint", "HopfKind"),
     "boundary.beyond_linear.slow_flow": ("slow_flow", "SlowFlow"),
@@ -125,25 +124,25 @@ if TYPE_CHECKING:
     from .bodies.contact_laws import Viscous as Viscous
     from .bodies.disk import REAL_DISKS as REAL_DISKS
     from .bodies.disk import Disk as Disk
+    from .bodies.disk_polynomials import exact_polynomial as exact_polynomial
     from .bodies.dry_friction import Coulomb as Coulomb
     from .bodies.dry_friction import RegularisedCoulomb as RegularisedCoulomb
     from .bodies.launch import launch as launch
+    from .bodies.painleve import PainleveLimit as PainleveLimit
+    from .bodies.painleve import painleve_limit as painleve_limit
     from .bodies.resistance import AirTorque as AirTorque
     from .bodies.resistance import PivotingResistance as PivotingResistance
     from .bodies.resistance import Resistance as Resistance
     from .bodies.resistance import RollingResistance as RollingResistance
     from .bodies.round_body.body import Body as Body
-    from .bodies.round_body.painleve import PainleveLimit as PainleveLimit
-    from .bodies.round_body.painleve import painleve_limit as painleve_limit
     from .bodies.round_body.shapes.named import EccentricSphere as EccentricSphere
     from .bodies.round_body.shapes.named import Spheroid as Spheroid
     from .bodies.round_body.shapes.named import ThickDisk as ThickDisk
     from .bodies.round_body.shapes.named import Torus as Torus
     from .bodies.round_body.shapes.profile import Egg as Egg
     from .bodies.round_body.shapes.profile import from_profile as from_profile
-    from .bodies.thin_disk.disk_equations import disk_system as disk_system
-    from .bodies.thin_disk.disk_families import disk_family as disk_family
-    from .bodies.thin_disk.disk_polynomials import exact_polynomial as exact_polynomial
+    from .bodies.thin_disk import disk_family as disk_family
+    from .bodies.thin_disk import disk_system as disk_system
     from .boundary.beyond_linear.mean_path import retrograde_map as retrograde_map
     from .boundary.beyond_linear.records import CycleBirth as CycleBirth
     from .boundary.beyond_linear.records import Onset as Onset

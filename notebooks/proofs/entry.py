@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-from stability.bodies.thin_disk.disk_quantities import QUANTITIES
+from stability.bodies.quantities import QUANTITIES
 
 from .proof import paragraph
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from stability.bodies.thin_disk.disk_equations import disk_system
+from stability.bodies.thin_disk import disk_system
 
 NEAR = 1e-4
 """Largest distance of a root from its member.  Rolling has two zero eigenvalues but one tangent,

@@ -22,7 +22,7 @@ from ..base.errors import FileError
 from ..bodies.contact_laws import Rough, Smooth, Viscous
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES
-from ..bodies.thin_disk.disk_quantities import QUANTITIES
+from ..bodies.quantities import QUANTITIES
 from ..jobs.following import processes
 from ..jobs.pipeline import Counted, check_run, here, ordered
 from ..storage.csv_text import csv_text

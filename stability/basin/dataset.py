@@ -20,7 +20,7 @@ from ..base.version import __version__
 from ..bodies.contact_laws import Smooth
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES, named_by
-from ..bodies.round_quantities import round_quantities
+from ..bodies.quantities import round_quantities
 from ..integrators.selection import HEYOKA
 from ..jobs.chunks import Arrays, Store, Variable
 from ..motion.result import CODES, Outcome, outcome_flags

@@ -19,10 +19,10 @@ from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES, at_name
 from ..bodies.launch import launch
 from ..bodies.law_names import law_given
+from ..bodies.newton_euler import STATES
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.families import place_of
 from ..bodies.round_body.shape import refuse_constants
-from ..bodies.thin_disk.disk_equations import STATES
 from ..integrators.flow import CASADI
 from ..motion.gather import launches_of
 from ..motion.starts import Starts

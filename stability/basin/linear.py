@@ -12,8 +12,8 @@ from ..base.axis import Axis
 from ..base.errors import StabilityError, StabilityWarning
 from ..base.verdict import CODES
 from ..bodies.disk import Disk
+from ..bodies.newton_euler import STATES
 from ..bodies.round_body.body import Body
-from ..bodies.thin_disk.disk_equations import STATES
 from ..boundary.changes import boundaries
 from ..spectra.spectrum import spectrum
 from .launches import SCALES, TILT, Launches

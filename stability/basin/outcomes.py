@@ -22,7 +22,7 @@ from ..base.checks import flag, one_number
 from ..base.errors import ParameterError
 from ..base.quantities import Kind
 from ..base.types import Floats
-from ..bodies.thin_disk.disk_model import FLAT, LIFT_OFF, NO_CONTACT
+from ..bodies.model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.flow import ASKING, Flow, flow_of
 from ..integrators.taylor import NEWTON, available, longest_shift, unread
 from ..motion.neighbours import signs

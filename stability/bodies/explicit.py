@@ -31,13 +31,50 @@ class Surface(NamedTuple):
     curve: Any
     """h''."""
     outward: Any
-    """r, the distance of the contact point from the axis."""
+    """r = h sinθ + h' cosθ, the distance of the contact point from the axis."""
     along: Any
-    """z, its distance from the centre along the axis."""
+    """z = h cosθ - h' sinθ, its distance from the centre along the axis."""
+    sine: ca.SX
+    """sin θ."""
+    cosine: ca.SX
+    """cos θ; one node for all that holds it, so that a graph becomes short."""
     transverse: Any
     """I₁."""
-    ratio: Any
-    """I₃/I₁."""
+    axial: Any
+    """I₃."""
+
+    def rim_speed(self, phi_dot: Any, omega3: Any) -> Any:
+        """Speed of the contact point about the centre, along ŷ."""
+        return (omega3 - phi_dot * self.cosine) * self.outward + phi_dot * self.slope
+
+
+def surface(theta: ca.SX, height: ca.SX, transverse: Any, axial: Any, unit: Any = 1) -> Surface:
+    """A body at a symbol θ; a disk without thickness, h = sinθ, has r = 1 and z = 0 exactly.
+
+    Parameters
+    ----------
+    theta
+        Symbol of the inclination.
+    height
+        The height at θ, over `unit`.
+    transverse, axial
+        Moments of inertia.
+    unit
+        Unit of length.
+
+    Examples
+    --------
+    >>> t = ca.SX.sym("t")
+    >>> surface(t, ca.sin(t), 0.25, 0.5)[3:5]
+    (1, 0)
+    """
+    s, c = ca.sin(theta), ca.cos(theta)
+    if ca.is_equal(height, s, 1):
+        return Surface(unit * s, unit * c, -unit * s, unit, 0, s, c, transverse, axial)
+    slope = ca.jacobian(height, theta)
+    arms = height * s + slope * c, height * c - slope * s
+    h, first, second, r, z = (unit * v for v in (height, slope, ca.jacobian(slope, theta), *arms))
+    return Surface(h, first, second, r, z, s, c, transverse, axial)
 
 
 class Explicit(NamedTuple):
@@ -84,10 +121,9 @@ def explicit(
     Explicit
     """
     theta, turning, phi_dot, omega3, slip_x, slip_y = ca.vertsplit(x)
-    h, slope, curve, r, z, across, ratio = surface
-    s, c = ca.sin(theta), ca.cos(theta)
+    h, slope, curve, r, z, s, c, across, axial = surface
+    ratio = axial / across
     upward = phi_dot * c
-    relative = omega3 - upward
     excess = upward - ratio * omega3
     gyroscopic = phi_dot * s * excess
     symbol = ca.SX.sym("normal")
@@ -106,7 +142,7 @@ def explicit(
     swinging = -turning * excess - (z * fy + c * mx - s * mz) / across
     spinning = (r * fy + s * mx + c * mz) / across / ratio
     precessing = (swinging - upward * turning) / s
-    rim = phi_dot * slope + relative * r
+    rim, relative = surface.rim_speed(phi_dot, omega3), omega3 - upward
     rim_rate = precessing * slope + phi_dot * curve * turning + relative * (h + curve) * c * turning
     rim_rate += (spinning - precessing * c + phi_dot * s * turning) * r
     rates = ca.vertcat(

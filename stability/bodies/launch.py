@@ -8,16 +8,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import broadcast, checked, known
+from ..algebra.upright import UPRIGHT
+from ..base.checks import broadcast, checked, instance, known
 from ..base.errors import ParameterError, if_degrees
 from ..base.types import Floats
 from .disk import Disk
 from .families import FAMILIES
+from .newton_euler import STATES
 from .round_body.body import Body
 from .round_body.families import place_of
 from .round_body.inclinations import tumbling_rates
-from .thin_disk.launch import TILT, near_steady
 
+TILT = 0.1
+"""Tilt of the symmetry axis [rad]."""
 LEVEL = 1e-9
 """Largest slope of the height, over the height, where a body rolls."""
 
@@ -126,5 +129,49 @@ def _near_member(
         raise ParameterError(
             f"the tilt takes theta to {six[..., 0][~inside].flat[0]:g}; the height of {body.name} "
             f"holds between {low:.6g} and {high:.6g}{if_degrees(float(np.abs(lean).max()))}."
+        )
+    return six
+
+
+def near_steady(family: str, *, at: ArrayLike, tilt: ArrayLike, disk: Disk | None) -> Floats:
+    """The start of a launch of the disk; numbers and errors as those of `stability.launch`."""
+    known("family", family, [name for name, one in FAMILIES.items() if one.line])
+    record = FAMILIES[family]
+    if disk is None and record.solution is not None:
+        raise ParameterError(
+            f"disk is missing; {', '.join(record.disk_unknown)} of {family} depends on the body: "
+            "give disk=stability.Disk(...)."
+        )
+    body = Disk() if disk is None else instance("disk", disk, Disk, "give a stability.Disk")
+    where, lean = np.asarray(checked("at", at)), np.asarray(checked("tilt", tilt))
+    shapes = where.shape, lean.shape, np.shape(body.k), np.shape(body.rate)
+    try:
+        shape = np.broadcast_shapes(*shapes)
+    except ValueError:
+        raise ParameterError(
+            f"at, tilt and the disk have shapes {', '.join(map(str, shapes))}; make them fit."
+        ) from None
+    if record.by_angle and ((where <= 0) | (where >= math.pi)).any():
+        bad = where[(where <= 0) | (where >= math.pi)].flat[0]
+        raise ParameterError(
+            f"at of {family} is theta = {bad:g}; it must lie strictly between 0 and π"
+            f"{if_degrees(bad)}."
+        )
+    with np.errstate(all="ignore"):  # an overflow is refused
+        member = record.member(np, where, body.k, body.rate)
+    six = np.zeros((*shape, 6))
+    for column, name in enumerate(STATES):
+        six[..., column] = math.pi / 2 if member[name] is UPRIGHT else member[name]
+    if not np.isfinite(six).all():
+        raise ParameterError(
+            f"at of {family} is {where.min():g}, where its rate overflows double precision, "
+            "or where there is no such motion; give another."
+        )
+    six[..., 0] -= lean
+    bad = six[..., 0][(six[..., 0] <= 0) | (six[..., 0] >= math.pi)]
+    if bad.size:
+        raise ParameterError(
+            f"the tilt takes theta to {bad.flat[0]:g}; it must stay strictly between 0 and π"
+            f"{if_degrees(float(lean.flat[np.abs(lean).argmax()]))}."
         )
     return six

@@ -15,6 +15,7 @@ from ..base.errors import ParameterError, shown
 from ..base.quantities import Quantity, time_unit
 from ..base.types import Floats, Same
 from ..systems.system import System
+from .creep import CREEPS
 from .dry_friction import DIRECTION, MU
 
 WORK, PROBE = "work", "probe"
@@ -52,6 +53,23 @@ TAKEN = (
     PROBE,
 )
 """Names of a motion's dataset that no state, parameter or observable can have."""
+
+
+POSE = ("phi", "psi", "centre_x", "centre_y")
+"""Precession angle, relative spin angle, horizontal place of the centre; x̂ = (cos φ, sin φ)."""
+POSE_UNIT = 1024.0
+"""Unit of the pose in the integration.  The pose grows without bound, and without this unit it
+would loosen a tolerance that is relative to the largest entry of the state."""
+LIFT_OFF, FLAT, NO_CONTACT, CONE = "lift-off", "flat", "no-contact", "slip"
+CREEP_ENDS = "creep ends"
+"""Names of the guards."""
+WORDS = {
+    LIFT_OFF: "normal force times D",
+    FLAT: "sine of theta less that of flat",
+    NO_CONTACT: "D",
+    CREEP_ENDS: CREEPS,
+}
+"""Each guard in words."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -269,3 +287,17 @@ def _probed(x: ca.SX, probe: ca.SX) -> ca.SX:
     sum_of_all = ca.dot(ca.DM(weights), x)
     square = sum_of_all**2
     return (square / (1 + square) - probe) / PROBE_UNIT
+
+
+def placed(x: ca.SX, along_x: ca.SX, along_y: ca.SX, pose: ca.SX) -> ca.SX:
+    """φ̇, ψ̇ = ω₃ − φ̇ cosθ, and the horizontal velocity of the centre turned by φ."""
+    theta, phi_dot, omega3 = x[0], x[2], x[3]
+    heading = POSE_UNIT * pose[0]
+    cosine, sine = ca.cos(heading), ca.sin(heading)
+    rates = ca.vertcat(
+        phi_dot,
+        omega3 - phi_dot * ca.cos(theta),
+        cosine * along_x - sine * along_y,
+        sine * along_x + cosine * along_y,
+    )
+    return rates / POSE_UNIT

@@ -2,22 +2,40 @@
 
 Frames and signs are those of Przybylska & Rauch-Wojciechowski 2016, Section 2: 3̂ is the symmetry
 axis, 1̂ points away from it in the vertical plane through the axis, 2̂ = 3̂×1̂ is horizontal; ẑ is
-vertical, ŷ = 2̂, x̂ = ŷ×ẑ.  A body says its velocity, momentum, torque and energy; this module
-does what is the same for all of them.
+vertical, ŷ = 2̂, x̂ = ŷ×ẑ.  The contact point lies at a = h' x̂ - h ẑ from the centre of mass, where
+h(θ) is the height of the centre.  Only h and h' stand in the equations.  Their rates bring in h'',
+so a linearisation at a steady motion (θ̇ = 0) needs h, h' and h'' alone.
+tests/bodies/test_round_bodies.py compares these equations with an inertial formulation,
+tests/bodies/test_equations.py those of the disk with two derivations that share nothing with them.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import suppress
-from typing import Any
+from typing import Any, Protocol
 
 import casadi as ca
 
 from ..base.errors import ParameterError, shown
-from .contact import Contact
+from .explicit import Surface, angular_velocity
+from .resistance import Resistance, total_moment
 
 STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
 """State names in their order; laws without slip in the state keep the first four."""
+
+
+class StatedLaw(Protocol):
+    """A contact law with its coefficients, in the units of the equations."""
+
+    name: str
+    holds: bool
+
+    def force(self, slip: Sequence[Any], normal: Any) -> Any:
+        """Horizontal force."""
+
+    def power(self, slip: Sequence[Any], normal: Any) -> Any:
+        """Dissipated power."""
 
 
 class NewtonEuler:
@@ -27,47 +45,52 @@ class NewtonEuler:
     ----------
     x
         The states, in the order of `STATES`.
-    contact
-        Class of the law.
-    mu
-        The law's coefficients, as its `force` takes them.
+    surface
+        The body at the inclination `x[0]`.
+    law
+        The contact law.
     slips
         Whether the two slip velocities are states.
     slip
         The slip along x̂ and ŷ where it follows from the other states; None for none.
+    mass, weight, square
+        Mass, mass times gravity, and mass times length², in the units of the equations.
+    against
+        Resistances to rolling and turning, with their coefficients.
     """
 
-    mass: Any = 1
-    """Mass in the units of the equations."""
-    weight: Any = 1
-    """Mass times gravity."""
     slip_rate: ca.SX | None = None
     """Rate of a slip that is stated and is a symbol; None where it follows from the states."""
 
     def __init__(
         self,
         x: ca.SX,
-        contact: type[Contact],
-        mu: Any,
+        surface: Surface,
+        law: StatedLaw,
         slips: bool,
         slip: list[ca.SX] | None = None,
+        *,
+        mass: Any = 1,
+        weight: Any = 1,
+        square: Any = 1,
+        against: Sequence[tuple[type[Resistance], Any]] = (),
     ) -> None:
-        self.x, self.mu, self.slips = x, mu, slips
-        self.law = contact.__new__(contact)  # only its formulas are used, never its coefficient
-        self.holds = holds = contact.holds
-        self.sine, self.cosine = ca.sin(x[0]), ca.cos(x[0])
+        self.x, self.surface, self.law, self.slips = x, surface, law, slips
+        self.mass, self.weight, self.square, self.against = mass, weight, square, against
+        self.holds = holds = law.holds
+        self.sine, self.cosine = surface.sine, surface.cosine
         if slips:
             self.slip = [x[4], x[5]]
         elif holds:
             self.slip = [ca.SX(0), ca.SX(0)] if slip is None else slip
         else:  # smooth, centre without horizontal velocity
-            self.slip = self.own_slip()
+            self.slip = [-x[1] * surface.height, self.rim_speed()]
         self.d_theta_dot, self.d_phi_dot, self.d_omega3 = (
             ca.SX.sym("d_" + name) for name in STATES[1:4]
         )
         self.normal = ca.SX.sym("normal")
         self.extra = [ca.SX.sym("e1"), ca.SX.sym("e2")] if slips or holds else []
-        self.force = self.extra if holds else self._stated(mu)
+        self.force = self.extra if holds else self._stated()
         acc = ["d_theta_dot", "d_phi_dot", "d_omega3", "normal"]
         more = ["force_x", "force_y"] if holds else ["d_slip_x", "d_slip_y"]
         self.unknown_names = tuple(acc + (more if self.extra else []))
@@ -82,45 +105,47 @@ class NewtonEuler:
         self.pivots = order
         self.pivot_d = order.index((4, 0) if self.extra else (2, 0))
 
-    # --- what a body says ---
-
-    def own_slip(self) -> list[ca.SX]:
-        """Slip of a centre without horizontal velocity: ω×a along x̂ and ŷ."""
-        raise NotImplementedError
+    def rim_speed(self) -> ca.SX:
+        """(ω×a) along ŷ."""
+        return ca.SX(self.surface.rim_speed(self.x[2], self.x[3]))
 
     def velocity(self) -> ca.SX:
-        """Velocity of the centre along (x̂, ŷ, ẑ)."""
-        raise NotImplementedError
+        """ṡ = vA - ω×a along (x̂, ŷ, ẑ)."""
+        theta_dot = self.x[1]
+        return ca.vertcat(
+            self.slip[0] + theta_dot * self.surface.height,
+            self.slip[1] - self.rim_speed(),
+            theta_dot * self.surface.slope,
+        )
 
-    def spin(self, momentum: ca.SX) -> ca.SX:
-        """Angular velocity along (1̂, 2̂, 3̂), from the angular momentum."""
-        raise NotImplementedError
+    def spin(self) -> ca.SX:
+        """ω along (1̂, 2̂, 3̂)."""
+        return ca.vertcat(-self.x[2] * self.sine, self.x[1], self.x[3])
 
     def momentum(self) -> ca.SX:
-        """Angular momentum about the centre along (1̂, 2̂, 3̂)."""
-        raise NotImplementedError
+        """L along (1̂, 2̂, 3̂)."""
+        across, along = self.surface.transverse, self.surface.axial
+        return ca.SX(ca.vertcat(across, across, along) * self.spin())
+
+    def moment(self, normal: Any) -> list[Any]:
+        """Moment of all resistances along (x̂, ŷ, ẑ)."""
+        return total_moment(self.against, angular_velocity(self.x), normal)
 
     def torque(self, fx: Any, fy: Any) -> ca.SX:
-        """Torque of the contact force about the centre along (1̂, 2̂, 3̂)."""
-        raise NotImplementedError
+        """Torque along (1̂, 2̂, 3̂), where x̂ = cosθ 1̂ + sinθ 3̂, ẑ = -sinθ 1̂ + cosθ 3̂."""
+        h, slope, _, outward, along, *_ = self.surface
+        sliding = ca.vertcat(along * fy, -(h * fx + slope * self.normal), outward * fy)
+        if not self.against:
+            return ca.SX(sliding)
+        level, side, up = self.moment(self.normal)
+        resisting = ca.vertcat(
+            self.cosine * level - self.sine * up, side, self.sine * level + self.cosine * up
+        )
+        return ca.SX(sliding + resisting)
 
-    def potential(self) -> ca.SX:
-        """Potential energy."""
-        raise NotImplementedError
-
-    def law_force(self, slip: Any, normal: Any, mu: Any) -> Any:
-        """Force of the law in the units of the equations."""
-        return self.law.force(slip, normal, mu)
-
-    def law_power(self, slip: Any, normal: Any, mu: Any) -> Any:
-        """Power that the law dissipates in the units of the equations."""
-        return self.law.power(slip, normal, mu)
-
-    # --- the same for every body ---
-
-    def _stated(self, mu: Any) -> list[Any]:
+    def _stated(self) -> list[Any]:
         """The force that the law states, which must be two expressions."""
-        found = self.law_force(self.slip, self.normal, mu)
+        found = self.law.force(self.slip, self.normal)
         if isinstance(found, (list, tuple)) and len(found) == 2:
             with suppress(NotImplementedError, TypeError):  # CasADi's errors for another type
                 return [ca.SX(f) for f in found]
@@ -163,21 +188,26 @@ class NewtonEuler:
         return mass, forcing
 
     def observables(self, solved: dict[str, ca.SX], pivots: list[ca.SX]) -> dict[str, ca.SX]:
-        """Energy, forces, slip, D and the dissipated power."""
+        """Energy, forces, slip, D over m·length², the dissipated power, the rim's speed, and h'."""
         velocity, momentum = self.velocity(), self.momentum()
-        kinetic = (self.mass * ca.sumsqr(velocity) + ca.dot(self.spin(momentum), momentum)) / 2
+        kinetic = (self.mass * ca.sumsqr(velocity) + ca.dot(self.spin(), momentum)) / 2
         normal = solved["normal"]
         if self.holds:
             force = [solved["force_x"], solved["force_y"]]
             power = -(force[0] * self.slip[0] + force[1] * self.slip[1])
         else:
-            force = self.law_force(self.slip, normal, self.mu)
-            power = self.law_power(self.slip, normal, self.mu)
+            force = self.law.force(self.slip, normal)
+            power = self.law.power(self.slip, normal)
+        if self.against:
+            moment = self.moment(normal)
+            power -= ca.dot(ca.vertcat(*moment), ca.vertcat(*angular_velocity(self.x)))
         return {
-            "energy": kinetic + self.potential(),
+            "energy": kinetic + self.weight * self.surface.height,
             "normal_force": normal,
             "contact_force": ca.SX(ca.vertcat(*force)),
             "slip": ca.SX(ca.vertcat(*self.slip)),
-            "determinant": pivots[self.pivot_d],
+            "determinant": pivots[self.pivot_d] / self.square,
             "power": ca.SX(power),
+            "rim_speed": ca.SX(self.rim_speed()),
+            "lever": ca.SX(self.surface.slope),
         }

@@ -21,7 +21,7 @@ from ..base.verdict import Verdict
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
-from ..bodies.round_body.by_name import of_body
+from ..bodies.subject import of_body
 from ..spectra.arguments import axis_of, prepare
 from ..spectra.certificate import verdict as certified
 from ..spectra.presentation.labels import of_package

@@ -1,6 +1,6 @@
 """Polynomials that vanish where a verdict can change along an axis, and the verdicts between.
 
-For the disk these are the conditions over Q of `stability.bodies.thin_disk.disk_polynomials`, where
+For the disk these are the conditions over Q of `stability.bodies.disk_polynomials`, where
 every quantity but the axis is the exact ratio of its double.  For a user's family whose graph is
 rational in the axis they come from its characteristic polynomial.  Between neighbouring roots no
 eigenvalue meets the imaginary axis, so one exact verdict holds on each piece.

@@ -40,11 +40,11 @@ from ..base.errors import ParameterError, StabilityError, listed, shown, warned
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import LAWS, law_missing
 from ..bodies.disk import Disk
+from ..bodies.disk_polynomials import exact_polynomial
 from ..bodies.families import FAMILIES, SteadyFamily
 from ..bodies.law_names import law_only
 from ..bodies.round_body.body import Body
-from ..bodies.round_body.by_name import of_body
-from ..bodies.thin_disk.disk_polynomials import exact_polynomial
+from ..bodies.subject import of_body
 from ..spectra.disk_problem import disk_problem
 from ..spectra.problem import Problem
 from ..systems.family import Family
@@ -393,7 +393,7 @@ def exact_side(family: str, law: str) -> Any:
     Returns
     -------
     polynomial, derivative
-        In the variables of `stability.bodies.thin_disk.disk_polynomials`.
+        In the variables of `stability.bodies.disk_polynomials`.
     """
     known = exact_polynomial(family, law)
     [flutter] = [p for kind, p in known.conditions if kind == "flutter"]

@@ -254,8 +254,8 @@ def _length(scene: Scene) -> str:
 
 def _units(answer: Answer, names: tuple[str, ...], *, plain: bool) -> dict[str, str]:
     """Units in words of all numbers of the answer."""
-    from ..bodies.thin_disk.disk_equations import STATES
-    from ..bodies.thin_disk.disk_quantities import QUANTITIES
+    from ..bodies.newton_euler import STATES
+    from ..bodies.quantities import QUANTITIES
     from ..scene.questions import QUESTIONS
 
     kinds = {n: q.kind for n, q in QUESTIONS.items() if n in names and q.kind is not None}

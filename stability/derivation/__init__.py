@@ -4,5 +4,5 @@ Characteristic polynomials over Q, of the disk and of every height, Hurwitz cond
 boundaries.  What is proved and not called is in `notebooks/proofs`.
 May import `bodies` and the floors below.
 To add the polynomial of a family: its variables in `VARIABLES` of `characteristic.py`, then
-`make derive`, which writes `bodies/thin_disk/disk_polynomials.json`.
+`make derive`, which writes `bodies/disk_polynomials.json`.
 """

@@ -17,7 +17,8 @@ import sympy
 
 from ..algebra.number_types import Algebra, sympy_algebra
 from ..algebra.program import Program
-from ..bodies.thin_disk.disk_equations import STATES, disk_system
+from ..bodies.newton_euler import STATES
+from ..bodies.thin_disk import disk_system
 from .characteristic import MU, K
 
 W = sympy.Symbol("w", positive=True)

@@ -2,7 +2,7 @@
 
 No formula is typed in.  The Jacobian at a family is read from the CasADi graph in SymPy's algebra,
 with the sine and cosine of theta as symbols.  The family's unknown is eliminated, and the
-determinant is factored.  `stability.bodies.thin_disk.disk_polynomials` stores the polynomials as
+determinant is factored.  `stability.bodies.disk_polynomials` stores the polynomials as
 package data; tests/derivation/test_exact.py derives these polynomials again and compares.
 """
 
@@ -15,7 +15,7 @@ import sympy
 from ..algebra.number_types import sympy_algebra
 from ..base.errors import StabilityError
 from ..bodies.families import FAMILIES
-from ..bodies.thin_disk.disk_families import disk_family
+from ..bodies.thin_disk import disk_family
 from ..systems.family import Family
 
 LAM, K, MU, SIN, COS = sympy.symbols("lam k mu s c")

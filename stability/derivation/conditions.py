@@ -28,7 +28,7 @@ from ..base.verdict import Verdict, best
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
-from ..bodies.round_body.by_name import family_by_name
+from ..bodies.subject import family_by_name
 from ..systems.family import Family
 from ..systems.structure.multiplicity import Member
 from ..systems.structure.structural_zeros import steady_where, structure

@@ -1,6 +1,6 @@
 """Stability conditions as formulas: polynomials, boundaries, limits, and statements for every mu.
 
-SymPy computes everything from the polynomials of `stability.bodies.thin_disk.disk_polynomials`.
+SymPy computes everything from the polynomials of `stability.bodies.disk_polynomials`.
 Hurwitz determinants are factored.  Boundaries are solved where they are at most quadratic.  The
 pattern of verdicts along a family is followed through all mu
 (`stability.derivation.friction_ranges`).
@@ -19,8 +19,8 @@ import sympy
 from ..algebra.exact.known_polynomial import Exact
 from ..algebra.polynomial import Polynomial
 from ..base.errors import ParameterError, shown
+from ..bodies.disk_polynomials import exact_polynomial, known_polynomial
 from ..bodies.families import FAMILIES, families_under
-from ..bodies.thin_disk.disk_polynomials import exact_polynomial, known_polynomial
 from .branches import where
 from .characteristic import LAM, MU, SQUARE, Derived, M
 from .friction_ranges import FlutterCondition, Range
@@ -59,7 +59,7 @@ class Formulas:
 
 
 def expression(polynomial: Polynomial) -> Expr:
-    """A polynomial of `stability.bodies.thin_disk.disk_polynomials` as a SymPy expression.
+    """A polynomial of `stability.bodies.disk_polynomials` as a SymPy expression.
 
     Parameters
     ----------

@@ -26,8 +26,8 @@ from sympy.polys.rings import PolyRing
 
 from ..base.errors import FileError, StabilityError
 from ..bodies.contact_laws import LAWS
+from ..bodies.disk_polynomials import digest
 from ..bodies.families import families_under
-from ..bodies.thin_disk.disk_polynomials import digest
 from ..storage.files import atomic_write, together
 from .characteristic import LAM, SIN, Derived, K, derive
 
@@ -283,7 +283,7 @@ def catalogue() -> dict[str, Any]:
     Returns
     -------
     dict
-        JSON-able; `make derive` writes it to stability/bodies/thin_disk/disk_polynomials.json.
+        JSON-able; `make derive` writes it to stability/bodies/disk_polynomials.json.
     """
     cases: dict[str, Any] = {}
     for law in LAWS:

@@ -12,10 +12,9 @@ from ..base.errors import NameUnknownError, ParameterError, listed, shown
 from ..bodies.contact_laws import LAWS
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES
-from ..bodies.round_body.shapes.named import of_disk
-from ..bodies.thin_disk.disk_families import disk_family
-from ..bodies.thin_disk.disk_model import disk_model
-from ..bodies.thin_disk.disk_quantities import QUANTITIES
+from ..bodies.quantities import QUANTITIES
+from ..bodies.round_body.thin import thin_body
+from ..bodies.thin_disk import disk_family, disk_model
 from ..spectra.arguments import prepare
 from ..spectra.problem import Problem
 from .certificates import certificate
@@ -125,7 +124,7 @@ def disk_subject(name: str, law: str) -> Subject:
             "state": state.name,
         },
         symbols={n: q.symbol for n, q in QUANTITIES.items()},
-        body=body_of(of_disk(Disk()), family),
+        body=body_of(thin_body(Disk()), family),
     )
 
 

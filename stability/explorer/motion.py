@@ -10,13 +10,12 @@ import casadi as ca
 from ..algebra.number_types import Algebra
 from ..algebra.program import Program
 from ..bodies.contact_laws import LAWS
-from ..bodies.model import PROBE, Model
-from ..bodies.round_body.body import Body
+from ..bodies.model import POSE, POSE_UNIT, PROBE, Model, placed
 from ..bodies.round_body.height.pole_height import height_of_angle, height_of_cosine
 from ..bodies.round_body.models.angle_model import round_model
 from ..bodies.round_body.models.pole_model import FRONT, PLACE, pole_model
 from ..bodies.round_body.pole_equations import SLIP, smooth_at
-from ..bodies.thin_disk.disk_model import POSE, POSE_UNIT, placed
+from ..bodies.round_body.shape import RoundShape
 from ..systems.family import Family
 from .source.formulas import Formulas, Values
 from .source.frames import frame_of_angles, frame_of_axis
@@ -30,12 +29,12 @@ CURVES = {"energy": "energy", "normal force": "normal_force"}
 """Observables of a body whose curves are drawn, with their names in a `Model`."""
 
 
-def through_poles(body: Body) -> bool:
+def through_poles(body: RoundShape) -> bool:
     """Whether a launch moves along fixed axes: the body is smooth at a pole."""
     return smooth_at(body, 1) or smooth_at(body, -1)
 
 
-def launch_model(body: Body, law: str) -> Model:
+def launch_model(body: RoundShape, law: str) -> Model:
     """The model of a body under a law that `simulate` integrates."""
     kind = LAWS[law]
     make = pole_model if through_poles(body) else round_model
@@ -84,7 +83,7 @@ def _frame(model: Model) -> ca.SX:
     return frame_of_angles(y[0], y[first : first + len(POSE)], series["potential"], series["reach"])
 
 
-def body_of(body: Body, family: Family, pole: int = 0) -> dict[str, Any]:
+def body_of(body: RoundShape, family: Family, pole: int = 0) -> dict[str, Any]:
     """How the states of the spectrum move the body: `pose`, `frame` and `still` of a subject.
 
     The pole is 1 or -1 for vertical spin at θ = 0 or π, and 0 for every other family.
@@ -105,7 +104,7 @@ def body_of(body: Body, family: Family, pole: int = 0) -> dict[str, Any]:
 
 
 def _by_angles(
-    body: Body, family: Family, numbers: list[ca.SX], pose: ca.SX
+    body: RoundShape, family: Family, numbers: list[ca.SX], pose: ca.SX
 ) -> tuple[ca.SX, ca.SX]:
     """Place and rates of the pose in the disk's angles; ṡ = vA − ω×a."""
     x, slip = family.system.x, family.system.observables["slip"]
@@ -119,7 +118,7 @@ def _by_angles(
 
 
 def _along_axis(
-    body: Body, family: Family, numbers: list[ca.SX], pose: ca.SX, pole: int
+    body: RoundShape, family: Family, numbers: list[ca.SX], pose: ca.SX, pole: int
 ) -> tuple[ca.SX, ca.SX]:
     """Place and rates of the pose in the chart around a pole."""
     x, c = family.system.x, ca.SX.sym("c")
@@ -133,7 +132,7 @@ def _along_axis(
     return frame_of_axis(axis, pose[:3], pose[3:], h, arm), rates
 
 
-def meridian(body: Body, family: Family) -> dict[str, Any]:
+def meridian(body: RoundShape, family: Family) -> dict[str, Any]:
     """The surface of a body: JavaScript of θ and the parameters → r and place along the axis.
 
     Source: docs/explanation/bodies.md, r = h sinθ + h' cosθ; the film of `animate` draws the same.

@@ -15,7 +15,7 @@ from ..base.errors import ParameterError, shown
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
-from ..bodies.round_body.by_name import family_by_name
+from ..bodies.subject import family_by_name
 from ..derivation.conditions import Conditions, conditions
 from ..systems.equations import Equations
 from ..systems.family import Family

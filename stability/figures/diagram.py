@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from ..base.errors import ParameterError
 from ..base.quantities import Quantity, axis_label, in_latex, read, unit_of
 from ..base.verdict import CODES, NO_MEMBER, Verdict
-from ..bodies.thin_disk.disk_quantities import quantities_of
+from ..bodies.quantities import quantities_of
 from ..boundary.beyond_linear.two_parameters.point_records import CodimensionTwo
 from ..boundary.crossings import Crossing
 from ..boundary.curves import KINDS

@@ -17,7 +17,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullFormatter, NullLocator
 
 from ..base.errors import ParameterError, shown
-from ..bodies.thin_disk.disk_quantities import SYSTEM, quantities_of
+from ..bodies.quantities import SYSTEM, quantities_of
 from .letters import SMALL, Letter, letters
 
 if TYPE_CHECKING:

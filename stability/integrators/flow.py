@@ -16,7 +16,7 @@ from ..algebra.program import Program
 from ..base.types import Floats, fields_of
 from ..bodies.contact import Contact
 from ..bodies.model import Model
-from ..bodies.thin_disk.disk_model import disk_model
+from ..bodies.thin_disk import disk_model
 from ..systems.system import System
 
 
@@ -362,19 +362,19 @@ def _bound(function: ca.Function, p: Floats, n: int, shape: tuple[int, ...]) -> 
     return call
 
 
-def flow(law: str | type[Contact], *, pose: bool = False, sticking: bool = False) -> Flow:
+def flow(law: str | type[Contact], *, pose: bool = False) -> Flow:
     """The flow of the disk under a contact law; built once for each.
 
     Parameters
     ----------
-    law, pose, sticking
-        As for `stability.bodies.thin_disk.disk_model.disk_model`.
+    law, pose
+        As for `stability.bodies.thin_disk.disk_model`.
 
     Returns
     -------
     Flow
     """
-    return flow_of(disk_model(law, pose=pose, sticking=sticking))
+    return flow_of(disk_model(law, pose=pose))
 
 
 @lru_cache(maxsize=64)

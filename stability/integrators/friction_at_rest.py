@@ -107,7 +107,7 @@ def sticking_force(dry: Dry, four: Floats, p: Floats) -> tuple[float, float, flo
 
     Examples
     --------
-    >>> from stability.bodies.thin_disk.disk_model import disk_model
+    >>> from stability.bodies.thin_disk import disk_model
     >>> dry = disk_model("coulomb").dry
     >>> sticking_force(dry, np.array([math.pi / 2, 0, 0, 1.2]), np.array([0.25, 0.3]))[0]
     1.0
@@ -214,7 +214,7 @@ def continuations(dry: Dry, four: Floats, p: Floats) -> Continuations:
     Examples
     --------
     >>> at_rest = np.array([math.pi / 2, 0.0, 0.0, 1.2])
-    >>> from stability.bodies.thin_disk.disk_model import disk_model
+    >>> from stability.bodies.thin_disk import disk_model
     >>> c = continuations(disk_model("coulomb").dry, at_rest, np.array([0.25, 0.3]))
     >>> c.sticks, c.directions
     (True, ())

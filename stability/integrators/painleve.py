@@ -25,7 +25,7 @@ import numpy as np
 
 from ..algebra.eigensolver import eigenpairs
 from ..base.types import Floats
-from ..bodies.thin_disk.disk_model import CREEP_ENDS, NO_CONTACT
+from ..bodies.model import CREEP_ENDS, NO_CONTACT
 from .flow import Flow
 from .leg import UNRESOLVED, End, Leg, Path
 from .scipy_methods import FINEST

@@ -28,8 +28,7 @@ import casadi as ca
 import numpy as np
 
 from ..base.types import Floats
-from ..bodies.model import WORK, Dry, Model
-from ..bodies.thin_disk.disk_model import CONE, LIFT_OFF, NO_CONTACT
+from ..bodies.model import CONE, LIFT_OFF, NO_CONTACT, WORK, Dry, Model
 from .flow import Flow, flow_of
 from .friction_at_rest import (
     continuations,

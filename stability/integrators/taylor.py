@@ -21,7 +21,7 @@ from ..algebra.number_types import heyoka, heyoka_algebra
 from ..algebra.program import Program
 from ..base.errors import StabilityError
 from ..base.types import Floats
-from ..bodies.thin_disk.disk_model import NO_CONTACT
+from ..bodies.model import NO_CONTACT
 from ..jobs.pipeline import Counted, here, ordered, threads
 from ..jobs.shared import shared
 from .flow import ASKING, Flow

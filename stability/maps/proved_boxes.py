@@ -2,7 +2,7 @@
 
 A rectangle is halved in both directions until the conditions of its family keep their signs on all
 of it, or until it is as narrow as the levels allow.  For the disk the conditions are the
-polynomials of `stability.bodies.thin_disk.disk_polynomials`, bounded over many boxes at once by the
+polynomials of `stability.bodies.disk_polynomials`, bounded over many boxes at once by the
 mean value form.  For a user's family they are its polynomials over Q in the two axes, or Routh's
 array in wide balls.
 """

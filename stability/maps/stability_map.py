@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import xarray
 
 from ..base.types import Progress
-from ..bodies.round_body.by_name import of_body
+from ..bodies.subject import of_body
 from ..jobs.dask import check_pool, pool_of
 from ..spectra.arguments import axis_of, prepare
 

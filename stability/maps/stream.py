@@ -17,7 +17,7 @@ from ..base.types import Progress
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
-from ..bodies.round_body.by_name import of_body
+from ..bodies.subject import of_body
 from ..jobs.chunks import Layout
 from ..jobs.dask import check_pool, pool_of
 from ..jobs.filling import fill

@@ -18,7 +18,7 @@ from ..algebra.number_types import numpy_algebra
 from ..algebra.polynomial import Polynomial
 from ..algebra.running_error import UNIT
 from ..base.verdict import CODES, Verdict, best
-from ..bodies.thin_disk.disk_polynomials import INPUT
+from ..bodies.disk_polynomials import INPUT
 from ..spectra.certificate import verdict
 from ..spectra.problem import Problem
 
@@ -41,7 +41,7 @@ class VerdictKernel:
 
     Examples
     --------
-    >>> from stability.bodies.thin_disk.disk_polynomials import exact_polynomial
+    >>> from stability.bodies.disk_polynomials import exact_polynomial
     >>> kernel = VerdictKernel(exact_polynomial("rolling", "viscous"))
     >>> kernel([0.25, 1.0, np.array([1.9, 2.0, 2.1])]).tolist()  # unstable, open, stable
     [2, 0, 1]

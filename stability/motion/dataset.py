@@ -19,8 +19,8 @@ from ..base.quantities import Kind
 from ..base.types import Floats
 from ..base.version import __version__
 from ..bodies.families import named_by
-from ..bodies.thin_disk.disk_model import POSE, POSE_UNIT
-from ..bodies.thin_disk.disk_quantities import SYSTEM
+from ..bodies.model import POSE, POSE_UNIT
+from ..bodies.quantities import SYSTEM
 from ..integrators.flow import flow_of
 from ..integrators.stick_slip import SLIDING, STICKING
 from .result import Outcome, outcome_flags

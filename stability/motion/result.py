@@ -11,7 +11,7 @@ import numpy as np
 from ..base.checks import MOST_WORKERS, flag, one_number, whole_number
 from ..base.errors import ParameterError
 from ..base.types import Floats, Sentences
-from ..bodies.thin_disk.disk_model import FLAT, LIFT_OFF, NO_CONTACT
+from ..bodies.model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.leg import UNRESOLVED, Path
 from ..integrators.selection import Choice
 from ..integrators.stick_slip import NON_UNIQUE, Transition

@@ -20,15 +20,16 @@ from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import MOTION_LAWS, law_missing, spelled
 from ..bodies.disk import Disk
-from ..bodies.model import TAKEN, Dry, Model
+from ..bodies.model import FLAT, TAKEN, Dry, Model
 from ..bodies.resistance import UNITS, Resistance, resistances
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.equations import Resistances
 from ..bodies.round_body.models.angle_model import round_model
 from ..bodies.round_body.models.pole_model import pole_model
 from ..bodies.round_body.pole_equations import smooth_at
-from ..bodies.round_body.shapes.named import of_disk
-from ..bodies.thin_disk.disk_model import FLAT, disk_model
+from ..bodies.round_body.shape import RoundShape
+from ..bodies.round_body.thin import thin_body
+from ..bodies.thin_disk import disk_model
 from ..integrators.flow import flow_of
 from ..integrators.friction_at_rest import continuations
 from ..integrators.stick_slip import REST
@@ -101,7 +102,7 @@ def gather_round(
         if isinstance(thing, Disk) and resistance is None:
             setting = _of_disk(thing, contact, pose=pose)
         else:
-            body = of_disk(thing) if isinstance(thing, Disk) else thing
+            body = thin_body(thing) if isinstance(thing, Disk) else thing
             setting = _of_body(body, contact, resistance, pose=pose)
         found = _gathered(setting, thing, contact, start, times, mark=mark)
     if isinstance(thing, Body) or setting.length == "radius":
@@ -148,7 +149,7 @@ def _of_disk(disk: Disk, contact: Contact, *, pose: bool) -> _Round:
     )
 
 
-def _of_body(body: Body, contact: Contact, resistance: Any, *, pose: bool) -> _Round:
+def _of_body(body: RoundShape, contact: Contact, resistance: Any, *, pose: bool) -> _Round:
     against, law, given = _acting(body, contact, resistance), type(contact), tuple(contact.given)
     kinds = tuple(type(r) for r in against)
     model = _model(body, law, given, kinds, pose=pose)
@@ -178,7 +179,7 @@ def _of_body(body: Body, contact: Contact, resistance: Any, *, pose: bool) -> _R
     )
 
 
-def _acting(body: Body, contact: Contact, given: Any) -> tuple[Resistance, ...]:
+def _acting(body: RoundShape, contact: Contact, given: Any) -> tuple[Resistance, ...]:
     """The resistances of a call that are not zero everywhere."""
     found = tuple(r for r in resistances(given) if np.any(r.value))
     for r in found:
@@ -191,7 +192,12 @@ def _acting(body: Body, contact: Contact, given: Any) -> tuple[Resistance, ...]:
 
 
 def _model(
-    body: Body, law: type[Contact], given: tuple[str, ...], resistance: Resistances, *, pose: bool
+    body: RoundShape,
+    law: type[Contact],
+    given: tuple[str, ...],
+    resistance: Resistances,
+    *,
+    pose: bool,
 ) -> Model:
     """Fixed axes where the body can pass a pole, and otherwise angles."""
     if smooth_at(body, 1) or smooth_at(body, -1):
@@ -200,7 +206,7 @@ def _model(
     return round_model(body, law, given, pose=pose, resistance=resistance)
 
 
-def _check_names(body: Body, model: Model) -> None:
+def _check_names(body: RoundShape, model: Model) -> None:
     """Refuse a number of the shape with a name that the motion has for itself."""
     for name in body.shape:
         if (

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..base.quantities import Kind
 from ..base.types import Floats
-from ..bodies.thin_disk.disk_model import FLAT, LIFT_OFF, NO_CONTACT
+from ..bodies.model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.flow import ASKING, Flow, flow_of
 from ..integrators.leg import UNRESOLVED, End, Leg, Path
 from ..integrators.painleve import OPEN_END, closer

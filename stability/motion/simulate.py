@@ -13,9 +13,9 @@ from numpy.typing import ArrayLike
 from ..base.errors import ParameterError, shown, warned
 from ..bodies.disk import Disk
 from ..bodies.law_names import law_only
+from ..bodies.model import FLAT
 from ..bodies.resistance import Resistance
 from ..bodies.round_body.body import Body
-from ..bodies.thin_disk.disk_model import FLAT
 from ..integrators.flow import CASADI, flow_of
 from ..integrators.selection import check_flow, check_method
 from ..jobs.pipeline import check_run

@@ -14,9 +14,8 @@ from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.quantities import Kind, Units
 from ..base.types import Floats
 from ..bodies.contact import Contact
-from ..bodies.model import Model
+from ..bodies.model import LIFT_OFF, NO_CONTACT, Model
 from ..bodies.newton_euler import STATES
-from ..bodies.thin_disk.disk_model import LIFT_OFF, NO_CONTACT
 from ..settling.settling import Settling
 
 MOST_LAUNCHES, MOST_SAMPLES = 1_000_000, 20_000_000

@@ -16,10 +16,10 @@ from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.law_names import law_only
 from ..bodies.model import Model, system_model
+from ..bodies.newton_euler import STATES
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.shape import SCALES
-from ..bodies.thin_disk.disk_equations import STATES
-from ..bodies.thin_disk.disk_model import disk_model
+from ..bodies.thin_disk import disk_model
 from ..integrators.flow import flow_of
 from ..motion.gather import launches_of
 from ..motion.round_starts import accepted

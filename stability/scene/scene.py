@@ -15,7 +15,7 @@ import numpy as np
 from ..base.checks import flag, known, one_number
 from ..base.errors import DomainError, NameUnknownError, ParameterError, listed, shown
 from ..base.types import Record
-from ..bodies.thin_disk.disk_equations import STATES
+from ..bodies.newton_euler import STATES
 from ..motion.gather import moving
 from ..storage.files import atomic_write
 from ..storage.targets import PICTURES, check_suffix, check_target

@@ -19,10 +19,10 @@ from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.launch import launch
 from ..bodies.law_names import class_named, law_named
+from ..bodies.newton_euler import STATES
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.shape import SCALES
 from ..bodies.round_body.shapes.named import NAMED
-from ..bodies.thin_disk.disk_equations import STATES
 from ..storage.targets import path_text, place, refusing
 
 TABLES = ("title", "disk", "body", "contact", "start", "question", "uncertain")

@@ -22,11 +22,11 @@ from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import Creep
 from ..bodies.newton_euler import STATES
-from ..bodies.round_body.body import Body
 from ..bodies.round_body.equations import Resistances, round_system
 from ..bodies.round_body.families import round_family, survives
 from ..bodies.round_body.inclinations import levels
 from ..bodies.round_body.pole_equations import AXIS, SLIP, TURN, pole_system, smooth_at
+from ..bodies.round_body.shape import RoundShape
 from ..systems.system import System
 from .line import Line, idle_under, signed
 from .settling import Settling
@@ -39,7 +39,7 @@ ROOT = 60
 
 
 def body_settling(
-    body: Body, law: type[Contact], given: tuple[str, ...], resistance: Resistances = ()
+    body: RoundShape, law: type[Contact], given: tuple[str, ...], resistance: Resistances = ()
 ) -> Settling:
     """The families that a body may settle on under a law, and those that it may depart from.
 
@@ -72,7 +72,7 @@ def body_settling(
 
 
 def _line(  # noqa: PLR0913
-    body: Body,
+    body: RoundShape,
     law: type[Contact],
     given: tuple[str, ...],
     resistance: Resistances,
@@ -118,7 +118,7 @@ def _line(  # noqa: PLR0913
     )
 
 
-def _guards(body: Body, system: System) -> list[ca.SX]:
+def _guards(body: RoundShape, system: System) -> list[ca.SX]:
     """Contact, and the room that θ has; the exact π/2 has a sine and a cosine alone."""
     seen, theta = system.observables, system.x[0]
     room = [
@@ -129,7 +129,7 @@ def _guards(body: Body, system: System) -> list[ca.SX]:
 
 
 def _tumbling(
-    body: Body, p: ca.SX, names: Sequence[str], y: ca.SX, sign: ca.SX
+    body: RoundShape, p: ca.SX, names: Sequence[str], y: ca.SX, sign: ca.SX
 ) -> dict[str, ca.SX]:
     """The rates of tumbling at an inclination."""
     shape = ca.vertsplit(p)[: len(body.shape)]
@@ -151,7 +151,7 @@ def _leaning(level: Callable[..., float], states: Floats, p: Floats) -> tuple[Fl
     return np.column_stack([signs, [level(*q) for q in p.tolist()], p]), None
 
 
-def _level(body: Body, theta: float) -> Callable[..., float]:
+def _level(body: RoundShape, theta: float) -> Callable[..., float]:
     """(parameters of the system) → the zero of the height's slope near an inclination."""
     _, slope, bend = body.slopes()
 
@@ -170,7 +170,7 @@ def _level(body: Body, theta: float) -> Callable[..., float]:
 
 
 def _vertical(
-    body: Body, law: type[Contact], given: tuple[str, ...], resistance: Resistances, pole: int
+    body: RoundShape, law: type[Contact], given: tuple[str, ...], resistance: Resistances, pole: int
 ) -> Line:
     """Spin about the vertical axis at a pole, in the chart around it with x̂ along X."""
     word = 0 if pole == 1 else "pi"

@@ -13,7 +13,7 @@ import casadi as ca
 from ..bodies.contact import Contact
 from ..bodies.families import SteadyFamily, lines_under
 from ..bodies.newton_euler import STATES
-from ..bodies.thin_disk.disk_equations import disk_system
+from ..bodies.thin_disk import disk_system
 from .line import Line, idle_under, signed
 from .settling import Settling
 

@@ -14,8 +14,8 @@ import numpy as np
 from ..base.types import Floats
 from ..bodies.contact_laws import Smooth
 from ..bodies.model import Chart, Model
+from ..bodies.quantities import round_quantities
 from ..bodies.round_body.pole_equations import AXIS, SLIP, TURN
-from ..bodies.round_quantities import round_quantities
 from .line import Line
 from .settling import Settling
 

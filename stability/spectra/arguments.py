@@ -18,7 +18,7 @@ from ..bodies.contact_laws import LAWS, Viscous, law_missing
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES
 from ..bodies.law_names import class_named, law_given, law_only, refuse_misspelt
-from ..bodies.thin_disk.disk_quantities import PHYSICAL
+from ..bodies.quantities import PHYSICAL
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import steady_where
 from ..systems.system import refuse_system

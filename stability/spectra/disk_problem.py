@@ -17,10 +17,10 @@ from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import LAWS, spelled, stored
 from ..bodies.disk import Disk
+from ..bodies.disk_polynomials import disk_polynomial
 from ..bodies.families import FAMILIES, leaning
-from ..bodies.thin_disk.disk_families import disk_family
-from ..bodies.thin_disk.disk_polynomials import disk_polynomial
-from ..bodies.thin_disk.disk_quantities import PHYSICAL, is_angle
+from ..bodies.quantities import PHYSICAL, is_angle
+from ..bodies.thin_disk import disk_family
 from .problem import Problem, _scalar
 
 

@@ -17,9 +17,9 @@ from ..base.verdict import CODES, Verdict
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES, SteadyFamily
+from ..bodies.quantities import QUANTITIES
 from ..bodies.round_body.body import Body
-from ..bodies.round_body.by_name import of_body
-from ..bodies.thin_disk.disk_quantities import QUANTITIES
+from ..bodies.subject import of_body
 from ..systems.family import Family
 from ..systems.sources.numeric import NumericSystem
 from .arguments import opened, problem_of

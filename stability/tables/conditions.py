@@ -14,7 +14,7 @@ from ..bodies.contact import Contact
 from ..bodies.contact_laws import LAWS
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES, SteadyFamily
-from ..bodies.thin_disk.disk_quantities import QUANTITIES
+from ..bodies.quantities import QUANTITIES
 from ..boundary.changes import along
 from ..boundary.crossings import BoundaryPoint
 from ..spectra.disk_problem import disk_problem

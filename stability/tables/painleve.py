@@ -14,7 +14,7 @@ from .formats.table import Definition, Table
 
 
 def _rows(body: Any = None, progress: Progress | None = None) -> list[dict[str, Any]]:
-    from ..bodies.round_body.painleve import painleve_limit
+    from ..bodies.painleve import painleve_limit
 
     named = bodies() if body is None else [(_name(body), body, "")]
     rows = []

@@ -14,7 +14,7 @@ from ..base.types import Progress
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES
 from ..bodies.law_names import law_named
-from ..bodies.thin_disk.disk_quantities import PHYSICAL, disk_quantities
+from ..bodies.quantities import PHYSICAL, disk_quantities
 from ..systems.family import Family
 from .contents.places import PLACES as PLACES
 from .contents.places import definition as definition

@@ -6,8 +6,8 @@ import pytest
 import stability as st
 from stability.base.quantities import Kind, read, written
 from stability.bodies.contact_laws import LAWS
-from stability.bodies.round_body.by_name import of_body
-from stability.bodies.thin_disk.disk_quantities import disk_quantities
+from stability.bodies.quantities import disk_quantities
+from stability.bodies.subject import of_body
 
 BODIES = (
     st.Torus(0.2),

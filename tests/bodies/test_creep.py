@@ -21,7 +21,8 @@ from stability.algebra.program import Program
 from stability.algebra.upright import UPRIGHT
 from stability.bodies.contact_laws import CREEP, Viscous
 from stability.bodies.families import FAMILIES
-from stability.bodies.thin_disk.disk_equations import STATES, disk_system
+from stability.bodies.newton_euler import STATES
+from stability.bodies.thin_disk import disk_system
 
 START = (1.2, 0.1, 0.6, 1.6)
 MPMATH = Algebra(

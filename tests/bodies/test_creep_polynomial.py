@@ -18,7 +18,7 @@ import sympy
 from stability.algebra.number_types import Algebra
 from stability.algebra.program import Program
 from stability.bodies.contact_laws import CREEP, Viscous
-from stability.bodies.thin_disk.disk_equations import disk_system
+from stability.bodies.thin_disk import disk_system
 
 TERMS = 6
 """Terms of a series in ε, from ε⁻¹ to ε⁴: friction is ε⁻¹."""

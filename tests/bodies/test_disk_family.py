@@ -277,7 +277,7 @@ def test_a_polynomial_is_derived_from_the_record(monkeypatch: pytest.MonkeyPatch
 
 
 def test_a_stored_polynomial_makes_its_answers_exact(monkeypatch: pytest.MonkeyPatch) -> None:
-    from stability.bodies.thin_disk import disk_polynomials
+    from stability.bodies import disk_polynomials
 
     monkeypatch.setitem(FAMILIES, "edge-on", EDGE_ON)
     stored = dict(disk_polynomials._catalogue())

@@ -28,7 +28,7 @@ from scipy.integrate import solve_ivp
 from stability.algebra.number_types import Algebra, sympy_algebra
 from stability.algebra.program import Program
 from stability.base.errors import DomainError
-from stability.bodies.thin_disk.disk_equations import disk_system
+from stability.bodies.thin_disk import disk_system
 from stability.systems.system import System
 
 Array = NDArray[np.float64]

@@ -8,7 +8,7 @@ import stability as st
 from stability.bodies.contact import Contact
 from stability.bodies.model import Model
 from stability.bodies.round_body.models.angle_model import round_model
-from stability.bodies.thin_disk.disk_model import disk_model
+from stability.bodies.thin_disk import disk_model
 
 LAWS: list[tuple[type[Contact], tuple[str, ...]]] = [
     (st.Smooth, ()),

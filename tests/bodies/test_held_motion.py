@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from disk_as_body import disk_as_body
 
 import stability as st
 from stability.bodies.model import Model
-from stability.bodies.round_body.shapes.named import of_disk
 from stability.motion.round_starts import gather_round as gather
 
 RNG = np.random.default_rng(7)
@@ -21,7 +21,7 @@ TURNING = np.hstack([AXES / np.linalg.norm(AXES, axis=1)[:, None], RNG.normal(si
 DRAG = st.RollingResistance(0.01), st.PivotingResistance(0.02), st.AirTorque(0.03)
 BODIES = {
     "disk": st.Disk(k=0.4),
-    "disk as a body": of_disk(st.Disk(k=0.4)),
+    "disk as a body": disk_as_body(st.Disk(k=0.4)),
     "torus": st.Torus(0.2),
     "egg": st.Egg(0.2),
     "sphere": st.EccentricSphere(0.15, axial=0.4, transverse=0.45),

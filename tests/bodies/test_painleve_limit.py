@@ -11,8 +11,8 @@ from scipy.optimize import minimize_scalar
 
 import stability as st
 from stability.bodies.contact_laws import LAWS
+from stability.bodies.painleve import painleve_limit
 from stability.bodies.round_body.equations import round_system
-from stability.bodies.round_body.painleve import painleve_limit
 
 EGG = st.Body(
     lambda theta, a, b: 1 + a * ca.cos(theta) + b * ca.cos(2 * theta) + 0.01 * ca.cos(3 * theta),

@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 import stability as st
-from stability.bodies.thin_disk.disk_polynomials import exact_polynomial
+from stability.bodies.disk_polynomials import exact_polynomial
 from stability.cli import main
 from stability.derivation.formulas import expression
 

@@ -29,8 +29,8 @@ from sides import HALF, fraction, root, words
 import stability as st
 from stability.algebra.balls import precision
 from stability.algebra.number_types import balls
+from stability.bodies.painleve import painleve_limit
 from stability.bodies.round_body.equations import round_system
-from stability.bodies.round_body.painleve import painleve_limit
 from stability.tables.painleve import bodies
 
 Number = Any

@@ -17,12 +17,12 @@ import pytest
 import stability as st
 from stability.base.quantities import Kind, in_latex
 from stability.bodies.contact_laws import MOTION_LAWS, law_class
-from stability.bodies.thin_disk.disk_equations import disk_system
-from stability.bodies.thin_disk.disk_quantities import QUANTITIES, disk_quantities, quantities_of
+from stability.bodies.quantities import QUANTITIES, disk_quantities, quantities_of
+from stability.bodies.thin_disk import disk_system
 from stability.figures.launch.caption import caption
 
 PACKAGE = Path(st.__file__).parent
-TABLES = ("base/quantities.py", "bodies/disk_quantities.py")
+TABLES = ("base/quantities.py", "bodies/quantities.py")
 OPTIONS = {("cli/simulate.py", "theta")}
 """File and first key of dictionaries that say what an option of the command line takes."""
 UNITS = {unit for kind in Kind for unit in (kind.si, kind.words)} - {"", "1"}

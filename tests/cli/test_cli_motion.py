@@ -10,7 +10,7 @@ import reference
 from command_line import output, refused
 
 import stability as st
-from stability.bodies.thin_disk.disk_equations import STATES
+from stability.bodies.newton_euler import STATES
 from stability.motion.result import Outcome
 
 ASK = ["simulate", "--theta", "1.4707963267948966", "--omega3", "1.2", "--mu", "0.3"]

@@ -18,7 +18,7 @@ from matplotlib.text import Text
 from random_body_scenes import columns
 
 import stability as st
-from stability.bodies.thin_disk.disk_equations import STATES
+from stability.bodies.newton_euler import STATES
 from stability.cli import main
 from stability.figures.canvas import save_figure
 from stability.scene.toml_file import titled

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.bodies.thin_disk.disk_equations import STATES
+from stability.bodies.newton_euler import STATES
 from stability.compare.motion.measure import distance
 from stability.compare.motion.reference_motions import scene
 from stability.integrators import taylor

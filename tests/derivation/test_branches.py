@@ -9,7 +9,7 @@ import pytest
 import sympy as sp
 
 import stability as st
-from stability.bodies.thin_disk.disk_polynomials import exact_polynomial
+from stability.bodies.disk_polynomials import exact_polynomial
 from stability.derivation.branches import NOWHERE
 from stability.derivation.formulas import expression, formulas
 from stability.derivation.friction_ranges import FlutterCondition

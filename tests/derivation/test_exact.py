@@ -16,7 +16,7 @@ from spectrum_oracle import truth_matrix
 
 import stability as st
 from stability.algebra.polynomial import Polynomial
-from stability.bodies.thin_disk.disk_polynomials import exact_polynomial
+from stability.bodies.disk_polynomials import exact_polynomial
 from stability.derivation.characteristic import LAM, derive
 from stability.derivation.formulas import expression
 from stability.derivation.hurwitz import catalogue, conditions, determinant, positive
@@ -30,7 +30,7 @@ CASES = [
 
 @pytest.mark.long
 def test_derived_anew_the_stored_polynomials_are_the_same() -> None:
-    stored = json.loads((files("stability.bodies.thin_disk") / "disk_polynomials.json").read_text())
+    stored = json.loads((files("stability.bodies") / "disk_polynomials.json").read_text())
     assert catalogue() == stored
 
 

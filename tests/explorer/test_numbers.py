@@ -13,7 +13,7 @@ from page_numbers import ASK, LOOKED, NEAR, OPEN, SINGLE
 from towed_wheel import GIVEN, towed_wheel
 
 import stability as st
-from stability.bodies.thin_disk.disk_equations import STATES
+from stability.bodies.newton_euler import STATES
 
 FAMILIES = ("rolling", "spinning", "tumbling")
 LAWS = {"smooth": (), "viscous": ("mu",), "linear-viscous": ("mu",), "rough": ()}

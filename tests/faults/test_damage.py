@@ -266,7 +266,7 @@ def test_a_checkpoint_with_a_wrong_part_gives_the_right_map(
 def test_another_table_of_polynomials_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    import stability.bodies.thin_disk.disk_polynomials as module
+    import stability.bodies.disk_polynomials as module
 
     content = (Path(module.__file__).parent / module.DATA).read_bytes()
     monkeypatch.setattr(module, "files", lambda _: tmp_path)
@@ -290,7 +290,7 @@ def test_another_table_of_polynomials_is_refused(
 
 @pytest.mark.parametrize("derived", ["as stored", pytest.param("again", marks=pytest.mark.long)])
 def test_deriving_writes_the_table_and_its_digest(tmp_path: Path, derived: str) -> None:
-    import stability.bodies.thin_disk.disk_polynomials as module
+    import stability.bodies.disk_polynomials as module
     import stability.derivation.hurwitz as hurwitz
 
     table = Path(module.__file__).parent / module.DATA

@@ -8,8 +8,8 @@ import pytest
 import reference
 
 import stability as st
-from stability.bodies.thin_disk.disk_equations import STATES
-from stability.bodies.thin_disk.disk_model import disk_model
+from stability.bodies.newton_euler import STATES
+from stability.bodies.thin_disk import disk_model
 from stability.integrators.friction_at_rest import (
     continuations,
     directions,

@@ -14,7 +14,7 @@ import stability as st
 from stability.algebra.kernels.compiled import compiled
 from stability.algebra.real_factors import Factors, enclose, settle, start
 from stability.base.verdict import CODES, Verdict
-from stability.bodies.thin_disk.disk_polynomials import INPUT, PLAIN
+from stability.bodies.disk_polynomials import INPUT, PLAIN
 from stability.maps.compiled import factors, loops, rates, schemes
 from stability.maps.growth_rates import HAS_LONG, GrowthKernel
 from stability.maps.verdict_filter import FilteredVerdicts, point

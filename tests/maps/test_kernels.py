@@ -12,7 +12,7 @@ import stability as st
 from stability.algebra.real_factors import Factors, enclose, improve, settle, start
 from stability.base.axis import Axis
 from stability.base.verdict import CODES, Verdict
-from stability.bodies.thin_disk.disk_polynomials import INPUT, PLAIN
+from stability.bodies.disk_polynomials import INPUT, PLAIN
 from stability.maps.growth_rates import GrowthKernel
 from stability.maps.proved_boxes import BoxConditions, Interval, prove_boxes
 from stability.maps.verdict_filter import FilteredVerdicts, VerdictKernel, point

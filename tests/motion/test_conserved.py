@@ -8,7 +8,7 @@ import pytest
 import reference
 
 import stability as st
-from stability.bodies.thin_disk.disk_equations import STATES
+from stability.bodies.newton_euler import STATES
 from stability.integrators import taylor
 
 CONTACT = {"rough": st.Rough(), "smooth": st.Smooth()}

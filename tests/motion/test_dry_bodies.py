@@ -18,7 +18,7 @@ from resisted import moments
 import stability as st
 from stability.bodies.model import Dry
 from stability.bodies.round_body.models.angle_model import round_model
-from stability.bodies.thin_disk.disk_model import disk_model
+from stability.bodies.thin_disk import disk_model
 from stability.integrators.friction_at_rest import continuations, suspects
 
 STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")

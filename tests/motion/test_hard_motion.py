@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.bodies.thin_disk.disk_equations import STATES
+from stability.bodies.newton_euler import STATES
 from stability.integrators import taylor
 from stability.integrators.selection import METHODS
 from stability.motion.result import BY_CODE

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as some
 
 import stability as st
-from stability.bodies.thin_disk.disk_equations import STATES
+from stability.bodies.newton_euler import STATES
 from stability.integrators import taylor
 from stability.integrators.flow import flow
 from stability.motion.result import BY_CODE, Outcome

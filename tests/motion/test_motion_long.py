@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.bodies.thin_disk.disk_equations import STATES
+from stability.bodies.newton_euler import STATES
 from stability.motion.result import BY_CODE, Outcome
 from stability.motion.round_starts import gather_round as gather
 

@@ -19,7 +19,7 @@ from programs import needed
 from reference import trajectories
 
 import stability as st
-from stability.bodies.thin_disk.disk_equations import STATES
+from stability.bodies.newton_euler import STATES
 from stability.motion.result import BY_CODE
 
 TESTS = Path(__file__).parents[1]

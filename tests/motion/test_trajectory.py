@@ -10,7 +10,7 @@ import pytest
 import xarray
 
 import stability as st
-from stability.bodies.thin_disk.disk_equations import STATES
+from stability.bodies.newton_euler import STATES
 from stability.integrators import taylor
 from stability.motion import dataset as trajectory
 from stability.motion.netcdf import is_finite, outcome_of

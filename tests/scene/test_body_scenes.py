@@ -16,11 +16,11 @@ import numpy as np
 import pytest
 from body_motion import move
 from convex_body import Law, pose_at, rates
+from disk_as_body import disk_as_body
 from random_body_scenes import columns, far, missed, random_scene, stiff_scene, truth
 
 import stability as st
 from stability.base.errors import DomainError
-from stability.bodies.round_body.shapes.named import of_disk
 from stability.scene.ladder import ORDERS
 from stability.scene.rungs.creep import _pull, contact_at, held_of
 
@@ -74,13 +74,14 @@ def test_a_body_with_the_height_of_the_disk_creeps_as_the_disk(law: Any) -> None
     names = ("rough", "creep-1", "creep-2")
     for name in names:
         one, other = (
-            st.Scene(b, **given, tolerance=1e-10).answer(only=name) for b in (disk, of_disk(disk))
+            st.Scene(b, **given, tolerance=1e-10).answer(only=name)
+            for b in (disk, disk_as_body(disk))
         )
         assert one.model == other.model == name
         mine, known = (np.array(list(a.value.values())) for a in (other, one))
         assert far(mine, known) <= 3e-9 + 1e-2 * one.estimate
         assert other.estimate == pytest.approx(one.estimate, rel=0.05)
-    chosen = [st.Scene(b, **given, tolerance=1e-5).answer() for b in (disk, of_disk(disk))]
+    chosen = [st.Scene(b, **given, tolerance=1e-5).answer() for b in (disk, disk_as_body(disk))]
     assert chosen[0].model == chosen[1].model and chosen[0].model in names
 
 

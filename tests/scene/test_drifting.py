@@ -8,10 +8,10 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
+from disk_as_body import disk_as_body
 from random_body_scenes import columns, far
 
 import stability as st
-from stability.bodies.round_body.shapes.named import of_disk
 from stability.motion.round_starts import gather_round as gather
 from stability.scene.rungs.drifting import NumericManifold, SlowManifold, _numeric, drifting
 from stability.scene.rungs.track import Problem, Refused, Track, relative
@@ -117,7 +117,7 @@ def test_the_drift_of_a_body_is_the_closed_form_of_the_disk(
 ) -> None:
     disk, start = st.Disk(k=k), st.launch("rolling", at=spin, tilt=-5e-3)
     one = drifting(_problem(k, law, start, last))
-    other = drifting(_of_body(of_disk(disk), law, start, last))
+    other = drifting(_of_body(disk_as_body(disk), law, start, last))
     assert isinstance(one, Track) and isinstance(other, Track)
     assert far(other.states, one.states) < 1e-9
     assert other.errors == pytest.approx(one.errors, rel=1e-4)
@@ -190,7 +190,7 @@ def test_random_bodies_drift_within_the_stated_error(count: int, seed: int) -> N
         rng = np.random.default_rng([seed, number])
         body = st.Torus(float(rng.uniform(0.03, 0.6)))
         if rng.random() < 0.3:
-            body = of_disk(st.Disk(k=float(rng.uniform(0.15, 0.5))))
+            body = disk_as_body(st.Disk(k=float(rng.uniform(0.15, 0.5))))
         mu = 10 ** rng.uniform(-0.5, 1.5)
         law: Any = st.Viscous(mu) if rng.random() < 0.6 else st.LinearViscous(mu)
         spin, tilt = rng.uniform(0.9, 3) * rng.choice([-1, 1]), 10 ** rng.uniform(-3, -1.5)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.bodies.thin_disk.disk_equations import STATES
+from stability.bodies.newton_euler import STATES
 
 FAR = {"theta": 1.1, "omega3": 2.0}
 COIN = {"theta": 1.5, "omega3": 1.6}

@@ -13,7 +13,7 @@ from hypothesis import strategies as some
 import stability as st
 from stability.bodies.contact_laws import MOTION_LAWS
 from stability.bodies.families import lines_under
-from stability.bodies.thin_disk.disk_equations import STATES
+from stability.bodies.newton_euler import STATES
 from stability.motion.result import BY_CODE, Outcome
 from stability.settling.disk_lines import disk_settling
 from stability.settling.settling import Settling

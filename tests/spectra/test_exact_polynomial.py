@@ -13,7 +13,7 @@ import pytest
 import stability as st
 from stability.algebra.exact.number_fields import EXACT, rational
 from stability.algebra.number_types import Algebra
-from stability.bodies.thin_disk.disk_polynomials import DiskPolynomial
+from stability.bodies.disk_polynomials import DiskPolynomial
 from stability.spectra import certificate
 from stability.spectra.disk_problem import disk_problem
 from stability.spectra.problem import Problem

@@ -15,7 +15,7 @@ import sympy
 
 from stability.algebra.number_types import sympy_algebra
 from stability.algebra.program import Program
-from stability.bodies.thin_disk.disk_equations import disk_system
+from stability.bodies.thin_disk import disk_system
 from stability.derivation.body_graph import (
     BEND,
     FORCE_X,

@@ -1,17 +1,14 @@
-"""Equations of motion of a body of revolution for every height h(θ), as a CasADi graph.
+"""A body of revolution under a contact law as a `System`, for every height h(θ).
 
-The contact point lies at a = h' x̂ - h ẑ from the centre of mass.  Only h and h' stand in the
-equations; their rates bring in h'', so a linearisation at a steady motion (θ̇ = 0) needs h, h' and
-h'' alone.  Units are SI: with m = g = length = 1 the numbers are dimensionless.
-tests/bodies/test_round_bodies.py compares these equations with an inertial formulation.
+Units are SI: with m = g = length = 1 the numbers are dimensionless.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any
 
 import casadi as ca
 
@@ -23,13 +20,15 @@ from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import CREEP, Creep, Rough
 from ..creep import CREEPS, follows, slip_of
+from ..explicit import surface
 from ..held_motion import SLIP, held_in_angles
 from ..newton_euler import STATES, NewtonEuler
-from ..resistance import Resistance, total_moment
-from ..round_quantities import round_quantities
+from ..quantities import round_quantities
+from ..resistance import Resistance
 from .height.pole_height import height_of_angle
 from .shape import RoundShape, of_fit
 from .si_law import Law, Numbers, Shape, shape_of
+from .thin import is_thin
 
 Resistances = tuple[type[Resistance], ...]
 
@@ -83,7 +82,7 @@ def _system(  # noqa: PLR0913
     resistance: Resistances,
     slips: bool,  # noqa: FBT001
 ) -> System:
-    name, height, _, _, between = shape
+    name, height, *_ = shape
     numbers = Numbers.of(shape, (*given, *(r.coefficient for r in resistance)), physical=physical)
     states = STATES if slips else STATES[:4]
     x = ca.SX.sym("x", len(states))
@@ -99,8 +98,7 @@ def _system(  # noqa: PLR0913
         units = Units(mass, length, gravity, ca.sqrt)
         slip = slip_of(law, below(law.order - 1), x, numbers.table)
         creeps = [Condition(follows(below(0), x, numbers.table, units), CREEPS)]
-    body = RoundBody(x, along, numbers.table, law, given, slips, slip)
-    body.against = [(r, numbers.table[r.coefficient]) for r in resistance]
+    body = _body(x, along, numbers, Law(law, numbers.table, given), slips, slip, resistance)
     system = System.from_mass_matrix(
         f"{name}, {law.name}",
         x,
@@ -110,11 +108,11 @@ def _system(  # noqa: PLR0913
         rates={"theta": x[1]},
         pivots=body.pivots,
         observables=body.observables,
-        conditions=_conditions(x, between, creeps),
+        conditions=_conditions(x, shape, creeps),
         states=states,
         parameters=numbers.names,
     )
-    return with_quantities(system, shape, law, resistance, physical=physical)
+    return with_quantities(system, shape, law, resistance, physical=physical or is_thin(shape))
 
 
 def rough_round(shape: Shape, resistance: Resistances) -> System:
@@ -128,9 +126,34 @@ def held_round(shape: Shape, resistance: Resistances) -> tuple[Program, Program]
     numbers = Numbers.of(shape, [r.coefficient for r in resistance], physical=False)
     x = ca.SX.sym("x", 4)
     along = height_of_angle(shape[1], x[0], numbers.own)
-    body = RoundBody(x, along, numbers.table, Rough, (), False, ca.vertsplit(SLIP))
-    body.against = [(r, numbers.table[r.coefficient]) for r in resistance]
-    return held_in_angles(body, numbers.p)
+    law, slip = Law(Rough, numbers.table, ()), ca.vertsplit(SLIP)
+    return held_in_angles(_body(x, along, numbers, law, False, slip, resistance), numbers.p)
+
+
+def _body(  # noqa: PLR0913
+    x: ca.SX,
+    along: ca.SX,
+    numbers: Numbers,
+    law: Law,
+    slips: bool,  # noqa: FBT001
+    slip: list[ca.SX] | None = None,
+    resistance: Resistances = (),
+) -> NewtonEuler:
+    """The equations of a body with a height, in the units of its numbers."""
+    table, length = numbers.table, numbers.table["length"]
+    square = law.mass * length * length
+    moments = square * table["transverse"], square * table["axial"]
+    return NewtonEuler(
+        x,
+        surface(x[0], along, *moments, length),
+        law,
+        slips,
+        slip,
+        mass=law.mass,
+        weight=law.weight,
+        square=square,
+        against=[(r, table[r.coefficient]) for r in resistance],
+    )
 
 
 def conditions_along(
@@ -149,10 +172,11 @@ def conditions_along(
     along
         The height at the inclination `x[0]`; it may hold symbols of its own.
     """
-    body = RoundBody(x, along, numbers.table, law, tuple(given), x.numel() == len(STATES))
+    stated = Law(law, numbers.table, given)
+    body = _body(x, along, numbers, stated, x.numel() == len(STATES))
     solution, pivots = eliminate(*body.implicit_form(), body.pivots)
     seen = body.observables(dict(zip(body.unknown_names, solution, strict=True)), pivots)
-    return ca.SX(ca.vertcat(*[c.value for c in _conditions(x, shape[4])(seen)]))
+    return ca.SX(ca.vertcat(*[c.value for c in _conditions(x, shape)(seen)]))
 
 
 def with_quantities(
@@ -166,8 +190,10 @@ def with_quantities(
         The system.
     shape
         From `shape_of`.
-    law, resistance, physical
+    law, resistance
         As for `round_system`.
+    physical
+        Whether the units are SI; so they are of a thin disk, whose numbers a `Disk` converts.
     """
     every = (*system.states, *system.parameters, *system.observables)
     coefficients = {r.coefficient: r.unit if physical else "1" for r in resistance}
@@ -178,12 +204,17 @@ def with_quantities(
 
 
 def _conditions(  # type: ignore[no-untyped-def]
-    x: ca.SX, between: tuple[float, float], more: Sequence[Condition] = ()
+    x: ca.SX, shape: Shape, more: Sequence[Condition] = ()
 ):
+    name, *_, between = shape
     low, high = between
+    ends = " and ".join("π" if v == math.pi else f"{v:.6g}" for v in between)
+    why = f"where the height of the {name} holds"
+    if is_thin(shape):
+        why = f"because the {name} is flat at both and its equations of motion end there"
     flat = (
-        f"theta must lie strictly between {low:.6g} and {high:.6g}, where the body's height holds; "
-        "the distance from the {end} end is {{value:.3g}}"
+        f"theta must lie strictly between {ends}, {why}; the distance from the {{end}} end is "
+        "{{value:.3g}}"
     )
 
     def build(observables: dict[str, ca.SX]) -> tuple[Condition, ...]:
@@ -193,107 +224,9 @@ def _conditions(  # type: ignore[no-untyped-def]
             *more,
             Condition(
                 observables["determinant"],
-                "D = {value:.3g} is not positive: no contact force holds the body on the plane "
-                "there (Painlevé's paradox); take a smaller mu or slip_x",
+                f"D = {{value:.3g}} is not positive: no contact force holds the {name} on the "
+                "plane there (Painlevé's paradox); take a smaller mu or slip_x",
             ),
         )
 
     return build
-
-
-class RoundBody(NewtonEuler):
-    """A body of revolution: its contact point lies at a = h' x̂ - h ẑ from the centre."""
-
-    def __init__(
-        self,
-        x: ca.SX,
-        height: ca.SX,
-        table: dict[str, Any],
-        contact: type[Contact],
-        given: tuple[str, ...],
-        slips: bool,
-        slip: list[ca.SX] | None = None,  # noqa: FBT001
-    ) -> None:
-        length = table["length"]
-        self.si = Law(contact, table, given)
-        self.mass, self.weight = self.si.mass, self.si.weight
-        self.h = length * height
-        self.slope = ca.jacobian(self.h, x[0])
-        self.square = self.mass * length * length
-        self.axial = self.square * table["axial"]
-        self.transverse = self.square * table["transverse"]
-        self.against: list[tuple[type[Resistance], ca.SX]] = []
-        super().__init__(x, contact, self.si.coefficient, slips, slip)
-
-    def moment(self, normal: Any) -> list[Any]:
-        """Moment of all resistances along (x̂, ŷ, ẑ)."""
-        return total_moment(self.against, self.turn(), normal)
-
-    def law_force(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
-        """The force in the units of the equations."""
-        return self.si.force(slip, normal)
-
-    def law_power(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
-        """The dissipated power in the units of the equations."""
-        return self.si.power(slip, normal)
-
-    def turn(self) -> list[ca.SX]:
-        """Angular velocity along (x̂, ŷ, ẑ)."""
-        _, theta_dot, phi_dot, omega3 = (self.x[i] for i in range(4))
-        relative = omega3 - phi_dot * self.cosine
-        return [relative * self.sine, theta_dot, phi_dot + relative * self.cosine]
-
-    def rim_speed(self) -> ca.SX:
-        """(ω×a) along ŷ."""
-        along, _, up = self.turn()
-        found: ca.SX = up * self.slope + along * self.h
-        return found
-
-    def own_slip(self) -> list[ca.SX]:
-        """(ω×a) along x̂ and ŷ."""
-        return [-self.x[1] * self.h, self.rim_speed()]
-
-    def velocity(self) -> ca.SX:
-        """ṡ = vA - ω×a along (x̂, ŷ, ẑ)."""
-        theta_dot = self.x[1]
-        return ca.vertcat(
-            self.slip[0] + theta_dot * self.h,
-            self.slip[1] - self.rim_speed(),
-            theta_dot * self.slope,
-        )
-
-    def momentum(self) -> ca.SX:
-        """L along (1̂, 2̂, 3̂)."""
-        theta_dot, phi_dot, omega3 = self.x[1], self.x[2], self.x[3]
-        across = self.transverse
-        return ca.SX(
-            ca.vertcat(-across * phi_dot * self.sine, across * theta_dot, self.axial * omega3)
-        )
-
-    def spin(self, momentum: ca.SX) -> ca.SX:  # noqa: ARG002
-        """ω along (1̂, 2̂, 3̂)."""
-        return ca.vertcat(-self.x[2] * self.sine, self.x[1], self.x[3])
-
-    def torque(self, fx: Any, fy: Any) -> ca.SX:
-        """Torque a × force along (1̂, 2̂, 3̂); x̂ = cosθ 1̂ + sinθ 3̂, ẑ = -sinθ 1̂ + cosθ 3̂."""
-        h, slope = self.h, self.slope
-        around, across = self.cosine * h - self.sine * slope, self.sine * h + self.cosine * slope
-        along, side, up = self.moment(self.normal)
-        resisting = ca.vertcat(
-            self.cosine * along - self.sine * up, side, self.sine * along + self.cosine * up
-        )
-        sliding = ca.vertcat(around * fy, -h * fx - slope * self.normal, across * fy)
-        return ca.SX(sliding + resisting) if self.against else ca.SX(sliding)
-
-    def potential(self) -> ca.SX:
-        """Weight times the height of the centre."""
-        return ca.SX(self.weight * self.h)
-
-    def observables(self, solved: dict[str, ca.SX], pivots: list[ca.SX]) -> dict[str, ca.SX]:
-        """Those of every body, with D over m·length², the speed of the rim, and h'."""
-        found = super().observables(solved, pivots)
-        found["determinant"] = found["determinant"] / self.square
-        if self.against:
-            moment = self.moment(found["normal_force"])
-            found["power"] -= ca.dot(ca.vertcat(*moment), ca.vertcat(*self.turn()))
-        return found | {"rim_speed": self.rim_speed(), "lever": self.slope}

@@ -20,7 +20,7 @@ from .equations import Resistances, round_system
 from .inclinations import first_numbers, level, sizes, stands_upright, start, stays_level
 from .pole_equations import SLIP, pole_system, refuse_rough_pole
 from .polynomials import closed_form, stored
-from .shape import RoundShape, not_upright
+from .shape import RoundShape, not_upright, sharp
 from .si_law import shape_of
 
 
@@ -105,9 +105,13 @@ def round_family(
     typical = _typical(body, record)
     held: dict[str, Any] = {"theta_dot": 0.0} | dict(record.held)
     held |= {n: 0.0 for n in ("slip_x", "slip_y") if n in system.states}
-    unknown = dict(record.unknown)
+    unknown, edge = dict(record.unknown), sharp(body)
+    if edge:
+        held |= record.held_by_disk
+        unknown = record.disk_unknown
     equations = ["theta_dot"] * bool(unknown)
-    if record.rests:  # under a law with slip in the state, slip_x changes unless the centre rests
+    if record.rests and not edge:
+        # under a law with slip in the state, slip_x changes unless the centre rests
         equations.append("slip_x" if law.slips else "rim_speed")
     if record.upright and not stands_upright(body):
         raise _not_upright(body, name)
@@ -123,7 +127,7 @@ def round_family(
             unknown, equations = {"theta": first}, ["lever"]
     every = _pairs(held), _pairs(unknown), tuple(equations), _pairs(typical)
     upright = record.level and not unknown  # rational in every number: read from the graph
-    shaped = None if resistance or upright else (shape_of(body), given, physical)
+    shaped = None if resistance or upright or edge else (shape_of(body), given, physical)
     return _family(system, record, *every, law, shaped)  # type: ignore[arg-type]  # a class is hashable
 
 

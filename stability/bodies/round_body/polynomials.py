@@ -26,7 +26,7 @@ from ...systems.graph.implicit_form import ImplicitForm
 from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import LinearViscous, Rough, Smooth, Viscous
-from ..thin_disk.disk_polynomials import digest
+from ..disk_polynomials import digest
 from .equations import conditions_along
 from .height.expression import Expression
 from .height.pole_height import height_of_angle

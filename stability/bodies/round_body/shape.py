@@ -200,7 +200,7 @@ class RoundShape(Record):
 
 @dataclass(frozen=True, eq=False)
 class Outline(RoundShape):
-    """A body's numbers without scales and without checks."""
+    """A body's numbers without checks."""
 
     height: Callable[..., Any]
     axial: Any
@@ -208,7 +208,20 @@ class Outline(RoundShape):
     shape: Mapping[str, Any]
     name: str
     between: tuple[float, float]
-    mass = gravity = length = 1.0
+    mass: Any = 1.0
+    gravity: Any = 1.0
+    length: Any = 1.0
+
+
+def sharp(body: RoundShape) -> bool:
+    """Whether the body is a disk without thickness, h = sinθ, which turns on its edge."""
+    return _sharp(body.height, tuple(body.shape))
+
+
+@lru_cache(maxsize=64)
+def _sharp(height: Callable[..., Any], names: tuple[str, ...]) -> bool:
+    theta, *own = (ca.SX.sym(n) for n in ("theta", *names))
+    return bool(ca.is_equal(ca.SX(height(theta, *own)), ca.sin(theta), 1))
 
 
 @lru_cache(maxsize=64)

@@ -92,10 +92,11 @@ class Law:
 
     def __init__(self, law: type[Contact], table: dict[str, Any], given: Sequence[str]) -> None:
         self.form = law.__new__(law)  # only its formulas are used, never its coefficient
-        self.holds, self.slips = law.holds, law.slips
+        self.name, self.holds = law.name, law.holds
         self.mass, self.weight = table["mass"], table["mass"] * table["gravity"]
         self._scales = Units(self.mass, table["length"], table["gravity"], ca.sqrt)
-        self._direct = law in MOTION_LAWS.values()
+        one = all(isinstance(table[n], int) for n in SCALES)  # dimensionless
+        self._direct = one or law in MOTION_LAWS.values()
         if law is LinearViscous and "mu" in given:
             found = [table["mu"] * self.weight]
         elif self._direct:

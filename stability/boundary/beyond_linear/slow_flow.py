@@ -26,7 +26,7 @@ from ...base.types import Floats, Record, fields_of
 from ...bodies.contact import Contact
 from ...bodies.resistance import Resistance, resistances
 from ...bodies.round_body.body import Body
-from ...bodies.round_body.by_name import of_body
+from ...bodies.subject import of_body
 from ...spectra.arguments import problem_of
 from ...systems.condition import Condition
 from ...systems.equations import Equations

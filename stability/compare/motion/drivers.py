@@ -153,7 +153,7 @@ def simulated(scene: ReferenceMotion, contact: Any, times: Floats, **options: An
     -------
     Answer
     """
-    from ...bodies.thin_disk.disk_equations import STATES
+    from ...bodies.newton_euler import STATES
     from ...motion.result import BY_CODE
     from ...motion.simulate import simulate
 

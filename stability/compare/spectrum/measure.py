@@ -274,7 +274,7 @@ def exact_edge(
 
     from ...algebra.balls import precision
     from ...algebra.routh_balls import hurwitz_sign, verdict_polynomial
-    from ...bodies.thin_disk.disk_families import disk_family
+    from ...bodies.thin_disk import disk_family
     from ...systems.structure.enclosure import characteristic
     from ...systems.structure.structural_zeros import structure
 

@@ -23,7 +23,7 @@ from ...bodies.contact import Contact
 from ...bodies.disk import Disk
 from ...bodies.families import FAMILIES
 from ...bodies.law_names import law_named
-from ...bodies.thin_disk.disk_families import disk_family
+from ...bodies.thin_disk import disk_family
 from ...spectra.disk_problem import disk_problem
 from ...spectra.problem import Problem
 from ...systems.family import Family

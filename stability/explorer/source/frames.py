@@ -6,7 +6,7 @@ from typing import Any
 
 import casadi as ca
 
-from ...bodies.thin_disk.disk_model import POSE_UNIT
+from ...bodies.model import POSE_UNIT
 
 ENTRIES = 12
 """Numbers of a place: axis, direction of the mark, centre, contact point, three each."""

@@ -8,8 +8,8 @@ from typing import Any
 
 from ...algebra.number_types import Algebra
 from ...base.verdict import best
+from ...bodies.disk_polynomials import PLAIN, DiskPolynomial, exact_polynomial
 from ...bodies.families import FAMILIES
-from ...bodies.thin_disk.disk_polynomials import PLAIN, DiskPolynomial, exact_polynomial
 from ...systems.family import Family
 from ..quantity import Quantity
 from ..source.formulas import Formulas, Rule, Values, filled, share_of, sized, typeset

@@ -13,10 +13,9 @@ import numpy as np
 from ...base.quantities import Kind, Quantity, axis_label, in_latex, readable, unit_of
 from ...bodies.contact_laws import MOTION_LAWS
 from ...bodies.families import FAMILIES
+from ...bodies.quantities import disk_quantities, round_quantities
 from ...bodies.round_body.pole_equations import TURN
 from ...bodies.round_body.shape import MOMENTS, SCALES
-from ...bodies.round_quantities import round_quantities
-from ...bodies.thin_disk.disk_quantities import disk_quantities
 
 if TYPE_CHECKING:
     import xarray

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...base.quantities import Kind, Quantity, readable
-from ...bodies.thin_disk.disk_equations import STATES
-from ...bodies.thin_disk.disk_quantities import SYSTEM, quantities_of
+from ...bodies.newton_euler import STATES
+from ...bodies.quantities import SYSTEM, quantities_of
 from ...motion.result import BY_CODE
 from .single_run import one_launch, system_states
 

@@ -26,7 +26,7 @@ from scipy.ndimage import uniform_filter1d
 from ...base.errors import FileError
 from ...base.quantities import unit_of
 from ...base.types import Floats
-from ...bodies.thin_disk.disk_quantities import PHYSICAL, SYSTEM, quantities_of
+from ...bodies.quantities import PHYSICAL, SYSTEM, quantities_of
 from ...motion.result import BY_CODE
 from ..styled_figure import broken
 from .pose import POSED, geometry

@@ -21,8 +21,8 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from ...base.errors import ParameterError, shown
 from ...bodies.families import FAMILIES
-from ...bodies.thin_disk.disk_equations import STATES
-from ...bodies.thin_disk.disk_quantities import QUANTITIES
+from ...bodies.newton_euler import STATES
+from ...bodies.quantities import QUANTITIES
 from ...motion.result import BY_CODE, Outcome
 from .motion_panels import (
     MOST_PANELS,

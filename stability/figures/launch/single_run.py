@@ -9,7 +9,7 @@ import numpy as np
 
 from ...base.errors import ParameterError
 from ...base.types import Floats
-from ...bodies.thin_disk.disk_model import POSE
+from ...bodies.model import POSE
 from ...integrators.stick_slip import SLIP, STICK, STICKING
 from ...motion.dataset import FORMAT
 

@@ -16,7 +16,7 @@ from ...base.checks import instance
 from ...base.errors import ParameterError
 from ...base.quantities import axis_label, in_latex, without_dimension
 from ...base.types import Complexes, Floats
-from ...bodies.thin_disk.disk_quantities import disk_quantities
+from ...bodies.quantities import disk_quantities
 from ...spectra.result import Spectrum
 from .modes import (
     crossings,

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...base.errors import ParameterError, listed
 from ...base.quantities import plain_text
 from ...base.types import Complexes, Floats
-from ...bodies.thin_disk.disk_quantities import disk_quantities
+from ...bodies.quantities import disk_quantities
 from ...spectra.result import Spectrum
 
 LINEAR_SHARE, LEAST_SHARE = 1e-3, 1e-9

@@ -19,7 +19,7 @@ from ...base.errors import ParameterError
 from ...base.quantities import without_dimension
 from ...base.types import Floats
 from ...base.verdict import BY_CODE
-from ...bodies.thin_disk.disk_quantities import disk_quantities
+from ...bodies.quantities import disk_quantities
 from ...spectra.result import Spectrum
 from ..letters import Letter, letters
 from .modes import LEAST_SHARE, mode_groups, mode_names, sure_signs, tracked

@@ -25,7 +25,7 @@ from ...algebra.program import Program
 from ...base.types import Floats
 from ...bodies.contact_laws import LinearViscous, Viscous
 from ...bodies.creep import LEAST_RELAXATION
-from ...bodies.thin_disk.disk_model import LIFT_OFF, NO_CONTACT
+from ...bodies.model import LIFT_OFF, NO_CONTACT
 from ...integrators.dense import dense
 from ...integrators.flow import Flow, flow_of
 from ...integrators.leg import Leg

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...base.quantities import Kind
 from ...base.types import Floats
-from ...bodies.thin_disk.disk_equations import disk_system
+from ...bodies.thin_disk import disk_system
 from ...integrators.flow import Flow, flow_of
 from ...motion.starts import Starts
 from ...settling.settling import SETTLE, Nearest

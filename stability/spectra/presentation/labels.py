@@ -13,7 +13,7 @@ from ...base.provenance import versions
 from ...base.quantities import Kind, rate_unit, without_dimension, written
 from ...base.verdict import CODES
 from ...base.version import __version__
-from ...bodies.thin_disk.disk_quantities import disk_quantities
+from ...bodies.quantities import disk_quantities
 
 FORMAT = "stability map 1"
 """Attribute `format` of a file of a map, or of a spectrum."""

@@ -71,7 +71,7 @@ def structure(family: Family) -> Structure:
 
     Examples
     --------
-    >>> from stability.bodies.thin_disk.disk_families import disk_family
+    >>> from stability.bodies.thin_disk import disk_family
     >>> structure(disk_family("rolling", "viscous")).zeros
     2
     """

@@ -7,7 +7,7 @@ import unicodedata
 from collections.abc import Collection
 
 from ...base.quantities import KNOWN_UNIT, RAISED, readable
-from ...bodies.thin_disk.disk_quantities import QUANTITIES
+from ...bodies.quantities import QUANTITIES
 
 GREEK = frozenset(
     "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau phi "

@@ -17,11 +17,8 @@ from ...contact import Contact
 from ...contact_laws import Creep, Rough
 from ...creep import CREEPS
 from ...dry_friction import DIRECTION, MU, CoulombAlong
-from ...explicit import Surface, angular_velocity, explicit
-from ...model import WORK, Dry, Held, Model
-from ...newton_euler import STATES
-from ...resistance import total_moment
-from ...thin_disk.disk_model import (
+from ...explicit import Surface, angular_velocity, explicit, surface
+from ...model import (
     CONE,
     CREEP_ENDS,
     FLAT,
@@ -29,13 +26,20 @@ from ...thin_disk.disk_model import (
     NO_CONTACT,
     POSE,
     WORDS,
+    WORK,
+    Dry,
+    Held,
+    Model,
     placed,
 )
-from ...thin_disk.disk_quantities import disk_quantities
-from ..body import Body
+from ...newton_euler import STATES
+from ...quantities import disk_quantities
+from ...resistance import total_moment
 from ..equations import Resistances, held_round, rough_round, round_system
 from ..height.pole_height import height_of_angle
+from ..shape import RoundShape
 from ..si_law import Law, Numbers, Shape, shape_of
+from ..thin import is_thin, of_thin
 
 LOWEST, HIGHEST = "lower end of theta", "upper end of theta"
 """Names of the guards of the ends of a height, other than those at which the body lies flat."""
@@ -44,7 +48,7 @@ LEVEL = 1e-9
 
 
 def round_model(
-    body: Body,
+    body: RoundShape,
     law: type[Contact],
     given: tuple[str, ...],
     *,
@@ -105,7 +109,7 @@ def round_model(
     )
 
 
-def flat_poles(body: Body) -> tuple[bool, bool]:
+def flat_poles(body: RoundShape) -> tuple[bool, bool]:
     """Whether the body falls flat at θ = 0 and at θ = π: the contact stays away from the axis.
 
     Examples
@@ -148,7 +152,6 @@ def _round_model(  # noqa: PLR0913
         dry = Dry(*at_rest, partial(_round_model, *every, sticking=True))
     x, seen, flat = system.x, system.observables, ca.SX.sym("flat")
     h = height_of_angle(height, x[0], ca.vertsplit(system.p)[: len(shape)])
-    slope = ca.jacobian(h, x[0])
     columns, names = [x, ca.SX.sym(WORK)], [*system.states, WORK]
     normal, determinant = seen["normal_force"], seen["determinant"]
     rates, pressing = [system.rhs, seen["power"]], normal * determinant
@@ -169,7 +172,7 @@ def _round_model(  # noqa: PLR0913
         velocity = seen["slip"][0] + x[1] * h, seen["slip"][1] - seen["rim_speed"]
         rates.append(placed(x, *velocity, extra))
         names += POSE
-        series["reach"] = slope
+        series["reach"] = seen["lever"]
     guards, words = _ends(x[0], flat, between, flat_at)
     guards = {LIFT_OFF: pressing} | guards
     if sticking:
@@ -184,7 +187,7 @@ def _round_model(  # noqa: PLR0913
         held = Held(
             partial(_rough_model, of, flat_at, resistance), partial(held_round, of, resistance)
         )
-    return Model(
+    model = Model(
         system,
         STATES,
         ca.vertcat(*columns),
@@ -205,6 +208,7 @@ def _round_model(  # noqa: PLR0913
             "equations of a convex body of revolution (docs/explanation/bodies.md), integrated"
         ),
     )
+    return of_thin(model, law) if is_thin(of) else model
 
 
 def _solved(
@@ -218,16 +222,12 @@ def _solved(
     def moment(turn: Any, normal: Any) -> Any:
         return total_moment(against, turn, normal)
 
-    at = ca.SX.sym("at")
-    h = height_of_angle(of[1], at, numbers.own)
-    slope = ca.jacobian(h, at)
-    heights = ca.cse(ca.vertcat(h, slope, ca.jacobian(slope, at)))
-    h, slope, curve = ca.vertsplit(ca.substitute(heights, at, x[0]))
-    s, c = ca.sin(x[0]), ca.cos(x[0])
-    arms = h * s + slope * c, h * c - slope * s
-    across, axial = numbers.table["transverse"], numbers.table["axial"]
-    surface = Surface(h, slope, curve, *arms, across, axial / across)
-    found = explicit(x, surface, stated.force, moment if against else None)
+    at, moments = ca.SX.sym("at"), (numbers.table["transverse"], numbers.table["axial"])
+    at_symbol = surface(at, height_of_angle(of[1], at, numbers.own), *moments)
+    places = ca.cse(ca.densify(ca.vertcat(*at_symbol[:7])))
+    h, slope, curve, r, z, s, c = ca.vertsplit(ca.substitute(places, at, x[0]))
+    body = Surface(h, slope, curve, r, z, s, c, *moments)
+    found = explicit(x, body, stated.force, moment if against else None)
     power = stated.power([x[4], x[5]], found.normal)
     if against:
         turn = angular_velocity(x)

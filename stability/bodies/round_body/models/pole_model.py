@@ -19,13 +19,22 @@ from ....base.types import Floats
 from ....systems.system import System
 from ...contact import Contact
 from ...contact_laws import Rough
-from ...model import WORK, Chart, Held, Model
+from ...model import (
+    LIFT_OFF,
+    NO_CONTACT,
+    POSE,
+    POSE_UNIT,
+    WORDS,
+    WORK,
+    Chart,
+    Held,
+    Model,
+)
 from ...newton_euler import STATES
-from ...thin_disk.disk_model import LIFT_OFF, NO_CONTACT, POSE, POSE_UNIT, WORDS
-from ..body import Body
 from ..equations import Resistances
 from ..height.pole_height import height_of_cosine
 from ..pole_equations import SLIP, held_at_pole, pole_system, rough_at_pole, smooth_at
+from ..shape import RoundShape
 from ..si_law import Shape, shape_of
 from .angle_model import quantities_with, words_of_end
 
@@ -36,7 +45,7 @@ PLACE = ("centre_X", "centre_Y")
 
 
 def pole_model(
-    body: Body,
+    body: RoundShape,
     law: type[Contact],
     given: tuple[str, ...],
     *,

@@ -15,7 +15,6 @@ from numpy.typing import ArrayLike
 
 from ....base.checks import flag, known
 from ....base.errors import ParameterError
-from ...disk import Disk
 from ..body import Body
 from ..shape import MOMENTS, SCALES
 from .profile import Egg
@@ -206,35 +205,6 @@ def ThickDisk(thickness: ArrayLike, **scales: Any) -> Body:  # noqa: N802
         name="thick disk",
         between=(0.0, math.pi / 2),
         **_scales(scales),
-    )
-
-
-def of_disk(disk: Disk) -> Body:
-    """The thin disk as any other body, for what only these have.
-
-    Parameters
-    ----------
-    disk
-        The disk.
-
-    Returns
-    -------
-    Body
-
-    Examples
-    --------
-    >>> of_disk(Disk(k=0.5)).moments()
-    (1.0, 0.5)
-    """
-    return Body(
-        lambda theta, k: ca.sin(theta) + 0 * k,
-        axial=lambda k: 2 * k,
-        transverse=lambda k: k,
-        mass=disk.mass,
-        gravity=disk.gravity,
-        length=disk.radius,
-        shape={"k": disk.k},
-        name="disk",
     )
 
 

@@ -16,7 +16,7 @@ from ....base.errors import ParameterError
 from ....bodies.contact import Contact
 from ....bodies.disk import Disk
 from ....bodies.round_body.body import Body
-from ....bodies.round_body.by_name import of_body
+from ....bodies.subject import of_body
 from ....spectra.arguments import axis_of, prepare
 from ....spectra.presentation.labels import of_package
 from ....spectra.problem import Problem

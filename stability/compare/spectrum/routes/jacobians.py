@@ -118,7 +118,7 @@ def _rates(law: str) -> Program:
     """The right-hand side as a program, with its structural zeros written out."""
     import casadi as ca
 
-    from ....bodies.thin_disk.disk_equations import disk_system
+    from ....bodies.thin_disk import disk_system
 
     system = disk_system(law)
     return Program(ca.Function("rates", [system.x, system.p], [ca.densify(system.rhs)]))
@@ -145,7 +145,7 @@ def jacobian_program(law: str) -> Program:
     """
     import casadi as ca
 
-    from ....bodies.thin_disk.disk_equations import disk_system
+    from ....bodies.thin_disk import disk_system
 
     system = disk_system(law)
     return Program(ca.Function("jacobian", [system.x, system.p], [system.jacobian]))

@@ -18,7 +18,7 @@ from .route import Answer, Route
 
 def _somewhere(points: Points, *, certify: bool) -> Spectrum:
     """Spectrum of a family that claims the given state; the package checks that it is steady."""
-    from ....bodies.thin_disk.disk_equations import disk_system
+    from ....bodies.thin_disk import disk_system
     from ....systems.family import Family
 
     assert points.given is not None

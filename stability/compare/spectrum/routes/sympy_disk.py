@@ -1,6 +1,6 @@
 """The disk's equations in SymPy, from Newton and Euler, as people write them; no CasADi here.
 
-Frames as in `stability.bodies.thin_disk.disk_equations`, whose code is not used: this is the route
+Frames as in `stability.bodies.thin_disk`, whose code is not used: this is the route
 of a person who has SymPy and the paper.
 """
 

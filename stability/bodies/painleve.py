@@ -13,16 +13,16 @@ import casadi as ca
 import numpy as np
 from flint import arb, fmpq
 
-from ...algebra.balls import precision
-from ...algebra.number_types import balls
-from ...algebra.program import Program
-from ...base.checks import instance
-from ...base.citation.used import cited
-from ...base.errors import ParameterError
-from ..disk import Disk
-from .body import Body
-from .shape import of_fit
-from .shapes.named import of_disk
+from ..algebra.balls import precision
+from ..algebra.number_types import balls
+from ..algebra.program import Program
+from ..base.checks import instance
+from ..base.citation.used import cited
+from ..base.errors import ParameterError
+from .disk import Disk
+from .round_body.body import Body
+from .round_body.shape import RoundShape, of_fit
+from .round_body.thin import thin_body
 
 WIDTH = 1e-13
 """Largest width of an enclosure, over its value."""
@@ -99,22 +99,22 @@ def painleve_limit(body: Body | Disk) -> PainleveLimit:
     >>> print(f"mu |vx| < {egg.middle:.12f}, first reached at theta = {egg.theta:.3f}")
     mu |vx| < 1.307568805424, first reached at theta = 2.531
     """
-    if isinstance(body, Disk):
-        body = of_disk(body)
-    instance("body", body, Body, "give a stability.Body or a stability.Disk")
-    if any(np.ndim(v) for v in body.given.values()):
+    if not isinstance(body, Disk):
+        instance("body", body, Body, "give a stability.Body or a stability.Disk")
+    shape = thin_body(body) if isinstance(body, Disk) else body
+    if any(np.ndim(v) for v in shape.given.values()):
         raise ParameterError("Painlevé's limit needs one number for each quantity of the body.")
     with precision(128):
-        low, high = (_exact(v) for v in body.between)
-        found = _enclosed(_program(body), low, high, body)
-    return replace(found, approximation=of_fit(body.name, body.error))
+        low, high = (_exact(v) for v in shape.between)
+        found = _enclosed(_program(shape), low, high, shape)
+    return replace(found, approximation=of_fit(shape.name, getattr(shape.height, "error", 0.0)))
 
 
 def _exact(value: float) -> arb:
     return arb.pi() if value == np.pi else arb(value)
 
 
-def _program(body: Body) -> Any:
+def _program(body: RoundShape) -> Any:
     """G = h h′/(I1 + h′²) and its slope, as a function of a ball."""
     theta, *own = (ca.SX.sym(n) for n in ("theta", *body.shape))
     h = ca.SX(body.height(theta, *own))
@@ -133,7 +133,7 @@ def _program(body: Body) -> Any:
     return values
 
 
-def _enclosed(values: Any, low: arb, high: arb, body: Body) -> PainleveLimit:
+def _enclosed(values: Any, low: arb, high: arb, body: RoundShape) -> PainleveLimit:
     """Bisection: an interval is dropped where |g| stays below the best value found so far."""
     best, place = arb(0), float(low)
     boxes = [

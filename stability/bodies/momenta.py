@@ -1,4 +1,4 @@
-"""The disk's motion in momenta: the equations of `disk_equations.py` in fewer operations.
+"""The disk's motion in momenta: the equations of `newton_euler.py` in fewer operations.
 
 The states are θ, θ̇, φ̇ sinθ, ω₃ and the velocity of the centre along x̂ and ŷ.  A series of a
 product costs as much as many sums, and these states need 18 products where the slip needs 40.
@@ -19,9 +19,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from ...base.types import Floats
-from ..contact import Contact
-from ..model import Chart, Model
+from ..base.types import Floats
+from .contact import Contact
+from .model import Chart, Model
 
 NAMES = ("theta", "theta_dot", "momentum", "omega3", "velocity_x", "velocity_y")
 """Names of the states: the momentum is φ̇ sinθ, the velocity that of the centre."""
@@ -44,7 +44,7 @@ def momenta_model(law: type[Contact], whole: Model) -> Model:
     Examples
     --------
     >>> from stability.bodies.contact_laws import Viscous
-    >>> from stability.bodies.thin_disk.disk_model import disk_model
+    >>> from stability.bodies.thin_disk import disk_model
     >>> momenta_model(Viscous, disk_model("viscous")).names
     ('theta', 'theta_dot', 'momentum', 'omega3', 'velocity_x', 'velocity_y')
     """

@@ -16,14 +16,14 @@ from typing import Any
 
 import numpy as np
 
-from ...algebra.exact.known_polynomial import Exact, TabulatedPolynomial
-from ...algebra.number_types import Algebra
-from ...algebra.polynomial import Polynomial
-from ...base.checks import known
-from ...base.errors import NameUnknownError, NoMemberError, StabilityError, shown
-from ..contact import Contact
-from ..contact_laws import LAWS, law_missing, stored
-from ..families import FAMILIES
+from ..algebra.exact.known_polynomial import Exact, TabulatedPolynomial
+from ..algebra.number_types import Algebra
+from ..algebra.polynomial import Polynomial
+from ..base.checks import known
+from ..base.errors import NameUnknownError, NoMemberError, StabilityError, shown
+from .contact import Contact
+from .contact_laws import LAWS, law_missing, stored
+from .families import FAMILIES
 
 DATA = "disk_polynomials.json"
 """The file of derived polynomials, next to this module."""

@@ -8,20 +8,20 @@ from typing import Any
 
 import numpy as np
 
-from ...base.checks import one_number
-from ...base.errors import NameUnknownError, NoMemberError, ParameterError, shown
-from ...systems.family import Family
-from ..contact import Contact
-from ..contact_laws import LAWS, Viscous, law_class, law_missing, spelled
-from ..disk import Disk
-from ..families import FAMILIES
-from ..law_names import law_given
-from ..resistance import Resistance, resistances
-from ..thin_disk.disk_families import disk_family
-from .families import body_family, round_family, survives, unknown_family
-from .inclinations import level
-from .shape import SCALES, RoundShape, refuse_constants, single_pole
-from .shapes.named import of_disk
+from ..base.checks import one_number
+from ..base.errors import NameUnknownError, NoMemberError, ParameterError, shown
+from ..systems.family import Family
+from .contact import Contact
+from .contact_laws import LAWS, Viscous, law_class, law_missing, spelled
+from .disk import Disk
+from .families import FAMILIES
+from .law_names import law_given
+from .resistance import Resistance, resistances
+from .round_body.families import body_family, round_family, survives, unknown_family
+from .round_body.inclinations import level
+from .round_body.shape import SCALES, RoundShape, refuse_constants, single_pole
+from .round_body.thin import thin_body
+from .thin_disk import disk_family
 
 
 def of_body(
@@ -71,7 +71,7 @@ def of_body(
     if disk is not None:
         raise ParameterError("body and disk are both given; give one of them.")
     if isinstance(body, Disk) and given.get("resistance") is not None:
-        body = of_disk(body)
+        body = thin_body(body)
     if isinstance(body, Disk):
         return family, body, contact, {n: v for n, v in given.items() if n != "resistance"}
     if not isinstance(body, RoundShape):

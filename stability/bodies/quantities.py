@@ -1,14 +1,17 @@
-"""The disk's quantities: the one place for their names, symbols and units."""
+"""Quantities of the disk and of bodies: the one place for names, symbols and units.
+
+The unit of length, called R, is the radius of a disk and the length of a `Body`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 
-from ...base.citation.used import DISK
-from ...base.quantities import Kind, Quantity
-from ..contact import Contact
-from ..contact_laws import MOTION_LAWS
+from ..base.citation.used import DISK
+from ..base.quantities import Kind, Quantity
+from .contact import Contact
+from .contact_laws import MOTION_LAWS
 
 PHYSICAL = ("mass", "radius", "gravity")
 """The disk's dimensional quantities."""
@@ -46,6 +49,10 @@ _TABLE = (
     Quantity("force_x", "", "contact force along x̂", Kind.FORCE),
     Quantity("force_y", "", "contact force along ŷ", Kind.FORCE),
     Quantity("power", "", "power lost to friction", Kind.POWER),
+    Quantity("rim_speed", "", "speed of the contact point about the centre", Kind.VELOCITY),
+    Quantity(
+        "lever", "h'", "distance of the contact point from the foot of the centre", Kind.LENGTH
+    ),
     Quantity("phi", "φ", "precession angle", Kind.ANGLE, r"\varphi"),
     Quantity("psi", "ψ", "relative spin angle", Kind.ANGLE, r"\psi"),
     Quantity("centre_x", "", "centre, X", Kind.LENGTH),
@@ -77,3 +84,59 @@ def quantities_of(system: str) -> Mapping[str, Quantity]:
 def is_angle(name: str) -> bool:
     """Whether a quantity is an angle, which no choice of units changes."""
     return QUANTITIES[name].kind is Kind.ANGLE
+
+
+_OWN = (
+    Quantity("length", "R", "length", Kind.LENGTH),
+    Quantity("axial", "I₃/mR²", "axial moment of inertia", Kind.NUMBER, "I_3/mR^2"),
+    Quantity("transverse", "I₁/mR²", "transverse moment of inertia", Kind.NUMBER, "I_1/mR^2"),
+    Quantity("axis_X", "e_X", "symmetry axis along X", Kind.NUMBER),
+    Quantity("axis_Y", "e_Y", "symmetry axis along Y", Kind.NUMBER),
+    Quantity("axis_Z", "e_Z", "symmetry axis along Z", Kind.NUMBER),
+    Quantity("omega_X", "ω_X", "angular velocity along X", Kind.ANGULAR_VELOCITY, r"\omega_X"),
+    Quantity("omega_Y", "ω_Y", "angular velocity along Y", Kind.ANGULAR_VELOCITY, r"\omega_Y"),
+    Quantity("omega_Z", "ω_Z", "angular velocity along Z", Kind.ANGULAR_VELOCITY, r"\omega_Z"),
+    Quantity("slip_X", "v_X", "slip along X", Kind.VELOCITY),
+    Quantity("slip_Y", "v_Y", "slip along Y", Kind.VELOCITY),
+)
+_SHAPES = {
+    "torus": Quantity("tube", "b", "relative tube radius", Kind.NUMBER),
+    "hollow torus": Quantity("tube", "b", "relative tube radius", Kind.NUMBER),
+    "spheroid": Quantity("aspect", "a", "aspect ratio", Kind.NUMBER),
+    "eccentric sphere": Quantity("offset", "e", "relative offset of the centre", Kind.NUMBER),
+    "disk": QUANTITIES["k"],
+    "thick disk": Quantity("thickness", "t", "relative thickness", Kind.NUMBER),
+}
+"""The number of a named body's shape; over the length."""
+
+
+def round_quantities(
+    body: str, law: type[Contact], shape: Collection[str], names: Collection[str]
+) -> Mapping[str, Quantity]:
+    """Quantities of a body under a law.
+
+    Parameters
+    ----------
+    body
+        Name of the body.
+    law
+        Class of the law.
+    shape
+        Numbers of the shape, by name; one that no named body has is called by its name.
+    names
+        States, parameters and observables of the system.
+
+    Examples
+    --------
+    >>> from stability.bodies.contact_laws import Rough
+    >>> found = round_quantities("torus", Rough, ["tube"], ["tube", "omega3"])
+    >>> [q.symbol for q in found.values()]
+    ['b', 'ω₃']
+    """
+    known = {**disk_quantities(law), **{q.name: q for q in _OWN}}
+    for name in ("slip_x", "slip_y"):  # of the disk, these words name its sides
+        known[name] = replace(known[name], long_name=known[name].long_name.split(",")[0])
+    for name in shape:
+        own = _SHAPES.get(body)
+        known[name] = own if own and own.name == name else Quantity(name, "", name, Kind.NUMBER)
+    return {n: known.get(n, Quantity(n, "", n, Kind.NUMBER)) for n in names}

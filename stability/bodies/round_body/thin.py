@@ -1,0 +1,108 @@
+"""The thin disk as a body of revolution: h = sinθ, and what is known of its motions alone."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import lru_cache, partial
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from ...base.types import Floats
+from ..contact import Contact
+from ..disk import Disk
+from ..model import Model
+from ..momenta import momenta_model
+from ..quantities import QUANTITIES
+from .height.expression import Expression, expression
+from .shape import Outline
+from .si_law import Shape, shape_of
+
+
+@lru_cache(maxsize=1)
+def _height_and_moments() -> tuple[Expression, Expression, Expression]:
+    return (
+        expression("height", lambda theta, k: ca.sin(theta) + 0 * k, ["theta", "k"], 1),
+        expression("axial", lambda k: 2 * k, ["k"]),
+        expression("transverse", lambda k: k, ["k"]),
+    )
+
+
+def thin_body(disk: Disk) -> Outline:
+    """The disk as a body of revolution, for everything that takes one.
+
+    Parameters
+    ----------
+    disk
+        The disk.
+
+    Examples
+    --------
+    >>> thin_body(Disk(k=0.5)).moments()
+    (1.0, 0.5)
+    """
+    return Outline(
+        *_height_and_moments(),
+        {"k": disk.k},
+        "disk",
+        (0.0, math.pi),
+        disk.mass,
+        disk.gravity,
+        disk.radius,
+    )
+
+
+@lru_cache(maxsize=1)
+def _thin_shape() -> Shape:
+    return shape_of(thin_body(Disk()))
+
+
+def is_thin(shape: Shape) -> bool:
+    """Whether a shape is that of `thin_body`."""
+    return shape == _thin_shape()
+
+
+def of_thin(model: Model, law: type[Contact]) -> Model:
+    """The model of a thin disk, with what its motions alone have.
+
+    Parameters
+    ----------
+    model
+        The model of a body with the shape of `thin_body`.
+    law
+        Class of the law.
+    """
+    whole = len(model.names) == len(model.states) + 1 and not (law.sticks or law.holds)
+    p = model.system.parameters
+    return replace(
+        model,
+        quantities=QUANTITIES,
+        parking=partial(_park, [p.index(n) for n in ("mu",) if n in p]),
+        sound=_stands,
+        short=partial(momenta_model, law) if whole else None,
+        dry=None if model.dry is None else replace(model.dry, unique=_unique),
+        title=f"motion of a disk, {law.name} contact",
+        source="equations of Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) "
+        "204-231, integrated",
+    )
+
+
+def _unique(p: Floats) -> bool:
+    """Whether mu < 2√(k(k+1)), where docs/explanation/dry-friction.md proves it."""
+    k, mu = p
+    return bool(mu < 2 * math.sqrt(k * (k + 1)))
+
+
+def _park(friction: list[int], states: Any, parameters: Any, lane: int) -> None:
+    """Put a lane on a stable upright spin without friction, which needs few steps."""
+    states[:, lane] = 0.0
+    states[0, lane] = math.pi / 2
+    states[2, lane] = 2.0 / math.sqrt(parameters[0, lane])
+    for index in friction:
+        parameters[index, lane] = 0.0
+
+
+def _stands(states: Any) -> bool:
+    return bool((np.sin(states[:, 0]) > 0).all())
