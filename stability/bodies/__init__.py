@@ -1,4 +1,4 @@
-"""Bodies that roll, contact laws, resistances.
+"""Bodies that roll, contact laws.
 
 `round_body` has every body of revolution, the thin disk as one of them; `thin_disk.py` has the
 disk's public calls.  `model.py` has the record that a launch needs of a body.
