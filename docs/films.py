@@ -15,10 +15,11 @@ from PIL import Image, ImageSequence
 from scipy.integrate import solve_ivp
 
 import stability as st
+from stability.figures.launch.film import save_gif
 
 FOLDER = Path(__file__).resolve().parent / "films"
-WIDTH, COLOURS = 480, 48
-"""Width of a kept film in dots, and its colours: a film is then below 600 kB."""
+WIDTH, COLOURS, RATE = 480, 48, 12.5
+"""Width of a kept film in dots, its colours, and frames in a second: it is then below 600 kB."""
 RING, ROLLING = 0.97, 0.02
 """Inner radius of the ring, and its coefficient of rolling resistance."""
 
@@ -26,19 +27,15 @@ RING, ROLLING = 0.97, 0.02
 def kept(run: Any, path: Path, **options: Any) -> Path:
     """A film of a run, made small."""
     with TemporaryDirectory() as folder:
-        large = st.animate(run, Path(folder) / "large.gif", fps=12.5, **options)
+        large = st.animate(run, Path(folder) / "large.gif", fps=RATE, **options)
         with Image.open(large) as film:
             size = (WIDTH, round(WIDTH * film.height / film.width))
-            pause = film.info["duration"]
             frames = [
                 f.convert("RGB").resize(size, Image.Resampling.LANCZOS)
                 for f in ImageSequence.Iterator(film)
             ]
     middle = frames[len(frames) // 2].quantize(COLOURS, Image.Quantize.MAXCOVERAGE)
-    few = [f.quantize(palette=middle, dither=Image.Dither.NONE) for f in frames]
-    few[0].save(
-        path, "GIF", save_all=True, append_images=few[1:], duration=pause, loop=0, optimize=True
-    )
+    save_gif(path, iter(frames), middle, RATE)
     return path
 
 

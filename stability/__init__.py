@@ -22,15 +22,7 @@ _HOME = {
     "bodies.round_body.shapes.named": ("Torus", "Spheroid", "EccentricSphere", "ThickDisk"),
     "bodies.resistance": ("AirTorque", "PivotingResistance", "RollingResistance", "Resistance"),
     "bodies.contact": ("Contact", "Parameter"),
-    "bodies.contact_laws": (
-        "Smooth",
-        "Viscous",
-        "LinearViscous",
-        "Rough",
-        "Creep1",
-        "Creep2",
-        "Creep3",
-    ),
+    "bodies.contact_laws": ("Smooth", "Viscous", "LinearViscous", "Rough", "Creep"),
     "bodies.dry_friction": ("Coulomb", "RegularisedCoulomb"),
     "systems.system": ("System",),
     "systems.mechanics": ("mechanics",),
@@ -125,9 +117,7 @@ if TYPE_CHECKING:
     from .basin.statistics.shock import fatal_shock as fatal_shock
     from .bodies.contact import Contact as Contact
     from .bodies.contact import Parameter as Parameter
-    from .bodies.contact_laws import Creep1 as Creep1
-    from .bodies.contact_laws import Creep2 as Creep2
-    from .bodies.contact_laws import Creep3 as Creep3
+    from .bodies.contact_laws import Creep as Creep
     from .bodies.contact_laws import LinearViscous as LinearViscous
     from .bodies.contact_laws import Rough as Rough
     from .bodies.contact_laws import Smooth as Smooth

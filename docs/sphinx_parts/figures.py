@@ -137,7 +137,7 @@ def _report_figure(name: str) -> Any:
     import xarray
 
     from stability.compare import failures, report
-    from stability.compare.figures import cost_error
+    from stability.compare.figures import cost_error, shares, work_precision
 
     def data(stem: str) -> Any:
         with xarray.open_dataset(REPORT / f"{stem}.nc", engine="h5netcdf") as found:
@@ -154,10 +154,10 @@ def _report_figure(name: str) -> Any:
     if part == "motion":
         found = data("motion")
         if what == "first":
-            return cost_error.first_call_figure(found)
-        return cost_error.motion_figure(found, what)
+            return work_precision.first_call_figure(found)
+        return work_precision.motion_figure(found, what)
     draw = {
-        "verdict": cost_error.verdict_figure,
+        "verdict": shares.verdict_figure,
         "eigenvalues": cost_error.spectrum_figure,
         "boundary": cost_error.boundary_figure,
     }

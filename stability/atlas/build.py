@@ -6,7 +6,6 @@ temporary folder next to the target, and move to the target when the atlas is co
 
 from __future__ import annotations
 
-import csv
 import os
 import shutil
 from collections.abc import Callable, Mapping
@@ -26,6 +25,7 @@ from ..bodies.families import FAMILIES
 from ..bodies.quantities import QUANTITIES
 from ..jobs.following import processes
 from ..jobs.pipeline import Counted, check_run, here, ordered
+from ..storage.csv_text import csv_text
 from ..storage.files import postponed, record
 from ..storage.litter import clear, temporary
 from ..storage.targets import check_folder, path_text, place, refusing
@@ -142,7 +142,8 @@ def atlas(
         ) as results:
             found = dict(results)
         pages = [_page(*pair, found, frictions) for pair in pairs]
-        _write_csv(folder / "boundaries.csv", pages)
+        text = csv_text(COLUMNS, [row for page in pages for row in page.rows])
+        (folder / "boundaries.csv").write_text(text, "utf-8")
         ends = () if draft else found[None][0]
         (folder / "index.html").write_text(_html(pages, ends, resolution, draft), encoding="utf-8")
         move(folder, target)
@@ -391,14 +392,3 @@ def _curve_rows(body: str, disk: Disk, family: str, dataset: Any) -> list[tuple[
         )
         for curve, at, mu, kind, frequency, error, axis in zip(*columns, strict=True)
     ]
-
-
-# --- data and page ---
-
-
-def _write_csv(path: Path, pages: list[Page]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as handle:
-        writer = csv.writer(handle)
-        writer.writerow(COLUMNS)
-        for page in pages:
-            writer.writerows(page.rows)

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.checks import Number, broadcast, instance, known, positive
+from ..base.checks import Number, broadcast, instance, known, positive, whole_number
 from ..base.errors import NameUnknownError, ParameterError, listed, shown
 from ..base.quantities import Units
 from .contact import OVER_ANY_NUMBER, ZERO_MU, Contact, Parameter
@@ -185,25 +185,28 @@ class Rough(Contact):
         return 0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False, repr=False)
 class Creep(Contact):
     """Viscous friction with the slip eliminated: the slow manifold of `Viscous` at large mu.
 
     Slip decays within a time of 1/mu to sₙ(x) + O(mu⁻⁽ⁿ⁺¹⁾), a function of the other four states.
     The disk held to the slip sₙ is a system of four states, without stiffness, with an error of
     O(mu⁻⁽ⁿ⁺¹⁾); s₀ = 0 is the rough disk.  The force that holds sₙ, put into the viscous law,
-    gives sₙ₊₁.  Take a subclass: its `order` is n.  Where mu times the normal force is no longer
-    large, before a lift-off, the slip does not follow the motion: a run ends there.
+    gives sₙ₊₁.  Where mu times the normal force is no longer large, before a lift-off, the slip
+    does not follow the motion: a run ends there.
 
     Parameters
     ----------
     mu
         Positive [s/m], as in `Viscous`.
+    order
+        Number n of the approximation, 1, 2 or 3.  Each order has equations of its own, so each is
+        a class: this one for 1, a subclass for 2 and for 3.
 
     Raises
     ------
     ParameterError
-        If mu is not a finite number above zero.
+        If mu is not a finite number above zero, or there is no such order.
 
     Source: N. Fenichel, J. Differ. Equ. 31 (1979) 53-98, for the manifold; the iteration is that of
     Fraser, J. Chem. Phys. 88 (1988) 4732, with the constraint kept exactly.  Orders 0 to 3 are
@@ -211,18 +214,34 @@ class Creep(Contact):
 
     Examples
     --------
-    >>> Creep2(300.0).order
-    2
+    >>> import stability as st
+    >>> st.Creep(300.0, order=2)
+    Creep(mu=300.0, order=2)
+    >>> st.Creep(300.0).name
+    'creep-1'
     """
 
     mu: ArrayLike
     """Friction coefficient [s/m]."""
+    name: ClassVar[str] = "creep-1"
     parameters: ClassVar[tuple[Parameter, ...]] = Viscous.parameters
     slips: ClassVar[bool] = False
     holds: ClassVar[bool] = True
-    order: ClassVar[int] = 0
+    order: ClassVar[int] = 1
     """Number n of the approximation: errors fall as mu⁻⁽ⁿ⁺¹⁾."""
     force = Viscous.force
+
+    def __new__(cls, mu: ArrayLike | None = None, order: int = 1) -> Creep:  # noqa: ARG004
+        """A law of the class of its order."""
+        chosen = CREEP[whole_number("order", order, 1, len(CREEP) - 1)] if cls is Creep else cls
+        return object.__new__(chosen)  # type: ignore[return-value]  # order 0 is not chosen
+
+    def __init__(self, mu: ArrayLike, order: int = 1) -> None:  # noqa: ARG002  # the class has it
+        object.__setattr__(self, "mu", mu)
+        self.__post_init__()
+
+    def __repr__(self) -> str:
+        return f"{Creep.__name__}(mu={self.mu!r}, order={self.order})"
 
     @OVER_ANY_NUMBER
     def slip(self, force: Any, normal: Any, mu: Any) -> Any:
@@ -230,58 +249,23 @@ class Creep(Contact):
         return [-force[0] / (mu * normal), -force[1] / (mu * normal)]
 
 
-@dataclass(frozen=True, eq=False)
-class Creep1(Creep):
-    """Creep of order 1: slip from the force of rolling without slip.
-
-    Source: slow manifold of viscous friction (N. Fenichel 1979): tests/bodies/test_creep.py.
-
-    Examples
-    --------
-    >>> import stability as st
-    >>> st.Creep1(300.0).name
-    'creep-1'
-    """
-
-    name: ClassVar[str] = "creep-1"
-    order: ClassVar[int] = 1
-
-
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False, repr=False)
 class Creep2(Creep):
-    """Creep of order 2.
-
-    Source: slow manifold of viscous friction (N. Fenichel 1979): tests/bodies/test_creep.py.
-
-    Examples
-    --------
-    >>> import stability as st
-    >>> st.Creep2(300.0).name
-    'creep-2'
-    """
+    """The class of order 2."""
 
     name: ClassVar[str] = "creep-2"
     order: ClassVar[int] = 2
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, init=False, repr=False)
 class Creep3(Creep):
-    """Creep of order 3.
-
-    Source: slow manifold of viscous friction (N. Fenichel 1979): tests/bodies/test_creep.py.
-
-    Examples
-    --------
-    >>> import stability as st
-    >>> st.Creep3(300.0).name
-    'creep-3'
-    """
+    """The class of order 3."""
 
     name: ClassVar[str] = "creep-3"
     order: ClassVar[int] = 3
 
 
-CREEP: tuple[type[Contact], ...] = (Rough, Creep1, Creep2, Creep3)
+CREEP: tuple[type[Contact], ...] = (Rough, Creep, Creep2, Creep3)
 """The slow manifold of viscous contact by order; order 0 is the rough disk."""
 LAWS: dict[str, type[Contact]] = {law.name: law for law in (Smooth, Viscous, LinearViscous, Rough)}
 """The stored contact laws that `spectrum` accepts, by name."""
@@ -365,11 +349,31 @@ def spelled(laws: Mapping[str, type[Contact]]) -> str:
 
 
 def _spelled(laws: Mapping[str, type[Contact]]) -> list[str]:
-    words = []
+    found = []
     for law in laws.values():
         first = {p.place: p.name for p in reversed(law.parameters)}
-        words.append(f"{law.__name__}({', '.join(reversed(first.values()))})")
-    return words
+        found.append(as_called(law, *reversed(first.values())))
+    return found
+
+
+def as_called(law: type[Contact], *names: str) -> str:
+    """A law as a user writes it.
+
+    Parameters
+    ----------
+    law
+        The law.
+    names
+        Its numbers by name.
+
+    Examples
+    --------
+    >>> as_called(Viscous, "mu"), as_called(Creep2, "mu")
+    ('Viscous(mu)', 'Creep(mu, order=2)')
+    """
+    if issubclass(law, Creep):
+        return f"{Creep.__name__}({', '.join((*names, f'order={law.order}'))})"
+    return f"{law.__name__}({', '.join(names)})"
 
 
 def stored(law: type[Contact]) -> bool:

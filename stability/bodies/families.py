@@ -89,9 +89,6 @@ class SteadyFamily:
     a flutter boundary is not a Hopf bifurcation without parameters."""
     sampled: Interval | None = None
     """Dimensionless interval of `at` of the random members in the comparison of methods."""
-    launch: str = ""
-    """Normal force over m g at the start of a launch, as a formula; empty where `table launches`
-    leaves the family out."""
 
     @property
     def disk_motion(self) -> str:
@@ -172,7 +169,6 @@ _RECORDS = (
         searched=(0.02, 50.0),
         drawn=(0.02, 3.0),
         sampled=(0.2, 4.0),
-        launch="k/(k + c²)",
     ),
     SteadyFamily(
         "spinning",
@@ -188,7 +184,6 @@ _RECORDS = (
         drawn=(0.02, 5.0),
         flutter=(0.01, 100.0),
         sampled=(0.2, 6.0),
-        launch="k (1 + phi_dot² s c²)/(k + c²)",
     ),
     SteadyFamily(
         "tumbling",

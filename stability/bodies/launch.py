@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra.upright import UPRIGHT
-from ..base.checks import broadcast, checked, known
-from ..base.errors import ParameterError, if_degrees, shown
+from ..base.checks import broadcast, checked, instance, known
+from ..base.errors import ParameterError, if_degrees
 from ..base.types import Floats
 from .disk import Disk
 from .families import FAMILIES
@@ -19,8 +19,8 @@ from .round_body.body import Body
 from .round_body.families import place_of
 from .round_body.inclinations import tumbling_rates
 
-TILT, TIME = 0.1, 1000.0
-"""Tilt of the symmetry axis [rad] and length of a run [√(R/g)]."""
+TILT = 0.1
+"""Tilt of the symmetry axis [rad]."""
 LEVEL = 1e-9
 """Largest slope of the height, over the height, where a body rolls."""
 
@@ -142,7 +142,7 @@ def near_steady(family: str, *, at: ArrayLike, tilt: ArrayLike, disk: Disk | Non
             f"disk is missing; {', '.join(record.disk_unknown)} of {family} depends on the body: "
             "give disk=stability.Disk(...)."
         )
-    body = disk_of(disk)
+    body = Disk() if disk is None else instance("disk", disk, Disk, "give a stability.Disk")
     where, lean = np.asarray(checked("at", at)), np.asarray(checked("tilt", tilt))
     shapes = where.shape, lean.shape, np.shape(body.k), np.shape(body.rate)
     try:
@@ -175,23 +175,3 @@ def near_steady(family: str, *, at: ArrayLike, tilt: ArrayLike, disk: Disk | Non
             f"{if_degrees(float(lean.flat[np.abs(lean).argmax()]))}."
         )
     return six
-
-
-def disk_of(disk: Disk | None) -> Disk:
-    """The disk that a caller gave, or the uniform one.
-
-    Parameters
-    ----------
-    disk
-        A disk, or None.
-
-    Raises
-    ------
-    ParameterError
-        If it is something else.
-    """
-    if disk is None:
-        return Disk()
-    if not isinstance(disk, Disk):
-        raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk.")
-    return disk

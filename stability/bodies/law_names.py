@@ -10,7 +10,7 @@ from typing import Any
 from ..base.errors import NameUnknownError, ParameterError, meant, shown
 from ..base.user_code import imported
 from .contact import Contact
-from .contact_laws import MOTION_LAWS, Viscous, law_class
+from .contact_laws import MOTION_LAWS, Viscous, as_called, law_class
 from .dry_friction import RegularisedCoulomb
 
 
@@ -128,7 +128,7 @@ def law_given(
             word = "mu" if "mu" in law.alternatives(p.name) else p.name
             named = f", or contact={law.name!r} with {word}=NUMBER" * (law in MOTION_LAWS.values())
             axis = f", or make {word} an axis" * bool(swept)
-            raise ParameterError(f"{word} is missing; give {law.__name__}({word}){named}{axis}.")
+            raise ParameterError(f"{word} is missing; give {as_called(law, word)}{named}{axis}.")
     return law(**own)
 
 

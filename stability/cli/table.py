@@ -45,7 +45,7 @@ def _settings(options: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
     from .system_option import doubles, exact_numbers, family_named
 
     family: Any = options.family
-    plain = ("k", "mu", "contact", "tilt", "at", "time", "systems")
+    plain = ("k", "mu", "contact", "tilt", "at", "systems")
     settings = {n: getattr(options, n) for n in plain if getattr(options, n) is not None}
     scales = {n: getattr(options, n) for n in ("mass", "radius", "gravity")}
     scales = {n: v for n, v in scales.items() if v is not None}
@@ -99,8 +99,8 @@ def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None = No
         "name",
         metavar="NAME",
         nargs="?",
-        help="families, conditions, drift, hopf, codimension, launches, painleve, benchmarks, "
-        "circular, thresholds, flatness or list",
+        help="families, conditions, drift, hopf, codimension, painleve, benchmarks, thresholds "
+        "or list",
     )
     sub.add_argument(
         "--list",
@@ -118,20 +118,16 @@ def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None = No
     )
     sub.add_argument("--out", metavar="FILE", help="write a .csv, .json, .tex or .txt file")
     overwriting(sub, "replace an existing file")
-    lists = "`conditions`, `drift`, `hopf`, `launches`: {} of the disk, comma-separated; "
+    lists = "`conditions`, `drift`, `hopf`: {} of the disk, comma-separated; "
     one = "`codimension --family`: one, where it is no axis"
     sub.add_argument("--k", type=_list, help=lists.format("inertia factors") + one)
     sub.add_argument("--mu", type=_list, help=lists.format("friction coefficients") + one)
-    sub.add_argument(
-        "--tilt", type=_list, help="`drift`: tilts [rad], comma-separated; `launches`: one"
-    )
+    sub.add_argument("--tilt", type=_list, help="`drift`: tilts [rad], comma-separated")
     sub.add_argument(
         "--at",
-        type=_list,
-        help="`launches`: initial angular velocities, comma-separated; `codimension "
-        "--family`: what names the member, one, where it is no axis",
+        type=float,
+        help="`codimension --family`: what names the member, where it is no axis",
     )
-    sub.add_argument("--time", type=float, help="`launches`: length of each run")
     sub.add_argument(
         "--systems",
         metavar="NAMES",
@@ -139,8 +135,8 @@ def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None = No
     )
     sub.add_argument(
         "--contact",
-        help=f"`conditions`, `drift`, `hopf`, `launches`, `codimension "
-        f"--family`: one law of {CONTACTS}, or module:Class of your own",
+        help=f"`conditions`, `drift`, `hopf`, `codimension --family`: one law of {CONTACTS}, "
+        "or module:Class of your own",
     )
     for name, unit in (("mass", "kg"), ("radius", "m"), ("gravity", "m/s²")):
         sub.add_argument(

@@ -2,51 +2,20 @@
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..jobs.journal import Cell
+from ..storage.csv_text import csv_text
 from .spectrum.hardness import EDGES
 
 
-def csv_text(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    """A table as CSV.
-
-    Parameters
-    ----------
-    columns
-        Names of the columns.
-    rows
-        Values of each row, in the order of the columns.
-
-    Returns
-    -------
-    str
-
-    Examples
-    --------
-    >>> csv_text(("a", "b"), [(1, "x, y")]).splitlines()
-    ['a,b', '1,"x, y"']
-    """
-    handle = io.StringIO(newline="")
-    writer = csv.writer(handle)
-    writer.writerow(columns)
-    writer.writerows(rows)
-    return handle.getvalue()
-
-
-def _least(values: Sequence[float] | None) -> Any:
-    return min(values) if values else ""
+def _least(values: Sequence[float] | None) -> float | None:
+    return min(values) if values else None
 
 
 def _timings(values: Sequence[float] | None) -> str:
     return " ".join(f"{v:.3e}" for v in values or ())
-
-
-def _known(value: Any) -> Any:
-    return "" if value is None else value
 
 
 def spectrum_csv(cells: Mapping[str, Cell]) -> str:
@@ -77,16 +46,16 @@ def spectrum_csv(cells: Mapping[str, Cell]) -> str:
         "many_timings_s",
         "message",
     )
-    rows = []
+    rows: list[Sequence[Any]] = []
     for key, cell in cells.items():
         if not key.startswith("spectrum/"):
             continue
         _, hardness, route = key.split("/")
         v = cell.value
         if v is None:
-            rows.append((hardness, route, cell.status, *[""] * 10, cell.message))
+            rows.append((hardness, route, cell.status, *[None] * 10, cell.message))
             continue
-        worst = ["" if v[q] is None else max(v[q]) for q in ("eigenvalues", "abscissa")]
+        worst = [None if v[q] is None else max(v[q]) for q in ("eigenvalues", "abscissa")]
         rows.append(
             (
                 hardness,
@@ -136,17 +105,16 @@ def boundary_csv(cells: Mapping[str, Cell]) -> str:
             continue
         route = key.split("/")[1]
         for i, edge in enumerate(EDGES):
-            where = (*edge[:3], _known(edge[3]))
             if cell.value is None:
-                rows.append((route, *where, "", "", "", cell.status))
+                rows.append((route, *edge[:4], *[None] * 3, cell.status))
             elif (seconds := cell.value["seconds"][i]) is not None:
                 error = cell.value["error"][i]
                 rows.append(
                     (
                         route,
-                        *where,
-                        _known(error),
-                        _known(cell.value["width"][i]),
+                        *edge[:4],
+                        error,
+                        cell.value["width"][i],
                         seconds,
                         "not found" if error is None else "found",
                     )
@@ -185,7 +153,7 @@ def motion_csv(cells: Mapping[str, Cell]) -> str:
             continue
         _, which, driver = key.split("/")
         if cell.value is None:
-            rows.append((which, driver, *[""] * 9, "", f"{cell.status}: {cell.message}"))
+            rows.append((which, driver, *[None] * 10, f"{cell.status}: {cell.message}"))
             continue
         for tolerance, row in zip(cell.value["tolerance"], cell.value["rows"], strict=True):
             if row["message"]:
@@ -194,8 +162,8 @@ def motion_csv(cells: Mapping[str, Cell]) -> str:
                         which,
                         driver,
                         tolerance,
-                        *[""] * 8,
-                        _known(cell.value["first"]),
+                        *[None] * 8,
+                        cell.value["first"],
                         row["message"],
                     )
                 )
@@ -206,7 +174,7 @@ def motion_csv(cells: Mapping[str, Cell]) -> str:
                     driver,
                     tolerance,
                     row["outcome"],
-                    *(_known(row[m]) for m in metrics),
+                    *(row[m] for m in metrics),
                     _least(row["seconds"]),
                     _timings(row["seconds"]),
                     cell.value["first"],

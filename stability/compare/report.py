@@ -19,6 +19,7 @@ from ..base.errors import FileError
 from ..jobs.journal import JOURNAL, Cell, Journal, is_journal
 from ..jobs.pipeline import check_run, resumable
 from ..jobs.processes import run
+from ..storage.csv_text import csv_text
 from ..storage.files import atomic_write, together
 from ..storage.netcdf import packed
 from ..storage.targets import check_folder, path_text, place, refusing
@@ -49,7 +50,6 @@ def report(
     overwrite: bool = False,
     workers: int | None = None,
     progress: Callable[[int, int], None] | None = None,
-    force: bool | None = None,
 ) -> Path:
     """Make a report, or resume one that was stopped.
 
@@ -73,8 +73,6 @@ def report(
         Processes for the catalogue; all cores when left out.  Timed charts take one.
     progress
         Called with (cells done, cells in all).
-    force
-        Old name of `overwrite`.
 
     Returns
     -------
@@ -110,7 +108,7 @@ def report(
 
     check_run(workers, progress)
     plan = planned(parts, cases, methods)
-    overwrite = flag("overwrite", overwrite if force is None else force)
+    overwrite = flag("overwrite", overwrite)
     folder = _folder(out, overwrite)
     journal = Journal(folder)
     total, before = sum(len(group) for groups in plan.values() for group in groups), 0
@@ -194,7 +192,7 @@ def _spectrum(cells: Mapping[str, Cell]) -> Part:
 
 def _classes(chart: xarray.Dataset) -> list[Plate]:
     """Figures of verdicts and of eigenvalues, which some routes have."""
-    from .figures import cost_error as drawings
+    from .figures import cost_error, shares
 
     count = int(np.nanmax(chart["count"].values, initial=0))
     truth = f"Truth: {chart.attrs['truth']}."
@@ -205,10 +203,10 @@ def _classes(chart: xarray.Dataset) -> list[Plate]:
             "shares right, undecided and wrong. At the right: time per point, the median over the "
             f"classes, in a batch of {spectral.MANY} where the route takes arrays. Bold: the "
             f"package's. {truth}",
-            lambda: drawings.verdict_figure(chart),
+            lambda: shares.verdict_figure(chart),
         )
     ]
-    if drawings.answering(chart):
+    if cost_error.answering(chart):
         found.append(Plate(
             "spectrum-eigenvalues",
             "Eigenvalues, for routes without a wrong verdict: least time per point against the "
@@ -216,14 +214,14 @@ def _classes(chart: xarray.Dataset) -> list[Plate]:
             "largest modulus, after the best matching. Named: routes on the Pareto front (broad "
             "line), the package's, and ad-1e-9 as a reference; other common routes are grey. "
             f"μ* is μ√(gR). {truth}",
-            lambda: drawings.spectrum_figure(chart),
+            lambda: cost_error.spectrum_figure(chart),
         ))  # fmt: skip
     return found
 
 
 def _places(chart: xarray.Dataset) -> Plate:
     """The figure of the places of boundaries."""
-    from .figures import cost_error as drawings
+    from .figures.cost_error import boundary_figure
 
     return Plate(
         "spectrum-boundary",
@@ -233,7 +231,7 @@ def _places(chart: xarray.Dataset) -> Plate:
         "boundary by boundary; smaller ones are drawn at 10⁻¹⁷. Common routes bisect on their "
         "verdict from 1 % off; the package calls boundaries() in the same bracket. A boundary "
         "is missed where a route gives both ends the same verdict. μ means μ√(gR).",
-        lambda: drawings.boundary_figure(chart),
+        lambda: boundary_figure(chart),
     )
 
 
@@ -249,7 +247,7 @@ TURNS = (
 
 
 def _motion(cells: Mapping[str, Cell]) -> Part:
-    from .figures import cost_error as drawings
+    from .figures.work_precision import first_call_figure, motion_figure, panels_of
 
     chart = motion_data.dataset(cells)
     plates = [
@@ -260,16 +258,16 @@ def _motion(cells: Mapping[str, Cell]) -> Part:
             "In colour: integrators on the Pareto front (broad line) with a digit or more, "
             f"simulate() and SciPy's RK45; others are grey. {TURNS} Over a panel: who gave a wrong "
             f"outcome or none. Truth: {chart.attrs['truth']}.",
-            lambda m=m: drawings.motion_figure(chart, m),  # type: ignore[misc]
+            lambda m=m: motion_figure(chart, m),  # type: ignore[misc]
         )
-        for m in DRAWN if m in METRICS and drawings.panels_of(chart, m)
+        for m in DRAWN if m in METRICS and panels_of(chart, m)
     ]  # fmt: skip
     first = Plate(
         "motion-first",
         "What the first call costs: a run in a fresh process at the loosest tolerance (graphs "
         "built, code compiled, imports apart), and the least repeat at the middle tolerance. "
         "Circles: medians over the motions; lines: least to most.",
-        lambda: drawings.first_call_figure(chart),
+        lambda: first_call_figure(chart),
     )
     plates += [first] * bool(chart.sizes["scene"])
     return Part(MOTION, tuple(plates), ("motion.nc", "motion.csv"), chart)
@@ -322,8 +320,7 @@ def _failures(cells: Mapping[str, Cell]) -> Part:
 
 
 def _failure_figure(found: Sequence[catalogue.Entry], name: str) -> Figure:
-    from .figures import cost_error as drawings
-    from .figures.shares import MARKS
+    from .figures.shares import MARKS, failure_figure
 
     mine = [e for e in found if e.part == name]
     methods = list(dict.fromkeys(e.method for e in mine))
@@ -335,7 +332,7 @@ def _failure_figure(found: Sequence[catalogue.Entry], name: str) -> Figure:
         [[counts[m, g, word] / len(groups[g]) for word in MARKS] for g in groups] for m in methods
     ])  # fmt: skip
     own = [method in catalogue.own_methods() for method in methods]
-    return drawings.failure_figure(methods, own, [(g, len(c)) for g, c in groups.items()], share)
+    return failure_figure(methods, own, [(g, len(c)) for g, c in groups.items()], share)
 
 
 def _edges(found: Sequence[catalogue.Entry]) -> int:
@@ -344,14 +341,14 @@ def _edges(found: Sequence[catalogue.Entry]) -> int:
 
 
 def _ladder_figure(found: Sequence[catalogue.Entry]) -> Figure:
-    from .figures import cost_error as drawings
+    from .figures.shares import ladder_figure
 
     counts, edges = catalogue.ladder(found), _edges(found)
     share = np.array([
         [[c[w] / edges for w in catalogue.STEPS] for c in row] for row in counts.values()
     ])  # fmt: skip
     own = [name in catalogue.own_methods() for name in counts]
-    return drawings.ladder_figure(list(counts), own, [-d for d in DECADES], share)
+    return ladder_figure(list(counts), own, [-d for d in DECADES], share)
 
 
 # --- files ---
@@ -374,7 +371,7 @@ def _write(folder: Path, one: Part, cells: Mapping[str, Cell]) -> None:
 
 
 def _texts(one: Part, cells: Mapping[str, Cell]) -> dict[str, str]:
-    from .csv_files import boundary_csv, csv_text, motion_csv, spectrum_csv
+    from .csv_files import boundary_csv, motion_csv, spectrum_csv
 
     if one.name == SCENES:
         return {"scenes.csv": csv_text(scenes.COLUMNS, scenes.rows(one.chart))}

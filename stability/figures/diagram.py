@@ -127,10 +127,6 @@ def plot_map(
     return figure
 
 
-diagram = plot_map
-"""The name before version 0.5."""
-
-
 def _rows(figure: Figure, above: Strip | None, below: Strip | None) -> list[Axes]:
     """Panels of a figure, from the top."""
     heights = [s for s, strip in ((0.075, above), (1.0, True), (0.075, below)) if strip]

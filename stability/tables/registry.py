@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..base.citation.used import gathered, joined
-from ..base.errors import ParameterError, listed, shown
+from ..base.errors import ParameterError, listed
 from ..base.types import Progress
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES
@@ -24,7 +24,7 @@ OF_FAMILY = ("conditions", "hopf", "codimension")
 """Tables of a family of the user's own."""
 OF_POINTS = ("k", "mu", "contact", "disk", "at")
 """Options of the table of codimension two of a disk's family."""
-LISTS = ("k", "mu", "tilt", "at")
+LISTS = ("k", "mu", "tilt")
 """Options that are lists of numbers."""
 
 
@@ -38,8 +38,7 @@ def table(
     disk: Disk | None = None,
     body: Any = None,
     tilt: float | Sequence[float] | None = None,
-    at: float | Sequence[float] | None = None,
-    time: float | None = None,
+    at: float | None = None,
     systems: str | Sequence[str] | None = None,
     x: Sequence[Any] | None = None,
     y: Sequence[Any] | None = None,
@@ -56,13 +55,13 @@ def table(
     ----------
     name
         Any of list (the tables themselves), families, conditions, drift, hopf, codimension,
-        launches, painleve, benchmarks, circular, thresholds or flatness.
+        painleve, benchmarks or thresholds.
     family
         A `Family` of your own, for conditions, hopf and codimension; one of the disk's families by
         name, for codimension.
     k, mu
         Inertia factors [-] and friction coefficients, each one number or several: for conditions,
-        drift, hopf and launches; for codimension one number.
+        drift and hopf; for codimension one number.
     contact
         Name of a contact law, for the same tables.
     disk
@@ -70,11 +69,9 @@ def table(
     body
         A body of revolution, for painleve; the bodies of the package if left out.
     tilt
-        Tilts [rad], for drift; one, for launches.
+        Tilts [rad], for drift.
     at
-        Initial angular velocities, for launches; the member, for codimension.
-    time
-        Length of each run, for launches.
+        The member, for codimension.
     systems
         Names of systems or words of names, for benchmarks; all if left out.
     x, y
@@ -115,7 +112,6 @@ def table(
         "body": body,
         "tilt": tilt,
         "at": at,
-        "time": time,
         "systems": systems,
     }
     given = {n: v for n, v in given.items() if v is not None}
@@ -166,12 +162,6 @@ def _checked(name: str, given: Mapping[str, Any]) -> dict[str, Any]:
     for key in LISTS:
         if key in options:
             options[key] = [float(v) for v in np.atleast_1d(options[key])]
-    if name == "launches" and "tilt" in options:
-        [*more, options["tilt"]] = options["tilt"]
-        if more:
-            raise ParameterError(
-                f"tilt is {shown(given['tilt'])}; `table launches` takes one tilt."
-            )
     if "contact" in options:
         law = options.pop("contact")
         law_named(law, options["mu"][0] if "mu" in options else None, needed=False)

@@ -6,9 +6,9 @@ import multiprocessing
 import pickle
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import casadi as ca
@@ -117,8 +117,7 @@ MAKERS: dict[str, Callable[[float], Any]] = {
     "Contact": Weakening,
     "Smooth": lambda v: st.Smooth() if v < 0.35 else st.Rough(),
     "Rough": lambda v: st.Rough() if v < 0.35 else st.Smooth(),
-    **{n: getattr(st, n) for n in ("Viscous", "LinearViscous", "Coulomb")},
-    **{n: getattr(st, n) for n in ("Creep1", "Creep2", "Creep3")},
+    **{n: getattr(st, n) for n in ("Viscous", "LinearViscous", "Coulomb", "Creep")},
     "RegularisedCoulomb": lambda v: st.RegularisedCoulomb(0.3, v),
     "Parameter": lambda v: st.Parameter("mu", f"{v} s/m"),
     "System": pendulum,
@@ -204,14 +203,27 @@ def test_disks_are_equal_if_and_only_if_their_numbers_are(a: Any, b: Any, name: 
     assert all(back == one and hash(back) == hash(one) for back in travelled(one))
 
 
+LAWS = (st.Viscous, st.Coulomb, *(partial(st.Creep, order=n) for n in (1, 2, 3)))
+
+
+def test_each_order_of_creep_is_a_law_of_its_own() -> None:
+    orders = [st.Creep(0.3, order=n) for n in (1, 2, 3)]
+    assert st.Creep(0.3) == orders[0] and len({*orders}) == 3
+    assert [law.name for law in orders] == ["creep-1", "creep-2", "creep-3"]
+    assert all(isinstance(law, st.Creep) and replace(law, mu=0.3) == law for law in orders)
+    for order in (0, 4, 1.5, "2"):
+        with pytest.raises(st.StabilityError, match="order is .*whole number|at most 3"):
+            st.Creep(0.3, order=order)  # type: ignore[arg-type]
+
+
 @settings(max_examples=30)
-@given(some.sampled_from(["Viscous", "Coulomb", "Creep2"]), arrays, some.booleans())
+@given(some.sampled_from(LAWS), arrays, some.booleans())
 def test_laws_are_equal_if_and_only_if_class_and_numbers_are(
-    law: str, mu: Any, list_: bool
+    law: Any, mu: Any, list_: bool
 ) -> None:
-    one = getattr(st, law)(mu)
-    assert one == getattr(st, law)(np.copy(mu).tolist() if list_ else np.copy(mu))
-    assert one != st.LinearViscous(mu) and one != getattr(st, law)(np.asarray(mu) * 2)
+    one = law(mu)
+    assert one == law(np.copy(mu).tolist() if list_ else np.copy(mu))
+    assert one != st.LinearViscous(mu) and one != law(np.asarray(mu) * 2)
     assert all(back == one and hash(back) == hash(one) for back in travelled(one))
 
 

@@ -23,7 +23,6 @@ import stability as st
 from stability.algebra.upright import UPRIGHT
 from stability.bodies.families import FAMILIES, SteadyFamily
 from stability.cli import main
-from stability.tables.launches import launch_rows
 from stability.tables.registry import definition
 
 EDGE_ON = SteadyFamily(
@@ -37,7 +36,6 @@ EDGE_ON = SteadyFamily(
     drawn=(0.5, 3.0),
     flutter=(0.1, 10.0),
     sampled=(0.5, 3.0),
-    launch="k",
 )
 CONING = SteadyFamily(
     "coning",
@@ -211,22 +209,21 @@ def test_tables_hold_it(family: str) -> None:
     assert len(mine) == (2 if family == "edge-on" else 1)
 
 
-def test_launches_are_tabled_beside_its_linear_theory(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_launches_end_as_its_linear_theory_says(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(FAMILIES, "edge-on", EDGE_ON)
-    rows = launch_rows(launches=("edge-on",), k=(0.25,), mu=(0.3,), at=(1.0, 2.4))
-    for row, stable in zip(rows, (False, True), strict=True):
-        assert (eigenvalues("edge-on", row.at, 0.25, 0.3).real.max() < 0) == stable
-        assert (row.linear, row.outcome) == ("stable" if stable else "unstable", "settled")
-    assert [row.final for row in rows] == ["tumbling", "edge-on"]
+    at = (1.0, 2.4)
+    assert [eigenvalues("edge-on", w, 0.25, 0.3).real.max() < 0 for w in at] == [False, True]
+    run = st.simulate(st.Disk(), st.Viscous(0.3), st.launch("edge-on", at=at, tilt=0.1), 1000.0)
+    assert run.nearest_family.values.tolist() == ["tumbling", "edge-on"]
+    assert run.outcome.values.tolist() == [1, 1]
 
 
 def test_figures_mark_the_member_that_was_settled_on(family: str) -> None:
-    from stability.figures.launch.motion import states
 
     at = 2.5 if family == "edge-on" else 3.0
     start = st.launch(family, at=at, tilt=0.02, disk=st.Disk())
     run = st.simulate(st.Disk(), st.Viscous(0.3), start, np.linspace(0, 2000, 11))
-    panels = states(run).axes
+    panels = st.plot_motion(run, show="states").axes
     steady = [[line for line in panel.lines if line.get_label() == "steady"] for panel in panels]
     assert [len(lines) for lines in steady] == [int(family == "coning"), 1, 0, 0]
     ends = member(family, float(run.nearest_at), 0.25)

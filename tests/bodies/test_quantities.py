@@ -19,9 +19,7 @@ from stability.base.quantities import Kind, in_latex
 from stability.bodies.contact_laws import MOTION_LAWS, law_class
 from stability.bodies.quantities import QUANTITIES, disk_quantities, quantities_of
 from stability.bodies.thin_disk import disk_system
-from stability.figures.diagram import diagram
 from stability.figures.launch.caption import caption
-from stability.figures.locus.loci import locus
 
 PACKAGE = Path(st.__file__).parent
 TABLES = ("base/quantities.py", "bodies/quantities.py")
@@ -153,10 +151,10 @@ def test_axes_of_the_disk_have_its_names_symbols_and_units() -> None:
         boundaries=False,
     )
     assert {r"axial angular velocity $\omega_3$  [rad/s]", "mass $m$  [kg]"} < _labels(
-        diagram(found)
+        st.plot_map(found)
     )
     spectra = st.spectrum("tumbling", at=np.linspace(0.5, 1, 5), contact=st.Smooth())
-    assert r"axis inclination $\theta$  [rad]" in _labels(locus(spectra))
+    assert r"axis inclination $\theta$  [rad]" in _labels(st.plot_locus(spectra))
 
 
 def test_a_users_theta_is_not_the_disks() -> None:
@@ -180,9 +178,9 @@ def test_a_users_theta_is_not_the_disks() -> None:
         typical={"theta": 1.0, "mu": 0.3},
     )
     spectra = st.spectrum(family, at=np.linspace(0.5, 1, 5), mu=0.3)
-    assert {"theta  [m]", "1: omega3"} < _labels(locus(spectra))
+    assert {"theta  [m]", "1: omega3"} < _labels(st.plot_locus(spectra))
     found = st.stability_map(family, x=("theta", 0.5, 1, 3), y=("mu", 0.1, 1, 3))
-    assert {"theta  [m]", "mu  [1/s]"} < _labels(diagram(found))
+    assert {"theta  [m]", "mu  [1/s]"} < _labels(st.plot_map(found))
 
 
 @pytest.mark.few(3)

@@ -322,13 +322,13 @@ def test_points_are_marked_listed_and_written(
     tmp_path: Any, capsys: pytest.CaptureFixture[str]
 ) -> None:
     from stability.cli.commands import main
-    from stability.figures.diagram import caption, diagram
+    from stability.figures.diagram import caption
 
     axes = {"x": ("p", -1, 1.1, 4), "y": ("q", -1, 1.2, 4)}
     family = zero_and_pair(lambda v: v, lambda v: v)
     dataset = st.stability_map(family, **axes)
     found = st.codimension_two(family, **axes)
-    figure = diagram(dataset, points=found)
+    figure = st.plot_map(dataset, points=found)
     labels = [t.get_text() for t in figure.axes[0].get_legend().get_texts()]
     assert "zero and pair" in labels
     [line] = [a for a in figure.axes[0].lines if a.get_label() == "zero and pair"]
@@ -338,7 +338,7 @@ def test_points_are_marked_listed_and_written(
         takens(lambda v: v, lambda v: v), x=("x0", -1, 1, 2), y=("b2", -1, 1, 2)
     )
     with pytest.raises(st.StabilityError, match="points of the same two axes"):
-        diagram(dataset, points=other)
+        st.plot_map(dataset, points=other)
 
     file = tmp_path / "planted.py"
     file.write_text(

@@ -409,7 +409,7 @@ ASK = ["spectrum", "rolling", "--at", "1.2", "--mu", "0.3"]
         (["spectrum", "rolling"], "--at"),
         (
             ["table", "charts"],
-            "known are families, conditions, drift, hopf, launches, painleve, benchmarks, ",
+            "known are families, conditions, drift, hopf, painleve, benchmarks, ",
         ),
         (["table", "families", "--k", "0.3"], "table conditions"),
         (["table", "conditions", "--k", "0.3,x"], "comma-separated"),

@@ -1,4 +1,4 @@
-"""`stability simulate` and `table launches`: the contract's object, whole files, one sentence."""
+"""`stability simulate`: the contract's object, whole files, one sentence."""
 
 import json
 import math
@@ -182,10 +182,8 @@ def test_si_numbers_go_in_and_come_out(capsys: pytest.CaptureFixture[str]) -> No
         ([*ASK, "--time", "1", "--film", "run.avi"], "must end in .gif, .mp4 or .html"),
         ([*ASK, "--time", "1", "--out", "a.nc", "--plot", "./a.nc"], "must end in"),
         ([*ASK, "--time", "1", "--out", "no/such/run.nc"], "does not exist"),
-        (["table", "launches", "--tilt", "0.1,0.2"], "takes one tilt"),
-        (["table", "launches", "--contact", "rough", "--mu", "1"], "no coefficient"),
-        (["table", "drift", "--time", "3"], "`table launches` only"),
-        (["table", "families", "--at", "3"], "`table launches` and `codimension` only"),
+        (["table", "launches"], "table is 'launches'; known are families"),
+        (["table", "families", "--at", "3"], "at belongs to `table codimension` only"),
     ],
 )
 def test_bad_questions_get_one_sentence_and_no_file(
@@ -338,14 +336,3 @@ def test_an_existing_file_is_kept_unless_forced(
     assert target.read_text() == "mine"
     output(capsys, *ASK, "--time", "1", "--out", str(target), "--force")
     assert st.read_motion(target).attrs["outcome"] == "moving"
-
-
-def test_the_table_of_launches_is_printed_and_is_json(capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["table", "launches", "--k", "0.25", "--mu", "0.3", "--at", "1.2,2.4", "--time", "100"]
-    text = output(capsys, *words)
-    assert "(recomputed)" in text
-    assert "gn > 0 throughout" in text
-    body = json.loads(output(capsys, *words, "--tilt", "0.05", "--json"))
-    assert body["heading"].endswith("(recomputed)")
-    assert [r["at"] for r in body["rows"]] == [1.2, 2.4, 1.2, 2.4]
-    assert all(math.isfinite(r["energy"]) and r["why"] for r in body["rows"])

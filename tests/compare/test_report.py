@@ -103,9 +103,8 @@ def test_a_journal_that_is_none_of_ours_is_left_alone(tmp_path: Path) -> None:
     mine = tmp_path / "r" / journal.JOURNAL
     mine.write_text("my precious data")
     for force in (False, True):
-        words = {"overwrite": force} if force else {"force": force}  # its old name
         with pytest.raises(st.StabilityError, match="holds other files|is not a journal of ours"):
-            report.report(tmp_path / "r", ["failures"], **words)
+            report.report(tmp_path / "r", ["failures"], overwrite=force)
     assert mine.read_text() == "my precious data"
     mine.unlink()
     (tmp_path / "target").write_text("precious")

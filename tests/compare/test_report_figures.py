@@ -17,10 +17,10 @@ from matplotlib.figure import Figure
 
 from stability.compare import failures as catalogue
 from stability.compare import page, report
-from stability.compare.figures import cost_error as drawings
+from stability.compare.figures.cost_error import boundary_figure, spectrum_figure
 from stability.compare.figures.panels import OWN, PALE, PEOPLE
-from stability.compare.figures.shares import MARKS
-from stability.compare.figures.work_precision import LOOKS
+from stability.compare.figures.shares import MARKS, ladder_figure, verdict_figure
+from stability.compare.figures.work_precision import LOOKS, first_call_figure, motion_figure
 from stability.compare.marks import Mark
 from stability.compare.motion.drivers import DRIVERS
 from stability.compare.motion.reference_motions import scene
@@ -90,16 +90,16 @@ def figures(
     share = np.random.default_rng(1).dirichlet([3, 1, 1], size=(len(names), 15))
     own = [n in catalogue.own_methods() for n in names]
     draw: dict[str, Callable[[], Figure]] = {
-        "verdict": lambda: drawings.verdict_figure(spectrum),
-        "eigenvalues": lambda: drawings.spectrum_figure(spectrum),
-        "boundary": lambda: drawings.boundary_figure(spectrum),
-        "path": lambda: drawings.motion_figure(motion, "path"),
-        "event": lambda: drawings.motion_figure(motion, "event"),
-        "first": lambda: drawings.first_call_figure(motion),
+        "verdict": lambda: verdict_figure(spectrum),
+        "eigenvalues": lambda: spectrum_figure(spectrum),
+        "boundary": lambda: boundary_figure(spectrum),
+        "path": lambda: motion_figure(motion, "path"),
+        "event": lambda: motion_figure(motion, "event"),
+        "first": lambda: first_call_figure(motion),
         "linear": lambda: report._failure_figure(cases, "linear"),
         "motion": lambda: report._failure_figure(cases, "motion"),
         "ladder": lambda: report._ladder_figure(cases),
-        "other": lambda: drawings.ladder_figure(names, own, [*range(-1, -16, -1)], share),
+        "other": lambda: ladder_figure(names, own, [*range(-1, -16, -1)], share),
     }
     return Drawn(draw)
 
@@ -150,10 +150,10 @@ def test_no_text_overlaps_on_a_machine_of_another_speed(
     scenes = rng.permutation(motion.scene.values)[: rng.integers(1, 5)]
     of_motion = elsewhere(motion, rng, "seconds", "first").sel(scene=scenes)
     draw: list[Callable[[], Figure]] = [
-        lambda: drawings.motion_figure(of_motion.isel(scene=slice(None if whole else 1)), "path"),
-        lambda: drawings.first_call_figure(of_motion),
-        lambda: drawings.spectrum_figure(of_spectra),
-        lambda: drawings.boundary_figure(of_spectra),
+        lambda: motion_figure(of_motion.isel(scene=slice(None if whole else 1)), "path"),
+        lambda: first_call_figure(of_motion),
+        lambda: spectrum_figure(of_spectra),
+        lambda: boundary_figure(of_spectra),
     ]
     for one in draw if whole else draw[:2]:
         assert faults(one()) == []

@@ -32,14 +32,16 @@ def test_a_missing_law_of_a_motion_or_of_friction_names_the_laws_that_it_takes()
     calls: dict[str, Callable[[], Any]] = {
         "Viscous(mu) or LinearViscous(c).": lambda: st.drift(at=1.8, tilt=0.01),
         "Viscous(mu) or LinearViscous(c). ": lambda: st.hopf("spinning"),
-        "Creep3(mu).": lambda: st.simulate(st.Disk(), None, {"theta": 1.3, "omega3": 2.0}, 1.0),
-        "Creep3(mu).   ": lambda: st.simulate(
+        "Creep(mu, order=3).": lambda: st.simulate(
+            st.Disk(), None, {"theta": 1.3, "omega3": 2.0}, 1.0
+        ),
+        "Creep(mu, order=3).   ": lambda: st.simulate(
             st.Torus(0.2), None, {"theta": 1.3, "omega3": 2.0}, 1.0
         ),
-        "Creep3(mu). ": lambda: st.basins(
+        "Creep(mu, order=3). ": lambda: st.basins(
             family="rolling", x=("at", 1, 2, 2), y=("tilt", 0.01, 0.1, 2), horizon=0.1
         ),
-        "Creep3(mu).  ": lambda: st.disk_system(),
+        "Creep(mu, order=3).  ": lambda: st.disk_system(),
     }
     for end, call in calls.items():
         with pytest.raises(st.StabilityError) as refused:

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 
 import stability as st
 from stability.base.errors import ParameterError
-from stability.figures.diagram import TEXTURES, Strip, caption, diagram
-from stability.figures.locus.loci import locus, mode_groups, swept
+from stability.figures.diagram import TEXTURES, Strip, caption
+from stability.figures.locus.loci import mode_groups, swept
 
 UNITS = {"lean": "rad", "lean_rate": "rad/s", "k": "1/s2", "c": "1/s", "x y": "mm"}
 
@@ -51,7 +51,7 @@ def written(axes: Any) -> list[str]:
 
 def test_a_locus_has_the_units_and_names_of_the_system() -> None:
     sweep = np.linspace(1, 2, 5)
-    found = texts(locus(st.spectrum(pendulum(UNITS), at=sweep, c=-0.1, **{"x y": 0.0})))
+    found = texts(st.plot_locus(st.spectrum(pendulum(UNITS), at=sweep, c=-0.1, **{"x y": 0.0})))
     assert {
         "growth rate\nRe $\\lambda$  [1/s]",
         "frequency\n|Im $\\lambda$|  [1/s]",
@@ -59,7 +59,7 @@ def test_a_locus_has_the_units_and_names_of_the_system() -> None:
         "1: lean, lean_rate",
     } <= set(found)
     assert not [t for t in found if "sqrt" in t or "theta" in t]
-    bare = texts(locus(st.spectrum(pendulum(), at=sweep, c=-0.1, **{"x y": 0.0})))
+    bare = texts(st.plot_locus(st.spectrum(pendulum(), at=sweep, c=-0.1, **{"x y": 0.0})))
     assert {"growth rate\nRe $\\lambda$", "frequency\n|Im $\\lambda$|", "k"} <= set(bare)
 
 
@@ -69,29 +69,29 @@ def test_a_locus_of_the_disk_has_its_units() -> None:
     assert {
         "growth rate\nRe $\\lambda$  [1/s]",
         r"axial angular velocity $\omega_3$  [rad/s]",
-    } <= set(texts(locus(found)))
+    } <= set(texts(st.plot_locus(found)))
 
 
 @pytest.mark.long
 def test_a_locus_is_drawn_against_what_was_swept() -> None:
     sweep = np.linspace(-1, 1, 9)
-    figure = locus(st.spectrum(pendulum(UNITS), at=1.0, c=sweep, **{"x y": 0.0}))
+    figure = st.plot_locus(st.spectrum(pendulum(UNITS), at=1.0, c=sweep, **{"x y": 0.0}))
     assert figure.axes[1].get_xlabel() == "c  [1/s]" and figure.axes[1].get_xlim() == (-1, 1)
     line = next(ln for ln in figure.axes[0].get_lines() if len(ln.get_xdata()) == 9)
     np.testing.assert_array_equal(line.get_xdata(), sweep)
     # λ² - c λ + 1 = 0 has the real part c/2 for |c| < 2
     np.testing.assert_allclose(line.get_ydata(), sweep / 2, atol=1e-12)
     disk = st.Disk(k=np.linspace(0.2, 0.5, 5))
-    figure = locus(st.spectrum("rolling", at=1.0, disk=disk, contact=st.Viscous(0.3)))
+    figure = st.plot_locus(st.spectrum("rolling", at=1.0, disk=disk, contact=st.Viscous(0.3)))
     assert figure.axes[1].get_xlabel() == "inertia factor $k$"
     law = st.Viscous(np.linspace(0.2, 0.5, 5))
-    figure = locus(st.spectrum("rolling", at=1.0, contact=law))
+    figure = st.plot_locus(st.spectrum("rolling", at=1.0, contact=law))
     assert figure.axes[1].get_xlabel() == r"friction coefficient $\mu$  [$1/\sqrt{gR}$]"
 
 
 def test_a_circle_lies_on_the_threshold_that_is_given() -> None:
     found = st.spectrum("rolling", at=np.linspace(1, 2, 4), contact=st.Viscous(0.3))
-    figure = locus(found, thresholds=[2**0.5])
+    figure = st.plot_locus(found, thresholds=[2**0.5])
     [ring] = [n for n in figure.axes[0].get_lines() if n.get_label() == r"Re $\lambda$ = 0"]
     assert list(ring.get_xdata()) == [2**0.5]
 
@@ -106,7 +106,7 @@ def test_a_circle_lies_on_the_threshold_that_is_given() -> None:
     ],
 )
 def test_a_sweep_of_equal_ratios_has_a_logarithmic_axis(sweep: Any, scale: str) -> None:
-    figure = locus(st.spectrum("spinning", at=3.0, contact=st.Viscous(np.asarray(sweep))))
+    figure = st.plot_locus(st.spectrum("spinning", at=3.0, contact=st.Viscous(np.asarray(sweep))))
     assert [a.get_xscale() for a in figure.axes] == [scale, scale]
 
 
@@ -127,14 +127,14 @@ def test_a_spectrum_that_is_no_sweep_is_refused() -> None:
         ([1.0, 2.0], [0.1, 0.2], "c and k changes|k and c changes"),
     ):
         with pytest.raises(ParameterError, match=said):
-            locus(st.spectrum(family, at=at, c=c, **other))
+            st.plot_locus(st.spectrum(family, at=at, c=c, **other))
     name, values = swept(st.spectrum(family, at=[2.0, 2.0, 2.0], c=[0.1, 0.2, 0.3], **other))
     assert name == "c" and values.tolist() == [0.1, 0.2, 0.3]
 
 
 def test_a_locus_without_oscillation_says_so() -> None:
     found = st.spectrum(pendulum(), at=np.linspace(0.1, 0.2, 5), c=-1.0, **{"x y": 0.0})
-    figure = locus(found)
+    figure = st.plot_locus(found)
     assert "no oscillation: every eigenvalue is real" in texts(figure)
     assert not len(figure.axes[1].get_yticks())
 
@@ -166,7 +166,7 @@ def crossed() -> Any:
 
 @pytest.fixture(scope="module")
 def plain(crossed: Any) -> Figure:
-    return diagram(crossed)
+    return st.plot_map(crossed)
 
 
 def hatched(figure: Figure) -> dict[str, Any]:
@@ -184,7 +184,7 @@ def test_hatching_follows_the_verdict_and_not_the_sign(crossed: Any) -> None:
     codes = np.ones((9, 7), dtype=np.int8)  # stable
     codes[6:], codes[3], codes[4], codes[5] = 2, 5, 0, 3
     moved["verdict"][:] = codes
-    found = hatched(diagram(moved))
+    found = hatched(st.plot_map(moved))
     assert set(found) == {hatch for hatch, _ in TEXTURES.values()}
     by_code = {v.code: found[hatch] for v, (hatch, _) in TEXTURES.items()}
     for i, c in enumerate(moved.c.values[:-1]):
@@ -207,7 +207,7 @@ def test_a_thin_region_is_named_in_the_legend(crossed: Any) -> None:
     codes = np.ones((9, 7), dtype=np.int8)
     codes[:, 3] = 0  # a column is narrower than the word
     moved["verdict"][:] = codes
-    axes = diagram(moved).axes[0]
+    axes = st.plot_map(moved).axes[0]
     assert written(axes) == ["stable"]
     legend = axes.get_legend()
     assert legend is not None and "undecided" in [t.get_text() for t in legend.get_texts()]
@@ -223,7 +223,7 @@ def test_an_axis_with_a_space_keeps_its_logarithm() -> None:
     found = st.stability_map(
         pendulum(UNITS), x=("k", 3, 4, 3), y=("x y", 0.01, 1, 4, "log"), c=-0.5
     )
-    axes = diagram(found).axes[0]
+    axes = st.plot_map(found).axes[0]
     assert axes.get_yscale() == "log" and axes.get_xscale() == "linear"
     assert axes.get_ylabel() == "x y  [mm]"
 
@@ -234,8 +234,8 @@ def test_a_dollar_in_a_name_is_drawn_as_it_is() -> None:
     system = st.System("$", x, p, (p[0] - p[1]) * x, states=("$n$",), parameters=("$a$", "b_{"))
     family = st.Family(system, "zero", at=("$a$",), held={"$n$": 0.0})
     found = st.stability_map(family, x=("$a$", 1, 2, 3), y=("b_{", 1.1, 3, 3))
-    diagram(found).canvas.draw()
-    figure = locus(st.spectrum(family, at=[1.0, 2.0], **{"b_{": 3.0}))
+    st.plot_map(found).canvas.draw()
+    figure = st.plot_locus(st.spectrum(family, at=[1.0, 2.0], **{"b_{": 3.0}))
     figure.canvas.draw()
     assert r"\$a\$" in texts(figure) and r"1: \$n\$" in texts(figure)
 
@@ -253,7 +253,7 @@ def test_the_legend_lists_no_boundary_of_one_point() -> None:
     spinning = st.stability_map("spinning", x=("at", 0.5, 5, 40), y=("mu", 0.01, 10, 30, "log"))
     both = ["flutter boundary", "static boundary"]
     for found, said in ((hoop, both[:1]), (spinning, both)):
-        axes = diagram(found).axes[0]
+        axes = st.plot_map(found).axes[0]
         entries = (text.get_text() for text in axes.get_legend().get_texts())
         assert sorted(words for words in entries if words.endswith("boundary")) == said
         for line in axes.lines:  # each is long enough to be seen
@@ -273,7 +273,7 @@ def test_a_strip_is_hatched_by_its_verdicts(crossed: Any) -> None:
     k = np.linspace(1, 2, 21)
     codes = np.where(k < 1.5, 2, 3).astype(np.int8)
     strip = Strip("limit", k, np.zeros(21), (1.5,), codes)
-    axes = diagram(crossed, above=strip).axes[0]
+    axes = st.plot_map(crossed, above=strip).axes[0]
     assert written(axes) == ["unstable", "neutral"]
     drawn = {c.hatches[0]: c for c in axes.collections if getattr(c, "hatches", [None])[0]}
     assert inside(drawn["////"], 1.2, 0.5) and not inside(drawn["////"], 1.8, 0.5)

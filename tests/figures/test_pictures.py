@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,11 +17,11 @@ from matplotlib.patches import Rectangle
 import stability as st
 from stability.base.errors import ParameterError
 from stability.figures.launch.caption import caption
-from stability.figures.launch.motion import energy, motion_figure, paths, states
 
 DRY = [1.12, -0.31, 1.18, -1.45, -0.49, 0.46]
 LIFTS = [2.2, 0.64, 1.54, 1.44, 0.62, 0.04]
-FIGURES: tuple[Callable[[xarray.Dataset], Figure], ...] = (states, paths, energy, motion_figure)
+states, paths, energy = (partial(st.plot_motion, show=s) for s in ("states", "paths", "energy"))
+FIGURES: tuple[Callable[[xarray.Dataset], Figure], ...] = (states, paths, energy, st.plot_motion)
 
 
 @pytest.fixture(scope="module")
@@ -43,12 +44,12 @@ def several() -> xarray.Dataset:
     return st.simulate(disk, law, np.array([LIFTS, DRY]), np.linspace(0, 10, 201), pose=True)
 
 
-_DRAWN: dict[tuple[int, str], Figure] = {}
+_DRAWN: dict[tuple[int, int], Figure] = {}
 
 
 def once(draw: Callable[[xarray.Dataset], Figure], run: xarray.Dataset) -> Figure:
     """The figure of a fixture of this module, which nobody changes."""
-    key = id(run), draw.__name__
+    key = id(run), id(draw)
     if key not in _DRAWN:
         _DRAWN[key] = draw(run)
     return _DRAWN[key]
@@ -106,7 +107,7 @@ def test_a_run_that_begins_by_sticking_is_hatched_from_its_start() -> None:
     start = {"theta": 1.3, "phi_dot": 0.5, "omega3": 1.0}
     run = st.simulate(st.Disk(), st.Coulomb(0.9), start, 1.0)
     assert (run["mode"].values == 1).all() and run.sizes["event"] == 0
-    assert shaded(states(run).axes[0]) == [(0.0, 1.0)]
+    assert shaded(st.plot_motion(run, show="states").axes[0]) == [(0.0, 1.0)]
 
 
 def test_labels_carry_dimensionless_units(dry: xarray.Dataset) -> None:
@@ -166,20 +167,20 @@ def test_the_audit_is_on_a_log_axis_with_the_tolerance(dry: xarray.Dataset) -> N
 
 
 def test_an_audit_of_zeros_alone_can_be_drawn(dry: xarray.Dataset) -> None:
-    low, high = energy(dry.assign(audit=0 * dry.audit)).axes[1].get_ylim()
+    low, high = st.plot_motion(dry.assign(audit=0 * dry.audit), show="energy").axes[1].get_ylim()
     assert 0 < low < 1e-9 < high
 
 
 def test_the_steady_motion_settled_on_is_dotted() -> None:
     run = st.simulate(st.Disk(), st.Viscous(0.3), {"theta": 1.52, "phi_dot": 2.5}, 200.0)
-    steady = lines(states(run).axes[1])["steady"]
+    steady = lines(st.plot_motion(run, show="states").axes[1])["steady"]
     assert steady.get_linestyle() == ":" and set(steady.get_ydata()) == {float(run.nearest_at)}
 
 
 def test_tumbling_is_dotted_in_both_its_panels(dry: xarray.Dataset) -> None:
     theta, k = 0.8, float(dry.k)
     run = dry.assign(outcome=1, nearest_family="tumbling", nearest_at=theta)
-    panels = states(run).axes
+    panels = st.plot_motion(run, show="states").axes
     assert set(lines(panels[0])["steady"].get_ydata()) == {theta}
     rate = -1 / math.sqrt(k * math.sin(theta))
     assert lines(panels[1])["steady"].get_ydata()[0] == pytest.approx(rate)
@@ -190,7 +191,7 @@ def test_nothing_is_dotted_where_nothing_was_settled_on(dry: xarray.Dataset) -> 
 
 
 def test_a_slice_is_cut_at_its_end_and_shows_its_own_event(several: xarray.Dataset) -> None:
-    figure = states(several.isel(launch=0))
+    figure = st.plot_motion(several.isel(launch=0), show="states")
     times = np.asarray(figure.axes[0].get_lines()[0].get_xdata())
     end = float(several.end_time[0])
     assert times[-1] == end < 1.2 and (np.diff(times) > 0).all()
@@ -198,7 +199,7 @@ def test_a_slice_is_cut_at_its_end_and_shows_its_own_event(several: xarray.Datas
 
 
 def test_a_slice_that_lasts_shows_its_own_events(several: xarray.Dataset) -> None:
-    figure = states(several.isel(launch=1))
+    figure = st.plot_motion(several.isel(launch=1), show="states")
     own = several.event_time.values[several.event_launch.values == 1]
     assert len(own) == 6
     np.testing.assert_array_equal(uprights(figure.axes[0]), own)
@@ -209,7 +210,7 @@ def test_a_slice_without_events_does_not_show_those_of_its_neighbour() -> None:
     start = np.array([LIFTS, [1.5, 0, 0.1, 0.2, 1.0, 0.5]])
     runs = st.simulate(st.Disk(), st.Coulomb(0.05), start, np.linspace(0, 1.5, 31))
     assert set(runs.event_launch.values) == {0}
-    figure = states(runs.isel(launch=1))
+    figure = st.plot_motion(runs.isel(launch=1), show="states")
     assert words(figure) == [] and uprights(figure.axes[0]) == []
 
 
@@ -237,10 +238,10 @@ def test_what_is_no_motion_is_refused(draw: Callable[[Any], Any], dry: xarray.Da
 def test_paths_without_a_pose_are_refused_and_left_out_of_the_page(dry: xarray.Dataset) -> None:
     bare = dry.drop_vars(["centre_x", "centre_y", "contact_x", "contact_y"])
     with pytest.raises(ParameterError, match="pose=True"):
-        paths(bare)
-    assert len(motion_figure(bare).axes) == 6
-    assert len(motion_figure(dry).axes) == 8
-    assert motion_figure(dry).get_figwidth() == 7.0
+        st.plot_motion(bare, show="paths")
+    assert len(st.plot_motion(bare).axes) == 6
+    assert len(st.plot_motion(dry).axes) == 8
+    assert st.plot_motion(dry).get_figwidth() == 7.0
 
 
 @pytest.mark.few(1)
@@ -250,7 +251,7 @@ def test_paths_without_a_pose_are_refused_and_left_out_of_the_page(dry: xarray.D
         (states, "png"),
         (paths, "pdf"),
         (energy, "svg"),
-        (motion_figure, "png"),
+        (st.plot_motion, "png"),
         *(
             pytest.param(d, s, marks=pytest.mark.long)
             for d in FIGURES

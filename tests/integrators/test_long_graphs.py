@@ -17,7 +17,7 @@ START = {"theta": 1.2, "omega3": 2.0}
 def test_only_long_graphs_are_compiled_as_loops() -> None:
     flows = [
         flow_of(gather(st.Disk(), law, START, np.array([0.0, 1.0])).model)
-        for law in (st.Viscous(50.0), st.Creep1(50.0), st.Creep2(50.0), st.Creep3(50.0))
+        for law in (st.Viscous(50.0), *(st.Creep(50.0, order=n) for n in (1, 2, 3)))
     ]
     assert [taylor.compact(flow) for flow in flows] == [False, False, True, True]
 

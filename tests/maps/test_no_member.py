@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.figures.diagram import caption, diagram
+from stability.figures.diagram import caption
 
 AXES: dict[str, Any] = {"x": ("r", 0.5, 40, 12), "y": ("b", 0.5, 4, 6)}
 
@@ -75,7 +75,7 @@ def test_missing_numbers_survive_the_file_as_a_fill_value(lorenz: Any, tmp_path:
 
 def test_the_figure_and_its_caption_name_the_empty_region(plus: Any) -> None:
     found = st.stability_map(plus, x=("r", -20, 20, 21), y=("b", 0.5, 4, 9), sigma=10)
-    figure = diagram(found)
+    figure = st.plot_map(found)
     words = {t.get_text() for t in figure.axes[0].texts}
     assert {"no member", "stable"} <= words
     text = caption(found)

@@ -371,15 +371,18 @@ def test_it_is_refused_in_one_sentence(call: Callable[[], Any], words: str) -> N
 
 def test_figures_show_the_states_of_the_system_and_no_word_of_a_disk() -> None:
     from stability.figures.launch.caption import caption
-    from stability.figures.launch.motion import energy, motion_figure, states
 
     system = pendulum()
     run = st.simulate(system, {"g": 9.81, "c": 0.5}, [1.5, 0.0], 60.0, families=hanging(system))
-    figure = motion_figure(run)
+    figure = st.plot_motion(run)
     labels = [a.get_ylabel() for a in figure.axes]
     assert labels == ["angle\n[rad]", "rate\n[rad/s]", "energy\n[J/kg]", "|audit| over\nenergy"]
     assert [line.get_label() for line in figure.axes[0].lines] == ["angle", "steady"]
-    assert len(states(run).axes) == len(energy(run).axes) == 2
+    assert (
+        len(st.plot_motion(run, show="states").axes)
+        == len(st.plot_motion(run, show="energy").axes)
+        == 2
+    )
     said = caption(run)
     assert said.startswith("Motion of pendulum (c = 0.5 1/s, g = 9.81 1/s²) from angle = 1.5 rad,")
     assert "disk" not in said + "".join(t.get_text() for t in figure.findobj(match=_is_text))
@@ -392,10 +395,9 @@ def _is_text(artist: Any) -> bool:
 
 
 def test_a_figure_of_a_system_without_account_shows_its_states_alone() -> None:
-    from stability.figures.launch.motion import motion_figure
 
     run = st.simulate(pendulum(observed=False), [1.0, 0.0], [1.0, 0.0], 2.0)
-    assert len(motion_figure(run).axes) == 2
+    assert len(st.plot_motion(run).axes) == 2
 
 
 # --- what a hostile user found ---

@@ -168,7 +168,7 @@ def test_a_motion_without_a_first_step_ends_at_its_start() -> None:
 
 def test_a_linear_question_of_creep_has_its_reason() -> None:
     start = st.launch("tumbling", at=0.7, tilt=0.0, disk=st.Disk())
-    answer = _scene(contact=st.Creep1(100.0), start=start, quantities="verdict").answer()
+    answer = _scene(contact=st.Creep(100.0), start=start, quantities="verdict").answer()
     same = st.spectrum("tumbling", at=0.7, contact=st.Viscous(100.0))  # it has the fast modes too
     assert answer.value == same.verdict.word == "unstable"
     assert "largest real part" in answer.sentence
@@ -178,7 +178,7 @@ def test_a_linear_question_of_creep_has_its_reason() -> None:
 
 
 def test_laws_that_refuse_the_start_agree_in_nothing() -> None:
-    laws = {"creep": st.Creep1(1.0), "viscous": st.Viscous(0.3)}
+    laws = {"creep": st.Creep(1.0), "viscous": st.Viscous(0.3)}
     one = _scene(contact=laws).answer()
     assert (one.parts["creep"].model, one.value["creep"]) == ("none", None)
     assert one.apart == math.inf

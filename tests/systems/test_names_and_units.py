@@ -17,7 +17,6 @@ import stability as st
 from stability.base.errors import NameUnknownError, ParameterError
 from stability.base.quantities import rate_unit, time_unit
 from stability.figures.launch.caption import caption
-from stability.figures.launch.motion import energy, paths
 from stability.tables.formats.letters import symbol
 from stability.tables.system_conditions import latex, lines
 
@@ -302,9 +301,9 @@ def test_figures_of_energy_and_path_say_what_a_system_lacks() -> None:
     half = oscillator(energy=lambda x, p: p[0] * x[0] ** 2 / 2 + x[1] ** 2 / 2)
     run = st.simulate(half, {"k": 1.0, "c": -1.0}, {"q": 0.1, "v": 0.0}, 1.0)
     with pytest.raises(ParameterError, match="beam has no dissipated.*observes energy and power"):
-        energy(run)
+        st.plot_motion(run, show="energy")
     with pytest.raises(ParameterError, match="beam has no contact_x; this figure needs a disk"):
-        paths(run)
+        st.plot_motion(run, show="paths")
 
 
 def test_a_graph_with_a_branch_is_refused_without_an_internal_name() -> None:

@@ -17,8 +17,10 @@ import pytest
 from programs import needed
 
 import stability as st
+from stability.bodies.families import FAMILIES
 from stability.bodies.round_body.shapes.named import NAMED
 from stability.cli.commands import _parser, main
+from stability.tables.families import condition
 from stability.tables.formats.letters import mathematics, prose
 from stability.tables.registry import PLACES, definition
 
@@ -32,12 +34,9 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "drift in SI": {"k": 1 / 3, "mu": (3e-4, 1e5), "disk": SI, "tilt": 0.0123456},
     "hopf": {"k": (0.375, 0.5), "mu": 0.9},
     "hopf in SI": {"k": 0.375, "mu": 0.9 / SPEED, "disk": SI},
-    "circular": {},
     "thresholds": {},
     "list": {},
     "painleve": {"body": st.Torus(0.2)},
-    "launches": {"k": 0.25, "mu": 0.3, "at": (1.2, 1.6, 2.0)},
-    "launches in SI": {"k": 0.25, "mu": 0.3 / SPEED, "disk": SI, "at": (60.0, 137.7951)},
     "codimension": {"family": "spinning", "x": ("at", 0.5, 5, 9), "y": ("mu", 0.1, 3, 9)},
 }
 """Options of a small table, by name; a second word says what is special."""
@@ -80,7 +79,7 @@ def own(case: str) -> st.Table:
 
 
 EVERY = (*OPTIONS, "benchmarks", "own conditions", "own flutter")
-SLOW = {"families", "conditions", "conditions in SI", "launches", "launches in SI", "benchmarks"}
+SLOW = {"families", "conditions", "conditions in SI", "benchmarks"}
 """Tables that take a second or more."""
 BY_COST = [pytest.param(c, marks=pytest.mark.long if c in SLOW else ()) for c in EVERY]
 
@@ -349,16 +348,22 @@ def test_bad_options_end_with_one_sentence(
     ("name", "given", "part"),
     [
         ("lift", {}, "table is 'lift'; known are families"),
-        ("families", {"k": 0.25}, "`launches`, `flatness` and `codimension` only"),
+        ("families", {"k": 0.25}, "`table conditions`, `drift`, `hopf` and `codimension` only"),
         ("drift", {"speed": 3.0}, "speed belongs to"),
         ("conditions", {"family": "rolling"}, "a family by name belongs to `table codimension`"),
         ("codimension", {"family": "rolling"}, "takes x and y"),
-        ("launches", {"tilt": (0.1, 0.2)}, "takes one tilt"),
+        ("launches", {}, "table is 'launches'; known are families, conditions, drift"),
+        ("circular", {}, "known are families, conditions, drift, hopf, painleve, benchmarks"),
     ],
 )
 def test_the_function_says_what_is_wrong(name: str, given: dict[str, Any], part: str) -> None:
     with pytest.raises(st.StabilityError, match=re.escape(part)):
         st.table(name, **given)
+
+
+@pytest.mark.parametrize("name", ["rolling", "spinning"])
+def test_a_family_that_exists_everywhere_has_no_condition(name: str) -> None:
+    assert condition(name) == f"none: every {FAMILIES[name].at[0]}"
 
 
 def test_a_file_of_another_ending_is_refused(tmp_path: Path) -> None:

@@ -72,8 +72,8 @@ def _friction(r: random.Random) -> Any:
 
 def _any_law(r: random.Random) -> Any:
     mu = r.uniform(0.05, 1)
-    creep = r.choice([st.Creep1, st.Creep2])
-    return r.choice([_law(r), st.Coulomb(mu), st.RegularisedCoulomb(mu, 0.01), creep(100 * mu)])
+    creep = st.Creep(100 * mu, order=r.choice((1, 2)))
+    return r.choice([_law(r), st.Coulomb(mu), st.RegularisedCoulomb(mu, 0.01), creep])
 
 
 @lru_cache(maxsize=1)
@@ -214,8 +214,9 @@ _add("Disk.uniform", [], mass=_mu, radius=_mu)
 _add("Disk.hoop", [], mass=_mu, gravity=_mu)
 _add("Disk.annulus", [_number(0, 1)], mass=_mu)
 _add("Disk.named", [_of("quarter", "le-saux")])
-for _name in ("Viscous", "LinearViscous", "Coulomb", "Creep1", "Creep2", "Creep3"):
+for _name in ("Viscous", "LinearViscous", "Coulomb"):
     _add(_name, [_mu])
+_add("Creep", [_mu], order=_of(1, 2, 3))
 _add("LinearViscous.like", [_mu, _disk])
 _add("RegularisedCoulomb", [_mu, _mu])
 _add("Smooth", [])

@@ -284,16 +284,14 @@ def _map(r: random.Random) -> Words:
 
 
 def _table(r: random.Random) -> Words:
-    name = r.choice(["families", "conditions", "drift", "drift", "hopf", "launches"])
+    name = r.choice(["families", "conditions", "drift", "drift", "hopf"])
     if name == "families":
         return ["table", name]
     words = ["table", name, "--k", ",".join(_near(r, 0.1, 0.5) for _ in range(r.randint(1, 2)))]
     if name == "conditions" and r.random() < 0.3:
         return [*words, "--contact", r.choice(["rough", "smooth"])]
     words += ["--mu", _near(r, 0.1, 3)]
-    if name == "launches":
-        words += ["--at", f"{r.uniform(0.4, 3):.3g}", "--time", f"{r.uniform(1, 10):.3g}"]
-    if name in ("drift", "launches") and r.random() < 0.5:
+    if name == "drift" and r.random() < 0.5:
         words += ["--tilt", _near(r, 0.001, 0.1)]
     return words + ["--radius", _near(r, 0.1, 2)] * (r.random() < 0.3)
 

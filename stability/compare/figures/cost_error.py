@@ -1,4 +1,4 @@
-"""Figures only: cost against error of spectra and boundaries; the charts' other figures by name."""
+"""Figures only: cost against error of spectra and boundaries."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from matplotlib.figure import Figure
 from ...figures.letters import SMALL, Letter, letters
 from ..spectrum import dataset as spectral_data
 from .panels import (
-    BROAD,
     LEFT,
     OWN,
     PALE,
@@ -23,6 +22,7 @@ from .panels import (
     RIGHT,
     WIDTH,
     frame,
+    front_handle,
     handle,
     legend,
     log_axis,
@@ -32,24 +32,11 @@ from .panels import (
     steps,
     title,
 )
-from .shares import failure_figure, ladder_figure, verdict_figure
-from .work_precision import first_call_figure, motion_figure, panels_of
 
 if TYPE_CHECKING:
     import xarray
 
 
-__all__ = [
-    "answering",
-    "boundary_figure",
-    "failure_figure",
-    "first_call_figure",
-    "ladder_figure",
-    "motion_figure",
-    "panels_of",
-    "spectrum_figure",
-    "verdict_figure",
-]
 LOWEST, FLOOR = 3e-18, 1e-17
 """Lower end of an axis of errors, and the least error that is drawn."""
 REFERENCES = ("ad-1e-9", "spectrum", "map", "certified")
@@ -176,7 +163,7 @@ def _route_handles() -> list[object]:
         handle("common", marker="o", color=PEOPLE, mfc="white"),
         handle("other common", marker="o", color=PALE, mfc="white"),
         handle("down to the median", marker="|", ms=6, color="#555555"),
-        handle("Pareto front", ls="-", **{k: v for k, v in BROAD.items() if k != "zorder"}),
+        front_handle(),
     ]
 
 

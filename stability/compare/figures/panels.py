@@ -210,6 +210,11 @@ def handle(words: str, **look: Any) -> Line2D:
     return Line2D([], [], label=words, **(plain | look))
 
 
+def front_handle() -> Line2D:
+    """The entry of the front in a legend."""
+    return handle("Pareto front", ls="-", **{k: v for k, v in BROAD.items() if k != "zorder"})
+
+
 def legend(figure: Figure, top: float, handles: Sequence[Any], columns: int) -> None:
     """A legend across the figure.
 

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ...figures.letters import SMALL
 from ..spectrum import dataset as spectral_data
-from .panels import WIDTH
+from .panels import WIDTH, legend
 
 if TYPE_CHECKING:
     import xarray
@@ -36,6 +36,8 @@ MARKS: dict[str, tuple[str, str]] = {
 """Colour and hatching of each mark."""
 LINE, APART = 0.125, 0.45
 """Height of a row [in], and the gap between people's methods and the package's [rows]."""
+KEY = 0.16
+"""Height of a legend of one line [in]."""
 
 
 def _figure(
@@ -61,7 +63,8 @@ def _figure(
     seen = [m for m, n in zip(marks, np.nansum(counts, axis=(0, 1)), strict=True) if n > 0]
     blanks = bool((np.nan_to_num(counts).sum(axis=-1) < 1 - 1e-9).any())
     tall = y[-1] + 1.0
-    foot = 0.2 + (0.28 if label else 0.0) + 0.14 * (len(seen) + blanks > 4)
+    below = 0.14 * (len(seen) + blanks > 4)
+    foot = 0.2 + (0.28 if label else 0.0) + below
     left, right = 0.08 + max(map(_wide, methods)), 0.42 if notes else 0.05
     with figure_style(STYLE | {"hatch.linewidth": 0.5, "hatch.color": "black"}):
         height = LINE * tall + top + foot
@@ -85,7 +88,7 @@ def _figure(
                 ha="right",
                 va="center_baseline",
             )
-        _key(figure, seen, blank if blanks else "", 0.02 / height)
+        _key(figure, seen, blank if blanks else "", KEY + below)
     return figure
 
 
@@ -140,24 +143,11 @@ def _cell(axes: Axes, x: float, y: float, shares: Any, marks: Sequence[str]) -> 
     )
 
 
-def _key(figure: Figure, marks: Sequence[str], blank: str, bottom: float) -> None:
+def _key(figure: Figure, marks: Sequence[str], blank: str, top: float) -> None:
     shown = [Patch(facecolor=MARKS[w][0], hatch=MARKS[w][1], label=w, linewidth=0) for w in marks]
     if blank:
         shown.append(Patch(facecolor="none", edgecolor="#909090", linewidth=0.4, label=blank))
-    figure.legend(
-        handles=shown,
-        loc="lower center",
-        bbox_to_anchor=(0.5, bottom),
-        ncols=4,
-        frameon=False,
-        fontsize=SMALL + 0.5,
-        borderpad=0,
-        borderaxespad=0,
-        handlelength=1.6,
-        columnspacing=1.0,
-        handletextpad=0.4,
-        labelspacing=0.3,
-    )
+    legend(figure, top, shown, 4)
 
 
 def verdict_figure(chart: xarray.Dataset) -> Figure:

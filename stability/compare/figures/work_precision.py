@@ -15,7 +15,6 @@ from ..motion import dataset as motion_data
 from ..motion.cases import NO_ANSWER
 from ..pareto import places
 from .panels import (
-    BROAD,
     DIGIT,
     LETTERS,
     OWN,
@@ -23,6 +22,7 @@ from .panels import (
     RIGHT,
     WIDTH,
     frame,
+    front_handle,
     handle,
     legend,
     log_axis,
@@ -182,11 +182,10 @@ def _silent(here: xarray.Dataset) -> str:
 
 
 def _handles(names: list[str]) -> list[Any]:
-    front = {k: v for k, v in BROAD.items() if k != "zorder"}
     return [
         *(handle(SHORT.get(name, name), **(PLAIN | LOOKS[name])) for name in names),
         handle("others", ls="-", color=PALE, lw=0.8, marker=".", ms=1.6),
-        handle("Pareto front", ls="-", **front),
+        front_handle(),
     ]
 
 

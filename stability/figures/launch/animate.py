@@ -155,7 +155,7 @@ def _single(dataset: Any, body: Any = None) -> dict[str, Any]:
         raise ParameterError(f"dataset is {type(dataset).__name__}; give what simulate returns.")
     if name := dataset.attrs.get("system"):
         raise ParameterError(
-            f"the dataset is of {name}, and films show a disk; draw it with motion_figure."
+            f"the dataset is of {name}, and films show a disk; draw it with plot_motion."
         )
     if body is not None and not isinstance(body, Body):
         raise ParameterError(f"body is {shown(body)}; give a stability.Body.")

@@ -248,12 +248,31 @@ def write_gif(path: FilePath, scene: Camera, rate: float, report: Report) -> Non
     def pictures() -> Iterator[Image.Image]:
         for canvas in scene.play(report):
             canvas.draw()
-            picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
-            yield picture.quantize(palette=palette, dither=Image.Dither.NONE)
+            yield Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
 
-    film, pause = pictures(), round(1000 / rate)
+    save_gif(path, pictures(), palette, rate)
+
+
+def save_gif(
+    path: FilePath, pictures: Iterator[Image.Image], palette: Image.Image, rate: float
+) -> None:
+    """Save pictures as a GIF that repeats.
+
+    Parameters
+    ----------
+    path
+        File to write.
+    pictures
+        The frames, in full colour.
+    palette
+        A picture with the colours of all frames.
+    rate
+        Frames in a second.
+    """
+    few = (p.quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures)
+    pause = round(1000 / rate)
     with path.open("wb") as file:  # a file opened by Pillow stays open if a frame fails
-        next(film).save(file, "GIF", save_all=True, append_images=film, duration=pause, loop=0)
+        next(few).save(file, "GIF", save_all=True, append_images=few, duration=pause, loop=0)
 
 
 def _ffmpeg() -> str:

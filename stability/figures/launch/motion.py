@@ -190,25 +190,6 @@ def _pages(figure: Figure, heights: list[float], *, stacked: bool) -> list[Any]:
     return [left, *(np.ravel(right.subfigures(2, 1)).tolist() if count > 2 else [right])]
 
 
-def states(dataset: xarray.Dataset) -> Figure:
-    """The states and the normal force over time, one panel below the other."""
-    return plot_motion(dataset, show="states")
-
-
-def paths(dataset: xarray.Dataset) -> Figure:
-    """The paths of the contact point and of the centre in the plane, time shown by colour."""
-    return plot_motion(dataset, show="paths")
-
-
-def energy(dataset: xarray.Dataset) -> Figure:
-    """The energy by kind with its constant total, and the error of the energy audit."""
-    return plot_motion(dataset, show="energy")
-
-
-motion_figure = plot_motion
-"""The name before version 0.5."""
-
-
 def _energies(dataset: Any) -> tuple[str, ...]:
     """Layers of the energy: those of a disk, or of a user's system."""
     return ("energy", "dissipated") if system_states(dataset) else ENERGIES

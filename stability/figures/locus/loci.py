@@ -139,10 +139,6 @@ def plot_locus(
     return figure
 
 
-locus = plot_locus
-"""The name before version 0.5."""
-
-
 def _unit(spectrum: Spectrum, unit: str | None) -> str:
     """The unit of rates as the end of a label."""
     word = spectrum.rate_unit if unit is None else unit

@@ -12,12 +12,9 @@ PLACES = {
     "conditions": "conditions",
     "drift": "drift",
     "hopf": "hopf",
-    "launches": "launches",
     "painleve": "painleve",
     "benchmarks": "benchmarks.catalogue",
-    "circular": "literature.circular",
-    "thresholds": "literature.thresholds",
-    "flatness": "literature.flatness",
+    "thresholds": "thresholds",
     "list": "contents.listing",
 }
 """Module of each table, by name; its `TABLE` is the `Definition`."""

@@ -2,5 +2,5 @@
 
 Columns with meaning and unit, and what is printed of them; no table of its own.
 May import `base`, `storage`, and the disk's quantities of `bodies`.
-To add a form: a function in a module like `csv_text.py`, its ending in `FORMS` of `table.py`.
+To add a form: a function in a module like `plain.py`, its ending in `FORMS` of `table.py`.
 """

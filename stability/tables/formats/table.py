@@ -12,12 +12,13 @@ from typing import Any
 
 from ...base.quantities import readable
 from ...base.types import Record
+from ...storage.csv_text import csv_text
 from ...storage.files import atomic_write
 from ...storage.json_text import json_text
 from ...storage.targets import check_suffix, check_target
 from .about import About
 from .column import Column
-from .csv_text import csv_text, flat
+from .flat import flat
 from .latex import latex
 from .plain import plain
 

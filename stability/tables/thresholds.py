@@ -9,27 +9,35 @@ from typing import Any
 
 from flint import arb
 
-from ...algebra.balls import precision
-from ...base.citation.used import cited
-from ...base.types import Progress
-from ...bodies.disk import Disk
-from ...bodies.thin_disk import disk_family
-from ..benchmarks.catalogue import COLUMNS, benchmark_lines, benchmark_notes
-from ..benchmarks.row import (
+from ..algebra.balls import precision
+from ..base.citation.used import cited
+from ..base.types import Progress
+from ..base.verdict import Verdict
+from ..bodies.contact_laws import Rough
+from ..bodies.disk import Disk
+from ..bodies.thin_disk import disk_family
+from ..boundary.changes import boundaries
+from ..spectra.spectrum import spectrum
+from .benchmarks.catalogue import COLUMNS, benchmark_lines, benchmark_notes
+from .benchmarks.row import (
     CLOSED,
     QUOTED,
+    SIDE,
     BenchmarkRow,
     Source,
+    Threshold,
     at_threshold,
     compared,
     threshold,
 )
-from ..formats.about import About, Standing
-from ..formats.plain import framed
-from ..formats.table import Definition
-from .circular import edge_rows
-from .rough_circles import BITS, digits
+from .formats.about import About, Standing
+from .formats.plain import framed
+from .formats.table import Definition
 
+BITS = 200
+"""Working precision of the closed forms."""
+SHOWN = 15
+"""Significant digits of a known value."""
 REPORT = "Y. As, student report, Technion 2017"
 LINEAR = "linearised balance of moments; the report's value was not at hand"
 DISK = Disk(radius=0.5, gravity=9.81)
@@ -76,7 +84,7 @@ def threshold_rows(progress: Progress | None = None) -> list[BenchmarkRow]:
         rows.append(_change(family, law, formula, square))
         if progress is not None:
             progress(done, len(FORMULAS))
-    return [*rows, *edge_rows(DISK, LEAN, Source("circling of the disk of 0.5 m, no slip", LINEAR))]
+    return rows + _circling()
 
 
 def _relative_spin() -> BenchmarkRow:
@@ -92,7 +100,7 @@ def _relative_spin() -> BenchmarkRow:
 def _change(family: str, law: str, formula: str, square: Callable[[arb], arb]) -> BenchmarkRow:
     with precision(BITS):
         rate = (arb(DISK.gravity) / arb(DISK.radius)).sqrt()
-        known = digits(square(arb(DISK.k)).sqrt() * rate)
+        known = _digits(square(arb(DISK.k)).sqrt() * rate)
         near = float(square(arb(DISK.k)).sqrt())
     values: dict[str, Any] = {"k": float(DISK.k)} | ({"mu": MU} if law == "viscous" else {})
     found = threshold(disk_family(family, law), near / 2, 2 * near, **values)
@@ -106,6 +114,71 @@ def _change(family: str, law: str, formula: str, square: Callable[[arb], arb]) -
         scale=float(DISK.rate),
         quantity=f"{quantity} of {family}, {law}: the root of {formula}",
     )
+
+
+def _circling() -> list[BenchmarkRow]:
+    """Rows of the precessions between which the rough disk is unstable at the report's lean."""
+    with precision(BITS):
+        rate = (arb(DISK.gravity) / arb(DISK.radius)).sqrt()
+        both = edges(float(DISK.k), arb(LEAN) * arb.pi() / 180)
+        known = [_digits(edge * rate) for edge in both]
+        ends = [float(edge) * float(rate) for edge in both]
+    theta = math.pi / 2 - math.radians(LEAN)
+    axis = ("phi_dot", ends[0] / 2, 2 * ends[1], 9)
+    found = boundaries("circling", axis=axis, at=theta, disk=DISK, contact=Rough())
+    about = Source("circling of the disk of 0.5 m, no slip", LINEAR)
+    rows = []
+    for word, value, point in zip(("lower", "upper"), known, found, strict=True):
+        sides = [_verdict(theta, point.value * (1 + side)) for side in (-SIDE, SIDE)]
+        change = Threshold(point.value, point.frequency, (sides[0], sides[1]), "")
+        quantity = f"{word} end of the precessions that are unstable, lean {LEAN}°"
+        rows.append(
+            at_threshold(about, change, value, origin=CLOSED, unit="rad/s", quantity=quantity)
+        )
+    return rows
+
+
+def _verdict(theta: float, precession: float) -> str:
+    found = spectrum("circling", at=(theta, precession), disk=DISK, contact=Rough(), certify=True)
+    return str((found.verdict if found.certified else Verdict.UNDECIDED).word)
+
+
+def edges(k: float, lean: arb) -> tuple[arb, arb]:
+    """The precessions between which rolling in a circle is unstable: zeros of the nutation.
+
+    With s, c = cos b, sin b and z the square of the precession, the balance of moments
+    (k + 1) theta'' = k phi'^2 s c - (2k + 1) phi' omega3 s - c, with
+    phi'' = 2 (omega3 - phi' c) theta'/s and (2k + 1) omega3' = s phi' theta', has at a circle
+    (k + 1) w^2 = (k + 1) z s^2 - 1/s + 2 c^2 (1 + k z s)(1 + (k + 1) z s) / ((2k + 1) s^2 z).
+
+    Parameters
+    ----------
+    k
+        Inertia factor [-].
+    lean
+        Angle b between the disk and the vertical [rad].
+
+    Returns
+    -------
+    tuple of arb
+        The lower and the upper one [√(g/R)]; not finite where every precession is neutral.
+
+    Examples
+    --------
+    >>> [round(float(edge), 12) for edge in edges(0.25, arb("0.1"))]
+    [0.117770189136, 0.882831191459]
+    """
+    i, s, c = arb(k), lean.cos(), lean.sin()
+    two = (i + 1) * s**2 * ((2 * i + 1) * s**2 + 2 * i * c**2)
+    one, zero = (2 * i + 1) * s * (2 * c**2 - 1), 2 * c**2
+    root = (one**2 - 4 * two * zero).sqrt()
+    lower, upper = (-one - root) / (2 * two), (-one + root) / (2 * two)
+    return lower.sqrt(), upper.sqrt()
+
+
+def _digits(value: arb) -> str:
+    """A ball as a decimal with `SHOWN` digits, all of them right."""
+    return str(value.str(SHOWN, radius=False))
 
 
 TABLE = Definition(

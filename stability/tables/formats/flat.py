@@ -1,9 +1,7 @@
-"""Tables as CSV: one header with units, numbers with all their digits."""
+"""Tables as plain cells, for CSV and pandas: one header with units, no nested values."""
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -50,22 +48,3 @@ def _plain(value: Any) -> Any:
     if isinstance(value, (list, tuple)):
         return "; ".join(str(_plain(v)) for v in value) or None
     return value
-
-
-def csv_text(header: Sequence[str], cells: Sequence[Sequence[Any]]) -> str:
-    """Header and cells as CSV; an empty cell is a value that does not exist.
-
-    Parameters
-    ----------
-    header, cells
-        From `flat`.
-
-    Returns
-    -------
-    str
-    """
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(header)
-    writer.writerows(cells)  # None is an empty cell, a float has its shortest exact digits
-    return out.getvalue()
