@@ -99,10 +99,10 @@ def round_family(
         near = _near(pole)
         system = pole_system(body, law, given, physical=physical, near=near, resistance=resistance)
         still = dict(record.held) | {n: 0.0 for n in SLIP if n in system.states}
-        near_numbers = _pairs(_typical(body, record))
+        near_numbers = _pairs(_typical(body, record, law, given))
         return _family(system, record, _pairs(still), (), (), near_numbers, law)  # type: ignore[arg-type]  # a class is hashable
     system = round_system(body, law, given, physical=physical, resistance=resistance)
-    typical = _typical(body, record)
+    typical = _typical(body, record, law, given)
     held: dict[str, Any] = {"theta_dot": 0.0} | dict(record.held)
     held |= {n: 0.0 for n in ("slip_x", "slip_y") if n in system.states}
     unknown, edge = dict(record.unknown), sharp(body)
@@ -187,9 +187,13 @@ def _near(pole: Any) -> int:
     raise ParameterError(f"pole is {shown(pole)}; give 0 or 'pi'.")
 
 
-def _typical(body: RoundShape, record: SteadyFamily) -> dict[str, float]:
-    """Sizes near which the family has members: those of the body's numbers, and an inclination."""
-    return {"phi_dot": 1.9, "omega3": 1.3} | sizes(body, rests=record.rests)
+def _typical(
+    body: RoundShape, record: SteadyFamily, law: type[Contact], given: tuple[str, ...]
+) -> dict[str, float]:
+    """Sizes near which the family has members, its numbers and an inclination; slip that creeps
+    decays fast."""
+    friction = dict.fromkeys(given, 30.0 if law.holds else 0.7)
+    return friction | {"phi_dot": 1.9, "omega3": 1.3} | sizes(body, rests=record.rests)
 
 
 def body_family(
