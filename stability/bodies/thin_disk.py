@@ -15,14 +15,13 @@ from ..systems.family import Family
 from ..systems.system import System
 from .contact import Contact
 from .contact_laws import LAWS, Smooth, law_class, stored
-from .disk import Disk
 from .dry_friction import DIRECTION, CoulombAlong
 from .families import FAMILIES, SteadyFamily, families_of_disk, families_under
 from .model import Model
 from .round_body.equations import round_system
 from .round_body.families import round_family
 from .round_body.models.angle_model import round_model
-from .round_body.thin import thin_body
+from .round_body.thin import unit_disk
 
 
 def disk_system(
@@ -85,9 +84,7 @@ def disk_system(
                 f"direction belongs to the coulomb law, not to {contact.name}; leave it out."
             )
         contact, names = CoulombAlong, (*names, DIRECTION)
-    return round_system(
-        thin_body(Disk()), contact, names, physical=False, slip_states=bool(slip_states)
-    )
+    return round_system(unit_disk(), contact, names, physical=False, slip_states=bool(slip_states))
 
 
 def disk_family(name: str, law: str | Contact | type[Contact] | None = None) -> Family:
@@ -142,7 +139,7 @@ def disk_family(name: str, law: str | Contact | type[Contact] | None = None) -> 
 @lru_cache(maxsize=32)
 def _disk_family(record: SteadyFamily, law: type[Contact]) -> Family:
     return replace(
-        round_family(thin_body(Disk()), record.name, law, law.symbols(), physical=False),
+        round_family(unit_disk(), record.name, law, law.symbols(), physical=False),
         conservative=law.conservative,
         integrals=law.conservative and stored(law),
         drifts=record.drifts and stored(law) and bool(law.parameters),
@@ -173,4 +170,4 @@ def disk_model(law: str | type[Contact], *, pose: bool = False) -> Model:
     ['lift-off', 'flat', 'no-contact']
     """
     contact = law_class(law)
-    return round_model(thin_body(Disk()), contact, contact.symbols(), pose=pose)
+    return round_model(unit_disk(), contact, contact.symbols(), pose=pose)

@@ -28,11 +28,11 @@ from ..bodies.round_body.models.angle_model import round_model
 from ..bodies.round_body.models.pole_model import pole_model
 from ..bodies.round_body.pole_equations import smooth_at
 from ..bodies.round_body.shape import RoundShape
-from ..bodies.round_body.thin import thin_body
+from ..bodies.round_body.thin import thin_body, unit_disk
 from ..integrators.flow import flow_of
 from ..integrators.friction_at_rest import continuations
 from ..integrators.stick_slip import REST
-from ..settling.body_lines import body_settling
+from ..settling.body_lines import body_settling, disk_settling
 from ..settling.settling import Settling
 from ..systems.system import System
 from .starts import Starts, Unfit, counted, six_states, times_of, unfit_of
@@ -133,7 +133,14 @@ def _setting(thing: Disk | Body, contact: Contact, resistance: Any, *, pose: boo
         length, why = "radius", FLAT_AT_BOTH
     against, law = _acting(body, contact, resistance), type(contact)
     given, kinds = law.symbols(), tuple(type(r) for r in against)
-    model = _model(body, law, given, kinds, pose=pose)
+    every: Any = law, kinds, pose
+    if isinstance(thing, Disk):
+        model, settling = _of_disk(*every), disk_settling(law)
+        if kinds:
+            settling = body_settling(unit_disk(), law, given, kinds)
+    else:
+        model = _model(body, law, given, kinds, pose=pose)
+        settling = body_settling(body, law, given, kinds)
     _check_names(body, model)
 
     def scaled(flat: Mapping[str, Floats], units: Units) -> Mapping[str, Any]:
@@ -145,18 +152,22 @@ def _setting(thing: Disk | Body, contact: Contact, resistance: Any, *, pose: boo
         }
 
     numbers = {length if n == "length" else n: v for n, v in body.given.items()}
-    settled = thin_body(Disk()) if isinstance(thing, Disk) else body  # the same for every disk
-    rest: Any = law, given, kinds
     return _Round(
         model,
         numbers | contact.given | {r.coefficient: r.value for r in against},
         length,
         scaled,
         given,
-        body_settling(settled, *rest),
+        settling,
         body.between,
         why.format(*(f"{v:.6g}" for v in body.between)),
     )
+
+
+@lru_cache(maxsize=64)
+def _of_disk(law: type[Contact], resistance: Resistances, pose: bool) -> Model:  # noqa: FBT001
+    """The model of every disk."""
+    return round_model(unit_disk(), law, law.symbols(), pose=pose, resistance=resistance)
 
 
 def _acting(body: RoundShape, contact: Contact, given: Any) -> tuple[Resistance, ...]:

@@ -24,7 +24,6 @@ from ..base.errors import NoMemberError
 from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import Creep
-from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES, SteadyFamily, lines_under
 from ..bodies.newton_euler import STATES
 from ..bodies.round_body.equations import Resistances, round_system
@@ -33,7 +32,7 @@ from ..bodies.round_body.inclinations import levels
 from ..bodies.round_body.pole_equations import AXIS, SLIP, TURN, pole_system, smooth_at
 from ..bodies.round_body.shape import RoundShape
 from ..bodies.round_body.si_law import shape_of
-from ..bodies.round_body.thin import is_thin, thin_body
+from ..bodies.round_body.thin import is_thin, unit_disk
 from ..systems.system import System
 from .line import Line, idle_under, signed
 from .settling import Settling
@@ -63,12 +62,29 @@ def body_settling(
     Settling
         With the families that lose nothing to the resistances.
     """
-    thin, poles = is_thin(shape_of(body)), [f for f in FAMILIES.values() if f.pole]
-    # of another body only these have members in closed form; by name for equal distances
-    known = [f for f in lines_under(law.name) if thin or f.level or f.upright or f.rests]
-    records = sorted(known, key=lambda record: record.name)
-    every: Any = body, law, given, resistance, (*records, *poles)
+    records = _records(law)
+    if not is_thin(shape_of(body)):  # only these have members in closed form
+        records = tuple(f for f in records if f.level or f.upright or f.rests or f.pole)
+    every: Any = body, law, given, resistance, records
     return _settling(*every)
+
+
+def disk_settling(law: type[Contact]) -> Settling:
+    """The same for every disk; its second argument `p` has the inertia factor first."""
+    every: Any = law, _records(law)
+    return _of_disk(*every)
+
+
+@lru_cache(maxsize=16)
+def _of_disk(law: type[Contact], records: tuple[SteadyFamily, ...]) -> Settling:
+    every: Any = unit_disk(), law, law.symbols(), (), records
+    return _settling(*every)
+
+
+def _records(law: type[Contact]) -> tuple[SteadyFamily, ...]:
+    """Families that motions may settle on, by name for equal distances."""
+    poles = (f for f in FAMILIES.values() if f.pole)
+    return (*sorted(lines_under(law.name), key=lambda record: record.name), *poles)
 
 
 @lru_cache(maxsize=16)
@@ -97,12 +113,6 @@ def _settling(
             with suppress(NoMemberError):
                 lines.append(line(record, theta, several=len(places) > 1))
     return Settling(tuple(lines))
-
-
-def disk_settling(law: type[Contact]) -> Settling:
-    """The same for every disk; its second argument `p` has the inertia factor first."""
-    given: Any = thin_body(Disk()), law, law.symbols()
-    return body_settling(*given)
 
 
 def _line(  # noqa: PLR0913

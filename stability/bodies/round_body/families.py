@@ -190,8 +190,8 @@ def _near(pole: Any) -> int:
 def _typical(
     body: RoundShape, record: SteadyFamily, law: type[Contact], given: tuple[str, ...]
 ) -> dict[str, float]:
-    """Sizes near which the family has members, its numbers and an inclination; slip that creeps
-    decays fast."""
+    """Numbers and an inclination near which the family has members."""
+    # slip that creeps decays fast
     friction = dict.fromkeys(given, 30.0 if law.holds else 0.7)
     return friction | {"phi_dot": 1.9, "omega3": 1.3} | sizes(body, rests=record.rests)
 

@@ -55,8 +55,14 @@ def thin_body(disk: Disk) -> Outline:
 
 
 @lru_cache(maxsize=1)
+def unit_disk() -> Outline:
+    """The disk of which only the names of the numbers matter."""
+    return thin_body(Disk())
+
+
+@lru_cache(maxsize=1)
 def _thin_shape() -> Shape:
-    return shape_of(thin_body(Disk()))
+    return shape_of(unit_disk())
 
 
 def is_thin(shape: Shape) -> bool:
