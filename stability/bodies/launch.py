@@ -13,11 +13,14 @@ from ..base.checks import broadcast, checked, instance, known
 from ..base.errors import ParameterError, if_degrees
 from ..base.types import Floats
 from .disk import Disk
-from .families import FAMILIES
+from .families import FAMILIES, SteadyFamily
 from .newton_euler import STATES
 from .round_body.body import Body
 from .round_body.families import place_of
 from .round_body.inclinations import tumbling_rates
+from .round_body.shape import RoundShape
+from .round_body.si_law import shape_of
+from .round_body.thin import is_thin, thin_body
 
 TILT = 0.1
 """Tilt of the symmetry axis [rad]."""
@@ -75,16 +78,51 @@ def launch(
     """
     if disk is not None and body is not None:
         raise ParameterError("body and disk are both given; give one of them.")
-    if isinstance(body, Body):
-        return _near_member(body, family, at, tilt, theta, pole)
-    if theta is not None or pole is not None:
+    thing, own = disk if body is None else body, isinstance(body, Body)
+    names = [n for n, f in FAMILIES.items() if (len(f.at) == 1 if own else f.line)]
+    record = FAMILIES[known("family", family, names)]
+    if not own and (theta is not None or pole is not None):
         raise ParameterError(
             "theta and pole belong to a stability.Body; leave them out for a disk."
         )
-    return near_steady(family, at=at, tilt=tilt, disk=disk if body is None else body)
+    shape = thing if isinstance(thing, Body) else thin_body(_disk_of(record, thing))
+    place = place_of(shape, family, theta, pole) if own else None
+    if place is not None and not record.pole:
+        _same_place(shape, family, place)
+    where, lean = np.asarray(checked("at", at)), np.asarray(checked("tilt", tilt))
+    sizes = {n: np.shape(v) for n, v in shape.given.items()}
+    six = np.zeros((*broadcast(at=where.shape, tilt=lean.shape, **sizes), 6))
+    if record.by_angle:
+        _inside(f"at of {family} is theta =", where, where, shape)
+    rate = np.sqrt(np.asarray(shape.gravity) / shape.length)
+    with np.errstate(all="ignore"):  # a member that does not exist is refused
+        if own:
+            member = _member(shape, record, where, place, rate)
+        else:
+            member = record.member(np, where, shape.shape["k"], rate)
+        for column, name in enumerate(STATES):
+            value = member.get(name, 0.0)
+            six[..., column] = math.pi / 2 if value is UPRIGHT else value
+    if not np.isfinite(six).all():
+        raise ParameterError(
+            f"at of {family} is {where.min():g}, where its rate overflows double precision, or "
+            f"where {shape.name} has no such motion; give another."
+        )
+    six[..., 0] += lean if place == 0 else -lean
+    _inside("the tilt takes theta to", six[..., 0], lean, shape)
+    return six
 
 
-def _same_place(body: Body, family: str, place: float) -> None:
+def _disk_of(record: SteadyFamily, given: Any) -> Disk:
+    if given is None and record.solution is not None:
+        raise ParameterError(
+            f"disk is missing; {', '.join(record.disk_unknown)} of {record.name} depends on the "
+            "body: give disk=stability.Disk(...)."
+        )
+    return Disk() if given is None else instance("disk", given, Disk, "give a stability.Disk")
+
+
+def _same_place(body: RoundShape, family: str, place: float) -> None:
     """Refuse numbers of the shape that move the inclination, which is that of the first of them."""
     height, slope, _ = (np.asarray(v) for v in body.heights(place))
     level = np.abs(slope) <= LEVEL * height
@@ -95,83 +133,26 @@ def _same_place(body: Body, family: str, place: float) -> None:
         )
 
 
-def _near_member(
-    body: Body, family: str, at: ArrayLike, tilt: ArrayLike, theta: float | None, pole: Any
-) -> Floats:
-    """The six states near a member of a body's family, from its closed form."""
-    known("family", family, [n for n, one in FAMILIES.items() if len(one.at) == 1])
-    place = place_of(body, family, theta, pole)
-    if place is not None and not FAMILIES[family].pole:
-        _same_place(body, family, place)
-    where, lean = np.asarray(checked("at", at)), np.asarray(checked("tilt", tilt))
-    rate = np.sqrt(np.asarray(body.gravity) / body.length)
-    sizes = {n: np.shape(v) for n, v in body.given.items()}
-    shape = broadcast(at=where.shape, tilt=lean.shape, **sizes)
-    six = np.zeros((*shape, 6))
-    six[..., 0] = where if place is None else place
+def _member(
+    body: RoundShape, record: SteadyFamily, where: Floats, place: float | None, rate: Any
+) -> dict[str, Any]:
+    """The states of a body's member, from its closed form."""
     if place is None:
-        with np.errstate(all="ignore"):  # a member that does not exist is refused
-            spin, roll = tumbling_rates(body, where)
-            six[..., 2], six[..., 3] = spin * rate, roll * rate
-    elif family == "spinning":
-        six[..., 2] = where
-    else:
-        six[..., 3] = -where if place == math.pi else where
-    if not np.isfinite(six).all():
-        raise ParameterError(
-            f"at of {family} is {where.min():g}, where {body.name} has no such motion, or its rate "
-            "overflows double precision; give another."
-        )
-    six[..., 0] += lean if place == 0 else -lean
+        spin, roll = tumbling_rates(body, where)
+        return {"theta": where, "phi_dot": spin * rate, "omega3": roll * rate}
+    if record.at == ("phi_dot",):
+        return {"theta": place, "phi_dot": where}
+    return {"theta": place, "omega3": -where if place == math.pi else where}
+
+
+def _inside(what: str, theta: Floats, angle: Floats, body: RoundShape) -> None:
+    """Refuse inclinations at which a body does not stand; `angle` may be in degrees by mistake."""
     low, high = body.between
-    inside = (six[..., 0] >= low) & (six[..., 0] <= high)
+    edge = is_thin(shape_of(body))  # it lies flat at both ends
+    inside = (theta > low) & (theta < high) if edge else (theta >= low) & (theta <= high)
     if not inside.all():
+        worst = float(angle.flat[np.abs(angle).argmax()])
         raise ParameterError(
-            f"the tilt takes theta to {six[..., 0][~inside].flat[0]:g}; the height of {body.name} "
-            f"holds between {low:.6g} and {high:.6g}{if_degrees(float(np.abs(lean).max()))}."
+            f"{what} {theta[~inside].flat[0]:g}; the height of {body.name} holds strictly between "
+            f"{low:.6g} and {high:.6g}{if_degrees(worst)}."
         )
-    return six
-
-
-def near_steady(family: str, *, at: ArrayLike, tilt: ArrayLike, disk: Disk | None) -> Floats:
-    """The start of a launch of the disk; numbers and errors as those of `stability.launch`."""
-    known("family", family, [name for name, one in FAMILIES.items() if one.line])
-    record = FAMILIES[family]
-    if disk is None and record.solution is not None:
-        raise ParameterError(
-            f"disk is missing; {', '.join(record.disk_unknown)} of {family} depends on the body: "
-            "give disk=stability.Disk(...)."
-        )
-    body = Disk() if disk is None else instance("disk", disk, Disk, "give a stability.Disk")
-    where, lean = np.asarray(checked("at", at)), np.asarray(checked("tilt", tilt))
-    shapes = where.shape, lean.shape, np.shape(body.k), np.shape(body.rate)
-    try:
-        shape = np.broadcast_shapes(*shapes)
-    except ValueError:
-        raise ParameterError(
-            f"at, tilt and the disk have shapes {', '.join(map(str, shapes))}; make them fit."
-        ) from None
-    if record.by_angle and ((where <= 0) | (where >= math.pi)).any():
-        bad = where[(where <= 0) | (where >= math.pi)].flat[0]
-        raise ParameterError(
-            f"at of {family} is theta = {bad:g}; it must lie strictly between 0 and π"
-            f"{if_degrees(bad)}."
-        )
-    with np.errstate(all="ignore"):  # an overflow is refused
-        member = record.member(np, where, body.k, body.rate)
-    six = np.zeros((*shape, 6))
-    for column, name in enumerate(STATES):
-        six[..., column] = math.pi / 2 if member[name] is UPRIGHT else member[name]
-    if not np.isfinite(six).all():
-        raise ParameterError(
-            f"at of {family} is {where.min():g}, where its rate overflows double precision, "
-            "or where there is no such motion; give another."
-        )
-    six[..., 0] -= lean
-    bad = six[..., 0][(six[..., 0] <= 0) | (six[..., 0] >= math.pi)]
-    if bad.size:
-        raise ParameterError(
-            f"the tilt takes theta to {bad.flat[0]:g}; it must stay strictly between 0 and π"
-            f"{if_degrees(float(lean.flat[np.abs(lean).argmax()]))}."
-        )
-    return six
