@@ -150,6 +150,19 @@ AT_REST = {"theta_dot": 0.0, "slip_x": 0.0, "slip_y": 0.0}
 """States that vanish in every family."""
 
 
+def tumbling(  # noqa: PLR0913
+    slope: Any, r: Any, z: Any, sine: Any, cosine: Any, transverse: Any, axial: Any
+) -> tuple[Any, Any]:
+    """φ̇² over g/length, and ω₃/φ̇, of tumbling; the module's text has the symbols.
+
+    Examples
+    --------
+    >>> tumbling(0.6, 1.0, 0.0, 0.8, 0.6, 0.25, 0.5)  # a disk: 1/(k sinθ), 0
+    (5.0, 0.0)
+    """
+    return slope * r / (sine * (transverse * r * cosine - axial * z * sine)), sine * z / r
+
+
 def _tumbling(functions: Any, theta: Any, k: Any, unit: Any) -> Any:
     """Phi_dot of a tumbling disk, from k phi_dot² sinθ = 1."""
     return unit / functions.sqrt(k * functions.sin(theta))

@@ -24,7 +24,7 @@ from ..base.errors import NoMemberError
 from ..base.types import Floats
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import Creep
-from ..bodies.families import FAMILIES, SteadyFamily, lines_under
+from ..bodies.families import FAMILIES, SteadyFamily, lines_under, tumbling
 from ..bodies.newton_euler import STATES
 from ..bodies.round_body.equations import Resistances, round_system
 from ..bodies.round_body.families import round_family, survives
@@ -192,8 +192,9 @@ def _tumbling(
     sine, cosine = ca.sin(y), ca.cos(y)
     high, steep = h(y, *shape), slope(y, *shape)
     r, z = high * sine + steep * cosine, high * cosine - steep * sine
-    turning = sign * ca.sqrt(steep * r / (sine * (transverse * r * cosine - axial * z * sine)))
-    return {"phi_dot": turning, "omega3": turning * sine * z / r}
+    square, share = tumbling(steep, r, z, sine, cosine, transverse, axial)
+    turning = sign * ca.sqrt(square)
+    return {"phi_dot": turning, "omega3": turning * share}
 
 
 def _leaning(level: Callable[..., float], states: Floats, p: Floats) -> tuple[Floats, None]:

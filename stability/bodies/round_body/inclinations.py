@@ -14,6 +14,7 @@ from scipy.optimize import brentq
 from ...base.checks import one_number
 from ...base.errors import NoMemberError
 from ...base.types import Floats
+from ..families import tumbling
 from .shape import MOMENTS, SAMPLES, SCALES, Outline, RoundShape
 from .si_law import Shape, shape_of
 
@@ -66,7 +67,7 @@ def tumbling_ranges(body: RoundShape) -> list[tuple[float, float]]:
     s, c = np.sin(theta), np.cos(theta)
     r, z = h * s + slope * c, h * c - slope * s
     with np.errstate(all="ignore"):
-        there = slope * r * s * (transverse * r * c - axial * z * s) > 0
+        there = tumbling(slope, r, z, s, c, transverse, axial)[0] > 0
     if stands_upright(body):
         there &= np.abs(theta - math.pi / 2) > (high - low) / SAMPLES
     ends = np.flatnonzero(np.diff(np.concatenate([[0], there.astype(int), [0]])))
@@ -298,5 +299,6 @@ def tumbling_rates(body: RoundShape, theta: Any) -> tuple[Any, Any]:
     axial, transverse = body.moments()
     s, c = np.sin(theta), np.cos(theta)
     r, z = h * s + slope * c, h * c - slope * s
-    phi_dot = np.sqrt(slope * r / (s * (transverse * r * c - axial * z * s)))
-    return phi_dot, phi_dot * s * z / r
+    square, share = tumbling(slope, r, z, s, c, transverse, axial)
+    phi_dot = np.sqrt(square)
+    return phi_dot, phi_dot * share

@@ -27,6 +27,7 @@ from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import LinearViscous, Rough, Smooth, Viscous
 from ..disk_polynomials import digest
+from ..families import tumbling
 from .equations import conditions_along
 from .height.expression import Expression
 from .height.pole_height import height_of_angle
@@ -232,9 +233,9 @@ class _Formulas:
         if self.name == "precession":
             spin = (turn * turn * i1 * s * c - slope) / (turn * i3 * s)
             return {"phi_dot": turn, "omega3": spin}, [turn * turn]
-        square = slope * r / (s * (i1 * r * c - i3 * z * s))
+        square, share = tumbling(slope, r, z, s, c, i1, i3)
         turn = ca.sqrt(square)
-        return {"phi_dot": turn, "omega3": turn * s * z / r}, [square]
+        return {"phi_dot": turn, "omega3": turn * share}, [square]
 
     def _value(self, terms: Sequence[Sequence[int]], known: Mapping[str, Any]) -> ca.SX:
         """A coefficient, with what θ alone decides innermost: one row of a map computes it once."""
