@@ -17,6 +17,7 @@ from .disk import Disk
 from .families import FAMILIES
 from .law_names import law_given
 from .resistance import Resistance, resistances
+from .round_body.body import Body
 from .round_body.families import body_family, round_family, survives, unknown_family
 from .round_body.inclinations import level
 from .round_body.shape import SCALES, RoundShape, refuse_constants, single_pole
@@ -102,12 +103,15 @@ def _check_axis(body: RoundShape, law: Contact, axis: Any) -> None:
     )
     if type(law).alternatives(name):
         type(law).accepted(name, [low, high])
-    own = {n: v for n, v in body.given.items() if n not in body.shape}
-    if name in body.shape or name in own:
-        between = np.linspace(low, high, 17)
-        single = {n: float(np.asarray(v).flat[0]) for n, v in body.shape.items()}
-        change = {"shape": single | {name: between}} if name in body.shape else {name: between}
-        replace(body, **change)  # type: ignore[type-var]  # a body checks its numbers
+    if name not in body.given:
+        return
+    between = np.linspace(low, high, 17)
+    if not isinstance(body, Body):
+        Disk(**{"radius" if name == "length" else name: between})  # a disk checks its numbers
+        return
+    single = {n: float(np.asarray(v).flat[0]) for n, v in body.shape.items()}
+    change = {"shape": single | {name: between}} if name in body.shape else {name: between}
+    replace(body, **change)  # and so does a body
 
 
 def family_by_name(

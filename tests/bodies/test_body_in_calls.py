@@ -1,5 +1,7 @@
 """A body in every question that takes a family: its quantities, its families as objects."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -137,3 +139,12 @@ def test_units_scale_as_the_kinds_say() -> None:
     assert si.eigenvalues == pytest.approx(plain.eigenvalues * rate, rel=1e-11)
     assert Kind.ANGULAR_VELOCITY.words == "√(g/R)"
     assert si.family.system.quantities["mu"].kind is Kind.INVERSE_VELOCITY
+
+
+@pytest.mark.parametrize(
+    ("axis", "why"), [(("k", 0.1, 0.9, 9), r"\(0, 1/2\]"), (("mass", -1, 0.9, 9), "mass is -1")]
+)
+def test_an_axis_of_a_disk_with_a_resistance_has_the_disks_limits(axis: Any, why: str) -> None:
+    against = {"resistance": st.RollingResistance(0.01), "contact": st.Viscous(0.3)}
+    with pytest.raises(st.ParameterError, match=why):
+        st.boundaries("spinning", at=2.5, disk=st.Disk(), axis=axis, **against)
