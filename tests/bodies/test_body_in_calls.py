@@ -146,5 +146,5 @@ def test_units_scale_as_the_kinds_say() -> None:
 )
 def test_an_axis_of_a_disk_with_a_resistance_has_the_disks_limits(axis: Any, why: str) -> None:
     against = {"resistance": st.RollingResistance(0.01), "contact": st.Viscous(0.3)}
-    with pytest.raises(st.ParameterError, match=why):
+    with pytest.raises(st.StabilityError, match=why):
         st.boundaries("spinning", at=2.5, disk=st.Disk(), axis=axis, **against)
