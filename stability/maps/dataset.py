@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     import xarray
 
     from ..base.axis import Axis
-    from ..boundary.beyond_linear.two_parameters.point_records import CodimensionTwo
     from ..boundary.curves import Curves
+    from ..boundary.two_parameters.point_records import CodimensionTwo
     from .proved_boxes import Boxes
 
 

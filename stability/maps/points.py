@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..boundary.beyond_linear.two_parameters.point_records import (
+from ..boundary.two_parameters.point_records import (
     CodimensionTwo,
     DegeneratePoint,
     PointKind,

@@ -140,7 +140,7 @@ def stability_map(
         )
     marked = None
     if points:  # first, since a family may be refused
-        from ..boundary.beyond_linear.two_parameters.points import in_plane
+        from ..boundary.two_parameters.points import in_plane
 
         marked = in_plane(problem, axes)
     cells = Cells(problem, axes, modes)

@@ -18,19 +18,20 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...algebra.program import Program
-from ...base.checks import one_number, real_numbers
-from ...base.citation.used import cited
-from ...base.errors import ParameterError, shown
-from ...base.types import Floats
-from ...base.version import __version__
-from ...bodies.contact_laws import Rough
-from ...bodies.resistance import AirTorque, RollingResistance
-from ...bodies.round_body.body import Body
+from ..algebra.program import Program
+from ..base.checks import one_number, real_numbers
+from ..base.citation.used import cited
+from ..base.errors import ParameterError, shown
+from ..base.types import Floats
+from ..base.version import __version__
+from ..bodies.contact_laws import Rough
+from ..bodies.resistance import AirTorque, RollingResistance
+from ..bodies.round_body.body import Body
 from .slow_flow import SlowFlow, slow_flow
 
 if TYPE_CHECKING:
     import xarray
+
 
 FORMAT = "stability retrograde map 1"
 STARTS = ((80.0, 1.0), (60.0, 1.0), (80.0, 1.5))

@@ -13,14 +13,13 @@ from typing import Any
 
 from flint import arb, arb_mat
 
-from ....algebra.balls import precision
-from ....algebra.exact.hurwitz_forms import factors
-from ....base.errors import NoMemberError, StabilityError
-from ....derivation.general.bounds import real_roots, univariate
+from ...algebra.balls import precision
+from ...algebra.exact.hurwitz_forms import factors
+from ...base.errors import NoMemberError, StabilityError
+from ...derivation.general.bounds import real_roots, univariate
 from ..krawczyk import NotProvedError, Values, polished, tested
-from .planes import ExactPlane, GraphPlane, value_of
+from .planes import ExactPlane, GraphPlane, Nature, Slope, equations, nature, value_of
 from .point_records import PointKind, UnresolvedBox
-from .systems_of_two import Nature, Slope, equations, nature
 
 SPECTRAL = (PointKind.DOUBLE_ZERO, PointKind.ZERO_HOPF, PointKind.DOUBLE_HOPF)
 """Kinds that a characteristic polynomial alone decides."""

@@ -1,9 +1,12 @@
-"""Every point of a rectangle at which a first Lyapunov coefficient vanishes, isolated over Q.
+"""Bautin points: where the first Lyapunov coefficient of a flutter boundary vanishes.
 
-On a flutter boundary E and O of `onset_forms` have a common root z, and N(z) = 0.  The resultant of
-E and O, and N at the root of their first subresultant, are two equations in both axes.  Square
-roots in them are eliminated by norms, and one axis by resultants.  Every candidate is judged at the
-member, so what the elimination adds is excluded again.
+Over Q every point of a rectangle is isolated.  On a flutter boundary E and O of `onset_forms` have
+a common root z, and N(z) = 0.  The resultant of E and O, and N at the root of their first
+subresultant, are two equations in both axes.  Square roots in them are eliminated by norms, and one
+axis by resultants.  Every candidate is judged at the member, so what the elimination adds is
+excluded again.
+
+Elsewhere the boundary is followed, and each proved change of sign of the coefficient is a point.
 
 Source: B. L. van der Waerden, Algebra I, § 34 (resultants); tests/boundary/test_bautin.py.
 """
@@ -11,31 +14,301 @@ Source: B. L. van der Waerden, Algebra I, § 34 (resultants); tests/boundary/tes
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
 from typing import Any
 
-from flint import acb, arb
+import numpy as np
+from flint import acb, arb, arb_poly
 
-from ....algebra.balls import precision
-from ....algebra.exact.hurwitz_forms import Budget, by_power, factors
-from ....algebra.exact.number_fields import NotExact, rational
-from ....algebra.exact.root_balls import isolated as root_balls
-from ....algebra.exact.triangular import occurring
-from ....algebra.routh_balls import hurwitz_sign
-from ....base.errors import NoMemberError, StabilityError
-from ....derivation.general.bounds import real_roots
-from ....derivation.general.elimination import Reading, evaluate
-from ....spectra.problem import Problem
-from ..krawczyk import NotProvedError, tested
+from ...algebra.balls import precision
+from ...algebra.exact.hurwitz_forms import Budget, by_power, factors
+from ...algebra.exact.number_fields import NotExact, rational
+from ...algebra.exact.root_balls import isolated as root_balls
+from ...algebra.exact.triangular import occurring
+from ...algebra.routh_balls import hurwitz_sign
+from ...base.axis import Axis
+from ...base.errors import NoMemberError, StabilityError
+from ...derivation.general.bounds import real_roots, univariate
+from ...derivation.general.elimination import Reading, evaluate
+from ...spectra.problem import Problem
+from ...systems.family import Family
+from ..changes import along
+from ..crossings import Crossing
+from ..krawczyk import NotProvedError, Values, polished, tested
+from ..lyapunov_coefficient import (
+    Line,
+    Pair,
+    PairEquations,
+    coefficients,
+    guess,
+    others,
+    pair_of,
+    signed,
+)
 from .onset_forms import OnsetForm, OnsetForms
 from .plane_search import SEVERAL, Rectangle, box_of, meets
-from .planes import PLANE, ExactPlane
+from .planes import PLANE, ExactPlane, subresultant, value_of
 from .point_records import PointKind, UnresolvedBox
-from .polynomial_pairs import PolynomialPair, same_root
-from .systems_of_two import subresultant
-from .vanishing import Vanishing
+
+FOLLOW_BITS = 192
+"""Working precision along a boundary."""
+SAME = 1e-7
+"""Largest distance of a followed crossing from a boundary that was found, relative to the axis."""
+WIDEST = 2**12
+"""Widest bracket of a point, in units of the last digit."""
+
+
+@dataclass(frozen=True)
+class Vanishing:
+    """A proved change of sign along a flutter boundary."""
+
+    place: tuple[Any, Any]
+    """Balls of x and y."""
+    frequency: Any
+    """ω."""
+    others: int
+    """As in `lyapunov_coefficient.others`, next to the point."""
+
+
+class Follower:
+    """Crossing pairs along one axis, followed as the other quantity changes.
+
+    Parameters
+    ----------
+    family
+        The family.
+    axis
+        Name of the axis along which pairs cross.
+    other
+        Name of the quantity that changes.
+    fixed
+        Every other quantity.
+    """
+
+    def __init__(self, family: Family, axis: str, other: str, fixed: dict[str, float]) -> None:
+        self.family, self.axis, self.other, self.fixed = family, axis, other, fixed
+
+    def line(self, place: Any) -> Line:
+        """The line at a value of the other quantity."""
+        return Line(self.family, self.axis, self.fixed | {self.other: place})
+
+    def first(self, place: float, value: float, frequency: float) -> tuple[PairEquations, Pair]:
+        """The pair at a boundary that was found."""
+        equations, start = guess(self.line(place), value, frequency)
+        return equations, self._pair(equations, start)
+
+    @staticmethod
+    def _pair(equations: PairEquations, start: Sequence[Any]) -> Pair:
+        box, _ = tested(equations, polished(equations, [float(arb(v).mid()) for v in start]))
+        return pair_of(equations, box)
+
+    def moved(self, equations: PairEquations, near: Pair, place: float) -> Pair:
+        """The pair at another value, from one nearby, with the same phase."""
+        return self._pair(self._at(equations, place), near.box)
+
+    def _at(self, equations: PairEquations, place: Any) -> PairEquations:
+        phase = [complex(float(a), float(b)) for a, b in equations.phase]
+        return PairEquations(self.line(place), phase)
+
+    def one_branch(self, equations: PairEquations, low: Pair, high: Pair) -> Any:
+        """The pair over all values between two, proved to be one branch with both at its ends."""
+        places = [p.line.fixed[self.other] for p in (low, high)]
+        over = self._at(equations, arb(places[0]).union(arb(places[1])))
+        middle = [((a + b) / 2).mid() for a, b in zip(low.box, high.box, strict=True)]
+        far = [4 * abs(a - b) for a, b in zip(low.box, high.box, strict=True)]
+        image, box = tested(
+            over, middle, [v.abs_upper() + arb(2) ** (8 - FOLLOW_BITS // 2) for v in far]
+        )
+        for pair in (low, high):
+            if not all(b.contains(v) for b, v in zip(box, pair.box, strict=True)):
+                raise NotProvedError
+        return image
+
+
+def vanishing(problem: Problem, axes: tuple[Axis, Axis]) -> list[Vanishing]:
+    """Changes of sign of the first Lyapunov coefficient along the flutter boundaries of a plane.
+
+    Boundaries are found along the lines of a grid, in both directions, and followed from each line
+    to the next.
+
+    Parameters
+    ----------
+    problem
+        A user's family of isolated steady motions, with values.
+    axes
+        x and y; their numbers of points are those of the lines.
+    """
+    out: list[Vanishing] = []
+    swept = {g.name for g in axes}
+    fixed = {n: float(v) for n, v in problem.values.items() if n not in swept}
+    with precision(FOLLOW_BITS):
+        for way in (0, 1):
+            axis, other = axes[way], axes[1 - way]
+            follower = Follower(problem.family, axis.name, other.name, fixed)
+            rows = [_row(problem, follower, axis, float(t)) for t in other.values]
+            for low, high, start, end in zip(
+                other.values, other.values[1:], rows, rows[1:], strict=False
+            ):
+                for entry in start:
+                    found = _between(follower, entry, end, (float(low), float(high)))
+                    if found is not None:
+                        place = found.place if way == 0 else found.place[::-1]
+                        out = _added(out, replace(found, place=(place[0], place[1])))
+    return out
+
+
+def _added(out: list[Vanishing], new: Vanishing) -> list[Vanishing]:
+    for old in out:
+        near = [
+            abs(float(arb(a).mid()) - float(arb(b).mid())) <= 1e-10 * (1 + abs(float(arb(a).mid())))
+            for a, b in zip(old.place, new.place, strict=True)
+        ]
+        if all(near):
+            return out
+    return [*out, new]
+
+
+Entry = tuple[PairEquations, Pair, int]
+
+
+def _row(problem: Problem, follower: Follower, axis: Axis, place: float) -> list[Entry]:
+    """Flutter boundaries on one line, each with the proved sign of its coefficient."""
+    values = dict(problem.values) | {follower.other: place}
+    line = replace(problem, values=values)
+    try:
+        found = along(line, axis.name, axis.low, axis.high, points=max(axis.count, 2), log=axis.log)
+    except StabilityError:
+        return []
+    out = []
+    for b in found:
+        if b.crossing is Crossing.FLUTTER:
+            try:
+                equations, pair = follower.first(place, b.value, b.frequency)
+                out.append((equations, pair, signed(coefficients(pair).first)))
+            except (NotProvedError, StabilityError):
+                continue
+    return out
+
+
+def _between(
+    follower: Follower, entry: Entry, end: Sequence[Entry], places: tuple[float, float]
+) -> Vanishing | None:
+    """The change of sign on one boundary between two lines, proved; None if there is none."""
+    equations, pair, sign = entry
+    try:
+        last = follower.moved(equations, pair, places[1])
+        same = [e for e in end if abs(e[1].value - last.value) <= SAME * (1 + abs(last.value))]
+        if not same or sign * same[0][2] >= 0:
+            return None
+        return _refined(follower, equations, pair, places)
+    except (NotProvedError, StabilityError):
+        return None
+
+
+def _refined(
+    follower: Follower, equations: PairEquations, pair: Pair, places: tuple[float, float]
+) -> Vanishing | None:
+    near = pair
+
+    def at(place: float) -> Pair:
+        nonlocal near
+        near = follower.moved(equations, near, place)
+        return near
+
+    def size(place: float) -> float:
+        return float(coefficients(at(place)).first.mid())
+
+    from scipy.optimize import brentq
+
+    root = float(brentq(size, *places, xtol=1e-300, rtol=4 * np.finfo(float).eps))
+    width = float(np.spacing(abs(root))) or 1e-300
+    while width <= WIDEST * (np.spacing(abs(root)) or 1e-300):
+        low, high = at(root - width), at(root + width)
+        if signed(coefficients(low).first) * signed(coefficients(high).first) < 0:
+            over = follower.one_branch(equations, low, high)
+            place = arb(root - width).union(arb(root + width))
+            return Vanishing((over[0], place), over[-1], others(low))
+        width *= 2
+    return None
+
+
+class PolynomialPair:
+    """Two polynomials without common factor, with their slopes as a system of equations.
+
+    Parameters
+    ----------
+    f, g
+        Elements of `PLANE`.
+    """
+
+    def __init__(self, f: Any, g: Any) -> None:
+        self.pair = f, g
+        self._rows = [(p, p.derivative("x"), p.derivative("y")) for p in self.pair]
+
+    def __call__(self, z: Values) -> tuple[Values, list[Values]]:
+        """Values and rows of slopes at (x, y)."""
+        found = [[value_of(p, *z) for p in row] for row in self._rows]
+        return [row[0] for row in found], [row[1:] for row in found]
+
+    @cached_property
+    def sides(self) -> list[Any]:
+        """Polynomials over Q whose roots hold x and y of every common zero: resultants."""
+        f, g = self.pair
+        return [univariate(f.resultant(g, name), i) for i, name in ((0, "y"), (1, "x"))]
+
+    def near(self, roots: Sequence[Sequence[Any]]) -> Iterator[tuple[Any, Any]]:
+        """Pairs of roots at which both polynomials may vanish.
+
+        Parameters
+        ----------
+        roots
+            Balls of x, and of y.
+        """
+        for x in roots[0]:
+            rows = [arb_poly(_collapsed(p, x)) for p in self.pair]
+            for y in roots[1]:
+                if all(_horner(row, y).contains(0) for row in rows):
+                    yield x, y
+
+
+def same_root(polys: tuple[Any, Any], image: Any, place: Any) -> bool:
+    """Whether two real roots are one: that of the first polynomial in a ball, of the other one.
+
+    Parameters
+    ----------
+    polys
+        Two polynomials over Q.
+    image
+        Ball of a root of the second one.
+    place
+        Ball of a root of the first one, and of no other.
+    """
+    common = [r for r in map(arb, real_roots(polys[0].gcd(polys[1]))) if r.overlaps(place)]
+    return len(common) == 1 and all(
+        sum(r.overlaps(common[0]) or r.overlaps(ball) for r in map(arb, real_roots(p))) == 1
+        for p, ball in zip(polys, (place, image), strict=True)
+    )
+
+
+def _collapsed(p: Any, x: Any) -> list[Any]:
+    """Coefficients in y at a ball of x."""
+    powers = [arb(1)]
+    for _ in range(p.degrees()[0]):
+        powers.append(powers[-1] * x)
+    out = [arb(0)] * (p.degrees()[1] + 1)
+    for (i, j), c in p.to_dict().items():
+        out[int(j)] += powers[int(i)] * c
+    return out
+
+
+def _horner(row: Any, y: Any) -> Any:
+    total = arb(0)
+    for c in reversed(row.coeffs()):
+        total = total * y + c
+    return total
+
 
 KIND = PointKind.VANISHING
 BITS = (256, 1024)

@@ -8,25 +8,24 @@ import numpy as np
 from flint import arb
 from numpy.typing import ArrayLike
 
-from ....algebra.balls import precision
-from ....algebra.exact.number_fields import NotExact
-from ....base.axis import Axis, AxisLike
-from ....base.citation.used import cited
-from ....base.errors import ParameterError
-from ....bodies.contact import Contact
-from ....bodies.disk import Disk
-from ....bodies.round_body.body import Body
-from ....spectra.arguments import swept
-from ....spectra.presentation.labels import of_package
-from ....spectra.problem import Problem
-from ....systems.family import Family
-from ....systems.structure.structural_zeros import structure
-from ..births import rounded, zeros_left
+from ...algebra.balls import precision
+from ...algebra.exact.number_fields import NotExact
+from ...base.axis import Axis, AxisLike
+from ...base.citation.used import cited
+from ...base.errors import ParameterError
+from ...bodies.contact import Contact
+from ...bodies.disk import Disk
+from ...bodies.round_body.body import Body
+from ...spectra.arguments import swept
+from ...spectra.presentation.labels import of_package
+from ...spectra.problem import Problem
+from ...systems.family import Family
+from ...systems.structure.structural_zeros import structure
+from ..hopf import rounded, zeros_left
+from .bautin import ExactSearch, Vanishing, vanishing
 from .plane_search import BITS, SPECTRAL, BoxSearch, Found, Rectangle, isolated, joined
 from .planes import GraphPlane, exact_plane
 from .point_records import CodimensionTwo, DegeneratePoint, PointKind, UnresolvedBox
-from .vanishing import Vanishing, vanishing
-from .vanishing_exact import ExactSearch
 
 MOST_LINES = 2000
 """Most lines of an axis."""

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, overload
 
-from ....base.errors import warned
-from ....base.types import Record, Sentences
+from ...base.errors import warned
+from ...base.types import Record, Sentences
 
 
 class PointKind(Sentences):

@@ -18,21 +18,21 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.integrate import quad
 
-from ...algebra.program import Program
-from ...base.checks import one_number, real_numbers
-from ...base.citation.used import cited
-from ...base.errors import NameUnknownError, NoMemberError, ParameterError, shown
-from ...base.types import Floats, Record, fields_of
-from ...bodies.contact import Contact
-from ...bodies.resistance import Resistance, resistances
-from ...bodies.round_body.body import Body
-from ...bodies.subject import of_body
-from ...spectra.arguments import problem_of
-from ...systems.condition import Condition
-from ...systems.equations import Equations
-from ...systems.family import Family
-from ...systems.structure.structural_zeros import structure
-from ...systems.system import System
+from ..algebra.program import Program
+from ..base.checks import one_number, real_numbers
+from ..base.citation.used import cited
+from ..base.errors import NameUnknownError, NoMemberError, ParameterError, shown
+from ..base.types import Floats, Record, fields_of
+from ..bodies.contact import Contact
+from ..bodies.resistance import Resistance, resistances
+from ..bodies.round_body.body import Body
+from ..bodies.subject import of_body
+from ..spectra.arguments import problem_of
+from ..systems.condition import Condition
+from ..systems.equations import Equations
+from ..systems.family import Family
+from ..systems.structure.structural_zeros import structure
+from ..systems.system import System
 
 APART = 1e-7
 """Least ratio of the least nonzero singular value to the largest."""

@@ -6,7 +6,7 @@ mode q is a column of adj(μ - A'), the left mode w a row.  Inverses are adjugat
 and a division by w q is a product with its conjugate.  So the coefficient, times a real number that
 is not zero at a simple pair without resonance, is a polynomial N in z.
 
-Source: Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory, § 5.4; as `first_coefficient`.
+Source: Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory, § 5.4; as `lyapunov_coefficient`.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from functools import cached_property
 from itertools import combinations_with_replacement
 from typing import Any
 
-from ....algebra.exact.hurwitz_forms import by_power, factors
-from ....algebra.exact.number_fields import EXACT, NotExact, characteristic, exact_upright, rational
-from ....algebra.exact.triangular import remainder
-from ....algebra.upright import UPRIGHT, Upright
-from ....derivation.general.elimination import Reading
-from ..derivatives import Derivatives, derivatives
+from ...algebra.exact.hurwitz_forms import by_power, factors
+from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, exact_upright, rational
+from ...algebra.exact.triangular import remainder
+from ...algebra.upright import UPRIGHT, Upright
+from ...derivation.general.elimination import Reading
+from ..lyapunov_coefficient import Derivatives, derivatives
 
 Poly = Any
 """An `fmpq_mpoly` of the reading's ring; λ of the reading is μ here."""
