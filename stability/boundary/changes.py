@@ -32,9 +32,8 @@ from .brackets import BITS, AxisScan, crossed, crossing_rate
 from .critical import Characteristic, Conditions
 from .crossings import Boundaries, BoundaryPoint, Crossing, Unresolved, bracket
 from .interval_search.meaning import meaningful
-from .interval_search.proved import proved
-from .search import Mark, Search, search
-from .single_points import single
+from .interval_search.pieces import proved
+from .search import Mark, Search, search, single
 
 POINT = 1e-9
 """Width of a part that the exact search leaves open, over the interval, up to which it is a point.

@@ -14,7 +14,7 @@ from stability.algebra.kernels.series_tape import recorded_series
 from stability.algebra.kernels.tape import recorded
 from stability.algebra.number_types import balls
 from stability.boundary import brackets
-from stability.boundary.interval_search.formula_meetings import FormulaMeetings, watched
+from stability.boundary.interval_search.meetings import FormulaMeetings, watched
 from stability.boundary.interval_search.quick_pieces import ORDER, Rounds, rounds_of
 from stability.boundary.interval_search.taylor import coefficient, series_algebra, terms
 from stability.spectra.problem import system_problem

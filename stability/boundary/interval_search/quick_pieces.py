@@ -29,7 +29,7 @@ from ...systems.closed_form import ClosedForm
 from ...systems.graph.implicit_form import ImplicitForm
 from ..brackets import BITS, AxisScan
 from ..crossings import Crossing
-from .formula_meetings import FormulaMeetings, watched
+from .meetings import FormulaMeetings, watched
 
 ORDER = 3
 """Order of the Taylor forms."""

@@ -29,7 +29,7 @@ from ...derivation.general.elimination import Reading, Whole, whole
 from ...spectra.problem import Problem
 from ...systems.structure.enclosure import ball_unknowns
 from ...systems.structure.structural_zeros import structure
-from ..interval_search.blocks import polynomial
+from ..interval_search.meetings import polynomial
 from ..interval_search.taylor import coefficient, series_algebra, terms
 from ..krawczyk import NotProvedError
 from .point_records import PointKind
