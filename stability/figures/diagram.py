@@ -25,7 +25,7 @@ from ..bodies.quantities import quantities_of
 from ..boundary.crossings import Crossing
 from ..boundary.curves import KINDS
 from ..boundary.two_parameters.point_records import CodimensionTwo
-from ..maps.points import points_of
+from ..maps.dataset import points_of
 from ..spectra.result import Spectrum
 from .point_marks import counted, mark
 from .shading import DIVERGING, TEXTURES, colour_bar, hatch, linear_part, norm_of, patch

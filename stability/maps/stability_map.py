@@ -19,7 +19,7 @@ from ..jobs.checkpoint import Checkpoint
 from ..spectra.arguments import swept
 from ..systems.family import Family
 from .cells import Cells
-from .proved_boxes import MOST_LEVELS, prove_boxes
+from .verdicts import MOST_LEVELS, prove_boxes
 
 if TYPE_CHECKING:
     import xarray

@@ -14,9 +14,15 @@ from stability.base.axis import Axis
 from stability.base.verdict import CODES, Verdict
 from stability.bodies.disk_polynomials import INPUT, PLAIN
 from stability.maps.growth_rates import GrowthKernel
-from stability.maps.proved_boxes import BoxConditions, Interval, prove_boxes
-from stability.maps.verdict_filter import FilteredVerdicts, VerdictKernel, point
-from stability.maps.verdict_tiles import GridVerdicts
+from stability.maps.verdicts import (
+    BoxConditions,
+    FilteredVerdicts,
+    GridVerdicts,
+    Interval,
+    VerdictKernel,
+    point,
+    prove_boxes,
+)
 from stability.spectra.certificate import certify, verdict
 from stability.spectra.disk_problem import disk_problem
 
