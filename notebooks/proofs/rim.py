@@ -14,7 +14,7 @@ from typing import Any
 import sympy
 from flint import arb, fmpq
 
-from stability.algebra.balls import precision
+from stability.algebra.number_types import precision
 from stability.derivation.body_graph import BEND, I1, I3, PHI, RHO, SPIN, H, R, Z, folded
 from stability.derivation.body_polynomials import SQUARE, characteristic
 from stability.derivation.characteristic import COS, MU, SIN, K, M

@@ -9,10 +9,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..algebra.balls import MIXED, precision
 from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..algebra.exact.number_fields import NotExact, rational
-from ..algebra.exact.real_roots import UnclearError
+from ..algebra.exact.roots import UnclearError
+from ..algebra.number_types import MIXED, precision
 from ..base.axis import AxisLike
 from ..base.citation.used import cited
 from ..base.errors import ParameterError, StabilityError

@@ -30,10 +30,9 @@ import casadi as ca
 import numpy as np
 from flint import acb, acb_mat, arb, arb_mat
 
-from ..algebra.balls import precision, upper
 from ..algebra.exact.number_fields import NotExact
-from ..algebra.exact.real_roots import UnclearError
-from ..algebra.number_types import balls
+from ..algebra.exact.roots import UnclearError
+from ..algebra.number_types import balls, precision, upper
 from ..algebra.program import Program
 from ..algebra.upright import Upright
 from ..base.axis import AxisLike

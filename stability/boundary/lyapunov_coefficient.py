@@ -25,9 +25,9 @@ import casadi as ca
 import numpy as np
 from flint import acb, acb_mat, arb, arb_mat
 
+from ..algebra.exact.routh import hurwitz_sign
 from ..algebra.number_types import balls
 from ..algebra.program import Program
-from ..algebra.routh_balls import hurwitz_sign
 from ..algebra.upright import Upright
 from ..base.errors import ParameterError, StabilityError
 from ..systems.equations import Equations

@@ -23,7 +23,6 @@ from typing import Any
 import numpy as np
 from flint import acb, acb_poly, arb, arb_poly, fmpq
 
-from ..algebra.balls import MIXED, precision
 from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..algebra.exact.number_fields import EXACT, NotExact, rational, rational_root
 from ..algebra.exact.rational_functions import (
@@ -34,15 +33,8 @@ from ..algebra.exact.rational_functions import (
     primitive,
     univariate,
 )
-from ..algebra.exact.real_roots import (
-    BITS,
-    MOST_BITS,
-    UnclearError,
-    real_roots,
-    sign_at,
-    specialised,
-)
-from ..algebra.number_types import Algebra
+from ..algebra.exact.roots import BITS, MOST_BITS, UnclearError, real_roots, sign_at, specialised
+from ..algebra.number_types import MIXED, Algebra, precision
 from ..base.verdict import Verdict
 from ..spectra.problem import Problem
 from .critical import Characteristic, Conditions, characteristic_ratios

@@ -13,12 +13,11 @@ import numpy as np
 from flint import arb, fmpq, fmpq_poly
 from numpy.typing import ArrayLike
 
-from ..algebra.balls import precision
 from ..algebra.exact.hurwitz_forms import Budget, TooLarge
 from ..algebra.exact.number_fields import NotExact
-from ..algebra.exact.routh import on_the_axis
+from ..algebra.exact.routh import hurwitz_sign, on_the_axis, verdict_polynomial
+from ..algebra.number_types import precision
 from ..algebra.polynomial import Polynomial
-from ..algebra.routh_balls import hurwitz_sign, verdict_polynomial
 from ..base.checks import flag, instance, known, whole_number
 from ..base.checks import positive as above_zero
 from ..base.citation.used import cited

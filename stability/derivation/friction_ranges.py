@@ -14,7 +14,7 @@ from typing import Any
 import sympy
 from flint import Ordering, fmpz_mpoly_ctx, fmpz_poly
 
-from ..algebra.balls import precision
+from ..algebra.number_types import precision
 from ..bodies.families import FAMILIES
 from .characteristic import SIN, SQUARE, K, M
 

@@ -445,7 +445,7 @@ class _WideBalls:
     def _one(self, spans: Spans, n: int) -> int:
         from flint import arb
 
-        from ..algebra.balls import precision
+        from ..algebra.number_types import precision
         from ..spectra.certificate import in_balls
 
         with precision(self.BITS):

@@ -19,11 +19,10 @@ import numpy as np
 from flint import arb, fmpq, fmpq_poly
 from numpy.typing import ArrayLike
 
-from ..algebra.balls import MIXED, precision
 from ..algebra.exact.known_polynomial import ExactPolynomial
 from ..algebra.exact.number_fields import EXACT, NotExact, rational
-from ..algebra.number_types import balls
-from ..algebra.routh_balls import product
+from ..algebra.exact.routh import product
+from ..algebra.number_types import MIXED, balls, precision
 from ..base.checks import checked
 from ..base.errors import NameUnknownError, NoMemberError, ParameterError, absent, listing, shown
 from ..base.exact_numbers import double, no_double, warn_rounded

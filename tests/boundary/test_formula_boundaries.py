@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.algebra.balls import precision
+from stability.algebra.number_types import precision
 from stability.base.errors import NoMemberError
 from stability.boundary import brackets
 from stability.boundary.interval_search.meetings import FormulaMeetings, hurwitz

@@ -449,7 +449,7 @@ def test_levels_out_of_range_are_refused(levels: Any) -> None:
 @pytest.mark.parametrize("law", [None, st.LinearViscous(0.4), st.Rough(), st.Smooth()])
 @pytest.mark.parametrize("family", [*FAMILIES, "circling", "precession"])
 def test_a_line_has_one_polynomial_by_both_routes(family: str, law: Any) -> None:
-    from stability.algebra.balls import precision
+    from stability.algebra.number_types import precision
     from stability.boundary.brackets import AxisScan
 
     only = {"circling": st.Rough, "precession": st.Smooth}.get(family)

@@ -280,7 +280,8 @@ def test_verdicts_of_polynomials_over_q_are_those_of_their_roots(
     """Known roots: some real, some at zero, some pairs a ± 2i with a = -1, 0, 1."""
     from flint import fmpq_poly
 
-    from stability.algebra.exact.routh import on_the_axis, split
+    from stability.algebra.exact.roots import split
+    from stability.algebra.exact.routh import on_the_axis
 
     kept = [r for r in real if r]
     p = fmpq_poly([1])

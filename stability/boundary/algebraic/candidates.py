@@ -15,7 +15,6 @@ from typing import Any
 
 from flint import arb, ctx, fmpq_poly
 
-from ...algebra.balls import precision
 from ...algebra.exact.hurwitz_forms import (
     Budget,
     by_power,
@@ -25,8 +24,9 @@ from ...algebra.exact.hurwitz_forms import (
 )
 from ...algebra.exact.number_fields import NotExact, rational
 from ...algebra.exact.rational_functions import RING
-from ...algebra.exact.real_roots import UnclearError, real_roots
+from ...algebra.exact.roots import UnclearError, real_roots
 from ...algebra.exact.triangular import occurring, remainder
+from ...algebra.number_types import precision
 from .tower import Tower
 
 MOST_DEGREE = 12

@@ -24,13 +24,12 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from ...algebra.balls import precision
 from ...algebra.exact.hurwitz_forms import Budget, by_power, factors
 from ...algebra.exact.number_fields import NotExact
-from ...algebra.exact.real_roots import UnclearError
-from ...algebra.exact.root_balls import isolated
+from ...algebra.exact.roots import UnclearError, isolated
+from ...algebra.exact.routh import hurwitz_sign, verdict_polynomial
 from ...algebra.exact.triangular import occurring
-from ...algebra.routh_balls import hurwitz_sign, verdict_polynomial
+from ...algebra.number_types import precision
 from ...base.errors import NoMemberError, StabilityError
 from ...derivation.general.elimination import evaluate, whole
 from ...systems.structure.structural_zeros import structure

@@ -23,8 +23,7 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat, arb_series
 
-from ...algebra.balls import precision
-from ...algebra.number_types import balls
+from ...algebra.number_types import balls, precision
 from ...base.errors import NoMemberError, StabilityError
 from ...systems.closed_form import ClosedForm
 from ...systems.structure.enclosure import ball_unknowns

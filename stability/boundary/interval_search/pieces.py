@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from ...algebra.balls import precision
+from ...algebra.number_types import precision
 from ...base.errors import NoMemberError, StabilityError
 from ...base.types import Floats
 from ...base.verdict import DECAYING, Verdict

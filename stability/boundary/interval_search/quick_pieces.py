@@ -19,10 +19,8 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
-from ...algebra.balls import precision
-from ...algebra.kernels.series_tape import recorded_series
-from ...algebra.kernels.tape import Tape
-from ...algebra.number_types import Algebra, balls
+from ...algebra.kernels.tape import Tape, recorded_series
+from ...algebra.number_types import Algebra, balls, precision
 from ...base.errors import NoMemberError, StabilityError
 from ...base.types import Floats
 from ...systems.closed_form import ClosedForm

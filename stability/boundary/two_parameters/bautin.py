@@ -22,12 +22,12 @@ from typing import Any
 import numpy as np
 from flint import acb, arb, arb_poly
 
-from ...algebra.balls import precision
 from ...algebra.exact.hurwitz_forms import Budget, by_power, factors
 from ...algebra.exact.number_fields import NotExact, rational
-from ...algebra.exact.root_balls import isolated as root_balls
+from ...algebra.exact.roots import isolated as root_balls
+from ...algebra.exact.routh import hurwitz_sign
 from ...algebra.exact.triangular import occurring
-from ...algebra.routh_balls import hurwitz_sign
+from ...algebra.number_types import precision
 from ...base.axis import Axis
 from ...base.errors import NoMemberError, StabilityError
 from ...derivation.general.bounds import real_roots, univariate

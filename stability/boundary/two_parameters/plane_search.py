@@ -13,8 +13,8 @@ from typing import Any
 
 from flint import arb, arb_mat
 
-from ...algebra.balls import precision
 from ...algebra.exact.hurwitz_forms import factors
+from ...algebra.number_types import precision
 from ...base.errors import NoMemberError, StabilityError
 from ...derivation.general.bounds import real_roots, univariate
 from ..krawczyk import NotProvedError, Values, polished, tested

@@ -22,9 +22,9 @@ from flint import Ordering, arb, arb_mat, arb_series, fmpq_mpoly_ctx
 
 from ...algebra.exact.hurwitz_forms import Budget
 from ...algebra.exact.number_fields import NotExact, rational
+from ...algebra.exact.routh import hurwitz_sign
 from ...algebra.exact.triangular import occurring
 from ...algebra.number_types import balls
-from ...algebra.routh_balls import hurwitz_sign
 from ...derivation.general.elimination import Reading, Whole, whole
 from ...spectra.problem import Problem
 from ...systems.structure.enclosure import ball_unknowns

@@ -8,8 +8,8 @@ import numpy as np
 from flint import arb
 from numpy.typing import ArrayLike
 
-from ...algebra.balls import precision
 from ...algebra.exact.number_fields import NotExact
+from ...algebra.number_types import precision
 from ...base.axis import Axis, AxisLike
 from ...base.citation.used import cited
 from ...base.errors import ParameterError

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...algebra.balls import precision
-from ...algebra.routh_balls import hurwitz_sign, verdict_polynomial
+from ...algebra.exact.routh import hurwitz_sign, verdict_polynomial
+from ...algebra.number_types import precision
 from ...algebra.upright import Upright
 from ...base.types import Floats
 from ...base.verdict import CODES, Verdict, best

@@ -16,13 +16,12 @@ import casadi as ca
 import numpy as np
 from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx
 
-from ...algebra.balls import precision
 from ...algebra.exact.function_field import Expression
 from ...algebra.exact.hurwitz_forms import Budget, by_power, factors
 from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, rational
 from ...algebra.exact.rational_functions import common_multiple, primitive
 from ...algebra.exact.triangular import RecordingField, Triangular, occurring
-from ...algebra.number_types import Algebra, balls
+from ...algebra.number_types import Algebra, balls, precision
 from ...algebra.program import Program
 from ...algebra.upright import Upright
 from ...base.errors import NoMemberError

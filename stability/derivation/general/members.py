@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from flint import arb, fmpq
 
-from ...algebra.balls import precision
 from ...algebra.exact.hurwitz_forms import Budget
 from ...algebra.exact.number_fields import NotExact
 from ...algebra.exact.triangular import occurring
+from ...algebra.number_types import precision
 from ...base.errors import DomainError, NoMemberError
 from ...systems.family import Family
 from ...systems.graph.smoothness import sloped

@@ -21,7 +21,6 @@ import casadi as ca
 from flint import Ordering, arb, fmpq, fmpq_mpoly, fmpq_mpoly_ctx, fmpq_poly
 from flint.utils.flint_exceptions import DomainError
 
-from ...algebra.balls import precision
 from ...algebra.exact.function_field import Expression
 from ...algebra.exact.hurwitz_forms import (
     Budget,
@@ -34,7 +33,7 @@ from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, exac
 from ...algebra.exact.rational_functions import common_multiple, primitive
 from ...algebra.exact.routh import on_the_axis
 from ...algebra.exact.triangular import RecordingField, occurring
-from ...algebra.number_types import balls
+from ...algebra.number_types import balls, precision
 from ...algebra.program import Program
 from ...algebra.upright import Upright
 from ...base.errors import ParameterError, StabilityError
@@ -146,7 +145,7 @@ def _bits(value: Any) -> tuple[int, int]:
 
 
 def _ball_polynomial(parts: dict[Exponents, Any]) -> BallPolynomial:
-    from ...algebra.balls import precision
+    from ...algebra.number_types import precision
 
     with precision(4096):
         return BallPolynomial(

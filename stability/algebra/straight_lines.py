@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
-from ...base.errors import StabilityError, shown
-from ..number_types import BY_OTHERS, MORE, UNARY, Algebra
+from ..base.errors import StabilityError, shown
+from .number_types import BY_OTHERS, MORE, UNARY, Algebra
 
 
 @dataclass(frozen=True)
