@@ -37,7 +37,7 @@ from stability.maps.growth_rates import GrowthKernel
 from stability.maps.verdicts import GridVerdicts
 from stability.spectra.arguments import prepare
 from stability.spectra.certificate import certify
-from stability.spectra.disk_problem import disk_problem
+from stability.spectra.problem import disk_problem
 
 REPEATS = 5
 NX, NY = 2000, 1500

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from .base.calls.guard import guarded
 from .base.version import __version__ as __version__
-from .spectra.presentation import drawing
+from .spectra import drawing
 
 _HOME = {
     "bodies.disk": ("Disk", "REAL_DISKS"),

@@ -23,7 +23,7 @@ from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..spectra.arguments import swept
 from ..spectra.certificate import verdict as certified
-from ..spectra.presentation.labels import of_package
+from ..spectra.labels import of_package
 from ..spectra.problem import Problem
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
@@ -164,7 +164,7 @@ def along(
 
     Examples
     --------
-    >>> from stability.spectra.disk_problem import disk_problem
+    >>> from stability.spectra.problem import disk_problem
     >>> from stability.bodies.contact_laws import Rough
     >>> from stability.bodies.disk import Disk
     >>> [b] = along(disk_problem("rolling", Disk(), Rough()), "at", 0.1, 2.0)

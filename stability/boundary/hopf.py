@@ -49,8 +49,7 @@ from ..bodies.law_names import law_only
 from ..bodies.round_body.body import Body
 from ..bodies.subject import of_body
 from ..spectra.arguments import axis_of, prepare
-from ..spectra.disk_problem import disk_problem
-from ..spectra.problem import Problem
+from ..spectra.problem import Problem, disk_problem
 from ..systems.family import Family
 from ..systems.structure.enclosure import ball_unknowns
 from ..systems.structure.linearity import linear

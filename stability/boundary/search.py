@@ -109,7 +109,7 @@ def search(
     --------
     >>> from stability.bodies.contact_laws import Viscous
     >>> from stability.bodies.disk import Disk
-    >>> from stability.spectra.disk_problem import disk_problem
+    >>> from stability.spectra.problem import disk_problem
     >>> found = search(disk_problem("spinning", Disk(), Viscous(0.97)), "at", 0.1, 5)
     >>> [(m.kind, round(float(m.value), 10)) for m in found.marks if m.below != m.above]
     [('static', 2.0), ('flutter', 2.0451355787)]

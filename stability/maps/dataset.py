@@ -16,7 +16,7 @@ from ..boundary.two_parameters.point_records import (
     PointKind,
     UnresolvedBox,
 )
-from ..spectra.presentation.labels import (
+from ..spectra.labels import (
     axis_attributes,
     of_package,
     origin,

@@ -39,7 +39,7 @@ from ..jobs.pipeline import Counted, ordered
 from ..jobs.shared import shared
 from ..jobs.zarr_store import ZarrStore
 from ..spectra.arguments import swept
-from ..spectra.presentation.labels import axis_attributes
+from ..spectra.labels import axis_attributes
 from ..spectra.problem import Problem
 from ..storage.checksum import ATTRIBUTE, STATEMENT, seal
 from ..storage.files import atomic_write, postponed

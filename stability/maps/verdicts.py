@@ -282,7 +282,7 @@ def prove_boxes(
     --------
     >>> from stability.bodies.contact_laws import Viscous
     >>> from stability.bodies.disk import Disk
-    >>> from stability.spectra.disk_problem import disk_problem
+    >>> from stability.spectra.problem import disk_problem
     >>> problem = disk_problem("rolling", Disk(), Viscous(1.0), 1.0)
     >>> axes = Axis("at", 0.1, 3.0, 9), Axis("mu", 0.1, 1.0, 9)
     >>> boxes = prove_boxes(problem, axes, 6)
@@ -478,7 +478,7 @@ class GridVerdicts:
     --------
     >>> from stability.bodies.contact_laws import Viscous
     >>> from stability.bodies.disk import Disk
-    >>> from stability.spectra.disk_problem import disk_problem
+    >>> from stability.spectra.problem import disk_problem
     >>> verdicts = GridVerdicts(disk_problem("rolling", Disk(), Viscous(1.0), 1.0), "at", "mu")
     >>> codes, handed_on = verdicts(np.linspace(1, 2, 200), np.linspace(0.1, 1, 100))
     >>> codes.shape, np.unique(codes).tolist(), handed_on

@@ -103,7 +103,7 @@ def certify(
     --------
     >>> from stability.bodies.contact_laws import Viscous
     >>> from stability.bodies.disk import Disk
-    >>> from stability.spectra.disk_problem import disk_problem
+    >>> from stability.spectra.problem import disk_problem
     >>> problem = disk_problem("rolling", Disk(k=0.5), Viscous(0.3), 1.0)
     >>> found = certify(problem, problem.values)  # the boundary is omega3² = 1/(2k) = 1
     >>> found.verdict.word, found.how

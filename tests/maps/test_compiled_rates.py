@@ -19,7 +19,7 @@ from stability.maps.compiled import factors, loops, rates
 from stability.maps.growth_rates import HAS_LONG, GrowthKernel
 from stability.maps.verdicts import FilteredVerdicts, point
 from stability.spectra.certificate import certify
-from stability.spectra.disk_problem import disk_problem
+from stability.spectra.problem import disk_problem
 
 SIDE = loops.SIDE
 FAMILIES = ["rolling", "spinning", "tumbling"]

@@ -24,7 +24,7 @@ from stability.maps.verdicts import (
     prove_boxes,
 )
 from stability.spectra.certificate import certify, verdict
-from stability.spectra.disk_problem import disk_problem
+from stability.spectra.problem import disk_problem
 
 FAMILIES = ["rolling", "spinning", "tumbling"]
 SI = st.Disk(mass=0.3, radius=0.013, gravity=9.81, k=0.27)

@@ -10,7 +10,7 @@ import stability as st
 from stability.maps.compiled import loops, rates
 from stability.maps.growth_rates import GrowthKernel
 from stability.maps.verdicts import point
-from stability.spectra.disk_problem import disk_problem
+from stability.spectra.problem import disk_problem
 
 COLUMNS, ROWS = 2 * loops.SIDE + 50, 30
 CASES = [

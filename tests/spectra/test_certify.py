@@ -14,8 +14,7 @@ import stability as st
 from stability.algebra.exact.number_fields import rational
 from stability.base.verdict import Verdict
 from stability.spectra.certificate import certify, verdict
-from stability.spectra.disk_problem import disk_problem
-from stability.spectra.problem import system_problem
+from stability.spectra.problem import disk_problem, system_problem
 
 FAMILIES = ["rolling", "spinning", "tumbling"]
 

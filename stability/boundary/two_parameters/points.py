@@ -17,7 +17,7 @@ from ...bodies.contact import Contact
 from ...bodies.disk import Disk
 from ...bodies.round_body.body import Body
 from ...spectra.arguments import swept
-from ...spectra.presentation.labels import of_package
+from ...spectra.labels import of_package
 from ...spectra.problem import Problem
 from ...systems.family import Family
 from ...systems.structure.structural_zeros import structure

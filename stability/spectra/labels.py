@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from ...base.provenance import versions
-from ...base.quantities import Kind, rate_unit, written
-from ...base.verdict import CODES
-from ...base.version import __version__
-from ...bodies.quantities import SYSTEM
+from ..base.provenance import versions
+from ..base.quantities import Kind, rate_unit, written
+from ..base.verdict import CODES
+from ..base.version import __version__
+from ..bodies.quantities import SYSTEM
 
 FORMAT = "stability map 1"
 """Attribute `format` of a file of a map, or of a spectrum."""

@@ -6,16 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...algebra.eigensolver import chosen
-from ...algebra.upright import Upright
-from ...base.errors import NoMemberError, ParameterError, listing
-from ...base.types import Floats
-from ...systems.family import Family
-from ...systems.sources.numeric import Derivative, NumericSystem
-from ..deflation import Place, Reduced
-from ..eigenvalues import decide, eigenvalues
-from ..problem import Problem
-from ..result import Spectrum
+from ..algebra.eigensolver import chosen
+from ..algebra.upright import Upright
+from ..base.errors import NoMemberError, ParameterError, listing
+from ..base.types import Floats
+from ..systems.family import Family
+from ..systems.sources.numeric import Derivative, NumericSystem
+from .deflation import Place, Reduced
+from .eigenvalues import decide, eigenvalues
+from .problem import Problem
+from .result import Spectrum
 
 NOTE = (
     "not proved: the linearisation is a numerical derivative of a Python function, and the discs "
