@@ -23,7 +23,7 @@ from stability.boundary.algebraic import exact_search
 from stability.boundary.algebraic.candidates import least_size
 from stability.boundary.algebraic.tower import Along, Tower
 from stability.boundary.brackets import AxisScan
-from stability.derivation.general.elimination import whole
+from stability.derivation.elimination import whole
 from stability.spectra.arguments import prepare
 
 EXACT = "isolated exactly, with functions and unknowns as algebraic numbers"

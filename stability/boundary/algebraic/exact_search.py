@@ -31,7 +31,7 @@ from ...algebra.exact.routh import hurwitz_sign, verdict_polynomial
 from ...algebra.exact.triangular import occurring
 from ...algebra.number_types import precision
 from ...base.errors import NoMemberError, StabilityError
-from ...derivation.general.elimination import evaluate, whole
+from ...derivation.elimination import evaluate, whole
 from ...systems.structure.structural_zeros import structure
 from ..brackets import AxisScan, crossing_rate
 from ..crossings import Boundaries, BoundaryPoint, Crossing, Unresolved, bracket

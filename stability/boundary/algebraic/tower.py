@@ -23,7 +23,7 @@ from ...algebra.exact.roots import UnclearError
 from ...algebra.exact.triangular import occurring
 from ...algebra.number_types import Algebra, precision
 from ...base.errors import StabilityError
-from ...derivation.general.elimination import Reading, Whole
+from ...derivation.elimination import Reading, Whole
 from ...systems.structure.structural_zeros import SAMPLE_BITS, SAMPLES
 from ..brackets import AxisScan
 

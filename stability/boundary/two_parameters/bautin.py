@@ -30,8 +30,8 @@ from ...algebra.exact.triangular import occurring
 from ...algebra.number_types import precision
 from ...base.axis import Axis
 from ...base.errors import NoMemberError, StabilityError
-from ...derivation.general.bounds import real_roots, univariate
-from ...derivation.general.elimination import Reading, evaluate
+from ...derivation.elimination import Reading, evaluate
+from ...derivation.signs import real_roots, univariate
 from ...spectra.problem import Problem
 from ...systems.family import Family
 from ..changes import along

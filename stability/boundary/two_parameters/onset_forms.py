@@ -21,7 +21,7 @@ from ...algebra.exact.hurwitz_forms import by_power, factors
 from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, exact_upright, rational
 from ...algebra.exact.triangular import remainder
 from ...algebra.upright import UPRIGHT, Upright
-from ...derivation.general.elimination import Reading
+from ...derivation.elimination import Reading
 from ..lyapunov_coefficient import Derivatives, derivatives
 
 Poly = Any

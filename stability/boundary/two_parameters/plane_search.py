@@ -16,7 +16,7 @@ from flint import arb, arb_mat
 from ...algebra.exact.hurwitz_forms import factors
 from ...algebra.number_types import precision
 from ...base.errors import NoMemberError, StabilityError
-from ...derivation.general.bounds import real_roots, univariate
+from ...derivation.signs import real_roots, univariate
 from ..krawczyk import NotProvedError, Values, polished, tested
 from .planes import ExactPlane, GraphPlane, Nature, Slope, equations, nature, value_of
 from .point_records import PointKind, UnresolvedBox

@@ -25,7 +25,7 @@ from ...algebra.exact.number_fields import NotExact, rational
 from ...algebra.exact.routh import hurwitz_sign
 from ...algebra.exact.triangular import occurring
 from ...algebra.number_types import balls
-from ...derivation.general.elimination import Reading, Whole, whole
+from ...derivation.elimination import Reading, Whole, whole
 from ...spectra.problem import Problem
 from ...systems.structure.enclosure import ball_unknowns
 from ...systems.structure.structural_zeros import structure

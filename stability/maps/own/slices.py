@@ -39,7 +39,7 @@ from ...algebra.upright import Upright
 from ...base.errors import ParameterError, StabilityError
 from ...base.types import fields_of
 from ...base.verdict import Verdict
-from ...derivation.general.elimination import evaluate
+from ...derivation.elimination import evaluate
 from ...spectra.problem import Problem
 from ...systems.family import Family
 from ...systems.structure.identities import blocks_of, certain

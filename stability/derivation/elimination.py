@@ -16,19 +16,19 @@ import casadi as ca
 import numpy as np
 from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx
 
-from ...algebra.exact.function_field import Expression
-from ...algebra.exact.hurwitz_forms import Budget, by_power, factors
-from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, rational
-from ...algebra.exact.rational_functions import common_multiple, primitive
-from ...algebra.exact.triangular import RecordingField, Triangular, occurring
-from ...algebra.number_types import Algebra, balls, precision
-from ...algebra.program import Program
-from ...algebra.upright import Upright
-from ...base.errors import NoMemberError
-from ...systems.family import Family
-from ...systems.structure.enclosure import ball_unknowns
-from ...systems.structure.identities import blocks_of
-from ...systems.structure.structural_zeros import SAMPLE_BITS, SAMPLES, sampled
+from ..algebra.exact.function_field import Expression
+from ..algebra.exact.hurwitz_forms import Budget, by_power, factors
+from ..algebra.exact.number_fields import EXACT, NotExact, characteristic, rational
+from ..algebra.exact.rational_functions import common_multiple, primitive
+from ..algebra.exact.triangular import RecordingField, Triangular, occurring
+from ..algebra.number_types import Algebra, balls, precision
+from ..algebra.program import Program
+from ..algebra.upright import Upright
+from ..base.errors import NoMemberError
+from ..systems.family import Family
+from ..systems.structure.enclosure import ball_unknowns
+from ..systems.structure.identities import blocks_of
+from ..systems.structure.structural_zeros import SAMPLE_BITS, SAMPLES, sampled
 
 Poly = Any
 """An `fmpq_mpoly`."""

@@ -2,25 +2,219 @@
 
 A polynomial is positive where every coefficient is, after variables are replaced by positive ones.
 A proof is a sentence that a reader can repeat.
+
+Bounds are intervals of variables, with the rationals and roots inside them.  Negative terms may be
+outweighed by squares: 2 a b ≤ a² + b².
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
+from itertools import combinations, product
 from typing import Any
 
-from flint import fmpq
+from flint import fmpq, fmpq_poly
 
-from ...algebra.exact.hurwitz_forms import by_power, factors
-from ...algebra.exact.triangular import occurring
-from .bounds import Bounds, number_of, real_roots, univariate
+from ..algebra.exact.hurwitz_forms import by_power, factors
+from ..algebra.exact.triangular import occurring
 from .elimination import text
-from .squares import outweighed
 
 Poly = Any
 """An `fmpq_mpoly`."""
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """An interval of a variable; None means no bound."""
+
+    low: Any = None
+    """Lower bound, a rational."""
+    high: Any = None
+    """Upper bound, a rational."""
+    at_low: bool = False
+    """Whether the lower bound itself is allowed."""
+    at_high: bool = False
+    """Whether the upper bound itself is allowed."""
+
+    @property
+    def free(self) -> bool:
+        """Whether there is no bound."""
+        return self.low is None and self.high is None
+
+    def holds(self, value: Any) -> bool:
+        """Whether a rational or a whole ball lies inside."""
+        inside = self.low is None or value > self.low or (self.at_low and value == self.low)
+        below = self.high is None or value < self.high or (self.at_high and value == self.high)
+        return bool(inside and below)
+
+    def outside(self, value: Any) -> bool:
+        """Whether a rational or a whole ball lies outside."""
+        under = self.low is not None and (
+            value < self.low or (value == self.low and not self.at_low)
+        )
+        over = self.high is not None and (
+            value > self.high or (value == self.high and not self.at_high)
+        )
+        return bool(under or over)
+
+    def narrowed(self, low: Any, high: Any, allowed: bool) -> Bounds:
+        """The interval cut by another one, whose bounds are allowed or not."""
+        bottom, at_low, top, at_high = self.low, self.at_low, self.high, self.at_high
+        if low is not None and (bottom is None or low >= bottom):
+            bottom, at_low = low, allowed and (at_low or low != bottom)
+        if high is not None and (top is None or high <= top):
+            top, at_high = high, allowed and (at_high or high != top)
+        return Bounds(bottom, top, at_low, at_high)
+
+
+def number_of(poly: Any) -> Any:
+    """The value of a constant polynomial; None counts as zero."""
+    if poly is None or poly == 0:
+        return fmpq(0)
+    return poly.leading_coefficient()
+
+
+def univariate(poly: Poly, index: int) -> Any:
+    """A polynomial in one variable as an `fmpq_poly`.
+
+    Parameters
+    ----------
+    poly
+        The polynomial; no other variable occurs.
+    index
+        Index of the variable.
+    """
+    parts = by_power(poly, index)
+    return fmpq_poly([number_of(parts.get(k)) for k in range(max(parts) + 1)])
+
+
+def real_roots(poly: Any) -> list[Any]:
+    """Real roots of an `fmpq_poly` as balls, sorted; a rational root is exact.
+
+    Parameters
+    ----------
+    poly
+        The polynomial, not zero.
+    """
+    found: list[Any] = []
+    for factor, _ in poly.numer().factor()[1]:
+        if factor.degree() == 1:
+            found.append(fmpq(-int(factor[0]), int(factor[1])))
+        elif factor.degree() > 1:
+            found += [r.real for r, _ in factor.complex_roots() if r.imag == 0]
+    return sorted(found, key=lambda r: r if isinstance(r, fmpq) else r.mid().fmpq())
+
+
+def between(roots: Sequence[Any], low: Any, high: Any) -> Iterator[Any]:
+    """Rationals between neighbouring roots and beyond the outer ones, within open bounds.
+
+    Parameters
+    ----------
+    roots
+        Sorted balls or rationals.
+    low, high
+        Rationals or None.
+    """
+    inner = [r if isinstance(r, fmpq) else r.mid().fmpq() for r in roots]
+    inner = [r for r in inner if (low is None or r > low) and (high is None or r < high)]
+    first = low if low is not None else (min(inner, default=fmpq(0)) - 1) * 2
+    last = high if high is not None else (max(inner, default=fmpq(0)) + 1) * 2
+    edges = [first, *inner, max(last, first + 1)] if high is None else [first, *inner, last]
+    for a, b in zip(edges, edges[1:], strict=False):
+        if a < b:
+            yield short(a, b)
+
+
+def short(low: Any, high: Any) -> Any:
+    """The decimal of fewest digits well inside an interval.
+
+    Parameters
+    ----------
+    low, high
+        Rationals, low below high.
+
+    Examples
+    --------
+    >>> short(fmpq(1, 3), fmpq(1, 2))
+    2/5
+    """
+    slack = (high - low) / 10
+    middle, scale = (low + high) / 2, fmpq(1)
+    while scale < high - low:
+        scale *= 10
+    while True:
+        value = fmpq(int((middle / scale + fmpq(1, 2)).floor())) * scale
+        if low + slack < value < high - slack:
+            return value
+        scale /= 10
+
+
+MOST_NEGATIVE = 4
+"""Negative terms beyond which no squares are sought."""
+MOST_SQUARED = 40
+"""Terms beyond which no squares are sought."""
+Exponents = tuple[int, ...]
+Terms = Mapping[Exponents, Any]
+"""Rational coefficients by the exponents of their monomials."""
+
+
+def outweighed(terms: Terms, never_negative: Callable[[Exponents], bool]) -> dict[Any, Any] | None:
+    """What is left of a polynomial after every negative term is completed to a square, or None.
+
+    A term -c·M with M² = A·B is outweighed by p·A + q·B where A, B ≥ 0 and c² ≤ 4 p q.  Where c²
+    is less, with s = c²/(4 p q), the part (1 - s)/2 of both is left, since √s ≤ (1 + s)/2.
+
+    Parameters
+    ----------
+    terms
+        The polynomial.
+    never_negative
+        Whether the monomial of some exponents is nowhere negative.
+
+    Returns
+    -------
+    dict or None
+        Terms with positive coefficients: the polynomial is nowhere less than their sum.
+
+    Source: tests/derivation/test_signs.py.
+
+    Examples
+    --------
+    >>> from fractions import Fraction
+    >>> one = Fraction(1)
+    >>> outweighed({(4, 0): one, (2, 1): -2 * one, (0, 2): one, (0, 0): 3 * one},
+    ...            lambda e: all(n % 2 == 0 for n in e))
+    {(0, 0): Fraction(3, 1)}
+    """
+    negative = [e for e, c in terms.items() if c < 0 or not never_negative(e)]
+    if not negative or len(negative) > MOST_NEGATIVE or len(terms) > MOST_SQUARED:
+        return None
+    return _completed(
+        {e: c for e, c in terms.items() if e not in negative}, [(e, terms[e]) for e in negative]
+    )
+
+
+def _completed(
+    good: dict[Exponents, Any], negative: list[tuple[Exponents, Any]]
+) -> dict[Exponents, Any] | None:
+    """The terms left after all negative ones are completed, by any choice of pairs."""
+    if not negative:
+        return good
+    (middle, c), *others = negative
+    for a, b in combinations(good, 2):
+        if any(i + j != 2 * k for i, j, k in zip(a, b, middle, strict=True)):
+            continue
+        share = c * c / (4 * good[a] * good[b])
+        if share > 1:
+            continue
+        left = {e: v * (1 - share) / 2 if e in (a, b) else v for e, v in good.items()}
+        found = _completed({e: v for e, v in left.items() if v}, others)
+        if found is not None:
+            return found
+    return None
+
+
 MOST_TERMS = 4000
 """Terms of a polynomial, after a substitution, beyond which no proof is sought."""
 
