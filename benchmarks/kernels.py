@@ -34,10 +34,10 @@ import stability as st
 from stability.base.axis import Axis
 from stability.maps.cells import COMPILED_FROM, Cells
 from stability.maps.growth_rates import GrowthKernel
-from stability.maps.verdict_tiles import GridVerdicts
+from stability.maps.verdicts import GridVerdicts
 from stability.spectra.arguments import prepare
 from stability.spectra.certificate import certify
-from stability.spectra.disk_problem import disk_problem
+from stability.spectra.problem import disk_problem
 
 REPEATS = 5
 NX, NY = 2000, 1500
@@ -181,7 +181,7 @@ found = {"first_map_s": round(time.perf_counter() - loaded, 2)}
 STREAM = """
 import numpy as np
 from stability.maps.growth_rates import GrowthKernel
-from stability.maps.verdict_tiles import GridVerdicts
+from stability.maps.verdicts import GridVerdicts
 kernel = GrowthKernel(question, quick=True)
 grid = GridVerdicts(question, "at", "mu")
 start, count, worst, growing = time.process_time(), 0, 0.0, 0
@@ -291,7 +291,7 @@ def maps(family: str) -> dict[str, Any]:
 def signs_wrong(family: str, axes: tuple[Axis, Axis], slow: Callable[[], Any]) -> str:
     at, mu = np.meshgrid(axes[0].values, axes[1].values[:: NY // BASE_ROWS])
     question = disk_problem(family, st.Disk(), st.Viscous(1.0), 1.0)
-    from stability.maps.verdict_filter import FilteredVerdicts
+    from stability.maps.verdicts import FilteredVerdicts
 
     codes, _ = FilteredVerdicts(question).codes(dict(question.values) | {"at": at, "mu": mu})
     lead = slow().reshape(at.shape)

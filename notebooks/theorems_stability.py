@@ -40,7 +40,7 @@ from proofs.rounded_rim import shifted, tumbling
 from proofs.tumbling import tumbling_static
 
 import stability as st
-from stability.derivation.body_graph import I1, I3, RHO
+from stability.derivation.body_polynomials import I1, I3, RHO
 from stability.derivation.characteristic import M
 
 # %% [markdown]

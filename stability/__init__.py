@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from .base.calls.guard import guarded
 from .base.version import __version__ as __version__
-from .spectra.presentation import drawing
+from .spectra import drawing
 
 _HOME = {
     "bodies.disk": ("Disk", "REAL_DISKS"),
@@ -45,12 +45,11 @@ _HOME = {
     "derivation.conditions": ("conditions", "Conditions"),
     "bodies.painleve": ("painleve_limit", "PainleveLimit"),
     "boundary.drift": ("drift", "Drift"),
-    "boundary.hopf": ("hopf", "HopfPoint", "HopfKind"),
-    "boundary.beyond_linear.slow_flow": ("slow_flow", "SlowFlow"),
-    "boundary.beyond_linear.mean_path": ("retrograde_map",),
-    "boundary.beyond_linear.records": ("CycleBirth", "Onset"),
-    "boundary.beyond_linear.two_parameters.points": ("codimension_two",),
-    "boundary.beyond_linear.two_parameters.point_records": (
+    "boundary.hopf": ("hopf", "HopfPoint", "HopfKind", "CycleBirth", "Onset"),
+    "boundary.slow_flow": ("slow_flow", "SlowFlow"),
+    "boundary.mean_path": ("retrograde_map",),
+    "boundary.two_parameters.points": ("codimension_two",),
+    "boundary.two_parameters.point_records": (
         "CodimensionTwo",
         "DegeneratePoint",
         "PointKind",
@@ -143,19 +142,6 @@ if TYPE_CHECKING:
     from .bodies.round_body.shapes.profile import from_profile as from_profile
     from .bodies.thin_disk import disk_family as disk_family
     from .bodies.thin_disk import disk_system as disk_system
-    from .boundary.beyond_linear.mean_path import retrograde_map as retrograde_map
-    from .boundary.beyond_linear.records import CycleBirth as CycleBirth
-    from .boundary.beyond_linear.records import Onset as Onset
-    from .boundary.beyond_linear.slow_flow import SlowFlow as SlowFlow
-    from .boundary.beyond_linear.slow_flow import slow_flow as slow_flow
-    from .boundary.beyond_linear.two_parameters.point_records import (
-        CodimensionTwo as CodimensionTwo,
-    )
-    from .boundary.beyond_linear.two_parameters.point_records import (
-        DegeneratePoint as DegeneratePoint,
-    )
-    from .boundary.beyond_linear.two_parameters.point_records import PointKind as PointKind
-    from .boundary.beyond_linear.two_parameters.points import codimension_two as codimension_two
     from .boundary.changes import boundaries as boundaries
     from .boundary.crossings import Boundaries as Boundaries
     from .boundary.crossings import BoundaryPoint as BoundaryPoint
@@ -163,9 +149,18 @@ if TYPE_CHECKING:
     from .boundary.crossings import Unresolved as Unresolved
     from .boundary.drift import Drift as Drift
     from .boundary.drift import drift as drift
+    from .boundary.hopf import CycleBirth as CycleBirth
     from .boundary.hopf import HopfKind as HopfKind
     from .boundary.hopf import HopfPoint as HopfPoint
+    from .boundary.hopf import Onset as Onset
     from .boundary.hopf import hopf as hopf
+    from .boundary.mean_path import retrograde_map as retrograde_map
+    from .boundary.slow_flow import SlowFlow as SlowFlow
+    from .boundary.slow_flow import slow_flow as slow_flow
+    from .boundary.two_parameters.point_records import CodimensionTwo as CodimensionTwo
+    from .boundary.two_parameters.point_records import DegeneratePoint as DegeneratePoint
+    from .boundary.two_parameters.point_records import PointKind as PointKind
+    from .boundary.two_parameters.points import codimension_two as codimension_two
     from .compare.report import report as report
     from .derivation.conditions import Conditions as Conditions
     from .derivation.conditions import conditions as conditions

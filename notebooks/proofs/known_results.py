@@ -11,8 +11,18 @@ from typing import Any
 
 import sympy
 
-from stability.derivation.body_graph import BEND, I1, I3, PHI, RHO, SLOPE, SPIN, H
-from stability.derivation.body_polynomials import AXIAL, RADIUS
+from stability.derivation.body_polynomials import (
+    AXIAL,
+    BEND,
+    I1,
+    I3,
+    PHI,
+    RADIUS,
+    RHO,
+    SLOPE,
+    SPIN,
+    H,
+)
 from stability.derivation.characteristic import COS, SIN
 
 from .entry import Entry

@@ -9,7 +9,7 @@ import sympy
 
 from stability.bodies.contact import Contact, Parameter
 from stability.bodies.contact_laws import LAWS
-from stability.derivation.body_graph import (
+from stability.derivation.body_polynomials import (
     BEND,
     FORCE_X,
     FORCE_Y,

@@ -6,8 +6,14 @@ from typing import Any
 
 import sympy
 
-from stability.derivation.body_graph import PHI, SPIN
-from stability.derivation.body_polynomials import LAWS, PAIRS, STATES, characteristic
+from stability.derivation.body_polynomials import (
+    PAIRS,
+    PHI,
+    SPIN,
+    STATES,
+    STORED_LAWS,
+    characteristic,
+)
 
 from .entry import Entry, raised, written
 from .pole.polynomials import vertical
@@ -36,8 +42,8 @@ def polynomials() -> tuple[tuple[str, str], ...]:
     >>> polynomials()[-1]
     ('vertical', 'smooth')
     """
-    pairs = [(f, law) for f in STATES for law in LAWS]
-    return (*pairs, *PAIRS.items(), *(("vertical", law) for law in LAWS))
+    pairs = [(f, law) for f in STATES for law in STORED_LAWS]
+    return (*pairs, *PAIRS.items(), *(("vertical", law) for law in STORED_LAWS))
 
 
 def polynomial(family: str, law: str) -> Entry:

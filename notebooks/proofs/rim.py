@@ -14,9 +14,21 @@ from typing import Any
 import sympy
 from flint import arb, fmpq
 
-from stability.algebra.balls import precision
-from stability.derivation.body_graph import BEND, I1, I3, PHI, RHO, SPIN, H, R, Z, folded
-from stability.derivation.body_polynomials import SQUARE, characteristic
+from stability.algebra.number_types import precision
+from stability.derivation.body_polynomials import (
+    BEND,
+    I1,
+    I3,
+    PHI,
+    RHO,
+    SPIN,
+    SQUARE,
+    H,
+    R,
+    Z,
+    characteristic,
+    folded,
+)
 from stability.derivation.characteristic import COS, MU, SIN, K, M
 from stability.derivation.hurwitz import determinant
 

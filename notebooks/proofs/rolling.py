@@ -7,8 +7,7 @@ from typing import Any
 
 import sympy
 
-from stability.derivation.body_graph import BEND, I1, I3, RHO, SPIN, H
-from stability.derivation.body_polynomials import characteristic
+from stability.derivation.body_polynomials import BEND, I1, I3, RHO, SPIN, H, characteristic
 from stability.derivation.characteristic import COS, LAM, MU, SIN
 
 from .mechanics import same_linearisation, vanishes

@@ -10,8 +10,16 @@ from typing import Any
 
 import sympy
 
-from stability.derivation.body_graph import BEND, I1, I3, PHI, RHO, H
-from stability.derivation.body_polynomials import Characteristic, characteristic
+from stability.derivation.body_polynomials import (
+    BEND,
+    I1,
+    I3,
+    PHI,
+    RHO,
+    Characteristic,
+    H,
+    characteristic,
+)
 from stability.derivation.characteristic import MU, SQUARE, M
 from stability.derivation.hurwitz import determinant
 

@@ -7,7 +7,8 @@ from typing import Any
 
 import sympy
 
-from stability.derivation.body_graph import (
+from stability.derivation.body_polynomials import (
+    AXIAL,
     BEND,
     FORCE_X,
     FORCE_Y,
@@ -15,25 +16,22 @@ from stability.derivation.body_graph import (
     I3,
     NORMAL,
     PHI,
+    RADIUS,
     RHO,
     SLIP_X,
     SLIP_Y,
     SLOPE,
     SPEEDS,
     SPIN,
+    SQUARE,
     STILL,
+    STORED_LAWS,
     H,
     R,
     Z,
+    characteristic,
     equations,
     pencil,
-)
-from stability.derivation.body_polynomials import (
-    AXIAL,
-    LAWS,
-    RADIUS,
-    SQUARE,
-    characteristic,
 )
 from stability.derivation.characteristic import COS, MU, SIN
 
@@ -288,7 +286,9 @@ def _energy() -> bool:
 
 def _unstable() -> bool:
     """Whether the constant terms at rest are h′′ times the positive Q, and h′′ alone."""
-    found = {law: characteristic("rolling", law).coefficients[-1].subs(SPIN, 0) for law in LAWS}
+    found = {
+        law: characteristic("rolling", law).coefficients[-1].subs(SPIN, 0) for law in STORED_LAWS
+    }
     return (
         vanishes(found["viscous"] - MU**2 * BEND * Q)
         and vanishes(found["rough"] - BEND * Q)
@@ -298,7 +298,7 @@ def _unstable() -> bool:
 
 def derivatives_that_enter() -> tuple[bool, str]:
     """Whether the height, its slope and its second derivative alone enter every linearisation."""
-    kept = {law: pencil(law).free_symbols for law in LAWS}
+    kept = {law: pencil(law).free_symbols for law in STORED_LAWS}
     third = [law for law, symbols in kept.items() if any(str(x) == "h′′′" for x in symbols)]
     steady = [r.subs(STILL | {NORMAL: 1, FORCE_X: 0, FORCE_Y: 0}) for r in equations("rough").rows]
     bend = any(row.has(BEND) for row in steady)

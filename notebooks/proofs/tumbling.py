@@ -8,34 +8,32 @@ from typing import Any
 import sympy
 from sympy.polys.matrices import DomainMatrix
 
-from stability.derivation.body_graph import (
+from stability.derivation.body_polynomials import (
+    AXIAL,
     BEND,
+    CENTRE,
     FORCE_X,
     FORCE_Y,
     I1,
     I3,
+    PAIRS,
     PHI,
     PHI_DDOT,
+    RADIUS,
     RHO,
     SLOPE,
     SPIN,
     SPIN_DOT,
+    SQUARE,
     THETA_DDOT,
     THETA_DOT,
     H,
     R,
     Z,
+    characteristic,
     equations,
     folded,
     pencil,
-)
-from stability.derivation.body_polynomials import (
-    AXIAL,
-    CENTRE,
-    PAIRS,
-    RADIUS,
-    SQUARE,
-    characteristic,
 )
 from stability.derivation.characteristic import COS, LAM, MU, SIN
 

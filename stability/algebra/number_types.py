@@ -5,18 +5,21 @@ from __future__ import annotations
 import operator
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache, lru_cache, partial
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from math import prod
+from threading import RLock
 from types import ModuleType
 from typing import Any
 
 import casadi as ca
 import numpy as np
+from flint import arb, ctx
 
 from .upright import Upright
 
@@ -108,16 +111,15 @@ def _angle(y: Any, x: Any) -> Any:
     return np.where(np.equal(y, 0) & np.less_equal(x, 0), np.nan, np.arctan2(y, x))
 
 
-def ball_algebra() -> Algebra:
+@lru_cache(maxsize=1)
+def balls() -> Algebra:
     """Real balls of python-flint at its context's precision: a result encloses the exact value.
 
     Examples
     --------
-    >>> ball_algebra().functions["sqrt"](ball_algebra().constant(4.0))
+    >>> balls().functions["sqrt"](balls().constant(4.0))
     2.00000000000000
     """
-    from flint import arb
-
     names = (*UNARY, *MORE)
     table: dict[str, Callable[..., Any]] = {name: operator.methodcaller(name) for name in names}
     table |= {"pow": ball_power, "fabs": abs, "atan2": ball_angle}
@@ -138,8 +140,6 @@ def ball_angle(y: Any, x: Any) -> Any:
     >>> ball_angle(arb(0, 1), arb(2)).is_finite(), ball_angle(arb(0, 1), arb(-2)).is_finite()
     (True, False)
     """
-    from flint import arb
-
     x, y = arb(x), arb(y)
     return arb.atan2(y, x) if x > 0 or y > 0 or y < 0 else arb("nan")
 
@@ -158,8 +158,6 @@ def ball_power(x: Any, y: Any) -> Any:
     >>> ball_power(arb(0, 2), arb(3)).is_finite()
     True
     """
-    from flint import arb
-
     x, y = arb(x), arb(y)
     if not (y.is_integer() and abs(y) <= MOST_FACTORS and x.contains(0)):
         return x**y
@@ -309,7 +307,51 @@ def heyoka_algebra() -> Algebra:
     return Algebra("heyoka", hy.expression, table)
 
 
-@lru_cache(maxsize=1)
-def balls() -> Algebra:
-    """The ball algebra, imported at first use."""
-    return ball_algebra()
+def upper(ball: Any) -> float:
+    """A double that is not below any number of a ball; 0 for an exact zero.
+
+    Parameters
+    ----------
+    ball
+        A nonnegative real ball.
+    """
+    if ball == 0:
+        return 0.0
+    return float(np.nextafter(float(ball.abs_upper()), np.inf))
+
+
+_PRECISION = RLock()
+
+
+@contextmanager
+def precision(bits: int) -> Iterator[None]:
+    """A context with balls of the given precision; the former precision returns afterwards.
+
+    Parameters
+    ----------
+    bits
+        Working precision, in bits.
+
+    Examples
+    --------
+    >>> from flint import arb
+    >>> with precision(200):
+    ...     print((arb(1) / 3).rel_accuracy_bits() > 190)
+    True
+    """
+    with _PRECISION:  # one precision for the whole process: threads take turns
+        before = ctx.prec
+        ctx.prec = bits
+        try:
+            yield
+        finally:
+            ctx.prec = before
+
+
+MIXED = Algebra(
+    "rationals and balls",
+    arb,
+    {name: partial(lambda method, x: getattr(arb(x), method)(), name) for name in (*UNARY, *MORE)}
+    | {"pow": ball_power, "fabs": abs, "atan2": ball_angle},
+)
+"""Rationals stay rational; a function makes them balls."""

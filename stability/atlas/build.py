@@ -352,7 +352,7 @@ def zeros_of_rates(spectra: Any) -> list[float]:
     """
     from ..boundary.brackets import AxisScan, zeros
     from ..figures.locus.modes import changes_of_sign, crossings, swept, tracked
-    from ..spectra.disk_problem import disk_problem
+    from ..spectra.problem import disk_problem
 
     values, radius = tracked(spectra)
     _, at = swept(spectra)

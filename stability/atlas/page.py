@@ -20,7 +20,7 @@ from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES
 from ..boundary.crossings import Crossing
 from ..boundary.curves import KINDS
-from ..spectra.presentation.labels import LIBRARIES
+from ..spectra.labels import LIBRARIES
 
 BODIES: dict[str, tuple[Callable[[], Disk], str, str]] = {
     "disk": (Disk.uniform, "uniform disk", "k = 1/4"),

@@ -13,8 +13,7 @@ import casadi as ca
 import numpy as np
 from flint import arb, fmpq
 
-from ..algebra.balls import precision
-from ..algebra.number_types import balls
+from ..algebra.number_types import balls, precision
 from ..algebra.program import Program
 from ..base.checks import instance
 from ..base.citation.used import cited

@@ -17,9 +17,9 @@ import numpy as np
 from flint import arb, ctx, fmpq_poly
 from numpy.typing import NDArray
 
-from ..algebra.balls import MIXED, precision
 from ..algebra.exact.known_polynomial import TabulatedPolynomial
-from ..algebra.routh_balls import hurwitz_determinant, hurwitz_sign, product, verdict_polynomial
+from ..algebra.exact.routh import hurwitz_determinant, hurwitz_sign, product, verdict_polynomial
+from ..algebra.number_types import MIXED, precision
 from ..base.errors import NoMemberError, StabilityError
 from ..base.verdict import DECAYING, Verdict, best
 from ..spectra.certificate import member_at, of_member, structural_zeros

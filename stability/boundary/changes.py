@@ -9,10 +9,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..algebra.balls import MIXED, precision
 from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..algebra.exact.number_fields import NotExact, rational
-from ..algebra.exact.real_roots import UnclearError
+from ..algebra.exact.roots import UnclearError
+from ..algebra.number_types import MIXED, precision
 from ..base.axis import AxisLike
 from ..base.citation.used import cited
 from ..base.errors import ParameterError, StabilityError
@@ -23,7 +23,7 @@ from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..spectra.arguments import swept
 from ..spectra.certificate import verdict as certified
-from ..spectra.presentation.labels import of_package
+from ..spectra.labels import of_package
 from ..spectra.problem import Problem
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
@@ -32,9 +32,8 @@ from .brackets import BITS, AxisScan, crossed, crossing_rate
 from .critical import Characteristic, Conditions
 from .crossings import Boundaries, BoundaryPoint, Crossing, Unresolved, bracket
 from .interval_search.meaning import meaningful
-from .interval_search.proved import proved
-from .search import Mark, Search, search
-from .single_points import single
+from .interval_search.pieces import proved
+from .search import Mark, Search, search, single
 
 POINT = 1e-9
 """Width of a part that the exact search leaves open, over the interval, up to which it is a point.
@@ -165,7 +164,7 @@ def along(
 
     Examples
     --------
-    >>> from stability.spectra.disk_problem import disk_problem
+    >>> from stability.spectra.problem import disk_problem
     >>> from stability.bodies.contact_laws import Rough
     >>> from stability.bodies.disk import Disk
     >>> [b] = along(disk_problem("rolling", Disk(), Rough()), "at", 0.1, 2.0)

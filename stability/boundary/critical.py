@@ -18,7 +18,6 @@ from typing import Any
 
 from flint import arb, fmpq, fmpq_poly, fmpz
 
-from ..algebra.balls import precision
 from ..algebra.exact.number_fields import EXACT, NotExact, characteristic, rational
 from ..algebra.exact.rational_functions import (
     RING,
@@ -28,8 +27,9 @@ from ..algebra.exact.rational_functions import (
     primitive,
     univariate,
 )
-from ..algebra.exact.real_roots import complex_roots, sign_at, specialised
+from ..algebra.exact.roots import complex_roots, sign_at, specialised
 from ..algebra.exact.routh import on_the_axis
+from ..algebra.number_types import precision
 from ..base.verdict import Verdict
 from ..systems.family import Family
 

@@ -24,7 +24,7 @@ from ..bodies.contact import Contact
 from ..bodies.contact_laws import LinearViscous, Viscous, law_missing, stored
 from ..bodies.disk import Disk
 from ..bodies.law_names import law_only
-from ..spectra.disk_problem import disk_problem
+from ..spectra.problem import disk_problem
 
 FORMULAS = {
     "threshold": "omega3_c^2 = 1/(2 k)",

@@ -1,16 +1,28 @@
-"""Every value of an axis at which the verdict can change, isolated, with its verdicts."""
+"""Every value of an axis at which the verdict can change, isolated, with its verdicts.
+
+These include single values, where the verdict differs from that on both sides.  Where an eigenvalue
+reaches the imaginary axis while others keep the motion unstable, the verdict stays.  Where all
+unstable eigenvalues reach the axis together, as for undamped motions between damping and driving,
+the member is neutral there and unstable on both sides.
+
+Source: a polynomial p of degree n has, for every j, a zero within (C(n, j) |p(z) j!/p⁽ʲ⁾(z)|)^(1/j)
+of z: the j-th elementary symmetric function of 1/(z - zeros) has C(n, j) terms;
+tests/boundary/test_single_points.py.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import cache, reduce
+from math import comb
 from operator import mul
 from typing import Any
 
-from flint import arb, fmpq
+import numpy as np
+from flint import acb, acb_poly, arb, arb_poly, fmpq
 
-from ..algebra.balls import MIXED, precision
 from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..algebra.exact.number_fields import EXACT, NotExact, rational, rational_root
 from ..algebra.exact.rational_functions import (
@@ -21,15 +33,9 @@ from ..algebra.exact.rational_functions import (
     primitive,
     univariate,
 )
-from ..algebra.exact.real_roots import (
-    BITS,
-    MOST_BITS,
-    UnclearError,
-    real_roots,
-    sign_at,
-    specialised,
-)
-from ..algebra.number_types import Algebra
+from ..algebra.exact.roots import BITS, MOST_BITS, UnclearError, real_roots, sign_at, specialised
+from ..algebra.number_types import MIXED, Algebra, precision
+from ..base.verdict import Verdict
 from ..spectra.problem import Problem
 from .critical import Characteristic, Conditions, characteristic_ratios
 
@@ -103,7 +109,7 @@ def search(
     --------
     >>> from stability.bodies.contact_laws import Viscous
     >>> from stability.bodies.disk import Disk
-    >>> from stability.spectra.disk_problem import disk_problem
+    >>> from stability.spectra.problem import disk_problem
     >>> found = search(disk_problem("spinning", Disk(), Viscous(0.97)), "at", 0.1, 5)
     >>> [(m.kind, round(float(m.value), 10)) for m in found.marks if m.below != m.above]
     [('static', 2.0), ('flutter', 2.0451355787)]
@@ -313,3 +319,93 @@ def _inside(value: Any, ends: tuple[Any, ...], polynomials: Sequence[Any] | None
     if (low is not None and value < arb(low)) or (high is not None and value > arb(high)):
         return None
     return value
+
+
+GUARD = 64
+"""Bits beyond those of a root at which conditions are evaluated there."""
+
+
+def single(found: Search, mark: Mark, proved: Callable[[float], Verdict]) -> Verdict:
+    """The verdict at a mark on whose two sides it is the same.
+
+    Parameters
+    ----------
+    found
+        Result of `search`.
+    mark
+        One of its marks, not a pole.
+    proved
+        The proved verdict at a double.
+
+    Returns
+    -------
+    Verdict
+        The verdict of both sides where it is proved to hold there too; neutral where neutral is
+        proved; otherwise undecided.
+    """
+    if mark.below > 0:
+        # the limit of stable motions with an eigenvalue on the axis
+        return Verdict.NEUTRAL
+    # as precisely as the search had to be to separate this root from the next
+    with precision(max(BITS, min(mark.root.rel_accuracy_bits(), MOST_BITS)) + GUARD):
+        if _unstable(found.source, mark.root):
+            return Verdict.UNSTABLE
+    if isinstance(found.source, Conditions):
+        # no condition is proved negative; omitted ones follow only where the others are positive
+        neutral = proved(float(mark.value.mid())) is Verdict.NEUTRAL
+        return Verdict.NEUTRAL if neutral else Verdict.UNDECIDED
+    exact = _short_rational(found.source, mark.root)
+    return Verdict.UNDECIDED if exact is None else found.source.verdict(exact)
+
+
+def _unstable(source: Conditions | Characteristic, x: Any) -> bool:
+    """Whether some eigenvalue with a positive real part is proved in a ball of the variable."""
+    if isinstance(source, Conditions):
+        sine = source.sine() if source.sine is not None else arb(0)
+        return any(_at(p, x, sine) < 0 for _, p in source.critical)
+    return any(grows([arb_poly(c)(x) for c in factor]) for factor in source.factors)
+
+
+def _at(p: Any, x: Any, sine: Any) -> Any:
+    return sum((arb(c) * x ** int(i) * sine ** int(j) for (i, j), c in p.terms()), arb(0))
+
+
+def grows(coefficients: Sequence[Any]) -> bool:
+    """Whether a polynomial of balls is proved to have a zero right of the imaginary axis.
+
+    Parameters
+    ----------
+    coefficients
+        Balls, lowest first.
+
+    Examples
+    --------
+    >>> grows([arb(-1), arb(0), arb(1)]), grows([arb(1), arb(1)])
+    (True, False)
+    """
+    polynomial = acb_poly([acb(c) for c in coefficients])
+    middle = np.array([float(c.mid()) for c in map(arb, coefficients)])
+    if not np.isfinite(middle).all() or not middle[-1]:
+        return False
+    degree = len(coefficients) - 1
+    for guess in np.roots(middle[::-1]):
+        if guess.real > 0:
+            taylor = list(polynomial(acb_poly([acb(complex(guess)), acb(1)])))
+            for j in range(1, degree + 1):
+                if taylor[j].contains(0):
+                    continue
+                ratio = comb(degree, j) * abs(taylor[0]) / abs(taylor[j])
+                if ratio.upper().root(j) < float(guess.real):
+                    return True
+    return False
+
+
+def _short_rational(source: Characteristic, x: Any) -> Any | None:
+    """The root as a rational, where it is a short one."""
+    with precision(BITS):
+        middle = x.mid().fmpq()
+    near = Fraction(int(middle.p), int(middle.q)).limit_denominator(10**18)
+    exact = fmpq(near.numerator, near.denominator)
+    if x.contains(exact) and any(specialised(p, exact).is_zero() for _, p in source.critical):
+        return exact
+    return None

@@ -23,7 +23,7 @@ def _map(options: argparse.Namespace) -> None:
     with progress_bar("cells") as progress:
         from ..jobs.checkpoint import remove_parts
         from ..jobs.pipeline import resumable
-        from ..maps.points import points_of
+        from ..maps.dataset import points_of
         from ..maps.stability_map import stability_map
         from ..storage.files import named
         from ..storage.targets import path_text

@@ -3,25 +3,176 @@
 At rolling and spinning h′ = 0.  At tumbling h = r sinθ + z cosθ and h′ = r cosθ - z sinθ, where r
 and z say where the contact point lies: the centre rests, so ω₃ = φ̇ sinθ z/r, and φ̇² follows from
 φ̇² sinθ (I1 r cosθ - I3 z sinθ) = h′ r.
+
+The graph is read at one state, in SymPy.  The height is a cubic polynomial in θ about the state, so
+its value, slope, second and third derivative there are four free symbols.  Mass, gravity and length
+are 1.  Sine and cosine of θ are symbols with s² + c² = 1.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
+import casadi as ca
 import sympy
 from sympy.polys.matrices import DomainMatrix
 
+from ..algebra.number_types import sympy_algebra
+from ..algebra.program import Program
 from ..base.checks import known
-from .body_graph import BEND, FORCE_X, I1, I3, PHI, RHO, SLOPE, SPIN, H, R, Z, folded, pencil
+from ..bodies.contact import Contact
+from ..bodies.contact_laws import LAWS
+from ..bodies.round_body.body import Body
+from ..bodies.round_body.equations import round_system
 from .characteristic import COS, LAM, MU, SIN
 from .hurwitz import factored, terms
 
 Expr = Any
 """A SymPy expression; SymPy states no types."""
+H, SLOPE, BEND, THIRD = sympy.symbols("h h′ h′′ h′′′")
+"""The height at the state and its derivatives."""
+I1, I3 = sympy.symbols("I1 I3")
+"""Moments of inertia, transverse and axial."""
+RHO = sympy.Symbol("ρ")
+"""Radius of curvature of the meridian, h + h′′."""
+R, Z = sympy.symbols("r z")
+"""Distances of the contact point from the axis, and along the axis from the centre."""
+THETA_DOT, PHI, SPIN, SLIP_X, SLIP_Y = sympy.symbols("theta_dot phi_dot omega3 slip_x slip_y")
+FORCE_X, FORCE_Y, NORMAL = sympy.symbols("F_x F_y g_n")
+RATES = sympy.symbols("theta_ddot phi_ddot omega3_dot slip_x_dot slip_y_dot")
+THETA_DDOT, PHI_DDOT, SPIN_DOT, SLIP_X_DOT, SLIP_Y_DOT = RATES
+SPEEDS = (THETA_DOT, PHI, SPIN, SLIP_X, SLIP_Y)
+STILL = {THETA_DOT: 0} | dict.fromkeys((THETA_DDOT, PHI_DDOT, SPIN_DOT), 0)
+"""θ̇ and the accelerations of a steady motion."""
+KNOWN = {
+    "d_theta_dot": THETA_DDOT,
+    "d_phi_dot": PHI_DDOT,
+    "d_omega3": SPIN_DOT,
+    "normal": NORMAL,
+    "force_x": FORCE_X,
+    "force_y": FORCE_Y,
+    "d_slip_x": SLIP_X_DOT,
+    "d_slip_y": SLIP_Y_DOT,
+}
+"""Symbols of the unknowns of the equations."""
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Newton and Euler at one state: every row is zero along a motion."""
+
+    rows: tuple[Expr, ...]
+    """Newton along x̂, ŷ, ẑ (ẑ alone without friction), Euler along 1̂, 2̂, 3̂."""
+    by_state: sympy.Matrix
+    """Derivatives of the rows by the states."""
+    by_unknown: sympy.Matrix
+    """Derivatives of the rows by accelerations, normal force, and forces or slip rates."""
+    energy: Expr
+    """Energy, without the third derivative."""
+
+
+def _height(theta: Any, here: Any, h: Any, slope: Any, bend: Any, third: Any) -> Any:  # noqa: PLR0913
+    step = theta - here
+    return h + slope * step + bend * step**2 / 2 + third * step**3 / 6
+
+
+@lru_cache(maxsize=8)
+def equations(law: str | type[Contact]) -> Equations:
+    """The equations of every body under a law, at a state with free symbols.
+
+    Parameters
+    ----------
+    law
+        Name of a law with at most one coefficient, or `StatedForce` for any force.
+
+    Examples
+    --------
+    >>> equations("smooth").rows[-1]
+    I3*omega3_dot
+    """
+    contact = LAWS[law] if isinstance(law, str) else law
+    shape = {"here": 1.5, "h": 1.0, "slope": 0.0, "bend": 0.0, "third": 0.0}
+    body = Body(
+        _height, axial=0.5, transverse=0.4, shape=shape, name="any body", between=(1.4, 1.6)
+    )
+    system = round_system(body, contact, tuple(p.name for p in contact.parameters), physical=False)
+    assert system.mass is not None and system.forcing is not None
+    unknown = ca.SX.sym("u", len(system.unknowns))
+    rows = system.mass @ unknown - system.forcing
+    out = [
+        rows,
+        ca.jacobian(rows, system.x),
+        ca.jacobian(rows, unknown),
+        ca.SX(system.observables["energy"]),
+    ]
+    program = Program(ca.Function("implicit", [system.x, unknown, system.p], out))
+    here = sympy.Symbol("theta")
+    table = {
+        "here": here,
+        "h": H,
+        "slope": SLOPE,
+        "bend": BEND,
+        "third": THIRD,
+        "axial": I3,
+        "transverse": I1,
+        "mu": MU,
+        "c": MU,
+        "force_x": FORCE_X,
+        "force_y": FORCE_Y,
+    }
+    state = [here, *SPEEDS][: len(system.states)]
+    given = [state, [KNOWN[n] for n in system.unknowns], [table[n] for n in system.parameters]]
+    algebra = sympy_algebra()
+    functions = dict(algebra.functions) | {"sin": lambda _: SIN, "cos": lambda _: COS}
+    algebra = replace(algebra, functions=functions)
+    read = [sympy.Matrix(program.dense(algebra, given, i)).expand() for i in range(4)]
+    return Equations(tuple(read[0]), read[1], read[2], read[3][0])
+
+
+def pencil(law: str) -> sympy.Matrix:
+    """The linearisation at a state with θ̇ = 0 and no slip, as a matrix that is polynomial in λ.
+
+    A disturbance of θ, φ̇, ω₃, the normal force, and of slip or contact force grows with e^(λt)
+    where the determinant vanishes.  θ̇ grows as λ times θ.
+
+    Parameters
+    ----------
+    law
+        Name of the law.
+    """
+    found = equations(law)
+    x, u = found.by_state, found.by_unknown
+    columns = [
+        x[:, 0] + LAM * x[:, 1] + LAM**2 * u[:, 0],
+        x[:, 2] + LAM * u[:, 1],
+        x[:, 3] + LAM * u[:, 2],
+        u[:, 3],
+    ]
+    more = u[:, 4:]
+    if LAWS[law].slips:
+        more = x[:, 4:] + LAM * more
+    rest = STILL | dict.fromkeys((SLIP_X_DOT, SLIP_Y_DOT, *SPEEDS[3:]), 0)
+    matrix = sympy.Matrix.hstack(*columns, more)
+    return matrix.subs(rest | {NORMAL: 1, FORCE_Y: 0}).expand()
+
+
+def folded(expression: Expr) -> Expr:
+    """A polynomial with cosθ to the first power at most, expanded.
+
+    Parameters
+    ----------
+    expression
+        Polynomial in s and c.
+    """
+    poly = sympy.Poly(sympy.expand(expression), COS)
+    return sympy.expand(
+        sum(a * COS ** (n % 2) * (1 - SIN**2) ** (n // 2) for (n,), a in poly.terms())
+    )
+
+
 CENTRE = {H: R * SIN + Z * COS, SLOPE: R * COS - Z * SIN}
 """The height and its slope by the place of the contact point."""
 SQUARE = CENTRE[SLOPE] * R / (SIN * (I1 * R * COS - I3 * Z * SIN))
@@ -34,7 +185,7 @@ STATES: dict[str, dict[Expr, Expr]] = {
 """Values of a family's states."""
 RADIUS, AXIAL = H * SIN + SLOPE * COS, H * COS - SLOPE * SIN
 """r and z of the contact point."""
-LAWS = ("viscous", "rough", "smooth")
+STORED_LAWS = ("viscous", "rough", "smooth")
 """Laws whose polynomials are derived."""
 PAIRS = {"circling": "rough", "precession": "smooth"}
 """Families that two numbers name, each under its one law."""
@@ -92,7 +243,7 @@ def characteristic(family: str, law: str) -> Characteristic:
     else:
         rest = dict(STATES[family])
         spin = {SPIN: rest.pop(SPIN, SPIN)}  # with its fraction only after the determinant
-        det = _determinant(known("law", law, LAWS), {FORCE_X: 0} | rest)
+        det = _determinant(known("law", law, STORED_LAWS), {FORCE_X: 0} | rest)
         poly = sympy.Poly(folded(sympy.fraction(sympy.together(det.subs(spin)))[0]), LAM)
     zeros = min(n for (n,) in poly.monoms())
     content, factors = sympy.factor_list(poly.as_expr())
@@ -148,7 +299,7 @@ def stored() -> dict[str, Any]:
         By family and law: `zeros`, `even`, and `coefficients` (terms of each, lowest power first).
     """
     cases: dict[str, Any] = {}
-    for law in LAWS:
+    for law in STORED_LAWS:
         for family in ("rolling", "tumbling"):
             found = characteristic(family, law)
             cases[f"{family} {law}"] = _record(found.zeros, found.coefficients[::-1])

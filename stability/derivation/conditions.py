@@ -1,10 +1,13 @@
-"""`conditions`: exact conditions of stability for any family, with the proof of each sign."""
+"""`conditions`: exact conditions of stability for any family, with the proof of each sign.
+
+Numbers are taken as they are, or doubles are read as the decimals that were written.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
@@ -13,16 +16,16 @@ import numpy as np
 from flint import arb, fmpq, fmpq_poly
 from numpy.typing import ArrayLike
 
-from ..algebra.balls import precision
 from ..algebra.exact.hurwitz_forms import Budget, TooLarge
-from ..algebra.exact.number_fields import NotExact
-from ..algebra.exact.routh import on_the_axis
+from ..algebra.exact.number_fields import NotExact, rational
+from ..algebra.exact.routh import hurwitz_sign, on_the_axis, verdict_polynomial
+from ..algebra.number_types import precision
 from ..algebra.polynomial import Polynomial
-from ..algebra.routh_balls import hurwitz_sign, verdict_polynomial
-from ..base.checks import flag, instance, known, whole_number
+from ..base.checks import flag, instance, known, one_number, whole_number
 from ..base.checks import positive as above_zero
 from ..base.citation.used import cited
-from ..base.errors import ParameterError, StabilityError
+from ..base.errors import ParameterError, StabilityError, shown
+from ..base.exact_numbers import decimal_of, double, exact_ratio, written
 from ..base.types import Record, fields_of
 from ..base.verdict import Verdict, best
 from ..bodies.contact import Contact
@@ -30,15 +33,252 @@ from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..bodies.subject import family_by_name
 from ..systems.family import Family
+from ..systems.graph.family_graph import FamilyGraph
 from ..systems.structure.multiplicity import Member
 from ..systems.structure.structural_zeros import steady_where, structure
 from ..systems.structure.zero_blocks import semisimple, typical, zero_power
 from ..systems.system import A_FAMILY, refuse_system
-from .general.deduction import Deduction, closed_forms, domain_of
-from .general.elimination import Reading, whole
-from .general.members import sloped_somewhere
-from .general.numbers import Numbers, sign_of
-from .general.records import Factor, SignCondition, Variable, Witness
+from .deduction import Deduction, closed_forms, domain_of, sloped_somewhere
+from .elimination import Reading, whole
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable of the polynomials."""
+
+    name: str
+    """Name as it occurs in a polynomial: `v`, `sin(theta)`, `sqrt(b)`."""
+    kind: str
+    """Kind: parameter, state, unknown, sine, cosine, root or function."""
+    meaning: str
+    """What it is, in words."""
+
+
+@dataclass(frozen=True)
+class Factor:
+    """A factor of the characteristic polynomial, irreducible over Q."""
+
+    coefficients: tuple[Polynomial, ...]
+    """Coefficients by powers of λ, lowest first."""
+    even: bool
+    """Whether only even powers of λ occur: its roots come in pairs ±λ."""
+    multiplicity: int
+    """How often it occurs."""
+
+    @property
+    def degree(self) -> int:
+        """Degree in λ."""
+        return len(self.coefficients) - 1
+
+
+@dataclass(frozen=True)
+class Witness:
+    """A member at which the sign of a condition is proved."""
+
+    point: Mapping[str, Fraction]
+    """Family parameters and parameters, exactly."""
+    sign: int
+    """1 or -1."""
+
+
+@dataclass(frozen=True)
+class SignCondition:
+    """A polynomial that is positive wherever a factor has all its roots in the left half-plane."""
+
+    name: str
+    """What it is, such as `constant term` or `Hurwitz determinant 3`."""
+    factor: int
+    """Index of the factor of the characteristic polynomial."""
+    kind: str
+    """What happens where it vanishes: static (an eigenvalue is 0), flutter (a pair on the
+    imaginary axis, or two pairs that meet there), or auxiliary."""
+    status: str
+    """positive or negative (proved in the whole domain), follows (from another condition),
+    changes (both signs occur at members), open (neither is proved), or zero (identically)."""
+    polynomial: Polynomial
+    """The polynomial, without factors of proved sign."""
+    whole: Polynomial
+    """The polynomial with all its factors."""
+    proof: str
+    """Proof of the status, or of the signs of the factors that are left out."""
+    witnesses: tuple[Witness, ...] = ()
+    """Members with proved signs; one of each sign where the status is `changes`."""
+
+    @property
+    def decides(self) -> bool:
+        """Whether the verdict depends on its sign."""
+        return self.status in ("changes", "open", "zero", "negative")
+
+    @property
+    def doubt(self) -> str:
+        """A sentence on a sign that is open: what would have to be proved."""
+        where = "anywhere" if any(w.sign < 0 for w in self.witnesses) else "everywhere"
+        return f"It is open whether {self.polynomial} > 0 {where}."
+
+
+AS_DOUBLES = (
+    "Numbers such as {decimal} are taken as their nearest doubles, exactly ({double}); with "
+    "decimals=True (--decimals) as they are written."
+)
+AS_DECIMALS = (
+    "Read as decimals, as written: {listed}.  The conditions hold for the model with these "
+    "decimals; `spectrum`, `boundaries` and maps take the nearest doubles."
+)
+KEPT = (
+    "Exact doubles still, since they are no decimals of at most 15 digits (CasADi may have joined "
+    "them): {listed}."
+)
+"""Statements on the numbers of a result."""
+MOST_LISTED = 12
+"""Decimals that a statement lists."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DecimalFamily(Family):
+    """A family in whose graph each double next to a short decimal is the decimal, exactly."""
+
+    @cached_property
+    def graph(self) -> FamilyGraph:
+        """The system's graph with decimals."""
+        return FamilyGraph(self._frame(decimals=True))
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """How numbers are read: fractions exactly, doubles exactly or as decimals."""
+
+    decimals: bool = False
+    """Whether a double that is the nearest one to a short decimal is read as the decimal."""
+
+    def family(self, family: Family) -> Family:
+        """The family whose graph has these numbers.
+
+        Parameters
+        ----------
+        family
+            The family.
+        """
+        if not self.decimals:
+            return family
+        return DecimalFamily(**{f.name: getattr(family, f.name) for f in fields(family)})
+
+    def ratio(self, value: float) -> Any:
+        """A double as a rational.
+
+        Parameters
+        ----------
+        value
+            A finite double.
+
+        Examples
+        --------
+        >>> Numbers(decimals=True).ratio(9.81), Numbers().ratio(0.375)
+        (981/100, 3/8)
+        """
+        short = decimal_of(value) if self.decimals else None
+        return rational(value) if short is None else fmpq(short.numerator, short.denominator)
+
+    def rational(self, name: str, value: Any) -> Any:
+        """A number that a user gives as a rational, or a refusal.
+
+        Parameters
+        ----------
+        name
+            Name of the number in the message.
+        value
+            A float, or a number that is exact by its type.
+        """
+        exact = exact_ratio(value)
+        if exact is None:
+            return self.ratio(one_number(name, value))
+        one_number(name, double(exact))  # refuses what no double is near
+        return fmpq(exact.numerator, exact.denominator)
+
+    def point(self, given: Mapping[str, Any]) -> dict[str, Any]:
+        """Numbers by name as rationals; balls stay.
+
+        Parameters
+        ----------
+        given
+            Numbers or balls by name.
+        """
+        return {
+            n: v if isinstance(v, (arb, fmpq)) else self.rational(n, v) for n, v in given.items()
+        }
+
+    def intervals(
+        self, family: Family, positive: Sequence[str], between: Mapping[str, tuple[Any, Any]]
+    ) -> dict[str, tuple[Any, Any]]:
+        """Open intervals by name, as rationals; None for an infinite end.
+
+        Parameters
+        ----------
+        family, positive, between
+            As in `stability.conditions`.
+        """
+        names = (*family.at, *family.unknown, *family.parameters)
+        if isinstance(positive, str):
+            raise ParameterError(f"positive is {shown(positive)}; give a tuple of names.")
+        out: dict[str, tuple[Any, Any]] = {}
+        for name in positive:
+            out[known("positive", name, names)] = (fmpq(0), None)
+        for name, limits in between.items():
+            known("between", name, names)
+            out[name] = self._interval(name, limits)
+        return out
+
+    def _interval(self, name: str, limits: Any) -> tuple[Any, Any]:
+        if isinstance(limits, (tuple, list, np.ndarray)) and len(limits) == 2:
+            below, above = (isinstance(v, float) and math.isinf(v) for v in limits)
+            low = None if below else self.rational(f"an end of {name}", limits[0])
+            high = None if above else self.rational(f"an end of {name}", limits[1])
+            ordered = low is None or high is None or low < high
+            if ordered and not (below and limits[0] > 0) and not (above and limits[1] < 0):
+                return low, high
+        raise ParameterError(f"between of {name} is {shown(limits)}; give (low, high).")
+
+    def statement(self, family: Family, given: Sequence[Any]) -> str:
+        """Sentences on the doubles that are no short decimals exactly, or empty.
+
+        Parameters
+        ----------
+        family
+            The family whose graph was read.
+        given
+            Floats among the numbers that the user gave.
+        """
+        asis, read = family.graph.numbers
+        own = (v for v in given if isinstance(v, float))
+        doubles = {v: decimal_of(v) for v in (*own, *asis, *read)}
+        short = {v: d for v, d in doubles.items() if d is not None and d != Fraction(v)}
+        others = [f"{v!r}" for v, d in doubles.items() if d is None]
+        if not self.decimals:
+            v, d = next(iter(short.items()), (0.0, Fraction(0)))
+            return AS_DOUBLES.format(decimal=written(d), double=Fraction(v)) if short else ""
+        said = []
+        if short:
+            listed = (f"{written(d)} = {d}" for d in short.values())
+            said = [AS_DECIMALS.format(listed=_shortened(list(listed)))]
+        if others:
+            said += [KEPT.format(listed=_shortened(others))]
+        return "  ".join(said)
+
+
+def _shortened(texts: list[str]) -> str:
+    more = len(texts) - MOST_LISTED
+    return ", ".join(texts[:MOST_LISTED]) + (f" and {more} more" if more > 0 else "")
+
+
+def sign_of(value: Any) -> int | None:
+    """The sign of a rational or a ball; None where a ball has both.
+
+    Examples
+    --------
+    >>> sign_of(2), sign_of(0)
+    (1, 0)
+    """
+    return 1 if value > 0 else -1 if value < 0 else 0 if value == 0 else None
+
 
 MOST_TERMS = 4000
 """Largest number of terms of a polynomial; beyond it the work ends."""

@@ -11,7 +11,7 @@ import casadi as ca
 
 from ..algebra.number_types import Algebra
 from ..algebra.program import Program
-from ..algebra.source.straight_lines import Line, Record
+from ..algebra.straight_lines import Line, Record
 from ..systems.family import Family
 from .quantity import Quantity
 from .source.formulas import Formulas, Values

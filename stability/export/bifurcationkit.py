@@ -9,7 +9,7 @@ import casadi as ca
 
 from ..algebra.number_types import Algebra
 from ..algebra.program import Program
-from ..algebra.source.straight_lines import Language, Line, Record
+from ..algebra.straight_lines import Language, Line, Record
 from ..systems.family import Family
 from .c_code import c_name
 from .folder import write_folder

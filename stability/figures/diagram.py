@@ -22,10 +22,10 @@ from ..base.errors import ParameterError
 from ..base.quantities import Quantity, axis_label, in_latex, read, unit_of
 from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..bodies.quantities import quantities_of
-from ..boundary.beyond_linear.two_parameters.point_records import CodimensionTwo
 from ..boundary.crossings import Crossing
 from ..boundary.curves import KINDS
-from ..maps.points import points_of
+from ..boundary.two_parameters.point_records import CodimensionTwo
+from ..maps.dataset import points_of
 from ..spectra.result import Spectrum
 from .point_marks import counted, mark
 from .shading import DIVERGING, TEXTURES, colour_bar, hatch, linear_part, norm_of, patch

@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 
 from ..base.errors import ParameterError
-from ..boundary.beyond_linear.two_parameters.point_records import CodimensionTwo, PointKind
+from ..boundary.two_parameters.point_records import CodimensionTwo, PointKind
 
 MARKERS = {
     PointKind.DOUBLE_ZERO: "s",

@@ -31,7 +31,7 @@ def plot_retrograde(dataset: xarray.Dataset, *, width: float | None = None) -> F
     Parameters
     ----------
     dataset
-        From `stability.boundary.beyond_linear.mean_path.retrograde_map`, two points or more along
+        From `stability.boundary.mean_path.retrograde_map`, two points or more along
         both axes.
     width
         Width [in]; a journal column when left out.

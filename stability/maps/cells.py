@@ -29,12 +29,10 @@ from ..spectra.problem import Problem
 from ..systems.graph.smoothness import edged
 from .dataset import EXACT, GRAPH, LOOPS, OWN, SINGLE
 from .growth_rates import GrowthKernel, Room, steady_memory
-from .own.formula_cells import formula_cells
-from .own.graph_rates import GraphCells
+from .own.cells import GraphCells, SliceCells, formula_cells, slice_cells
 from .own.rates import Bands
-from .own.slice_cells import SliceCells, slice_cells
 from .own.slice_verdicts import ELSEWHERE
-from .verdict_tiles import GridVerdicts
+from .verdicts import GridVerdicts
 
 CHUNK = 16384
 """Cells of a chunk: few enough for the cache, many enough for NumPy."""

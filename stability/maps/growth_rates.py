@@ -21,7 +21,7 @@ from ..spectra.certificate import certify
 from ..spectra.problem import Problem
 from .compiled.loops import WANTED
 from .compiled.rates import CompiledRates, in_range, tables
-from .verdict_filter import point, tabulated
+from .verdicts import point, tabulated
 
 STRIDE = 16
 """Distance between the cells of a tile at which the eigensolver starts."""

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..base.errors import FileError
-from ..spectra.presentation.labels import FORMAT
+from ..spectra.labels import FORMAT
 from ..storage.files import atomic_write
 from ..storage.targets import DATASETS, STORES, check_suffix, place
 

@@ -19,7 +19,7 @@ from ..jobs.checkpoint import Checkpoint
 from ..spectra.arguments import swept
 from ..systems.family import Family
 from .cells import Cells
-from .proved_boxes import MOST_LEVELS, prove_boxes
+from .verdicts import MOST_LEVELS, prove_boxes
 
 if TYPE_CHECKING:
     import xarray
@@ -140,7 +140,7 @@ def stability_map(
         )
     marked = None
     if points:  # first, since a family may be refused
-        from ..boundary.beyond_linear.two_parameters.points import in_plane
+        from ..boundary.two_parameters.points import in_plane
 
         marked = in_plane(problem, axes)
     cells = Cells(problem, axes, modes)

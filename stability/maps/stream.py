@@ -1,28 +1,48 @@
-"""Maps too large for memory: computed part by part, straight into their file."""
+"""Maps too large for memory: computed part by part, straight into their file.
+
+Proved verdicts are written band by band into a NetCDF file, which is complete or absent.  Into a
+Zarr folder workers write whole chunks, of verdicts or of growth rates.
+"""
 
 from __future__ import annotations
 
+import hashlib
+import io
+import math
 import os
 import shutil
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
+from ..algebra.eigensolver import name_of
+from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..base.axis import Axis, AxisLike
 from ..base.checks import flag
 from ..base.errors import FileError, ParameterError, listed
-from ..base.types import Progress
+from ..base.types import Floats, Progress
+from ..base.verdict import CODES, Verdict
 from ..bodies.contact import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
-from ..jobs.chunks import Layout
+from ..jobs.chunks import Arrays, Block, Layout, Variable
 from ..jobs.dask import check_pool, pool_of
 from ..jobs.filling import fill
+from ..jobs.pipeline import Counted, ordered
 from ..jobs.shared import shared
+from ..jobs.zarr_store import ZarrStore
 from ..spectra.arguments import swept
+from ..spectra.labels import axis_attributes
 from ..spectra.problem import Problem
+from ..storage.checksum import ATTRIBUTE, STATEMENT, seal
+from ..storage.files import atomic_write, postponed
 from ..storage.targets import (
     NETCDF,
     STORES,
@@ -34,18 +54,380 @@ from ..storage.targets import (
 )
 from ..systems.family import Family
 from .cells import Cells
+from .dataset import cell_attributes, provenance
 from .growth_rates import steady_memory
-from .streamed.netcdf_file import write_verdicts
-from .streamed.verdicts import Judge, judge_of
-from .streamed.zarr_folder import (
-    GROWN,
-    GrowthChunk,
-    VerdictChunk,
-    growth_store,
-    no_rates,
-    no_verdicts,
-    verdict_store,
+from .own.slice_verdicts import ELSEWHERE, SliceVerdicts, slice_verdicts
+from .verdicts import Codes, GridVerdicts
+
+Judge = GridVerdicts | SliceVerdicts
+"""What gives the verdicts of a band."""
+METHOD = (
+    "verdicts from the exact stability conditions: whole tiles proved at once, cells next to the "
+    "boundary by a floating-point filter with a proved bound, what it leaves open in rational "
+    "arithmetic or balls"
 )
+"""Method in words."""
+
+
+def judge_of(problem: Problem, axes: tuple[Axis, Axis]) -> Judge:
+    """What gives the verdicts of a map.
+
+    Parameters
+    ----------
+    problem
+        Family with values in the user's units.
+    axes
+        x and y.
+
+    Raises
+    ------
+    ParameterError
+        If there are no exact polynomials.
+    """
+    if problem.plain:
+        return _own_verdicts(problem, axes)
+    if not isinstance(problem.exact, TabulatedPolynomial):
+        raise ParameterError(
+            f"{problem.family.name} under the {problem.law.name if problem.law else ''} law has no "
+            "exact polynomials, by which verdicts are streamed; use growth=True, or stability_map."
+        )
+    return GridVerdicts(problem, axes[0].name, axes[1].name)
+
+
+def _own_verdicts(problem: Problem, axes: tuple[Axis, Axis]) -> SliceVerdicts:
+    """Verdicts of a user's family, which exist in every cell."""
+    found = slice_verdicts(problem, axes)
+    if found is None:
+        raise ParameterError(
+            f"{problem.family.name} has no polynomial over Q in {axes[0].name} and {axes[1].name} "
+            "that proves its verdicts, by which verdicts are streamed; use growth=True, or "
+            "stability_map."
+        )
+    if problem.may_drift:
+        raise ParameterError(
+            f"{problem.family.name} has zero eigenvalues that may form a Jordan block, which its "
+            "polynomial does not show; use growth=True, or stability_map."
+        )
+    if not found.everywhere:
+        raise ParameterError(
+            f"{problem.family.name} is not proved to have a member in every cell of this map; use "
+            "growth=True, or stability_map."
+        )
+    return found
+
+
+def flags() -> dict[str, Any]:
+    """Attributes of verdicts alone."""
+    return {
+        "flag_values": np.array(list(CODES.values()), dtype=np.int8),
+        "flag_meanings": " ".join(v.word for v in CODES),
+        "long_name": "spectral verdict",
+    }
+
+
+def band(judge: Callable[[], Judge], xs: Floats, ys: Floats) -> tuple[Codes, int]:
+    """Flags of a band, and the number of its cells that went to exact arithmetic.
+
+    Parameters
+    ----------
+    judge
+        Gives this worker's judge.
+    xs, ys
+        Increasing values of the axes.
+    """
+    codes, left = judge()(xs, ys)
+    codes[codes == ELSEWHERE] = CODES[Verdict.UNDECIDED]  # a sign that balls leave open
+    return codes, left
+
+
+def write_verdicts(
+    target: Path,
+    judge: Judge,
+    problem: Problem,
+    axes: tuple[Axis, Axis],
+    layout: Layout,
+    *,
+    executor: Executor | None,
+    workers: int,
+    progress: Progress | None,
+    overwrite: bool,
+) -> None:
+    """Write a NetCDF file with its checksum.
+
+    Parameters
+    ----------
+    target
+        The file.
+    judge
+        What gives the verdicts.
+    problem, axes
+        Family with values in the user's units; x and y.
+    layout
+        Chunks of the file; a band is a row of them.
+    executor, workers, progress, overwrite
+        As for `stream_map`.
+    """
+    with atomic_write(target, overwrite=overwrite) as draft:
+        with _Sink(draft) as sink:
+            # an exception within HDF5's calls of the sink, even Ctrl-C, would end the process
+            file = None
+            try:
+                with postponed():
+                    file, variable = _created(sink, problem, axes, layout)
+                left = _fill(
+                    variable, sink, judge, axes, layout.chunk[0], workers, progress, executor
+                )
+                total = math.prod(g.count for g in axes)
+                with postponed():
+                    file.attrs["method"] = f"{METHOD} ({left} of {total} cells there)"
+                    file.attrs[ATTRIBUTE] = STATEMENT
+            finally:
+                if file is not None:
+                    with postponed():
+                        file.close()
+            sink.check()
+        seal(draft)
+
+
+def _fill(
+    variable: Any,
+    sink: _Sink,
+    verdicts: Judge,
+    axes: tuple[Axis, Axis],
+    step: int,
+    workers: int,
+    progress: Progress | None,
+    executor: Executor | None,
+) -> int:
+    """Write the bands in order; return the number of cells that went to exact arithmetic."""
+    xs, ys = axes[0].values, axes[1].values
+    left, judge, total = 0, shared(verdicts, executor), math.prod(g.count for g in axes)
+
+    def task(first: int) -> Callable[[], tuple[Codes, int]]:
+        return partial(band, judge, xs, ys[first : first + step])
+
+    with closing(
+        ordered(
+            range(0, len(ys), step),
+            task,
+            executor=executor,
+            workers=workers,
+            progress=Counted(progress, total),
+            size=lambda first: min(step, len(ys) - first) * len(xs),
+        )
+    ) as results:
+        for first, (codes, open_cells) in results:
+            with postponed():
+                variable[first : first + len(codes), :] = codes
+            sink.check()
+            left += open_cells
+    return left
+
+
+class _Sink(io.RawIOBase):
+    """A file for HDF5 that never fails: `check` raises the first error afterwards.
+
+    HDF5 ends the process when it closes a file that it could not write.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._file = path.open("r+b", buffering=0)
+        self._error: OSError | None = None
+
+    def check(self) -> None:
+        """Raise the first error, if there is one."""
+        if self._error is not None:
+            raise self._error
+
+    def readable(self) -> bool:
+        return True
+
+    def writable(self) -> bool:
+        return True
+
+    def seekable(self) -> bool:
+        return True
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        return self._file.seek(offset, whence)
+
+    def tell(self) -> int:
+        return self._file.tell()
+
+    def truncate(self, size: int | None = None) -> int:
+        with self._kept():
+            self._file.truncate(size)
+        return size or 0
+
+    def readinto(self, buffer: Any) -> int:
+        view = memoryview(buffer).cast("B")
+        got = self._file.readinto(view) or 0
+        view[got:] = bytes(len(view) - got)  # zeros for bytes that could not be written
+        return len(view)
+
+    def write(self, data: Any) -> int:
+        view = memoryview(data).cast("B")
+        count = len(view)
+        with self._kept():
+            while len(view) and self._error is None:
+                view = view[self._file.write(view) or 0 :]
+        return count
+
+    def close(self) -> None:
+        with self._kept():
+            self._file.close()
+        super().close()
+
+    @contextmanager
+    def _kept(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            self._error = self._error or error
+
+
+def _created(
+    path: _Sink, problem: Problem, axes: tuple[Axis, Axis], layout: Layout
+) -> tuple[Any, Any]:
+    import h5netcdf
+
+    file = h5netcdf.File(path, "w")
+    file.dimensions = {g.name: g.count for g in axes}
+    for grid in axes:
+        for name in filter(None, (grid.name, grid.alias)):
+            coordinate = file.create_variable(name, (grid.name,), float, data=grid.values)
+            coordinate.attrs.update(axis_attributes(problem, grid.name))
+    second = [g.alias for g in axes if g.alias]
+    verdict = file.create_variable(
+        "verdict",
+        (axes[1].name, axes[0].name),
+        np.int8,
+        chunks=layout.chunk,
+        compression="gzip",
+        compression_opts=1,
+    )
+    verdict.attrs.update(flags() | ({"coordinates": " ".join(second)} if second else {}))
+    file.attrs.update(provenance(problem, axes, METHOD))
+    return file, verdict
+
+
+RATES = {"abscissa": "abscissa", "abscissa_error": "error", "frequency": "frequency"}
+"""Arrays of growth rates: the name in a dataset, and that in a chunk of `Cells`."""
+GROWN = 25
+"""Bytes of a cell with its growth rates, not compressed; one of a verdict alone."""
+
+
+def verdict_store(
+    folder: Path, problem: Problem, axes: tuple[Axis, Axis], layout: Layout, *, overwrite: bool
+) -> ZarrStore:
+    """The store of a map of verdicts.
+
+    Parameters
+    ----------
+    folder, layout, overwrite
+        As for `ZarrStore`.
+    problem, axes
+        Family with values in the user's units; x and y.
+    """
+    arrays = (Variable("verdict", "int8", -1, flags()),)
+    return _store(folder, problem, axes, layout, arrays, METHOD, {}, overwrite)
+
+
+def growth_store(folder: Path, cells: Cells, layout: Layout, *, overwrite: bool) -> ZarrStore:
+    """The store of a map of verdicts and growth rates.
+
+    Parameters
+    ----------
+    folder, layout, overwrite
+        As for `ZarrStore`.
+    cells
+        The cells of the map.
+    """
+    attributes = cell_attributes(cells.problem, missing=not cells.exact)
+    arrays = (
+        Variable("verdict", "int8", -1, attributes["verdict"]),
+        *(Variable(name, "float64", np.nan, attributes[name]) for name in RATES),
+    )
+    question = {"growth rates": True, "solver of eigenvalues": name_of(cells.solver)}
+    return _store(
+        folder, cells.problem, cells.axes, layout, arrays, cells.method, question, overwrite
+    )
+
+
+def _store(
+    folder: Path,
+    problem: Problem,
+    axes: tuple[Axis, Axis],
+    layout: Layout,
+    arrays: tuple[Variable, ...],
+    method: str,
+    more: Mapping[str, Any],
+    overwrite: bool,
+) -> ZarrStore:
+    """The store of a map; equal maps have equal files, so it holds no date."""
+    coords = {
+        name: (grid.name, grid.values, axis_attributes(problem, grid.name))
+        for grid in axes
+        for name in filter(None, (grid.name, grid.alias))
+    }
+    attrs = {n: v for n, v in provenance(problem, axes, method).items() if n != "created"}
+    graph = hashlib.sha256(str(problem.family.system.rhs).encode()).hexdigest()
+    question = {"equations": graph, "anchor": repr(problem.family.anchor), **more}
+    return ZarrStore(folder, layout, arrays, coords, attrs, question, overwrite=overwrite)
+
+
+@dataclass(frozen=True)
+class VerdictChunk:
+    """Work of a chunk of verdicts."""
+
+    judge: Callable[[], Judge]
+    """Gives this worker's judge."""
+    axes: tuple[Axis, Axis]
+    """x and y."""
+    layout: Layout
+    """The grid of chunks."""
+
+    def __call__(self, block: Block, part: slice) -> Arrays:
+        """Arrays of a part of the chunk's cells."""
+        rows, columns = self.layout.slices(block)
+        codes, _ = band(self.judge, self.axes[0].values[columns], self.axes[1].values[rows])
+        return {"verdict": codes.astype(np.int8, copy=False).ravel()[part]}
+
+
+@dataclass(frozen=True)
+class GrowthChunk:
+    """Work of a chunk of verdicts and growth rates."""
+
+    cells: Callable[[], Cells]
+    """Gives this worker's cells."""
+    layout: Layout
+    """The grid of chunks."""
+
+    def __call__(self, block: Block, part: slice) -> Arrays:
+        """Arrays of a part of the chunk's cells."""
+        cells = self.cells()
+        rows, columns = self.layout.slices(block)
+        found = cells.part(cells.axes[0].values[columns], cells.axes[1].values[rows])
+        rates = {name: found[own][part] for name, own in RATES.items()}
+        return {"verdict": found["codes"][part], **rates}
+
+
+def no_verdicts(count: int) -> Arrays:
+    """Verdicts of cells that ended their worker."""
+    return {"verdict": np.full(count, CODES[Verdict.UNDECIDED], dtype=np.int8)}
+
+
+def no_rates(count: int) -> Arrays:
+    """The same with growth rates: numbers are missing, and the bound is infinite."""
+    missing = np.full(count, np.nan)
+    bound = np.full(count, np.inf)
+    return {
+        **no_verdicts(count),
+        "abscissa": missing,
+        "abscissa_error": bound,
+        "frequency": missing,
+    }
+
 
 BAND = 2**20
 """Cells of a chunk of verdicts; one with growth rates has as many as `Cells` computes at once."""

@@ -15,7 +15,7 @@ from ..base.types import Complexes, Floats
 from ..base.verdict import CODES, Verdict
 from ..spectra.deflation import lowered
 from ..spectra.problem import system_problem
-from ..spectra.rows import Rows
+from ..spectra.spectrum import Rows
 from ..systems.family import Family
 from .line import Line, Near
 from .settling import Settling

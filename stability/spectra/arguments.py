@@ -25,8 +25,7 @@ from ..bodies.subject import of_body
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import steady_where
 from ..systems.system import refuse_system
-from .disk_problem import check_axis, disk_problem, disk_roundings
-from .problem import Problem, system_problem
+from .problem import Problem, check_axis, disk_problem, disk_roundings, system_problem
 
 RESERVED = (
     "abscissa",

@@ -18,13 +18,11 @@ import numpy as np
 from flint import acb, arb, ctx, fmpq_poly
 from numpy.typing import ArrayLike
 
-from ..algebra.balls import MIXED, precision, upper
 from ..algebra.exact.known_polynomial import ExactPolynomial
 from ..algebra.exact.number_fields import EXACT, NotExact, nearest_root
-from ..algebra.exact.root_balls import bounded_roots, clustered, isolated
-from ..algebra.exact.routh import on_the_axis
-from ..algebra.number_types import balls
-from ..algebra.routh_balls import hurwitz_sign, product, verdict_polynomial
+from ..algebra.exact.roots import bounded_roots, clustered, isolated
+from ..algebra.exact.routh import hurwitz_sign, on_the_axis, product, verdict_polynomial
+from ..algebra.number_types import MIXED, balls, precision, upper
 from ..base.verdict import Verdict, best
 from ..systems.family import Family
 from ..systems.structure.axis_proof import exact_verdict
@@ -105,7 +103,7 @@ def certify(
     --------
     >>> from stability.bodies.contact_laws import Viscous
     >>> from stability.bodies.disk import Disk
-    >>> from stability.spectra.disk_problem import disk_problem
+    >>> from stability.spectra.problem import disk_problem
     >>> problem = disk_problem("rolling", Disk(k=0.5), Viscous(0.3), 1.0)
     >>> found = certify(problem, problem.values)  # the boundary is omega3² = 1/(2k) = 1
     >>> found.verdict.word, found.how

@@ -1,10 +1,15 @@
-"""Spectrum: eigenvalues with error discs, a verdict, and its reason."""
+"""`Spectrum`: eigenvalues with error discs, a verdict, and its reason.
+
+A reader gets it as one line, as a table of HTML, and as a dataset with units and provenance.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,25 +17,268 @@ from numpy.typing import NDArray
 
 from ..algebra.eigensolver import EigenSolver, eigenpairs, lapack
 from ..base.citation.used import cited
-from ..base.errors import ParameterError
-from ..base.quantities import Kind, rate_unit
+from ..base.errors import ParameterError, StabilityError
+from ..base.quantities import Kind, Quantity, rate_unit
 from ..base.types import Complexes, Floats, Record, fields_of
 from ..base.verdict import BY_CODE, CODES, Nonlinear, Verdict
 from ..systems.family import Family
 from ..systems.structure.linearity import linear
 from ..systems.structure.zero_blocks import most_power
 from .deflation import Place
-from .eigenvalues import REASONS, Eigenpairs, in_words
-from .modes import Modes, lift, mode_labels, track
-from .presentation.dataset import dataset
-from .presentation.drawing import figure_of
-from .presentation.labels import of_package
-from .presentation.text import line, page
+from .drawing import figure_of
+from .eigenvalues import REASONS, Eigenpairs, Modes, in_words, lift, mode_labels, track
+from .labels import axis_attributes, of_package, origin, rate_attributes, verdict_attributes
 
 if TYPE_CHECKING:
     import xarray
 
     from ..bodies.contact import Contact
+
+
+TAKEN = ("eigenvalues", "error_radius", "abscissa", "abscissa_error", "verdict", "certified",
+         "nonlinear", "label", "mode", "complex_part")  # fmt: skip
+"""Names of variables and dimensions; a parameter with such a name is called `parameter_NAME`."""
+
+
+def dimensions(values: Mapping[str, Any], shape: tuple[int, ...]) -> tuple[str, ...]:
+    """Name of each axis: that of the one quantity given along it, or `point`.
+
+    Parameters
+    ----------
+    values
+        Value or array of each quantity by name.
+    shape
+        Shape to which they broadcast.
+
+    Examples
+    --------
+    >>> dimensions({"at": np.ones((3, 1)), "mu": np.ones(4), "k": 0.25}, (3, 4))
+    ('at', 'mu')
+    >>> dimensions({"at": np.ones(3), "mu": np.ones(3)}, (3,))
+    ('point',)
+    """
+    names = []
+    for axis in range(len(shape)):
+        along = [n for n, v in values.items() if _axes(v, shape) == (axis,)]
+        further = f"_{axis}" if len(shape) > 1 else ""
+        # an array over several axes is a coordinate of these, and names none
+        names.append(_free(along[0]) if len(along) == 1 else f"point{further}")
+    return tuple(names)
+
+
+def _axes(value: Any, shape: tuple[int, ...]) -> tuple[int, ...]:
+    """Axes of the common shape that a value has."""
+    own = np.shape(value)
+    if not own or len(own) > len(shape):
+        return ()
+    first = len(shape) - len(own)
+    longer = [first + i for i, n in enumerate(own) if n > 1]
+    return tuple(longer or ([first] if own == (1,) and shape[-1] == 1 else []))
+
+
+def _free(name: str) -> str:
+    return f"parameter_{name}" if name in TAKEN else name
+
+
+def dataset(spectrum: Any) -> xarray.Dataset:
+    """Eigenvalues, error discs, verdicts, labels of modes, and all that was given.
+
+    Parameters
+    ----------
+    spectrum
+        The `Spectrum`.
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    import xarray
+
+    shape, rates = spectrum.codes.shape, rate_attributes(spectrum)
+    values = dict(spectrum.values)
+    dims = dimensions(values, shape)
+    every = (*dims, "mode")
+    variables: dict[str, Any] = {
+        "eigenvalues": (every, spectrum.eigenvalues, rates | {
+            "long_name": "eigenvalues, structural zeros removed, sorted by real part"}),
+        "error_radius": (every, spectrum.radius, rates | {
+            "long_name": "radius of the error disc; all eigenvalues lie in the discs"}),
+        "abscissa": (dims, np.asarray(spectrum.abscissa), rates | {
+            "long_name": "largest growth rate"}),
+        "abscissa_error": (dims, np.asarray(spectrum.abscissa_error), rates | {
+            "long_name": "error bound of abscissa"}),
+        "verdict": (dims, spectrum.codes, verdict_attributes()),
+        "certified": (dims, np.asarray(spectrum.certified, dtype=np.int8), {
+            "long_name": "whether the verdict is proved in rational arithmetic or balls",
+            "flag_values": np.array([0, 1], dtype=np.int8), "flag_meanings": "no yes"}),
+        "nonlinear": (dims, _places(spectrum.nonlinear), {
+            "long_name": "behaviour of the nonlinear motion",
+            "flag_values": np.arange(len(Nonlinear), dtype=np.int8),
+            "flag_meanings": " ".join(one.name.lower() for one in Nonlinear),
+            "sentences": " | ".join(one.value for one in Nonlinear)}),
+        "label": (every, np.array(spectrum.modes.labels, dtype=object).reshape(
+            spectrum.eigenvalues.shape), {"long_name": "mode in words: kind, leading states"}),
+    }  # fmt: skip
+    coordinates = {}
+    for name, value in values.items():
+        axes = _axes(value, shape)
+        array = np.asarray(value, dtype=float)
+        array = array.reshape([shape[i] for i in axes]) if array.ndim else array
+        own = tuple(dims[i] for i in axes) if array.ndim else ()
+        coordinates[_free(name)] = (own, array, axis_attributes(spectrum, name))
+    fixed = {n: v for n, v in values.items() if np.ndim(v) == 0}
+    return xarray.Dataset(variables, coordinates, origin(
+        spectrum, fixed, citation=spectrum.citation,
+        structural_zeros=int(spectrum.structural_zeros),
+        method="eigenvalues of the linearisation with structural zeros removed through null "
+        "vectors, error discs by running error analysis and Gershgorin's theorem; where certified, "
+        "rational arithmetic or balls",
+        tolerances="verdicts only where the error discs or a proof decide",
+        note=str(spectrum.note),
+    ))  # fmt: skip
+
+
+def _places(found: Any) -> NDArray[np.int8]:
+    """The place of each sentence in its enumeration."""
+    known = {one: i for i, one in enumerate(Nonlinear)}
+    given = np.asarray(found, dtype=object)
+    return np.array([known[one] for one in given.ravel()], dtype=np.int8).reshape(given.shape)
+
+
+MOST = 8
+"""Most eigenvalues in one line; those that decay fastest are left out."""
+LONGEST = 60
+"""Most rows of a table."""
+
+
+def numbers(values: Complexes) -> list[str]:
+    """Sorted eigenvalues as texts, a pair as one with ±.
+
+    Examples
+    --------
+    >>> numbers(np.array([-2, -0.5 - 3j, -0.5 + 3j]))
+    ['-2', '-0.5 ± 3i']
+    """
+    said, left = [], list(values)
+    while left:
+        one = left.pop(0)
+        real, imag = f"{one.real + 0.0:.6g}", f"{abs(one.imag):.6g}i"
+        if one.imag and left and left[0] == one.conjugate():
+            left.pop(0)
+            said.append(f"{real} ± {imag}")
+        else:
+            said.append(real + (f" {'+' if one.imag > 0 else '-'} {imag}" if one.imag else ""))
+    return said
+
+
+def counted(spectrum: Any) -> str:
+    """How many points have which verdict."""
+    words = Counter(verdict.word for verdict in spectrum.verdict.flat)
+    return ", ".join(f"{count} {word}" for word, count in words.most_common())
+
+
+def member(spectrum: Any) -> str:
+    """Family parameters of a single spectrum by name."""
+    given = zip(spectrum.family.at, np.asarray(spectrum.at), strict=True)
+    return ", ".join(f"{n} = {v:.6g}" for n, v in given)
+
+
+def of_body(spectrum: Any) -> str:
+    """Every number of a spectrum of a body that is no array, with symbol and unit."""
+    system = spectrum.family.system
+    values = {spectrum.family.meaning(n): v for n, v in spectrum.values.items()}
+    single = {n: float(v) for n, v in values.items() if np.ndim(v) == 0}
+    single = {n: single[n] for n in (*spectrum.family.at, *single) if n in single}
+    known = {n: Quantity(n, "", n, Kind.NUMBER) for n in single} | dict(system.quantities)
+    return ", ".join(
+        known[n].value(v, dimensionless=spectrum.dimensionless) for n, v in single.items()
+    )
+
+
+def line(spectrum: Any) -> str:
+    """The verdict and the eigenvalues of a spectrum, or the verdicts of its points, in one line.
+
+    Parameters
+    ----------
+    spectrum
+        The `Spectrum`.
+    """
+    shape, count = spectrum.eigenvalues.shape[:-1], spectrum.eigenvalues.shape[-1]
+    unit = f" [{spectrum.rate_unit}]" if spectrum.rate_unit != "1" else ""
+    number = f"{count} eigenvalue{'s' * (count != 1)}"
+    if not shape:
+        said = numbers(spectrum.eigenvalues)
+        verdict = ": ".join(filter(None, [spectrum.verdict.word, spectrum.growth()]))
+        more = "…, " * (len(said) > MOST)
+        told = f"{number}{unit}: {more}{', '.join(said[-MOST:])}" if said else number
+        there = f" at {where}" if (where := member(spectrum)) else ""
+        return f"<Spectrum of {spectrum.family.name}{there}: {verdict}; {told}>"
+    what = f"{' x '.join(map(str, shape))} points"
+    rates = ""
+    if spectrum.codes.size and count:
+        low, high = np.min(spectrum.abscissa), np.max(spectrum.abscissa)
+        rates = f"; {number} each, the largest real part from {low:.4g} to {high:.4g}{unit}"
+    return f"<Spectrum of {spectrum.family.name}, {what}: {counted(spectrum)}{rates}>"
+
+
+def page(spectrum: Any) -> str:
+    """A table for a notebook: eigenvalues with error and mode, or a row for each point.
+
+    Parameters
+    ----------
+    spectrum
+        The `Spectrum`.
+    """
+    family, unit = spectrum.family, spectrum.rate_unit
+    units = f" [{escape(unit)}]" if unit != "1" else ""
+    title = f"<b>{escape(family.name)}</b> of {escape(family.system.name)}"
+    names = list(family.at)
+    where = "" if spectrum.codes.ndim else member(spectrum)
+    if family.system.quantities:
+        names, where = [family.system.quantities[n].symbol for n in names], of_body(spectrum)
+        title += " contact"
+    if not spectrum.codes.ndim:
+        head = f"{title}, {escape(where)}: {escape(spectrum.verdict.value)}"
+        head += f"; {escape(spectrum.growth())}" * bool(spectrum.growth())
+        rows = zip(spectrum.eigenvalues, spectrum.radius, _labels(spectrum), strict=True)
+        cells = [
+            (f"{v.real + 0.0:+.6g}", f"{v.imag + 0.0:+.6g}", f"{r:.1g}", m) for v, r, m in rows
+        ]
+        columns = [f"Re λ{units}", f"Im λ{units}", "error", "mode"]
+        return _table(head, columns, cells, f"<i>{escape(spectrum.reason)}</i>")
+    fixed = f", {escape(where)}" * bool(where)
+    head = f"{title}{fixed}: {counted(spectrum)}"
+    shape = spectrum.codes.shape
+    picked = list(np.ndindex(shape))[:LONGEST]
+    cells = [
+        (
+            *(f"{v:.6g}" for v in spectrum.at[i]),
+            spectrum.verdict[i].word,
+            f"{spectrum.abscissa[i]:+.6g}",
+            f"{spectrum.abscissa_error[i]:.1g}",
+        )
+        for i in picked
+    ]
+    columns = [*map(escape, names), "verdict", f"largest Re λ{units}", "error"]
+    left = spectrum.codes.size - len(picked)
+    return _table(head, columns, cells, f"and {left} more points" if left else "")
+
+
+def _labels(spectrum: Any) -> list[str]:
+    try:
+        return list(spectrum.modes.labels)
+    except StabilityError:  # a reader still gets the eigenvalues
+        return [""] * spectrum.eigenvalues.shape[-1]
+
+
+def _table(head: str, names: list[str], rows: Sequence[tuple[str, ...]], foot: str) -> str:
+    top = "".join(f"<th>{n}</th>" for n in names)
+    body = "".join("<tr>" + "".join(f"<td>{escape(c)}</td>" for c in row) + "</tr>" for row in rows)
+    below = f"<div>{foot}</div>" if foot else ""
+    return (
+        f"<div>{head}</div><table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>{below}"
+    )
+
 
 GROWS = -2
 """Flag value instead of a verdict's, where structural zeros are not semisimple."""

@@ -13,9 +13,8 @@ from flint import arb
 from numpy.typing import NDArray
 
 from ..algebra.number_types import Algebra, balls, numpy_algebra
-from ..algebra.program import Program
+from ..algebra.program import Program, Varying
 from ..algebra.running_error import bounded
-from ..algebra.source.python_source import Varying
 from ..base.errors import NoMemberError
 from ..base.types import Floats, Record, fields_of
 

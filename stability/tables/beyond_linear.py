@@ -10,8 +10,8 @@ from fractions import Fraction
 from typing import Any
 
 from ..base.quantities import Kind, Quantity, rate_unit, readable
-from ..boundary.beyond_linear.records import CycleBirth, HopfPoint
-from ..boundary.beyond_linear.two_parameters.point_records import CodimensionTwo
+from ..boundary.hopf import CycleBirth, HopfPoint
+from ..boundary.two_parameters.point_records import CodimensionTwo
 from .formats.about import About, Standing
 from .formats.column import Column, word
 from .formats.letters import symbol

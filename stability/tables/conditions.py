@@ -17,7 +17,7 @@ from ..bodies.families import FAMILIES, SteadyFamily
 from ..bodies.quantities import QUANTITIES
 from ..boundary.changes import along
 from ..boundary.crossings import BoundaryPoint
-from ..spectra.disk_problem import disk_problem
+from ..spectra.problem import disk_problem
 from .disk_formulas import formula_latex, formula_lines
 from .formats.about import About, Standing
 from .formats.column import Column, word

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..derivation.branches import LIMITS
+from ..derivation.formulas import LIMITS
 from .formats.latex import END, NEEDS
 from .formats.letters import escaped, mathematics, prose
 

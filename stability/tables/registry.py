@@ -256,7 +256,7 @@ def _births(family: Family, axis: Sequence[Any], parameters: Mapping[str, Any]) 
 
 
 def _points(family: Family | str, axes: Mapping[str, Any], given: Mapping[str, Any]) -> Table:
-    from ..boundary.beyond_linear.two_parameters.points import codimension_two
+    from ..boundary.two_parameters.points import codimension_two
     from .beyond_linear import POINTS, point_columns, point_records
 
     x, y = tuple(axes["x"]), tuple(axes["y"])

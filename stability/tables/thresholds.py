@@ -9,7 +9,7 @@ from typing import Any
 
 from flint import arb
 
-from ..algebra.balls import precision
+from ..algebra.number_types import precision
 from ..base.citation.used import cited
 from ..base.types import Progress
 from ..base.verdict import Verdict

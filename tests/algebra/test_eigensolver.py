@@ -15,7 +15,7 @@ import stability as st
 import stability.spectra.eigenvalues as spectra
 from stability.algebra.eigensolver import EigenSolver, eigenpairs, eigensolver, lapack
 from stability.settling.box.alone import _modal
-from stability.spectra.modes import _match
+from stability.spectra.eigenvalues import _match
 
 EIG = np.linalg.eig
 ELSEWHERE = [
@@ -104,7 +104,7 @@ def test_modes_take_the_vectors_that_the_values_came_with(name: str) -> None:
 
 def test_many_members_do_not_keep_their_vectors_and_have_the_same_modes(monkeypatch) -> None:
     whole = QUESTIONS["batch"]()
-    monkeypatch.setattr("stability.spectra.rows.PIECE", 72)
+    monkeypatch.setattr("stability.spectra.spectrum.PIECE", 72)
     found = QUESTIONS["batch"]()
     assert found.pairs is None and whole.pairs is not None
     assert np.array_equal(found.modes.vectors, whole.modes.vectors)

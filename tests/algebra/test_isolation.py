@@ -7,8 +7,8 @@ import random
 import pytest
 from flint import arb, fmpq, fmpz_poly
 
-from stability.algebra.balls import precision
-from stability.algebra.exact.isolation import halved_roots
+from stability.algebra.exact.roots import halved_roots
+from stability.algebra.number_types import precision
 
 
 def with_roots(roots: list[fmpq]) -> fmpz_poly:

@@ -10,13 +10,14 @@ import sympy as sp
 from flint import arb, arb_series, fmpq
 
 import stability as st
-from stability.algebra.balls import MIXED, precision
 from stability.algebra.exact.number_fields import EXACT, NotExact
 from stability.algebra.number_types import (
     BY_OTHERS,
+    MIXED,
     casadi_algebra,
     function_of,
     numpy_algebra,
+    precision,
     sympy_algebra,
 )
 from stability.algebra.program import Program

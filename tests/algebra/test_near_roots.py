@@ -3,8 +3,8 @@
 import pytest
 from flint import acb_poly, arb, fmpq, fmpq_poly
 
-from stability.algebra.balls import precision
-from stability.algebra.exact.root_balls import bounded_roots, exact_roots, isolated
+from stability.algebra.exact.roots import bounded_roots, exact_roots, isolated
+from stability.algebra.number_types import precision
 
 NEAR = fmpq(1, 2**1074)
 

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from flint import arb
 
-from stability.algebra.balls import precision
-from stability.algebra.number_types import balls, numpy_algebra
+from stability.algebra.number_types import balls, numpy_algebra, precision
 from stability.algebra.program import LONGER, Program
 from stability.algebra.running_error import RunningError, running_error_arrays
 

@@ -11,7 +11,7 @@ import pytest
 from flint import arb
 
 import stability as st
-from stability.algebra.balls import precision
+from stability.algebra.number_types import precision
 from stability.algebra.running_error import TRACKED, RunningError
 from stability.base.errors import NoMemberError
 from stability.spectra.problem import formulas_of

@@ -11,8 +11,7 @@ import pytest
 from flint import arb, arb_series
 
 import stability as st
-from stability.algebra.balls import precision
-from stability.algebra.number_types import balls, numpy_algebra
+from stability.algebra.number_types import balls, numpy_algebra, precision
 from stability.algebra.program import Program
 from stability.algebra.running_error import TRACKED, RunningError, bounded
 from stability.base.verdict import CODES

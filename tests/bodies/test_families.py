@@ -156,7 +156,7 @@ def test_a_root_that_is_not_proved_is_not_handed_out() -> None:
     """x² = a has no real root for a < 0; Newton's last iterate must not pass for one."""
     from flint import arb
 
-    from stability.algebra.balls import precision
+    from stability.algebra.number_types import precision
     from stability.systems.structure.enclosure import ball_unknowns
 
     x, a = ca.SX.sym("x"), ca.SX.sym("a")

@@ -27,8 +27,7 @@ from proofs.rounded_rim import EXAMPLES, tumbling
 from sides import HALF, fraction, root, words
 
 import stability as st
-from stability.algebra.balls import precision
-from stability.algebra.number_types import balls
+from stability.algebra.number_types import balls, precision
 from stability.bodies.painleve import painleve_limit
 from stability.bodies.round_body.equations import round_system
 from stability.tables.painleve import bodies

@@ -20,10 +20,10 @@ from stability.algebra.exact.hurwitz_forms import Budget
 from stability.base.axis import Axis
 from stability.base.errors import StabilityError, StabilityWarning
 from stability.boundary.algebraic import exact_search
-from stability.boundary.algebraic.polynomials import least_size
+from stability.boundary.algebraic.candidates import least_size
 from stability.boundary.algebraic.tower import Along, Tower
 from stability.boundary.brackets import AxisScan
-from stability.derivation.general.elimination import whole
+from stability.derivation.elimination import whole
 from stability.spectra.arguments import prepare
 
 EXACT = "isolated exactly, with functions and unknowns as algebraic numbers"

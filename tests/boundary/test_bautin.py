@@ -19,8 +19,8 @@ import sympy
 from scipy.optimize import brentq
 
 import stability as st
-from stability.boundary.beyond_linear.two_parameters import vanishing_exact
-from stability.boundary.beyond_linear.two_parameters.point_records import PointKind
+from stability.boundary.two_parameters import bautin
+from stability.boundary.two_parameters.point_records import PointKind
 
 VANISHING = PointKind.VANISHING
 
@@ -284,7 +284,7 @@ def test_what_is_not_algebraic_or_too_large_is_followed_between_lines_with_the_r
     other = st.codimension_two(at_rest("uv", rates(ca.sinh)), **axes)
     assert "no exact search, since" in other.vanishing and close(points(other), [(0, 0.25)])
     assert not other.vanishing_complete
-    monkeypatch.setattr(vanishing_exact, "MOST_DEGREE", 0)
+    monkeypatch.setattr(bautin, "MOST_DEGREE", 0)
     large = st.codimension_two(at_rest("uv", rates(lambda v: v)), **axes)
     assert "has degree" in large.vanishing and "between 2 lines" in large.vanishing
     assert close(points(large), [(0, 0.25)]) and not large.vanishing_complete

@@ -16,7 +16,7 @@ from stability.base.errors import StabilityWarning
 from stability.bodies.contact import Contact
 from stability.boundary.changes import along
 from stability.boundary.crossings import Boundaries
-from stability.spectra.disk_problem import disk_problem
+from stability.spectra.problem import disk_problem
 
 LAWS: dict[str, type[Contact]] = {
     "smooth": st.Smooth,

@@ -20,13 +20,9 @@ from flint import arb
 
 import stability as st
 from stability.algebra.number_types import balls
-from stability.boundary.beyond_linear.krawczyk import NotProvedError, proved
-from stability.boundary.beyond_linear.two_parameters.point_records import PointKind
-from stability.boundary.beyond_linear.two_parameters.systems_of_two import (
-    determinant,
-    nature,
-    subresultant,
-)
+from stability.boundary.krawczyk import NotProvedError, proved
+from stability.boundary.two_parameters.planes import determinant, nature, subresultant
+from stability.boundary.two_parameters.point_records import PointKind
 
 matplotlib.use("Agg")
 DOUBLE_ZERO, ZERO_HOPF, DOUBLE_HOPF, VANISHING = PointKind

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.algebra.balls import precision
+from stability.algebra.number_types import precision
 from stability.base.errors import NoMemberError
 from stability.boundary import brackets
-from stability.boundary.interval_search.formula_meetings import FormulaMeetings, hurwitz
+from stability.boundary.interval_search.meetings import FormulaMeetings, hurwitz
 from stability.boundary.interval_search.quick_pieces import quick_pieces
 from stability.spectra.problem import system_problem
 from stability.spectra.spectrum import spectrum

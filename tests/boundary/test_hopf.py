@@ -10,7 +10,7 @@ from reference import beyond
 from simulation import simulate
 
 import stability as st
-from stability.algebra.balls import precision
+from stability.algebra.number_types import precision
 from stability.boundary.hopf import HopfKind, exact_side, hopf, normal_form
 
 POINTS = beyond()["hopf"]

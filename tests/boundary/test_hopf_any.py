@@ -17,7 +17,7 @@ import pytest
 import sympy
 
 import stability as st
-from stability.boundary.beyond_linear.records import HopfKind, Onset
+from stability.boundary.hopf import HopfKind, Onset
 
 
 def at_rest(

@@ -14,7 +14,7 @@ from flint import arb, arb_series
 from transcendental_boundaries import judge, question
 
 import stability as st
-from stability.algebra.balls import precision
+from stability.algebra.number_types import precision
 from stability.base.errors import StabilityWarning
 from stability.boundary.interval_search.taylor import product, quotient, series_algebra, span, terms
 from stability.systems.structure.enclosure import ball_unknowns

@@ -9,7 +9,7 @@ from ring_motion import Ring
 from scipy.integrate import solve_ivp
 
 import stability as st
-from stability.boundary.beyond_linear.mean_path import _Circling, retrograde_map, thin_ring
+from stability.boundary.mean_path import _Circling, retrograde_map, thin_ring
 
 RANDOM = np.random.default_rng(20)
 
@@ -71,7 +71,7 @@ def test_integrated_motions_turn_back_where_the_map_says(
     inner: float, share: float, backward: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The turn of the mean path changes sign there; the angle turned back is off by amplitude."""
-    monkeypatch.setattr("stability.boundary.beyond_linear.mean_path.FLAT", 0.15)
+    monkeypatch.setattr("stability.boundary.mean_path.FLAT", 0.15)
     chart = retrograde_map([inner], [share], starts=[(80.0, 1.0)])
     assert bool(chart.largest_ratio > 1) == backward
     k, size, theta = (1 + inner**2) / 4, 0.004, math.radians(80)
@@ -90,7 +90,7 @@ def test_integrated_motions_turn_back_where_the_map_says(
 def test_the_map_does_not_depend_on_its_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     points = ([0.0, 0.7, 1.0], [0.0, 0.3, 1.0])
     chart = retrograde_map(*points)
-    monkeypatch.setattr("stability.boundary.beyond_linear.mean_path.STEP", 0.02)
+    monkeypatch.setattr("stability.boundary.mean_path.STEP", 0.02)
     fine = retrograde_map(*points)
     np.testing.assert_allclose(chart.largest_ratio, fine.largest_ratio, rtol=1e-3)
     np.testing.assert_allclose(chart.backward, fine.backward, atol=0.02)

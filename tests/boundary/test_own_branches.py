@@ -10,8 +10,9 @@ import pytest
 
 import stability as st
 from stability.base.errors import StabilityWarning
-from stability.boundary import changes, scan
-from stability.boundary.algebraic import branch
+from stability.boundary import changes
+from stability.boundary.algebraic import exact_search
+from stability.boundary.interval_search import pieces
 
 
 def skew_bead() -> dict[str, st.Family]:
@@ -53,10 +54,10 @@ def test_what_the_exact_search_leaves_open_is_searched_in_pieces(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     family = skew_bead()["out"]
-    monkeypatch.setattr(branch.Branch, "_label", lambda *_: None)  # it recognises no branch
+    monkeypatch.setattr(exact_search.Branch, "_label", lambda *_: None)  # it recognises no branch
     found = st.boundaries(family, axis=("turn", 0.5, 6.0, 20), damping=0.3)
     assert found.complete and len(found) == 0 and "pieces" in found.how
-    monkeypatch.setattr(changes, "proved", lambda line, grid, **_: scan.scanned(line, grid, "no"))
+    monkeypatch.setattr(changes, "proved", lambda line, grid, **_: pieces.scanned(line, grid, "no"))
     with pytest.warns(StabilityWarning, match="no verdict is proved at the values tried"):
         assert not st.boundaries(family, axis=("turn", 0.5, 6.0, 20), damping=0.3).complete
 

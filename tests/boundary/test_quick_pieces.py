@@ -9,12 +9,10 @@ import pytest
 from flint import arb, arb_series, ctx
 
 import stability as st
-from stability.algebra.balls import precision
-from stability.algebra.kernels.series_tape import recorded_series
-from stability.algebra.kernels.tape import recorded
-from stability.algebra.number_types import balls
+from stability.algebra.kernels.tape import recorded, recorded_series
+from stability.algebra.number_types import balls, precision
 from stability.boundary import brackets
-from stability.boundary.interval_search.formula_meetings import FormulaMeetings, watched
+from stability.boundary.interval_search.meetings import FormulaMeetings, watched
 from stability.boundary.interval_search.quick_pieces import ORDER, Rounds, rounds_of
 from stability.boundary.interval_search.taylor import coefficient, series_algebra, terms
 from stability.spectra.problem import system_problem

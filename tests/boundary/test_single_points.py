@@ -12,8 +12,7 @@ import stability as st
 from stability.algebra.exact.rational_functions import RING
 from stability.boundary.brackets import AxisScan, refine
 from stability.boundary.critical import Conditions
-from stability.boundary.search import Mark, Search
-from stability.boundary.single_points import grows, single
+from stability.boundary.search import Mark, Search, grows, single
 from stability.spectra.problem import system_problem
 
 STATES = ("q", "u", "r", "w")

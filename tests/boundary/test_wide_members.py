@@ -9,7 +9,7 @@ import pytest
 from flint import arb
 
 import stability as st
-from stability.algebra.balls import precision
+from stability.algebra.number_types import precision
 from stability.systems.structure.enclosure import ball_unknowns
 
 

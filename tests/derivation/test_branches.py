@@ -10,9 +10,7 @@ import sympy as sp
 
 import stability as st
 from stability.bodies.disk_polynomials import exact_polynomial
-from stability.derivation.branches import NOWHERE
-from stability.derivation.formulas import expression, formulas
-from stability.derivation.friction_ranges import FlutterCondition
+from stability.derivation.formulas import NOWHERE, FlutterCondition, expression, formulas
 
 K, M, Z, S, V, X, N = sp.symbols("k M z s v x N", positive=True)
 HALF = sp.Rational(1, 2)

@@ -15,7 +15,7 @@ from stability.base.verdict import Verdict
 from stability.cli import main
 from stability.derivation.formulas import cases, formulas
 from stability.spectra.certificate import verdict
-from stability.spectra.disk_problem import disk_problem
+from stability.spectra.problem import disk_problem
 from stability.tables.disk_formulas import formula_latex
 
 Z, M, S, K = sympy.symbols("z M s k")
@@ -196,7 +196,7 @@ def test_limits_are_those_of_the_verdicts(whole: bool) -> None:
 
 def test_the_decomposition_can_fail() -> None:
     """A condition whose pattern changes with k is not called one cell."""
-    from stability.derivation.friction_ranges import FlutterCondition
+    from stability.derivation.formulas import FlutterCondition
 
     odd = (4 * K - 1) * Z * K - M
     assert FlutterCondition("spinning", sympy.expand(odd), 1 / K).for_every_k() is None
@@ -244,7 +244,7 @@ def test_tables_of_drift_and_hopf_are_printed(capsys: pytest.CaptureFixture[str]
 
 @pytest.mark.parametrize("count", [3, pytest.param(40, marks=pytest.mark.long)])
 def test_roots_and_factors_are_those_of_computer_algebra(count: int) -> None:
-    from stability.derivation.friction_ranges import _irreducible, _real_roots
+    from stability.derivation.formulas import _irreducible, _real_roots
 
     x, y = sympy.symbols("x y")
     for seed in range(count):

@@ -11,9 +11,8 @@ from flint import Ordering, fmpq, fmpq_mpoly_ctx
 
 import stability as st
 from stability.algebra.exact.hurwitz_forms import Budget, hurwitz_determinants, subdiscriminants
-from stability.derivation.general.bounds import Bounds
-from stability.derivation.general.elimination import evaluate
-from stability.derivation.general.signs import Domain
+from stability.derivation.elimination import evaluate
+from stability.derivation.signs import Bounds, Domain
 
 F = Fraction
 RING = fmpq_mpoly_ctx.get(("x", "y", "z"), Ordering.degrevlex)

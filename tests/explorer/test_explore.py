@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import stability as st
+from stability.algebra.exact.routh import routh
 from stability.algebra.number_types import numpy_algebra
 from stability.algebra.program import Program
-from stability.algebra.routh_balls import routh
 from stability.explorer import page
 from stability.explorer.source.source_text import graph
 

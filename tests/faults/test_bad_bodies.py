@@ -11,7 +11,7 @@ import pytest
 
 import stability as st
 from stability.bodies.resistance import Resistance
-from stability.boundary.beyond_linear.mean_path import thin_ring
+from stability.boundary.mean_path import thin_ring
 
 TOP = st.EccentricSphere(0.1)
 ROLL = st.RollingResistance(0.01)

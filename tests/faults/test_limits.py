@@ -143,7 +143,7 @@ def test_spectra_in_pieces_are_the_spectra(monkeypatch: pytest.MonkeyPatch) -> N
         ]
 
     whole = ask()
-    monkeypatch.setattr("stability.spectra.rows.PIECE", 70)  # one or seven members at once
+    monkeypatch.setattr("stability.spectra.spectrum.PIECE", 70)  # one or seven members at once
     for one, other in zip(whole, ask(), strict=True):
         for name in ("eigenvalues", "radius", "codes", "states", "structural_zeros"):
             assert np.array_equal(getattr(one, name), getattr(other, name)), name

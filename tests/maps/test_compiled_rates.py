@@ -15,13 +15,13 @@ from stability.algebra.kernels.compiled import compiled
 from stability.algebra.real_factors import Factors, enclose, settle, start
 from stability.base.verdict import CODES, Verdict
 from stability.bodies.disk_polynomials import INPUT, PLAIN
-from stability.maps.compiled import factors, loops, rates, schemes
+from stability.maps.compiled import factors, loops, rates
 from stability.maps.growth_rates import HAS_LONG, GrowthKernel
-from stability.maps.verdict_filter import FilteredVerdicts, point
+from stability.maps.verdicts import FilteredVerdicts, point
 from stability.spectra.certificate import certify
-from stability.spectra.disk_problem import disk_problem
+from stability.spectra.problem import disk_problem
 
-SIDE = schemes.SIDE
+SIDE = loops.SIDE
 FAMILIES = ["rolling", "spinning", "tumbling"]
 RANGES = {"rolling": (0.1, 4.0), "spinning": (0.3, 6.0), "tumbling": (0.01, 1.57)}
 LAWS = [st.Viscous(0.7), st.LinearViscous(0.7), st.Rough(), st.Smooth()]
@@ -36,7 +36,7 @@ def names(case: Any) -> str:
 
 
 def loops_() -> Any:
-    return compiled(factors, schemes, loops)
+    return compiled(factors, loops)
 
 
 def question(family: str, law: Any, disk: Any = None) -> Any:
@@ -154,10 +154,10 @@ def test_tiles_over_a_boundary_are_right_on_both_sides(family: str) -> None:
 
 def block(roots: list[complex], error: float) -> Any:
     """A page on which every cell has the polynomial of these roots, and factors near them."""
-    w, n = np.zeros(schemes.PAGE), len(roots)
+    w, n = np.zeros(loops.PAGE), len(roots)
     for i, c in enumerate(np.poly(roots).real[::-1][:-1]):
-        w[schemes.A + i * SIDE : schemes.A + (i + 1) * SIDE] = c
-        w[schemes.E + i * SIDE : schemes.E + (i + 1) * SIDE] = error
+        w[loops.A + i * SIDE : loops.A + (i + 1) * SIDE] = c
+        w[loops.E + i * SIDE : loops.E + (i + 1) * SIDE] = error
     near, z = np.full(n, np.nan), np.zeros(n, dtype=complex)
     for j in range(SIDE):
         loops_().rescue(n, j, near, z, w)
@@ -180,8 +180,7 @@ def test_discs_of_the_loops_hold_known_roots(roots: list[complex]) -> None:
     w, n = block(roots, 0.0), len(roots)
     loops_().discs(n, 0, w)
     lines = [
-        w[at : at + n * SIDE].reshape(n, SIDE)
-        for at in (schemes.REAL, schemes.IMAG, schemes.RADIUS)
+        w[at : at + n * SIDE].reshape(n, SIDE) for at in (loops.REAL, loops.IMAG, loops.RADIUS)
     ]
     real, imag, radius = (line[:, 7] for line in lines)
     assert radius.max() < 1e-11 * max(map(abs, roots))
@@ -202,7 +201,7 @@ def test_discs_of_the_loops_hold_known_roots(roots: list[complex]) -> None:
 def test_discs_are_as_large_as_those_of_numpy(roots: list[complex]) -> None:
     w, n = block(roots, 1e-9), len(roots)
     loops_().discs(n, 0, w)
-    some = [w[at : at + n * SIDE : SIDE] for at in (schemes.A, schemes.F, schemes.RADIUS)]
+    some = [w[at : at + n * SIDE : SIDE] for at in (loops.A, loops.F, loops.RADIUS)]
     a, f = ([v.reshape(1) for v in line.copy()] for line in some[:2])
     known = Factors(f[0], list(zip(f[1::2], f[2::2], strict=True)))
     plain = enclose(a, [np.array([1e-9]) for _ in a], known)
@@ -214,24 +213,24 @@ def test_discs_are_as_large_as_those_of_numpy(roots: list[complex]) -> None:
 def test_clusters_get_no_bound(roots: list[complex]) -> None:
     w = block(roots, 1e-16)
     loops_().discs(len(roots), 0, w)
-    assert np.isinf(w[schemes.RADIUS : schemes.RADIUS + len(roots) * SIDE]).any()
+    assert np.isinf(w[loops.RADIUS : loops.RADIUS + len(roots) * SIDE]).any()
     loops_().rate(len(roots), w)
-    assert np.isinf(w[schemes.ERROR : schemes.ERROR + SIDE]).all()
+    assert np.isinf(w[loops.ERROR : loops.ERROR + SIDE]).all()
 
 
 @needs_numba
 @pytest.mark.parametrize("degree", [3, 5])
 def test_distances_that_overflow_give_no_bound(degree: int) -> None:
     roots = [-(1e78 if degree == 3 else 1e39) * (i + 1) for i in range(degree)]
-    w = np.zeros(schemes.PAGE)
+    w = np.zeros(loops.PAGE)
     known = [roots[0]]
     for one, two in zip(roots[1::2], roots[2::2], strict=True):
         known += [-(one + two), one * two]
     for i, (c, f) in enumerate(zip(np.poly(roots)[::-1], known, strict=False)):
-        w[schemes.A + i * SIDE : schemes.A + (i + 1) * SIDE] = c
-        w[schemes.F + i * SIDE : schemes.F + (i + 1) * SIDE] = f
+        w[loops.A + i * SIDE : loops.A + (i + 1) * SIDE] = c
+        w[loops.F + i * SIDE : loops.F + (i + 1) * SIDE] = f
     loops_().discs(degree, 0, w)
-    assert not (w[schemes.RADIUS : schemes.RADIUS + degree * SIDE] < np.inf).any()
+    assert not (w[loops.RADIUS : loops.RADIUS + degree * SIDE] < np.inf).any()
     a = [np.array([c]) for c in np.poly(roots)[::-1][:-1]]
     pairs = [(np.array([p]), np.array([q])) for p, q in zip(known[1::2], known[2::2], strict=True)]
     with np.errstate(all="ignore"):
@@ -240,13 +239,13 @@ def test_distances_that_overflow_give_no_bound(degree: int) -> None:
 
 
 @needs_numba
-@pytest.mark.parametrize("place", [schemes.A, schemes.E, schemes.F, schemes.F + SIDE])
+@pytest.mark.parametrize("place", [loops.A, loops.E, loops.F, loops.F + SIDE])
 def test_what_is_no_number_gets_no_bound(place: int) -> None:
     w = block(POLYNOMIALS[0], 0.0)
     w[place + 3] = np.nan
     loops_().discs(5, 0, w)
     loops_().rate(5, w)
-    error = w[schemes.ERROR : schemes.ERROR + SIDE]
+    error = w[loops.ERROR : loops.ERROR + SIDE]
     assert not error[3] < np.inf
     assert (np.delete(error, 3) < 1e-10).all()
 
@@ -256,15 +255,15 @@ def exact_pages(family: str, behind: Any, random: Any) -> Iterator[tuple[Any, ..
     asked = question(family, st.Viscous(1.0))
     tables = rates.tables(asked.exact, behind)
     assert tables is not None
-    w = np.zeros(schemes.PAGE)
+    w = np.zeros(loops.PAGE)
     ends = {"k": (0.01, 0.5), "M": (1e-3, 1e3), "z": (0.01, 20.0), "s": (0.01, 1.0)}
     variables = asked.exact.known.variables
     point = {n: np.exp(random.uniform(*np.log(ends[n]), SIDE)) for n in variables}
     low = {n: v * random.uniform(-1, 1, SIDE) * 2.0**-54 for n, v in point.items()}
     for level, i in enumerate(tables.order):
-        at = schemes.VARIABLE + level * SIDE
+        at = loops.VARIABLE + level * SIDE
         w[at : at + SIDE] = point[variables[i]]
-        at += schemes.LOW_VARIABLE
+        at += loops.LOW_VARIABLE
         w[at : at + SIDE] = low[variables[i]]
     for factor in sorted(asked.exact.known.factors, key=len, reverse=True):
         row = tables.factors[[len(factor) - 1 == n for n in tables.factors[:, 1]].index(True)]
@@ -289,8 +288,8 @@ def test_bounds_of_coefficients_hold_over_q_and_are_not_idle(family: str, long: 
             truth = [c(*at) for c in factor]
             for i in range(count):
                 exact = Fraction(truth[i]) / truth[-1]
-                off = abs(Fraction(float(w[schemes.A + i * SIDE + j])) - exact)
-                bound = Fraction(float(w[schemes.E + i * SIDE + j]))
+                off = abs(Fraction(float(w[loops.A + i * SIDE + j])) - exact)
+                bound = Fraction(float(w[loops.E + i * SIDE + j]))
                 assert off <= bound
                 closest = max(closest, float(off / bound) if bound else 0.0)
                 if exact:
@@ -332,14 +331,14 @@ def test_the_bound_counts_each_rounding_of_a_quotient_by_one_inverse(
     long: bool, units: int
 ) -> None:
     """Exact coefficients: their quotient's roundings alone are in the bound, and are all needed."""
-    w = np.zeros(schemes.PAGE)
+    w = np.zeros(loops.PAGE)
     high, low = worst_quotients(long, np.random.default_rng(3))
     for v in range(2):
-        at = schemes.VARIABLE + v * SIDE
+        at = loops.VARIABLE + v * SIDE
         w[at : at + SIDE] = high[v]
-        w[at + schemes.LOW_VARIABLE : at + schemes.LOW_VARIABLE + SIDE] = low[v]
+        w[at + loops.LOW_VARIABLE : at + loops.LOW_VARIABLE + SIDE] = low[v]
     steps = np.array(
-        [[schemes.SCALE, 1, 0], [schemes.SET, 1, 0], [schemes.SCALE, 1, 1], [schemes.SET, 1, 0]]
+        [[loops.SCALE, 1, 0], [loops.SET, 1, 0], [loops.SCALE, 1, 1], [loops.SET, 1, 0]]
     )
     numbers, parts = np.array([1.0, 0.0, 1.0, 0.0]), np.array([[0, 1, 2], [2, 3, 4]])
     run = loops_().long_coefficients if long else loops_().coefficients
@@ -347,8 +346,8 @@ def test_the_bound_counts_each_rounding_of_a_quotient_by_one_inverse(
     shares = []
     for j in range(SIDE):
         x, y = (Fraction(float(high[v, j])) + Fraction(float(low[v, j])) for v in range(2))
-        off = abs(Fraction(float(w[schemes.A + j])) - x / y)
-        bound = Fraction(float(w[schemes.E + j]))
+        off = abs(Fraction(float(w[loops.A + j])) - x / y)
+        bound = Fraction(float(w[loops.E + j]))
         assert off <= bound
         shares.append(off / bound)
     # with one rounding less the bound would be broken
@@ -436,13 +435,13 @@ def test_schemes_have_the_steps_of_the_polynomials_source() -> None:
         for (what, level, variable), number in zip(steps, numbers, strict=True):
             own, below, one = lines.get(level, 0), lines.get(level - 1, 0), at[variable]
             lines[level] = {
-                schemes.SET: int(number),
-                schemes.PLUS: own + int(number),
-                schemes.ADD: own + below,
-                schemes.COPY: below,
-                schemes.TIMES: own * one,
-                schemes.SCALE: int(number) * one,
-                schemes.PRODUCT: below * one,
+                loops.SET: int(number),
+                loops.PLUS: own + int(number),
+                loops.ADD: own + below,
+                loops.COPY: below,
+                loops.TIMES: own * one,
+                loops.SCALE: int(number) * one,
+                loops.PRODUCT: below * one,
             }[what]
         assert lines[level] == part(*at)  # on the line of the last step
         assert part.roundings(INPUT) >= part.roundings(PLAIN)

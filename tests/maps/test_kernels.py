@@ -14,11 +14,17 @@ from stability.base.axis import Axis
 from stability.base.verdict import CODES, Verdict
 from stability.bodies.disk_polynomials import INPUT, PLAIN
 from stability.maps.growth_rates import GrowthKernel
-from stability.maps.proved_boxes import BoxConditions, Interval, prove_boxes
-from stability.maps.verdict_filter import FilteredVerdicts, VerdictKernel, point
-from stability.maps.verdict_tiles import GridVerdicts
+from stability.maps.verdicts import (
+    BoxConditions,
+    FilteredVerdicts,
+    GridVerdicts,
+    Interval,
+    VerdictKernel,
+    point,
+    prove_boxes,
+)
 from stability.spectra.certificate import certify, verdict
-from stability.spectra.disk_problem import disk_problem
+from stability.spectra.problem import disk_problem
 
 FAMILIES = ["rolling", "spinning", "tumbling"]
 SI = st.Disk(mass=0.3, radius=0.013, gravity=9.81, k=0.27)
@@ -443,7 +449,7 @@ def test_levels_out_of_range_are_refused(levels: Any) -> None:
 @pytest.mark.parametrize("law", [None, st.LinearViscous(0.4), st.Rough(), st.Smooth()])
 @pytest.mark.parametrize("family", [*FAMILIES, "circling", "precession"])
 def test_a_line_has_one_polynomial_by_both_routes(family: str, law: Any) -> None:
-    from stability.algebra.balls import precision
+    from stability.algebra.number_types import precision
     from stability.boundary.brackets import AxisScan
 
     only = {"circling": st.Rough, "precession": st.Smooth}.get(family)

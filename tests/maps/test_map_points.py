@@ -18,8 +18,8 @@ import pytest
 import stability as st
 from stability.cli.commands import main
 from stability.figures.diagram import caption
+from stability.maps.dataset import points_of
 from stability.maps.netcdf import read_map, write_map
-from stability.maps.points import points_of
 
 matplotlib.use("Agg")
 

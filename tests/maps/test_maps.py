@@ -77,7 +77,7 @@ def hurwitz_in_many_digits(family: str, at: float, k: float, mu: float) -> tuple
     """Constant term and Hurwitz determinant of the reduced polynomial by mpmath at 60 digits.
 
     The polynomial comes from traces of powers (Newton's identities) of the graph's Jacobian, the
-    determinant from its definition: nothing of `stability.algebra.routh_balls` is used.
+    determinant from its definition: nothing of `stability.algebra.exact.routh` is used.
     """
     with mpmath.workdps(60):
         from spectrum_oracle import truth_matrix

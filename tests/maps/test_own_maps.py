@@ -24,8 +24,9 @@ from stability.algebra.exact.number_fields import NotExact
 from stability.base.axis import Axis
 from stability.base.errors import ParameterError
 from stability.maps import cells as cells_module
-from stability.maps.own import graph_rates, slices
-from stability.maps.own.root_discs import discs
+from stability.maps.own import cells as own_cells
+from stability.maps.own import slices
+from stability.maps.own.rates import discs
 from stability.maps.own.slice_verdicts import ELSEWHERE, slice_verdicts
 from stability.maps.own.slices import slice_of
 from stability.maps.own.surfaces import Box, Surface, Window, _double, powers
@@ -292,7 +293,7 @@ def test_a_family_that_is_not_algebraic(monkeypatch: pytest.MonkeyPatch) -> None
     axes: dict[str, Any] = {"x": ("a", -1, 2, 60), "y": ("b", -1, 2, 50)}
     found = st.stability_map(some, **axes, boundaries=False)
     assert found.attrs["method"].startswith("eigenvalues of the AD Jacobian")
-    monkeypatch.setattr(graph_rates, "MOST_STATES", 1)  # the eigensolver alone
+    monkeypatch.setattr(own_cells, "MOST_STATES", 1)  # the eigensolver alone
     plain = st.stability_map(some, **axes, boundaries=False)
     decided = (found.verdict.values != 0) & (plain.verdict.values != 0)
     assert decided.mean() > 0.999

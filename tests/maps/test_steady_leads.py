@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.maps.compiled import rates, schemes
+from stability.maps.compiled import loops, rates
 from stability.maps.growth_rates import GrowthKernel
-from stability.maps.verdict_filter import point
-from stability.spectra.disk_problem import disk_problem
+from stability.maps.verdicts import point
+from stability.spectra.problem import disk_problem
 
-COLUMNS, ROWS = 2 * schemes.SIDE + 50, 30
+COLUMNS, ROWS = 2 * loops.SIDE + 50, 30
 CASES = [
     (f, law, x)
     for f in ("rolling", "spinning", "tumbling")
@@ -40,8 +40,8 @@ def test_rows_in_pieces_have_the_same_rates_and_flags(family: str, law: Any, acr
     kernel, own = GrowthKernel(asked, quick=True), lines(law, across)
     whole = kernel(dict(asked.values) | own)
     shape = (ROWS, COLUMNS)
-    for low in range(0, COLUMNS, schemes.SIDE):
-        some = slice(low, min(COLUMNS, low + schemes.SIDE))
+    for low in range(0, COLUMNS, loops.SIDE):
+        some = slice(low, min(COLUMNS, low + loops.SIDE))
         piece = kernel(
             dict(asked.values) | {n: v[:, some] if v.shape[0] == 1 else v for n, v in own.items()}
         )
@@ -71,6 +71,6 @@ def test_some_of_these_leads_are_steady_and_some_are_not() -> None:
         table = known.tables
         where, _ = rates._lines([*(at[i] for i in table.order), 1.0])
         first, n = table.factors[0]
-        steady = schemes.steady_lead(table.steps, table.parts, first + n, where)
+        steady = loops.steady_lead(table.steps, table.parts, first + n, where)
         found.add((law.name, steady))
     assert found >= {("smooth", True), ("smooth", False)}

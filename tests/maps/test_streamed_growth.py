@@ -16,7 +16,7 @@ from chunk_work import tree
 
 import stability as st
 from stability.jobs.dask import pool_of
-from stability.maps.streamed.zarr_folder import no_rates
+from stability.maps.stream import no_rates
 
 AXES: dict[str, Any] = {"x": ("at", 0.3, 3.2, 40), "y": ("mu", 0.1, 5, 30)}
 NAMES = ("verdict", "abscissa", "abscissa_error", "frequency")
@@ -101,7 +101,7 @@ def test_an_own_family_is_completed_chunk_by_chunk(
 ) -> None:
     if open_:  # discs that are never small enough: the graph completes every cell
         monkeypatch.setattr("stability.maps.own.rates.WANTED", 1e-18)
-        monkeypatch.setattr("stability.maps.own.slice_cells.MOST_POOR", 1.0)
+        monkeypatch.setattr("stability.maps.own.cells.MOST_POOR", 1.0)
     found, whole = both(own_family(), tmp_path, **OWN)
     assert found.method.startswith("characteristic polynomial of the family over Q")
     np.testing.assert_array_equal(found.verdict.values, whole.verdict.values)

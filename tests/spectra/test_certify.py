@@ -14,8 +14,7 @@ import stability as st
 from stability.algebra.exact.number_fields import rational
 from stability.base.verdict import Verdict
 from stability.spectra.certificate import certify, verdict
-from stability.spectra.disk_problem import disk_problem
-from stability.spectra.problem import system_problem
+from stability.spectra.problem import disk_problem, system_problem
 
 FAMILIES = ["rolling", "spinning", "tumbling"]
 
@@ -280,7 +279,8 @@ def test_verdicts_of_polynomials_over_q_are_those_of_their_roots(
     """Known roots: some real, some at zero, some pairs a ± 2i with a = -1, 0, 1."""
     from flint import fmpq_poly
 
-    from stability.algebra.exact.routh import on_the_axis, split
+    from stability.algebra.exact.roots import split
+    from stability.algebra.exact.routh import on_the_axis
 
     kept = [r for r in real if r]
     p = fmpq_poly([1])

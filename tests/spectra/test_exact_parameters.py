@@ -14,7 +14,7 @@ import stability as st
 from stability.base.errors import ParameterError
 from stability.spectra.arguments import problem_of
 from stability.spectra.deflation import tracked_matrix
-from stability.spectra.rows import Rows
+from stability.spectra.spectrum import Rows
 
 THIRD = Fraction(1, 3)
 

@@ -15,8 +15,7 @@ from stability.algebra.exact.number_fields import EXACT, rational
 from stability.algebra.number_types import Algebra
 from stability.bodies.disk_polynomials import DiskPolynomial
 from stability.spectra import certificate
-from stability.spectra.disk_problem import disk_problem
-from stability.spectra.problem import Problem
+from stability.spectra.problem import Problem, disk_problem
 
 OWN = "from the family's polynomial"
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as some
 
 import stability as st
-from stability.algebra.number_types import ball_algebra, numpy_algebra, sympy_algebra
+from stability.algebra.number_types import balls, numpy_algebra, sympy_algebra
 from stability.algebra.program import Program
 from stability.algebra.running_error import RunningError, running_error_arrays
 from stability.bodies.contact_laws import LAWS
@@ -224,12 +224,12 @@ def test_random_graphs_read_alike_in_every_algebra(seed: int) -> None:
     plain = program.arrays([[np.array(v) for v in point]], ())
     for found, value in zip(plain, expected, strict=True):
         assert found.ravel() == pytest.approx(value, rel=1e-12, abs=1e-12)
-    balls = program.run(ball_algebra(), [[ball_algebra().constant(v) for v in point]])
+    enclosed = program.run(balls(), [[balls().constant(v) for v in point]])
     tracked = running_error_arrays(program, [[RunningError(np.array(v), 0.0) for v in point]], ())
     for index, places in enumerate(program.places):
-        for (row, column), ball in zip(places, balls[index], strict=True):
+        for (row, column), ball in zip(places, enclosed[index], strict=True):
             value, error = (part[row, column] for part in tracked[index])
-            ball = ball_algebra().constant(0) + ball
+            ball = balls().constant(0) + ball
             assert abs(float(ball.mid()) - value) <= error + float(ball.rad()) + 1e-300
 
 

@@ -14,8 +14,7 @@ import stability as st
 from stability.base.errors import ParameterError
 from stability.base.verdict import CODES, Verdict
 from stability.spectra.deflation import deflate
-from stability.spectra.eigenvalues import decide, eigenvalues
-from stability.spectra.modes import track
+from stability.spectra.eigenvalues import decide, eigenvalues, track
 
 SPECTRA = reference.spectra()
 

@@ -10,9 +10,8 @@ from sympy.physics.mechanics import dynamicsymbols
 
 import stability as st
 from stability.algebra import program
-from stability.algebra.balls import precision
 from stability.algebra.linear_systems import solution
-from stability.algebra.number_types import balls
+from stability.algebra.number_types import balls, precision
 from stability.boundary.interval_search.taylor import series_algebra, terms
 from stability.systems.graph import family_graph
 

@@ -6,8 +6,8 @@ import pytest
 from flint import arb, fmpq
 
 import stability as st
-from stability.algebra.balls import precision
 from stability.algebra.exact.number_fields import Algebraic, NotExact
+from stability.algebra.number_types import precision
 from stability.base.verdict import Verdict
 from stability.systems.structure.exact_unknowns import exact_unknowns
 

@@ -8,7 +8,7 @@ import stability as st
 from stability import Verdict
 from stability.algebra.exact.function_field import FunctionField
 from stability.algebra.exact.number_fields import NotExact, characteristic, vanishes
-from stability.algebra.exact.root_balls import clustered
+from stability.algebra.exact.roots import clustered
 from stability.base.errors import DomainError, ParameterError
 from stability.systems.structure.multiplicity import certain, identity
 
@@ -487,7 +487,7 @@ def test_a_root_at_zero_is_enclosed(p: float, rate: float) -> None:
     """Newton's method tends to the root 0 without end; the ball must still hold it."""
     from flint import arb
 
-    from stability.algebra.balls import precision
+    from stability.algebra.number_types import precision
     from stability.systems.structure.enclosure import ball_unknowns
 
     system = _system("zero", "yz", lambda x, q: (-(x[0] + q) * x[0], rate * q * x[0] * x[1]))

@@ -16,7 +16,8 @@ import sympy
 from stability.algebra.number_types import sympy_algebra
 from stability.algebra.program import Program
 from stability.bodies.thin_disk import disk_system
-from stability.derivation.body_graph import (
+from stability.derivation.body_polynomials import (
+    AXIAL,
     BEND,
     FORCE_X,
     FORCE_Y,
@@ -24,20 +25,24 @@ from stability.derivation.body_graph import (
     I3,
     KNOWN,
     NORMAL,
+    PAIRS,
     PHI,
+    RADIUS,
     RHO,
     SLIP_X,
     SLIP_Y,
     SLOPE,
     SPEEDS,
     SPIN,
+    SQUARE,
+    STORED_LAWS,
     H,
     R,
     Z,
+    characteristic,
     equations,
     folded,
 )
-from stability.derivation.body_polynomials import AXIAL, LAWS, PAIRS, RADIUS, SQUARE, characteristic
 from stability.derivation.characteristic import COS, LAM, MU, SIN, K, M, derive
 from stability.derivation.characteristic import SQUARE as RATE_SQUARE
 from stability.derivation.hurwitz import Obligation, decisive
@@ -149,8 +154,8 @@ def disk_case() -> Theorem:
                lambda: same(of_disk(steady_motions.SURFACE), ROUGH)
                and same(of_disk(steady_motions.MOMENT), SMOOTH)
                and same(of_disk(steady_motions.RIM), SPIN))  # fmt: skip
-    for family, law in (*((f, law) for f in ("rolling", "spinning", "tumbling") for law in LAWS),
-                        ("circling", "rough")):  # fmt: skip
+    steady = [(f, law) for f in ("rolling", "spinning", "tumbling") for law in STORED_LAWS]
+    for family, law in (*steady, ("circling", "rough")):
         proof.step(f"{family}, {law}: the disk's characteristic polynomial is the general one",
                    "identity up to a factor without λ; the disk's is derived from its own graph",
                    partial(_same_polynomial, family, law))  # fmt: skip

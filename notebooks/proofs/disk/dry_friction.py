@@ -11,7 +11,7 @@ from typing import Any
 
 import sympy
 
-from stability.derivation.body_graph import (
+from stability.derivation.body_polynomials import (
     FORCE_X,
     FORCE_Y,
     NORMAL,

@@ -7,7 +7,15 @@ from typing import Any
 
 import sympy
 
-from stability.derivation.body_graph import PHI, PHI_DDOT, SLIP_X, SLIP_Y, SPIN, SPIN_DOT, THETA_DOT
+from stability.derivation.body_polynomials import (
+    PHI,
+    PHI_DDOT,
+    SLIP_X,
+    SLIP_Y,
+    SPIN,
+    SPIN_DOT,
+    THETA_DOT,
+)
 from stability.derivation.characteristic import COS, SIN, K
 
 from ..mechanics import same, same_linearisation, simplified

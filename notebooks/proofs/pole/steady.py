@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy
 
-from stability.derivation.body_graph import FORCE_X, FORCE_Y, I1, SLIP_X, SLIP_Y, H
+from stability.derivation.body_polynomials import FORCE_X, FORCE_Y, I1, SLIP_X, SLIP_Y, H
 
 from ..mechanics import StatedForce, vanishes
 from ..proof import POLE_TESTS, Proof, Theorem

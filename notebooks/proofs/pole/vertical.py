@@ -7,8 +7,19 @@ from typing import Any
 
 import sympy
 
-from stability.derivation.body_graph import BEND, I1, I3, RHO, SLOPE, H, R, Z
-from stability.derivation.body_polynomials import AXIAL, RADIUS, SQUARE
+from stability.derivation.body_polynomials import (
+    AXIAL,
+    BEND,
+    I1,
+    I3,
+    RADIUS,
+    RHO,
+    SLOPE,
+    SQUARE,
+    H,
+    R,
+    Z,
+)
 from stability.derivation.characteristic import COS, MU, SIN
 
 from ..mechanics import along, same_linearisation, vanishes

@@ -1,20 +1,18 @@
-"""Polynomials and the imaginary axis: Routh's array and the roots on the axis, exactly.
+"""Polynomials and the imaginary axis: Routh's array, exactly or in balls, and roots on the axis.
 
 Over Q all is decided.  Over any other real field the same steps need a proved sign of each number.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from itertools import islice
 from typing import Any, NamedTuple
 
-from flint import acb, fmpq, fmpq_poly
+from flint import arb, arb_mat, fmpq, fmpq_poly
 
 from ...base.verdict import Verdict
-from .isolation import factored_roots, halved_roots
-
-FAR = 250
-"""Bits by which the sizes of roots differ, above which real roots are found by halving."""
+from .roots import split
 
 
 def on_the_axis(factors: Sequence[Any]) -> Verdict:
@@ -44,59 +42,6 @@ def on_the_axis(factors: Sequence[Any]) -> Verdict:
         if not _squares_negative(symmetric):
             return Verdict.UNSTABLE
     return Verdict.NEUTRAL if neutral else Verdict.STABLE
-
-
-def split(p: Any) -> tuple[int, Any, Any]:
-    """A polynomial over Q as λ^zeros · symmetric · rest.
-
-    Parameters
-    ----------
-    p
-        An `fmpq_poly`, not zero.
-
-    Returns
-    -------
-    zeros, symmetric, rest
-        Number of roots at 0, and two polynomials.  `symmetric` is even; its roots are the nonzero
-        roots λ for which -λ is a root too.  `rest` has no such pair.
-
-    Examples
-    --------
-    >>> split(fmpq_poly([0, 1, 1, 1, 1]))  # λ (λ² + 1) (λ + 1)
-    (1, x^2 + 1, x + 1)
-    """
-    coefficients = p.coeffs()
-    zeros = next(i for i, c in enumerate(coefficients) if c != 0)
-    kept = fmpq_poly(coefficients[zeros:])
-    mirror = fmpq_poly([-c if i % 2 else c for i, c in enumerate(kept.coeffs())])
-    common = kept.gcd(mirror)
-    return zeros, common, kept / common
-
-
-def squares(symmetric: Any) -> list[Any]:
-    """The roots λ² of an even polynomial over Q, as (ball, multiplicity)."""
-    if symmetric.degree() < 1:
-        return []
-    whole = fmpq_poly(symmetric.coeffs()[::2]).numer()
-    if _spread(whole) > FAR:  # Flint's search for complex roots would take minutes
-        found = []
-        for factor, count in whole.factor_squarefree()[1]:
-            real = halved_roots(factor)
-            if len(real) < factor.degree():
-                break
-            found += [(acb(root), count) for root in real]
-        else:
-            return found
-    return factored_roots(whole)
-
-
-def _spread(p: Any) -> float:
-    """Bound on the ratio of the largest and the smallest root, in bits."""
-    bits = [int(abs(c)).bit_length() for c in p.coeffs()]
-    size = len(bits) - 1
-    high = max((b - bits[-1] + 1) / (size - i) for i, b in enumerate(bits[:-1]) if b)
-    low = min((bits[0] - b - 1) / i for i, b in enumerate(bits) if i and b)
-    return high - low
 
 
 def _squares_negative(symmetric: Any) -> bool:
@@ -226,3 +171,146 @@ def _hurwitz_over(ground: Ground, p: Sequence[Any]) -> bool:
         rest = [x - ratio * y for x, y in zip(here[1:], padded, strict=True)]
         here, following = following, [ground.tidy(c) for c in rest]
     return True
+
+
+ROUGH = 1e-6
+"""Largest rate at which a sampled member without solved unknowns counts as steady."""
+
+
+def verdict_polynomial(coefficients: Sequence[Any], zeros: int, conservative: bool) -> list[Any]:
+    """The polynomial whose Hurwitz stability is the verdict, lowest coefficient first.
+
+    For a dissipative law: the reduced characteristic polynomial.  For a conservative law, with the
+    reduced polynomial q(λ²): q(λ²) + λ q'(λ²), Hurwitz exactly when all λ² are real, negative and
+    simple.
+
+    Parameters
+    ----------
+    coefficients
+        Coefficients of det(λ - A), lowest first.
+    zeros
+        Number of structural zeros.
+    conservative
+        Whether the reduced polynomial is even.
+
+    Returns
+    -------
+    list of arb
+
+    Source: Hermite-Biehler theorem; F. R. Gantmacher, The Theory of Matrices, vol. 2, ch. XV § 14.
+    """
+    reduced = list(coefficients[zeros:])
+    if not conservative:
+        return reduced
+    for power in range(2, len(reduced), 2):
+        reduced[power - 1] = reduced[power] * (power // 2)
+    return reduced
+
+
+def product(factors: Sequence[Sequence[Any]]) -> list[Any]:
+    """The monic multiple of a product of polynomials, as balls.
+
+    Parameters
+    ----------
+    factors
+        Coefficients of each factor, lowest first; the last one is not zero.
+
+    Returns
+    -------
+    list of arb
+    """
+    out = [arb(1)]
+    for factor in factors:
+        terms = [arb(c) for c in factor]
+        longer = [arb(0)] * (len(out) + len(terms) - 1)
+        for i, p in enumerate(out):
+            for j, c in enumerate(terms):
+                longer[i + j] += p * c
+        out = longer
+    return [c / out[-1] for c in out[:-1]] + [arb(1)]
+
+
+def routh(polynomial: Sequence[Any]) -> Iterator[Any]:
+    """First column of Routh's array, over any number type: all positive for a Hurwitz polynomial.
+
+    Parameters
+    ----------
+    polynomial
+        Coefficients, lowest first, leading one positive.
+
+    Examples
+    --------
+    >>> list(routh([6.0, 11.0, 6.0, 1.0]))
+    [1.0, 6.0, 10.0, 6.0]
+    """
+    high = list(reversed(polynomial))
+    upper, lower = high[0::2], high[1::2]
+    yield upper[0]
+    while lower:
+        yield lower[0]
+        ratio = upper[0] / lower[0]
+        padded = [*lower[1:], *[0] * len(upper)]
+        following = [u - ratio * low for u, low in zip(upper[1:], padded, strict=False)]
+        upper, lower = lower, following
+
+
+def hurwitz_sign(polynomial: Sequence[Any]) -> int:
+    """Whether all roots have negative real part, by Routh's array in balls.
+
+    Parameters
+    ----------
+    polynomial
+        Coefficients as balls, lowest first, leading one positive.
+
+    Returns
+    -------
+    int
+        1, proved: all roots in the open left half-plane; -1, proved: some root in the open right
+        half-plane; 0, not decided at this precision.
+
+    Source: F. R. Gantmacher, The Theory of Matrices, vol. 2, ch. XV §§ 3-6.  (A polynomial with all
+    roots in Re ≤ 0 is a limit of stable ones, so its Hurwitz determinants are ≥ 0: a determinant
+    proved negative proves a root in Re > 0.)
+
+    Examples
+    --------
+    >>> from flint import arb
+    >>> hurwitz_sign([arb(1), arb(2), arb(1)]), hurwitz_sign([arb(-1), arb(2), arb(1)])
+    (1, -1)
+    """
+    if any(c < 0 for c in polynomial):
+        return -1
+    for first in islice(routh(polynomial), 1, None):  # ends before a division by zero
+        if first < 0:
+            return -1
+        if not first > 0:
+            return 0
+    return 1
+
+
+def hurwitz_determinant(polynomial: Sequence[Any]) -> Any:
+    """The Hurwitz determinant of order n - 1, which vanishes where a pair meets the imaginary axis.
+
+    Parameters
+    ----------
+    polynomial
+        Coefficients as balls, lowest first.
+
+    Returns
+    -------
+    arb
+        1 for n < 2.
+
+    Source: Orlando's formula, Gantmacher vol. 2, ch. XV § 7: Δ(n-1) = ± ∏ (λᵢ + λⱼ) over i < j.
+    """
+    degree = len(polynomial) - 1
+    if degree < 2:
+        return arb(1)
+    high = list(reversed(polynomial))
+
+    def entry(i: int, j: int) -> Any:
+        index = 2 * (j + 1) - (i + 1)
+        return high[index] if 0 <= index <= degree else arb(0)
+
+    size = degree - 1
+    return arb_mat(size, size, [entry(i, j) for i in range(size) for j in range(size)]).det()

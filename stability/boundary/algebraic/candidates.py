@@ -1,4 +1,11 @@
-"""Values of an axis at which a watched polynomial can vanish, isolated as roots of norms."""
+"""Values of an axis at which a watched polynomial can vanish, isolated as roots of norms.
+
+A watched polynomial can vanish where a verdict changes; its norm is a polynomial in z alone.  The
+norm of a polynomial is its resultant with the relations of all variables but z.  It vanishes
+wherever the polynomial vanishes at some solution of the relations, so its roots are candidates.
+
+Source: B. L. van der Waerden, Algebra I, § 5.8 (the resultant lies in the ideal of both).
+"""
 
 from __future__ import annotations
 
@@ -6,14 +13,206 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from flint import arb, ctx
+from flint import arb, ctx, fmpq_poly
 
-from ...algebra.balls import precision
-from ...algebra.exact.hurwitz_forms import Budget
+from ...algebra.exact.hurwitz_forms import (
+    Budget,
+    by_power,
+    factors,
+    hurwitz_determinants,
+    subdiscriminants,
+)
 from ...algebra.exact.number_fields import NotExact, rational
-from ...algebra.exact.real_roots import UnclearError, real_roots
-from .polynomials import Watched, in_base, norms
+from ...algebra.exact.rational_functions import RING
+from ...algebra.exact.roots import UnclearError, real_roots
+from ...algebra.exact.triangular import occurring, remainder
+from ...algebra.number_types import precision
 from .tower import Tower
+
+MOST_DEGREE = 12
+"""Largest degree of a relation in its variable."""
+MOST_CONJUGATES = 100
+"""Largest number of conjugates of a value that is proved to be zero."""
+
+
+@dataclass(frozen=True)
+class Watched:
+    """A polynomial that may vanish."""
+
+    kind: str
+    """static, flutter, pole (no linearisation), fold (members meet, or go to infinity), end (an
+    unknown that must be positive vanishes), kink (the argument of a square root, as of |x|) or
+    crossed (another branch crosses this one)."""
+    poly: Any
+    """The polynomial in the ring of the family's polynomials."""
+    image: Any
+    """The same in the ring of the tower."""
+
+
+def watched(tower: Tower, budget: Budget) -> list[Watched]:
+    """Every polynomial whose zeros on the branch may end a piece of constant verdict.
+
+    Parameters
+    ----------
+    tower
+        The variables.
+    budget
+        Limits of the work.
+    """
+    found: list[tuple[str, Any]] = [
+        ("crossed" if p in tower.whole.crossed else "pole", p) for p in tower.whole.nonzero
+    ]
+    found += [("end", p) for p, _ in tower.whole.required]
+    for a, _ in tower.whole.factors:
+        found += _critical(a, budget)
+    for level in tower.levels:
+        if level.own is not None:
+            # √ is the larger root on both sides, so nothing meets where its argument vanishes
+            root = tower.along.field.meaning.get(tower.whole.indices[level.place], ("",))[0]
+            kind = "kink" if root == "sqrt" else "fold"
+            found.append((kind, level.own.derivative(level.place)))
+            parts = by_power(level.own, level.place)
+            found.append(("fold", parts[max(parts)]))
+    out: dict[tuple[str, str], Watched] = {}
+    for kind, poly in found:
+        for factor, _ in factors(_reduced(tower, poly))[1]:
+            if not factor.is_constant():
+                out[kind, str(factor)] = Watched(kind, factor, tower.image(factor))
+    return list(out.values())
+
+
+def _critical(a: Sequence[Any], budget: Budget) -> list[tuple[str, Any]]:
+    """Polynomials that vanish where a root of one factor meets the imaginary axis or infinity."""
+    n = len(a) - 1
+    found = [("static", a[0]), ("pole", a[n])]
+    even = n % 2 == 0 and all(c == 0 for c in a[1::2])
+    if even and n > 2:
+        found.append(("flutter", subdiscriminants(a[::2], budget)[-1]))
+    if not even and n > 1:
+        found.append(("flutter", hurwitz_determinants(a, budget)[-1]))
+    return found
+
+
+def _reduced(tower: Tower, poly: Any) -> Any:
+    """A polynomial modulo relations whose leading coefficient is a number."""
+    for level in tower.levels:
+        if level.own is not None and level.place in occurring(poly):
+            parts = by_power(level.own, level.place)
+            if parts[max(parts)].is_constant():
+                poly = remainder(poly, level.own, level.place)[0]
+    if poly == 0:
+        raise NotExact("a condition vanishes all along the axis")
+    return poly
+
+
+def norms(tower: Tower, image: Any, budget: Budget) -> list[Any]:
+    """Irreducible polynomials in z and s, one of which vanishes wherever a polynomial does.
+
+    Parameters
+    ----------
+    tower
+        The variables.
+    image
+        A polynomial in the ring of the tower, perhaps with w.
+    budget
+        Limits of the work.
+
+    Raises
+    ------
+    NotExact
+        If a norm vanishes identically, or is too large.
+    """
+    waiting = [image]
+    for level in tower.levels:
+        following: dict[str, Any] = {}
+        for poly in waiting:
+            for factor in _eliminated(poly, level, budget):
+                following[str(factor)] = factor
+        waiting = list(following.values())
+    return waiting
+
+
+def _eliminated(poly: Any, level: Any, budget: Budget) -> list[Any]:
+    if level.index in occurring(poly):
+        degree = level.relation.degrees()[level.index]
+        if degree > MOST_DEGREE:
+            raise NotExact(f"a relation has degree {degree}, more than {MOST_DEGREE}")
+        rest = remainder(poly, level.relation, level.index)[0]
+        if rest == 0:
+            raise NotExact("a condition vanishes all along the axis")
+        if len(rest) ** degree > budget.terms**2:
+            raise NotExact(f"a norm of {len(rest)} terms and degree {degree} is too large")
+        # the leading coefficient that the remainder was multiplied with adds candidates only
+        poly = (
+            rest.resultant(level.relation, level.index) if level.index in occurring(rest) else rest
+        )
+        budget.watch(poly)
+        if poly == 0:
+            raise NotExact("a condition vanishes all along the axis, on some branch")
+    return [f for f, _ in factors(poly)[1]]
+
+
+def in_base(poly: Any) -> Any:
+    """A polynomial in z and s as an element of `RING`.
+
+    Parameters
+    ----------
+    poly
+        The polynomial.
+    """
+    if not occurring(poly) <= {0, 1}:
+        raise NotExact("a variable was not eliminated")
+    return RING.from_dict({tuple(map(int, e[:2])): c for e, c in poly.to_dict().items()})
+
+
+def least_size(tower: Tower, image: Any, norm: Any, budget: Budget) -> Any | None:
+    """A positive number below the size of every conjugate of a value, unless this is zero.
+
+    The conjugates are the values of a polynomial at all solutions of the relations over all roots
+    of its norm.  They are the roots of a polynomial T(w) over Q, whose coefficients bound its
+    roots other than zero from below (Cauchy).
+
+    Parameters
+    ----------
+    tower
+        The variables, without a transcendental constant.
+    image
+        The polynomial, in the ring of the tower.
+    norm
+        An irreducible polynomial in z, in the ring of the tower.
+    budget
+        Limits of the work.
+
+    Returns
+    -------
+    fmpq or None
+        None where the work is too large.
+    """
+    count = norm.degrees()[0]
+    for level in tower.levels:
+        count *= level.relation.degrees()[level.index]
+    if count > MOST_CONJUGATES or 1 in occurring(image) | occurring(norm):
+        return None
+    w = tower.ring.gens()[-1]
+    poly = w - image
+    try:
+        for level in tower.levels:
+            if level.index in occurring(poly):
+                poly = poly.resultant(level.relation, level.index)
+                budget.watch(poly)
+        poly = poly.resultant(norm, 0)
+        budget.watch(poly)
+    except NotExact:
+        return None
+    if poly == 0 or not occurring(poly) <= {len(tower.ring.gens()) - 1}:
+        return None
+    terms = {int(e[-1]): abs(c) for e, c in poly.to_dict().items()}
+    low = min(terms)
+    above = [c for power, c in terms.items() if power > low]
+    if not above:
+        return None if low == 0 else fmpq_poly([1])[0]
+    return terms[low] / (terms[low] + max(above))
+
 
 BITS = 256
 """Working precision of the first attempt."""

@@ -16,15 +16,14 @@ from typing import Any
 
 from flint import arb, fmpq, fmpq_mpoly_ctx
 
-from ...algebra.balls import precision
 from ...algebra.exact.function_field import Expression
 from ...algebra.exact.hurwitz_forms import Budget, by_power
 from ...algebra.exact.number_fields import EXACT, NotExact
-from ...algebra.exact.real_roots import UnclearError
+from ...algebra.exact.roots import UnclearError
 from ...algebra.exact.triangular import occurring
-from ...algebra.number_types import Algebra
+from ...algebra.number_types import Algebra, precision
 from ...base.errors import StabilityError
-from ...derivation.general.elimination import Reading, Whole
+from ...derivation.elimination import Reading, Whole
 from ...systems.structure.structural_zeros import SAMPLE_BITS, SAMPLES
 from ..brackets import AxisScan
 

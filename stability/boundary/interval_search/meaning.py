@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from ...algebra.balls import precision
-from ...algebra.number_types import balls
+from ...algebra.number_types import balls, precision
 from ...base.errors import StabilityError
 from ...systems.structure.enclosure import ball_unknowns
 from ..brackets import BITS, AxisScan

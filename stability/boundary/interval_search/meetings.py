@@ -6,27 +6,153 @@ are enclosed as Taylor forms.  To keep the enclosures narrow, the matrix is firs
 that is nearly its own at the midpoint, and the determinant to one scalar, which is the Schur
 complement of the rest.  Neither step moves a zero: each is a product with regular matrices.
 
-Source: tests/boundary/test_interval_search.py.
+Where a family has formulas there is no member to solve for and no matrix: the same two functions
+are enclosed as Taylor forms of the formulas, for any height of a body that balls can evaluate.
+
+Source: S. J. Berkowitz, Inf. Process. Lett. 18 (1984) 147-150, for the polynomial without
+divisions; tests/boundary/test_interval_search.py, test_formula_boundaries.py.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from flint import arb, arb_mat, arb_series
 
-from ...algebra.balls import precision
-from ...algebra.number_types import balls
+from ...algebra.number_types import balls, precision
 from ...base.errors import NoMemberError, StabilityError
+from ...systems.closed_form import ClosedForm
 from ...systems.structure.enclosure import ball_unknowns
 from ..brackets import BITS, AxisScan
-from .blocks import Basis, Form, NoValueError, basis_of, determinant, finite, nonzero, polynomial
-from .taylor import coefficient, series_algebra, span, terms
+from ..crossings import Crossing
+from .taylor import coefficient, product, quotient, series_algebra, span, terms
 
-ORDER = 4
+SKEW = 1e7
+"""Condition number of eigenvectors above which Schur vectors take their place."""
+
+Form = list[Any]
+
+
+class NoValueError(ArithmeticError):
+    """A quantity has no finite enclosure over a piece."""
+
+
+@dataclass
+class Basis:
+    """Regular matrices that carry the functions of one block to narrow ones."""
+
+    left: Any
+    right: Any
+    scale: Any
+    turns: list[tuple[Any, Any]] = field(default_factory=list)
+    """Left and right factor of the Hurwitz matrix; filled at first use."""
+
+
+def nonzero(ball: Any) -> bool:
+    """Whether a ball is finite and does not hold zero."""
+    return bool(ball.is_finite() and not ball.contains(0))
+
+
+def finite(matrix: Any) -> bool:
+    """Whether every entry of a matrix of balls is finite."""
+    return all(v.is_finite() for v in matrix.entries())
+
+
+def basis_of(matrix: Any) -> Basis:
+    """A basis in which a matrix is nearly diagonal, with its inverse divided by its size."""
+    import scipy.linalg
+
+    size = len(matrix)
+    right = np.eye(size)
+    scale = 1.0
+    if np.isfinite(matrix).all() and np.abs(matrix).max() < 1e100:
+        values, vectors = np.linalg.eig(matrix)
+        real = np.where(values.imag < 0, vectors.imag, vectors.real)
+        skew = np.linalg.cond(real) if np.isfinite(real).all() else np.inf
+        right = real if skew < SKEW else scipy.linalg.schur(matrix, output="real")[1]
+        largest = float(np.abs(values).max())
+        scale = 2.0 ** round(math.log2(largest)) if largest > 1e-100 else 1.0
+    exact = arb_mat(right.tolist())
+    return Basis(exact.inv() / arb(scale), exact, scale)
+
+
+def polynomial(matrix: Sequence[Any], *, fold: bool) -> list[Form]:
+    """det(λ - B) by powers of λ, lowest first, for a matrix of forms (Berkowitz)."""
+    top, size = len(matrix) - 1, matrix[0].nrows()
+    one = [arb(1), *[arb(0)] * top]
+    poly = [one]
+    for r in range(size):
+        first = [one, [-m[r, r] for m in matrix]]
+        if r:
+            inner = [arb_mat([[m[i, j] for j in range(r)] for i in range(r)]) for m in matrix]
+            row = [arb_mat([[-m[r, j] for j in range(r)]]) for m in matrix]
+            column = [arb_mat([[m[i, r]] for i in range(r)]) for m in matrix]
+            for power in range(r):
+                first.append([v[0, 0] for v in product(row, column, fold=fold)])
+                if power < r - 1:
+                    row = product(row, inner, fold=fold)
+        longer = []
+        for i in range(r + 2):
+            total = [arb(0)] * (top + 1)
+            for j in range(max(0, i - len(first) + 1), min(i, r) + 1):
+                term = poly[j] if i == j else product(first[i - j], poly[j], fold=fold)
+                total = [x + y for x, y in zip(total, term, strict=True)]
+            longer.append(total)
+        poly = longer
+    return poly[::-1]
+
+
+def determinant(poly: Sequence[Form], basis: Basis, *, fold: bool) -> Form:
+    """A function with the zeros of the Hurwitz determinant of order n - 1."""
+    degree, top = len(poly) - 1, len(poly[0]) - 1
+    high = list(reversed(poly))
+
+    def entry(i: int, j: int, k: int) -> Any:
+        index = 2 * (j + 1) - (i + 1)
+        return high[index][k] if 0 <= index <= degree else arb(0)
+
+    size = degree - 1
+    table = [
+        arb_mat([[entry(i, j, k) for j in range(size)] for i in range(size)])
+        for k in range(top + 1)
+    ]
+    if not basis.turns:
+        basis.turns.append(_turns(table[0]))
+    left, right = basis.turns[0]
+    table = [left * m * right for m in table]
+    rows = [[[m[i, j] for m in table] for j in range(size)] for i in range(size)]
+    for step in range(size - 1):
+        pivot = rows[step]
+        for other in rows[step + 1 :]:
+            share = quotient(other[step], pivot[step], fold=fold)
+            for j in range(step + 1, size):
+                less = product(share, pivot[j], fold=fold)
+                other[j] = [x - y for x, y in zip(other[j], less, strict=True)]
+    return rows[-1][-1]
+
+
+def _turns(matrix: Any) -> tuple[Any, Any]:
+    """Regular factors that make a matrix nearly the identity but for its last diagonal entry."""
+    size = matrix.nrows()
+    table = np.array([[float(matrix[i, j].mid()) for j in range(size)] for i in range(size)])
+    if not np.isfinite(table).all():
+        raise NoValueError
+    left, sizes, right = np.linalg.svd(table)
+    sizes[-1] = sizes[0]
+    if not (sizes > 0).all():
+        raise NoValueError
+    rows = arb_mat((left.T / sizes[:, None]).tolist())
+    columns = arb_mat(right.T.tolist())
+    if rows.det().contains(0) or columns.det().contains(0):
+        raise NoValueError
+    return rows, columns
+
+
+MATRIX_ORDER = 4
 """Order of the Taylor forms."""
 POINT_BITS = 512
 """Precision at which the sign of a function at a point that is still open counts as zero."""
@@ -216,10 +342,10 @@ class Meetings:
         whole = arb(middle, half.abs_upper())
         wide = arb(middle, (half * (1 + WIDER)).abs_upper())
         box = self._unknowns(wide, [float(v.mid()) for v in here])
-        over = self._matrices(whole, box, ORDER + 1)
+        over = self._matrices(whole, box, MATRIX_ORDER + 1)
         if not finite(over[0]):
             raise NoValueError
-        order = ORDER if all(map(finite, over)) else 0
+        order = MATRIX_ORDER if all(map(finite, over)) else 0
         forms = [*(self._matrices(middle, here, order) if order else []), over[order]]
         scaled = [m * half**k for k, m in enumerate(forms)]
         slopes = [over[0], over[1] * half] if order else []
@@ -331,3 +457,223 @@ class Meetings:
             ):
                 return False
         return True
+
+
+FORMULA_ORDER = 6
+"""Order of the Taylor forms."""
+
+
+@dataclass
+class FormulaPiece:
+    """A piece of the axis with the functions of its formulas."""
+
+    low: float
+    high: float
+    forms: list[Form]
+    """Functions as Taylor forms."""
+    slopes: list[Form]
+    """Their derivatives by t."""
+
+
+class FormulaMeetings:
+    """The functions along a line.
+
+    Parameters
+    ----------
+    line
+        The line.
+    formulas
+        Formulas of its family.
+    """
+
+    def __init__(self, line: AxisScan, formulas: ClosedForm) -> None:
+        self.line, self.formulas = line, formulas
+        self.blocks = [[0]]
+        self._known: dict[tuple[float, int], list[int]] = {}
+
+    # --- what a search asks of members: they are given by formulas ---
+
+    def prepared(self, value: float) -> bool:  # noqa: ARG002
+        """Nothing is prepared."""
+        return True
+
+    def prepare(self, values: Sequence[float]) -> None:
+        """Nothing is prepared."""
+
+    def root(self, value: float, bits: int = BITS) -> list[Any] | None:
+        """An empty list where the formulas are those of a member, otherwise None."""
+        return None if self._at(value, bits) is None else []
+
+    def joined(self, piece: FormulaPiece) -> bool:  # noqa: ARG002
+        """Formulas have one branch."""
+        return True
+
+    # --- a piece ---
+
+    def piece(self, low: float, high: float) -> FormulaPiece:
+        """Functions over a piece, at the working precision.
+
+        Parameters
+        ----------
+        low, high
+            Its ends.
+
+        Raises
+        ------
+        NoMemberError
+            If the formulas are not proved to be those of members all along it.
+        NoValueError
+            If they have no finite enclosure.
+        """
+        middle = arb(middle_of(low, high))
+        half = max(arb(high) - middle, middle - arb(low))
+        whole = arb(middle, half.abs_upper())
+        inner, asked = self._series(middle)
+        outer, numbers = self._series(whole)
+
+        def form(a: Any, b: Any) -> Form:
+            some = [coefficient(a, k) for k in range(FORMULA_ORDER)] + [
+                coefficient(b, FORMULA_ORDER)
+            ]
+            found = [c * half**k for k, c in enumerate(some)]
+            if not all(c.is_finite() for c in found):
+                raise NoValueError
+            return found
+
+        if not all(span(form(a, b)) > 0 for a, b in zip(asked, numbers, strict=True)):
+            raise NoMemberError(f"{self.line.problem.family.name} has no member there.")
+        forms = [form(a, b) for a, b in zip(inner, outer, strict=True)]
+        slopes = [[k * c for k, c in enumerate(f)][1:] for f in forms]
+        return FormulaPiece(low, high, forms, slopes)
+
+    def _series(self, place: Any) -> tuple[list[Any], list[Any]]:
+        """Functions, and numbers that are positive at members, as series about a ball."""
+        with terms(FORMULA_ORDER + 1):
+            given = self.line.exact() | {self.line.axis: arb_series([place, 1])}
+            a, q, _ = self.line.problem.reduce(given, lambda v: v.sqrt())
+            try:
+                coefficients, _, positive = self.formulas(series_algebra(), a, q)
+            except ValueError:  # a series divides by one whose first term may vanish
+                raise NoValueError from None
+            return self._functions(coefficients), positive
+
+    def _functions(self, coefficients: Sequence[Any]) -> list[Any]:
+        """Numbers that vanish where an eigenvalue meets the imaginary axis, or infinity."""
+        if self.formulas.even and len(coefficients) > 3:
+            raise NoValueError
+        return watched(coefficients, even=self.formulas.even)
+
+    @property
+    def kinds(self) -> list[Crossing | None]:
+        """What each of these numbers means; None for infinity."""
+        own: list[Crossing | None] = [Crossing.STATIC, None]
+        return own if self.formulas.even else [*own, Crossing.FLUTTER]
+
+    def zeros_in(self, piece: FormulaPiece) -> int | None:
+        """Number of zeros of all functions on a piece, each simple; None if this is not proved.
+
+        Parameters
+        ----------
+        piece
+            The piece.
+        """
+        open_ = [i for i, f in enumerate(piece.forms) if not nonzero(span(f))]
+        if not open_:
+            return 0
+        if not all(nonzero(span(piece.slopes[i])) for i in open_):
+            return None
+        ends = [self._signs(v) for v in (piece.low, piece.high)]
+        signs = [(ends[0][i], ends[1][i]) for i in open_]
+        if any(0 in pair for pair in signs):
+            return None
+        return sum(a != b for a, b in signs)
+
+    def _signs(self, value: float) -> list[int]:
+        """Proved signs of the functions at a point; 0 where open."""
+        bits, out = BITS, [0]
+        while 0 in out and bits <= POINT_BITS:
+            found = self._at(value, bits)
+            if found is None:
+                return [0]
+            out, bits = found, 2 * bits
+        return out
+
+    def _at(self, value: float, bits: int) -> list[int] | None:
+        """Signs at a point, at one precision; None without a member."""
+        key = value, bits
+        if key not in self._known:
+            with precision(bits):
+                a, q = self.line.problem.balls(self.line.fixed | {self.line.axis: value})
+                coefficients, _, positive = self.formulas(series_algebra(), a, q)
+                if not all(v > 0 for v in positive):
+                    return None
+                found = self._functions(coefficients)
+                self._known[key] = [int(f > 0) - int(f < 0) for f in found]
+        return self._known[key]
+
+    def clear(self, value: float) -> bool:
+        """Whether no eigenvalue is on the imaginary axis at a point, proved.
+
+        Parameters
+        ----------
+        value
+            Value of the axis.
+        """
+        return 0 not in self._signs(value)
+
+
+def watched(coefficients: Sequence[Any], *, even: bool) -> list[Any]:
+    """Functions of a polynomial that vanish where a root meets the imaginary axis, or infinity.
+
+    Parameters
+    ----------
+    coefficients
+        By powers, lowest first, of any number type.
+    even
+        Whether those of odd powers vanish; the polynomial is then linear in λ².
+    """
+    if even:
+        return list(coefficients[::2])
+    return [coefficients[0], coefficients[-1], hurwitz(coefficients, len(coefficients) - 2)]
+
+
+def hurwitz(coefficients: Sequence[Any], size: int) -> Any:
+    """A Hurwitz determinant of a polynomial, without divisions.
+
+    Parameters
+    ----------
+    coefficients
+        By powers, lowest first, of any number type.
+    size
+        Order of the determinant.
+
+    Examples
+    --------
+    >>> hurwitz([1, 2, 3, 4], 2)
+    2
+    """
+    high = list(reversed(coefficients))
+
+    def entry(i: int, j: int) -> Any:
+        index = 2 * (j + 1) - (i + 1)
+        return high[index] if 0 <= index < len(high) else None
+
+    def minor(row: int, columns: tuple[int, ...]) -> Any:
+        if not columns:
+            return 1
+        total: Any = 0
+        for place, j in enumerate(columns):
+            one = entry(row, j)
+            if one is not None:
+                term = one * known(row + 1, columns[:place] + columns[place + 1 :])
+                total = total - term if place % 2 else total + term
+        return total
+
+    table: dict[Any, Any] = {}
+
+    def known(row: int, columns: tuple[int, ...]) -> Any:
+        if (row, columns) not in table:
+            table[row, columns] = minor(row, columns)
+        return table[row, columns]
+
+    return known(0, tuple(range(size)))

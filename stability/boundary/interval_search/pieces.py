@@ -1,4 +1,8 @@
-"""An axis cut into pieces: each is proved to hold no meeting with the imaginary axis, or one.
+"""An axis cut into pieces: each holds no meeting with the imaginary axis, or one, by proof.
+
+Between two neighbouring meetings with the imaginary axis the verdict is constant.  A simple meeting
+changes the verdict once or not at all.  So the verdicts at the ends of its piece decide.  (Where
+both ends are unstable, another eigenvalue is unstable at the meeting too: no value is neutral.)
 
 Source: tests/boundary/test_interval_search.py.
 """
@@ -7,20 +11,23 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, groupby
 from typing import Any
 
-from ...algebra.balls import precision
+import numpy as np
+from flint import arb
+
+from ...algebra.number_types import precision
 from ...base.errors import NoMemberError, StabilityError
+from ...base.types import Floats
+from ...base.verdict import DECAYING, Verdict
 from ...systems.structure.multiplicity import certain
 from ...systems.structure.structural_zeros import structure
-from ..brackets import BITS, AxisScan
-from ..crossings import Crossing
-from .blocks import NoValueError
-from .formula_meetings import FormulaMeetings
-from .meetings import Meetings, middle_of
+from ..brackets import BITS, AxisScan, at_point, bracketed, refine
+from ..crossings import Boundaries, BoundaryPoint, Crossing, Unresolved
+from .meetings import FormulaMeetings, Meetings, NoValueError, middle_of
 from .quick_pieces import Quick, quick_pieces
 
 MOST_PIECES = 1200
@@ -262,3 +269,226 @@ def _joined(leaves: list[Leaf]) -> Iterator[Leaf]:
         else:
             reasons = dict.fromkeys(leaf.reason for leaf in some if leaf.reason)
             yield Leaf(some[0].low, some[-1].high, meetings, "; or ".join(reasons))
+
+
+SCANNED = "verdicts at the points of a scan, refined and proved where neighbours differ"
+
+
+def scanned(line: AxisScan, grid: Floats, why: str = "") -> Boundaries:
+    """Changes between the points of a scan, and the pieces on which it excludes none.
+
+    Parameters
+    ----------
+    line
+        The line.
+    grid
+        Points of the scan, in increasing order.
+    why
+        Reason why the axis is scanned, for the statement.
+
+    Returns
+    -------
+    Boundaries
+
+    Raises
+    ------
+    StabilityError
+        If there is no member at any point.
+    """
+    values = [float(v) for v in grid]
+    signs, left = _signs(line, values)
+    known = [i for i, s in enumerate(signs) if s]
+    if not known:
+        reason = (
+            f"no verdict is proved at any of the {len(grid)} points of the scan: eigenvalues stay "
+            "on the imaginary axis, or coincide, as far as the budget of precision sees."
+        )
+        return Boundaries((), (Unresolved(values[0], values[-1], reason),), how=SCANNED)
+    for end, first in ((0, known[0]), (len(values) - 1, known[-1])):
+        if end != first:
+            low, high = sorted((values[end], values[first]))
+            left.append(Unresolved(low, high, _no_verdict(values[end])))
+    points: list[BoundaryPoint] = []
+    for i, j in zip(known[:-1], known[1:], strict=True):
+        point = _between(line, values[i : j + 1], changed=signs[i] != signs[j])
+        if point is not None:
+            points.append(point)
+        elif signs[i] != signs[j]:
+            reason = "the verdicts at the ends differ, but the change could not be bracketed."
+            left.append(Unresolved(values[i], values[j], reason))
+        elif j > i + 1:
+            left.append(Unresolved(values[i], values[j], _no_verdict(values[i + 1])))
+    left.append(
+        Unresolved(
+            values[0],
+            values[-1],
+            f"between neighbours of the {len(grid)} points of the scan a pair "
+            "of changes is not excluded" + (f": {why}." if why else "."),
+        )
+    )
+    return Boundaries(tuple(points), tuple(left), how=SCANNED)
+
+
+def _signs(line: AxisScan, values: Sequence[float]) -> tuple[list[int], list[Unresolved]]:
+    """Signs by `look` at the points of a scan, and the points without a member."""
+    found: list[tuple[Verdict, bool]] = []
+    left: list[Unresolved] = []
+    errors: list[StabilityError] = []
+    for value in values:
+        try:
+            found.append(line.look(value))
+        except StabilityError as error:
+            found.append((Verdict.UNDECIDED, False))
+            errors.append(error)
+            left.append(Unresolved(value, value, f"no verdict there: {error}"))
+    if len(errors) == len(values):
+        raise errors[0]
+    # among decaying members a neutral one is on a boundary; without these neutral is good
+    line.neutral = all(verdict not in DECAYING for verdict, _ in found)
+    return [line.sign_of(*pair) for pair in found], left
+
+
+def _no_verdict(value: float) -> str:
+    return (
+        f"no verdict is proved at {value:.10g}: an eigenvalue lies on the imaginary axis there, or "
+        "too near to it."
+    )
+
+
+def _between(line: AxisScan, values: Sequence[float], *, changed: bool) -> BoundaryPoint | None:
+    """The change between two points with a verdict; points between the two have none."""
+    if not changed:
+        return None
+    try:
+        point = at_point(line, values[1]) if len(values) == 3 else None  # on the boundary itself
+        return point or refine(line, values[0], values[-1])
+    except StabilityError:  # there is no member somewhere between
+        return None
+
+
+PIECES = (
+    "in ball arithmetic each of {count} pieces was proved to hold no eigenvalue on the imaginary "
+    "axis, or a single crossing"
+)
+NARROW = 8
+"""Largest half-width of a bracket about a root that is known, in units of its last place."""
+ON_ONE_BRANCH = "on one branch of steady motions"
+
+
+def proved(line: AxisScan, grid: Floats, *, log: bool = False) -> Boundaries:
+    """Every change of verdict along an axis that need not be rational, with what stays open.
+
+    Parameters
+    ----------
+    line
+        The line.
+    grid
+        Points of a scan for the pieces without proof; its ends are those of the interval.
+    log
+        Whether the points have equal ratios.
+
+    Returns
+    -------
+    Boundaries
+    """
+    low, high = float(grid[0]), float(grid[-1])
+    found = pieces(line, low, high, log=log)
+    if all(leaf.meetings is None for leaf in found.leaves):
+        return scanned(line, grid, found.leaves[0].reason)
+    points: list[BoundaryPoint] = []
+    left: list[Unresolved] = []
+    for leaf in found.leaves:
+        if leaf.meetings is None:
+            part = _open(line, leaf, grid)
+        elif leaf.meetings:
+            part = _meeting(line, leaf, low, high)
+        else:
+            continue
+        points += part[0]
+        left += part[1]
+    family = line.problem.family
+    how = PIECES.format(count=found.count)
+    if family.unknown and not family.closed:
+        how += f", {BRANCH}"
+    inside = [p for p in points if low <= p.value + p.error and p.value - p.error <= high]
+    return Boundaries(tuple(inside), tuple(left), how=how)
+
+
+Part = tuple[list[BoundaryPoint], list[Unresolved]]
+
+
+def _meeting(line: AxisScan, leaf: Leaf, low: float, high: float) -> Part:
+    """The change at the meetings of a piece: one or two, so that ends that differ mean one."""
+    first, last = max(leaf.low, low), min(leaf.high, high)
+    try:
+        point = _at_once(line, leaf)
+        if point is not None:
+            return [point], []
+        signs = line.sign(leaf.low), line.sign(leaf.high)
+        if signs[0] == signs[1] != 0 and leaf.meetings == 1:
+            return [], []
+        if signs[0] * signs[1] < 0 and leaf.meetings in (1, 2):
+            point = _at_end(line, leaf, low, high) or _near(line, leaf)
+            point = point or refine(line, leaf.low, leaf.high)
+            if point is not None:
+                return [point], []
+    except StabilityError as error:
+        return [], [Unresolved(first, last, f"no verdict there: {error}")]
+    reason = TOUCH if signs[0] == signs[1] else "the change could not be bracketed"
+    return [], [Unresolved(first, last, f"{reason}.")]
+
+
+def _at_once(line: AxisScan, leaf: Leaf) -> BoundaryPoint | None:
+    """The change at a known single meeting with proved verdicts that differ right next to it.
+
+    The verdicts at the ends of the piece follow from these, since nothing else changes on it.
+    """
+    if leaf.near is None or leaf.meetings != 1:
+        return None
+    step = float(np.spacing(abs(leaf.near[0])))
+    sides = leaf.near[0] - step, leaf.near[0] + step
+    if not leaf.low <= sides[0] < sides[1] <= leaf.high:
+        return None
+    return _near(line, leaf) if line.sign(sides[0]) * line.sign(sides[1]) < 0 else None
+
+
+def _near(line: AxisScan, leaf: Leaf) -> BoundaryPoint | None:
+    """The change at a meeting that is known to double precision."""
+    if leaf.near is None:
+        return None
+    found = bracketed(line, *leaf.near)
+    return found if found and found.error <= NARROW * np.spacing(abs(found.value)) else None
+
+
+def _at_end(line: AxisScan, leaf: Leaf, low: float, high: float) -> BoundaryPoint | None:
+    """The change at an end of the interval itself, beyond which the search went on a little."""
+    for end, beyond in ((low, leaf.low < low), (high, leaf.high > high)):
+        if beyond and not line.sign(end):
+            return at_point(line, end)
+    return None
+
+
+def _open(line: AxisScan, leaf: Leaf, grid: Floats) -> Part:
+    """What a scan finds on a piece without proof, which stays unresolved."""
+    first, last = max(leaf.low, float(grid[0])), min(leaf.high, float(grid[-1]))
+    inside = grid[(grid > leaf.low) & (grid < leaf.high)]
+    before = line.neutral
+    try:
+        found = list(scanned(line, np.array([leaf.low, *inside, leaf.high])))
+    except StabilityError:  # no member at any point: the reason says so
+        found = []
+    finally:
+        line.neutral = before
+    if NO_VALUE in leaf.reason:  # through a pole the verdict changes, and no eigenvalue is zero
+        found = [point for point in found if _has_value(line, point)]
+    return found, [Unresolved(first, last, f"{leaf.reason}.")]
+
+
+def _has_value(line: AxisScan, point: BoundaryPoint) -> bool:
+    """Whether the linearisation has a finite enclosure over the bracket of a change."""
+    with precision(BITS):
+        over = arb(point.value, 2 * point.error)
+        try:
+            return all(c.is_finite() for c in line.enclosed(over, BITS))
+        except (StabilityError, ArithmeticError):
+            return False

@@ -19,17 +19,15 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
-from ...algebra.balls import precision
-from ...algebra.kernels.series_tape import recorded_series
-from ...algebra.kernels.tape import Tape
-from ...algebra.number_types import Algebra, balls
+from ...algebra.kernels.tape import Tape, recorded_series
+from ...algebra.number_types import Algebra, balls, precision
 from ...base.errors import NoMemberError, StabilityError
 from ...base.types import Floats
 from ...systems.closed_form import ClosedForm
 from ...systems.graph.implicit_form import ImplicitForm
 from ..brackets import BITS, AxisScan
 from ..crossings import Crossing
-from .formula_meetings import FormulaMeetings, watched
+from .meetings import FormulaMeetings, watched
 
 ORDER = 3
 """Order of the Taylor forms."""

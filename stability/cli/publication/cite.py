@@ -31,7 +31,7 @@ def _of_file(path: str) -> Citation:
     from ...base.errors import FileError
     from ...basin.dataset import FORMAT as BASINS
     from ...motion.dataset import FORMAT as MOTION
-    from ...spectra.presentation.labels import FORMAT as MAP
+    from ...spectra.labels import FORMAT as MAP
     from ...storage.reading import opened
     from ...storage.targets import place
     from ...storage.zarr_folder import opened_store

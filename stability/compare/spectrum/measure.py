@@ -272,8 +272,8 @@ def exact_edge(
 
     from flint import arb, fmpq
 
-    from ...algebra.balls import precision
-    from ...algebra.routh_balls import hurwitz_sign, verdict_polynomial
+    from ...algebra.exact.routh import hurwitz_sign, verdict_polynomial
+    from ...algebra.number_types import precision
     from ...bodies.thin_disk import disk_family
     from ...systems.structure.enclosure import characteristic
     from ...systems.structure.structural_zeros import structure

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...algebra.balls import precision
-from ...algebra.routh_balls import hurwitz_sign, verdict_polynomial
+from ...algebra.exact.routh import hurwitz_sign, verdict_polynomial
+from ...algebra.number_types import precision
 from ...algebra.upright import Upright
 from ...base.types import Floats
 from ...base.verdict import CODES, Verdict, best
@@ -24,8 +24,7 @@ from ...bodies.disk import Disk
 from ...bodies.families import FAMILIES
 from ...bodies.law_names import law_named
 from ...bodies.thin_disk import disk_family
-from ...spectra.disk_problem import disk_problem
-from ...spectra.problem import Problem
+from ...spectra.problem import Problem, disk_problem
 from ...systems.family import Family
 from ...systems.structure.enclosure import characteristic
 from ...systems.structure.structural_zeros import structure

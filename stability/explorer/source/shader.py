@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from ...algebra.routh_balls import routh
-from ...algebra.source.straight_lines import Line, Record
+from ...algebra.exact.routh import routh
+from ...algebra.straight_lines import Line, Record
 from .source_text import SHADER
 
 Seen = tuple[list[list[Any]], list[tuple[Any, Any]], list[Any]]

@@ -7,7 +7,7 @@ from typing import Any
 
 from ...algebra.number_types import Algebra
 from ...algebra.program import Program
-from ...algebra.source.straight_lines import Language, Line, Record
+from ...algebra.straight_lines import Language, Line, Record
 from ...base.errors import StabilityError
 
 

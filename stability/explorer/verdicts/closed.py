@@ -21,7 +21,7 @@ from ...algebra.program import Program
 from ...algebra.running_error import Sized
 from ...base.errors import NoMemberError
 from ...base.verdict import best
-from ...boundary.interval_search.formula_meetings import hurwitz
+from ...boundary.interval_search.meetings import hurwitz
 from ...systems.family import Family
 from ...systems.graph.implicit_form import ImplicitForm
 from ..quantity import Quantity

@@ -15,7 +15,7 @@ from ...algebra.polynomial import Polynomial
 from ...algebra.running_error import UNIT
 from ...base.types import Floats
 from ...base.verdict import CODES, Verdict, best
-from . import factors, loops, schemes
+from . import factors, loops
 
 WIDEST = 1e30
 """Largest variable and inverse of the least one for which no step over- or underflows."""
@@ -40,8 +40,8 @@ def scheme(polynomial: Polynomial) -> tuple[list[tuple[int, int, int]], list[flo
     numbers: list[float] = []
 
     def step(what: int, level: int, variable: int = 0, number: float = 0.0) -> None:
-        joint = {schemes.SET: schemes.SCALE, schemes.COPY: schemes.PRODUCT}
-        if what == schemes.TIMES and steps[-1][0] in joint:
+        joint = {loops.SET: loops.SCALE, loops.COPY: loops.PRODUCT}
+        if what == loops.TIMES and steps[-1][0] in joint:
             steps[-1] = joint[steps[-1][0]], level, variable
             return
         steps.append((what, level, variable))
@@ -56,18 +56,18 @@ def scheme(polynomial: Polynomial) -> tuple[list[tuple[int, int, int]], list[flo
         for place, power in enumerate(powers[:-1]):
             if level > 1:
                 value(groups[power], level - 1)
-                step(schemes.ADD if place else schemes.COPY, level)
+                step(loops.ADD if place else loops.COPY, level)
             else:
                 number = float(sum(c for c, _ in groups[power]))
-                step(schemes.PLUS if place else schemes.SET, level, number=number)
+                step(loops.PLUS if place else loops.SET, level, number=number)
             for _ in range(power - powers[place + 1]):
-                step(schemes.TIMES, level, level - 1)
+                step(loops.TIMES, level, level - 1)
 
     if polynomial.terms:
         value(polynomial.terms, len(polynomial.variables))
     else:
-        step(schemes.SET, len(polynomial.variables))
-    while steps[-1][0] == schemes.COPY:  # the value may stay on the line of a lower level
+        step(loops.SET, len(polynomial.variables))
+    while steps[-1][0] == loops.COPY:  # the value may stay on the line of a lower level
         del steps[-1], numbers[-1]
     return steps, numbers
 
@@ -188,7 +188,7 @@ class CompiledRates:
     @property
     def loops(self) -> SimpleNamespace:
         """The functions of `loops`, compiled at the first call of each."""
-        return compiled(factors, schemes, loops)
+        return compiled(factors, loops)
 
     def __call__(
         self,

@@ -1,7 +1,8 @@
 """Maps of your own families: exact conditions over two axes, and growth rates of any graph.
 
 `slices` reads the family's polynomial over Q in the axes, `slice_verdicts` decides cells and boxes,
-`rates` finds growth rates from coefficients, `graph_rates` those of a graph that is not algebraic.
+`rates` finds growth rates from coefficients, and `cells` computes the cells of a map by these, by
+formulas, or by a graph that is not algebraic.
 May import `spectra`, `derivation` and the floors below.
 To add a kind of family: a reader in `slices.py` that gives a `Slice`, or raises `NotExact`.
 """

@@ -16,9 +16,7 @@ from ...base.axis import Axis
 from ...base.types import Floats
 from ...base.verdict import CODES, Verdict, best
 from ...spectra.problem import Problem
-from .ball_polynomials import BallPolynomial
-from .slice_record import Condition, Slice
-from .slices import slice_of
+from .slices import BallPolynomial, Condition, Slice, slice_of
 from .surfaces import Box, Signs, Surface, Window, powers
 
 Codes = NDArray[np.int8]

@@ -3,20 +3,24 @@
 All other numbers are the exact ratios of their doubles, so the polynomials have two variables and
 stay small.  The polynomial holds at every member of the map, on every branch: unknowns occur
 linearly or not at all, and the equations vanish identically.
+
+A `Slice` holds the polynomial in factors, and the signs that decide.  Sines and roots of fixed
+numbers make its coefficients balls.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
 
 import casadi as ca
-from flint import arb
+from flint import Ordering, arb, fmpq, fmpq_mpoly, fmpq_mpoly_ctx, fmpq_poly
 from flint.utils.flint_exceptions import DomainError
 
-from ...algebra.balls import precision
 from ...algebra.exact.function_field import Expression
 from ...algebra.exact.hurwitz_forms import (
     Budget,
@@ -25,26 +29,247 @@ from ...algebra.exact.hurwitz_forms import (
     hurwitz_determinants,
     subdiscriminants,
 )
-from ...algebra.exact.number_fields import (
-    EXACT,
-    NotExact,
-    characteristic,
-    exact_upright,
-    rational,
-)
+from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, exact_upright, rational
 from ...algebra.exact.rational_functions import common_multiple, primitive
+from ...algebra.exact.routh import on_the_axis
 from ...algebra.exact.triangular import RecordingField, occurring
-from ...algebra.number_types import balls
+from ...algebra.number_types import balls, precision
 from ...algebra.program import Program
 from ...algebra.upright import Upright
 from ...base.errors import ParameterError, StabilityError
-from ...derivation.general.elimination import evaluate
+from ...base.types import fields_of
+from ...base.verdict import Verdict
+from ...derivation.elimination import evaluate
 from ...spectra.problem import Problem
 from ...systems.family import Family
 from ...systems.structure.identities import blocks_of, certain
 from ...systems.structure.structural_zeros import structure
-from .ball_polynomials import BallPolynomial, ball_determinants
-from .slice_record import RING, Poly, Rows, Slice, Table
+
+Exponents = tuple[int, int]
+
+
+@dataclass(frozen=True, eq=False)
+class BallPolynomial:
+    """A polynomial with a ball for each coefficient; no term means an exact zero."""
+
+    terms: dict[Exponents, Any]
+    """Ball by exponents of x and y."""
+
+    @classmethod
+    def number(cls, value: Any) -> BallPolynomial:
+        """A constant."""
+        return cls({(0, 0): arb(value)})
+
+    def __reduce__(self) -> Any:
+        """For other processes: the bounds of each ball, exactly."""
+        parts = {e: (_bits(c.mid()), _bits(c.rad())) for e, c in self.terms.items()}
+        return _ball_polynomial, (parts,)
+
+    def __add__(self, other: Any) -> BallPolynomial:
+        out = dict(self.terms)
+        for e, c in _terms(other).items():
+            out[e] = out[e] + c if e in out else c
+        return BallPolynomial(out)
+
+    __radd__ = __add__
+
+    def __neg__(self) -> BallPolynomial:
+        return BallPolynomial({e: -c for e, c in self.terms.items()})
+
+    def __sub__(self, other: Any) -> BallPolynomial:
+        return self.__add__(-other)
+
+    def __mul__(self, other: Any) -> BallPolynomial:
+        out: dict[Exponents, Any] = {}
+        for (i, j), c in self.terms.items():
+            for (k, m), d in _terms(other).items():
+                e = i + k, j + m
+                out[e] = out[e] + c * d if e in out else c * d
+        return BallPolynomial(out)
+
+    __rmul__ = __mul__
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both are the same object, or this is an exact zero and the other one 0."""
+        return self is other or (other == 0 and self.is_zero())
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __len__(self) -> int:
+        return len(self.terms)
+
+    def is_zero(self) -> bool:
+        """Whether every coefficient is exactly zero."""
+        return all(c == 0 for c in self.terms.values())
+
+    def is_constant(self) -> bool:
+        """Whether this is a constant with a known sign."""
+        return set(self.terms) <= {(0, 0)} and not (self.terms and self.terms[0, 0].contains(0))
+
+    def leading_coefficient(self) -> Any:
+        """The constant."""
+        return self.terms.get((0, 0), arb(0))
+
+
+def ball_determinants(coefficients: Sequence[BallPolynomial], budget: Budget) -> list[Any]:
+    """Hurwitz determinants of order 1 … n - 1, without divisions.
+
+    Parameters
+    ----------
+    coefficients
+        Coefficients by powers of λ, lowest first.
+    budget
+        Limits of the work.
+    """
+    a = list(coefficients)[::-1]
+    n = len(a) - 1
+    out: list[Any] = []
+    for size in range(1, n):
+        rows = [
+            [a[k] if 0 <= (k := 2 * (j + 1) - (i + 1)) <= n else 0 for j in range(size)]
+            for i in range(size)
+        ]
+        found = characteristic(rows)[0] + BallPolynomial({})
+        out.append(-found if size % 2 else found)
+        budget.watch(out[-1])
+    return out
+
+
+def _terms(value: Any) -> dict[Exponents, Any]:
+    return value.terms if isinstance(value, BallPolynomial) else {(0, 0): arb(value)}
+
+
+def _bits(value: Any) -> tuple[int, int]:
+    man, exp = value.man_exp()
+    return int(man), int(exp)
+
+
+def _ball_polynomial(parts: dict[Exponents, Any]) -> BallPolynomial:
+    from ...algebra.number_types import precision
+
+    with precision(4096):
+        return BallPolynomial(
+            {
+                e: arb(m[0]) * arb(2) ** m[1] + arb(0, arb(r[0]) * arb(2) ** r[1])
+                for e, (m, r) in parts.items()
+            }
+        )
+
+
+Poly = Any
+"""An `fmpq_mpoly` in x, y, λ, or a `BallPolynomial` in x and y."""
+Rows = tuple[tuple[tuple[Poly, ...], bool, int], ...]
+"""(coefficients by powers of λ lowest first, whether even, multiplicity) of each factor."""
+RING = fmpq_mpoly_ctx.get(("x", "y", "l"), Ordering.degrevlex)
+"""The ring of all slices: x, y and λ."""
+MOST_FACTORED = 80
+"""Terms of a condition beyond which its factors are not sought."""
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A polynomial as a sign times powers of factors, given by their place in a list."""
+
+    sign: int
+    """1, -1, or 0 for the polynomial zero."""
+    powers: tuple[tuple[int, int], ...]
+    """(place of the factor, power)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Slice:
+    """The polynomial and the conditions of a family in the axes of a map, over Q."""
+
+    factors: Rows
+    """(coefficients by powers of λ lowest first, whether even, multiplicity) of each factor."""
+    surfaces: tuple[Poly, ...]
+    """Polynomials in x and y whose signs are asked."""
+    conditions: tuple[Condition, ...]
+    """All positive: best verdict; one negative: unstable."""
+    required: tuple[Condition, ...]
+    """Positive at every member of the family."""
+    nonzero: tuple[Condition, ...]
+    """Not zero where the polynomial holds."""
+    even: bool
+    """Whether the best verdict is neutral."""
+
+    def __reduce__(self) -> Any:
+        """For other processes: polynomials as their terms."""
+        return _unpacked, tuple(map(_packed, fields_of(self).values()))
+
+    def verdict(self, x: float, y: float) -> Verdict | None:
+        """The verdict of one cell over Q; None where it is no member, or this form fails.
+
+        Parameters
+        ----------
+        x, y
+            Doubles, taken as exact.
+        """
+        if any(isinstance(p, BallPolynomial) for p in self.surfaces):
+            return None  # a ball proves no zero
+        point = rational(x), rational(y), fmpq(0)
+        signs = [_sign(p(*point)) for p in self.surfaces]
+        value = [_value(c, signs) for c in self.required]
+        if any(v <= 0 for v in value) or any(_value(c, signs) == 0 for c in self.nonzero):
+            return None
+        polys = [fmpq_poly([c(*point) for c in row]) for row, _, _ in self.factors]
+        return on_the_axis(polys)
+
+
+def _packed(value: Any) -> Any:
+    if isinstance(value, fmpq_mpoly):
+        return {tuple(map(int, e)): (int(c.p), int(c.q)) for e, c in value.to_dict().items()}
+    return tuple(map(_packed, value)) if type(value) is tuple else value
+
+
+def _rebuilt(value: Any) -> Any:
+    if isinstance(value, dict):
+        return RING.from_dict({e: fmpq(*c) for e, c in value.items()})
+    return tuple(map(_rebuilt, value)) if type(value) is tuple else value
+
+
+def _unpacked(*values: Any) -> Slice:
+    return Slice(*map(_rebuilt, values))
+
+
+def _sign(value: Any) -> int:
+    return 1 if value > 0 else -1 if value < 0 else 0
+
+
+def _value(condition: Condition, signs: Sequence[int]) -> int:
+    out = condition.sign
+    for place, power in condition.powers:
+        out *= signs[place] ** power
+    return out
+
+
+class Table:
+    """Polynomials in x and y, each kept once, and conditions as products of them."""
+
+    def __init__(self) -> None:
+        self.polys: list[Poly] = []
+
+    def condition(self, *product: Poly) -> Condition:
+        """A product of polynomials as a product of kept ones."""
+        sign, powers = 1, Counter[int]()
+        for poly in product:
+            if poly == 0:  # neither positive nor negative: exact arithmetic decides each cell
+                return Condition(0, ())
+            if poly.is_constant():
+                sign *= _sign(poly.leading_coefficient())
+                continue
+            whole = isinstance(poly, BallPolynomial) or len(poly) > MOST_FACTORED
+            constant, found = (fmpq(1), [(poly, 1)]) if whole else factors(poly)
+            sign *= _sign(constant)
+            for factor, count in found:
+                powers[self._place(factor)] += count
+        return Condition(sign, tuple(powers.items()))
+
+    def _place(self, poly: Poly) -> int:
+        if poly not in self.polys:
+            self.polys.append(poly)
+        return self.polys.index(poly)
+
 
 BITS = 2048
 """Precision of sines and roots of fixed numbers."""

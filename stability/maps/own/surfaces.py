@@ -17,8 +17,8 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
-from ...algebra.balls import precision
 from ...algebra.exact.number_fields import NotExact
+from ...algebra.number_types import precision
 from ...algebra.running_error import UNIT
 from ...base.axis import Axis
 from ...base.types import Floats

@@ -22,10 +22,9 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
-from ...algebra.balls import precision
 from ...algebra.exact.function_field import FunctionField
 from ...algebra.exact.number_fields import EXACT, vanishes
-from ...algebra.number_types import balls
+from ...algebra.number_types import balls, precision
 from ...algebra.program import Program
 from ...base.errors import StabilityError
 from ..equations import Equations

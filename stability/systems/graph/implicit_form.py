@@ -21,9 +21,8 @@ from flint import arb, arb_series, ctx
 from numpy.typing import NDArray
 
 from ...algebra.number_types import Algebra, balls, numpy_algebra
-from ...algebra.program import Program
+from ...algebra.program import Program, Varying
 from ...algebra.running_error import TRACKED, RunningError
-from ...algebra.source.python_source import Varying
 from ...base.errors import NoMemberError
 from ...base.types import Floats, fields_of
 from ..closed_form import ClosedForm, Columns, Formulas

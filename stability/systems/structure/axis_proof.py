@@ -14,13 +14,12 @@ from typing import Any
 
 from flint import arb, arb_poly
 
-from ...algebra.balls import precision
 from ...algebra.exact.function_field import MOST_TERMS, Expression
 from ...algebra.exact.hurwitz_forms import Budget, TooLarge
 from ...algebra.exact.number_fields import EXACT, Algebraic, NotExact, rational
 from ...algebra.exact.routh import Ground, on_the_axis_over
 from ...algebra.exact.triangular import RecordingField, Triangular
-from ...algebra.number_types import balls
+from ...algebra.number_types import balls, precision
 from ...base.verdict import Verdict
 from .identities import MOST_STATES, exact_matrix, whole_polynomial
 from .multiplicity import ROOT_BITS, Member

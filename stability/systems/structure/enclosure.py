@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat, ctx
 
-from ...algebra.balls import precision
-from ...algebra.number_types import balls
+from ...algebra.number_types import balls, precision
 from ...base.errors import NoMemberError, StabilityError, listing
 from ..family import Family
 

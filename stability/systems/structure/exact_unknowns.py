@@ -15,9 +15,9 @@ from typing import Any
 
 from flint import arb, arb_poly, ctx, fmpq, fmpq_poly, fmpz, fmpz_mat
 
-from ...algebra.balls import precision
 from ...algebra.exact.function_field import FunctionField
 from ...algebra.exact.number_fields import EXACT, Algebraic, NotExact, NumberField, vanishes
+from ...algebra.number_types import precision
 from ..family import Family
 
 MOST_DEGREE = 6

@@ -14,14 +14,13 @@ from typing import Any
 
 from flint import arb, ctx, fmpq, fmpq_mat
 
-from ...algebra.balls import precision
 from ...algebra.exact.function_field import FunctionField
 from ...algebra.exact.number_fields import (
     NotExact,
     rational,
     vanishes,
 )
-from ...algebra.number_types import balls
+from ...algebra.number_types import balls, precision
 from ...base.errors import NoMemberError
 from ..family import Family
 from . import pattern

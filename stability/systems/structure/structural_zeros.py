@@ -10,9 +10,8 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from ...algebra.balls import precision
-from ...algebra.number_types import balls
-from ...algebra.routh_balls import ROUGH
+from ...algebra.exact.routh import ROUGH
+from ...algebra.number_types import balls, precision
 from ...base.errors import StabilityError
 from ...base.types import Floats
 from ..family import Family

@@ -17,11 +17,10 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from ...algebra.balls import precision
 from ...algebra.exact.function_field import FunctionField
 from ...algebra.exact.hurwitz_forms import TooLarge
 from ...algebra.exact.number_fields import NotExact, vanishes
-from ...algebra.number_types import balls
+from ...algebra.number_types import balls, precision
 from ...base.errors import NoMemberError
 from ...base.verdict import Verdict, best
 from ..family import Family

@@ -6,7 +6,7 @@ from typing import Any
 
 import casadi as ca
 
-from ...boundary.beyond_linear.two_parameters.points import codimension_two
+from ...boundary.two_parameters.points import codimension_two
 from ...motion.simulate import simulate
 from ...systems.condition import Condition
 from ...systems.family import Family

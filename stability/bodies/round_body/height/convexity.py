@@ -19,9 +19,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from ....algebra.balls import precision
 from ....algebra.kernels.tape import recorded
-from ....algebra.number_types import Algebra, balls
+from ....algebra.number_types import Algebra, balls, precision
 from ....algebra.program import Program
 from ....base.errors import StabilityError
 from ....base.types import Floats

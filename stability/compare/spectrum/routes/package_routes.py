@@ -8,7 +8,7 @@ import numpy as np
 
 from ....base.verdict import CODES
 from ....maps.growth_rates import GrowthKernel
-from ....maps.verdict_filter import FilteredVerdicts
+from ....maps.verdicts import FilteredVerdicts
 from ....spectra.certificate import verdict
 from ....spectra.result import Spectrum
 from ....spectra.spectrum import spectrum

@@ -1,0 +1,561 @@
+"""First Lyapunov coefficient of a crossing pair, or its normal form on a line of steady motions.
+
+With A q = i ω q, |q| = 1, w A = i ω w, w q = 1, and B, C the second and third derivatives,
+
+    l1 = Re [w C(q, q, q̄) - 2 w B(q, A⁻¹ B(q, q̄)) + w B(q̄, (2 i ω - A)⁻¹ B(q, q))] / (2 ω).
+
+The pair is proved first: member, frequency and mode solve one system of equations, which is regular
+where the pair is simple and crosses with speed, also where other eigenvalues vanish by structure.
+No number of the graph is rounded: CasADi differentiates a graph whose numbers are symbols, which
+become the exact doubles at the end.
+
+Source: Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory, § 5.4 (projection on the critical
+eigenspace); B. Fiedler, S. Liebscher & J. C. Alexander, J. Differential Equations 167 (2000) 16-35,
+for lines; tests/boundary/test_hopf_any.py compares with normal forms in closed form.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from flint import acb, acb_mat, arb, arb_mat
+
+from ..algebra.exact.routh import hurwitz_sign
+from ..algebra.number_types import balls
+from ..algebra.program import Program
+from ..algebra.upright import Upright
+from ..base.errors import ParameterError, StabilityError
+from ..systems.equations import Equations
+from ..systems.family import Family
+from ..systems.graph.constants import Constants, exact_numbers
+from ..systems.structure.linearity import kept
+from .krawczyk import NotProvedError, Values, polished, proved
+
+Balls = list[Any]
+
+
+class Derivatives:
+    """Programs of a system, with inputs x and p and then directions in the state.
+
+    Parameters
+    ----------
+    system
+        The equations of motion.
+    """
+
+    def __init__(self, system: Equations) -> None:
+        self.system = system
+        constants = Constants()
+        entries = [ca.vertsplit(s) if s.numel() else [] for s in (system.x, system.p)]
+        bare = Program(ca.Function("rates", [system.x, system.p], [ca.densify(system.rhs)]))
+        rates = ca.vertcat(*bare.run(constants.algebra(), entries)[0])
+        n = len(system.states)
+        u, v, w = (ca.SX.sym(name, n) for name in "uvw")
+        slopes = ca.jacobian(rates, system.x)
+        once = ca.jtimes(rates, system.x, u)
+        twice = ca.jtimes(once, system.x, v)
+        thrice = ca.jtimes(twice, system.x, w)
+        numbers = constants.column
+
+        def program(name: str, directions: list[Any], *outputs: Any) -> Program:
+            dense = [ca.densify(o) for o in outputs]
+            if not exact_numbers(*dense):
+                raise StabilityError(
+                    f"{system.name}: a number of its derivatives is not exact in double precision; "
+                    "write powers with whole or half exponents."
+                )
+            inputs = [system.x, system.p, *directions, numbers]
+            return Program(ca.Function(name, inputs, dense), constants.values)
+
+        self.first = program("first", [], rates, slopes, ca.jacobian(rates, system.p))
+        self.second = program("second", [u, v], twice)
+        self.third = program("third", [u, v, w], thrice)
+        mixed = ca.jacobian(once, system.p)
+        self.mixed = program("mixed", [u], mixed)
+        self.kept = kept(slopes)
+        """States that others depend on: the rest follow them, and are left out."""
+
+
+@lru_cache(maxsize=16)
+def derivatives(system: Equations) -> Derivatives:
+    """The derivatives of a system, built once."""
+    return Derivatives(system)
+
+
+class Line:
+    """A family with one number free, at a member, in terms of the system's states and parameters.
+
+    Parameters
+    ----------
+    family
+        A family of a user's system.
+    axis
+        The free quantity: a state or parameter in `at`, or another parameter.
+    fixed
+        Value of every other quantity, doubles or balls.
+    """
+
+    def __init__(self, family: Family, axis: str, fixed: dict[str, Any]) -> None:
+        self.family, self.axis, self.fixed = family, axis, fixed
+        system = family.system
+        for name in family.equations:
+            if name not in system.states:
+                raise ParameterError(
+                    f"{family.name} is solved for by {name} = 0, an observable; what happens "
+                    "beyond the linearisation is found only where rates of states are solved."
+                )
+        self.d = derivatives(system)
+        self.solved = [] if family.closed else [system.index(n) for n in family.unknown]
+        self.rows = [] if family.closed else [system.index(n) for n in family.equations]
+        self.by_state = axis in system.states
+        self.place = (system.states if self.by_state else system.parameters).index(axis)
+
+    def point(self, value: Any, unknowns: Sequence[Any]) -> tuple[Balls, Balls]:
+        """States and parameters as balls.
+
+        Parameters
+        ----------
+        value
+            Value of the axis.
+        unknowns
+            The unknowns; not read where the family's guess solves its equations.
+        """
+        family, system = self.family, self.family.system
+        table: dict[str, Any] = {n: arb(v) for n, v in self.fixed.items()}
+        table[self.axis] = arb(value)
+        for name, held in family.held.items():
+            table[name] = arb.pi() / 2 if isinstance(held, Upright) else arb(held)
+        found = list(family.unknown.values()) if family.closed else list(unknowns)
+        table |= {n: arb(v) for n, v in zip(family.unknown, found, strict=True)}
+        return [table[n] for n in system.states], [table[n] for n in system.parameters]
+
+    def member(self, value: float) -> list[float]:
+        """The unknowns of the family's member, in double precision; none where they are known."""
+        if not self.solved:
+            return []
+        given = {n: float(arb(v).mid()) for n, v in self.fixed.items()} | {self.axis: value}
+        a = np.array([[given[n] for n in self.family.at]])
+        q = np.array([[given[n] for n in self.family.parameters]]).reshape(1, -1)
+        return [float(v) for v in self.family.solve(a, q)[0]]
+
+    def first(self, x: Balls, p: Balls) -> tuple[Balls, list[Balls], Balls]:
+        """Rates, Jacobian, and slope of the rates by the axis alone."""
+        n = len(x)
+        rates, slopes, by_p = self.d.first.run(balls(), [x, p])
+        rows = [[arb(slopes[j * n + i]) for j in range(n)] for i in range(n)]
+        if self.by_state:
+            return [arb(r) for r in rates], rows, [row[self.place] for row in rows]
+        column = by_p[self.place * n : (self.place + 1) * n]
+        return [arb(r) for r in rates], rows, [arb(v) for v in column]
+
+    def turned(self, x: Balls, p: Balls, v: Balls) -> Balls:
+        """Slope of A v by the axis alone."""
+        n = len(x)
+        if self.by_state:
+            return self.second(x, p, v, self.unit(self.place))
+        column = self.d.mixed.run(balls(), [x, p, v])[0]
+        return list(column[self.place * n : (self.place + 1) * n])
+
+    def second(self, x: Balls, p: Balls, u: Balls, v: Balls) -> Balls:
+        """B(u, v), the second derivative."""
+        return self.d.second.run(balls(), [x, p, u, v])[0]
+
+    def third(self, x: Balls, p: Balls, u: Balls, v: Balls, w: Balls) -> Balls:
+        """C(u, v, w), the third derivative."""
+        return self.d.third.run(balls(), [x, p, u, v, w])[0]
+
+    def unit(self, index: int) -> Balls:
+        """Direction of one state."""
+        return [arb(int(i == index)) for i in range(len(self.family.system.states))]
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A crossing pair, in balls."""
+
+    line: Line
+    """The line along which it crosses."""
+    value: Any
+    """Value of the axis."""
+    unknowns: Balls
+    """The member's unknowns."""
+    frequency: Any
+    """ω."""
+    mode: Balls
+    """Eigenvector over the kept states, complex, of unit length."""
+    box: Balls
+    """All unknowns of the equations, to start a search nearby."""
+
+    @property
+    def point(self) -> tuple[Balls, Balls]:
+        """States and parameters."""
+        return self.line.point(self.value, self.unknowns)
+
+    @property
+    def matrix(self) -> Any:
+        """Linearisation over the kept states."""
+        kept = self.line.d.kept
+        _, slopes, _ = self.line.first(*self.point)
+        return arb_mat([[slopes[i][j] for j in kept] for i in kept])
+
+
+class PairEquations:
+    """The equations of a pair: unknowns are the axis, the member's unknowns, Re v, Im v and ω.
+
+    Parameters
+    ----------
+    line
+        The line.
+    phase
+        c of the condition c* v = 1, complex doubles over the kept states.
+    """
+
+    def __init__(self, line: Line, phase: Any) -> None:
+        self.line = line
+        self.phase = [(arb(float(c.real)), arb(float(c.imag))) for c in phase]
+        self.count = len(line.solved)
+
+    def cut(self, z: Values) -> tuple[Any, Values, Values, Values, Any]:
+        """The unknowns in parts."""
+        m, n = self.count, len(self.line.d.kept)
+        return z[0], z[1 : 1 + m], z[1 + m : 1 + m + n], z[1 + m + n : 1 + m + 2 * n], z[-1]
+
+    def whole(self, part: Values) -> Values:
+        """A vector over the kept states as one over all."""
+        out = [arb(0)] * len(self.line.family.system.states)
+        for i, v in zip(self.line.d.kept, part, strict=True):
+            out[i] = v
+        return out
+
+    def __call__(self, z: Values) -> tuple[Values, list[Values]]:
+        """Values and rows of slopes of the equations."""
+        line, kept = self.line, self.line.d.kept
+        value, unknowns, vr, vi, w = self.cut(z)
+        x, p = line.point(value, unknowns)
+        rates, slopes, by_axis = line.first(x, p)
+        n, m, size = len(kept), self.count, len(z)
+        values: Values = []
+        rows: list[Values] = []
+        for i in line.rows:
+            values.append(rates[i])
+            rows.append([by_axis[i], *[slopes[i][j] for j in line.solved]] + [arb(0)] * (2 * n + 1))
+        for part, other, sign, start in ((vr, vi, 1, 0), (vi, vr, -1, n)):
+            full = self.whole(part)
+            turns = [line.turned(x, p, full)]
+            turns += [line.second(x, p, full, line.unit(j)) for j in line.solved]
+            for k, i in enumerate(kept):
+                total = sum((slopes[i][j] * v for j, v in zip(kept, part, strict=True)), arb(0))
+                values.append(total + sign * w * other[k])
+                row = [arb(0)] * size
+                row[: 1 + m] = [arb(t[i]) for t in turns]
+                for c, j in enumerate(kept):
+                    row[1 + m + start + c] = slopes[i][j]
+                row[1 + m + n - start + k] += sign * w
+                row[-1] = sign * other[k]
+                rows.append(row)
+        phase = self.phase
+        triples = list(zip(phase, vr, vi, strict=True))
+        values.append(sum((a * r + b * s for (a, b), r, s in triples), arb(-1)))
+        values.append(sum((a * s - b * r for (a, b), r, s in triples), arb(0)))
+        empty = [arb(0)] * (1 + m)
+        rows.append([*empty, *[a for a, _ in phase], *[b for _, b in phase], arb(0)])
+        rows.append([*empty, *[-b for _, b in phase], *[a for a, _ in phase], arb(0)])
+        return values, rows
+
+
+def guess(line: Line, value: float, frequency: float) -> tuple[PairEquations, list[float]]:
+    """Equations of a pair and a first guess in double precision.
+
+    Parameters
+    ----------
+    line
+        The line.
+    value, frequency
+        Approximate value of the axis and |Im λ|.
+    """
+    family = line.family
+    given = {n: float(arb(v).mid()) for n, v in line.fixed.items()} | {line.axis: value}
+    a = np.array([[given[n] for n in family.at]])
+    q = np.array([[given[n] for n in family.parameters]]).reshape(1, -1)
+    u = family.solve(a, q)
+    kept = line.d.kept
+    matrix = family.matrix(a, u, q)[0][np.ix_(kept, kept)]
+    values, vectors = np.linalg.eig(matrix)
+    best = int(np.argmin(np.abs(values - 1j * frequency)))
+    mode = vectors[:, best] / np.linalg.norm(vectors[:, best])
+    unknowns = line.member(value)
+    return PairEquations(line, mode), [
+        value,
+        *unknowns,
+        *map(float, mode.real),
+        *map(float, mode.imag),
+        float(values[best].imag),
+    ]
+
+
+def pair_near(line: Line, value: float, frequency: float) -> Pair:
+    """The crossing pair near a value of the axis, proved at the working precision.
+
+    Parameters
+    ----------
+    line
+        The line.
+    value, frequency
+        Approximate value of the axis and |Im λ|.
+
+    Raises
+    ------
+    NotProvedError
+        If the test fails: the pair is not simple, does not cross with speed, or is not there.
+    """
+    equations, start = guess(line, value, frequency)
+    return pair_of(equations, proved(equations, polished(equations, start)))
+
+
+def pair_of(equations: PairEquations, box: Values) -> Pair:
+    """A pair from a proved solution of its equations, with the mode scaled to unit length."""
+    value, unknowns, vr, vi, w = equations.cut(box)
+    if not w > 0:
+        raise NotProvedError
+    mode = [acb(r, s) for r, s in zip(vr, vi, strict=True)]
+    length = sum((r * r + s * s for r, s in zip(vr, vi, strict=True)), arb(0)).sqrt()
+    mode = [v / length for v in mode]
+    return Pair(equations.line, value, unknowns, w, mode, box)
+
+
+# --- linear algebra next to an eigenvalue ---
+
+
+def bordered(matrix: Any, right: Balls, *, by: Balls | None = None) -> Balls:
+    """The left null vector of a singular matrix, scaled so that its product with `right` is 1.
+
+    Parameters
+    ----------
+    matrix
+        Complex matrix whose kernel is spanned by `right`.
+    right
+        Null vector.
+    by
+        Vector outside the matrix's range; a numeric left null vector when left out.
+
+    Raises
+    ------
+    NotProvedError
+        If the kernel is not proved to be one-dimensional, or the eigenvalue to be simple.
+    """
+    n = len(right)
+    table = np.array(
+        [
+            [complex(matrix[i, j].real.mid(), matrix[i, j].imag.mid()) for j in range(n)]
+            for i in range(n)
+        ]
+    )
+    if not np.isfinite(table).all():
+        raise NotProvedError
+    column = by or [acb(float(c.real), float(c.imag)) for c in np.linalg.svd(table)[0][:, -1]]
+    rows = [[matrix[j, i] for j in range(n)] + [right[i].conjugate()] for i in range(n)]
+    rows.append([*column, acb(0)])
+    try:
+        solved = acb_mat(rows).solve(acb_mat(n + 1, 1, [acb(0)] * n + [acb(1)]))
+    except ZeroDivisionError:
+        raise NotProvedError from None
+    left = [solved[i, 0] for i in range(n)]
+    size = dot(left, right)
+    if size.contains(0):
+        raise NotProvedError
+    return [v / size for v in left]
+
+
+def dot(x: Balls, y: Balls) -> Any:
+    """Σ xᵢ yᵢ, without conjugation."""
+    return sum((s * t for s, t in zip(x, y, strict=True)), acb(0))
+
+
+def shifted(matrix: Any, number: Any) -> Any:
+    """A - number, complex."""
+    n = matrix.nrows()
+    return acb_mat(
+        [[acb(matrix[i, j]) - (number if i == j else 0) for j in range(n)] for i in range(n)]
+    )
+
+
+def solve(matrix: Any, right: Balls) -> Balls:
+    """Solution of a regular complex system."""
+    try:
+        found = matrix.solve(acb_mat(len(right), 1, [acb(v) for v in right]))
+    except ZeroDivisionError:
+        raise NotProvedError from None
+    return [found[i, 0] for i in range(len(right))]
+
+
+def direction(line: Line, x: Balls, p: Balls) -> tuple[Balls, list[Balls]]:
+    """dx/d axis along the family over all states, and the Jacobian.
+
+    Parameters
+    ----------
+    line
+        The line.
+    x, p
+        A member.
+    """
+    _, slopes, by_axis = line.first(x, p)
+    out = [arb(0)] * len(x)
+    if line.by_state:
+        out[line.place] = arb(1)
+    if line.solved:
+        rows = arb_mat([[slopes[i][j] for j in line.solved] for i in line.rows])
+        try:
+            turn = rows.solve(arb_mat(len(line.rows), 1, [-by_axis[i] for i in line.rows]))
+        except ZeroDivisionError:
+            raise NotProvedError from None
+        for k, j in enumerate(line.solved):
+            out[j] = out[j] + turn[k, 0]
+    return out, slopes
+
+
+def eigenvalue_speed(pair: Pair, left: Balls, v: Sequence[Any]) -> Any:
+    """dλ/d axis = w (dA/d axis) v for a simple eigenvalue with w v = 1."""
+    line, kept = pair.line, pair.line.d.kept
+    x, p = pair.point
+    along, _ = direction(line, x, p)
+    full = [acb(0)] * len(x)
+    for i, c in zip(kept, v, strict=True):
+        full[i] = c
+    turned = line.turned(x, p, full)
+    if line.by_state:  # the axis itself is in `turned` already
+        along = list(along)
+        along[line.place] = arb(0)
+    more = line.second(x, p, full, along)
+    return dot(left, [acb(turned[i]) + acb(more[i]) for i in kept])
+
+
+@dataclass(frozen=True)
+class Coefficients:
+    """What decides at a crossing pair, in balls."""
+
+    speed: Any
+    """d Re λ / d axis."""
+    first: Any
+    """l1."""
+    others: int
+    """1: every other eigenvalue is proved to be stable; -1: one is unstable; 0: open."""
+
+
+def coefficients(pair: Pair) -> Coefficients:
+    """The first Lyapunov coefficient at a crossing pair, and the speed of the crossing.
+
+    Parameters
+    ----------
+    pair
+        The pair, proved.
+
+    Raises
+    ------
+    NotProvedError
+        If zero or twice the pair is not proved to be no eigenvalue.
+    """
+    line, kept = pair.line, pair.line.d.kept
+    x, p = pair.point
+    matrix, w, q = pair.matrix, pair.frequency, pair.mode
+    left = bordered(shifted(matrix, acb(0, 1) * w), q)
+    conjugate = [v.conjugate() for v in q]
+
+    def whole(v: Balls) -> Balls:
+        out = [acb(0)] * len(x)
+        for i, c in zip(kept, v, strict=True):
+            out[i] = c
+        return out
+
+    def second(u: Balls, v: Balls) -> Balls:
+        found = line.second(x, p, whole(u), whole(v))
+        return [acb(found[i]) for i in kept]
+
+    cubic = line.third(x, p, whole(q), whole(q), whole(conjugate))
+    total = dot(left, [acb(cubic[i]) for i in kept])
+    mean = solve(shifted(matrix, acb(0)), second(q, conjugate))
+    total = total - 2 * dot(left, second(q, mean))
+    double = solve(shifted(matrix, acb(0, 2) * w), [-v for v in second(q, q)])
+    total = total + dot(left, second(conjugate, double))
+    first = total.real / (2 * w)
+    speed = eigenvalue_speed(pair, left, q).real
+    return Coefficients(speed, first, others(pair))
+
+
+def others(pair: Pair, zeros: int = 0) -> int:
+    """Whether every eigenvalue but the pair and structural zeros is stable.
+
+    Parameters
+    ----------
+    pair
+        The pair.
+    zeros
+        Number of structural zeros over the kept states.
+
+    Returns
+    -------
+    int
+        1 stable, -1 one is unstable, 0 open.
+    """
+    rest = list(pair.matrix.charpoly().coeffs())
+    square = pair.frequency**2
+    out = []
+    for k in range(len(rest) - 1, 1, -1):  # division by λ² + ω², highest power first
+        out.append(rest[k])
+        rest[k - 2] = rest[k - 2] - square * rest[k]
+    quotient = out[::-1][zeros:]
+    return hurwitz_sign(quotient) if len(quotient) > 1 else 1
+
+
+@dataclass(frozen=True)
+class LineForm:
+    """Coefficients of a Hopf bifurcation without parameters, in balls."""
+
+    speed: Any
+    """Re μ' per unit of the axis."""
+    push: Any
+    """c for the mode of unit length."""
+
+
+def line_form(pair: Pair) -> LineForm:
+    """The normal form at a crossing pair along a line of steady motions.
+
+    Parameters
+    ----------
+    pair
+        The pair, proved; its axis is a state, so that the family is a line.
+
+    Raises
+    ------
+    NotProvedError
+        If zero is not proved to be a simple eigenvalue.
+    """
+    line, kept = pair.line, pair.line.d.kept
+    x, p = pair.point
+    along, _ = direction(line, x, p)
+    tangent = [acb(along[i]) for i in kept]
+    matrix, q = pair.matrix, pair.mode
+    left = bordered(shifted(matrix, acb(0, 1) * pair.frequency), q)
+    across = bordered(shifted(matrix, acb(0)), tangent)
+
+    def whole(v: Balls) -> Balls:
+        out = [acb(0)] * len(x)
+        for i, c in zip(kept, v, strict=True):
+            out[i] = c
+        return out
+
+    pushed = line.second(x, p, whole(q), whole([v.conjugate() for v in q]))
+    push = dot(across, [acb(pushed[i]) for i in kept])
+    return LineForm(eigenvalue_speed(pair, left, q).real, push.real)
+
+
+def signed(ball: Any) -> int:
+    """Sign of a ball; 0 where it holds zero or is not finite."""
+    number = arb(ball)
+    if not number.is_finite():
+        raise NotProvedError
+    return 1 if number > 0 else -1 if number < 0 else 0

@@ -1,0 +1,679 @@
+"""Bautin points: where the first Lyapunov coefficient of a flutter boundary vanishes.
+
+Over Q every point of a rectangle is isolated.  On a flutter boundary E and O of `onset_forms` have
+a common root z, and N(z) = 0.  The resultant of E and O, and N at the root of their first
+subresultant, are two equations in both axes.  Square roots in them are eliminated by norms, and one
+axis by resultants.  Every candidate is judged at the member, so what the elimination adds is
+excluded again.
+
+Elsewhere the boundary is followed, and each proved change of sign of the coefficient is a point.
+
+Source: B. L. van der Waerden, Algebra I, § 34 (resultants); tests/boundary/test_bautin.py.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from flint import acb, arb, arb_poly
+
+from ...algebra.exact.hurwitz_forms import Budget, by_power, factors
+from ...algebra.exact.number_fields import NotExact, rational
+from ...algebra.exact.roots import isolated as root_balls
+from ...algebra.exact.routh import hurwitz_sign
+from ...algebra.exact.triangular import occurring
+from ...algebra.number_types import precision
+from ...base.axis import Axis
+from ...base.errors import NoMemberError, StabilityError
+from ...derivation.elimination import Reading, evaluate
+from ...derivation.signs import real_roots, univariate
+from ...spectra.problem import Problem
+from ...systems.family import Family
+from ..changes import along
+from ..crossings import Crossing
+from ..krawczyk import NotProvedError, Values, polished, tested
+from ..lyapunov_coefficient import (
+    Line,
+    Pair,
+    PairEquations,
+    coefficients,
+    guess,
+    others,
+    pair_of,
+    signed,
+)
+from .onset_forms import OnsetForm, OnsetForms
+from .plane_search import SEVERAL, Rectangle, box_of, meets
+from .planes import PLANE, ExactPlane, subresultant, value_of
+from .point_records import PointKind, UnresolvedBox
+
+FOLLOW_BITS = 192
+"""Working precision along a boundary."""
+SAME = 1e-7
+"""Largest distance of a followed crossing from a boundary that was found, relative to the axis."""
+WIDEST = 2**12
+"""Widest bracket of a point, in units of the last digit."""
+
+
+@dataclass(frozen=True)
+class Vanishing:
+    """A proved change of sign along a flutter boundary."""
+
+    place: tuple[Any, Any]
+    """Balls of x and y."""
+    frequency: Any
+    """ω."""
+    others: int
+    """As in `lyapunov_coefficient.others`, next to the point."""
+
+
+class Follower:
+    """Crossing pairs along one axis, followed as the other quantity changes.
+
+    Parameters
+    ----------
+    family
+        The family.
+    axis
+        Name of the axis along which pairs cross.
+    other
+        Name of the quantity that changes.
+    fixed
+        Every other quantity.
+    """
+
+    def __init__(self, family: Family, axis: str, other: str, fixed: dict[str, float]) -> None:
+        self.family, self.axis, self.other, self.fixed = family, axis, other, fixed
+
+    def line(self, place: Any) -> Line:
+        """The line at a value of the other quantity."""
+        return Line(self.family, self.axis, self.fixed | {self.other: place})
+
+    def first(self, place: float, value: float, frequency: float) -> tuple[PairEquations, Pair]:
+        """The pair at a boundary that was found."""
+        equations, start = guess(self.line(place), value, frequency)
+        return equations, self._pair(equations, start)
+
+    @staticmethod
+    def _pair(equations: PairEquations, start: Sequence[Any]) -> Pair:
+        box, _ = tested(equations, polished(equations, [float(arb(v).mid()) for v in start]))
+        return pair_of(equations, box)
+
+    def moved(self, equations: PairEquations, near: Pair, place: float) -> Pair:
+        """The pair at another value, from one nearby, with the same phase."""
+        return self._pair(self._at(equations, place), near.box)
+
+    def _at(self, equations: PairEquations, place: Any) -> PairEquations:
+        phase = [complex(float(a), float(b)) for a, b in equations.phase]
+        return PairEquations(self.line(place), phase)
+
+    def one_branch(self, equations: PairEquations, low: Pair, high: Pair) -> Any:
+        """The pair over all values between two, proved to be one branch with both at its ends."""
+        places = [p.line.fixed[self.other] for p in (low, high)]
+        over = self._at(equations, arb(places[0]).union(arb(places[1])))
+        middle = [((a + b) / 2).mid() for a, b in zip(low.box, high.box, strict=True)]
+        far = [4 * abs(a - b) for a, b in zip(low.box, high.box, strict=True)]
+        image, box = tested(
+            over, middle, [v.abs_upper() + arb(2) ** (8 - FOLLOW_BITS // 2) for v in far]
+        )
+        for pair in (low, high):
+            if not all(b.contains(v) for b, v in zip(box, pair.box, strict=True)):
+                raise NotProvedError
+        return image
+
+
+def vanishing(problem: Problem, axes: tuple[Axis, Axis]) -> list[Vanishing]:
+    """Changes of sign of the first Lyapunov coefficient along the flutter boundaries of a plane.
+
+    Boundaries are found along the lines of a grid, in both directions, and followed from each line
+    to the next.
+
+    Parameters
+    ----------
+    problem
+        A user's family of isolated steady motions, with values.
+    axes
+        x and y; their numbers of points are those of the lines.
+    """
+    out: list[Vanishing] = []
+    swept = {g.name for g in axes}
+    fixed = {n: float(v) for n, v in problem.values.items() if n not in swept}
+    with precision(FOLLOW_BITS):
+        for way in (0, 1):
+            axis, other = axes[way], axes[1 - way]
+            follower = Follower(problem.family, axis.name, other.name, fixed)
+            rows = [_row(problem, follower, axis, float(t)) for t in other.values]
+            for low, high, start, end in zip(
+                other.values, other.values[1:], rows, rows[1:], strict=False
+            ):
+                for entry in start:
+                    found = _between(follower, entry, end, (float(low), float(high)))
+                    if found is not None:
+                        place = found.place if way == 0 else found.place[::-1]
+                        out = _added(out, replace(found, place=(place[0], place[1])))
+    return out
+
+
+def _added(out: list[Vanishing], new: Vanishing) -> list[Vanishing]:
+    for old in out:
+        near = [
+            abs(float(arb(a).mid()) - float(arb(b).mid())) <= 1e-10 * (1 + abs(float(arb(a).mid())))
+            for a, b in zip(old.place, new.place, strict=True)
+        ]
+        if all(near):
+            return out
+    return [*out, new]
+
+
+Entry = tuple[PairEquations, Pair, int]
+
+
+def _row(problem: Problem, follower: Follower, axis: Axis, place: float) -> list[Entry]:
+    """Flutter boundaries on one line, each with the proved sign of its coefficient."""
+    values = dict(problem.values) | {follower.other: place}
+    line = replace(problem, values=values)
+    try:
+        found = along(line, axis.name, axis.low, axis.high, points=max(axis.count, 2), log=axis.log)
+    except StabilityError:
+        return []
+    out = []
+    for b in found:
+        if b.crossing is Crossing.FLUTTER:
+            try:
+                equations, pair = follower.first(place, b.value, b.frequency)
+                out.append((equations, pair, signed(coefficients(pair).first)))
+            except (NotProvedError, StabilityError):
+                continue
+    return out
+
+
+def _between(
+    follower: Follower, entry: Entry, end: Sequence[Entry], places: tuple[float, float]
+) -> Vanishing | None:
+    """The change of sign on one boundary between two lines, proved; None if there is none."""
+    equations, pair, sign = entry
+    try:
+        last = follower.moved(equations, pair, places[1])
+        same = [e for e in end if abs(e[1].value - last.value) <= SAME * (1 + abs(last.value))]
+        if not same or sign * same[0][2] >= 0:
+            return None
+        return _refined(follower, equations, pair, places)
+    except (NotProvedError, StabilityError):
+        return None
+
+
+def _refined(
+    follower: Follower, equations: PairEquations, pair: Pair, places: tuple[float, float]
+) -> Vanishing | None:
+    near = pair
+
+    def at(place: float) -> Pair:
+        nonlocal near
+        near = follower.moved(equations, near, place)
+        return near
+
+    def size(place: float) -> float:
+        return float(coefficients(at(place)).first.mid())
+
+    from scipy.optimize import brentq
+
+    root = float(brentq(size, *places, xtol=1e-300, rtol=4 * np.finfo(float).eps))
+    width = float(np.spacing(abs(root))) or 1e-300
+    while width <= WIDEST * (np.spacing(abs(root)) or 1e-300):
+        low, high = at(root - width), at(root + width)
+        if signed(coefficients(low).first) * signed(coefficients(high).first) < 0:
+            over = follower.one_branch(equations, low, high)
+            place = arb(root - width).union(arb(root + width))
+            return Vanishing((over[0], place), over[-1], others(low))
+        width *= 2
+    return None
+
+
+class PolynomialPair:
+    """Two polynomials without common factor, with their slopes as a system of equations.
+
+    Parameters
+    ----------
+    f, g
+        Elements of `PLANE`.
+    """
+
+    def __init__(self, f: Any, g: Any) -> None:
+        self.pair = f, g
+        self._rows = [(p, p.derivative("x"), p.derivative("y")) for p in self.pair]
+
+    def __call__(self, z: Values) -> tuple[Values, list[Values]]:
+        """Values and rows of slopes at (x, y)."""
+        found = [[value_of(p, *z) for p in row] for row in self._rows]
+        return [row[0] for row in found], [row[1:] for row in found]
+
+    @cached_property
+    def sides(self) -> list[Any]:
+        """Polynomials over Q whose roots hold x and y of every common zero: resultants."""
+        f, g = self.pair
+        return [univariate(f.resultant(g, name), i) for i, name in ((0, "y"), (1, "x"))]
+
+    def near(self, roots: Sequence[Sequence[Any]]) -> Iterator[tuple[Any, Any]]:
+        """Pairs of roots at which both polynomials may vanish.
+
+        Parameters
+        ----------
+        roots
+            Balls of x, and of y.
+        """
+        for x in roots[0]:
+            rows = [arb_poly(_collapsed(p, x)) for p in self.pair]
+            for y in roots[1]:
+                if all(_horner(row, y).contains(0) for row in rows):
+                    yield x, y
+
+
+def same_root(polys: tuple[Any, Any], image: Any, place: Any) -> bool:
+    """Whether two real roots are one: that of the first polynomial in a ball, of the other one.
+
+    Parameters
+    ----------
+    polys
+        Two polynomials over Q.
+    image
+        Ball of a root of the second one.
+    place
+        Ball of a root of the first one, and of no other.
+    """
+    common = [r for r in map(arb, real_roots(polys[0].gcd(polys[1]))) if r.overlaps(place)]
+    return len(common) == 1 and all(
+        sum(r.overlaps(common[0]) or r.overlaps(ball) for r in map(arb, real_roots(p))) == 1
+        for p, ball in zip(polys, (place, image), strict=True)
+    )
+
+
+def _collapsed(p: Any, x: Any) -> list[Any]:
+    """Coefficients in y at a ball of x."""
+    powers = [arb(1)]
+    for _ in range(p.degrees()[0]):
+        powers.append(powers[-1] * x)
+    out = [arb(0)] * (p.degrees()[1] + 1)
+    for (i, j), c in p.to_dict().items():
+        out[int(j)] += powers[int(i)] * c
+    return out
+
+
+def _horner(row: Any, y: Any) -> Any:
+    total = arb(0)
+    for c in reversed(row.coeffs()):
+        total = total * y + c
+    return total
+
+
+KIND = PointKind.VANISHING
+BITS = (256, 1024)
+"""Precisions of the roots over Q, in turn."""
+MOST_TERMS = 20_000
+"""Largest number of terms of a polynomial."""
+SECONDS = 20.0
+"""Longest time before the elimination [s]."""
+MOST_DEGREE = 700
+"""Largest degree of a resultant."""
+MOST_SIGNS = 3
+"""Most square roots in one polynomial."""
+ALONG = "the coefficient vanishes along a whole curve, or this is not excluded"
+NO_MEMBER = "no member is proved there"
+OPEN = (
+    "the coefficient vanishes there without a proved change of sign, or other eigenvalues meet on "
+    "the imaginary axis"
+)
+
+
+@dataclass(frozen=True)
+class _Equation:
+    """A factor of a norm over Q, with the polynomial of this norm."""
+
+    factor: Any
+    """In Q[x, y]."""
+    count: int
+    """Its multiplicity."""
+    poly: Any
+    """In the ring of the reading."""
+
+
+class ExactSearch:
+    """Points of a family's plane at which a first Lyapunov coefficient vanishes.
+
+    Parameters
+    ----------
+    problem
+        A user's family of isolated steady motions, with values.
+    names
+        Names of x and y.
+    rectangle
+        Ends of x and y.
+
+    Raises
+    ------
+    NotExact
+        If the equations are not algebraic in the axes, or too large; the message says how large.
+    """
+
+    def __init__(self, problem: Problem, names: tuple[str, str], rectangle: Rectangle) -> None:
+        family = problem.family
+        self.rectangle, self.names = rectangle, names
+        base = (*family.at, *family.parameters)
+        self.values = {n: rational(float(problem.values[n])) for n in base if n not in names}
+        self.reading = Reading(family, self.values, Budget(MOST_TERMS, SECONDS))
+        self.forms_of = OnsetForms(self.reading)
+        some = list(self.forms_of)
+        self.forms = [f for f in some if any(c != 0 for c in f.coefficient)]
+        self.flat = len(self.forms) < len(some)
+        """Whether a coefficient is zero on all of a boundary, as where rates are linear."""
+        self.roots = self._roots()
+        self.places, turns = self._axes()
+        self.plane = ExactPlane([], turns)
+
+    # --- variables ---
+
+    def _roots(self) -> dict[int, tuple[Any, Any]]:
+        """(numerator, denominator) of the square of each variable that is a square root."""
+        found = {i: (s, self.reading.field.one) for i, s in self.reading.field.squares.items()}
+        for index, equation in self.reading.triangular.kept:
+            parts = by_power(equation, index)
+            if set(parts) != {0, 2}:
+                raise NotExact("an unknown that is no square root of a rational function")
+            found[index] = -parts[0], parts[2]
+        return found
+
+    def _axes(self) -> tuple[tuple[int, int], tuple[str, str]]:
+        """Index of the variable of each axis, and its function."""
+        reading = self.reading
+        places, turns = [], []
+        used = set().union(*(self._used(f) for f in self.forms)) if self.forms else set()
+        for axis, name in enumerate(self.names):
+            own = reading.base.index(name)
+            cosine = [
+                i
+                for i, (function, x, _) in reading.field.meaning.items()
+                if function == "cos" and x.num == reading.field.generator(own) and x.den == 1
+            ]
+            turned = bool(cosine) and bool(
+                used & {i for i in reading.field.meaning if own in reading.field.uses(i)}
+            )
+            if turned and own in used:
+                raise NotExact("an axis and its sine occur together")
+            if turned:
+                ExactPlane([], ("cos", "cos")).ends(axis, *self.rectangle[axis])
+            places.append(cosine[0] if turned else own)
+            turns.append("cos" if turned else "")
+        left = used - {*places, *self.roots, reading.lam}
+        if left:
+            raise NotExact(f"{reading.name(min(left))} remains")
+        return (places[0], places[1]), (turns[0], turns[1])
+
+    def _used(self, form: OnsetForm) -> set[int]:
+        out: set[int] = set().union(*map(occurring, (*form.even, *form.odd, *form.coefficient)))
+        while (
+            more := {j for i in out & set(self.roots) for p in self.roots[i] for j in occurring(p)}
+            - out
+        ):
+            out |= more
+        return out
+
+    def norm(self, poly: Any) -> Any:
+        """A polynomial in Q[x, y] that vanishes wherever one in square roots does."""
+        for index in sorted(self.roots, reverse=True):
+            if poly == 0 or index not in occurring(poly):
+                continue
+            top, bottom = self.roots[index]
+            parts = by_power(poly, index)
+            even, odd = self.reading.field.ring.constant(0), self.reading.field.ring.constant(0)
+            degree = max(parts) // 2
+            for power, part in parts.items():
+                half = power // 2
+                term = part * top**half * bottom ** (degree - half)
+                even, odd = (even, odd + term) if power % 2 else (even + term, odd)
+            product = self.reading.budget.product
+            poly = (
+                odd * top if even == 0 else product(even, even) * bottom - product(odd, odd) * top
+            )
+            self.reading.budget.watch(poly)
+        x, y = self.places
+        terms: dict[tuple[int, int], Any] = {}
+        for e, c in poly.to_dict().items():
+            terms[int(e[x]), int(e[y])] = c
+        return PLANE.from_dict(terms)
+
+    def conjugates(self, poly: Any) -> Iterator[Any]:
+        """A polynomial with other signs of its square roots, where more than its sign changes."""
+        present = [i for i in self.roots if i in occurring(poly)]
+        if len(present) > MOST_SIGNS:
+            raise NotProvedError
+        for count in range(1, len(present) + 1):
+            for some in combinations(present, count):
+                terms = {
+                    e: -c if sum(e[i] for i in some) % 2 else c for e, c in poly.to_dict().items()
+                }
+                other = self.reading.field.ring.from_dict(terms)
+                if other not in (poly, -poly):
+                    yield other
+
+    # --- equations ---
+
+    def run(self) -> tuple[list[Vanishing], list[UnresolvedBox]]:
+        """Every point in the closed rectangle, and what stays open."""
+        found: list[Vanishing] = []
+        several = not self.reading.triangular.alone
+        left = [UnresolvedBox(KIND, *self.rectangle, SEVERAL)] if several else []
+        with precision(BITS[-1]):
+            self.inner = tuple(self.plane.ends(i, *e) for i, e in enumerate(self.rectangle))
+        for form in self.forms:
+            judge = _Judge(self, form)
+            for one in self._factors(judge.meeting):
+                for other in self._factors(judge.first):
+                    points, open_ = self._solved(judge, one, other)
+                    found += points
+                    left += open_
+        return found, left
+
+    def _factors(self, poly: Any) -> list[_Equation]:
+        """Factors of a norm, without those that vanish where the coefficient has no value."""
+        if poly == 0:
+            raise NotExact("an equation holds in all of the plane")
+        out = []
+        for factor, count in factors(self.norm(poly))[1]:
+            if not any(divmod(p, factor)[1] == 0 for p in self._absent):
+                out.append(_Equation(factor, count, poly))
+        return out
+
+    @cached_property
+    def _absent(self) -> list[Any]:
+        """Polynomials that vanish only where the coefficient has no value.
+
+        There a derivative or a member has none, or an eigenvalue is zero.
+        """
+        forms = self.forms_of
+        some = [forms.scale, *forms.denominators, forms.characteristic[0]]
+        some += [bottom for top, bottom in self.roots.values() if top.is_constant()]
+        return [p for p in map(self.norm, some) if not p.is_constant()]
+
+    def _solved(
+        self, judge: _Judge, one: _Equation, other: _Equation
+    ) -> tuple[list[Vanishing], list[UnresolvedBox]]:
+        common = one.factor.gcd(other.factor)  # a large polynomial may be left in one factor
+        f, g = one.factor / common, other.factor / common
+        along = not common.is_constant() and meets(common, self.inner)
+        whole = [UnresolvedBox(KIND, *self.rectangle, ALONG)] if along else []
+        if any(p.is_constant() or not meets(p, self.inner) for p in (f, g)):
+            return [], whole
+        degree = sum(f.degrees()[i] * g.degrees()[1 - i] for i in (0, 1))
+        if degree > MOST_DEGREE:
+            raise NotExact(
+                f"the resultant of polynomials of {len(f)} and {len(g)} terms has degree {degree}, "
+                f"more than {MOST_DEGREE}"
+            )
+        pair = PolynomialPair(f, g)
+        sides = pair.sides
+        simple = one.count % 2 == 1 and other.count % 2 == 1
+        found: list[Vanishing] = []
+        left: list[UnresolvedBox] = []
+        for bits in BITS:
+            with precision(bits):
+                found, left = [], []
+                for x, y in pair.near([self._inside(s, i) for i, s in enumerate(sides)]):
+                    try:
+                        point = judge.judged(pair, (x, y), simple=simple)
+                    except NoMemberError:
+                        left.append(self._open((x, y), NO_MEMBER))
+                    except (NotProvedError, StabilityError, ArithmeticError):
+                        if not self._without_value(f, sides, (x, y)):
+                            left.append(self._open((x, y), OPEN))
+                    else:
+                        found += [] if point is None else [point]
+            if not left:
+                break
+        return found, whole + left
+
+    def _inside(self, side: Any, axis: int) -> list[Any]:
+        low, high = self.inner[axis]
+        return [r for r in map(arb, real_roots(side)) if not (r < low or r > high)]
+
+    def _without_value(self, f: Any, sides: Sequence[Any], place: tuple[Any, Any]) -> bool:
+        """Whether an eigenvalue is proved to vanish at a candidate on a boundary f = 0."""
+        for h, _ in factors(self.norm(self.forms_of.characteristic[0]))[1]:
+            try:
+                image, box = tested(PolynomialPair(f, h), [v.mid() for v in place])
+            except NotProvedError:
+                continue
+            if not all(b.contains(v) for b, v in zip(box, place, strict=True)):
+                continue
+            pairs = zip(sides, PolynomialPair(f, h).sides, strict=True)
+            if all(map(same_root, pairs, image, place)):
+                return True
+        return False
+
+    def _open(self, place: tuple[Any, Any], reason: str) -> UnresolvedBox:
+        ends = [box_of(self.plane.back(i, v), self.rectangle[i]) for i, v in enumerate(place)]
+        return UnresolvedBox(KIND, ends[0], ends[1], reason)
+
+
+class _Judge:
+    """What a candidate of one form is, at the family's member."""
+
+    def __init__(self, search: ExactSearch, form: OnsetForm) -> None:
+        self.search = search
+        reduce = search.reading.triangular.reduce
+        both = reduce([*form.even, *form.odd])
+        self.even, self.odd = both[: len(form.even)], both[len(form.even) :]
+        self.coefficient, self.apart = reduce(form.coefficient), reduce(form.apart)
+        size = len(form.even) - 1  # of z in E, which is not below that in O
+        self.low, self.high = self._root(size)
+        self.meeting = search.reading.field.reduced(subresultant(self.even, self.odd, 0)[0])
+        total, most = search.forms_of.zero, len(self.coefficient) - 1
+        for k, c in enumerate(self.coefficient):
+            total = total + c * (-self.low) ** k * self.high ** (most - k)
+        self.first = search.reading.field.reduced(total)
+
+    def _root(self, size: int) -> tuple[Any, Any]:
+        """The common root as -low/high."""
+        if size > 1:
+            found = subresultant(self.even, self.odd, 1)
+            return found[0], found[1]
+        row = self.odd if len(self.odd) == 2 else self.even
+        return row[0], row[1]
+
+    def judged(
+        self, pair: PolynomialPair, place: tuple[Any, Any], *, simple: bool
+    ) -> Vanishing | None:
+        """The point at a candidate; None where the coefficient does not vanish there.
+
+        Raises
+        ------
+        NotProvedError
+            If this is not decided.
+        """
+        search = self.search
+        axes = [search.plane.back(i, v) for i, v in enumerate(place)]
+        known = self._member(axes)
+        if search.reading.elsewhere(known) is not None:
+            return None  # a member of another branch
+        left = list(self._vanishing(known))
+        if not left or evaluate(search.forms_of.characteristic[0], known) == 0:
+            return None  # with an eigenvalue zero there is no coefficient
+        image, box = tested(pair, [v.mid() for v in place])
+        if not simple or not all(b.contains(v) for b, v in zip(box, place, strict=True)):
+            raise NotProvedError
+        axes = [search.plane.back(i, v) for i, v in enumerate(image)]
+        known = self._member(axes)
+        for poly in (self.meeting, self.first):
+            for other in search.conjugates(poly):
+                _apart(evaluate(other, known))
+        high = _apart(evaluate(self.high, known))
+        z = -evaluate(self.low, known) / high
+        if _apart(z) > 0:
+            return None  # opposite real eigenvalues
+        mu = acb(0, (-z).sqrt())
+        _apart(abs(_at(self.apart, known, mu)))
+        scale = _apart(evaluate(search.forms_of.scale, known))
+        return Vanishing(
+            (axes[0], axes[1]), (-z).sqrt() / abs(scale), self._others(known, z, scale)
+        )
+
+    def _member(self, axes: Sequence[Any]) -> dict[int, Any]:
+        search = self.search
+        point = search.values | dict(zip(search.names, axes, strict=True))
+        known = search.reading.member(point)
+        if not all(v.is_finite() for v in known.values()):
+            raise NotProvedError
+        names = list(search.reading.base)
+        for name in search.reading.family.positive:
+            if not known[names.index(name)] > 0:
+                raise NoMemberError(f"{name} is not proved to be positive.")
+        return known
+
+    def _vanishing(self, known: dict[int, Any]) -> Iterator[Any]:
+        """Common roots z of E and O that may be negative, and at which N may vanish."""
+        rows = [
+            [arb(evaluate(c, known)) for c in row]
+            for row in (self.even, self.odd, self.coefficient)
+        ]
+        monic = rows[0] if len(rows[0]) > len(rows[1]) else rows[1]
+        roots = [acb(-monic[0] / monic[1])] if len(monic) == 2 else root_balls(monic, even=False)
+        if roots is None:
+            raise NotProvedError
+        for z in roots:
+            if not (z.imag.contains(0) and not z.real > 0):
+                continue
+            if all(abs(_sum(row, z)).contains(0) for row in rows):
+                yield z
+
+    def _others(self, known: dict[int, Any], z: Any, scale: Any) -> int:
+        """Whether all other eigenvalues are stable."""
+        p = [arb(evaluate(c, known)) for c in self.search.forms_of.characteristic]
+        rest = [c * scale**k for k, c in enumerate(p)]
+        square, out = -z / scale**2, []
+        for k in range(len(rest) - 1, 1, -1):  # division by λ² + ω², highest power first
+            out.append(rest[k])
+            rest[k - 2] = rest[k - 2] - square * rest[k]
+        quotient = [c / out[0] for c in out[::-1]]
+        return hurwitz_sign(quotient) if len(quotient) > 1 else 1
+
+
+def _apart(value: Any) -> Any:
+    """A ball that is proved not to be zero."""
+    ball = arb(value)
+    if not ball.is_finite() or ball.contains(0):
+        raise NotProvedError
+    return ball
+
+
+def _at(row: Sequence[Any], known: dict[int, Any], mu: Any) -> Any:
+    return _sum([arb(evaluate(c, known)) for c in row], mu)
+
+
+def _sum(row: Sequence[Any], x: Any) -> Any:
+    total = acb(0)
+    for c in reversed(row):
+        total = total * x + c
+    return total

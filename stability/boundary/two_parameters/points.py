@@ -1,0 +1,229 @@
+"""`codimension_two`: every point of a parameter plane at which two conditions meet."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from flint import arb
+from numpy.typing import ArrayLike
+
+from ...algebra.exact.number_fields import NotExact
+from ...algebra.number_types import precision
+from ...base.axis import Axis, AxisLike
+from ...base.citation.used import cited
+from ...base.errors import ParameterError
+from ...bodies.contact import Contact
+from ...bodies.disk import Disk
+from ...bodies.round_body.body import Body
+from ...spectra.arguments import swept
+from ...spectra.labels import of_package
+from ...spectra.problem import Problem
+from ...systems.family import Family
+from ...systems.structure.structural_zeros import structure
+from ..hopf import rounded, zeros_left
+from .bautin import ExactSearch, Vanishing, vanishing
+from .plane_search import BITS, SPECTRAL, BoxSearch, Found, Rectangle, isolated, joined
+from .planes import GraphPlane, exact_plane
+from .point_records import CodimensionTwo, DegeneratePoint, PointKind, UnresolvedBox
+
+MOST_LINES = 2000
+"""Most lines of an axis."""
+RESULTANTS = (
+    "double zeros, zeros with a pair, and two pairs: every solution of their equations was "
+    "isolated over Q by resultants, and proved by interval Newton's method"
+)
+BOXES = (
+    "double zeros, zeros with a pair, and two pairs: each of {count} boxes of the rectangle was "
+    "proved in ball arithmetic to hold none, or one that is listed"
+)
+ON_BRANCH = ", on the branch of steady motions that the root-finder reaches"
+LINES = (
+    "vanishing first Lyapunov coefficients: each that is listed is proved; boundaries were "
+    "followed between {x} lines along {x_name} and {y} along {y_name}, so others are not excluded"
+)
+EXACT = (
+    "vanishing first Lyapunov coefficients: every change of sign along a flutter boundary was "
+    "isolated over Q by resultants, and proved at the member"
+)
+FLAT = "; on some boundary the coefficient is zero all along, where no point is listed"
+NONE_ON_LINES = (
+    "vanishing first Lyapunov coefficients were not sought, since eigenvalues vanish by structure"
+)
+OTHERS = {1: "stable", -1: "unstable", 0: "open"}
+
+
+def codimension_two(
+    family: str | Family,
+    *,
+    x: AxisLike,
+    y: AxisLike,
+    disk: Disk | None = None,
+    body: Body | Disk | None = None,
+    contact: Contact | type[Contact] | str | None = None,
+    at: ArrayLike | None = None,
+    **parameters: ArrayLike,
+) -> CodimensionTwo:
+    """Points of a parameter plane at which two conditions meet: the ends and turns of boundaries.
+
+    Sought are double zeros (Bogdanov-Takens), a zero with a pair (zero-Hopf), two pairs (double
+    Hopf), and points of flutter boundaries with a vanishing first Lyapunov coefficient (Bautin).
+    Where the linearisation is rational in both axes, or in their sine and cosine, the first three
+    are isolated over Q by resultants.  Elsewhere the rectangle is cut into boxes, each with a
+    proof.  Where the derivatives up to the third are algebraic too, vanishing coefficients are
+    isolated over Q as well.  Elsewhere boundaries are followed between lines, and `.vanishing`
+    says why.  Points at which other eigenvalues are unstable are listed too, and marked as such.
+
+    Parameters
+    ----------
+    family
+        As for `stability_map`.
+    x, y
+        (name, low, high, n) or (name, low, high, n, "log").  n is the number of lines on which
+        flutter boundaries are sought and followed, for vanishing coefficients that are not
+        isolated over Q.
+    disk, body, contact, at, **parameters
+        As for `stability_map`, with one number for every quantity but the axes.
+
+    Returns
+    -------
+    CodimensionTwo
+        A sequence of `DegeneratePoint`, with `.complete` for the first three kinds,
+        `.vanishing_complete`, `.unresolved` and `.statement`.
+
+    Raises
+    ------
+    ParameterError
+        If the family is conservative, so that pairs stay on the imaginary axis.
+
+    Warns
+    -----
+    StabilityWarning
+        If the search for the first three kinds was not complete.
+
+    Source: Yu. A. Kuznetsov, Elements of Applied Bifurcation Theory, ch. 8;
+    tests/boundary/test_codimension_two.py, tests/boundary/test_bautin.py.
+
+    Examples
+    --------
+    >>> import casadi as ca, stability as st
+    >>> x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
+    >>> rates = ca.vertcat(x[1], -p[0] * x[0] - p[1] * x[1] - x[0] ** 3)
+    >>> system = st.System("oscillator", x, p, rates, states=("q", "v"), parameters=("k", "c"))
+    >>> rest = st.Family(system, "rest", at=("k",), held={"q": 0, "v": 0})
+    >>> found = st.codimension_two(rest, x=("k", -1, 1, 5), y=("c", -1, 1, 5))
+    >>> [(p.kind.word, p.x, p.y) for p in found], found.complete
+    ([('double zero', 0.0, 0.0)], True)
+    """
+    problem, (first, second) = swept(
+        family, {"x": x, "y": y}, disk, body, contact, at, parameters, most=MOST_LINES
+    )
+    result = in_plane(problem, (first, second))
+    result.warn()
+    return result
+
+
+def in_plane(problem: Problem, axes: tuple[Axis, Axis]) -> CodimensionTwo:
+    """As `codimension_two`, without a warning.
+
+    Parameters
+    ----------
+    problem
+        Family with a value for every quantity but the axes.
+    axes
+        x and y.
+
+    Returns
+    -------
+    CodimensionTwo
+    """
+    _accept(problem)
+    rectangle: Rectangle = ((axes[0].low, axes[0].high), (axes[1].low, axes[1].high))
+    found, left, how = _spectral(problem, axes, rectangle)
+    units = [_point(problem, axes, f) for f in found]
+    said, every = NONE_ON_LINES, False
+    if problem.plain and zeros_left(problem.family) == 0:
+        some, open_, said, every = _vanishing(problem, axes, rectangle)
+        units += some
+        left += open_
+    order = list(PointKind)
+    points = tuple(sorted(units, key=lambda p: (order.index(p.kind), p.x, p.y)))
+    ends = tuple((g.name, g.low, g.high) for g in axes)
+    law = problem.law.name if problem.law else None
+    works = cited(law, model=of_package(problem), proofs=True, theory=["kuznetsov2004"])
+    how = problem.family.system.qualified(how)
+    return CodimensionTwo(points, (ends[0], ends[1]), tuple(left), how, said, every, works)
+
+
+def _accept(problem: Problem) -> None:
+    family = problem.family
+    how = structure(family)
+    if family.conservative or how.even:
+        raise ParameterError(
+            f"{family.name} is conservative, where pairs stay on the imaginary axis; points of "
+            "codimension two are those of families with damping."
+        )
+    if not how.steady:
+        raise ParameterError(
+            f"{family.name}: a rate does not vanish at its typical members; give a family of "
+            "steady motions."
+        )
+
+
+def _spectral(
+    problem: Problem, axes: tuple[Axis, Axis], rectangle: Rectangle
+) -> tuple[list[Found], list[UnresolvedBox], str]:
+    names = axes[0].name, axes[1].name
+    found: list[Found] = []
+    left: list[UnresolvedBox] = []
+    try:
+        plane = exact_plane(problem, names)
+        for kind in SPECTRAL:
+            some, open_ = isolated(plane, kind, rectangle)
+            found += some
+            left += open_
+    except NotExact:
+        search = BoxSearch(GraphPlane(problem, names), rectangle, len(problem.family.system.states))
+        search.run()
+        how = BOXES.format(count=search.count + 1)
+        if problem.family.unknown and not problem.family.closed:
+            how += ON_BRANCH
+        return search.found, search.left, how
+    return found, left, RESULTANTS
+
+
+def _vanishing(
+    problem: Problem, axes: tuple[Axis, Axis], rectangle: Rectangle
+) -> tuple[list[DegeneratePoint], list[UnresolvedBox], str, bool]:
+    """Vanishing coefficients: points, what stays open, how they were sought, and whether all."""
+    names = axes[0].name, axes[1].name
+    try:
+        search = ExactSearch(problem, names, rectangle)
+        found, left = search.run()
+    except (NotExact, ZeroDivisionError) as error:
+        if isinstance(error, ZeroDivisionError):  # as of v|v|, whose slope at v = 0 is read as 0/0
+            error = NotExact("derivatives of the rates are read as 0/0 at the members")
+        said = LINES.format(x=axes[0].count, y=axes[1].count, x_name=names[1], y_name=names[0])
+        some = [_bautin(v) for v in vanishing(problem, axes)]
+        return some, [], f"{said} (no exact search, since {error})", False
+    said = EXACT + (FLAT if search.flat else "")
+    return [_bautin(v) for v in found], joined(left), said, not left
+
+
+def _point(problem: Problem, axes: tuple[Axis, Axis], found: Found) -> DegeneratePoint:
+    with precision(BITS):
+        place = [rounded(v) for v in (found.x, found.y)]
+        here = dict(zip((g.name for g in axes), (p[0] for p in place), strict=True))
+        values: dict[str, Any] = {n: float(v) for n, v in problem.values.items()} | here
+        *_, rate, _ = problem.arrays(values)
+        pairs: tuple[float, ...] = tuple(
+            float(w.mid()) * float(np.asarray(rate)[0]) for w in found.nature.frequencies
+        )
+    return DegeneratePoint(found.kind, *place[0], *place[1], pairs, OTHERS[found.nature.others])
+
+
+def _bautin(found: Vanishing) -> DegeneratePoint:
+    place = [rounded(v) for v in found.place]
+    frequency = (float(arb(found.frequency).mid()),)
+    others = OTHERS[found.others]
+    return DegeneratePoint(PointKind.VANISHING, *place[0], *place[1], frequency, others)

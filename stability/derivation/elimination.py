@@ -1,0 +1,407 @@
+"""The characteristic polynomial of any family over Q: sines, roots and unknowns as variables.
+
+The Jacobian is read from the graph over the field of rational functions.  The family's equations
+are brought to triangular form on the branch of its typical members, so unknowns that occur
+linearly are gone, and others are reduced by the equations that they obey.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx
+
+from ..algebra.exact.function_field import Expression
+from ..algebra.exact.hurwitz_forms import Budget, by_power, factors
+from ..algebra.exact.number_fields import EXACT, NotExact, characteristic, rational
+from ..algebra.exact.rational_functions import common_multiple, primitive
+from ..algebra.exact.triangular import RecordingField, Triangular, occurring
+from ..algebra.number_types import Algebra, balls, precision
+from ..algebra.program import Program
+from ..algebra.upright import Upright
+from ..base.errors import NoMemberError
+from ..systems.family import Family
+from ..systems.structure.enclosure import ball_unknowns
+from ..systems.structure.identities import blocks_of
+from ..systems.structure.structural_zeros import SAMPLE_BITS, SAMPLES, sampled
+
+Poly = Any
+"""An `fmpq_mpoly`."""
+LONGEST = 24
+"""Characters of an argument that a variable's name shows; longer ones get a number."""
+
+
+class Reading:
+    """A family's Jacobian as expressions, with what its unknowns obey.
+
+    Parameters
+    ----------
+    family
+        The family.
+    values
+        Parameters with a given number, as rationals by name.
+    budget
+        Limits of the work.
+    number
+        Function from a double to the rational as which it is read.
+
+    Raises
+    ------
+    NotExact
+        If the graph is not algebraic in functions of the variables, or too large.
+    """
+
+    def __init__(
+        self,
+        family: Family,
+        values: Mapping[str, Any],
+        budget: Budget,
+        number: Callable[[float], Any] = rational,
+    ) -> None:
+        self.family, self.values, self.budget, self.number = family, values, budget, number
+        self.base = (*family.at, *family.unknown, *family.parameters)
+        self.field = RecordingField([*self.base, "λ"], self.budget)
+        symbols: dict[str, Any] = dict(zip(self.base, self.field.symbols, strict=False))
+        symbols |= {n: self.field.number(v) for n, v in self.values.items()}
+        if family.closed:
+            symbols |= {n: self.field.number(number(v)) for n, v in family.unknown.items()}
+        groups = (family.at, family.unknown, family.parameters)
+        parts = [[symbols[n] for n in names] for names in groups]
+        try:
+            self.matrix = family.graph.matrix.dense(self.algebra(), parts)
+            self.conditions = self._required(symbols)
+            equations = []
+            self.denominators: list[Poly] = []
+            if family.unknown and not family.closed:
+                residual = family.graph.residual.run(self.algebra(), parts)[0]
+                equations = [r.num for r in map(self.element, residual)]
+                self.denominators = [r.den for r in map(self.element, residual)]
+        except ZeroDivisionError:
+            raise NotExact("a denominator vanishes all along the family") from None
+        first = len(family.at)
+        solved = set(range(first, first + len(family.unknown))) if equations else set()
+        unknowns = {i for i in [*solved, *self.field.meaning] if self.field.uses(i) & solved}
+        self.triangular = Triangular(self.field, equations, unknowns, self.vanishes)
+        self.triangular.settle()
+
+    def algebra(self) -> Algebra:
+        """The algebra in which the graph is read."""
+        return EXACT
+
+    @property
+    def lam(self) -> int:
+        """Index of λ."""
+        return len(self.base)
+
+    def element(self, value: Any) -> Expression:
+        """A value of the graph as an expression."""
+        return value if isinstance(value, Expression) else self.field.number(value)
+
+    def _required(self, symbols: Mapping[str, Any]) -> list[tuple[Any, str]]:
+        system = self.family.system
+        table: dict[str, Any] = {
+            n: self.number(v) for n, v in self.family.held.items() if not isinstance(v, Upright)
+        } | dict(symbols)
+        out: list[tuple[Any, str]] = []
+        as_read = replace(EXACT, name="read", constant=self._constant)
+        for condition in system.conditions:
+            program = Program(ca.Function("condition", [system.x, system.p], [condition.value]))
+            place = [
+                [table.get(n, "upright") for n in names]
+                for names in (system.states, system.parameters)
+            ]
+            try:
+                value = program.run(as_read, place)[0][0]
+            except (NotExact, TypeError, ZeroDivisionError):
+                continue  # assumed nowhere: the result is then weaker, never wrong
+            if isinstance(value, Expression):
+                out.append((value, condition.sentence))
+            elif not isinstance(value, str) and not value > 0:
+                said = condition.refusal(float(value))
+                raise NoMemberError(f"{self.family.name} has no member anywhere: {said}")
+        return out
+
+    def _constant(self, value: float) -> Any:
+        return self.number(value) if np.isfinite(value) else EXACT.constant(value)
+
+    # --- members in balls ---
+
+    @cached_property
+    def samples(self) -> list[dict[int, Any]]:
+        """Values of every indeterminate at typical members, as balls."""
+        out = []
+        names = (*self.family.at, *self.family.parameters)
+        with precision(SAMPLE_BITS):
+            for number in range(SAMPLES):
+                point = dict(zip(names, sampled(self.family, number), strict=True))
+                point |= {n: arb(v) for n, v in self.values.items()}
+                out.append(self.member(point))
+        return out
+
+    def member(self, point: Mapping[str, Any]) -> dict[int, Any]:
+        """Values of every indeterminate at a member, as balls at the current precision.
+
+        Parameters
+        ----------
+        point
+            Family parameters and parameters, rationals or balls by name.
+
+        Raises
+        ------
+        NoMemberError
+            If no root of the equations is proved there.
+        """
+        family = self.family
+        a, q = ([arb(point[n]) for n in names] for names in (family.at, family.parameters))
+        u = ball_unknowns(family, a, q)
+        return self.completed(dict(enumerate([*a, *u, *q])))
+
+    def completed(self, known: dict[int, Any]) -> dict[int, Any]:
+        """Values with those of the functions added, as balls."""
+        for index, (name, x, over) in sorted(self.field.meaning.items()):
+            argument = evaluate(x.num, known) / evaluate(x.den, known)
+            if name == "sqrt":
+                value = arb(argument).sqrt()
+                if over is not None and not over.is_constant():
+                    value = value * arb(evaluate(over, known)).sgn()
+            else:
+                value = balls().functions[name](arb(argument))
+            known[index] = value
+        return known
+
+    def elsewhere(self, known: Mapping[int, Any]) -> int | None:
+        """Index of an unknown that lacks its value on the branch of the samples, or None.
+
+        Parameters
+        ----------
+        known
+            Values of every indeterminate at a member, as balls.
+        """
+        for index, form in self.triangular.solved.items():
+            value = arb(evaluate(form.num, known)) / arb(evaluate(form.den, known))
+            if not value.overlaps(arb(known[index])):
+                return index
+        for index, equation in self.triangular.kept:
+            if not arb(evaluate(equation, known)).contains(0):
+                return index
+        return None
+
+    def vanishes(self, poly: Poly) -> bool | None:
+        """Whether a polynomial is zero at every sample (True), at none (False), or else (None)."""
+        if poly.is_constant():
+            return bool(poly == 0)
+        least = 2.0 ** (-SAMPLE_BITS // 4)
+        with precision(SAMPLE_BITS):
+            found = [evaluate(poly, known) for known in self.samples]
+        if all(not v.contains(0) for v in found):
+            return False
+        return True if all(v.contains(0) and float(v.abs_upper()) < least for v in found) else None
+
+    # --- names ---
+
+    def text(self, x: Expression) -> str:
+        """An expression as text that a computer algebra system reads."""
+        top = text(x.num, self.name)
+        if x.den.is_constant():
+            return top
+        bottom = text(x.den, self.name)
+        top = f"({top})" if len(x.num) > 1 else top
+        return f"{top}/({bottom})"
+
+    @cached_property
+    def _names(self) -> dict[int, str]:
+        return {}
+
+    def name(self, index: int) -> str:
+        """Name of an indeterminate: sin(theta), sqrt(b), or with a number where it is long."""
+        if index < len(self.base):
+            return self.base[index]
+        if index == self.lam:
+            return "λ"
+        if index not in self._names:
+            function, x, over = self.field.meaning[index]
+            inner = self.text(x)
+            plain = len(inner) <= LONGEST and (over is None or over.is_constant())
+            count = 1 + sum(n.startswith(f"{function}_") for n in self._names.values())
+            self._names[index] = f"{function}({inner})" if plain else f"{function}_{count}"
+        return self._names[index]
+
+
+def evaluate(poly: Poly, known: Mapping[int, Any]) -> Any:
+    """The value of a polynomial at rationals or balls.
+
+    Parameters
+    ----------
+    poly
+        The polynomial.
+    known
+        Values by index of the variables that occur.
+    """
+    total: Any = fmpq(0)
+    for exponents, c in poly.to_dict().items():
+        term: Any = c
+        for index, power in enumerate(exponents):
+            for _ in range(int(power)):  # python-flint's power of a ball around 0 is nan
+                term = known[index] * term
+        total = term + total
+    return total if isinstance(total, fmpq) else arb(total)
+
+
+def text(poly: Poly, name: Callable[[int], str]) -> str:
+    """A polynomial as text, highest term first.
+
+    Parameters
+    ----------
+    poly
+        The polynomial.
+    name
+        Function from the index of a variable to its name.
+    """
+    out = ""
+    for exponents, c in poly.to_dict().items():
+        powers = [name(i) + (f"**{int(e)}" if e > 1 else "") for i, e in enumerate(exponents) if e]
+        size = abs(c)
+        words = ([] if size == 1 and powers else [str(size)]) + powers
+        sign = ("-" if c < 0 else "") if not out else (" - " if c < 0 else " + ")
+        out += sign + "*".join(words)
+    return out or "0"
+
+
+# --- the polynomial ---
+
+
+@dataclass(frozen=True, eq=False)
+class Whole:
+    """A characteristic polynomial in factors, in a ring of the variables that occur and λ."""
+
+    names: tuple[str, ...]
+    """Names of the variables; λ is the last variable of the ring."""
+    indices: tuple[int, ...]
+    """Index of each variable in the field of the reading."""
+    ring: Any
+    """Context of the polynomials."""
+    zeros: int
+    """Power of λ."""
+    factors: tuple[tuple[tuple[Poly, ...], int], ...]
+    """(coefficients by powers of λ, lowest first; multiplicity) of each other factor."""
+    nonzero: tuple[Poly, ...]
+    """Polynomials that are not zero, since there is no linearisation or no member otherwise."""
+    crossed: tuple[Poly, ...]
+    """Those at whose zeros another branch crosses: this branch has a linearisation there."""
+    required: tuple[tuple[Poly, str], ...]
+    """Polynomials that the system requires to be positive."""
+    relations: tuple[tuple[int, Poly], ...]
+    """(index of the variable, polynomial that vanishes)."""
+
+
+def whole(reading: Reading) -> Whole:
+    """The characteristic polynomial of a family in factors over Q.
+
+    Parameters
+    ----------
+    reading
+        The family's Jacobian.
+
+    Raises
+    ------
+    NotExact
+        If it grows beyond the budget.
+    """
+    solved = reading.triangular
+    matrix = [[solved.value(reading.element(v)) for v in row] for row in reading.matrix]
+    zeros, found = 0, []
+    nonzero = list(solved.nonzero)
+    for block in blocks_of(matrix, lambda e: bool(e.num == 0)):
+        common = common_multiple((e.den for row in block for e in row), reading.field.one)
+        if not common.is_constant():
+            nonzero.append(common)
+        poly = _determinant(reading, block, common)
+        for factor, count in factors(poly)[1]:
+            if reading.lam not in occurring(factor):
+                nonzero.append(factor)
+            elif factor == reading.field.generator(reading.lam):
+                zeros += count
+            else:
+                found.append((factor, count))
+    required = []
+    for value, sentence in reading.conditions:
+        inside = solved.value(value)
+        required.append((reading.field.reduced(inside.num * inside.den), sentence))
+    return _compact(reading, zeros, found, nonzero, required)
+
+
+def _determinant(reading: Reading, block: list[list[Any]], common: Poly) -> Poly:
+    """A multiple of det(λ - A), without common factor of its coefficients."""
+    field_ = reading.field
+    plain = [
+        [Expression(field_, e.num * (common / e.den), field_.one) for e in row] for row in block
+    ]
+    powers = [reading.element(c).num * common**k for k, c in enumerate(characteristic(plain))]
+    lam = field_.generator(reading.lam)
+    total = field_.ring.constant(0)
+    for k, c in enumerate(primitive(reading.triangular.reduce(powers))):
+        total = total + c * lam**k
+    reading.budget.watch(total)
+    return total
+
+
+def _compact(
+    reading: Reading,
+    zeros: int,
+    found: Sequence[tuple[Poly, int]],
+    nonzero: Sequence[Poly],
+    required: Sequence[tuple[Poly, str]],
+) -> Whole:
+    """The same in a ring of the variables that occur."""
+    squares = [(i, reading.field.generator(i) ** 2 - s) for i, s in reading.field.squares.items()]
+    kept = {i: f for i, f in reading.triangular.kept} | {
+        i: f for i, f in squares if i not in dict(reading.triangular.kept)
+    }
+    polys = [*(f for f, _ in found), *nonzero, *(p for p, _ in required)]
+    used = set().union(*map(occurring, polys)) - {reading.lam} if polys else set()
+    while True:  # a variable brings the variables of its equation
+        more = set().union(*(occurring(f) for f in kept.values() if occurring(f) & used)) - used
+        if not more:
+            break
+        used |= more
+    order = sorted(used)
+    symbols = tuple(f"x{i}" for i in range(len(order) + 1))
+    ring = fmpq_mpoly_ctx.get(symbols, Ordering.degrevlex)
+    places = {old: new for new, old in enumerate([*order, reading.lam])}
+
+    def moved(poly: Poly) -> Poly:
+        terms = {}
+        for exponents, c in poly.to_dict().items():
+            row = [0] * (len(order) + 1)
+            for i, e in enumerate(exponents):
+                if e:
+                    row[places[i]] = int(e)
+            terms[tuple(row)] = c
+        return ring.from_dict(terms)
+
+    rows = []
+    for factor, count in found:
+        parts = by_power(moved(factor), len(order))
+        zero = ring.constant(0)
+        rows.append((tuple(parts.get(k, zero) for k in range(max(parts) + 1)), count))
+    clean: list[Poly] = []
+    for poly in map(moved, nonzero):
+        clean += [f for f, _ in factors(poly)[1] if f not in clean]
+    ends = [moved(p) for p in nonzero if p not in reading.triangular.crossed]
+    ending = [f for poly in ends for f, _ in factors(poly)[1]]
+    return Whole(
+        tuple(reading.name(i) for i in order),
+        tuple(order),
+        ring,
+        zeros,
+        tuple(rows),
+        tuple(clean),
+        tuple(f for f in clean if f not in ending),
+        tuple((moved(p), s) for p, s in required),
+        tuple((places[i], moved(f)) for i, f in kept.items() if occurring(f) <= used),
+    )

@@ -1,0 +1,456 @@
+"""Verdicts and growth rates of the cells of a map: from formulas, from a slice, or from any graph.
+
+Formulas and slices need no members and no matrices; of a graph most cells take the polynomials of
+their matrices.  Each coefficient of the characteristic polynomial comes with a bound on its
+rounding error, so the discs about its roots hold the eigenvalues.  Cells whose numbers are not
+proved to be those of a member, or whose discs decide nothing, are left to the graph.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...algebra.exact.number_fields import NotExact
+from ...algebra.kernels.compiled import numba_found
+from ...algebra.number_types import numpy_algebra
+from ...algebra.running_error import TRACKED, RunningError
+from ...base.axis import Axis
+from ...base.errors import DomainError
+from ...base.types import Floats
+from ...base.verdict import CODES, NO_MEMBER, Verdict
+from ...jobs.checkpoint import Chunk
+from ...spectra.deflation import Reduced, deflate
+from ...spectra.eigenvalues import decide, eigenvalues
+from ...spectra.problem import Problem, formulas_of
+from ...systems.closed_form import ClosedForm
+from ...systems.graph.implicit_form import ImplicitForm
+from ...systems.structure.multiplicity import certain, symmetric
+from ...systems.structure.structural_zeros import structure
+from ..compiled.swept import swept
+from .rates import MOST_POOR, WANTED, Bands, Coefficients, Rates, monic, of_matrices, rates, sample
+from .slice_verdicts import ELSEWHERE, Codes, SliceVerdicts, surface
+from .slices import Slice, slice_of
+from .surfaces import LEAST, Surface, Window, powers
+
+FORMULAS = (
+    "characteristic polynomial of the family by formulas in its numbers: coefficients with bounds "
+    "on every rounding, growth rates and verdicts by the discs of Braess and Hadeler; what these "
+    "leave open from the graph by the eigensolver with Gershgorin's discs"
+)
+"""Method in words."""
+LOOPS = "; compiled loops"
+"""What is added to it where loops run over the cells."""
+COMPILED_FROM = 10**6
+"""Fewest cells for which compiled loops are loaded, which takes as long as these by NumPy."""
+FLAGS = CODES[Verdict.NEUTRAL], CODES[Verdict.UNSTABLE], ELSEWHERE, NO_MEMBER
+"""Flags of neutral and unstable cells, of cells that are left open, and of none."""
+BLOCK = 16384
+"""Cells that are computed at once: few enough for the cache."""
+NUMPY = numpy_algebra()
+Along = Callable[[list[list[Any]]], Any]
+"""Formulas of family parameters and parameters of a block, begun for the values of x."""
+
+
+class FormulaCells(Bands):
+    """The cells of a map of a family with formulas.
+
+    Parameters
+    ----------
+    problem
+        Problem of a family.
+    formulas
+        Its formulas.
+    axes
+        x and y.
+    modes
+        Whether to keep all eigenvalues.
+    """
+
+    def __init__(
+        self, problem: Problem, formulas: ClosedForm, axes: tuple[Axis, Axis], modes: bool
+    ) -> None:
+        self.modes, self.even = modes, formulas.even
+        self.formulas = formulas
+        family = problem.family
+        self.names = family.at, family.parameters
+        self.axes = axes[0].name, axes[1].name
+        self.values = {n: float(v) for n, v in problem.values.items() if n not in self.axes}
+        x, y = sample(axes)
+        self._xs = axes[0].values
+        self.sized = formulas.even and not isinstance(formulas, ImplicitForm)
+        self.how, self.swept = FORMULAS, False
+        self.growth = self._fine(x, y)
+        many = axes[0].count * axes[1].count >= COMPILED_FROM and numba_found()
+        self.swept = self.growth and self.sized and many and not modes and self._square
+        if self.swept:
+            self.how += LOOPS
+        if self.sized and not self.growth:
+            self.sized = False
+            self.growth = self._fine(x, y)
+
+    def _fine(self, xs: Floats, ys: Floats) -> bool:
+        """Whether few cells of a sample are left open."""
+        return bool(np.isinf(self.band(xs, ys)[2].error).mean() <= MOST_POOR)
+
+    def judged(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:
+        """Flags and growth rates over a grid, flat; none is decided over Q.
+
+        Parameters
+        ----------
+        xs, ys
+            Increasing values of the axes.
+        """
+        if self.swept:
+            place = self._places(xs, ys)
+            quick, codes = swept(self.formulas.with_bounds, place, self._moving, WANTED, FLAGS)
+            return codes, 0, Rates(*quick, codes, None, codes == ELSEWHERE)
+        rows = max(1, BLOCK // len(xs))
+        along = self._line if np.array_equal(xs, self._xs) else self._along(xs)
+        parts = [self._block(xs, ys[i : i + rows], along) for i in range(0, len(ys), rows)]
+        columns = zip(*parts, strict=True)
+        joined = [None if c[0] is None else np.concatenate(c) for c in columns]
+        found = Rates(*joined)  # type: ignore[arg-type]  # only the eigenvalues may be None
+        open_ = found.poor | (found.codes == 0)
+        found.codes[open_ & (found.codes != NO_MEMBER)] = ELSEWHERE
+        return found.codes, 0, found
+
+    def _places(self, xs: Floats, ys: Floats) -> list[list[Any]]:
+        """Family parameters and parameters of a block."""
+        values: dict[str, Any] = dict(self.values)
+        values |= {self.axes[0]: xs[None, :], self.axes[1]: ys[:, None]}
+        return [[values[n] for n in names] for names in self.names]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The state without formulas that are begun, which every process begins by itself."""
+        return {name: value for name, value in vars(self).items() if name != "_line"}
+
+    @cached_property
+    def _line(self) -> Along:
+        """The formulas for all values of x."""
+        return self._along(self._xs)
+
+    @property
+    def _moving(self) -> frozenset[tuple[int, int]]:
+        """Places of the y axis among family parameters and parameters."""
+        return frozenset(
+            (i, names.index(self.axes[1]))
+            for i, names in enumerate(self.names)
+            if self.axes[1] in names
+        )
+
+    @property
+    def _square(self) -> bool:
+        """Whether the polynomial is c₂ λ² + c₀."""
+        return len(self.formulas.with_bounds.places[0]) == 3
+
+    def _along(self, xs: Floats) -> Along:
+        """The formulas of places; what follows from x alone is the same for every row."""
+        rows = self._moving
+        with np.errstate(all="ignore"):
+            places = self._places(xs, np.empty(0))
+            if self.sized:
+                return self.formulas.with_bounds.begun(NUMPY, places, rows)
+            a, q = _exact(places)
+            tracked = self.formulas.begun(TRACKED, a, q, rows)
+        return lambda places: tracked(*_exact(places))
+
+    def _block(self, xs: Floats, ys: Floats, along: Along) -> Rates:
+        shape = len(ys), len(xs)
+        with np.errstate(all="ignore"):
+            (value, error), numbers = self._bounded(self._places(xs, ys), along)
+            member: Any = np.True_
+            lacking: Any = np.False_
+            for v, e in numbers:
+                member, lacking = member & (v > e), lacking | (v < -e)
+            coefficients = [
+                [np.broadcast_to(v, shape).reshape(-1) for v in some] for some in (value, error)
+            ]
+            out = rates([(monic(*coefficients), self.even, 1)], modes=self.modes)
+        out.poor[:] |= ~np.broadcast_to(member, shape).reshape(-1)
+        out.poor[:] |= ~np.isfinite(out.error)
+        none = np.broadcast_to(lacking, shape).reshape(-1)
+        out.codes[none] = NO_MEMBER
+        for rate in (out.abscissa, out.error, out.frequency):
+            rate[none] = np.nan
+        if out.values is not None:
+            out.values[none] = np.nan
+        return out
+
+    def _bounded(self, places: list[list[Any]], along: Along) -> tuple[Any, list[tuple[Any, Any]]]:
+        """Coefficients with bounds, and the numbers that are positive at members with theirs.
+
+        A polynomial in λ² needs few digits of its coefficients, so one bound for all roundings is
+        enough, and quick.  Other roots need the bound of each operation.
+        """
+        found = along(places)
+        if self.sized:
+            return (found[0], found[3]), list(zip(found[2], found[5], strict=True))
+        some, _, positive = found
+        pairs = [(v.value, 1.01 * v.error) for v in map(_tracked, positive)]
+        columns = zip(*((v.value, 1.01 * v.error) for v in map(_tracked, some)), strict=True)
+        return tuple(columns), pairs
+
+
+def _exact(places: list[list[Any]]) -> list[list[RunningError]]:
+    return [[RunningError(np.asarray(v), 0.0) for v in some] for some in places]
+
+
+def _tracked(value: Any) -> RunningError:
+    return value if isinstance(value, RunningError) else RunningError(np.float64(value), 0.0)
+
+
+def formula_cells(problem: Problem, axes: tuple[Axis, Axis], modes: bool) -> FormulaCells | None:
+    """The cells of a map by formulas; None where the family has none, or they have no bounds.
+
+    Parameters
+    ----------
+    problem, axes, modes
+        As for `stability.maps.cells.Cells`.
+    """
+    formulas = formulas_of(problem.family)
+    if formulas is None or not problem.plain or problem.exact is not None:
+        return None
+    try:
+        return FormulaCells(problem, formulas, axes, modes)
+    except KeyError:  # a function whose rounding is not counted
+        return None
+
+
+SAMPLE = 128
+"""Members on which the discs are tried."""
+FEWEST = 1024
+"""Number of members below which the eigensolver alone is as good."""
+MOST_STATES = 8
+"""Largest matrix whose polynomial is formed in doubles."""
+
+
+def quick_rates(reduced: Reduced, *, even: bool, modes: bool) -> Rates | None:
+    """Growth rates and verdicts of many members; None where the eigensolver is as good.
+
+    Parameters
+    ----------
+    reduced
+        Linearisations without structural zeros.
+    even
+        Whether their polynomial is even by structure.
+    modes
+        Whether to return all eigenvalues.
+
+    Returns
+    -------
+    Rates or None
+        Members whose discs are large or meet have the eigensolver's values and Gershgorin's discs.
+    """
+    matrix, error = reduced.matrix, reduced.error
+    count, n = matrix.shape[:2]
+    if not 2 <= n <= MOST_STATES or count < FEWEST or not np.isfinite(matrix).all():
+        return None
+    step = -(-count // SAMPLE)
+    if _of(matrix[::step], error[::step], even=even, modes=False).poor.mean() > MOST_POOR:
+        return None
+    found = _of(matrix, error, even=even, modes=modes)
+    left = np.flatnonzero(found.poor | (found.codes == 0))
+    if len(left):
+        part = Reduced(matrix[left], error[left], [], reduced.supported[left])
+        values, radius, _ = eigenvalues(part, even=even)
+        lead = values[:, -1]
+        found.codes[left] = decide(values, radius, even=even)
+        found.abscissa[left], found.frequency[left] = lead.real, np.abs(lead.imag)
+        found.error[left] = (radius + (values.real - lead.real[:, None])).max(axis=1)
+        if found.values is not None:
+            found.values[left] = values
+    return found
+
+
+def _of(matrix: Floats, error: Floats, *, even: bool, modes: bool) -> Rates:
+    with np.errstate(all="ignore"):
+        return rates([(of_matrices(matrix, error), even, 1)], modes=modes)
+
+
+class GraphCells:
+    """The arrays of members by the graph.
+
+    Parameters
+    ----------
+    problem
+        Family with values in the user's units.
+    modes
+        Whether to keep all eigenvalues.
+    """
+
+    def __init__(self, problem: Problem, modes: bool) -> None:
+        self.problem, self.modes = problem, modes
+        family = problem.family
+        self.zeros = structure(family).zeros  # established here, before the threads start
+        self._certain = problem.derived or certain(family)
+        declared = family.conservative and self._certain
+        self._even = declared or (not problem.derived and symmetric(family))
+        self.count = len(family.system.states) - self.zeros
+        """Eigenvalues of a member without the structural zeros."""
+
+    def __call__(self, a: Floats, q: Floats, rate: Floats, u: Floats) -> Chunk:
+        """Flags, growth rates with bounds, and frequencies of members.
+
+        Parameters
+        ----------
+        a, q, u
+            Numbers that name the members, parameters and unknowns, one row for each.
+        rate
+            Unit of rate of each.
+        """
+        family, even = self.problem.family, self._even
+        family.checked_states(a, u, q)
+        watch = not self._certain
+        reduced = deflate(family, a, q, u, self.problem.roundings, watch=watch)
+        found = None if watch else quick_rates(reduced, even=even, modes=self.modes)
+        if found is not None:
+            return {
+                "codes": found.codes,
+                "abscissa": found.abscissa * rate,
+                "error": found.error * rate,
+                "frequency": found.frequency * rate,
+                **({"values": found.values * rate[:, None]} if found.values is not None else {}),
+            }
+        values, radius, _ = eigenvalues(reduced, even=even)
+        codes = decide(values, radius, even=even)
+        if watch:
+            self._restore(values, radius, codes, (a, q, u), reduced.supported)
+        lead = values[:, -1]
+        chunk: Chunk = {
+            "codes": codes,
+            "abscissa": lead.real * rate,
+            "error": (radius + (values.real - lead.real[:, None])).max(axis=1) * rate,
+            "frequency": np.abs(lead.imag) * rate,
+        }
+        if self.modes:
+            chunk["values"] = values * rate[:, None]
+        return chunk
+
+    def _restore(
+        self,
+        values: Any,
+        radius: Floats,
+        codes: NDArray[np.int8],
+        place: tuple[Floats, Floats, Floats],
+        supported: NDArray[np.intp],
+    ) -> None:
+        """Restore the leading eigenvalue of members that have fewer zeros than typical ones."""
+        for count in range(self.zeros):
+            rows = np.flatnonzero(supported == count)
+            if not len(rows):
+                continue
+            if self.modes:
+                raise DomainError(
+                    f"{self.problem.family.name} has {self.zeros} eigenvalues that are zero by "
+                    f"structure at typical members but {count} somewhere on this map; leave out "
+                    "modes, or map that part by itself."
+                )
+            a, q, u = (part[rows] for part in place)
+            reduced = deflate(self.problem.family, a, q, u, self.problem.roundings, count)
+            all_values, discs, _ = eigenvalues(reduced, even=False)
+            codes[rows] = decide(all_values, discs, even=False)
+            kept = values.shape[1]
+            values[rows], radius[rows] = all_values[:, -kept:], discs[:, -kept:]
+
+
+SLICE = (
+    "characteristic polynomial of the family over Q in the two axes: verdicts from its conditions "
+    "by a floating-point filter with a proved bound, growth rates by Weierstrass' correction with "
+    "the discs of Braess and Hadeler; what these leave open in rational arithmetic, or from the "
+    "graph by the eigensolver with Gershgorin's discs"
+)
+"""Method in words."""
+
+
+class SliceCells(Bands):
+    """The cells of a map of a family with a slice.
+
+    Parameters
+    ----------
+    found
+        The slice.
+    axes
+        x and y.
+    modes
+        Whether to keep all eigenvalues.
+    """
+
+    how = SLICE
+    """Method in words."""
+
+    def __init__(self, found: Slice, axes: tuple[Axis, Axis], modes: bool) -> None:
+        self.modes = modes
+        self.verdicts = SliceVerdicts(found, axes)
+        self.windows = Window(axes[0]), Window(axes[1])
+        self._factors = [
+            ([surface(c, self.windows) if c != 0 else None for c in row], even, count)
+            for row, even, count in found.factors
+        ]
+        present = [s for row, _, _ in self._factors for s in row if s is not None]
+        self._degrees = tuple(max(s.degrees[k] for s in present) for k in (0, 1))
+        self.growth = bool(self.rates(*sample(axes)).poor.mean() <= MOST_POOR)
+
+    def rates(self, xs: Floats, ys: Floats) -> Rates:
+        """Growth rates over a grid, flat, with y outermost.
+
+        Parameters
+        ----------
+        xs, ys
+            Values of the axes.
+        """
+        with np.errstate(all="ignore"):
+            t, s = (
+                powers(w(v), d)
+                for w, v, d in zip(self.windows, (xs, ys), self._degrees, strict=True)
+            )
+            parts = [(_coefficients(row, t, s), even, count) for row, even, count in self._factors]
+        return rates(parts, modes=self.modes)
+
+    def judged(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:
+        """Flags and growth rates over a grid, flat, as from `SliceVerdicts` and `rates`.
+
+        Parameters
+        ----------
+        xs, ys
+            Increasing values of the axes.
+        """
+        codes, exact = self.verdicts(xs, ys)
+        return codes.reshape(-1), exact, self.rates(xs, ys)
+
+
+def slice_cells(problem: Problem, axes: tuple[Axis, Axis], modes: bool) -> SliceCells | None:
+    """The cells of a map by a slice; None where the family has none.
+
+    Parameters
+    ----------
+    problem, axes, modes
+        As for `stability.maps.cells.Cells`.
+    """
+    found = slice_of(problem, axes[0].name, axes[1].name)
+    with suppress(NotExact):
+        return None if found is None else SliceCells(found, axes, modes)
+    return None
+
+
+def _coefficients(row: list[Surface | None], t: Floats, s: Floats) -> Coefficients:
+    """Monic coefficients of a factor over a grid, flat."""
+    top = max(p.exponent for p in row if p is not None)
+    shape = s.shape[1] * t.shape[1]
+    values: list[Any] = []
+    errors: list[Any] = []
+    for p in row:
+        if p is None:
+            values.append(np.zeros(shape))
+            errors.append(np.zeros(shape))
+            continue
+        value, error = p.product(t, s)
+        scale = 2.0 ** (p.exponent - top)  # exact, or zero: LEAST is far above that
+        values.append((value * scale).reshape(-1))
+        errors.append((error * scale).reshape(-1) + LEAST)
+    return monic(values, errors)
