@@ -198,8 +198,7 @@ def test_eight_threads_at_once_give_the_numbers_of_one() -> None:
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Files in place of figures, of one body and two families."""
-    for module in ("build", "launches"):
-        monkeypatch.setattr(f"stability.atlas.{module}.BODIES", {"disk": BODIES["disk"]})
+    monkeypatch.setattr("stability.atlas.build.BODIES", {"disk": BODIES["disk"]})
     ranges = {name: drawn()[name] for name in ("rolling", "spinning")}
     for module in ("build", "page"):
         monkeypatch.setattr(f"stability.atlas.{module}.drawn", lambda: ranges)
