@@ -28,9 +28,8 @@ from ..boundary.curves import KINDS
 from ..maps.points import points_of
 from ..spectra.result import Spectrum
 from .point_marks import counted, mark
-from .shading import DIVERGING, TEXTURES, colour_bar, hatch, linear_part, norm_of, patch
-from .strip import Strip as Strip
-from .strip import draw_strip
+from .shading import DIVERGING, TEXTURES, colour_bar, draw_strip, hatch, linear_part, norm_of, patch
+from .shading import Strip as Strip
 
 if TYPE_CHECKING:
     import xarray

@@ -16,8 +16,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ...base.errors import ParameterError
 from ...base.verdict import BY_CODE
-from ..shading import hatch
-from ..strip import Strip, draw_strip
+from ..shading import Strip, draw_strip, hatch
 from .edges import draw_borders, refined
 from .fates import Fate, fates, kinds
 from .labels import even_ratios, fixed_numbers, label, member_label
