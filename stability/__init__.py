@@ -60,7 +60,7 @@ _HOME = {
     "figures.launch.animate": ("animate",),
     "figures.diagram": ("plot_map",),
     "figures.retrograde": ("plot_retrograde",),
-    "figures.basin.basins": ("plot_basins",),
+    "figures.basins": ("plot_basins",),
     "figures.locus.loci": ("plot_locus",),
     "figures.launch.motion": ("plot_motion",),
     "motion.result": ("Outcome",),
@@ -174,7 +174,7 @@ if TYPE_CHECKING:
     from .export.bifurcationkit import bifurcationkit_input as bifurcationkit_input
     from .export.c_code import c_code as c_code
     from .export.latex import latex as latex
-    from .figures.basin.basins import plot_basins as plot_basins
+    from .figures.basins import plot_basins as plot_basins
     from .figures.diagram import plot_map as plot_map
     from .figures.launch.animate import animate as animate
     from .figures.launch.motion import plot_motion as plot_motion

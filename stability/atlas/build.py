@@ -435,7 +435,7 @@ def _basin_diagram(folder: Path, body: str, family: str, resolution: int) -> tup
     """The figure of one body and family."""
     from ..basin.basins import basins
     from ..bodies.contact_laws import Viscous
-    from ..figures.basin.basins import basins_caption, plot_basins
+    from ..figures.basins import basins_caption, plot_basins
     from ..storage.files import atomic_write
     from ..storage.netcdf import packed
 

@@ -15,7 +15,7 @@ from matplotlib.collections import LineCollection
 
 import stability as st
 from stability.basin.refinement import waves
-from stability.figures.basin.basins import basins_caption
+from stability.figures.basins import basins_caption
 
 MAP: dict[str, Any] = {
     "contact": "viscous",

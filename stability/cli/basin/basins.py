@@ -202,7 +202,7 @@ def _cost(plan: Plan, out: Path, options: argparse.Namespace) -> Cost:
 
 
 def _draw(dataset: Any, picture: Path, options: argparse.Namespace) -> None:
-    from ...figures.basin.basins import plot_basins
+    from ...figures.basins import plot_basins
     from ...figures.canvas import save_figure
     from ...storage.files import atomic_write
 
