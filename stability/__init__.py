@@ -61,7 +61,7 @@ _HOME = {
     "figures.diagram": ("plot_map",),
     "figures.retrograde": ("plot_retrograde",),
     "figures.basins": ("plot_basins",),
-    "figures.locus.loci": ("plot_locus",),
+    "figures.loci": ("plot_locus",),
     "figures.launch.motion": ("plot_motion",),
     "motion.result": ("Outcome",),
     "motion.netcdf": ("read_motion", "write_motion"),
@@ -89,7 +89,7 @@ _HOME = {
 }
 _WHERE = {name: module for module, names in _HOME.items() for name in names}
 
-_FIGURES = {"spectrum": ("figures.locus.loci", "plot_locus")}
+_FIGURES = {"spectrum": ("figures.loci", "plot_locus")}
 """Kind of result: where the function is that `.plot()` calls."""
 
 __all__ = sorted(_WHERE)  # noqa: PLE0605
@@ -178,7 +178,7 @@ if TYPE_CHECKING:
     from .figures.diagram import plot_map as plot_map
     from .figures.launch.animate import animate as animate
     from .figures.launch.motion import plot_motion as plot_motion
-    from .figures.locus.loci import plot_locus as plot_locus
+    from .figures.loci import plot_locus as plot_locus
     from .figures.retrograde import plot_retrograde as plot_retrograde
     from .maps.netcdf import read_map as read_map
     from .maps.netcdf import write_map as write_map

@@ -302,7 +302,7 @@ def _diagram(
 
 def _locus(body: str, family: str, mu: float, resolution: int) -> tuple[Any, Picture]:
     from ..boundary.changes import boundaries
-    from ..figures.locus.loci import plot_locus
+    from ..figures.loci import plot_locus
     from ..spectra.spectrum import spectrum
 
     make, name, inertia = BODIES[body]
@@ -332,7 +332,7 @@ def _locus(body: str, family: str, mu: float, resolution: int) -> tuple[Any, Pic
 
 def _lines(spectra: Any) -> str:
     """The caption's words on dashed lines, shared modes and circles, where these are drawn."""
-    from ..figures.locus.modes import mode_groups, tracked
+    from ..figures.modes import mode_groups, tracked
 
     values, radius = tracked(spectra)
     groups = [list(columns) for columns in mode_groups(values) if len(columns) > 1]
@@ -360,7 +360,7 @@ def zeros_of_rates(spectra: Any) -> list[float]:
         its neighbours are proved.
     """
     from ..boundary.brackets import AxisScan, zeros
-    from ..figures.locus.modes import changes_of_sign, crossings, swept, tracked
+    from ..figures.modes import changes_of_sign, crossings, swept, tracked
     from ..spectra.disk_problem import disk_problem
 
     values, radius = tracked(spectra)

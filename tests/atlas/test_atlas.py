@@ -175,7 +175,7 @@ def undraw(patch: pytest.MonkeyPatch) -> None:
 
     patch.setattr("stability.figures.canvas.save", save)
     patch.setattr("stability.figures.diagram.plot_map", lambda *_, **__: None)
-    patch.setattr("stability.figures.locus.loci.plot_locus", lambda *_, **__: None)
+    patch.setattr("stability.figures.loci.plot_locus", lambda *_, **__: None)
     patch.setattr("stability.figures.basins.plot_basins", lambda *_, **__: None)
 
 

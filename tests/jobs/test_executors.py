@@ -207,7 +207,7 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
         lambda _, stem, __: stem.with_suffix(".png").write_text("x"),
     )
     monkeypatch.setattr("stability.figures.diagram.plot_map", lambda *_, **__: None)
-    monkeypatch.setattr("stability.figures.locus.loci.plot_locus", lambda *_, **__: None)
+    monkeypatch.setattr("stability.figures.loci.plot_locus", lambda *_, **__: None)
 
 
 @pytest.mark.long

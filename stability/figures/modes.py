@@ -8,10 +8,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.errors import ParameterError, listed
-from ...base.quantities import plain_text
-from ...base.types import Complexes, Floats
-from ...spectra.result import Spectrum
+from ..base.errors import ParameterError, listed
+from ..base.quantities import plain_text
+from ..base.types import Complexes, Floats
+from ..spectra.result import Spectrum
 
 LINEAR_SHARE, LEAST_SHARE = 1e-3, 1e-9
 """Largest and smallest linear part of the axis, over the power of ten of the largest rate."""

@@ -2,36 +2,54 @@
 
 from __future__ import annotations
 
-from ..styled_figure import drawing, key, note, settle, small, ticks_along  # isort: skip
+from .styled_figure import drawing, fixed, key, note, panels  # isort: skip
+from .styled_figure import settle, signed_ticks, small, ticks_along  # isort: skip
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
+import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
 
-from ...base.checks import instance
-from ...base.errors import ParameterError
-from ...base.quantities import axis_label, in_latex
-from ...base.types import Complexes, Floats
-from ...spectra.result import Spectrum
+from ..base.checks import instance
+from ..base.errors import ParameterError
+from ..base.quantities import axis_label, in_latex
+from ..base.types import Complexes, Floats
+from ..base.verdict import BY_CODE
+from ..spectra.result import Spectrum
+from .letters import Letter, letters
 from .modes import (
+    LEAST_SHARE,
     crossings,
     even_in_logarithm,
     linear_width,
     mode_groups,
     mode_names,
+    sure_signs,
     tracked,
 )
 from .modes import swept as swept
-from .plane import asinh_scale, fixed_numbers, plane
 
 MODE_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#000000")
 """Okabe & Ito's colours, safe for colour-blind readers."""
 DASHES: tuple[Any, ...] = ("-", (0, (3, 1.5)), (0, (1, 1)), (0, (4, 1.2, 1, 1.2)))
 """Lines of one mode: the second and later ones show only where a pair splits."""
+SHARE = 0.22
+"""Least share of an axis of growth rates on each side of zero."""
+PLAIN = 0.03
+"""Least rate over the largest one that a linear scale shows apart from zero."""
+LOOKS: dict[int, tuple[str, str, dict[str, Any]]] = {
+    1: ("growing", "#b34700", {"marker": "^", "mfc": "#d55e00", "ms": 5.0}),
+    0: ("near the axis", "#303030", {"marker": "D", "mfc": "white", "ms": 4.0}),
+    -1: ("decaying", "#0072b2", {"marker": "o", "mfc": "#0072b2", "ms": 4.2}),
+}
+"""Word, colour and marker by the sign of the real part, where the error disc leaves no doubt."""
 HALO = [withStroke(linewidth=2, foreground="white")]
 Groups = list[tuple[int, ...]]
 
@@ -97,7 +115,7 @@ def plot_locus(
     if spectrum.codes.size == 1:
         if np.size(thresholds):
             raise ParameterError("thresholds belongs to a spectrum along a quantity; leave it out.")
-        return plane(spectrum, title, _unit(spectrum, unit), ax, width, fontsize)
+        return _plane(spectrum, title, _unit(spectrum, unit), ax, width, fontsize)
     name, at = swept(spectrum)
     if ax is not None and np.size(ax) not in (1, 2):
         raise ParameterError(f"ax holds {np.size(ax)} axes; give one or two.")
@@ -184,7 +202,7 @@ def _growth(
                 linestyle=DASHES[position % len(DASHES)],
                 label=None if position else f"{index + 1}: {names[index]}",
             )
-    asinh_scale(axes, "y", values.real, linear_width(values.real, radius))
+    _asinh_scale(axes, "y", values.real, linear_width(values.real, radius))
     axes.axhspan(0, axes.get_ylim()[1], facecolor="#fdebdc", zorder=0)
     zero = float(axes.transAxes.inverted().transform(axes.transData.transform((at[0], 0.0)))[1])
     for word, height, colour in (
@@ -296,3 +314,140 @@ def _clearance(spot: Floats, others: list[Floats], written: list[Floats]) -> flo
     gaps = [12.0, *(float(np.nanmin(np.hypot(*(c - spot).T), initial=99.0)) for c in others)]
     apart = [20.0, *(float(np.hypot(*(w - spot))) for w in written)]
     return min(gaps) + min(apart)
+
+
+def _plane(
+    spectrum: Spectrum, title: str, units: str, ax: Any, width: float | None, fontsize: float | None
+) -> Figure:
+    """A single spectrum in the plane of eigenvalues: a marker for each, a number for each mode."""
+    if ax is not None and (count := len(panels(ax))) != 1:
+        raise ParameterError(f"ax holds {count} axes; a single spectrum is drawn on one.")
+    verdict = BY_CODE[int(np.ravel(spectrum.codes)[0])].word
+    with drawing(ax, width, fontsize, lambda wide: min(0.85 * wide, 1.5 + 0.4 * wide)) as figure:
+        axes: Axes = np.ravel(np.asarray(figure.subplots() if ax is None else ax))[0]
+        axes.set_xlabel("growth rate Re $\\lambda$" + units)
+        axes.set_ylabel("Im $\\lambda$" + units)
+        settle(figure)
+        key(
+            axes,
+            _eigenvalues(axes, spectrum),
+            f"{title or spectrum.family.name}: {verdict}",
+            reach=1.0,
+        )
+        note(axes, fixed_numbers(spectrum, ""))
+    return figure
+
+
+def _eigenvalues(axes: Axes, spectrum: Spectrum) -> list[Line2D]:
+    """Draw the eigenvalues with their errors, and return an entry of the legend for each mode."""
+    values, radius = tracked(spectrum)
+    (row,), (errors,), (signs,) = values, radius, sure_signs(values.real, radius)
+    tall = 1.35 * (float(np.abs(row.imag).max()) or 1.0)
+    axes.set_ylim(-tall, tall)
+    axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
+    if not row.imag.any():
+        axes.set_yticks([0.0])
+    _growth_scale(axes, row.real, np.abs(row.real[signs != 0]))
+    axes.axvspan(0, axes.get_xlim()[1], facecolor="#fdebdc", zorder=0)
+    axes.axhline(0, color="0.6", linewidth=0.5, zorder=1)
+    axes.axvline(0, color="0.3", linewidth=0.8, zorder=1)
+    entries, marks = [], []
+    groups = mode_groups(values)
+    for number, (columns, name) in enumerate(
+        zip(groups, mode_names(spectrum, groups, apart=False), strict=True), 1
+    ):
+        picked = list(columns)
+        word, colour, look = LOOKS[int(signs[picked].max())]
+        look = look | {"mec": colour, "mew": 0.8, "ls": ""}
+        where = row[picked]
+        axes.errorbar(
+            where.real,
+            where.imag,
+            errors[picked],
+            errors[picked],
+            fmt="none",
+            ecolor="0.5",
+            elinewidth=0.6,
+            zorder=2,
+        )
+        axes.plot(where.real, where.imag, zorder=3, **look)
+        entries.append(Line2D([], [], label=f"{number}: {word}, {name}", **look))
+        marks += [Letter(v.real, v.imag, str(number), colour) for v in where]
+    if spectrum.structural_zeros:
+        zeros = int(spectrum.structural_zeros)
+        look = {"marker": "+", "mec": "black", "ms": 6.0, "mew": 0.9, "ls": ""}
+        label = f"{zeros} zero{'s' * (zeros > 1)} by structure"
+        axes.plot([0.0], [0.0], zorder=2.5, **look)
+        entries.append(Line2D([], [], label=label, **look))
+    for word, side, place in (("growth", "right", 0.985), ("decay", "left", 0.015)):
+        axes.text(
+            place,
+            0.02,
+            word,
+            transform=axes.transAxes,
+            ha=side,
+            va="bottom",
+            fontsize=small(),
+            color="0.25",
+            path_effects=HALO,
+            zorder=4,
+        )
+    letters(axes, marks, 2.6)
+    return entries
+
+
+def _growth_scale(axes: Axes, real: Floats, sure: Floats) -> None:
+    """A linear axis of growth rates, or a logarithmic one where it would hide a sign."""
+    largest = float(np.abs(real).max()) or 1.0
+    least = float(sure.min(initial=largest))
+    if least < PLAIN * largest:
+        unit = 10.0 ** math.floor(math.log10(largest))
+        linear = max(10.0 ** math.floor(math.log10(least) + 1e-9), LEAST_SHARE * unit)
+        _asinh_scale(axes, "x", real, linear)
+        return
+    ends = [max(1.15 * float((sign * real).max()), SHARE * largest) for sign in (-1, 1)]
+    axes.set_xlim(-ends[0], ends[1])
+    axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
+
+
+def _asinh_scale(axes: Axes, along: str, real: Floats, linear: float) -> None:
+    """An axis of rates over many orders of magnitude on both sides of zero, without a kink."""
+    getattr(axes, f"set_{along}scale")("asinh", linear_width=linear)
+
+    def place(value: float) -> float:
+        return float(np.arcsinh(value / linear))
+
+    ends = [place(1.6 * max(float((sign * real).max()), linear)) for sign in (-1, 1)]
+    ends = [
+        max(end, SHARE / (1 - SHARE) * other) for end, other in zip(ends, ends[::-1], strict=True)
+    ]
+    low, high = (linear * float(np.sinh(end)) for end in ends)
+    getattr(axes, f"set_{along}lim")(-low, high)
+    box, dpi = axes.get_window_extent(), axes.get_figure(root=True).dpi  # type: ignore[union-attr]
+    long, letters_ = (box.height, 1.35) if along == "y" else (box.width, 3.6)
+    unit = long * 72 / dpi / sum(ends)
+    gap = letters_ * matplotlib.rcParams["ytick.labelsize"]
+    ticks = signed_ticks(lambda v: unit * place(v), -low, high, linear, gap)
+    getattr(axes, f"set_{along}ticks")(*ticks)
+    axes.minorticks_off()
+
+
+def fixed_numbers(spectrum: Spectrum, name: str) -> str:
+    """The numbers that are the same all over a figure.
+
+    Parameters
+    ----------
+    spectrum
+        The spectrum.
+    name
+        The quantity that is not, or empty.
+    """
+    system, law = spectrum.family.system, spectrum.law
+    held = {
+        spectrum.family.meaning(n): np.ravel(v)[0]
+        for n, v in spectrum.values.items()
+        if n != name and np.size(v) == 1
+    }
+    said = law.name if law else system.name if system.quantities else ""
+    plain = spectrum.dimensionless
+    return fixed(held, system.quantities, system.units, law=said, dimensionless=plain)
