@@ -13,11 +13,11 @@ from PIL import Image
 
 import stability as st
 from stability.bodies.contact import Contact
+from stability.figures import animate as animation
+from stability.figures import film as films
+from stability.figures.animate import animate
 from stability.figures.canvas import COLUMN
-from stability.figures.launch import animate as animation
-from stability.figures.launch import film as films
-from stability.figures.launch.animate import animate
-from stability.figures.launch.pose import geometry, resample
+from stability.figures.film import geometry, resample
 
 LAWS = [st.Viscous(0.3), st.Rough(), st.Coulomb(0.2), st.Smooth()]
 START = {"theta": 1.3, "theta_dot": 0.1, "phi_dot": 0.4, "omega3": 1.5}

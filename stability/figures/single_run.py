@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ...base.errors import ParameterError
-from ...base.types import Floats
-from ...bodies.model import POSE
-from ...integrators.stick_slip import SLIP, STICK, STICKING
-from ...motion.dataset import FORMAT
+from ..base.errors import ParameterError
+from ..base.types import Floats
+from ..bodies.model import POSE
+from ..integrators.stick_slip import SLIP, STICK, STICKING
+from ..motion.dataset import FORMAT
 
 if TYPE_CHECKING:
     import xarray

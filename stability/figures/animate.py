@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..canvas import figure_style  # isort: skip
+from .canvas import figure_style  # isort: skip
 
 import json
 import os
@@ -13,17 +13,28 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...base.checks import callback, flag, positive
-from ...base.errors import ParameterError, shown
-from ...base.quantities import unit_of
-from ...bodies.round_body.body import Body
-from ...motion.dataset import FORMAT
-from ...motion.result import BY_CODE
-from ...storage.files import atomic_write
-from ...storage.targets import FILMS, check_suffix, check_target
-from .body_film import BodyCamera, on_page, placed
-from .film import FINE, Camera, caption_of, inner_radius, write_gif, write_mp4
-from .pose import LINEAR, POSED, resample
+from ..base.checks import callback, flag, positive
+from ..base.errors import ParameterError, shown
+from ..base.quantities import unit_of
+from ..bodies.round_body.body import Body
+from ..motion.dataset import FORMAT
+from ..motion.result import BY_CODE
+from ..storage.files import atomic_write
+from ..storage.targets import FILMS, check_suffix, check_target
+from .film import (
+    FINE,
+    LINEAR,
+    POSED,
+    BodyCamera,
+    Camera,
+    caption_of,
+    inner_radius,
+    on_page,
+    placed,
+    resample,
+    write_gif,
+    write_mp4,
+)
 from .single_run import events_of
 
 if TYPE_CHECKING:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from ..canvas import COLUMN  # isort: skip
-from ..styled_figure import checked_size, drawing, key, note, small, spacing  # isort: skip
+from .canvas import COLUMN  # isort: skip
+from .styled_figure import checked_size, drawing, fixed, key, note, small, spacing  # isort: skip
 
-from collections.abc import Callable
+import json
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -19,27 +20,17 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
-from ...base.errors import ParameterError, shown
-from ...bodies.families import FAMILIES
-from ...bodies.newton_euler import STATES
-from ...bodies.quantities import QUANTITIES
-from ...motion.result import BY_CODE, Outcome
-from .motion_panels import (
-    MOST_PANELS,
-    STROKES,
-    GivenAxes,
-    draw_system,
-    legend,
-    lines_of_energy,
-    unit,
-    words,
-)
+from ..base.errors import ParameterError, shown
+from ..base.quantities import Kind, Quantity, in_latex, readable, unit_of
+from ..bodies.families import FAMILIES
+from ..bodies.newton_euler import STATES
+from ..bodies.quantities import QUANTITIES, SYSTEM, quantities_of
+from ..motion.result import BY_CODE, Outcome
 from .single_run import SingleRun, length_of, one_launch, system_states
 
 if TYPE_CHECKING:
     import xarray
 
-from .caption import fixed_of, tolerance_of
 
 PAGE = 7.0
 """Width of a figure over two journal columns [in]."""
@@ -400,3 +391,251 @@ def _layers_of_energy(upper: Axes, motion: SingleRun) -> None:
     for line in np.cumsum(layers, axis=0):
         upper.plot(times, line, color="black", linewidth=0.3)
     upper.set_ylim(0, 1.04 * float(layers.sum(axis=0).max()))
+
+
+# distinct in every common colour vision; in grey, by the dashes
+STROKES: tuple[dict[str, Any], ...] = (
+    {"color": "#0072B2", "linestyle": "-", "linewidth": 1.0},
+    {"color": "#D55E00", "linestyle": (0, (4, 1.4)), "linewidth": 1.0},
+    {"color": "#000000", "linestyle": (0, (4, 1.2, 1, 1.2)), "linewidth": 0.9},
+)
+MOST_PANELS = 8
+"""Most panels of a user's system."""
+
+
+class GivenAxes:
+    """Axes of a user in the place of a figure: a part of a motion takes its panels from here."""
+
+    def __init__(self, figure: Any, axes: Any, part: str) -> None:
+        self.figure, self.axes, self.part = figure, np.ravel(axes), part
+
+    def subplots(self, rows: int = 1, columns: int = 1, **_: Any) -> Any:  # noqa: ARG002
+        """The axes, if they are as many as the part has panels."""
+        if len(self.axes) != rows:
+            raise ParameterError(f"ax holds {len(self.axes)} axes; give {rows} for {self.part}.")
+        return self.axes if rows > 1 else self.axes[0]
+
+    def colorbar(self, *args: Any, **options: Any) -> Any:
+        """A colour bar in the figure of the axes."""
+        return self.figure.colorbar(*args, **options)
+
+    def align_ylabels(self) -> None:
+        """Line up the labels of the panels."""
+        self.figure.align_ylabels(self.axes)
+
+
+def unit(data: xarray.Dataset, name: str) -> str:
+    """The unit of a series in brackets, as an axis shows it; nothing for a bare number."""
+    word = unit_of(data[name].attrs)
+    return "" if word == "1" else f"[{in_latex(word)}]"
+
+
+def legend(axes: Axes, handles: list[Line2D] | None = None) -> None:
+    """Draw a legend above the panel, where it hides no data."""
+    shown = handles or axes.get_legend_handles_labels()[0]
+    axes.legend(
+        handles=shown,
+        loc="lower right",
+        bbox_to_anchor=(1.02, 0.98),
+        ncols=len(shown) if len(shown) < 5 else 3,
+        frameon=False,
+        handlelength=2.2,
+        borderpad=0.1,
+        columnspacing=1.1,
+        handletextpad=0.4,
+    )
+
+
+def words(axes: Axes, motion: SingleRun) -> None:
+    """Write the word of each event over its line; words that would overlap are left out."""
+    room = 0.035 * (motion.times[-1] - motion.times[0])
+    marks = motion.events
+    if not marks:  # a slice whose events are not known
+        marks = [((a + b) / 2, "sticking") for a, b in motion.sticking]
+    free: list[float] = []
+    # the last event comes first, since it matters most
+    for t, word in marks[-1:] + marks[:-1]:
+        if all(abs(t - other) > room for other in free):
+            free.append(t)
+            axes.text(
+                t,
+                1.03,
+                word,
+                rotation=90,
+                fontsize=small(),
+                ha="center",
+                va="bottom",
+                transform=axes.get_xaxis_transform(),
+            )
+
+
+def draw_system(page: Any, motion: SingleRun, names: tuple[str, ...]) -> None:
+    """Draw the states of a user's system; many states share panels by unit.
+
+    A state whose unit comes after the first `MOST_PANELS` units is not drawn.
+    """
+    data, times = motion.data, motion.times
+    groups: list[tuple[str, ...]] = [(n,) for n in names]
+    if len(names) > MOST_PANELS:
+        units = list(dict.fromkeys(unit(data, n) for n in names))[:MOST_PANELS]
+        groups = [tuple(n for n in names if unit(data, n) == u) for u in units]
+    panels = np.atleast_1d(page.subplots(len(groups), 1, sharex=True))
+    for axes, group in zip(panels, groups, strict=True):
+        for i, name in enumerate(group):
+            axes.plot(
+                times,
+                data[name].values,
+                label=name.replace("$", r"\$"),
+                **STROKES[i % len(STROKES)],
+            )
+        word = group[0].replace("_", " ").replace("$", r"\$") if len(group) == 1 else ""
+        axes.set_ylabel(f"{word}\n{unit(data, group[0])}".strip("\n"))
+        axes.yaxis.set_major_locator(MaxNLocator(5))
+        for t, _ in motion.events:
+            axes.axvline(t, color="#404040", linewidth=0.5, zorder=1)
+        if len(group) > 1:
+            legend(axes)
+    if "nearest_member" in data and BY_CODE[int(data.outcome)] is Outcome.SETTLED:
+        _dotted(dict(zip(groups, panels, strict=True)), names, data.nearest_member.values)
+    words(panels[0], motion)
+    panels[-1].set_xlim(times[0], times[-1])
+    panels[-1].set_xlabel(f"time  {unit(data, 'time')}")
+    page.align_ylabels()
+
+
+def _dotted(panels: dict[tuple[str, ...], Axes], names: tuple[str, ...], member: Any) -> None:
+    """Draw dotted lines at the steady motion on which the run settled."""
+    for group, axes in panels.items():
+        if len(group) == 1:
+            at = float(member[names.index(group[0])])
+            axes.axhline(at, color="black", linestyle=":", linewidth=1.0, label="steady")
+            legend(axes)
+
+
+def lines_of_energy(axes: Axes, motion: SingleRun) -> None:
+    """Draw energy, dissipated energy and their constant sum as lines.
+
+    Stacked layers would be wrong, since a user's energy may be negative.
+    """
+    data = motion.data
+    lines = {"energy": data.energy.values, "dissipated": data.dissipated.values}
+    lines["sum"] = lines["energy"] + lines["dissipated"]
+    for (name, values), stroke in zip(lines.items(), STROKES, strict=True):
+        axes.plot(motion.times, values, label=name, **stroke)
+
+
+def caption(dataset: xarray.Dataset) -> str:
+    """The computation and its outcome, in two sentences.
+
+    Parameters
+    ----------
+    dataset
+        From `simulate`, one launch.
+
+    Returns
+    -------
+    str
+        Body, contact law, span of time, method, tolerance; outcome and evidence.
+
+    Raises
+    ------
+    ParameterError
+        If the dataset holds several launches or lacks a series.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> run = st.simulate(st.Disk(), st.Smooth(), {"theta": 1.0}, 5.0)
+    >>> caption(run).split("  ")[1].split(",")[0]
+    'Outcome: flat'
+    """
+    if names := system_states(dataset):
+        return _of_system(dataset, names)
+    needed = (*STATES, "outcome", "evidence", "end_time", "energy_error", "method")
+    motion = one_launch(dataset, needed)
+    data, plain = motion.data, bool(dataset.attrs.get("dimensionless", 0))
+    law = str(dataset.attrs.get("contact", ""))
+    second = f" {Kind.TIME.label(dimensionless=plain)}"
+    given = [
+        f"{q.symbol} = {float(data[name]):.4g}{'' if plain else q.kind.suffix}"
+        for name, q in _quantities(dataset).items()
+        if name in data.coords and not data[name].ndim
+    ]
+    units = {n: "" if plain else f" {readable(data[n].attrs['units'])}" for n in STATES}
+    start = [f"{name} = {float(data[name][0]):.4g}{units[name]}" for name in STATES]
+    return (
+        f"Motion of {_body_of(dataset)} with {law} contact "
+        f"({', '.join(given)}{', dimensionless' if plain else ''}) from {', '.join(start)} at time "
+        f"{motion.times[0]:.4g} to {motion.times[-1]:.4g}{second}, by {data.method.item()} at "
+        f"tolerance {tolerance_of(dataset):.3g}; the energy audit closes to "
+        f"{float(data.energy_error):.1g} of the initial energy.  "
+        f"Outcome: {BY_CODE[int(data.outcome)].word}, at time {float(data.end_time):.4g}{second} "
+        f"({data.evidence.item()})."
+    )
+
+
+def _body_of(dataset: xarray.Dataset) -> str:
+    name = str(dataset.attrs.get("body", "disk"))
+    return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
+
+
+def _quantities(dataset: xarray.Dataset) -> Mapping[str, Quantity]:
+    """The quantities of a motion; those that a body adds to the disk's are named as it names them.
+
+    The number of a launch is none of them.
+    """
+    known = quantities_of(SYSTEM + str(dataset.attrs.get("contact", "")))
+    if "body" not in dataset.attrs:
+        return known
+    own = {
+        str(n): Quantity(str(n), str(n), str(n), Kind.NUMBER)
+        for n in dataset.coords
+        if n not in known and n not in ("time", "number", "length")
+    }
+    if not dataset.attrs.get("dimensionless", 0):
+        own |= {"length": Quantity("length", "L", "length", Kind.LENGTH)}
+    return own | dict(known)
+
+
+def _of_system(dataset: xarray.Dataset, names: tuple[str, ...]) -> str:
+    """The caption of a user's system."""
+    motion = one_launch(dataset, names)
+    data = motion.data
+
+    def value(name: str) -> str:
+        unit = str(data[name].attrs.get("units", "1"))
+        number = f"{name} = {float(data[name].values.flat[0]):.4g}"
+        return number if unit == "1" else f"{number} {readable(unit)}"
+
+    second = f" {u}" if (u := data.time.attrs["units"]) != "1" else ""
+    given = ", ".join(value(n) for n in json.loads(dataset.attrs.get("parameters", "{}")))
+    account = ""
+    if "energy_error" in data:
+        account = f"; the energy audit closes to {float(data.energy_error):.1g} of the energy"
+    return (
+        f"Motion of {dataset.attrs['system']}{f' ({given})' if given else ''} from "
+        f"{', '.join(map(value, names))} at time {motion.times[0]:.4g} to "
+        f"{motion.times[-1]:.4g}{second}, by {data.method.item()} at tolerance "
+        f"{tolerance_of(dataset):.3g}{account}.  Outcome: {BY_CODE[int(data.outcome)].word}, at "
+        f"time {float(data.end_time):.4g}{second} ({data.evidence.item()})."
+    )
+
+
+def tolerance_of(dataset: xarray.Dataset) -> float:
+    """The tolerance that the integrator was given."""
+    return float(dataset.attrs.get("tolerance_used", dataset.attrs.get("tolerance", np.nan)))
+
+
+def fixed_of(dataset: xarray.Dataset) -> str:
+    """The parameters of a motion, for the note of its figure."""
+    if system_states(dataset):
+        names = json.loads(dataset.attrs.get("parameters", "{}"))
+        values = {n: dataset[n].values.flat[0] for n in names if n in dataset}
+        return fixed(values, {}, {n: str(dataset[n].attrs.get("units", "1")) for n in values})
+    law = str(dataset.attrs.get("contact", ""))
+    known = _quantities(dataset)
+    values = {n: dataset[n].item() for n in known if n in dataset.coords and not dataset[n].ndim}
+    values.pop("time", None)
+    return fixed(
+        values, known, {}, law=law, dimensionless=bool(dataset.attrs.get("dimensionless", 0))
+    )
