@@ -20,7 +20,7 @@ from ..jobs.shared import shared
 from ..motion.gather import moving
 from ..motion.result import BY_CODE
 from .dataset import works
-from .lattice.labels import Ints
+from .labels import Ints
 from .launches import Launches, prepare
 from .outcomes import Judging, judged_by, last_time, outcomes
 

@@ -9,8 +9,7 @@ import numpy as np
 from ...base.axis import Axis
 from ...base.errors import ParameterError
 from ...motion.result import Outcome
-from ..borders import Borders
-from ..lattice.quadtree import between
+from ..borders import Borders, between
 from ..launch_labels import FAMILIES
 from ..statistics.box_counting import HALVINGS, SPAN, box_dimension, sensitive
 

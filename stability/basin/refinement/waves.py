@@ -17,7 +17,7 @@ from ...jobs.shared import shared
 from ...jobs.zarr_store import ZarrStore
 from ...motion.result import CODES, Outcome
 from ...storage.targets import refusing
-from ..lattice.labels import Ints
+from ..labels import Ints
 from ..launch_labels import LaunchLabels, coded
 
 FOLDER = "border_labels"

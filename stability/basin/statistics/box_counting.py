@@ -12,7 +12,7 @@ from ...base.checks import one_number, whole_number
 from ...base.errors import ParameterError
 from ...base.types import Floats
 from ..borders import Borders
-from ..lattice.labels import Ints
+from ..labels import Ints
 from .fractions import LEVEL, checked_level
 
 FEWEST = 16

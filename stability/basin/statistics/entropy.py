@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from ...base.checks import whole_number
 from ...base.errors import ParameterError, shown
-from ..lattice.labels import Ints
+from ..labels import Ints
 
 BOX = 5
 """Launches along each side of a box, as in the paper."""

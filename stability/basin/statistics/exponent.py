@@ -18,7 +18,7 @@ from ...base.checks import checked, whole_number
 from ...base.citation.used import joined
 from ...base.errors import ParameterError, warned
 from ...base.types import Floats
-from ..lattice.labels import Ints, Label, asked
+from ..labels import Ints, Label, asked
 from .fractions import LEVEL, checked_level, wilson
 from .power_law import fitted
 from .samples import on_sphere, shares

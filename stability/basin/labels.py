@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.errors import ParameterError, shown
-from ...base.types import Floats
+from ..base.errors import ParameterError, shown
+from ..base.types import Floats
 
 Ints = NDArray[np.int64]
 Label = Callable[[Floats], Any]
