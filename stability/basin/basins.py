@@ -49,7 +49,7 @@ from .launch_labels import LaunchLabels
 from .launches import Launches, prepare
 from .linear import LINEAR, linear_verdict
 from .outcomes import Judging, judged_by, last_time, outcomes
-from .refinement.refine import refine
+from .refinement import refine
 from .statistics.samples import DistributionLike, Independent, check_distribution, sample
 
 if TYPE_CHECKING:
