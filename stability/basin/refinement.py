@@ -81,8 +81,6 @@ def refine(
     waves.finish()
 
 
-
-
 @dataclass(eq=False)
 class Waves:
     """A function of launches that gives their labels; a call is a wave, and is kept."""
@@ -264,8 +262,6 @@ def _variables(found: Borders, axes: tuple[Axis, Axis]) -> dict[str, Any]:
 def _closed(line: Any) -> Floats:
     points: Floats = np.vstack([line.points, line.points[:1]]) if line.closed else line.points
     return points
-
-
 
 
 def _blocks(found: Borders, axes: tuple[Axis, Axis]) -> tuple[dict[str, Any], dict[str, Any]]:
