@@ -11,9 +11,9 @@ taken as exact.  What they leave is bounded, so that only the size of the tube d
 Source: homological equation, V. I. Arnold, Geometrical Methods in the Theory of Ordinary
 Differential Equations (1983), section 22; tests/settling/test_tube.py.
 
-Derivatives are tapes of balls of doubles.  With ℓ a row that is given, e' = G and y' = g are read at
-y = y_c + w + ℓ·e.  So the derivatives in e at fixed w follow the slow direction of the line.  The
-graph must be smooth wherever its third derivative has a finite enclosure: `smooth_field` keeps
+Derivatives are tapes of balls of doubles.  With ℓ a row that is given, e' = G and y' = g are read
+at y = y_c + w + ℓ·e.  So the derivatives in e at fixed w follow the slow direction of the line.
+The graph must be smooth wherever its third derivative has a finite enclosure: `smooth_field` keeps
 out |x| and sign x, whose kinks leave no trace in a derivative.  Numbers that CasADi folds while it
 differentiates are rounded once, which the bounds of roundings of each term cover.
 """

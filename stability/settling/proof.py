@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from ..base.errors import StabilityError
 from ..base.types import Floats
-from .box.alone import attraction
-from .box.together import LEAST, NEARER, Balls, Settled, boxes, nothing, tapes
+from .box import LEAST, NEARER, Balls, Settled, attraction, boxes, nothing, tapes
 from .surroundings import Surroundings
-from .tube.nodes import in_tube
+from .tube import in_tube
 
 INSIDE = 0.98
 """Part of a tube's radius over the distance at which the next try is made."""

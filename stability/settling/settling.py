@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.types import Floats
-from .box.together import Settled, nothing
+from .box import Settled, nothing
 from .line import Line, Near, nearest
 from .proof import settled
 from .surroundings import NOT_PROVED, Surroundings

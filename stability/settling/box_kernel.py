@@ -1,4 +1,4 @@
-"""The inequality of `stability.settling.box.alone` in balls of doubles: a kernel for `compiled`.
+"""The inequality of `stability.settling.box` in balls of doubles: a kernel for `compiled`.
 
 Z is an exact basis of doubles, z = Z e, and X an approximate inverse.  With F = Z X - 1 and
 f ≥ |F|, Z⁻¹ = X (1 + F)⁻¹, |(1 + F)⁻¹| ≤ κ = 1/(1 - f), and |(1 + F)⁻¹ - 1| ≤ f κ.  So
@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from ...algebra.kernels.double_balls import TINY, U, product
+from ..algebra.kernels.double_balls import TINY, U, product
 
 WIDE = 1.0 + 2.0**-40
 """Rounds up what at most 8000 roundings made: sums over m² entries, m ≤ 60."""
