@@ -1,6 +1,6 @@
 """Convergence to steady motions.
 
-`settling.py` says which states have settled, for one launch or many; `proof.py` tries a tube
+`settling.py` says which states have settled, for one launch or many: it tries a tube
 (`tube.py`), then a box (`box.py`), from the equations near a family (`surroundings.py`).  Bodies
 and systems differ by their families alone: a `Line` (`line.py`) of each, from `body_lines.py` and
 `system_lines.py`; `fixed_axes.py` reads states along fixed axes.

@@ -357,7 +357,7 @@ def boxes(  # noqa: PLR0913
     Parameters
     ----------
     around, y, given, e, plain
-        As for `stability.settling.proof.settled`.
+        As for `stability.settling.settling.settled`.
     found
         Where proofs are written.
     left

@@ -15,12 +15,11 @@ from scipy.integrate import solve_ivp
 
 import stability as st
 from stability.algebra.program import Program
-from stability.settling import box, proof
+from stability.settling import box, settling
 from stability.settling import box_kernel as kernel
 from stability.settling.body_lines import body_settling, disk_settling
 from stability.settling.box import Balls, attraction
-from stability.settling.proof import settled
-from stability.settling.settling import Nearest
+from stability.settling.settling import Nearest, settled
 from stability.settling.surroundings import Surroundings
 from stability.settling.system_lines import system_settling
 
@@ -70,7 +69,7 @@ def final(six: Any, p: Any, span: float) -> Any:
 @pytest.fixture(autouse=True)
 def _boxes_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """These are tests of the box about a state; tests/settling/test_tube.py has those of tubes."""
-    monkeypatch.setattr(proof, "_by_tubes", lambda _, y, *__: np.zeros(len(y.mid), dtype=bool))
+    monkeypatch.setattr(settling, "_by_tubes", lambda _, y, *__: np.zeros(len(y.mid), dtype=bool))
 
 
 def converges(found: Any, six: Any, p: Any, some: Any, lives: float = 12) -> Any:
