@@ -25,7 +25,7 @@ from ..base.types import Floats
 from ..bodies.model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.flow import ASKING, Flow, flow_of
 from ..integrators.taylor import NEWTON, available, longest_shift, unread
-from ..motion.neighbours import signs
+from ..motion.error_estimate import signs
 from ..motion.result import CODES, OF_END, Outcome, Settings
 from ..motion.run import TOGETHER, results
 from ..motion.starts import Starts
