@@ -25,10 +25,10 @@ from ..bodies.families import FAMILIES
 from ..bodies.quantities import QUANTITIES
 from ..jobs.following import processes
 from ..jobs.pipeline import Counted, check_run, here, ordered
-from ..storage.csv_text import csv_text
 from ..storage.files import postponed, record
 from ..storage.litter import clear, temporary
 from ..storage.targets import check_folder, path_text, place, refusing
+from ..storage.text import csv_text
 from .page import (
     BODIES,
     CODE_KINDS,

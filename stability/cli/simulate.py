@@ -10,7 +10,7 @@ from typing import Any
 
 from ..base.errors import ParameterError, absent, shown
 from ..base.quantities import Kind
-from ..storage.json_text import json_text
+from ..storage.text import json_text
 from .options import overwriting, step_error
 from .subject import add_subject, body_numbers, moving, refuse_of_body, require
 from .system_option import doubles, exact_numbers

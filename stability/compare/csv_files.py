@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..jobs.journal import Cell
-from ..storage.csv_text import csv_text
+from ..storage.text import csv_text
 from .spectrum.hardness import EDGES
 
 

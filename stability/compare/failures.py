@@ -10,7 +10,7 @@ from typing import Any
 from ..base.errors import StabilityError
 from ..jobs.journal import CRASHED, DONE, LATE, REFUSED, Cell
 from ..jobs.processes import Task
-from ..storage.csv_text import csv_text
+from ..storage.text import csv_text
 from .marks import BY_WORD, HONEST, Judgement, Mark
 from .motion import drivers
 from .motion.cases import MOTION_CASES

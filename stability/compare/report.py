@@ -19,10 +19,10 @@ from ..base.errors import FileError
 from ..jobs.journal import JOURNAL, Cell, Journal, is_journal
 from ..jobs.pipeline import check_run, resumable
 from ..jobs.processes import run
-from ..storage.csv_text import csv_text
 from ..storage.files import atomic_write, together
 from ..storage.netcdf import packed
 from ..storage.targets import check_folder, path_text, place, refusing
+from ..storage.text import csv_text
 from . import failures as catalogue
 from . import scenes
 from .motion import dataset as motion_data

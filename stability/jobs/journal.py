@@ -12,9 +12,9 @@ from typing import Any
 from ..base.errors import FileError
 from ..base.provenance import machine
 from ..storage.files import atomic_write
-from ..storage.json_text import marked, unmarked
 from ..storage.litter import clear
 from ..storage.targets import path_text, refusing
+from ..storage.text import marked, unmarked
 
 MARK = "fingerprint"
 """The first word of a journal."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...base.checks import whole_number
 from ...base.errors import FileError, ParameterError
-from ...storage.json_text import json_text
+from ...storage.text import json_text
 from ..options import _picture, overwriting, scheduling, step_error
 from ..subject import add_subject
 from ..terminal import progress_bar, say

@@ -6,7 +6,7 @@ import argparse
 from contextlib import suppress
 
 from ...base.citation.citation import Citation, citation
-from ...storage.json_text import json_text
+from ...storage.text import json_text
 
 
 def run(options: argparse.Namespace) -> None:

@@ -1,10 +1,12 @@
-"""JSON for any reader: every command encodes numbers without bound in the same way."""
+"""JSON and CSV: every command encodes numbers without bound, every table is written, in one way."""
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 HELP = "print one JSON object; null means a number without bound, or one that is not known"
@@ -105,3 +107,30 @@ def unmarked(found: dict[str, Any]) -> Any:
     object
     """
     return float(found[NUMBER]) if found.keys() == {NUMBER} else found
+
+
+def csv_text(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+    """A table as CSV; an empty cell is a value that does not exist.
+
+    Parameters
+    ----------
+    header
+        Names of the columns.
+    rows
+        Values of each row, in the order of the columns; None for one that does not exist.  A float
+        has its shortest exact digits.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> csv_text(("a", "b", "c"), [(1, "x, y", None)]).splitlines()
+    ['a,b,c', '1,"x, y",']
+    """
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(header)
+    writer.writerows(rows)
+    return out.getvalue()
