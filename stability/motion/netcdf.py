@@ -97,7 +97,7 @@ def read_motion(path: str | os.PathLike[str]) -> xarray.Dataset:
     ...     st.read_motion(st.write_motion(run, Path(folder) / "run.nc")).identical(run)
     True
     """
-    from ..storage.reading import opened
+    from ..storage.netcdf import opened
 
     return opened(path, FORMAT, "a motion")
 

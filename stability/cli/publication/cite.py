@@ -32,7 +32,7 @@ def _of_file(path: str) -> Citation:
     from ...basin.dataset import FORMAT as BASINS
     from ...motion.dataset import FORMAT as MOTION
     from ...spectra.presentation.labels import FORMAT as MAP
-    from ...storage.reading import opened
+    from ...storage.netcdf import opened
     from ...storage.targets import place
     from ...storage.zarr_folder import opened_store
 
