@@ -30,8 +30,7 @@ from ..integrators.flow import CASADI
 from ..jobs.chunks import Arrays, Block, Layout, Memory, Store, Variable, even_chunk
 from ..jobs.dask import check_pool, pool_of
 from ..jobs.filling import fill, kept_on_stop
-from ..jobs.pipeline import Counted
-from ..jobs.shared import shared
+from ..jobs.pipeline import Counted, shared
 from ..jobs.zarr_store import ZarrStore
 from ..motion.gather import moving
 from ..motion.starts import Starts

@@ -18,7 +18,7 @@ from ..base.errors import ParameterError
 from ..base.types import Floats, Progress
 from ..jobs.chunks import Arrays, Block, Layout, Memory, Store, Variable
 from ..jobs.filling import fill
-from ..jobs.shared import shared
+from ..jobs.pipeline import shared
 from ..jobs.zarr_store import ZarrStore
 from ..motion.result import CODES, Outcome
 from ..storage.targets import refusing

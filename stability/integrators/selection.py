@@ -15,8 +15,7 @@ from ..algebra.eigensolver import eigenvalues_alone
 from ..base.checks import known
 from ..base.errors import ParameterError
 from ..base.types import Floats, Progress
-from ..jobs.pipeline import Counted, here, ordered
-from ..jobs.shared import shared
+from ..jobs.pipeline import Counted, here, ordered, shared
 from . import scipy_methods as stepping
 from . import sundials, taylor
 from .flow import ASKING, Flow

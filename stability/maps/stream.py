@@ -20,7 +20,7 @@ from ..bodies.round_body.body import Body
 from ..jobs.chunks import Layout
 from ..jobs.dask import check_pool, pool_of
 from ..jobs.filling import fill
-from ..jobs.shared import shared
+from ..jobs.pipeline import shared
 from ..spectra.arguments import swept
 from ..spectra.problem import Problem
 from ..storage.targets import (

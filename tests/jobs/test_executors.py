@@ -26,7 +26,7 @@ from kills import MARK, alive, soon
 import stability as st
 from stability.atlas.build import atlas
 from stability.atlas.page import BODIES, drawn
-from stability.jobs.shared import shared
+from stability.jobs.pipeline import shared
 
 AXES: dict[str, Any] = {"x": ("at", 0.05, 1.5, 15), "y": ("mu", 0.1, 5, 12)}
 KINDS = ("threads", "processes", "distributed")

@@ -17,8 +17,7 @@ import numpy as np
 from ...base.axis import Axis
 from ...base.types import Progress
 from ...jobs.chunks import Layout
-from ...jobs.pipeline import Counted, ordered
-from ...jobs.shared import shared
+from ...jobs.pipeline import Counted, ordered, shared
 from ...spectra.presentation.labels import axis_attributes
 from ...spectra.problem import Problem
 from ...storage.checksum import ATTRIBUTE, STATEMENT, seal
