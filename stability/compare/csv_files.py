@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..jobs.journal import Cell
+from ..jobs.measured_cells import Cell
 from ..storage.text import csv_text
 from .spectrum.hardness import EDGES
 
