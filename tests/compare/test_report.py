@@ -195,7 +195,7 @@ def test_the_fingerprint_knows_the_sources_and_not_the_figures(
     root = Path(st.__file__).parent
     copy = tmp_path / "stability"
     shutil.copytree(root, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(journal, "__file__", str(copy / "jobs" / "journal.py"))
+    monkeypatch.setattr(journal, "__file__", str(copy / "jobs" / "measured_cells.py"))
     before = journal.fingerprint()
     (copy / "compare" / "page.py").write_text("# another page")
     assert journal.fingerprint() == before

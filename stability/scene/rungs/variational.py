@@ -18,9 +18,8 @@ from numpy.typing import NDArray
 
 from ...algebra.program import Program, entries
 from ...base.types import Floats
-from ...integrators.dense import dense
 from ...integrators.leg import Leg
-from ...integrators.selection import HEYOKA, explicit
+from ...integrators.selection import HEYOKA, dense, explicit
 from ...systems.equations import Equations
 from .elements import Elements, Linear, carried
 from .full import between
