@@ -15,7 +15,7 @@ from PIL import Image, ImageSequence
 from scipy.integrate import solve_ivp
 
 import stability as st
-from stability.figures.launch.film import save_gif
+from stability.figures.animate import save_gif
 
 FOLDER = Path(__file__).resolve().parent / "films"
 WIDTH, COLOURS, RATE = 480, 48, 12.5

@@ -23,7 +23,7 @@ import math
 import numpy as np
 
 import stability as st
-from stability.figures.launch.caption import caption
+from stability.figures.motion import caption
 
 disk, friction = st.Disk(), st.Viscous(0.3)
 

@@ -56,12 +56,12 @@ _HOME = {
     ),
     "motion.simulate": ("simulate",),
     "bodies.launch": ("launch",),
-    "figures.launch.animate": ("animate",),
+    "figures.animate": ("animate",),
     "figures.diagram": ("plot_map",),
     "figures.retrograde": ("plot_retrograde",),
-    "figures.basin.basins": ("plot_basins",),
-    "figures.locus.loci": ("plot_locus",),
-    "figures.launch.motion": ("plot_motion",),
+    "figures.basins": ("plot_basins",),
+    "figures.loci": ("plot_locus",),
+    "figures.motion": ("plot_motion",),
     "motion.result": ("Outcome",),
     "motion.netcdf": ("read_motion", "write_motion"),
     "basin.basins": ("basins",),
@@ -88,7 +88,7 @@ _HOME = {
 }
 _WHERE = {name: module for module, names in _HOME.items() for name in names}
 
-_FIGURES = {"spectrum": ("figures.locus.loci", "plot_locus")}
+_FIGURES = {"spectrum": ("figures.loci", "plot_locus")}
 """Kind of result: where the function is that `.plot()` calls."""
 
 __all__ = sorted(_WHERE)  # noqa: PLE0605
@@ -169,11 +169,11 @@ if TYPE_CHECKING:
     from .export.bifurcationkit import bifurcationkit_input as bifurcationkit_input
     from .export.c_code import c_code as c_code
     from .export.latex import latex as latex
-    from .figures.basin.basins import plot_basins as plot_basins
+    from .figures.animate import animate as animate
+    from .figures.basins import plot_basins as plot_basins
     from .figures.diagram import plot_map as plot_map
-    from .figures.launch.animate import animate as animate
-    from .figures.launch.motion import plot_motion as plot_motion
-    from .figures.locus.loci import plot_locus as plot_locus
+    from .figures.loci import plot_locus as plot_locus
+    from .figures.motion import plot_motion as plot_motion
     from .figures.retrograde import plot_retrograde as plot_retrograde
     from .maps.netcdf import read_map as read_map
     from .maps.netcdf import write_map as write_map

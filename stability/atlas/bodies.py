@@ -6,30 +6,423 @@ so that the same call goes on after an interruption.
 
 from __future__ import annotations
 
+import html
 import json
+import math
 import os
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from contextlib import closing, suppress
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from ..base.checks import whole_number
-from ..base.errors import FileError
+from ..base.errors import FileError, NoMemberError
+from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..base.version import __version__
+from ..bodies.contact import Contact
+from ..bodies.contact_laws import Rough, Smooth, Viscous
+from ..bodies.families import FAMILIES
+from ..bodies.round_body.body import Body
+from ..bodies.round_body.inclinations import tumbling_ranges
+from ..bodies.round_body.shapes.named import EccentricSphere, Spheroid, ThickDisk, Torus
+from ..bodies.round_body.shapes.profile import Egg
 from ..jobs.following import processes
 from ..jobs.pipeline import Counted, check_run, here, ordered, resumable
+from ..maps.stability_map import stability_map
 from ..storage.files import atomic_write
 from ..storage.targets import path_text, refusing
-from .body_diagrams import BODIES, Diagram, Key, absence, draw, kinds, names
-from .body_pages import pages
 from .build import FINEST, folder_for, move
-from .page import Picture
+from .page import FRICTION, Picture, _diagram_caption, _figure, _foot, _head, drawn
 
 RESOLUTION = 96
 """Points along the axis of the family, where none is asked for."""
+MU = 0.3
+"""Friction coefficient mu* of the viscous diagrams over a number of the body."""
+CLOSE = 0.03
+"""Distance of a diagram over the inclination from its ends [rad]."""
+VERTICAL = (0.05, 8.0)
+"""Interval of the angular velocity of vertical spin [√(g/R)]."""
+TURNS = (0.02, 2.2)
+"""Interval of the precession rate of circling and precession [√(g/R)]."""
+POLES: dict[str, Any] = {"vertical": 0, "vertical-pi": "pi"}
+"""Which end is up in vertical spin, by the name of the diagrams."""
+PLANES = {"circling": "rough", "precession": "smooth"}
+"""Families of two numbers, drawn over both of them, and the law under which they exist."""
+ON = {
+    "viscous": "under viscous friction",
+    "rough": "on a rough plane, without slip",
+    "smooth": "on a smooth plane, without friction",
+}
+"""A contact law in a caption."""
+LAWS: dict[str, Any] = {"rough": Rough(), "smooth": Smooth()}
+"""Laws without a coefficient by name."""
+TITLE = "Stability atlas of bodies of revolution"
+ABOUT = (
+    "Each diagram shows one family of steady motions of one body: where small disturbances decay "
+    "(blue), where they grow (vermilion, hatched), and where by linear approximation they do "
+    "neither (neutral, dotted), with the boundary in between. Numbers are dimensionless "
+    "(m = R = g = 1). A verdict without a proof is called undecided. The equations follow from the "
+    "height of the centre of mass over the plane."
+)
+Key = tuple[str, str, str]
+"""A diagram: key of the body, family (and pole), and `mu`, `own`, `rough`, `smooth` or `plane`."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A body of the atlas."""
+
+    name: str
+    """Name in captions."""
+    make: Callable[[], Body]
+    """The body of the diagrams at one shape."""
+    own: str
+    """The number of the body on the upper axis of the other diagrams."""
+    range: tuple[float, float]
+    """Its interval."""
+    profile: str
+    """What the body and this number are, in words."""
+    ends: tuple[str, ...] = ()
+    """Words for vertical spin on either end, of a body whose ends differ."""
+
+    @property
+    def told(self) -> str:
+        """The numbers of the shape as text."""
+        body = self.make()
+        return ", ".join(f"{n} = {v:g}" for n, v in (body.constants or body.shape).items())
+
+
+BODIES: dict[str, Shown] = {
+    "torus": Shown(
+        "torus",
+        lambda: Torus(0.2),
+        "tube",
+        (0.02, 0.9),
+        "A solid ring of uniform "
+        "density. Tube: radius b of the tube over R, the radius of the circle of its "
+        "centres.",
+    ),
+    "oblate": Shown(
+        "oblate spheroid",
+        lambda: Spheroid(0.5),
+        "aspect",
+        (0.05, 0.95),
+        "A solid "
+        "spheroid of uniform density. Aspect: half length a of the axis over R, the "
+        "radius of the equator.",
+    ),
+    "prolate": Shown(
+        "prolate spheroid",
+        lambda: Spheroid(1.5),
+        "aspect",
+        (1.05, 3.0),
+        "A solid "
+        "spheroid of uniform density. Aspect: half length a of the axis over R, the "
+        "radius of the equator.",
+    ),
+    "eccentric": Shown(
+        "eccentric sphere",
+        lambda: EccentricSphere(0.2),
+        "offset",
+        (0.02, 0.9),
+        "A uniform ball with a point of mass on its surface, a tippe top without "
+        "its stem. Offset: distance e of the centre of mass from the centre, over "
+        "the radius R.",
+        ("centre of mass below", "centre of mass above"),
+    ),
+    "thick": Shown(
+        "thick disk",
+        lambda: ThickDisk(0.3),
+        "thickness",
+        (0.05, 1.5),
+        "A uniform "
+        "cylinder that rolls on the rim of its lower face. Thickness: t over the radius "
+        "R.",
+    ),
+    "egg": Shown(
+        "egg",
+        lambda: Egg(0.2),
+        "axial",
+        (0.25, 0.6),
+        "A solid egg of uniform density, "
+        "r = sin u (1 + taper cos u), z = −aspect cos u. Axial: moment of inertia about "
+        "the axis, over mR², as other distributions of mass have it with the same centre "
+        "of mass and the same moment across; the shape is the same in all diagrams.",
+        ("blunt end below", "sharp end below"),
+    ),
+}
+"""The bodies of the atlas by key."""
+
+
+@dataclass(frozen=True)
+class Diagram:
+    """A finished diagram, or a sentence in its place."""
+
+    picture: Picture
+    """Figure and caption."""
+    figure: bool
+    """Whether there is a figure: a map that is neutral everywhere has none."""
+
+
+def kinds(shown: Shown, name: str) -> tuple[str, ...]:
+    """The diagrams of a family of a body.
+
+    Parameters
+    ----------
+    shown
+        The body.
+    name
+        Name of the family, with the pole of vertical spin.
+    """
+    return ("plane",) if name in PLANES else ("mu", shown.own, *LAWS)
+
+
+def names(shown: Shown) -> list[str]:
+    """Families of a body, with vertical spin on both ends where these differ.
+
+    Parameters
+    ----------
+    shown
+        The body.
+    """
+    return [*drawn(), *list(POLES)[: max(1, len(shown.ends))], *PLANES]
+
+
+def absence(shown: Shown, name: str) -> str:
+    """A sentence if a body has no such family; empty if it has.
+
+    Parameters
+    ----------
+    shown, name
+        As for `kinds`.
+    """
+    body, (family, pole) = shown.make(), family_of(name)
+    try:
+        body.family(family, LAWS.get(PLANES.get(name, ""), Viscous), pole=pole)
+    except NoMemberError as error:
+        return f"No {spoken(family)}: {error}"
+    if family == "tumbling" and not tumbling_ranges(body):
+        return f"No tumbling: at no inclination is the {shown.name} steady."
+    return ""
+
+
+def family_of(name: str) -> tuple[str, Any]:
+    """The family of a diagram, and the pole of vertical spin.
+
+    Parameters
+    ----------
+    name
+        As for `kinds`.
+    """
+    return ("vertical", POLES[name]) if name in POLES else (name, None)
+
+
+def spoken(family: str) -> str:
+    """A family in a sentence.
+
+    Parameters
+    ----------
+    family
+        Its name.
+    """
+    return "vertical spin" if family == "vertical" else family
+
+
+def _lean(body: Body, *, ends: bool) -> tuple[float, float]:
+    """Inclinations of a body; those beyond upright mirror the others where its ends are equal."""
+    low, high = body.between
+    return low + CLOSE, (high if ends else min(high, math.pi / 2)) - CLOSE
+
+
+def _across(shown: Shown, name: str, resolution: int) -> tuple[Any, ...]:
+    """The horizontal axis."""
+    body, (family, _) = shown.make(), family_of(name)
+    if family in PLANES:
+        return "theta", *_lean(body, ends=bool(shown.ends)), resolution
+    low, high = VERTICAL if family == "vertical" else drawn()[family]
+    if family == "tumbling":
+        ranges = tumbling_ranges(body)
+        high = ranges[-1][1] if shown.ends else min(ranges[-1][1], math.pi / 2)
+        low, high = ranges[0][0] + CLOSE, high - CLOSE
+    return FAMILIES[family].at[0], low, high, resolution
+
+
+def _up(shown: Shown, kind: str, rows: int) -> tuple[Any, ...]:
+    """The vertical axis."""
+    if kind == "plane":
+        return "phi_dot", *TURNS, rows
+    return ("mu", *FRICTION, rows, "log") if kind == "mu" else (shown.own, *shown.range, rows)
+
+
+def draw(key: str, name: str, kind: str, folder: str, resolution: int) -> Diagram:
+    """One diagram: its map as NetCDF, and its figure.
+
+    Parameters
+    ----------
+    key, name, kind
+        The diagram, a `Key`.
+    folder
+        Where its files go.
+    resolution
+        Points along the horizontal axis.
+    """
+    from ..maps.netcdf import write_map
+
+    shown, (family, pole) = BODIES[key], family_of(name)
+    law = PLANES.get(name, kind if kind in LAWS else "viscous")
+    contact: Contact | str = LAWS.get(law, "viscous" if kind == "mu" else Viscous(MU))
+    x, y = _across(shown, name, resolution), _up(shown, kind, 3 * resolution // 4)
+    given = {} if pole is None else {"pole": pole}
+    dataset = stability_map(
+        family, x=x, y=y, body=shown.make(), contact=contact, workers=1, **given
+    )
+    target, stem = Path(folder), f"{name}-{key}" if kind == "plane" else f"{name}-{key}-{kind}"
+    write_map(dataset, target / f"{stem}.nc", overwrite=True)
+    end = shown.ends[list(POLES).index(name)] if name in POLES and shown.ends else ""
+    numbers = [end, _told(shown, kind), f"μ = {MU:g}/√(gR)" * (isinstance(contact, Viscous))]
+    said = ", ".join(n for n in numbers if n)
+    codes = dataset.verdict.values
+    if ((codes == CODES[Verdict.NEUTRAL]) | (codes == NO_MEMBER)).all():
+        return Diagram(Picture(stem, _neutral(shown, family, said, law, dataset, x, y), ""), False)
+    title = f"{spoken(family)}: {shown.name}" + (f",\n{end}" if end else "")
+    _save(dataset, title, target / stem)
+    caption = _diagram_caption(spoken(family), shown.name, said, dataset, [], [], ON[law])
+    over = {"mu": "friction", "plane": "inclination and precession rate"}.get(kind, shown.own)
+    what = f"Stability diagram of {spoken(family)} of the {shown.name} {ON[law]}, over {over}"
+    return Diagram(Picture(stem, caption, what), True)
+
+
+def _save(dataset: Any, title: str, target: Path) -> None:
+    from ..figures.canvas import save
+    from ..figures.diagram import plot_map
+
+    save(plot_map(dataset, title=title), target)
+
+
+def _told(shown: Shown, kind: str) -> str:
+    """The numbers of a body that no axis shows."""
+    body = shown.make()
+    own = body.constants or {n: v for n, v in body.shape.items() if kind in ("mu", "plane")}
+    return ", ".join(f"{n} = {v:g}" for n, v in own.items())
+
+
+def _neutral(
+    shown: Shown,
+    family: str,
+    said: str,
+    law: str,
+    dataset: Any,
+    x: tuple[Any, ...],
+    y: tuple[Any, ...],
+) -> str:
+    """The sentence in place of a map without a boundary and without a colour."""
+    missing = int((dataset.verdict == NO_MEMBER).sum())
+    blank = f", but for {missing} without a member" * bool(missing)
+    of = f" ({said})" * bool(said)
+    return (
+        f"{spoken(family).capitalize()} of the {shown.name}{of} {ON[law]}: neutral at all "
+        f"{x[3]} × {y[3]} points of {x[0]} from {x[1]:.3g} to {x[2]:.3g} and {y[0]} from {y[1]:g} "
+        f"to {y[2]:g}{blank}: by proof no eigenvalue has a positive real part, and some lie on the "
+        "imaginary axis."
+    )
+
+
+def pages(
+    bodies: Mapping[str, Shown],
+    found: Mapping[Key, Diagram],
+    absent: Mapping[tuple[str, str], str],
+    resolution: int,
+) -> dict[str, str]:
+    """The text of every page by its file name.
+
+    Parameters
+    ----------
+    bodies
+        The bodies by key.
+    found
+        The diagrams.
+    absent
+        A sentence for each family that a body does not have, by the keys of both.
+    resolution
+        Points along the axis of the family.
+    """
+    foot = _foot(f"stability atlas --bodies --resolution {resolution}")
+    texts = {"index.html": _index(bodies, found)}
+    texts |= {f"{key}.html": _page(key, bodies, found, absent) for key in bodies}
+    return {name: "\n".join([*lines, foot]) + "\n" for name, lines in texts.items()}
+
+
+def _links(bodies: Mapping[str, Shown], here: str = "") -> str:
+    index = "" if not here else '<a href="index.html">all bodies</a>'
+    others = (
+        f'<a href="{k}.html">{s.name}</a>' if k != here else f"<strong>{s.name}</strong> "
+        for k, s in bodies.items()
+    )
+    return f"<nav>{index}{''.join(others)}</nav>"
+
+
+def _index(bodies: Mapping[str, Shown], found: Mapping[Key, Diagram]) -> list[str]:
+    """The page with one picture of each body."""
+    lines = [*_head(TITLE), f'<p class="lead">{ABOUT}</p>', _links(bodies), '<div class="row">']
+    for key, shown in bodies.items():
+        mine = [d for (body, _, _), d in found.items() if body == key]
+        drawn = [d.picture for d in mine if d.figure]
+        count = f"{len(drawn)} diagrams" if len(drawn) != 1 else "1 diagram"
+        picture = (
+            f'<img src="{drawn[0].stem}.png" alt="{html.escape(drawn[0].alternative)}" '
+            'loading="lazy">'
+            if drawn
+            else ""
+        )
+        lines.append(
+            f'<figure><a href="{key}.html">{picture}</a><figcaption><a href="{key}.html">'
+            f"<strong>{shown.name.capitalize()}</strong></a> ({shown.told}): {count}. "
+            f"{html.escape(shown.profile)}</figcaption></figure>"
+        )
+    return [*lines, "</div>"]
+
+
+def _page(
+    key: str,
+    bodies: Mapping[str, Shown],
+    found: Mapping[Key, Diagram],
+    absent: Mapping[tuple[str, str], str],
+) -> list[str]:
+    """The page of one body."""
+    shown = bodies[key]
+    axial, transverse = shown.make().moments()
+    lines = [
+        *_head(f"Stability atlas: {shown.name}"),
+        _links(bodies, key),
+        f'<p class="lead">{html.escape(shown.profile)} At {shown.told} the moments of inertia are '
+        f"{axial:.4g} (about the axis) and {transverse:.4g} (across it) mR². {ABOUT}</p>",
+    ]
+    for name in names(shown):
+        family, _ = family_of(name)
+        end = shown.ends[name.endswith("-pi")] if family == "vertical" and shown.ends else ""
+        head = spoken(family).capitalize() + (f", {end}" if end else "")
+        lines.append(f'<h2 id="{name}">{head}</h2>')
+        if (key, name) in absent:
+            lines.append(f"<p>{html.escape(absent[key, name])}</p>")
+            continue
+        alike = " Both ends are alike." * (name in POLES and not shown.ends)
+        motion = FAMILIES[family].motion
+        lines.append(f"<p>{motion[0].upper()}{motion[1:]}.{alike}</p>")
+        mine = [found[key, name, kind] for kind in kinds(shown, name)]
+        drawn = [_figure(d.picture, True) for d in mine if d.figure]
+        lines += ['<div class="row pairs">', *drawn, "</div>"] if drawn else []
+        lines += [_sentence(d) for d in mine if not d.figure]
+    return lines
+
+
+def _sentence(diagram: Diagram) -> str:
+    """A sentence in place of a figure, with its map."""
+    picture = diagram.picture
+    return f'<p>{html.escape(picture.caption)} <a href="{picture.stem}.nc">NetCDF</a></p>'
 
 
 def atlas_of_bodies(

@@ -25,11 +25,10 @@ from ..bodies.families import FAMILIES
 from ..bodies.quantities import QUANTITIES
 from ..jobs.following import processes
 from ..jobs.pipeline import Counted, check_run, here, ordered
-from ..storage.csv_text import csv_text
 from ..storage.files import postponed, record
 from ..storage.litter import clear, temporary
 from ..storage.targets import check_folder, path_text, place, refusing
-from .launches import basin_diagrams
+from ..storage.text import csv_text
 from .page import (
     BODIES,
     CODE_KINDS,
@@ -61,6 +60,16 @@ COLUMNS = (
     "error_along",
 )
 """Columns of the CSV of boundaries."""
+LAUNCHED = ("rolling", "spinning")
+"""Families near which launches start."""
+MU = 0.3
+"""Friction coefficient of the launches, over 1/√(gR)."""
+AT, TILT = (0.1, 3.0), (0.01, 1.2)
+"""Angular velocity of the steady motion [√(g/R)], and the tilt from it [rad]."""
+TIME = 200.0
+"""Last time [√(R/g)]."""
+MOST_LAUNCHES, FEWEST_LAUNCHES = 16, 6
+"""Most and fewest launches along the angular velocity."""
 _Key = tuple[str, str, float | None] | None
 """A figure: body, family, and the friction coefficient of loci or None for the diagram; None for
 the figures of launches."""
@@ -218,7 +227,7 @@ def _job(job: _Key, folder: str, resolution: int, draft: bool) -> _Drawn:
     from ..figures.canvas import FORMATS, save
 
     if job is None:
-        return basin_diagrams(Path(folder), resolution), ()
+        return _basin_diagrams(Path(folder), resolution), ()
     body, family, mu = job
     if mu is None:
         figure, picture, rows = _diagram(Path(folder), body, family, resolution)
@@ -293,7 +302,7 @@ def _diagram(
 
 def _locus(body: str, family: str, mu: float, resolution: int) -> tuple[Any, Picture]:
     from ..boundary.changes import boundaries
-    from ..figures.locus.loci import plot_locus
+    from ..figures.loci import plot_locus
     from ..spectra.spectrum import spectrum
 
     make, name, inertia = BODIES[body]
@@ -323,7 +332,7 @@ def _locus(body: str, family: str, mu: float, resolution: int) -> tuple[Any, Pic
 
 def _lines(spectra: Any) -> str:
     """The caption's words on dashed lines, shared modes and circles, where these are drawn."""
-    from ..figures.locus.modes import mode_groups, tracked
+    from ..figures.modes import mode_groups, tracked
 
     values, radius = tracked(spectra)
     groups = [list(columns) for columns in mode_groups(values) if len(columns) > 1]
@@ -351,7 +360,7 @@ def zeros_of_rates(spectra: Any) -> list[float]:
         its neighbours are proved.
     """
     from ..boundary.brackets import AxisScan, zeros
-    from ..figures.locus.modes import changes_of_sign, crossings, swept, tracked
+    from ..figures.modes import changes_of_sign, crossings, swept, tracked
     from ..spectra.problem import disk_problem
 
     values, radius = tracked(spectra)
@@ -392,3 +401,59 @@ def _curve_rows(body: str, disk: Disk, family: str, dataset: Any) -> list[tuple[
         )
         for curve, at, mu, kind, frequency, error, axis in zip(*columns, strict=True)
     ]
+
+
+def launches_along(resolution: int) -> tuple[int, int]:
+    """Launches along the angular velocity and along the tilt, small next to a map of verdicts.
+
+    Examples
+    --------
+    >>> launches_along(400), launches_along(16)
+    ((16, 11), (6, 4))
+    """
+    count = min(max(FEWEST_LAUNCHES, resolution // 14), MOST_LAUNCHES)
+    return count, round(5 * count / 7)
+
+
+def _basin_diagrams(folder: Path, resolution: int) -> tuple[Picture, ...]:
+    """Draw every body and family as PNG, with the numbers next to it, in one process.
+
+    A process compiles the integrators once, which takes as long as four of these maps.
+    """
+    from ..figures.canvas import FORMATS, save
+
+    found = []
+    for family in LAUNCHED:
+        for body in BODIES:
+            figure, picture = _basin_diagram(folder, body, family, resolution)
+            save(figure, folder / picture.stem, FORMATS[:1])
+            found.append(picture)
+    return tuple(found)
+
+
+def _basin_diagram(folder: Path, body: str, family: str, resolution: int) -> tuple[Any, Picture]:
+    """The figure of one body and family."""
+    from ..basin.basins import basins
+    from ..bodies.contact_laws import Viscous
+    from ..figures.basins import basins_caption, plot_basins
+    from ..storage.files import atomic_write
+    from ..storage.netcdf import packed
+
+    make, name, inertia = BODIES[body]
+    along, across = launches_along(resolution)
+    dataset = basins(
+        make(),
+        Viscous(MU),
+        family=family,
+        x=("at", *AT, along),
+        y=("tilt", *TILT, across),
+        horizon=TIME,
+        workers=1,
+    )
+    stem = f"basins-{family}-{body}"
+    with atomic_write(folder / f"{stem}.nc", overwrite=True) as draft:
+        draft.write_bytes(packed(dataset))
+    figure = plot_basins(dataset, title=f"launches near {family}: {name}")
+    caption = f"{name[:1].upper()}{name[1:]} ({inertia}), μ = {MU:g} /√(gR).  "
+    caption += basins_caption(dataset).replace("  ", " ")
+    return figure, Picture(stem, caption, f"Ends of launches near {family} of the {name}")

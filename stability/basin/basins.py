@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import warnings
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import ExitStack
@@ -17,20 +18,23 @@ from numpy.typing import ArrayLike
 
 from ..base.axis import Axis, AxisLike
 from ..base.checks import whole_number
-from ..base.errors import ParameterError, shown, warned
+from ..base.errors import ParameterError, StabilityError, StabilityWarning, shown, warned
 from ..base.types import Floats, Progress
+from ..base.verdict import CODES
 from ..bodies.disk import Disk
 from ..bodies.families import at_name
+from ..bodies.newton_euler import STATES
 from ..bodies.round_body.body import Body
+from ..boundary.changes import boundaries
 from ..integrators.flow import CASADI
 from ..jobs.chunks import Arrays, Block, Layout, Memory, Store, Variable, even_chunk
 from ..jobs.dask import check_pool, pool_of
 from ..jobs.filling import fill, kept_on_stop
-from ..jobs.pipeline import Counted
-from ..jobs.shared import shared
+from ..jobs.pipeline import Counted, shared
 from ..jobs.zarr_store import ZarrStore
 from ..motion.gather import moving
 from ..motion.starts import Starts
+from ..spectra.spectrum import spectrum
 from ..systems.family import Family
 from ..systems.system import System
 from .dataset import (
@@ -46,14 +50,14 @@ from .dataset import (
     works,
 )
 from .launch_labels import LaunchLabels
-from .launches import Launches, prepare
-from .linear import LINEAR, linear_verdict
+from .launches import SCALES, TILT, Launches, prepare
 from .outcomes import Judging, judged_by, last_time, outcomes
-from .refinement.refine import refine
+from .refinement import refine
 from .statistics.samples import DistributionLike, Independent, check_distribution, sample
 
 if TYPE_CHECKING:
     import xarray
+
 
 TILE, LARGE, PIECES = 4096, 16384, 64
 """Launches of a chunk, about: at least, at most, and so that a map has this many chunks.  The last
@@ -64,6 +68,10 @@ MOST_LEVELS = 20
 """Most halvings of a map's steps."""
 MOST = 1_000_000_000
 """Most launches of a call."""
+LINEAR = "linear_verdict"
+"""Name of the coordinate."""
+DIGITS = 12
+"""Significant digits of a change of verdict, so that any machine writes the same bytes."""
 
 
 @dataclass(frozen=True)
@@ -423,7 +431,7 @@ def store_of(plan: Plan, store: Any = None, overwrite: bool = False) -> Store:
         {} if plan.distribution is None else {"sample": repr(plan.distribution), "seed": plan.seed}
     )
     coords = coordinates(plan.launches, some, plan.axes)
-    coords |= linear_verdict(plan.launches, plan.axes)
+    coords |= _linear_verdict(plan.launches, plan.axes)
     told = attributes(plan.launches, some, plan.horizon, plan.judging, more)
     told["citation"] = works(plan.launches, some, linear=LINEAR in coords)
     if store is None:
@@ -431,3 +439,63 @@ def store_of(plan: Plan, store: Any = None, overwrite: bool = False) -> Store:
     about = question(plan.launches, some, plan.horizon, plan.judging, more)
     about["axes"] = [[a.name, a.low, a.high, a.count, a.log] for a in plan.axes]
     return ZarrStore(store, plan.layout, asked, coords, told, about, overwrite=overwrite)
+
+
+def _linear_verdict(launches: Launches, axes: tuple[Axis, ...]) -> dict[str, Any]:
+    """Verdict of the steady motions near which launches start, along the axis that names these.
+
+    Verdicts are proved, so that any machine finds the same ones.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> found = st.basins(contact="viscous", mu=0.3, family="spinning", horizon=1.0,
+    ...                   x=("at", 1.0, 3.0, 2), y=("tilt", 0.1, 0.2, 2))
+    >>> found.linear_verdict.dims, found.linear_verdict.values.tolist()
+    (('phi_dot',), [2, 1])
+    >>> found.linear_verdict.attrs["changes"], found.linear_verdict.attrs["zones"]
+    ([2.0], [2, 1])
+    """
+    if not launches.family or launches.contact is None:
+        return {}
+    own = launches.own
+    along = [a for a in axes if a.name == own]
+    others = [a.name for a in axes if a.name != own]
+    if not along or any(n != TILT and n not in STATES for n in others):
+        return {}
+    held, law = dict(launches.held), launches.contact
+    body: dict[str, Any] = {}
+    if isinstance(launches.thing, Body):
+        body = {"body": launches.body(held), **launches.where, "certify": True}
+    elif isinstance(launches.thing, Disk):
+        body = {"disk": replace(launches.thing, **{n: held[n] for n in SCALES if n in held})}
+    if set(law.given) & set(held):
+        law = type(law)(**(law.given | {n: held[n] for n in law.given if n in held}))
+    try:
+        given = body | {"contact": law}
+        found = spectrum(launches.family, at=along[0].values, **given)
+        changes, zones = _zones(launches.family, along[0], given)
+    except StabilityError:  # dry friction is not smooth at a member
+        return {}
+    attributes: dict[str, Any] = {
+        "long_name": f"linear verdict of {launches.near} under {law.name} contact",
+        "flag_values": [int(c) for c in CODES.values()],
+        "flag_meanings": " ".join(v.word for v in CODES),
+    }
+    if zones:
+        attributes |= {"changes": changes, "zones": zones}
+    return {LINEAR: (own, np.asarray(found.codes, dtype=np.int8), attributes)}
+
+
+def _zones(family: str, axis: Axis, given: dict[str, Any]) -> tuple[list[float], list[int]]:
+    """Changes of verdict and the verdicts between them; none where a piece stays open."""
+    of_all = {n: v for n, v in given.items() if n != "certify"}
+    with warnings.catch_warnings():  # an open piece leaves out the zones, and nothing else
+        warnings.simplefilter("ignore", StabilityWarning)
+        found = boundaries(family, axis=("at", axis.low, axis.high, axis.count), **of_all)
+    if not found.complete or not len(found):
+        return [], []
+    changes = [float(f"{p.value:.{DIGITS}g}") for p in found]
+    ends = np.array([axis.low, *changes, axis.high])
+    between = spectrum(family, at=(ends[1:] + ends[:-1]) / 2, **given)
+    return changes, [int(c) for c in between.codes]

@@ -20,7 +20,7 @@ from .dataset import arrays
 from .lanes import STRIDE, lanes_of_batch
 from .launch_labels import coded
 from .outcomes import outcomes
-from .refinement.waves import expected_launches
+from .refinement import expected_launches
 from .statistics.samples import sample
 
 FIRST, LAST, GROWTH = 8, 512, 4

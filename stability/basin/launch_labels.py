@@ -15,12 +15,11 @@ from ..base.errors import ParameterError, shown
 from ..base.types import Floats
 from ..integrators.flow import CASADI
 from ..integrators.taylor import CORES
-from ..jobs.pipeline import check_run, ordered, threads
-from ..jobs.shared import shared
+from ..jobs.pipeline import check_run, ordered, shared, threads
 from ..motion.gather import moving
 from ..motion.result import BY_CODE
 from .dataset import works
-from .lattice.labels import Ints
+from .labels import Ints
 from .launches import Launches, prepare
 from .outcomes import Judging, judged_by, last_time, outcomes
 

@@ -11,7 +11,7 @@ from typing import Any, cast
 
 from ..base.errors import ParameterError, StabilityError, StabilityWarning
 from ..base.version import __version__
-from ..storage.json_text import HELP, json_text
+from ..storage.text import HELP, json_text
 from .basin.basins import EXAMPLES as BASINS
 from .basin.basins import add_arguments as add_basins
 from .compare import add_arguments as add_compare

@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..base.errors import NameUnknownError, ParameterError, shown
-from ..storage.json_text import json_text
+from ..storage.text import json_text
 from .options import overwriting
 from .terminal import progress_bar
 
 if TYPE_CHECKING:
-    from ..jobs.processes import Task
+    from ..jobs.measured_cells import Task
 
 CHARTS = ("spectrum", "motion")
 """Subjects of a chart."""
@@ -123,7 +123,7 @@ def summary(folder: Path, plan: Mapping[str, Sequence[Sequence[Task]]]) -> dict[
     from ..compare.plan import FAILURES, SCENES, asked
     from ..compare.report import part
     from ..compare.scenes import choice
-    from ..jobs.journal import Journal
+    from ..jobs.measured_cells import Journal
 
     cells = Journal(folder).cells
     out: dict[str, Any] = {"page": str(folder / "index.html"), "machine": machine()}

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..base.errors import ParameterError, shown
-from ..storage.json_text import json_text
+from ..storage.text import json_text
 from .options import _axis, _picture
 from .subject import members
 from .terminal import progress_bar, waiting

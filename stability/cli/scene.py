@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..base.errors import ParameterError
-from ..storage.json_text import json_text
+from ..storage.text import json_text
 from .options import overwriting
 from .terminal import progress_bar, waiting
 

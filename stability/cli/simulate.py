@@ -10,7 +10,7 @@ from typing import Any
 
 from ..base.errors import ParameterError, absent, shown
 from ..base.quantities import Kind
-from ..storage.json_text import json_text
+from ..storage.text import json_text
 from .options import overwriting, step_error
 from .subject import add_subject, body_numbers, moving, refuse_of_body, require
 from .system_option import doubles, exact_numbers
@@ -199,12 +199,12 @@ def _draw(options: argparse.Namespace, dataset: Any, targets: dict[str, Path], t
     if "plot" in targets:
         with waiting("drawing"), atomic_write(targets["plot"], overwrite=options.force) as draft:
             from ..figures.canvas import save_figure
-            from ..figures.launch.motion import plot_motion
+            from ..figures.motion import plot_motion
 
             save_figure(plot_motion(dataset), draft)
     if "film" in targets:
         with progress_bar("frames") as progress:
-            from ..figures.launch.animate import animate
+            from ..figures.animate import animate
 
             body = None if options.body is None else thing
             animate(dataset, targets["film"], overwrite=options.force, progress=progress, body=body)

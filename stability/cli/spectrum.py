@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..storage.json_text import json_text
+from ..storage.text import json_text
 from .subject import Subject, members
 
 

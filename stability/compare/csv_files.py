@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..jobs.journal import Cell
-from ..storage.csv_text import csv_text
+from ..jobs.measured_cells import Cell
+from ..storage.text import csv_text
 from .spectrum.hardness import EDGES
 
 

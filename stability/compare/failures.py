@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..base.errors import StabilityError
-from ..jobs.journal import CRASHED, DONE, LATE, REFUSED, Cell
-from ..jobs.processes import Task
-from ..storage.csv_text import csv_text
+from ..jobs.measured_cells import CRASHED, DONE, LATE, REFUSED, Cell, Task
+from ..storage.text import csv_text
 from .marks import BY_WORD, HONEST, Judgement, Mark
 from .motion import drivers
 from .motion.cases import MOTION_CASES

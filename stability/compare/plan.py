@@ -6,8 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from ..base.checks import chosen
 from ..base.errors import NameUnknownError, ParameterError, shown
-from ..jobs.journal import Cell
-from ..jobs.processes import Task
+from ..jobs.measured_cells import Cell, Task
 from . import failures as catalogue
 from . import scenes
 from .motion import measure as works

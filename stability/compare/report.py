@@ -16,13 +16,12 @@ import numpy as np
 
 from ..base.checks import flag
 from ..base.errors import FileError
-from ..jobs.journal import JOURNAL, Cell, Journal, is_journal
+from ..jobs.measured_cells import JOURNAL, Cell, Journal, is_journal, run
 from ..jobs.pipeline import check_run, resumable
-from ..jobs.processes import run
-from ..storage.csv_text import csv_text
 from ..storage.files import atomic_write, together
 from ..storage.netcdf import packed
 from ..storage.targets import check_folder, path_text, place, refusing
+from ..storage.text import csv_text
 from . import failures as catalogue
 from . import scenes
 from .motion import dataset as motion_data

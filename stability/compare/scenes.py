@@ -10,8 +10,7 @@ import numpy as np
 
 from ..bodies.contact_laws import LinearViscous, Rough, Viscous
 from ..bodies.disk import Disk
-from ..jobs.journal import Cell
-from ..jobs.processes import Task
+from ..jobs.measured_cells import Cell, Task
 from ..scene.chart import chart
 from ..scene.scene import Scene
 

@@ -24,13 +24,11 @@ from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..bodies.quantities import quantities_of
 from ..boundary.crossings import Crossing
 from ..boundary.curves import KINDS
-from ..boundary.two_parameters.point_records import CodimensionTwo
+from ..boundary.two_parameters.point_records import CodimensionTwo, PointKind
 from ..maps.dataset import points_of
 from ..spectra.result import Spectrum
-from .point_marks import counted, mark
-from .shading import DIVERGING, TEXTURES, colour_bar, hatch, linear_part, norm_of, patch
-from .strip import Strip as Strip
-from .strip import draw_strip
+from .shading import DIVERGING, TEXTURES, colour_bar, draw_strip, hatch, linear_part, norm_of, patch
+from .shading import Strip as Strip
 
 if TYPE_CHECKING:
     import xarray
@@ -117,7 +115,7 @@ def plot_map(
         _bar(figure, rows, mesh, dataset, [s for s, _ in strips])
         marked = points_of(dataset) if points is None else points
         if marked is not None:
-            mark(main, marked, (_x(dataset), _y(dataset)))
+            _mark_points(main, marked, (_x(dataset), _y(dataset)))
         _curves(main, dataset)
         settle(figure)
         nameless = {v for s, p in strips for v in draw_strip(p, s, mesh.norm)}
@@ -216,7 +214,7 @@ def caption(dataset: xarray.Dataset, points: CodimensionTwo | None = None) -> st
         f"{title[:1].upper()}{title[1:]} of {dataset.attrs['system']}{_numbers(dataset)}.  Colour: "
         f"largest growth "
         f"rate, grey within {_linear(dataset)[0]:g} of zero{texture}.{blank}  Cells: {cells}{none}."
-        f"{counted(points) if points is not None else ''}"
+        f"{_count_points(points) if points is not None else ''}"
     )
 
 
@@ -423,3 +421,59 @@ def _extent(axes: Axes, word: str) -> tuple[float, float]:
     size = small() + 1.5
     width = TextPath((0, 0), word, size=size).get_extents().width
     return (1.3 * size + 3) / (box.height * points), (width + 7) / (box.width * points)
+
+
+MARKERS = {
+    PointKind.DOUBLE_ZERO: "s",
+    PointKind.ZERO_HOPF: "D",
+    PointKind.DOUBLE_HOPF: "^",
+    PointKind.VANISHING: "o",
+}
+"""Marker of each kind."""
+LABELS = {
+    PointKind.DOUBLE_ZERO: "double zero",
+    PointKind.ZERO_HOPF: "zero and pair",
+    PointKind.DOUBLE_HOPF: "two pairs",
+    PointKind.VANISHING: "soft to hard",
+}
+"""Word of each kind in the legend."""
+
+
+def _mark_points(axes: Axes, found: CodimensionTwo, known: tuple[str, str]) -> None:
+    """Mark points of codimension two; open markers where other eigenvalues are unstable."""
+    names = tuple(name for name, _, _ in found.axes)
+    if sorted(names) != sorted(known):
+        raise ParameterError(
+            f"points has the axes {', '.join(names)}, and the map {', '.join(known)}; give points "
+            "of the same two axes."
+        )
+    swapped = names != known
+    halo = [withStroke(linewidth=2.2, foreground="white")]
+    seen: set[PointKind] = set()
+    for p in found:
+        x, y = (p.y, p.x) if swapped else (p.x, p.y)
+        filled = p.others != "unstable"
+        axes.plot(
+            [x],
+            [y],
+            MARKERS[p.kind],
+            color="black",
+            markersize=4.5,
+            zorder=6,
+            markerfacecolor="#f7d038" if filled else "none",
+            markeredgewidth=0.9,
+            label=None if p.kind in seen else LABELS[p.kind],
+            path_effects=halo,
+            clip_on=False,
+        )
+        seen.add(p.kind)
+
+
+def _count_points(found: CodimensionTwo) -> str:
+    """A sentence for the caption: how many points of each kind, and what stays open."""
+    counts = {k: sum(p.kind is k for p in found) for k in PointKind}
+    words = ", ".join(f"{n} {LABELS[k]}" for k, n in counts.items() if n) or "none"
+    open_ = "" if found.complete else "; the search is not complete"
+    hollow = any(p.others == "unstable" for p in found)
+    rest = "  Hollow: another eigenvalue is unstable." if hollow else ""
+    return f"  Points of codimension two: {words}{open_}.{rest}"

@@ -22,8 +22,7 @@ from ..algebra.program import Program
 from ..base.errors import StabilityError
 from ..base.types import Floats
 from ..bodies.model import NO_CONTACT
-from ..jobs.pipeline import Counted, here, ordered, threads
-from ..jobs.shared import shared
+from ..jobs.pipeline import Counted, here, ordered, shared, threads
 from .flow import ASKING, Flow
 from .leg import UNRESOLVED, Budget, End, Leg, Path, guard_at, lost, too_many
 

@@ -2,11 +2,17 @@
 
 An interruption within a condition of `threading` ends in `RuntimeError: release unlocked lock`
 (CPython; tests/jobs/test_pipeline.py shows it).  Here signals wait while such a condition is used.
+
+What all pieces need is shared: each worker reads its own copy, since CasADi's objects must not be
+used by several threads at once, and a process has none of its parent's objects.
 """
 
 from __future__ import annotations
 
+import hashlib
 import os
+import pickle
+import threading
 from collections import deque
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import (
@@ -17,11 +23,12 @@ from concurrent.futures import (
     ThreadPoolExecutor,
 )
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from queue import Empty, SimpleQueue
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar, cast
 
 from ..base.checks import MOST_WORKERS, callback, instance, whole_number
 from ..base.errors import ParameterError, StabilityError, one_line
@@ -29,7 +36,6 @@ from ..base.types import Progress
 from ..storage.files import postponed
 from ..storage.targets import path_text
 from .following import follow_starter, worker_ended
-from .shared import SHORT
 
 K = TypeVar("K")
 T = TypeVar("T")
@@ -45,6 +51,11 @@ ENDED = (
     "a worker was ended from outside, or did not start; if the memory is short, take a smaller "
     "task or fewer workers, and in a script make the call under `if __name__ == '__main__':`."
 )
+MOST_COPIES = 8
+"""Largest number of copies in a thread; the oldest is dropped first."""
+SHORT = 120
+"""Largest number of characters of an error in a message."""
+_THREAD = threading.local()
 
 
 class Keep(Protocol[Key, T]):
@@ -343,3 +354,82 @@ class _Piece(Generic[T]):
         if os.getpid() != self.home:
             follow_starter()
         return self.work()
+
+
+def shared(value: T, executor: Executor | None) -> Callable[[], T]:
+    """A function that gives the value to a worker; pieces of work use it in place of the value.
+
+    Parameters
+    ----------
+    value
+        Data that every piece needs.
+    executor
+        Executor whose workers use the value: each thread or process then has its own copy.  None
+        for threads of this package, which share the value: they avoid CasADi or take turns.
+
+    Returns
+    -------
+    callable
+
+    Raises
+    ------
+    ParameterError
+        If the value cannot be sent.
+
+    Examples
+    --------
+    >>> from concurrent.futures import ThreadPoolExecutor
+    >>> value = {"k": 0.25}
+    >>> with ThreadPoolExecutor(1) as pool:
+    ...     copy = pool.submit(shared(value, pool)).result()
+    >>> copy == value, copy is value
+    (True, False)
+    """
+    if executor is None:
+        return partial(_same, value)
+    from casadi import global_pickle_context
+
+    try:
+        with global_pickle_context():
+            content = pickle.dumps(value)
+    except Exception as error:
+        raise ParameterError(
+            "the work cannot be sent to the workers of the executor: "
+            f"{one_line(str(error), SHORT)}; define contact laws in a module, not in a function."
+        ) from None
+    return _Copied(hashlib.sha256(content).digest(), content)
+
+
+def _same(value: T) -> T:
+    return value
+
+
+@dataclass(frozen=True)
+class _Copied(Generic[T]):
+    """A value as bytes, read once in each thread."""
+
+    name: bytes
+    """Checksum of the bytes."""
+    content: bytes = field(repr=False)
+    """The bytes."""
+
+    def __call__(self) -> T:
+        """The copy of this thread."""
+        held: dict[bytes, Any] = _THREAD.__dict__.setdefault("held", {})
+        if self.name not in held:
+            while len(held) >= MOST_COPIES:
+                del held[next(iter(held))]
+            held[self.name] = self._read()
+        return cast(T, held[self.name])
+
+    def _read(self) -> Any:
+        from casadi import global_unpickle_context
+
+        try:
+            with global_unpickle_context():
+                return pickle.loads(self.content)
+        except Exception as error:
+            raise StabilityError(
+                f"a worker cannot read its work: {one_line(str(error), SHORT)}; define contact "
+                "laws in a module that it can import."
+            ) from None

@@ -24,24 +24,22 @@ from ..base.checks import flag
 from ..base.errors import FileError, StabilityError, warned
 from ..storage.files import atomic_write
 from ..storage.litter import clear, temporary
-from ..storage.store_question import (
-    PRINT,
-    QUESTION,
-    asked_of,
-    difference,
-    fingerprint_of,
-    plain_json,
-    same_question,
-)
 from ..storage.targets import check_folder, path_text, refusing
 from ..storage.zarr_folder import (
     HEAD,
     MARKER,
     MISSING,
+    PRINT,
+    QUESTION,
     Seals,
+    asked_of,
     damaged_files,
     dataset_of,
+    difference,
+    fingerprint_of,
     named,
+    plain_json,
+    same_question,
     sealed_head,
 )
 from .chunks import Arrays, Block, Layout, Variable, check_chunk

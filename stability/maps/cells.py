@@ -21,8 +21,7 @@ from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..base.version import __version__
 from ..integrators.flow import CASADI
 from ..jobs.checkpoint import Chunk
-from ..jobs.pipeline import Counted, Keep, ordered
-from ..jobs.shared import shared
+from ..jobs.pipeline import Counted, Keep, ordered, shared
 from ..spectra.certificate import BITS, verdict
 from ..spectra.deflation import drift_powers, drifting
 from ..spectra.problem import Problem

@@ -122,7 +122,7 @@ def read_map(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Data
     """
     import xarray
 
-    from ..storage.reading import opened
+    from ..storage.netcdf import opened
 
     if place(path).suffix.lower() in STORES:
         from ..storage.zarr_folder import opened_store

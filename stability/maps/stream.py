@@ -35,8 +35,7 @@ from ..bodies.round_body.body import Body
 from ..jobs.chunks import Arrays, Block, Layout, Variable
 from ..jobs.dask import check_pool, pool_of
 from ..jobs.filling import fill
-from ..jobs.pipeline import Counted, ordered
-from ..jobs.shared import shared
+from ..jobs.pipeline import Counted, ordered, shared
 from ..jobs.zarr_store import ZarrStore
 from ..spectra.arguments import swept
 from ..spectra.labels import axis_attributes

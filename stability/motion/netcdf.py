@@ -11,7 +11,6 @@ import numpy as np
 
 from ..base.errors import FileError
 from .dataset import FORMAT
-from .result import BY_CODE, Outcome
 
 if TYPE_CHECKING:
     import xarray
@@ -97,30 +96,9 @@ def read_motion(path: str | os.PathLike[str]) -> xarray.Dataset:
     ...     st.read_motion(st.write_motion(run, Path(folder) / "run.nc")).identical(run)
     True
     """
-    from ..storage.reading import opened
+    from ..storage.netcdf import opened
 
     return opened(path, FORMAT, "a motion")
-
-
-def outcome_of(dataset: xarray.Dataset) -> Outcome:
-    """The outcome of a single run.
-
-    Parameters
-    ----------
-    dataset
-        Dataset from `simulate`, of one launch.
-
-    Returns
-    -------
-    Outcome
-
-    Examples
-    --------
-    >>> import stability as st
-    >>> outcome_of(st.simulate(st.Disk(), st.Smooth(), {"theta": 1.0}, 5.0)).word
-    'flat'
-    """
-    return BY_CODE[int(dataset.outcome)]
 
 
 def is_finite(dataset: xarray.Dataset) -> bool:

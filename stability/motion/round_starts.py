@@ -30,8 +30,7 @@ from ..bodies.round_body.pole_equations import smooth_at
 from ..bodies.round_body.shape import RoundShape
 from ..bodies.round_body.thin import thin_body, unit_disk
 from ..integrators.flow import flow_of
-from ..integrators.friction_at_rest import continuations
-from ..integrators.stick_slip import REST
+from ..integrators.stick_slip import REST, continuations
 from ..settling.body_lines import body_settling, disk_settling
 from ..settling.settling import Settling
 from ..systems.system import System

@@ -24,17 +24,19 @@ from ..integrators.selection import FINEST, TURN, Choice, explicit, run
 from ..integrators.stick_slip import SLIDING, DryPath
 from ..integrators.stick_slip import integrate as integrate_dry
 from ..integrators.taylor import CORES
-from ..jobs.pipeline import Counted, here, ordered
-from ..jobs.shared import shared
+from ..jobs.pipeline import Counted, here, ordered, shared
 from ..settling.settling import NOWHERE, Nearest
-from .growth import LARGEST, NONE, growth, growth_along
-from .neighbours import (
+from .error_estimate import (
     COMPARED,
     HIDDEN,
+    LARGEST,
+    NONE,
     SMALL,
     between,
     estimate_errors,
     grows,
+    growth,
+    growth_along,
     signs,
     with_growth,
 )

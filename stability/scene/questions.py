@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..base.quantities import Kind
 from ..base.types import Floats
 from ..bodies.round_body.pole_equations import AXIS
-from ..motion.neighbours import signs
+from ..motion.error_estimate import signs
 from ..settling.fixed_axes import STATES
 from ..settling.settling import Nearest
 from .rungs.elements import chebyshev, coefficients

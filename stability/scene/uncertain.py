@@ -12,7 +12,7 @@ import numpy as np
 from ..base.errors import DomainError
 from .ladder import Climbed, full_name
 from .questions import QUESTIONS
-from .rungs.nearby import nearby
+from .rungs.sensitivities import nearby
 from .rungs.track import Problem, Refused, Track, relative
 
 VAIN_WORDS = "a tenth of what the uncertain inputs allow to know"

@@ -27,7 +27,7 @@ from ..bodies.contact import Contact
 from ..bodies.newton_euler import STATES as SIX
 from ..systems.family import Family
 from ..systems.system import System
-from .box.together import Balls
+from .box import Balls
 from .surroundings import Surroundings, surroundings
 
 NUMPY = numpy_algebra()

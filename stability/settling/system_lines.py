@@ -1,7 +1,7 @@
 """What a user's system settles on: the families that were given.
 
 Along a family with a state in `at`, settling is proved where no root-finder is needed and the rates
-vanish by structure.  A member that stands alone needs neither (`stability.settling.box.alone`).
+vanish by structure.  A member that stands alone needs neither (`stability.settling.box`).
 For other families only distances are given, and no state counts as settled.
 """
 

@@ -1,15 +1,23 @@
-"""NetCDF files of the package: packed with a checksum, loaded after a check of their sizes."""
+"""NetCDF files of the package: packed with a checksum, and opened after a check of both.
+
+A file without a checksum is first read by another process, limited in time and memory: HDF5 follows
+the links of a damaged file for ever, and allocates what the file declares.
+"""
 
 from __future__ import annotations
 
+import os
+import signal
+import subprocess
+import sys
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..base.errors import FileError
-from .checksum import ATTRIBUTE, STATEMENT, sealed
-from .targets import path_text
+from .checksum import ATTRIBUTE, STATEMENT, intact, sealed
+from .targets import path_text, place, refusing
 
 if TYPE_CHECKING:
     import xarray
@@ -20,6 +28,16 @@ DEFLATE = 1100
 """Most bytes that one byte of a compressed chunk can hold (zlib: 1032), with room for headers."""
 SMALL = 2**22
 """Size up to which a variable is not checked [bytes]."""
+SECONDS = 5
+"""Processor time for reading [s], in addition to a time in proportion to the size."""
+RATE = 2e7
+"""Lowest speed of reading [bytes of variables per second]."""
+WALL = 600.0
+"""Time after which the process is ended in any case, even on a busy machine [s]."""
+MEMORY = 2**30
+"""Memory for reading [bytes], in addition to three times the size of the variables."""
+LONGEST = 300
+"""Largest number of characters of the process's sentence in a message."""
 
 
 def packed(dataset: xarray.Dataset, compress: Mapping[str, Any] | None = None) -> bytes:
@@ -48,7 +66,7 @@ def loaded(source: Path, form: str, what: str, *, lazy: bool) -> xarray.Dataset:
     Parameters
     ----------
     source, form, what, lazy
-        As for `stability.storage.reading.opened`.
+        As for `stability.storage.netcdf.opened`.
 
     Returns
     -------
@@ -172,3 +190,165 @@ def available() -> int | None:
             if line.startswith("MemAvailable:"):
                 return 1024 * int(line.split()[1])
     return None
+
+
+def opened(
+    path: str | os.PathLike[str], form: str, what: str, *, lazy: bool = False
+) -> xarray.Dataset:
+    """Open a NetCDF file of this package as a dataset.
+
+    Parameters
+    ----------
+    path
+        File to read.
+    form
+        Required value of the attribute `format`.
+    what
+        Expected content, in words.
+    lazy
+        Whether to leave the data in the file.
+
+    Returns
+    -------
+    xarray.Dataset
+
+    Raises
+    ------
+    FileError
+        If there is no such file, or it is damaged, or not a NetCDF file, or not of that format.
+    """
+    source = place(path)
+    with refusing(source, "read"):
+        if not source.is_file():
+            raise FileError(f"{path_text(source)} is not a file; give {what} written by stability.")
+        right = intact(source)
+    if right is None:
+        _check_head(source)
+    if right is False:
+        raise FileError(
+            f"{path_text(source)} is damaged or was changed after it was written: its checksum is "
+            "wrong."
+        )
+    if right is None:  # nothing in the file can be trusted, not even that HDF5 comes to an end
+        _inspect(source, form, what, lazy=lazy)
+    dataset = loaded(source, form, what, lazy=lazy)
+    if right is None and (ATTRIBUTE in dataset.attrs or not (lazy or _plausible(dataset))):
+        dataset.close()
+        raise FileError(
+            f"{path_text(source)} is damaged or was changed after it was written: its checksum is "
+            "missing or a flag has no meaning."
+        )
+    dataset.attrs.pop(ATTRIBUTE, None)
+    return dataset
+
+
+def _check_head(source: Path) -> None:
+    """Refuse at once a file that is not HDF5, or shorter than its superblock says.
+
+    Source: HDF5 File Format Specification, version 3.0, II.A.
+    """
+    with source.open("rb") as handle:
+        head = handle.read(48)
+    if len(head) < 48 or not head.startswith(b"\x89HDF\r\n\x1a\n"):
+        raise FileError(
+            f"{path_text(source)} cannot be read as NetCDF (it is not HDF5); it may be damaged or "
+            "of another format."
+        )
+    start = {0: 40, 1: 44}.get(head[8], 28)
+    if int.from_bytes(head[start : start + 8], "little") > source.stat().st_size:
+        raise FileError(f"{path_text(source)} is damaged: it is shorter than it says.")
+
+
+def _plausible(dataset: xarray.Dataset) -> bool:
+    """Whether every flag of a file without a checksum is one of those that the file lists."""
+    import numpy as np
+
+    return all(
+        bool(np.isin(v.values, v.attrs["flag_values"]).all())
+        for v in dataset.variables.values()
+        if "flag_values" in v.attrs
+    )
+
+
+def _inspect(source: Path, form: str, what: str, *, lazy: bool) -> None:
+    """Let another process read a file, and refuse the file if the process fails."""
+    if not sys.executable:  # Python is embedded: no other process can be started
+        return
+    home = str(Path(__file__).resolve().parents[2])
+    code = (
+        f"import sys; sys.path.insert(0, {home!r}); "
+        "from stability.storage.netcdf import read_apart; read_apart(*sys.argv[1:])"
+    )
+    how = "lazy" if lazy else "all"
+    words = [sys.executable, "-c", code, os.fspath(source.absolute()), form, what, how]
+    calm = {n: "1" for n in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
+    try:
+        done = subprocess.run(
+            words,
+            env=os.environ | calm,
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            timeout=WALL,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        raise FileError(_endless(source)) from None
+    except OSError as error:
+        raise FileError(
+            f"{path_text(source)} has no checksum, and no process can be started to inspect it: "
+            f"{error.strerror}."
+        ) from None
+    if done.returncode == 0:
+        return
+    if done.returncode == 2:
+        raise FileError(done.stdout.decode("utf-8", "replace")[:LONGEST])
+    if done.returncode == -getattr(signal, "SIGXCPU", 0):
+        raise FileError(_endless(source))
+    raise FileError(
+        f"{path_text(source)} is damaged: the process that read it ended with code "
+        f"{done.returncode}."
+    )
+
+
+def _endless(source: Path) -> str:
+    return f"{path_text(source)} is damaged: reading it comes to no end."
+
+
+def read_apart(path: str, form: str, what: str, how: str) -> None:
+    """Read a file within bounds; for a refused file the process ends with code 2 and a sentence."""
+    import h5netcdf  # noqa: F401  # before time and memory are counted
+    import xarray  # noqa: F401
+
+    source, lazy = Path(path), how == "lazy"
+    try:
+        _bound(SECONDS, MEMORY)
+        total = 0 if lazy else check_sizes(source, lazy=False)
+        _bound(SECONDS + int(total / RATE), MEMORY + 3 * total)
+        loaded(source, form, what, lazy=lazy).close()
+        answer = ""
+    except FileError as error:
+        answer = str(error)
+    except MemoryError:
+        answer = f"{path_text(source)} is damaged: reading it takes more memory than it declares."
+    except Exception as error:
+        answer = f"{path_text(source)} cannot be read as NetCDF ({type(error).__name__})."
+    os.write(1, answer.encode("utf-8", "replace"))
+    os._exit(2 if answer else 0)  # no clean-up, since HDF5 may be in disorder
+
+
+def _bound(seconds: int, memory: int) -> None:
+    """Limit this process from now on, where the system can."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return
+    with suppress(OSError, ValueError, AttributeError):
+        used = resource.getrusage(resource.RUSAGE_SELF)
+        limit = int(used.ru_utime + used.ru_stime) + 1 + seconds
+        _, hard = resource.getrlimit(resource.RLIMIT_CPU)
+        resource.setrlimit(resource.RLIMIT_CPU, (limit, hard))
+    with suppress(OSError, ValueError, AttributeError, IndexError):
+        pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+        has = pages * resource.getpagesize()
+        _, hard = resource.getrlimit(resource.RLIMIT_AS)
+        resource.setrlimit(resource.RLIMIT_AS, (has + memory, hard))

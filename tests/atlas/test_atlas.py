@@ -10,8 +10,7 @@ import pytest
 import xarray
 
 import stability as st
-from stability.atlas.build import COLUMNS, atlas, zeros_of_rates
-from stability.atlas.launches import LAUNCHED, TIME
+from stability.atlas.build import COLUMNS, LAUNCHED, TIME, atlas, zeros_of_rates
 from stability.atlas.page import BODIES, drawn
 from stability.atlas.page import LOCUS_FRICTION as EVERY_FRICTION
 
@@ -57,12 +56,10 @@ def folder(
     out = tmp_path_factory.mktemp("atlas") / "atlas"
     told: list[tuple[int, int]] = []
     with pytest.MonkeyPatch.context() as patch:
-        for module in ("build", "launches"):
-            of = {name: BODIES[name] for name in bodies}
-            patch.setattr(f"stability.atlas.{module}.BODIES", of)
+        patch.setattr("stability.atlas.build.BODIES", {name: BODIES[name] for name in bodies})
         patch.setattr("stability.atlas.build.LOCUS_FRICTION", frictions(bodies))
-        patch.setattr("stability.atlas.launches.LAUNCHED", launched[0])
-        patch.setattr("stability.atlas.launches.TIME", launched[1])
+        patch.setattr("stability.atlas.build.LAUNCHED", launched[0])
+        patch.setattr("stability.atlas.build.TIME", launched[1])
         if kind == "undrawn":
             undraw(patch)
         page = atlas(
@@ -178,15 +175,14 @@ def undraw(patch: pytest.MonkeyPatch) -> None:
 
     patch.setattr("stability.figures.canvas.save", save)
     patch.setattr("stability.figures.diagram.plot_map", lambda *_, **__: None)
-    patch.setattr("stability.figures.locus.loci.plot_locus", lambda *_, **__: None)
-    patch.setattr("stability.figures.basin.basins.plot_basins", lambda *_, **__: None)
+    patch.setattr("stability.figures.loci.plot_locus", lambda *_, **__: None)
+    patch.setattr("stability.figures.basins.plot_basins", lambda *_, **__: None)
 
 
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """An atlas of one body, without its figures."""
-    for module in ("build", "launches"):
-        monkeypatch.setattr(f"stability.atlas.{module}.BODIES", {"disk": BODIES["disk"]})
+    monkeypatch.setattr("stability.atlas.build.BODIES", {"disk": BODIES["disk"]})
     undraw(monkeypatch)
 
 
@@ -197,8 +193,8 @@ def brief(monkeypatch: pytest.MonkeyPatch, undrawn: None) -> None:  # noqa: ARG0
     for module in ("build", "page"):
         monkeypatch.setattr(f"stability.atlas.{module}.drawn", lambda: few)
     monkeypatch.setattr("stability.atlas.build.LOCUS_FRICTION", EVERY_FRICTION[:1])
-    monkeypatch.setattr("stability.atlas.launches.LAUNCHED", LAUNCHED[:1])
-    monkeypatch.setattr("stability.atlas.launches.TIME", 5.0)
+    monkeypatch.setattr("stability.atlas.build.LAUNCHED", LAUNCHED[:1])
+    monkeypatch.setattr("stability.atlas.build.TIME", 5.0)
 
 
 @pytest.mark.usefixtures("brief")

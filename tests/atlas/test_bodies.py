@@ -13,18 +13,19 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.atlas.bodies import BODIES, atlas_of_bodies
-from stability.atlas.body_diagrams import (
+from stability.atlas.bodies import (
+    BODIES,
     CLOSE,
     MU,
     _across,
     absence,
+    atlas_of_bodies,
     draw,
     drawn,
     kinds,
     names,
+    pages,
 )
-from stability.atlas.body_pages import pages
 from stability.cli import main
 
 KEYS = ("eccentric", "thick")
@@ -93,7 +94,7 @@ def folder(
         if resolution == 8:
             undraw(patch, [])
             few = {name: drawn()[name] for name in ("rolling", "spinning")}
-            patch.setattr("stability.atlas.body_diagrams.drawn", lambda: few)
+            patch.setattr("stability.atlas.bodies.drawn", lambda: few)
         page = atlas_of_bodies(
             out, resolution=resolution, workers=1, progress=lambda *pair: told.append(pair)
         )
@@ -233,7 +234,7 @@ def test_maps_without_a_coefficient_are_those_of_single_spectra(
 def test_an_egg_has_a_page_with_both_ends_and_planes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("stability.atlas.body_diagrams._save", lambda *_: None)
+    monkeypatch.setattr("stability.atlas.bodies._save", lambda *_: None)
     shown, found, absent = BODIES["egg"], {}, {}
     for name in names(shown):
         if absence(shown, name):

@@ -12,7 +12,7 @@ import stability as st
 from stability.base.axis import Axis
 from stability.basin.borders import borders
 from stability.basin.launch_labels import FAMILIES
-from stability.basin.refinement.arrays import border_arrays
+from stability.basin.refinement import border_arrays
 from stability.motion.result import Outcome
 
 ALPHA = 2 - DIMENSION

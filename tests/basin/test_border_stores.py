@@ -14,8 +14,8 @@ import xarray
 from matplotlib.collections import LineCollection
 
 import stability as st
-from stability.basin.refinement import waves
-from stability.figures.basin.basins import basins_caption
+from stability.basin import refinement
+from stability.figures.basins import basins_caption
 
 MAP: dict[str, Any] = {
     "contact": "viscous",
@@ -72,13 +72,13 @@ def test_more_halvings_ask_only_what_is_new(
     whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[int] = []
-    run = waves.LaunchLabels.of
+    run = refinement.LaunchLabels.of
 
     def counted(self: Any, points: Any) -> Any:
         asked.append(len(points))
         return run(self, points)
 
-    monkeypatch.setattr(waves.LaunchLabels, "of", counted)
+    monkeypatch.setattr(refinement.LaunchLabels, "of", counted)
     out = tmp_path / "a.zarr"
     few = st.basins(**MAP, levels=2, store=out)
     assert sum(asked) == few.attrs["border_launches"] > 0
@@ -149,19 +149,19 @@ def test_a_wave_is_read_back_and_one_of_other_launches_is_computed_anew(tmp_path
     one, other = np.array([[0.1, 1.0], [0.2, 1.0]]), np.array([[0.3, 1.0], [0.4, 1.0]])
     for points, asked in (((one, other), 4), ((one, other), 0), ((one, one), 2), ((other,), 2)):
         labels = Counted()
-        run = waves.Waves(labels, tmp_path, None, 1, None, 0, 0)  # type: ignore[arg-type]
+        run = refinement.Waves(labels, tmp_path, None, 1, None, 0, 0)  # type: ignore[arg-type]
         for some in points:
             np.testing.assert_array_equal(run(some), 10 * some[:, 0])
         assert labels.asked == asked
-    names = {p.name for p in (tmp_path / waves.FOLDER).iterdir()}
+    names = {p.name for p in (tmp_path / refinement.FOLDER).iterdir()}
     assert names == {"0000.zarr", "0001.zarr"}
 
 
 SCRIPT = """
 import sys
 import stability as st
-from stability.basin.refinement import waves
-waves.LEAST = int(sys.argv[3])
+from stability.basin import refinement
+refinement.LEAST_CHUNK = int(sys.argv[3])
 if __name__ == "__main__":
     st.basins(contact="viscous", mu=0.3, family="spinning", x=("at", 2.2, 4.6, 7),
               y=("tilt", 0.05, 0.95, 6), horizon=60.0, check=False, chunk=16, levels=3,
@@ -174,12 +174,12 @@ FINE = 16
 @pytest.fixture(scope="module")
 def fine(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The same store with waves of many chunks, by one thread."""
-    folder, least = tmp_path_factory.mktemp("fine") / "a.zarr", waves.LEAST
-    waves.LEAST = FINE
+    folder, least = tmp_path_factory.mktemp("fine") / "a.zarr", refinement.LEAST_CHUNK
+    refinement.LEAST_CHUNK = FINE
     try:
         st.basins(**MAP, levels=3, store=folder)
     finally:
-        waves.LEAST = least
+        refinement.LEAST_CHUNK = least
     return folder
 
 
@@ -192,7 +192,7 @@ def test_a_refinement_that_stops_at_a_write_is_resumed_to_the_same_bytes(
     class Stopped(BaseException):
         pass
 
-    monkeypatch.setattr(waves, "LEAST", FINE)
+    monkeypatch.setattr(refinement, "LEAST_CHUNK", FINE)
     few: dict[str, Any] = MAP | {
         "x": ("at", 2.2, 4.6, 3),
         "y": ("tilt", 0.05, 0.95, 3),
@@ -203,7 +203,7 @@ def test_a_refinement_that_stops_at_a_write_is_resumed_to_the_same_bytes(
     out, write, left = tmp_path / "a.zarr", module._write, [1]
 
     def stopping(path: Path, content: bytes) -> None:
-        if waves.FOLDER in path.parts and path.name.startswith("c."):
+        if refinement.FOLDER in path.parts and path.name.startswith("c."):
             if left[0] == 0:
                 raise Stopped
             left[0] -= 1
@@ -229,7 +229,7 @@ def test_a_killed_refinement_is_resumed_to_the_same_bytes(
 ) -> None:
     out, rng = tmp_path / "a.zarr", np.random.default_rng(7)
     same = whole if executor == "threads" else fine
-    least = str(waves.LEAST if executor == "threads" else FINE)
+    least = str(refinement.LEAST_CHUNK if executor == "threads" else FINE)
     words = [sys.executable, "-c", SCRIPT, str(out), executor, least]
     within = 0
     for turn in range(kills):
@@ -255,4 +255,4 @@ def aimed(out: Path, same: Path, part: float) -> bool:
 
 def labels_of(folder: Path) -> list[Path]:
     """Chunks of waves that are there."""
-    return list((folder / waves.FOLDER).glob("*/label/whole.*"))
+    return list((folder / refinement.FOLDER).glob("*/label/whole.*"))

@@ -1,4 +1,4 @@
-"""Intervals cover the truth as often as they say; exponents and entropies of known borders."""
+"""Intervals cover the truth as often as they say; exponents of known borders."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from scipy.integrate import solve_ivp
 from stability.base.errors import ParameterError, StabilityWarning
 from stability.basin.borders import Borders, borders
 from stability.basin.statistics.box_counting import box_dimension, sensitive
-from stability.basin.statistics.entropy import basin_entropy
 from stability.basin.statistics.exponent import exponent_of, uncertainty_exponent
 from stability.basin.statistics.fractions import fractions, wilson
 from stability.basin.statistics.samples import Uniform, sample
@@ -285,38 +284,6 @@ def test_the_sensitive_part_of_a_border_is_marked_and_the_smooth_part_is_not() -
     assert not marked.cells[right].any()
 
 
-# --- entropy ---
-
-
-def _grid(low: float, high: float, n: int) -> np.ndarray:
-    values = np.linspace(low, high, n)
-    return np.stack(np.meshgrid(values, values), axis=-1).reshape(-1, 2)
-
-
-def test_three_basins_of_newtons_method_have_more_than_ln_2_at_their_border() -> None:
-    found = basin_entropy(newton(_grid(-2, 2, 250)).reshape(250, 250))
-    assert found.boundary > np.log(2)
-    assert found.fractal
-    assert found.basin == pytest.approx(found.boundary * found.mixed / found.boxes)
-
-
-def test_smooth_borders_have_less_than_ln_2() -> None:
-    grid = _grid(-1, 1, 500)
-    thirds = np.floor(3 * np.arctan2(grid[:, 1] - 0.03, grid[:, 0] - 0.01) / (2 * np.pi))
-    for labels in (circle(grid), thirds.astype(int)):
-        found = basin_entropy(labels.reshape(500, 500))
-        assert 0.2 < found.boundary < np.log(2)
-        assert not found.fractal
-
-
-def test_riddled_labels_have_the_entropy_of_equal_shares() -> None:
-    """Three labels at random: ln 3 less the bias of 25 counts, (3 - 1) / (2 · 25) (Miller 1955)."""
-    labels = np.random.default_rng(8).integers(0, 3, (1000, 1000))
-    found = basin_entropy(labels)
-    assert found.mixed == found.boxes == 40000
-    assert found.basin == pytest.approx(np.log(3) - 2 / 50, abs=3e-3)
-
-
 @pytest.mark.parametrize(
     ("call", "words"),
     [
@@ -324,8 +291,6 @@ def test_riddled_labels_have_the_entropy_of_equal_shares() -> None:
         (lambda: wilson(1, 2, 1.0), "level"),
         (lambda: fractions([]), "whole numbers"),
         (lambda: fractions([0.5]), "whole numbers"),
-        (lambda: basin_entropy(np.zeros((3, 9), int)), "5 by 5"),
-        (lambda: basin_entropy(np.zeros((9, 9))), "whole numbers"),
         (lambda: uncertainty_exponent(circle, [0, 0], [1], [0.1] * 3), "corners"),
         (lambda: uncertainty_exponent(circle, [0, 0], [1, 1], [0.1, 0.2]), "at least three"),
         (lambda: uncertainty_exponent(line, [0, 5], [1, 6], [0.1, 0.2, 0.3]), "differ at 0 of 3"),

@@ -19,7 +19,7 @@ from stability.base.quantities import Kind, in_latex
 from stability.bodies.contact_laws import MOTION_LAWS, law_class
 from stability.bodies.quantities import QUANTITIES, disk_quantities, quantities_of
 from stability.bodies.thin_disk import disk_system
-from stability.figures.launch.caption import caption
+from stability.figures.motion import caption
 
 PACKAGE = Path(st.__file__).parent
 TABLES = ("base/quantities.py", "bodies/quantities.py")

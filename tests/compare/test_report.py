@@ -27,9 +27,8 @@ from stability.compare.spectrum import dataset as spectral_data
 from stability.compare.spectrum import hardness
 from stability.compare.spectrum import measure as spectral
 from stability.figures.canvas import COLUMN, save_figure
-from stability.jobs import journal
-from stability.jobs.journal import CRASHED, DONE, LATE, REFUSED, Journal
-from stability.jobs.processes import Task, run
+from stability.jobs import measured_cells as journal
+from stability.jobs.measured_cells import CRASHED, DONE, LATE, REFUSED, Journal, Task, run
 
 # functions of a task must be found by name in another process
 SQUARE = "operator"
@@ -39,7 +38,7 @@ SQUARE = "operator"
 def _soon_started() -> Iterator[None]:
     """Processes that are not made to import the integrator of an extra, which nothing here asks."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("stability.jobs.processes.find_spec", lambda _: None)
+        patch.setattr("stability.jobs.measured_cells.find_spec", lambda _: None)
         yield
 
 
@@ -196,7 +195,7 @@ def test_the_fingerprint_knows_the_sources_and_not_the_figures(
     root = Path(st.__file__).parent
     copy = tmp_path / "stability"
     shutil.copytree(root, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    monkeypatch.setattr(journal, "__file__", str(copy / "jobs" / "journal.py"))
+    monkeypatch.setattr(journal, "__file__", str(copy / "jobs" / "measured_cells.py"))
     before = journal.fingerprint()
     (copy / "compare" / "page.py").write_text("# another page")
     assert journal.fingerprint() == before

@@ -16,9 +16,9 @@ import pytest
 from damage import BOMBS, bomb, damage
 
 import stability as st
-from stability.jobs import journal
+from stability.jobs import measured_cells as journal
 from stability.jobs.checkpoint import Checkpoint
-from stability.jobs.journal import DONE, Cell, Journal
+from stability.jobs.measured_cells import DONE, Cell, Journal
 from stability.storage.checksum import ATTRIBUTE, LENGTH, seal
 
 SEED = int(os.environ.get("STABILITY_SEED", "20261121"))

@@ -11,7 +11,7 @@ import pytest
 
 import stability as st
 from stability.cli import main
-from stability.storage.json_text import json_text
+from stability.storage.text import json_text
 
 MAP = ("map", "rolling", "--x", "at:1:2:5", "--y", "mu:0.1:1:4")
 RUN = ("simulate", "--theta", "1.4", "--mu", "0.3", "--time", "1")

@@ -13,11 +13,9 @@ from PIL import Image
 
 import stability as st
 from stability.bodies.contact import Contact
+from stability.figures import animate as animation
+from stability.figures.animate import animate, geometry, resample
 from stability.figures.canvas import COLUMN
-from stability.figures.launch import animate as animation
-from stability.figures.launch import film as films
-from stability.figures.launch.animate import animate
-from stability.figures.launch.pose import geometry, resample
 
 LAWS = [st.Viscous(0.3), st.Rough(), st.Coulomb(0.2), st.Smooth()]
 START = {"theta": 1.3, "theta_dot": 0.1, "phi_dot": 0.4, "omega3": 1.5}
@@ -119,12 +117,12 @@ def test_the_texts_of_a_film_are_readable_in_a_column(spin: float, tmp_path: Pat
     start = {"theta": 1.2, "omega3": spin * coin.rate}
     run = st.simulate(coin, st.Rough(), start, np.linspace(0, 0.2, 201), pose=True)
     motion = resample(animation._single(run), np.linspace(0, 0.2, 9))
-    scene = films.Camera(motion, run, 1.0)
+    scene = animation.Camera(motion, run, 1.0)
     assert (scene.seat is not None) == (spin > 50)  # a camera that follows has an overview
     scene.show(1)
     assert faults(scene.figure, COLUMN) == []
-    assert {t.get_color() for t, _ in drawn(scene.figure)} == {films.INK}
-    scene.figure.set_dpi(films.DPI)
+    assert {t.get_color() for t, _ in drawn(scene.figure)} == {animation.INK}
+    scene.figure.set_dpi(animation.DPI)
     boxes = [t.get_window_extent() for t in scene.figure.texts]
     film = animate(run, tmp_path / "a.gif", fps=10, seconds=0.2)
     with Image.open(film) as picture:
@@ -137,12 +135,12 @@ def test_the_texts_of_a_film_are_readable_in_a_column(spin: float, tmp_path: Pat
 
 
 def test_the_caption_of_a_film_has_units() -> None:
-    caption = films.caption_of(launch(disk=st.Disk(mass=0.2, radius=0.3, gravity=9.81)))
+    caption = animation.caption_of(launch(disk=st.Disk(mass=0.2, radius=0.3, gravity=9.81)))
     assert caption == (
         "viscous contact, mass = 0.2 kg, radius = 0.3 m, gravity = 9.81 m/s², k = 0.25, "
         "mu = 0.3 s/m"
     )
-    assert films.caption_of(launch()) == "viscous contact, k = 0.25, mu = 0.3"
+    assert animation.caption_of(launch()) == "viscous contact, k = 0.25, mu = 0.3"
 
 
 @pytest.mark.parametrize("disk", [st.Disk(), st.Disk(k=0.4), st.Disk(k=0.5, radius=0.1)])
@@ -152,7 +150,7 @@ def test_the_whole_disk_is_in_every_frame(disk: st.Disk, spin: float) -> None:
     start = {"theta": 1.2, "omega3": spin}
     run = st.simulate(disk, st.Rough(), start, np.linspace(0, 2, 201), pose=True)
     motion = resample(animation._single(run), np.linspace(0, 2, 81))
-    scene = films.Camera(motion, run, 1.0)
+    scene = animation.Camera(motion, run, 1.0)
     (x0, x1), (y0, y1) = scene.axes.get_xlim(), scene.axes.get_ylim()
     for frame in range(scene.frames):
         scene.show(frame)
@@ -165,7 +163,7 @@ def test_the_whole_disk_is_in_every_frame(disk: st.Disk, spin: float) -> None:
 
 def test_an_mp4_is_made_where_ffmpeg_is(tmp_path: Path) -> None:
     try:
-        films._ffmpeg()
+        animation._ffmpeg()
     except st.StabilityError:
         pytest.skip("no ffmpeg")
     path = animate(launch(), tmp_path / "a.mp4", fps=12.5, seconds=0.24)
@@ -181,8 +179,8 @@ def test_without_ffmpeg_a_sentence_says_what_to_install(
     def missing(name: str) -> Any:
         raise ImportError(name)
 
-    monkeypatch.setattr(films.shutil, "which", lambda _: None)
-    monkeypatch.setattr(films, "import_module", missing)
+    monkeypatch.setattr(animation.shutil, "which", lambda _: None)
+    monkeypatch.setattr(animation, "import_module", missing)
     with pytest.raises(st.StabilityError, match=r"pip install stability\[video\]"):
         animate(launch(), tmp_path / "a.mp4")
     assert not list(tmp_path.iterdir())

@@ -15,9 +15,8 @@ from matplotlib.figure import Figure
 import stability as st
 from stability.base.errors import ParameterError
 from stability.basin.borders import borders
-from stability.figures.basin.basins import basins_caption
-from stability.figures.basin.edges import cell_edges
-from stability.figures.basin.fates import PLAIN, RAMPS, fates, kinds
+from stability.figures.basins import basins_caption, cell_edges
+from stability.figures.fates import PLAIN, RAMPS, fates, kinds
 from stability.motion.result import Outcome
 
 

@@ -14,8 +14,8 @@ from PIL import Image
 from scipy.spatial.transform import Rotation
 
 import stability as st
-from stability.figures.launch.body_film import BodyCamera, meridian, placed, surface
-from stability.figures.launch.caption import caption
+from stability.figures.animate import BodyCamera, meridian, placed, surface
+from stability.figures.motion import caption
 
 TOP = st.EccentricSphere(0.15, axial=0.4, transverse=0.4, length=2.0, gravity=2.0)
 TIMES = np.linspace(0.0, 30.0, 601)

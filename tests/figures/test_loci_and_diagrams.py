@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 import stability as st
 from stability.base.errors import ParameterError
 from stability.figures.diagram import TEXTURES, Strip, caption
-from stability.figures.locus.loci import mode_groups, swept
+from stability.figures.loci import mode_groups, swept
 
 UNITS = {"lean": "rad", "lean_rate": "rad/s", "k": "1/s2", "c": "1/s", "x y": "mm"}
 

@@ -16,7 +16,7 @@ from matplotlib.patches import Rectangle
 
 import stability as st
 from stability.base.errors import ParameterError
-from stability.figures.launch.caption import caption
+from stability.figures.motion import caption
 
 DRY = [1.12, -0.31, 1.18, -1.45, -0.49, 0.46]
 LIFTS = [2.2, 0.64, 1.54, 1.44, 0.62, 0.04]

@@ -13,9 +13,8 @@ from scipy.stats import binomtest
 
 import stability as st
 from stability.base.errors import NameUnknownError, ParameterError
-from stability.figures.basin.basins import basins_caption
-from stability.figures.basin.fates import fates
-from stability.figures.basin.sample import MARKS, MOST
+from stability.figures.basins import basins_caption
+from stability.figures.fates import MARKS, MOST, fates
 from stability.motion.result import Outcome
 
 SPREAD = {"at": st.Uniform(0.1, 3.0), "tilt": st.LogUniform(0.01, 1.2), "k": st.Uniform(0.2, 0.5)}

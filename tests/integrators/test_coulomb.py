@@ -10,7 +10,7 @@ import reference
 import stability as st
 from stability.bodies.newton_euler import STATES
 from stability.bodies.thin_disk import disk_model
-from stability.integrators.friction_at_rest import (
+from stability.integrators.stick_slip import (
     continuations,
     directions,
     slip_acceleration,

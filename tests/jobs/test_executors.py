@@ -26,7 +26,7 @@ from kills import MARK, alive, soon
 import stability as st
 from stability.atlas.build import atlas
 from stability.atlas.page import BODIES, drawn
-from stability.jobs.shared import shared
+from stability.jobs.pipeline import shared
 
 AXES: dict[str, Any] = {"x": ("at", 0.05, 1.5, 15), "y": ("mu", 0.1, 5, 12)}
 KINDS = ("threads", "processes", "distributed")
@@ -198,8 +198,7 @@ def test_eight_threads_at_once_give_the_numbers_of_one() -> None:
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     """Files in place of figures, of one body and two families."""
-    for module in ("build", "launches"):
-        monkeypatch.setattr(f"stability.atlas.{module}.BODIES", {"disk": BODIES["disk"]})
+    monkeypatch.setattr("stability.atlas.build.BODIES", {"disk": BODIES["disk"]})
     ranges = {name: drawn()[name] for name in ("rolling", "spinning")}
     for module in ("build", "page"):
         monkeypatch.setattr(f"stability.atlas.{module}.drawn", lambda: ranges)
@@ -208,7 +207,7 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
         lambda _, stem, __: stem.with_suffix(".png").write_text("x"),
     )
     monkeypatch.setattr("stability.figures.diagram.plot_map", lambda *_, **__: None)
-    monkeypatch.setattr("stability.figures.locus.loci.plot_locus", lambda *_, **__: None)
+    monkeypatch.setattr("stability.figures.loci.plot_locus", lambda *_, **__: None)
 
 
 @pytest.mark.long

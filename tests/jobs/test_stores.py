@@ -19,7 +19,7 @@ import stability as st
 from stability.jobs.chunks import Layout, Memory, Variable
 from stability.jobs.zarr_store import ZarrStore, file_name
 from stability.storage.files import atomic_write
-from stability.storage.store_question import FORMAT
+from stability.storage.zarr_folder import FORMAT
 
 ALL = values(np.arange(90))
 TOOLS = Path(chunk_work.__file__).parent
@@ -217,7 +217,7 @@ def test_another_version_of_the_format_is_another_question(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     store(tmp_path / "a.zarr")
-    monkeypatch.setattr("stability.storage.store_question.FORMAT", FORMAT + 1)
+    monkeypatch.setattr("stability.storage.zarr_folder.FORMAT", FORMAT + 1)
     with pytest.raises(st.StabilityError, match="format: "):
         store(tmp_path / "a.zarr")
 

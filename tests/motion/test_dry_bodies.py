@@ -19,7 +19,7 @@ import stability as st
 from stability.bodies.model import Dry
 from stability.bodies.round_body.models.angle_model import round_model
 from stability.bodies.thin_disk import disk_model
-from stability.integrators.friction_at_rest import continuations, suspects
+from stability.integrators.stick_slip import continuations, suspects
 
 STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
 EVERY = (st.RollingResistance(0.03), st.PivotingResistance(0.05), st.AirTorque(0.02))

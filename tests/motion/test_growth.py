@@ -11,7 +11,7 @@ from stability.bodies.model import system_model
 from stability.integrators.flow import Flow, flow_of
 from stability.integrators.leg import Leg
 from stability.integrators.scipy_methods import Trail, integrate
-from stability.motion.growth import exponentials, growth, growth_along
+from stability.motion.error_estimate import exponentials, growth, growth_along
 
 
 def flow(rates: ca.SX, y: ca.SX) -> Flow:

@@ -370,7 +370,7 @@ def test_it_is_refused_in_one_sentence(call: Callable[[], Any], words: str) -> N
 
 
 def test_figures_show_the_states_of_the_system_and_no_word_of_a_disk() -> None:
-    from stability.figures.launch.caption import caption
+    from stability.figures.motion import caption
 
     system = pendulum()
     run = st.simulate(system, {"g": 9.81, "c": 0.5}, [1.5, 0.0], 60.0, families=hanging(system))

@@ -11,9 +11,8 @@ import pytest
 
 import stability as st
 from stability.scene.ladder import climb, full_name
-from stability.scene.rungs.nearby import CURVES
+from stability.scene.rungs.sensitivities import CURVES, forward
 from stability.scene.rungs.track import Refused
-from stability.scene.rungs.variational import forward
 from stability.scene.uncertain import DISPLACED, SENSITIVITY, WASTED, apart
 from tests.oracles.random_scenes import random_scene
 

@@ -15,13 +15,11 @@ from scipy.integrate import solve_ivp
 
 import stability as st
 from stability.algebra.program import Program
-from stability.settling import proof
+from stability.settling import box, settling
+from stability.settling import box_kernel as kernel
 from stability.settling.body_lines import body_settling, disk_settling
-from stability.settling.box import kernel, together
-from stability.settling.box.alone import attraction
-from stability.settling.box.together import Balls
-from stability.settling.proof import settled
-from stability.settling.settling import Nearest
+from stability.settling.box import Balls, attraction
+from stability.settling.settling import Nearest, settled
 from stability.settling.surroundings import Surroundings
 from stability.settling.system_lines import system_settling
 
@@ -71,7 +69,7 @@ def final(six: Any, p: Any, span: float) -> Any:
 @pytest.fixture(autouse=True)
 def _boxes_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """These are tests of the box about a state; tests/settling/test_tube.py has those of tubes."""
-    monkeypatch.setattr(proof, "_by_tubes", lambda _, y, *__: np.zeros(len(y.mid), dtype=bool))
+    monkeypatch.setattr(settling, "_by_tubes", lambda _, y, *__: np.zeros(len(y.mid), dtype=bool))
 
 
 def converges(found: Any, six: Any, p: Any, some: Any, lives: float = 12) -> Any:
@@ -194,7 +192,7 @@ def test_shared_bases_prove_what_own_bases_prove(
     six += rng.normal(size=six.shape) * 1e-4
     p = np.array([0.25, 0.3])
     shared = disk_settling(st.Viscous).many(six, p, WITHIN).settled.proved
-    monkeypatch.setattr(together, "STEP", 2.0**-40)
+    monkeypatch.setattr(box, "STEP", 2.0**-40)
     own = disk_settling(st.Viscous).many(six, p, WITHIN).settled.proved
     assert own.sum() > count / 4
     assert not (own & ~shared).any()
@@ -415,10 +413,10 @@ def test_a_line_of_members_of_a_system_has_its_limit(monkeypatch: pytest.MonkeyP
     stop = states[:, 0] + states[:, 1] / p[:, 0]  # solved by hand
     assert (np.abs(found.settled.limit[:, 0] - stop) <= found.settled.error).all()
     assert (found.settled.error < 1e-12).all()
-    monkeypatch.setattr(together, "MOST", 0)  # too many states: one by one in balls
-    together.tapes.cache_clear()
+    monkeypatch.setattr(box, "MOST", 0)  # too many states: one by one in balls
+    box.tapes.cache_clear()
     again = settling.many(states, p, 0.1)
-    together.tapes.cache_clear()
+    box.tapes.cache_clear()
     assert again.settled.proved.all()
     assert again.settled.limit == pytest.approx(found.settled.limit, abs=1e-12)
     assert not np.array_equal(again.settled.error, found.settled.error)
@@ -428,12 +426,12 @@ def test_a_bound_left_out_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     import inspect
 
     # the rate without the coupling of the states
-    source = inspect.getsource(kernel).replace("from ...algebra", "from stability.algebra")
+    source = inspect.getsource(kernel).replace("from ..algebra", "from stability.algebra")
     right = "s = s + 0.5 * (both + loose[i] + loose[k])"
     assert right in source
     broken: dict[str, Any] = {}
     exec(source.replace(right, "s = s - 9.0 * both"), broken)
-    monkeypatch.setattr(together, "compiled", lambda *_, **__: SimpleNamespace(**broken))
+    monkeypatch.setattr(box, "compiled", lambda *_, **__: SimpleNamespace(**broken))
     with pytest.raises(AssertionError):
         every_proof_is_true(200, 1)
 
@@ -442,14 +440,14 @@ def test_a_bad_basis_proves_nothing_wrong(monkeypatch: pytest.MonkeyPatch) -> No
     # any basis is sound: the inverse is enclosed, however poor
     _, six, p = launches(300, 9)
     rng = np.random.default_rng(10)
-    true = together._modal
+    true = box._modal
 
     def bent(a: Any) -> Any:
         stable, z, x, rate = true(a)
         return stable, z, x * (1 + 1e-4 * rng.normal(size=x.shape)), rate
 
     good = disk_settling(st.Viscous).many(six, p, WITHIN)
-    monkeypatch.setattr(together, "_modal", bent)
+    monkeypatch.setattr(box, "_modal", bent)
     found = disk_settling(st.Viscous).many(six, p, WITHIN)
     assert 20 < found.settled.proved.sum() <= good.settled.proved.sum()
     both = found.settled.proved & good.settled.proved

@@ -13,11 +13,10 @@ from scipy.integrate import solve_ivp
 
 import stability as st
 from stability.settling.body_lines import body_settling, disk_settling
-from stability.settling.box.alone import attraction
+from stability.settling.box import attraction
+from stability.settling.normal_form import derivatives, normal_form
 from stability.settling.system_lines import system_settling
-from stability.settling.tube.derivatives import derivatives
-from stability.settling.tube.normal_form import normal_form
-from stability.settling.tube.radius import STEP, tubes
+from stability.settling.tube import STEP, tubes
 
 GIVEN = [1.0, 0.25, 0.3]
 MEMBERS = {"tumbling": [0.25, 0.43, 0.7, 1.0, 1.3], "spinning": [2.05, 2.5, 4.0]}

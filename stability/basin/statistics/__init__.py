@@ -1,4 +1,4 @@
-"""Fractions, exponents and entropies of labels, with their intervals.
+"""Fractions and exponents of labels, with their intervals.
 
 Each module takes labels, or a function that gives them, and returns a record with what it assumes.
 May import `base` and the rest of `basin`.

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import t as student
 
-from ...base.checks import one_number, whole_number
+from ...base.checks import whole_number
 from ...base.errors import ParameterError
 from ...base.types import Floats
 from ..borders import Borders
-from ..lattice.labels import Ints
-from .fractions import LEVEL, checked_level
+from ..labels import Ints
+from .fractions import LEVEL
 
 FEWEST = 16
 """Unlike pairs of the first level that counts, unless the caller names a level."""
@@ -48,7 +48,7 @@ class BoxDimension:
         return 2 - self.dimension
 
 
-def box_dimension(found: Borders, first: int | None = None, level: float = LEVEL) -> BoxDimension:
+def box_dimension(found: Borders) -> BoxDimension:
     """Box dimension of a border from the pairs of unlike neighbours of its levels.
 
     A share f(w) ~ w^α of all neighbours at distance w is unlike, so their number falls as w^-D.
@@ -61,14 +61,11 @@ def box_dimension(found: Borders, first: int | None = None, level: float = LEVEL
     ----------
     found
         Borders after at least three halvings.
-    first
-        First level that counts; None for the first one with 16 pairs.
-    level
-        Confidence level.
 
     Returns
     -------
     BoxDimension
+        From the first level with 16 pairs.
 
     Raises
     ------
@@ -87,10 +84,7 @@ def box_dimension(found: Borders, first: int | None = None, level: float = LEVEL
     >>> bool(found.interval[0] < 1 < found.interval[1]), round(found.dimension, 1)
     (True, 1.0)
     """
-    level = checked_level(level)
-    if first is not None:
-        first = whole_number("first", first, least=0)
-    ways = [_dimension(counts, first, level) for counts in found.crossings.T]
+    ways = [_dimension(counts) for counts in found.crossings.T]
     known = [one for one in ways if one is not None]
     if not known:
         raise ParameterError(
@@ -100,10 +94,10 @@ def box_dimension(found: Borders, first: int | None = None, level: float = LEVEL
     return max(known, key=lambda one: one.dimension)
 
 
-def _dimension(pairs: Ints, first: int | None, level: float) -> BoxDimension | None:
+def _dimension(pairs: Ints) -> BoxDimension | None:
     """The dimension by the pairs along one axis; None where these are too few."""
     enough = pairs >= FEWEST
-    start = first if first is not None else int(np.argmax(enough)) if enough.any() else len(pairs)
+    start = int(np.argmax(enough)) if enough.any() else len(pairs)
     counts = pairs[start:].astype(float)
     if len(counts) < LEVELS or (counts == 0).any():
         return None
@@ -114,9 +108,9 @@ def _dimension(pairs: Ints, first: int | None, level: float) -> BoxDimension | N
     slope, residual, inverse = _line(design, values, weight)
     freedom = len(counts) - 2
     inflation = max(1.0, float(weight @ residual**2) / freedom)
-    half = float(student.ppf(0.5 + level / 2, freedom) * np.sqrt(inverse[1, 1] * inflation))
+    half = float(student.ppf(0.5 + LEVEL / 2, freedom) * np.sqrt(inverse[1, 1] * inflation))
     ends = slope - half, slope + half
-    return BoxDimension(slope, ends, level, (start, len(pairs) - 1), float(np.sqrt(excess)))
+    return BoxDimension(slope, ends, LEVEL, (start, len(pairs) - 1), float(np.sqrt(excess)))
 
 
 def _line(design: Floats, values: Floats, weight: Floats) -> tuple[float, Floats, Floats]:
@@ -165,17 +159,15 @@ def sensitive(
     found: Borders,
     *,
     span: int = SPAN,
-    halvings: int = HALVINGS,
-    bound: float = BOUND,
     unfinished: Sequence[int] = (),
 ) -> Sensitive:
     """The parts of a border at which a better known start hardly makes the outcome more certain.
 
     The map is cut into blocks of 2^`span` finest cells along each axis.  A block has N mixed cells
-    of the finest level and M of the level that is `halvings` coarser.  Its local exponent is
-    2 - log2(N / (M + 1)) / `halvings`.  A block is sensitive where this is below `bound`.  One arc
-    of a monotonous curve passes fewer than 2^halvings (M + 1) cells and has an exponent above 1, so
-    that a smooth border is marked only where several arcs are closer than the width can separate.
+    of the finest level and M of the level that is h = `HALVINGS` coarser.  Its local exponent is
+    2 - log2(N / (M + 1)) / h.  A block is sensitive where this is below `BOUND`.  One arc of a
+    monotonous curve passes fewer than 2^h (M + 1) cells and has an exponent above 1, so that a
+    smooth border is marked only where several arcs are closer than the width can separate.
 
     Parameters
     ----------
@@ -183,10 +175,6 @@ def sensitive(
         Borders.
     span
         Halvings from a block to the finest cells.
-    halvings
-        Halvings over which the exponent is taken, at most `span`.
-    bound
-        Largest local exponent of a sensitive block.
     unfinished
         Labels of launches whose end is not known.  Where the horizon ends, a narrow strip of these
         lies between two ends.  Its two sides look like one border at first, so that the number of
@@ -212,32 +200,30 @@ def sensitive(
     >>> sensitive(borders(inside, ("x", -1, 1, 9), ("y", -1, 1, 9), levels=7)).share
     0.0
     """
-    halvings = whole_number("halvings", halvings)
-    span = whole_number("span", span, least=halvings)
-    bound = one_number("bound", bound)
+    span = whole_number("span", span, least=HALVINGS)
     if span > found.levels:
         raise ParameterError(
             f"the borders have {found.levels} levels; a span of {span} needs as many."
         )
-    blocks, block, local = _exponents(found.cells, span, halvings)
+    blocks, block, local = _exponents(found.cells, span)
     strips = np.zeros(len(blocks), dtype=bool)
-    if len(unfinished) and (local < bound).any():
-        strips = (local < bound) & _smooth_without(found, unfinished, blocks, span, halvings, bound)
+    if len(unfinished) and (local < BOUND).any():
+        strips = (local < BOUND) & _smooth_without(found, unfinished, blocks, span)
     own = np.where(strips, np.inf, local)[block]
     note = (
         f"Sensitive: in blocks of 2^{span} cells, the share of uncertain launches falls with an "
-        f"exponent below {bound:g} over {halvings} halvings."
+        f"exponent below {BOUND:g} over {HALVINGS} halvings."
     )
     if strips.any():
         note += (
             "  Open: the same, but through a strip of launches whose end is not known; counted "
             "with one of the ends next to it, they leave a smooth border."
         )
-    return Sensitive(own < bound, local[block], bound, span, blocks, local, strips, note)
+    return Sensitive(own < BOUND, local[block], BOUND, span, blocks, local, strips, note)
 
 
 def _smooth_without(
-    found: Borders, unfinished: Sequence[int], blocks: Ints, span: int, halvings: int, bound: float
+    found: Borders, unfinished: Sequence[int], blocks: Ints, span: int
 ) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     """Blocks whose border is smooth once unfinished launches count with another end nearby."""
     labels = _corners(found)
@@ -247,8 +233,8 @@ def _smooth_without(
         merged = np.where(open_, label, labels)
         left = found.cells[(merged != merged[:, :1]).any(axis=1)]
         if len(left):
-            held, _, local = _exponents(left, span, halvings)
-            known = {tuple(b) for b in held[local >= bound].tolist()}
+            held, _, local = _exponents(left, span)
+            known = {tuple(b) for b in held[local >= BOUND].tolist()}
             out |= np.array([tuple(b) in known for b in blocks.tolist()], dtype=bool)
     return out
 
@@ -264,10 +250,10 @@ def _corners(found: Borders) -> Ints:
     return np.asarray(found.labels[order[np.searchsorted(place[order], asked)]])
 
 
-def _exponents(cells: Ints, span: int, halvings: int) -> tuple[Ints, Ints, Floats]:
+def _exponents(cells: Ints, span: int) -> tuple[Ints, Ints, Floats]:
     """Blocks that hold mixed cells, the block of each cell, and the exponent of each block."""
-    fine, wide = (_in_blocks(cells, n, span) for n in (0, halvings))
-    local: Floats = 2 - np.log2(fine / (wide + 1.0)) / halvings
+    fine, wide = (_in_blocks(cells, n, span) for n in (0, HALVINGS))
+    local: Floats = 2 - np.log2(fine / (wide + 1.0)) / HALVINGS
     blocks, block = np.unique(cells >> span, axis=0, return_inverse=True)
     return blocks, np.asarray(block.reshape(-1)), local
 

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...base.checks import checked, one_number, positive, whole_number
 from ...base.errors import ParameterError, shown
 from ...base.types import Floats
-from ..lattice.labels import Ints, Label, asked
+from ..labels import Ints, Label, asked
 from .samples import in_ball, shares
 
 BUDGET = 2000

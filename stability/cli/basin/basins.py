@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...base.checks import whole_number
 from ...base.errors import FileError, ParameterError
-from ...storage.json_text import json_text
+from ...storage.text import json_text
 from ..options import _picture, overwriting, scheduling, step_error
 from ..subject import add_subject
 from ..terminal import progress_bar, say
@@ -202,7 +202,7 @@ def _cost(plan: Plan, out: Path, options: argparse.Namespace) -> Cost:
 
 
 def _draw(dataset: Any, picture: Path, options: argparse.Namespace) -> None:
-    from ...figures.basin.basins import plot_basins
+    from ...figures.basins import plot_basins
     from ...figures.canvas import save_figure
     from ...storage.files import atomic_write
 

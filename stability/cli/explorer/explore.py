@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from ...base.errors import ParameterError
-from ...storage.json_text import json_text
+from ...storage.text import json_text
 from ..body_option import body_of, where_of
 from ..options import number
 from ..subject import at_of, disk_of, numbers_and_at, own_family, set_numbers

@@ -6,7 +6,7 @@ import argparse
 from contextlib import suppress
 
 from ...base.citation.citation import Citation, citation
-from ...storage.json_text import json_text
+from ...storage.text import json_text
 
 
 def run(options: argparse.Namespace) -> None:
@@ -32,7 +32,7 @@ def _of_file(path: str) -> Citation:
     from ...basin.dataset import FORMAT as BASINS
     from ...motion.dataset import FORMAT as MOTION
     from ...spectra.labels import FORMAT as MAP
-    from ...storage.reading import opened
+    from ...storage.netcdf import opened
     from ...storage.targets import place
     from ...storage.zarr_folder import opened_store
 

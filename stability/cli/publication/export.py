@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ...base.errors import ParameterError
-from ...storage.json_text import json_text
+from ...storage.text import json_text
 from ..body_option import add_body, body_of, where_of
 from ..options import _axis_ends, overwriting
 from ..subject import CONTACTS, add_family, add_numbers

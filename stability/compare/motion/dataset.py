@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...base.provenance import machine, today
-from ...jobs.journal import Cell
+from ...jobs.measured_cells import Cell
 from ..pareto import Place, places
 from .drivers import DRIVERS
 from .measure import CHARTED, METRICS, NAMES

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...base.errors import StabilityError
 from ...base.types import Floats
-from ...jobs.processes import Late, Task
+from ...jobs.measured_cells import Late, Task
 from ..timing import timed
 from .drivers import DRIVERS, MODELS, OWN, PEOPLE, Answer, Driver, driver
 from .reference_motions import ReferenceMotion, scene, scenes

@@ -10,7 +10,7 @@ import numpy as np
 from ...base.errors import NameUnknownError, StabilityError, shown
 from ...base.types import Floats
 from ...base.verdict import CODES, Verdict
-from ...jobs.processes import Task
+from ...jobs.measured_cells import Task
 from ..timing import timed
 from .hardness import EDGES, classes, points_of
 from .points import Points, edge

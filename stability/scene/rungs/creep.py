@@ -26,10 +26,9 @@ from ...base.types import Floats
 from ...bodies.contact_laws import LinearViscous, Viscous
 from ...bodies.creep import LEAST_RELAXATION
 from ...bodies.model import LIFT_OFF, NO_CONTACT
-from ...integrators.dense import dense
 from ...integrators.flow import Flow, flow_of
 from ...integrators.leg import Leg
-from ...integrators.selection import METHODS, explicit
+from ...integrators.selection import METHODS, dense, explicit
 from .elements import Elements, Linear
 from .track import Problem, decade, relative
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...base.quantities import Kind
 from ...base.types import Floats
-from ...motion.neighbours import ROUNDING, signs
+from ...motion.error_estimate import ROUNDING, signs
 from ...motion.result import Outcome, Result, Settings
 from ...motion.run import results
 from .track import Finish, Problem, Track, decade, relative

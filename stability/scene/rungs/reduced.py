@@ -13,9 +13,9 @@ from ...base.checks import instance, real_numbers
 from ...base.errors import ParameterError, shown
 from ...base.types import Floats, Record, fields_of
 from ...bodies.model import system_model
-from ...integrators.dense import dense
 from ...integrators.flow import Flow, flow_of
 from ...integrators.leg import Leg
+from ...integrators.selection import dense
 from ...systems.system import System
 from .elements import Elements, carried
 from .track import Problem, Refused, Track, relative

@@ -12,10 +12,9 @@ from typing import Any
 
 from ...base.quantities import readable
 from ...base.types import Record
-from ...storage.csv_text import csv_text
 from ...storage.files import atomic_write
-from ...storage.json_text import json_text
 from ...storage.targets import check_suffix, check_target
+from ...storage.text import csv_text, json_text
 from .about import About
 from .column import Column
 from .flat import flat

@@ -1,0 +1,388 @@
+"""A tube about a line of steady motions in which every motion is proved to converge to the line.
+
+The coordinates u and W are those of `normal_form.py`; the largest tube says how far |u| may reach.
+
+Within |z| ≤ r, |w| ≤ δ let a = 1 - |P| r - |N| δ > ½, so that |z| a ≤ |u|.  The terms that are left
+obey |u' - M u - w L z| ≤ K |z| and |W'| ≤ K_w |z|.  Of w L u only the symmetric part of L changes
+|u|.  With β = s - |L + Lᵀ| δ/2 - K/a > 0 a motion from |u| ≤ R = r a keeps |u| falling at the rate
+β, so that it never reaches |z| = r.
+
+K, K_w, and the rate fall with |u|: at |u| = x R they are at most K⁰ + (K - K⁰) x, and so on, and at
+least β⁰ - (β⁰ - β) x, since they are sums of powers.  W moves by at most ∫ K_w d|u|/(a β), so by
+
+    D = r (K_w⁰ (1/β⁰ + 1/β)/2 + (K_w - K_w⁰) (1/(6 β⁰) + 1/(3 β))),
+
+as 1/β is at most (1 - x)/β⁰ + x/β.  Where (|W| + D + |q| r²)/(1 - |c| r) ≤ δ, the motion never
+leaves |w| ≤ δ.  So it converges to the member y_c + W within D.  The guards are positive on all of
+the tube.
+
+Tubes belong to members on a grid, which all launches with the same numbers share.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import accumulate, pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.types import Floats
+from .normal_form import (
+    LOOSE,
+    ROOM,
+    WIDE,
+    Bounds,
+    Derivatives,
+    Form,
+    derivatives,
+    norm,
+    normal_form,
+    slow_rows,
+)
+from .surroundings import Surroundings
+
+LEAST, MOST = 1e-3, 0.16
+"""Radii r between which the largest one is sought, by halving their logarithm."""
+HALVINGS = 7
+"""Halvings."""
+STEP = 2.0**-11
+"""Spacing of the members about which tubes are made."""
+OFF = 0.75 * STEP
+"""Largest |W| of a launch."""
+INNER = 8.0 ** -np.arange(1, 5)
+"""Radii of tubes within the largest one, over its radius: motions that start there drift less."""
+TURNS = 8
+"""Widenings of δ after which a radius is given up."""
+MOST_NODES = 40_000
+"""Tubes that are kept for one family."""
+BLOCK = 16
+"""Neighbours that are made together where launches share their numbers."""
+SHARED = 4
+"""Most sets of numbers at which they count as shared, two signs of a body's turning included."""
+TOGETHER = 512
+"""Tubes that are made together."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tubes:
+    """Tubes about members; the first axis counts them."""
+
+    form: Form
+    """Their coordinates."""
+    p: Floats
+    """|P|, shape (N,)."""
+    n: Floats
+    """|N|."""
+    q: Floats
+    """|q|."""
+    c: Floats
+    """|c|."""
+    reach: Floats
+    """Largest |u|; 0 where no tube is proved."""
+    rate: Floats
+    """β."""
+    inner: Floats
+    """Largest |u| of the largest tube and of those within it, shape (N, 1 + inner)."""
+    drift: Floats
+    """D over |u| in each of these."""
+    half: Floats
+    """Half the diagonal of a box across the family that holds the tube."""
+
+
+def tubes(around: Surroundings, y: Floats, given: Floats) -> Tubes:
+    """Tubes about members.
+
+    Parameters
+    ----------
+    around
+        Surroundings with a field.
+    y, given
+        Members, shape (N,), and the second argument of the programs, shape (N, ·).
+
+    Returns
+    -------
+    Tubes
+
+    Raises
+    ------
+    StabilityError
+        If the graph has a function without a kernel.
+    """
+    made = derivatives(around)
+    form, bounds = normal_form(made, y, given)
+    with np.errstate(all="ignore"):
+        return _largest(made, form, bounds, y, given)
+
+
+def _third(
+    made: Derivatives, form: Form, bounds: Bounds, y: Floats, given: Floats, r: Floats
+) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """Bounds of the terms of third order of z' and w' for |z| ≤ r, and where guards are positive.
+
+    Each has shape (N,).
+    """
+    m, at = made.across, 1 + given.shape[1]
+    box = r[:, None] * bounds.rows * WIDE  # |e_i|
+    aside = (np.abs(form.ell) * box).sum(1) * WIDE + ROOM
+    mid = np.zeros((at + 3 * m, len(y)))
+    rad = np.zeros_like(mid)
+    mid[0], rad[0], mid[1:at], mid[at + 2 * m :] = y, aside * WIDE, given.T, form.ell.T
+    rad[at : at + m] = rad[at + m : at + 2 * m] = box.T
+    centre, radius = (v.T for v in made.third.run(mid, rad))
+    size = (np.abs(centre) + radius) * WIDE
+    across = (bounds.z @ size[:, :m, None])[..., 0] * WIDE
+    along = (size[:, m] + (np.abs(form.ell) * size[:, :m]).sum(1)) * WIDE
+    guards = made.positive.run(mid[: at + m], rad[: at + m])
+    clear: NDArray[np.bool_] = np.asarray((guards[0] > guards[1]).all(0), dtype=bool)
+    return np.sqrt(np.square(across).sum(1)) * WIDE, along, clear
+
+
+def _largest(made: Derivatives, form: Form, b: Bounds, y: Floats, given: Floats) -> Tubes:
+    """Nearly the largest radius at which the inequality holds, and what is within."""
+    count = len(y)
+    best, t, t_w, reach, rate, drift = np.zeros((6, count))
+    low, high = np.zeros(count), np.ones(count)  # of log(MOST/r) over log(MOST/LEAST)
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        r = MOST * (LEAST / MOST) ** middle
+        third, along, clear = _third(made, form, b, y, given, r)
+        found = _tube(b, r, third, along)
+        good = clear & (found[0] > 0)
+        for kept, new in zip(
+            (best, t, t_w, reach, rate, drift), (r, third, along, *found), strict=True
+        ):
+            kept[good] = new[good]
+        low, high = np.where(good, low, middle), np.where(good, middle, high)
+    inner, drifts = [reach], [drift]
+    for share in INNER:  # a term of third order falls with the cube of the radius
+        cube = share**3 * WIDE
+        r, _, d = _tube(b, share * best, t * cube, t_w * cube)
+        inner.append(r)
+        drifts.append(d)
+    half = best * np.sqrt(np.square(b.rows).sum(1)) * WIDE
+    return Tubes(
+        form, b.p, b.n, b.q, b.c, reach, rate, np.stack(inner, 1), np.stack(drifts, 1), half
+    )
+
+
+def _tube(b: Bounds, r: Floats, third: Floats, along: Floats) -> tuple[Floats, Floats, Floats]:
+    """R, β and D/R of tubes with given radii; R is 0 where the inequality does not hold."""
+    spread = 1 - b.c * r * WIDE
+    delta = 1.05 * (OFF + b.q * r * r) / spread
+    done = np.zeros(len(r), dtype=bool)
+    own, beta, moved, none = np.zeros((4, len(r)))
+    for _ in range(TURNS):
+        shrink = 1 - (b.p * r + b.n * delta) * WIDE
+        own = r * shrink / WIDE
+        k, k_w = _left_over(b, r, delta, third / r, along / r)
+        k_0, k_w0 = _left_over(b, none, delta, none, none)
+        own_rate = b.slowest - b.turn_even * delta * WIDE
+        beta, beta_0 = ((own_rate - v / shrink * WIDE) / WIDE for v in (k, k_0))
+        moved = k_w0 * (1 / beta_0 + 1 / beta) / 2
+        moved = (moved + (k_w - k_w0 / WIDE) * (1 / (6 * beta_0) + 1 / (3 * beta))) * WIDE
+        moved = moved / shrink * WIDE  # D over R
+        needed = (OFF + moved * own + b.q * r * r) / spread * WIDE
+        done = (needed <= delta) & (delta <= ROOM) & (beta > 0) & (shrink > 0.5)
+        done &= (spread > 0.5) & (b.slowest > 0) & (delta > 0)
+        lost = ~((beta > 0) & (needed <= ROOM))
+        if (done | lost).all():
+            break
+        # what is lost stays so: with more turns than it needs alone it might come back
+        delta = np.where(done | lost, delta, 1.1 * needed)
+    return np.where(done, own, 0.0), beta, moved
+
+
+def _left_over(
+    b: Bounds, r: Floats, delta: Floats, third: Floats, along: Floats
+) -> tuple[Floats, Floats]:
+    """K and K_w: bounds of what is left of u' and W' over |z|, for |z| ≤ r and |w| ≤ δ."""
+    inner = b.p * r + b.n * delta  # |u - z| over |z|
+    rest = (b.still + b.turn * delta + b.bend * r + third) * WIDE  # |z' - M z| over |z|
+    slow = (b.along + b.along_turn * delta + b.along_bend * r + along) * WIDE  # |w'| over |z|
+    k = b.still + (b.turn_off + b.turn_left * inner) * delta + b.left * r + third
+    k = (k + (2 * b.p * r + b.n * delta) * rest + b.n * slow * r) * WIDE
+    k_w = b.along + (b.along_left + b.c * rest) * delta + b.along_bend_left * r + along
+    k_w = (k_w + 2 * b.q * r * rest + b.c * r * slow) * WIDE
+    return k, k_w
+
+
+class InTube(NamedTuple):
+    """What tubes say of launches; each has shape (launches,)."""
+
+    known: NDArray[np.bool_]
+    """Whether the member nearby has a tube."""
+    proved: NDArray[np.bool_]
+    """Whether the launch is in it."""
+    limit: Floats
+    """Parameter of a member near the one that it converges to."""
+    error: Floats
+    """Bound on the distance of the two."""
+    rate: Floats
+    """Least rate at which the deviation falls, in the tube's coordinates."""
+    half: Floats
+    """Half the diagonal of a box across the family that holds the tube."""
+    share: Floats
+    """Radius of the tube over the launch's distance, in the tube's coordinates."""
+
+
+def in_tube(around: Surroundings, y: Any, given: Floats, e: Any) -> InTube:
+    """Which launches are in a tube in which every motion converges to the family.
+
+    Parameters
+    ----------
+    around
+        Surroundings with a field.
+    y, e
+        Parameters of the nearest members and deviations as balls (mid, rad) that contain the true
+        values, shapes (launches,) and (launches, m).
+    given
+        Second argument of the programs, shape (launches, ·).
+
+    Returns
+    -------
+    InTube
+
+    Raises
+    ------
+    StabilityError
+        If the graph has a function without a kernel.
+    """
+    kept, (at, _), (off, _) = _kept(around), y, e
+    with np.errstate(all="ignore"):  # nan is never proved
+        slow = np.nan_to_num(kept.slow(at, given), posinf=0.0, neginf=0.0)
+        node = np.rint((at - (slow * off).sum(1)) / STEP)
+        for _ in range(2):
+            own = kept.rows(node, given)
+            found, along = _told(own, node * STEP, y, e)
+            aside = np.abs(along) > OFF
+            if not aside.any():
+                return found
+            node = np.where(aside, np.rint(node + along / STEP), node)
+        return found
+
+
+def _told(own: _Row, centre: Floats, y: Any, e: Any) -> tuple[InTube, Floats]:
+    """What the tubes about centres say of launches, and W."""
+    (at, r_at), (off, r_off) = y, e
+    z = _times(own.z, off)
+    r_z = _times(np.abs(own.z), r_off + LOOSE * np.abs(off)) * WIDE
+    slack, size = norm(r_z), norm(np.abs(z) + r_z)
+    w = (at - centre) - (own.ell * off).sum(1)
+    r_w = np.abs(at) + np.abs(centre) + (np.abs(own.ell * off)).sum(1)
+    r_w = (r_at + (np.abs(own.ell) * r_off).sum(1) + LOOSE * r_w) * WIDE
+    along = w + _square(own.q, z) + w * (own.c * z).sum(1)
+    r_along = r_w * (1 + own.c_size * size) + np.abs(w) * own.c_size * (slack + LOOSE * size)
+    r_along = (r_along + own.q_size * size * (2 * slack + LOOSE * size)) * WIDE
+    far = size * (1 + own.p_size * size + own.n_size * (np.abs(w) + r_w)) * WIDE
+    limit = centre + along
+    drift = np.where(far[:, None] <= own.inner, own.drift, np.inf).min(1)
+    error = drift * far * WIDE + r_along + LOOSE * (1 + np.abs(limit))
+    known = own.reach > 0
+    proved = known & (far <= own.reach) & ((np.abs(along) + r_along) * WIDE <= OFF)
+    share = own.reach / far
+    return InTube(known, proved, limit, error * WIDE, own.rate, own.half, share), along
+
+
+def _times(a: Floats, b: Floats) -> Floats:
+    out: Floats = (a @ b[..., None])[..., 0]
+    return out
+
+
+def _square(a: Floats, b: Floats) -> Floats:
+    out: Floats = (b[:, None] @ a @ b[..., None])[:, 0, 0]
+    return out
+
+
+class _Row(NamedTuple):
+    """Tubes, launch by launch, as in `Tubes` and its `Form`."""
+
+    ell: Floats
+    z: Floats
+    q: Floats
+    c: Floats
+    p_size: Floats
+    n_size: Floats
+    q_size: Floats
+    c_size: Floats
+    reach: Floats
+    rate: Floats
+    half: Floats
+    inner: Floats
+    drift: Floats
+
+
+class _Kept:
+    """Tubes of one family that were made before."""
+
+    def __init__(self, around: Surroundings) -> None:
+        self.around, self.known = around, dict[bytes, Floats]()
+
+    def slow(self, y: Floats, given: Floats) -> Floats:
+        """The row ℓ at members, launch by launch."""
+        m = self.around.across
+        first, _ = derivatives(self.around).first.run(np.vstack([y, given.T]))
+        return slow_rows(first.T.reshape(-1, m + 1, m))
+
+    def rows(self, node: Floats, given: Floats) -> _Row:
+        """The tubes about `node` steps, launch by launch."""
+        asked = np.column_stack([node, given]) + 0.0  # -0 has other bytes than 0
+        unique, mine = asked, np.zeros(1, int)
+        if len(asked) != 1:  # one launch needs no sorting
+            unique, mine = np.unique(asked, axis=0, return_inverse=True)
+        keys, known = [row.tobytes() for row in unique], self.known
+        new = unique[[key not in known for key in keys]]
+        if len(new):
+            if len(np.unique(new[:, 1:], axis=0)) <= SHARED:  # others will come nearby
+                new[:, 0] = np.floor(new[:, 0] / BLOCK) * BLOCK
+                new = np.repeat(np.unique(new, axis=0), BLOCK, axis=0)
+                new[:, 0] += np.tile(np.arange(BLOCK), len(new) // BLOCK)
+            made = self._made(new)
+            # other threads may replace the table meanwhile, so this one answers from its own
+            known, others = known | made, self.known | made
+            self.known = made if len(others) > MOST_NODES else others
+        return _row(np.array([known[k] for k in keys])[mine.ravel()], self.around.across)
+
+    def _made(self, asked: Floats) -> dict[bytes, Floats]:
+        made = dict[bytes, Floats]()
+        for low in range(0, len(asked), TOGETHER):
+            some = asked[low : low + TOGETHER]
+            found = _flat(tubes(self.around, some[:, 0] * STEP, some[:, 1:]))
+            made.update(zip((row.tobytes() for row in some), found, strict=True))
+        return made
+
+
+@lru_cache(maxsize=32)
+def _kept(around: Surroundings) -> _Kept:
+    return _Kept(around)
+
+
+def _flat(found: Tubes) -> Floats:
+    n, form = len(found.p), found.form
+    parts = [
+        form.ell,
+        form.z,
+        form.q,
+        form.c,
+        found.p,
+        found.n,
+        found.q,
+        found.c,
+        found.reach,
+        found.rate,
+        found.half,
+        found.inner,
+        found.drift,
+    ]
+    return np.concatenate([v.reshape(n, -1) for v in parts], axis=1)
+
+
+def _row(table: Floats, m: int) -> _Row:
+    ends = accumulate([0, m, m * m, m * m, m, *[1] * 7, 1 + len(INNER), 1 + len(INNER)])
+    ell, z, q, c, *sizes, inner, drift = (table[:, a:b] for a, b in pairwise(ends))
+    shape = (-1, m, m)
+    flat = (v[:, 0] for v in sizes)
+    parts: list[Floats] = [ell, z.reshape(shape), q.reshape(shape), c, *flat, inner, drift]
+    return _Row(*parts)
