@@ -167,7 +167,7 @@ class Budget:
     def message(self) -> str:
         """Reason for the end of the run."""
         if self.seconds <= 0:
-            return "no computing time is left of max_seconds"
+            return "no computing time is left for it and its neighbours"
         return f"more than {self.seconds:.3g} s of computing"
 
     def __call__(self, _integrator: object) -> bool:
