@@ -24,9 +24,8 @@ from typing import Any
 import sympy
 from flint import Ordering, fmpz_mpoly_ctx, fmpz_poly
 
-from ..algebra.exact.known_polynomial import Exact
 from ..algebra.number_types import precision
-from ..algebra.polynomial import Polynomial
+from ..algebra.polynomial import Exact, Polynomial
 from ..base.errors import ParameterError, shown
 from ..bodies.disk_polynomials import exact_polynomial, known_polynomial
 from ..bodies.families import FAMILIES, families_under

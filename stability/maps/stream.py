@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra.eigensolver import name_of
-from ..algebra.exact.known_polynomial import TabulatedPolynomial
+from ..algebra.polynomial import TabulatedPolynomial
 from ..base.axis import Axis, AxisLike
 from ..base.checks import flag
 from ..base.errors import FileError, ParameterError, listed

@@ -26,9 +26,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..algebra.exact.known_polynomial import Exact, TabulatedPolynomial
 from ..algebra.number_types import Algebra, numpy_algebra
-from ..algebra.polynomial import Polynomial
+from ..algebra.polynomial import Exact, Polynomial, TabulatedPolynomial
 from ..algebra.running_error import UNIT
 from ..base.axis import Axis
 from ..base.checks import whole_number

@@ -18,11 +18,11 @@ import numpy as np
 from flint import acb, arb, ctx, fmpq_poly
 from numpy.typing import ArrayLike
 
-from ..algebra.exact.known_polynomial import ExactPolynomial
 from ..algebra.exact.number_fields import EXACT, NotExact, nearest_root
 from ..algebra.exact.roots import bounded_roots, clustered, isolated
 from ..algebra.exact.routh import hurwitz_sign, on_the_axis, product, verdict_polynomial
 from ..algebra.number_types import MIXED, balls, precision, upper
+from ..algebra.polynomial import ExactPolynomial
 from ..base.verdict import Verdict, best
 from ..systems.family import Family
 from ..systems.structure.axis_proof import exact_verdict

@@ -21,10 +21,10 @@ import numpy as np
 from flint import arb, fmpq, fmpq_poly
 from numpy.typing import ArrayLike
 
-from ..algebra.exact.known_polynomial import ExactPolynomial
 from ..algebra.exact.number_fields import EXACT, NotExact, rational
 from ..algebra.exact.routh import product
 from ..algebra.number_types import MIXED, balls, precision
+from ..algebra.polynomial import ExactPolynomial
 from ..base.checks import checked
 from ..base.errors import (
     NameUnknownError,

@@ -27,8 +27,7 @@ from ...algebra.number_types import balls, precision
 from ...base.errors import NoMemberError, StabilityError
 from ...systems.closed_form import ClosedForm
 from ...systems.structure.enclosure import ball_unknowns
-from ..brackets import BITS, AxisScan
-from ..crossings import Crossing
+from ..brackets import BITS, AxisScan, Crossing
 from .taylor import coefficient, product, quotient, series_algebra, span, terms
 
 SKEW = 1e7

@@ -25,8 +25,7 @@ from ...base.errors import NoMemberError, StabilityError
 from ...base.types import Floats
 from ...systems.closed_form import ClosedForm
 from ...systems.graph.implicit_form import ImplicitForm
-from ..brackets import BITS, AxisScan
-from ..crossings import Crossing
+from ..brackets import BITS, AxisScan, Crossing
 from .meetings import FormulaMeetings, watched
 
 ORDER = 3

@@ -9,9 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...algebra.exact.known_polynomial import TabulatedPolynomial
 from ...algebra.kernels.compiled import compiled
-from ...algebra.polynomial import Polynomial
+from ...algebra.polynomial import Polynomial, TabulatedPolynomial
 from ...algebra.running_error import UNIT
 from ...base.types import Floats
 from ...base.verdict import CODES, Verdict, best
