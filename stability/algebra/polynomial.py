@@ -117,13 +117,7 @@ class Polynomial:
         return _roundings(list(self.terms), [behind[n] for n in self.variables])
 
     def derivative(self, variable: str) -> Polynomial:
-        """The derivative by one variable.
-
-        Parameters
-        ----------
-        variable
-            Name of the variable.
-        """
+        """The derivative by one variable."""
         i = self.variables.index(variable)
         terms = tuple((c * e[i], (*e[:i], e[i] - 1, *e[i + 1 :])) for c, e in self.terms if e[i])
         return Polynomial(self.variables, terms)
@@ -358,11 +352,6 @@ class TabulatedPolynomial(ExactPolynomial, ABC):
 
     Maps bound these polynomials over whole arrays and boxes.  Each factor has odd degree, or the
     polynomial is even and has one factor, linear in λ².
-
-    Parameters
-    ----------
-    known
-        Polynomials and conditions over Q.
     """
 
     derived = True
@@ -374,23 +363,11 @@ class TabulatedPolynomial(ExactPolynomial, ABC):
 
     @abstractmethod
     def point(self, values: Mapping[str, Any], algebra: Algebra) -> list[Any]:
-        """Values of `known.variables`.
-
-        Parameters
-        ----------
-        values, algebra
-            As for `coefficients`.
-        """
+        """Values of `known.variables`."""
 
     @abstractmethod
     def sine(self, values: Mapping[str, Any], algebra: Algebra) -> Any:
-        """The sine on which the polynomials depend.
-
-        Parameters
-        ----------
-        values, algebra
-            As for `coefficients`.
-        """
+        """The sine on which the polynomials depend."""
 
     @abstractmethod
     def roundings(self, *, dimensionless: bool) -> Mapping[str, int]:
@@ -404,33 +381,15 @@ class TabulatedPolynomial(ExactPolynomial, ABC):
 
     @abstractmethod
     def natural(self, point: Sequence[Any]) -> Any:
-        """Square of the unit of σ in the family's own unit of rate.
-
-        Parameters
-        ----------
-        point
-            Values from `point`.
-        """
+        """Square of the unit of σ in the family's own unit of rate."""
 
     @abstractmethod
     def angle(self, axis: str) -> str:
-        """Angle through whose sine the polynomials depend on an axis: theta, lean or empty.
-
-        Parameters
-        ----------
-        axis
-            Name of the axis.
-        """
+        """Angle through whose sine the polynomials depend on an axis: theta, lean or empty."""
 
     @abstractmethod
     def edge(self, values: Mapping[str, Any]) -> bool:
-        """Whether a member lies on the edge of the domain on which the conditions are proved.
-
-        Parameters
-        ----------
-        values
-            Exact numbers by name.
-        """
+        """Whether a member lies on the edge of the domain on which the conditions are proved."""
 
     def coefficients(self, values: Mapping[str, Any], algebra: Algebra) -> list[list[Any]]:
         """Coefficients of the factors, as for every exact polynomial."""

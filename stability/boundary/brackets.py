@@ -371,13 +371,7 @@ class AxisScan:
         return matrix_polynomial(family, a, unknowns, q)
 
     def joined(self, low: float, middle: float, high: float) -> bool:
-        """Whether members at both ends are in a box about the one at the middle, a single root.
-
-        Parameters
-        ----------
-        low, middle, high
-            Values of the axis.
-        """
+        """Whether members at both ends are in a box about the one at the middle, a single root."""
         if self.problem.derived or self.formulas is not None:
             return True
         with precision(BITS):
@@ -403,25 +397,13 @@ class AxisScan:
         return self.sign_of(*self.look(value))
 
     def sign_of(self, found: Verdict, generic: bool) -> int:
-        """A verdict as a sign.
-
-        Parameters
-        ----------
-        found, generic
-            Result of `look`.
-        """
+        """A verdict as a sign."""
         if found is Verdict.NEUTRAL:
             return int(generic if self.neutral is None else self.neutral)
         return 1 if found in DECAYING else -int(found is Verdict.UNSTABLE)
 
     def look(self, value: float) -> tuple[Verdict, bool]:
-        """The verdict for `quick_sign`; if neutral, whether verdicts on one side may be too.
-
-        Parameters
-        ----------
-        value
-            Value of the axis.
-        """
+        """The verdict for `quick_sign`; if neutral, whether verdicts on one side may be too."""
         family = self.problem.family
         if not self.problem.derived and not certain(family):
             with precision(BITS):
@@ -587,17 +569,7 @@ def bracketed(line: AxisScan, root: float, crossing: Crossing) -> BoundaryPoint 
 
 
 def crossing_rate(line: AxisScan, root: float, crossing: Crossing) -> float:
-    """|Im λ| of the pair that crosses, in the user's unit of rate; 0 at a static boundary.
-
-    Parameters
-    ----------
-    line
-        The line.
-    root
-        Value of its axis.
-    crossing
-        Kind of crossing.
-    """
+    """|Im λ| of the pair that crosses, in the user's unit of rate; 0 at a static boundary."""
     if crossing is Crossing.STATIC:
         return 0.0
     family = line.problem.family
@@ -612,13 +584,6 @@ def crossed(line: AxisScan, point: BoundaryPoint) -> BoundaryPoint:
     """A boundary with kind and frequencies of what crosses there, not of what touches the axis.
 
     The eigenvalues that are unstable next to the boundary are those that have crossed it.
-
-    Parameters
-    ----------
-    line
-        The line.
-    point
-        A boundary on it.
     """
     if line.even or point.crossing not in (Crossing.STATIC, Crossing.FLUTTER):
         return point
@@ -662,15 +627,7 @@ def _roots(line: AxisScan, value: float) -> NDArray[np.complex128]:
 
 
 def at_point(line: AxisScan, value: float) -> BoundaryPoint | None:
-    """The boundary at a point where no verdict is proved, if the verdicts next to it differ.
-
-    Parameters
-    ----------
-    line
-        The line.
-    value
-        Value of its axis.
-    """
+    """The boundary at a point where no verdict is proved, if the verdicts next to it differ."""
     with precision(MOST_BITS):  # to see which of the two determinants vanishes
         p = line.polynomial(value, MOST_BITS)
         crossing = Crossing.STATIC if p[0].contains(0) else Crossing.FLUTTER

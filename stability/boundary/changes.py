@@ -223,13 +223,6 @@ def _along(line: AxisScan, low: float, high: float, points: int, *, log: bool) -
 def located(line: AxisScan, found: Search) -> Boundaries:
     """The changes of verdict among the marks of a search, each as a proved bracket.
 
-    Parameters
-    ----------
-    line
-        The line.
-    found
-        Result of `search`.
-
     Returns
     -------
     Boundaries

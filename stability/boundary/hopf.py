@@ -266,13 +266,6 @@ def births(
 ) -> list[CycleBirth] | list[HopfPoint]:
     """Every flutter boundary along an axis, with the kind of its onset.
 
-    Parameters
-    ----------
-    family
-        A family of a user's system.
-    axis, parameters
-        As for `boundaries`.
-
     Raises
     ------
     ParameterError
@@ -310,13 +303,7 @@ NO_COEFFICIENT = (
 
 
 def zeros_left(family: Family) -> int:
-    """Structural zeros that remain without the states on which nothing depends.
-
-    Parameters
-    ----------
-    family
-        A family of a user's system.
-    """
+    """Structural zeros that remain without the states on which nothing depends."""
     dropped = len(family.system.states) - len(derivatives(family.system).kept)
     return structure(family).zeros - dropped
 
@@ -346,15 +333,7 @@ def _accepted(family: Family, axis: str) -> bool:
 
 
 def birth(line: Line, point: BoundaryPoint) -> CycleBirth:
-    """The first Lyapunov coefficient at a flutter boundary, with proved bounds.
-
-    Parameters
-    ----------
-    line
-        The line.
-    point
-        The boundary.
-    """
+    """The first Lyapunov coefficient at a flutter boundary, with proved bounds."""
     reason = ""
     for bits in PRECISIONS:
         with precision(bits):
@@ -431,13 +410,7 @@ def _record(point: BoundaryPoint, pair: Pair, found: Coefficients, reason: str) 
 
 
 def rounded(ball: Any) -> tuple[float, float]:
-    """The nearest double to a ball's midpoint, and a bound on its distance from the true number.
-
-    Parameters
-    ----------
-    ball
-        A real ball.
-    """
+    """The nearest double to a ball's midpoint, and a bound on its distance from the true number."""
     value = 0.0 if arb(ball).contains(0) else float(arb(ball).mid())
     return value, upper(abs(arb(ball) - arb(value)))
 

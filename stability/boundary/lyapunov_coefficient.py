@@ -40,13 +40,7 @@ Balls = list[Any]
 
 
 class Derivatives:
-    """Programs of a system, with inputs x and p and then directions in the state.
-
-    Parameters
-    ----------
-    system
-        The equations of motion.
-    """
+    """Programs of a system, with inputs x and p and then directions in the state."""
 
     def __init__(self, system: Equations) -> None:
         self.system = system
@@ -394,15 +388,7 @@ def solve(matrix: Any, right: Balls) -> Balls:
 
 
 def direction(line: Line, x: Balls, p: Balls) -> Balls:
-    """dx/d axis along the family over all states.
-
-    Parameters
-    ----------
-    line
-        The line.
-    x, p
-        A member.
-    """
+    """dx/d axis along the family over all states."""
     _, slopes, by_axis = line.first(x, p)
     out = [arb(0)] * len(x)
     if line.by_state:
@@ -444,11 +430,6 @@ class Coefficients:
 
 def coefficients(pair: Pair) -> Coefficients:
     """The first Lyapunov coefficient at a crossing pair, and the speed of the crossing.
-
-    Parameters
-    ----------
-    pair
-        The pair, proved.
 
     Raises
     ------

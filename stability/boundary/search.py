@@ -236,13 +236,7 @@ class Characteristic:
         self.critical = [c for even, rest in self.parts for c in _critical(even, rest)]
 
     def verdict(self, x: Any) -> Verdict:
-        """The verdict at a rational value.
-
-        Parameters
-        ----------
-        x
-            The value.
-        """
+        """The verdict at a rational value."""
         return on_the_axis([fmpq_poly([c(x) for c in f]) for f in self.factors])
 
     def sign(self, x: Any) -> int:

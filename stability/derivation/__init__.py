@@ -1,7 +1,7 @@
 """Exact formulas and conditions.
 
-Polynomials over Q, of the disk and of every height, Hurwitz conditions, formulas of boundaries.  For
-any family `elimination` reads the graph, `signs` proves signs, `deduction` puts both together.
+Polynomials over Q, Hurwitz conditions, formulas of boundaries.  For any family `elimination` reads
+the graph, `signs` proves signs, and `deduction` puts both together.
 May import `bodies` and the floors below.  What is proved and not called is in `notebooks/proofs`.
 To add the polynomial of a family: its variables in `VARIABLES` of `characteristic.py`, then
 `make derive`, which writes `bodies/disk_polynomials.json`.

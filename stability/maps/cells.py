@@ -270,11 +270,6 @@ class Cells:
     def part(self, xs: Floats, ys: Floats) -> Chunk:
         """The arrays of a grid inside the map, complete, without the others.
 
-        Parameters
-        ----------
-        xs, ys
-            Successive values of the axes.
-
         Returns
         -------
         Chunk

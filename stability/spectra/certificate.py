@@ -187,13 +187,7 @@ def _exact(problem: Problem, values: Mapping[str, float]) -> tuple[list[Any], li
 
 
 def structural_zeros(member: Member) -> int:
-    """Number of structural zero eigenvalues of a member, each proved zero at this member.
-
-    Parameters
-    ----------
-    member
-        The member.
-    """
+    """Number of structural zero eigenvalues of a member, each proved zero at this member."""
     if certain(member.family):
         return structure(member.family).zeros
     return member.structural[0]
@@ -322,13 +316,6 @@ def _by_conditions(conditions: Sequence[tuple[str, Any]], even: bool) -> Verdict
 
 def in_balls(family: Family, a: Balls, q: Balls) -> Verdict | None:
     """The verdict for all parameters in balls, by Routh's array at the current precision.
-
-    Parameters
-    ----------
-    family
-        The family.
-    a, q
-        Family parameters and parameters as balls.
 
     Returns
     -------

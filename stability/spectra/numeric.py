@@ -35,13 +35,7 @@ class NumericPlace(Place):
     """Numerical derivative and its estimated error."""
 
     def reduced(self, family: Family, zeros: int, *, watch: bool = False) -> Reduced:  # noqa: ARG002
-        """The linearisation; a numeric system has no structural zeros.
-
-        Parameters
-        ----------
-        family, zeros, watch
-            Not used.
-        """
+        """The linearisation; a numeric system has no structural zeros."""
         return self.found
 
 

@@ -221,23 +221,11 @@ class Meetings:
         return a, q
 
     def prepared(self, value: float) -> bool:
-        """Whether `root` need not follow the member from the family's known one.
-
-        Parameters
-        ----------
-        value
-            Value of the axis.
-        """
+        """Whether `root` need not follow the member from the family's known one."""
         return value in self._rough
 
     def prepare(self, values: Sequence[float]) -> None:
-        """Double-precision unknowns at many points, followed all at once, for `root`.
-
-        Parameters
-        ----------
-        values
-            Values of the axis.
-        """
+        """Double-precision unknowns at many points, followed all at once, for `root`."""
         new = [v for v in dict.fromkeys(values) if v not in self._rough]
         if not new or self.family.anchor is None or self.family.closed:
             return
@@ -252,15 +240,7 @@ class Meetings:
             self._rough[value] = u.tolist() if good else None
 
     def root(self, value: float, bits: int = BITS) -> list[Any] | None:
-        """The unknowns of the member that the family's root-finder gives; None without a member.
-
-        Parameters
-        ----------
-        value
-            Value of the axis.
-        bits
-            Working precision.
-        """
+        """The unknowns of the member that the family's root-finder gives; None without a member."""
         key = value, bits
         if key not in self._roots:
             self.prepare([value])
@@ -320,11 +300,6 @@ class Meetings:
     def piece(self, low: float, high: float) -> Piece:
         """Everything enclosed over a piece, at the working precision.
 
-        Parameters
-        ----------
-        low, high
-            Its ends.
-
         Raises
         ------
         NoMemberError
@@ -360,17 +335,7 @@ class Meetings:
     def functions(
         self, matrices: Sequence[Any], bases: Sequence[Basis], *, fold: bool
     ) -> list[Form]:
-        """The functions as forms: static and flutter for each block.
-
-        Parameters
-        ----------
-        matrices
-            Taylor coefficients of the linearisation.
-        bases
-            One for each block.
-        fold
-            As in `taylor.product`.
-        """
+        """The functions as forms: static and flutter for each block."""
         out = []
         for block, basis in zip(self.blocks, bases, strict=True):
             part = [
@@ -388,13 +353,7 @@ class Meetings:
         return out
 
     def zeros_in(self, piece: Piece) -> int | None:
-        """Number of zeros of all functions on a piece, each simple; None if this is not proved.
-
-        Parameters
-        ----------
-        piece
-            The piece.
-        """
+        """Number of zeros of all functions on a piece, each simple; None if this is not proved."""
         values = self.functions(piece.matrices, piece.bases, fold=True)
         open_ = [i for i, f in enumerate(values) if not nonzero(span(f))]
         if not open_:
@@ -427,26 +386,14 @@ class Meetings:
         return out
 
     def clear(self, value: float) -> bool:
-        """Whether no eigenvalue is on the imaginary axis at a point, proved.
-
-        Parameters
-        ----------
-        value
-            Value of the axis.
-        """
+        """Whether no eigenvalue is on the imaginary axis at a point, proved."""
         try:
             return 0 not in self._signs(value, None)
         except ArithmeticError:
             return False
 
     def joined(self, piece: Piece) -> bool:
-        """Whether the family's own members at both ends lie on the branch of a piece.
-
-        Parameters
-        ----------
-        piece
-            The piece.
-        """
+        """Whether the family's own members at both ends lie on the branch of a piece."""
         if not self.family.unknown or self.family.closed:
             return True
         for value in (piece.low, piece.high):
@@ -475,15 +422,7 @@ class FormulaPiece:
 
 
 class FormulaMeetings:
-    """The functions along a line.
-
-    Parameters
-    ----------
-    line
-        The line.
-    formulas
-        Formulas of its family.
-    """
+    """The functions along a line."""
 
     def __init__(self, line: AxisScan, formulas: ClosedForm) -> None:
         self.line, self.formulas = line, formulas
@@ -511,11 +450,6 @@ class FormulaMeetings:
 
     def piece(self, low: float, high: float) -> FormulaPiece:
         """Functions over a piece, at the working precision.
-
-        Parameters
-        ----------
-        low, high
-            Its ends.
 
         Raises
         ------
@@ -569,13 +503,7 @@ class FormulaMeetings:
         return own if self.formulas.even else [*own, Crossing.FLUTTER]
 
     def zeros_in(self, piece: FormulaPiece) -> int | None:
-        """Number of zeros of all functions on a piece, each simple; None if this is not proved.
-
-        Parameters
-        ----------
-        piece
-            The piece.
-        """
+        """Number of zeros of all functions on a piece, each simple; None if this is not proved."""
         open_ = [i for i, f in enumerate(piece.forms) if not nonzero(span(f))]
         if not open_:
             return 0
@@ -611,13 +539,7 @@ class FormulaMeetings:
         return self._known[key]
 
     def clear(self, value: float) -> bool:
-        """Whether no eigenvalue is on the imaginary axis at a point, proved.
-
-        Parameters
-        ----------
-        value
-            Value of the axis.
-        """
+        """Whether no eigenvalue is on the imaginary axis at a point, proved."""
         return 0 not in self._signs(value)
 
 

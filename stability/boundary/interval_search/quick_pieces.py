@@ -96,13 +96,7 @@ def quick_pieces(found: FormulaMeetings, low: float, high: float, *, log: bool) 
 
 
 def rounds_of(found: FormulaMeetings) -> Rounds | None:
-    """Rounds of pieces with the kernel of a line's formulas; None where these have none.
-
-    Parameters
-    ----------
-    found
-        The functions along a line.
-    """
+    """Rounds of pieces with the kernel of a line's formulas; None where these have none."""
     line = found.line
     names = (*line.problem.family.at, *line.problem.family.parameters)
     if line.problem.ratios or not line.problem.plain or line.axis not in names:

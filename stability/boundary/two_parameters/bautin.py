@@ -236,13 +236,7 @@ def _refined(
 
 
 class PolynomialPair:
-    """Two polynomials without common factor, with their slopes as a system of equations.
-
-    Parameters
-    ----------
-    f, g
-        Elements of `PLANE`.
-    """
+    """Two polynomials without common factor, with their slopes as a system of equations."""
 
     def __init__(self, f: Any, g: Any) -> None:
         self.pair = f, g
@@ -260,13 +254,7 @@ class PolynomialPair:
         return [univariate(f.resultant(g, name), i) for i, name in ((0, "y"), (1, "x"))]
 
     def near(self, roots: Sequence[Sequence[Any]]) -> Iterator[tuple[Any, Any]]:
-        """Pairs of roots at which both polynomials may vanish.
-
-        Parameters
-        ----------
-        roots
-            Balls of x, and of y.
-        """
+        """Pairs of roots at which both polynomials may vanish."""
         for x in roots[0]:
             rows = [arb_poly(_collapsed(p, x)) for p in self.pair]
             for y in roots[1]:
