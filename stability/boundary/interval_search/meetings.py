@@ -363,11 +363,7 @@ class Meetings:
         slopes = self.functions(piece.slopes, piece.bases, fold=False)
         if not all(nonzero(slopes[i][1]) for i in open_):
             return None
-        ends = [self._signs(v, piece.bases) for v in (piece.low, piece.high)]
-        signs = [(ends[0][i], ends[1][i]) for i in open_]
-        if any(0 in pair for pair in signs):
-            return None
-        return sum(a != b for a, b in signs)
+        return _changes(open_, *(self._signs(v, piece.bases) for v in (piece.low, piece.high)))
 
     def _signs(self, value: float, bases: Sequence[Basis] | None) -> list[int]:
         """Proved signs of the functions at a point; 0 where open."""
@@ -403,6 +399,12 @@ class Meetings:
             ):
                 return False
         return True
+
+
+def _changes(places: Sequence[int], low: Sequence[int], high: Sequence[int]) -> int | None:
+    """Number of functions whose signs at two ends differ; None where one is open."""
+    signs = [(low[i], high[i]) for i in places]
+    return None if any(0 in pair for pair in signs) else sum(a != b for a, b in signs)
 
 
 FORMULA_ORDER = 6
@@ -509,11 +511,7 @@ class FormulaMeetings:
             return 0
         if not all(nonzero(span(piece.slopes[i])) for i in open_):
             return None
-        ends = [self._signs(v) for v in (piece.low, piece.high)]
-        signs = [(ends[0][i], ends[1][i]) for i in open_]
-        if any(0 in pair for pair in signs):
-            return None
-        return sum(a != b for a, b in signs)
+        return _changes(open_, self._signs(piece.low), self._signs(piece.high))
 
     def _signs(self, value: float) -> list[int]:
         """Proved signs of the functions at a point; 0 where open."""
