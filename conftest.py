@@ -28,7 +28,7 @@ settings.register_profile(
 settings.load_profile("any-machine")
 SLOW_EXAMPLES = (
     "stability/derivation/", "stability/tables/families.py", "stability/figures/retrograde.py",
-    "stability/boundary/mean_path.py",
+    "stability/boundary/mean_path.py", "notebooks/proofs/centre_manifold.py",
 )  # fmt: skip
 """Their doctests derive or integrate what takes seconds."""
 BACKEND = ("backend", "backend_fallback", "interactive")

@@ -28,9 +28,9 @@ import casadi as ca
 import matplotlib.pyplot as plt
 import numpy as np
 import sympy
+from proofs.centre_manifold import W, derive_slow_flow
 
 import stability as st
-from stability.derivation.centre_manifold import W, derive_slow_flow
 
 K, MU = sympy.symbols("k mu", positive=True)
 

@@ -35,12 +35,12 @@ _HOME = {
     "spectra.spectrum": ("spectrum",),
     "spectra.result": ("Spectrum",),
     "base.verdict": ("Verdict", "Nonlinear"),
-    "boundary.crossings": ("BoundaryPoint", "Crossing", "Boundaries", "Unresolved"),
+    "boundary.brackets": ("BoundaryPoint", "Crossing", "Boundaries", "Unresolved"),
     "maps.stability_map": ("stability_map",),
     "boundary.changes": ("boundaries",),
     "maps.netcdf": ("read_map", "write_map"),
     "maps.stream": ("stream_map",),
-    "algebra.exact.known_polynomial": ("Exact", "ExactPolynomial"),
+    "algebra.polynomial": ("Exact", "ExactPolynomial"),
     "bodies.disk_polynomials": ("exact_polynomial",),
     "derivation.conditions": ("conditions", "Conditions"),
     "bodies.painleve": ("painleve_limit", "PainleveLimit"),
@@ -94,8 +94,8 @@ _FIGURES = {"spectrum": ("figures.loci", "plot_locus")}
 __all__ = sorted(_WHERE)  # noqa: PLE0605
 
 if TYPE_CHECKING:
-    from .algebra.exact.known_polynomial import Exact as Exact
-    from .algebra.exact.known_polynomial import ExactPolynomial as ExactPolynomial
+    from .algebra.polynomial import Exact as Exact
+    from .algebra.polynomial import ExactPolynomial as ExactPolynomial
     from .algebra.upright import UPRIGHT as UPRIGHT
     from .base.citation.citation import Citation as Citation
     from .base.citation.citation import citation as citation
@@ -142,11 +142,11 @@ if TYPE_CHECKING:
     from .bodies.round_body.shapes.profile import from_profile as from_profile
     from .bodies.thin_disk import disk_family as disk_family
     from .bodies.thin_disk import disk_system as disk_system
+    from .boundary.brackets import Boundaries as Boundaries
+    from .boundary.brackets import BoundaryPoint as BoundaryPoint
+    from .boundary.brackets import Crossing as Crossing
+    from .boundary.brackets import Unresolved as Unresolved
     from .boundary.changes import boundaries as boundaries
-    from .boundary.crossings import Boundaries as Boundaries
-    from .boundary.crossings import BoundaryPoint as BoundaryPoint
-    from .boundary.crossings import Crossing as Crossing
-    from .boundary.crossings import Unresolved as Unresolved
     from .boundary.drift import Drift as Drift
     from .boundary.drift import drift as drift
     from .boundary.hopf import CycleBirth as CycleBirth

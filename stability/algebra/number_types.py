@@ -71,13 +71,6 @@ BY_OTHERS: dict[str, Callable[..., Any]] = {
 def function_of(functions: dict[str, Callable[..., Any]], name: str) -> Callable[..., Any]:
     """A function of a number type, its own or by other functions.
 
-    Parameters
-    ----------
-    functions
-        The number type's own functions.
-    name
-        Name of the function.
-
     Examples
     --------
     >>> function_of(sympy_algebra().functions, "log1p")(2)
@@ -147,11 +140,6 @@ def ball_angle(y: Any, x: Any) -> Any:
 def ball_power(x: Any, y: Any) -> Any:
     """A power of balls; python-flint's own is nan for a whole power of a ball around 0.
 
-    Parameters
-    ----------
-    x, y
-        Base and exponent.
-
     Examples
     --------
     >>> from flint import arb
@@ -199,13 +187,7 @@ def casadi_algebra() -> Algebra:
 
 
 class _Later:
-    """A function or module of SymPy that is looked up when it is first called.
-
-    Parameters
-    ----------
-    find
-        Finds it.
-    """
+    """A function or module of SymPy that is looked up when it is first called."""
 
     def __init__(self, find: Callable[[], Any]) -> None:
         self.find = find
@@ -229,13 +211,7 @@ class _SymPyLater(ModuleType):
 
 
 class _FunctionsLater:
-    """heyoka's table of SymPy's functions, made when it is first read.
-
-    Parameters
-    ----------
-    build
-        Makes the table.
-    """
+    """heyoka's table of SymPy's functions, made when it is first read."""
 
     def __init__(self, build: Callable[[], Any]) -> None:
         self.table = cache(build)
@@ -308,13 +284,7 @@ def heyoka_algebra() -> Algebra:
 
 
 def upper(ball: Any) -> float:
-    """A double that is not below any number of a ball; 0 for an exact zero.
-
-    Parameters
-    ----------
-    ball
-        A nonnegative real ball.
-    """
+    """A double that is not below any number of a ball; 0 for an exact zero."""
     if ball == 0:
         return 0.0
     return float(np.nextafter(float(ball.abs_upper()), np.inf))
@@ -326,11 +296,6 @@ _PRECISION = RLock()
 @contextmanager
 def precision(bits: int) -> Iterator[None]:
     """A context with balls of the given precision; the former precision returns afterwards.
-
-    Parameters
-    ----------
-    bits
-        Working precision, in bits.
 
     Examples
     --------

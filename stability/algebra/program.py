@@ -48,17 +48,6 @@ Parts = tuple[Callable[..., list[Any]], Callable[..., list[list[Any]]]]
 def split(name: str, steps: Sequence[Step], sizes: Sequence[int], varying: Varying) -> Parts:
     """Two functions: what is fixed, and the outputs by it.
 
-    Parameters
-    ----------
-    name
-        Name of the list in tracebacks.
-    steps
-        The instructions.
-    sizes
-        Number of entries of each output.
-    varying
-        What varies from call to call.
-
     Examples
     --------
     >>> steps = [(0, (0, 0), ()), (1, 2.0, ()), (1, "{0} + {0}", (1,)), (0, "{0} * {1}", (0, 1)),
@@ -334,13 +323,6 @@ class Program:
     ) -> list[list[Any]]:
         """One output as rows of entries, with zeros written out.
 
-        Parameters
-        ----------
-        algebra, arguments
-            As in `run`.
-        output
-            Index of the output.
-
         Returns
         -------
         list of list
@@ -402,13 +384,7 @@ class Program:
             return None
 
     def quick(self, arguments: Sequence[Sequence[Any]], shape: tuple[int, ...]) -> list[Any]:
-        """As `arrays`; a long list runs on few points by one kernel, up to a few roundings.
-
-        Parameters
-        ----------
-        arguments, shape
-            As in `arrays`.
-        """
+        """As `arrays`; a long list runs on few points by one kernel, up to a few roundings."""
         given = [[(v, 0.0) for v in block] for block in arguments]
         found = self.enclosed(given, shape)
         if found is None:

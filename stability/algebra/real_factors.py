@@ -37,13 +37,7 @@ class Factors(NamedTuple):
     """(p, q) of each quadratic x² + p x + q, shapes (N,)."""
 
     def take(self, index: Any) -> Factors:
-        """The factors of some rows.
-
-        Parameters
-        ----------
-        index
-            Index of the rows.
-        """
+        """The factors of some rows."""
         return Factors(self.r[index], [(p[index], q[index]) for p, q in self.pairs])
 
     def stack(self) -> Array:
@@ -62,27 +56,13 @@ class Factors(NamedTuple):
         return cls(stacked[0], list(zip(stacked[1::2], stacked[2::2], strict=True)))
 
     def astype(self, kind: Any) -> Factors:
-        """The factors in another floating-point type.
-
-        Parameters
-        ----------
-        kind
-            Floating-point type of NumPy.
-        """
+        """The factors in another floating-point type."""
         return Factors(
             self.r.astype(kind), [(p.astype(kind), q.astype(kind)) for p, q in self.pairs]
         )
 
     def put(self, index: Any, other: Factors) -> None:
-        """Overwrite some rows.
-
-        Parameters
-        ----------
-        index
-            Index of the rows.
-        other
-            New factors of these rows.
-        """
+        """Overwrite some rows."""
         self.r[index] = other.r
         for (p, q), (u, v) in zip(self.pairs, other.pairs, strict=True):
             p[index], q[index] = u, v

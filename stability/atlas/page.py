@@ -18,7 +18,7 @@ from ..base.verdict import CODES, NO_MEMBER
 from ..base.version import __version__
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES
-from ..boundary.crossings import Crossing
+from ..boundary.brackets import Crossing
 from ..boundary.curves import KINDS
 from ..spectra.labels import LIBRARIES
 

@@ -16,9 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from ..algebra.exact.known_polynomial import Exact, TabulatedPolynomial
 from ..algebra.number_types import Algebra
-from ..algebra.polynomial import Polynomial
+from ..algebra.polynomial import Exact, Polynomial, TabulatedPolynomial
 from ..base.checks import known
 from ..base.errors import NameUnknownError, NoMemberError, StabilityError, shown
 from .contact import Contact

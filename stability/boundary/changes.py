@@ -9,10 +9,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..algebra.exact.number_fields import NotExact, rational
 from ..algebra.exact.roots import UnclearError
 from ..algebra.number_types import MIXED, precision
+from ..algebra.polynomial import TabulatedPolynomial
 from ..base.axis import AxisLike
 from ..base.citation.used import cited
 from ..base.errors import ParameterError, StabilityError
@@ -28,12 +28,19 @@ from ..spectra.problem import Problem
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
 from .algebraic.exact_search import algebraic
-from .brackets import BITS, AxisScan, crossed, crossing_rate
-from .critical import Characteristic, Conditions
-from .crossings import Boundaries, BoundaryPoint, Crossing, Unresolved, bracket
-from .interval_search.meaning import meaningful
-from .interval_search.pieces import proved
-from .search import Mark, Search, search, single
+from .brackets import (
+    BITS,
+    AxisScan,
+    Boundaries,
+    BoundaryPoint,
+    Crossing,
+    Unresolved,
+    bracket,
+    crossed,
+    crossing_rate,
+)
+from .interval_search.pieces import meaningful, proved
+from .search import Characteristic, Conditions, Mark, Search, search, single
 
 POINT = 1e-9
 """Width of a part that the exact search leaves open, over the interval, up to which it is a point.
@@ -215,13 +222,6 @@ def _along(line: AxisScan, low: float, high: float, points: int, *, log: bool) -
 
 def located(line: AxisScan, found: Search) -> Boundaries:
     """The changes of verdict among the marks of a search, each as a proved bracket.
-
-    Parameters
-    ----------
-    line
-        The line.
-    found
-        Result of `search`.
 
     Returns
     -------

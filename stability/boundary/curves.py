@@ -14,8 +14,7 @@ from ..base.errors import StabilityError
 from ..base.types import Floats, Progress
 from ..base.verdict import CODES, DECAYING, NO_MEMBER, Verdict
 from ..spectra.problem import Problem
-from .brackets import AxisScan, refine
-from .crossings import BoundaryPoint, Crossing
+from .brackets import AxisScan, BoundaryPoint, Crossing, refine
 
 KINDS = {crossing: crossing.code for crossing in Crossing}
 """Flag value of each crossing in files."""

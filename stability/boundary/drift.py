@@ -4,7 +4,7 @@ Under viscous friction straight rolling with omega3² > g/(2kR) is spectrally st
 leaning disk circles slowly with lateral slip, which costs energy.  On the centre manifold tilt and
 spin obey dα/dt = a α³, dω₃/dt = b α².  The spin falls and the tilt grows until the threshold is
 crossed.  The coefficients, the first integral and the time below are derived from the graph by
-`stability.derivation.centre_manifold`; notebooks/rolling_drift.py and tests/boundary/test_drift.py
+notebooks/proofs/centre_manifold.py; notebooks/rolling_drift.py and tests/boundary/test_drift.py
 show this.
 """
 

@@ -24,17 +24,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import Any, NamedTuple, overload
+from typing import Any, overload
 
-import casadi as ca
 import numpy as np
-from flint import acb, acb_mat, arb, arb_mat
+from flint import arb
 
 from ..algebra.exact.number_fields import NotExact
 from ..algebra.exact.roots import UnclearError
-from ..algebra.number_types import balls, precision, upper
-from ..algebra.program import Program
-from ..algebra.upright import Upright
+from ..algebra.number_types import precision, upper
 from ..base.axis import AxisLike
 from ..base.checks import checked, instance, whole_number
 from ..base.citation.used import cited
@@ -43,7 +40,6 @@ from ..base.types import Floats, Record, Sentences
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import LAWS, law_missing
 from ..bodies.disk import Disk
-from ..bodies.disk_polynomials import exact_polynomial
 from ..bodies.families import FAMILIES, SteadyFamily
 from ..bodies.law_names import law_only
 from ..bodies.round_body.body import Body
@@ -51,12 +47,11 @@ from ..bodies.subject import of_body
 from ..spectra.arguments import axis_of, prepare
 from ..spectra.problem import Problem, disk_problem
 from ..systems.family import Family
-from ..systems.structure.enclosure import ball_unknowns
 from ..systems.structure.linearity import linear
 from ..systems.structure.structural_zeros import structure
 from ..systems.system import refuse_system
+from .brackets import BoundaryPoint, Crossing
 from .changes import MOST_SCAN, along
-from .crossings import BoundaryPoint, Crossing
 from .krawczyk import NotProvedError
 from .lyapunov_coefficient import (
     Coefficients,
@@ -271,13 +266,6 @@ def births(
 ) -> list[CycleBirth] | list[HopfPoint]:
     """Every flutter boundary along an axis, with the kind of its onset.
 
-    Parameters
-    ----------
-    family
-        A family of a user's system.
-    axis, parameters
-        As for `boundaries`.
-
     Raises
     ------
     ParameterError
@@ -315,13 +303,7 @@ NO_COEFFICIENT = (
 
 
 def zeros_left(family: Family) -> int:
-    """Structural zeros that remain without the states on which nothing depends.
-
-    Parameters
-    ----------
-    family
-        A family of a user's system.
-    """
+    """Structural zeros that remain without the states on which nothing depends."""
     dropped = len(family.system.states) - len(derivatives(family.system).kept)
     return structure(family).zeros - dropped
 
@@ -351,15 +333,7 @@ def _accepted(family: Family, axis: str) -> bool:
 
 
 def birth(line: Line, point: BoundaryPoint) -> CycleBirth:
-    """The first Lyapunov coefficient at a flutter boundary, with proved bounds.
-
-    Parameters
-    ----------
-    line
-        The line.
-    point
-        The boundary.
-    """
+    """The first Lyapunov coefficient at a flutter boundary, with proved bounds."""
     reason = ""
     for bits in PRECISIONS:
         with precision(bits):
@@ -436,13 +410,7 @@ def _record(point: BoundaryPoint, pair: Pair, found: Coefficients, reason: str) 
 
 
 def rounded(ball: Any) -> tuple[float, float]:
-    """The nearest double to a ball's midpoint, and a bound on its distance from the true number.
-
-    Parameters
-    ----------
-    ball
-        A real ball.
-    """
+    """The nearest double to a ball's midpoint, and a bound on its distance from the true number."""
     value = 0.0 if arb(ball).contains(0) else float(arb(ball).mid())
     return value, upper(abs(arb(ball) - arb(value)))
 
@@ -478,8 +446,6 @@ def _on_line(line: Line, point: BoundaryPoint) -> HopfPoint:
         "not known."
     )
 
-
-Balls = list[Any]
 
 BITS = 256
 """Working precision of the first attempt."""
@@ -683,139 +649,51 @@ def _scanned(problem: Problem, record: SteadyFamily, unit: float, points: int) -
 def _point(problem: Problem, mark: Mark, unit: float) -> HopfPoint:
     given = {n: arb(float(v)) for n, v in problem.values.items()} | {"at": mark.value}
     a, q, rate = problem.reduce(given, lambda v: v.sqrt())
-    form = normal_form(problem.family, a, q)
-    crossing, push = (float(v.mid()) for v in (form.crossing, form.push))
-    clear = not form.crossing.contains(0) and not form.push.contains(0)
-    kind = HopfKind.ELLIPTIC if crossing * push < 0 else HopfKind.HYPERBOLIC
+    at, nan = float(mark.value.mid()), float("nan")
+    try:
+        pair = pair_at(problem.family, a[0], q)
+        form = line_form(pair)
+        sign = signed(form.speed) * signed(form.push)
+        if not pair.value.overlaps(a[0]):
+            raise NotProvedError
+    except NotProvedError:
+        none = np.full(len(problem.family.system.states), complex(nan, nan))
+        return HopfPoint(at, HopfKind.DEGENERATE, mark.below > 0, nan, nan, nan, none, unit)
+    kinds = {-1: HopfKind.ELLIPTIC, 0: HopfKind.DEGENERATE, 1: HopfKind.HYPERBOLIC}
+    mode = np.array([complex(float(v.real.mid()), float(v.imag.mid())) for v in pair.mode])
+    largest = mode[np.abs(mode).argmax()]
     return HopfPoint(
-        float(mark.value.mid()),
-        kind if clear else HopfKind.DEGENERATE,
+        at,
+        kinds[sign],
         mark.below > 0,
-        float((form.frequency * rate).mid()),
-        crossing,
-        push,
-        form.mode,
+        float((pair.frequency * rate).mid()),
+        float(form.speed.mid()),
+        float(form.push.mid()),
+        mode * abs(largest) / largest,
         unit,
     )
 
 
-@lru_cache(maxsize=16)
-def _second(family: Family) -> Program:
-    """D²f[u, v] of a family's system, by automatic differentiation."""
-    system = family.system
-    u, v = ca.SX.sym("u", len(system.states)), ca.SX.sym("v", len(system.states))
-    once = ca.jtimes(system.rhs, system.x, u)
-    twice = ca.densify(ca.jtimes(once, system.x, v))
-    return Program(ca.Function("second", [system.x, system.p, u, v], [twice]))
-
-
-class NormalForm(NamedTuple):
-    """Coefficients of a Hopf bifurcation without parameters, in balls around the exact ones."""
-
-    crossing: Any
-    """Re μ' per unit of the family parameter."""
-    push: Any
-    """c for the mode of unit length."""
-    frequency: Any
-    """|Im λ| of the pair."""
-    mode: Any
-    """The mode, complex, of unit length, its largest entry real; doubles."""
-
-
-def normal_form(family: Family, a: Sequence[Any], q: Sequence[Any]) -> NormalForm:
-    """Coefficients of the Hopf bifurcation without parameters at a member.
+def pair_at(family: Family, at: Any, parameters: Sequence[Any]) -> Pair:
+    """The crossing pair near a member of one of the disk's lines, proved.
 
     Parameters
     ----------
     family
         One of the disk's families, with one tangent.
-    a, q
+    at, parameters
         Family parameter and parameters, dimensionless: doubles, taken as exact, or balls.
-
-    Returns
-    -------
-    NormalForm
-        At the working precision.
 
     Raises
     ------
-    StabilityError
-        If two eigenvalues there coincide at the working precision.
+    NotProvedError
+        If none is proved there.
     """
-    program = _second(family)
-    a, q = ([arb(v) for v in values] for values in (a, q))
-    u = ball_unknowns(family, a, q)
-    known = dict(zip((*family.at, *family.unknown), (*a, *u), strict=True))
-    held = {n: arb.pi() / 2 if isinstance(v, Upright) else arb(v) for n, v in family.fixed.items()}
-    state = [(known | held)[n] for n in family.system.states]
-    matrix = acb_mat(arb_mat(family.graph.matrix.dense(balls(), [a, u, q])))
-    try:
-        values, left, right = matrix.eig(left=True, right=True)
-    except ValueError:
-        raise StabilityError(
-            f"two eigenvalues of {family.name} at {float(a[0]):.10g} coincide; no normal form."
-        ) from None
-    size = len(values)
-    zero = min(range(size), key=lambda i: float(abs(values[i]).mid()))
-    upper = [i for i in range(size) if values[i].imag > 0]
-    pair = min(upper, key=lambda i: abs(float(values[i].real.mid())))
-
-    def second(x: Balls, y: Balls) -> Balls:
-        out = []
-        for p, r in ((x, y), (x, [-acb(0, 1) * v for v in y])):  # real, then imaginary part
-            parts = [
-                program.run(balls(), [state, q, [v.real for v in s], [v.real for v in t]])[0]
-                for s, t in ((p, r), ([acb(0, 1) * v for v in p], [acb(0, 1) * v for v in r]))
-            ]
-            out.append([s - t for s, t in zip(*parts, strict=True)])
-        return [acb(s, t) for s, t in zip(*out, strict=True)]
-
-    tangent = [acb(v) for v in _tangent(family, a, u, q)]
-    mode = [right[i, pair] for i in range(size)]
-    biggest = max(mode, key=lambda v: float(abs(v).mid()))
-    length = sum((abs(v) ** 2 for v in mode), arb(0)).sqrt()
-    mode = [v / length * abs(biggest) / biggest for v in mode]
-    across, along = ([left[i, j] for j in range(size)] for i in (zero, pair))
-    push = _dot(across, second(mode, [v.conjugate() for v in mode])) / _dot(across, tangent)
-    speed = _dot(along, second(tangent, mode)) / _dot(along, mode)
-    plain = np.array([complex(float(v.real.mid()), float(v.imag.mid())) for v in mode])
-    return NormalForm(speed.real, push.real, values[pair].imag, plain)
-
-
-def _dot(x: Balls, y: Balls) -> Any:
-    return sum((s * t for s, t in zip(x, y, strict=True)), acb(0))
-
-
-def _tangent(family: Family, a: Balls, u: Balls, q: Balls) -> Balls:
-    """The line's direction in the state, by the implicit function theorem."""
-    by_a, by_u, _, r_u, r_a = (
-        family.graph.tangent.dense(balls(), [a, u, q], output) for output in range(5)
-    )
-    if not u or family.closed:
-        return [row[0] for row in by_a]
-    turn = arb_mat(r_u).solve(arb_mat(r_a))
-    return [
-        row[0] - sum((c * turn[j, 0] for j, c in enumerate(by)), arb(0))
-        for row, by in zip(by_a, by_u, strict=True)
-    ]
-
-
-def exact_side(family: str, law: str) -> Any:
-    """The flutter polynomial and its derivative along the line, which decide the type exactly.
-
-    Energy rises with the family parameter along both lines and falls while the contact slips, so c
-    is negative.  The sign of Re μ' is minus that of the derivative of the condition.
-
-    Parameters
-    ----------
-    family, law
-        Names of the family and of the contact law.
-
-    Returns
-    -------
-    polynomial, derivative
-        In the variables of `stability.bodies.disk_polynomials`.
-    """
-    known = exact_polynomial(family, law)
-    [flutter] = [p for kind, p in known.conditions if kind == "flutter"]
-    return flutter, flutter.derivative(known.variables[-1])
+    line = Line(family, family.at[0], dict(zip(family.parameters, parameters, strict=True)))
+    value = float(arb(at).mid())
+    a, q = np.array([[value]]), np.array([[float(arb(v).mid()) for v in parameters]])
+    values = np.linalg.eigvals(family.matrix(a, family.solve(a, q), q)[0])
+    pairs = [v for v in values if v.imag > 0]
+    if not pairs:
+        raise NotProvedError
+    return pair_near(line, value, float(min(pairs, key=lambda v: abs(v.real)).imag))

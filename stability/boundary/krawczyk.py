@@ -23,13 +23,6 @@ class NotProvedError(ArithmeticError):
 def polished(system: System, start: Sequence[float]) -> Values:
     """A solution to nearly the working precision, by Newton's method; not proved.
 
-    Parameters
-    ----------
-    system
-        The equations.
-    start
-        First guess.
-
     Raises
     ------
     NotProvedError

@@ -40,13 +40,7 @@ Balls = list[Any]
 
 
 class Derivatives:
-    """Programs of a system, with inputs x and p and then directions in the state.
-
-    Parameters
-    ----------
-    system
-        The equations of motion.
-    """
+    """Programs of a system, with inputs x and p and then directions in the state."""
 
     def __init__(self, system: Equations) -> None:
         self.system = system
@@ -169,6 +163,13 @@ class Line:
         """C(u, v, w), the third derivative."""
         return self.d.third.run(balls(), [x, p, u, v, w])[0]
 
+    def whole(self, part: Sequence[Any]) -> Balls:
+        """A vector over the kept states as one over all."""
+        out = [arb(0)] * len(self.family.system.states)
+        for i, v in zip(self.d.kept, part, strict=True):
+            out[i] = v
+        return out
+
     def unit(self, index: int) -> Balls:
         """Direction of one state."""
         return [arb(int(i == index)) for i in range(len(self.family.system.states))]
@@ -225,13 +226,6 @@ class PairEquations:
         m, n = self.count, len(self.line.d.kept)
         return z[0], z[1 : 1 + m], z[1 + m : 1 + m + n], z[1 + m + n : 1 + m + 2 * n], z[-1]
 
-    def whole(self, part: Values) -> Values:
-        """A vector over the kept states as one over all."""
-        out = [arb(0)] * len(self.line.family.system.states)
-        for i, v in zip(self.line.d.kept, part, strict=True):
-            out[i] = v
-        return out
-
     def __call__(self, z: Values) -> tuple[Values, list[Values]]:
         """Values and rows of slopes of the equations."""
         line, kept = self.line, self.line.d.kept
@@ -245,7 +239,7 @@ class PairEquations:
             values.append(rates[i])
             rows.append([by_axis[i], *[slopes[i][j] for j in line.solved]] + [arb(0)] * (2 * n + 1))
         for part, other, sign, start in ((vr, vi, 1, 0), (vi, vr, -1, n)):
-            full = self.whole(part)
+            full = line.whole(part)
             turns = [line.turned(x, p, full)]
             turns += [line.second(x, p, full, line.unit(j)) for j in line.solved]
             for k, i in enumerate(kept):
@@ -393,16 +387,8 @@ def solve(matrix: Any, right: Balls) -> Balls:
     return [found[i, 0] for i in range(len(right))]
 
 
-def direction(line: Line, x: Balls, p: Balls) -> tuple[Balls, list[Balls]]:
-    """dx/d axis along the family over all states, and the Jacobian.
-
-    Parameters
-    ----------
-    line
-        The line.
-    x, p
-        A member.
-    """
+def direction(line: Line, x: Balls, p: Balls) -> Balls:
+    """dx/d axis along the family over all states."""
     _, slopes, by_axis = line.first(x, p)
     out = [arb(0)] * len(x)
     if line.by_state:
@@ -415,20 +401,16 @@ def direction(line: Line, x: Balls, p: Balls) -> tuple[Balls, list[Balls]]:
             raise NotProvedError from None
         for k, j in enumerate(line.solved):
             out[j] = out[j] + turn[k, 0]
-    return out, slopes
+    return out
 
 
 def eigenvalue_speed(pair: Pair, left: Balls, v: Sequence[Any]) -> Any:
     """dλ/d axis = w (dA/d axis) v for a simple eigenvalue with w v = 1."""
     line, kept = pair.line, pair.line.d.kept
     x, p = pair.point
-    along, _ = direction(line, x, p)
-    full = [acb(0)] * len(x)
-    for i, c in zip(kept, v, strict=True):
-        full[i] = c
+    along, full = direction(line, x, p), line.whole(v)
     turned = line.turned(x, p, full)
     if line.by_state:  # the axis itself is in `turned` already
-        along = list(along)
         along[line.place] = arb(0)
     more = line.second(x, p, full, along)
     return dot(left, [acb(turned[i]) + acb(more[i]) for i in kept])
@@ -449,11 +431,6 @@ class Coefficients:
 def coefficients(pair: Pair) -> Coefficients:
     """The first Lyapunov coefficient at a crossing pair, and the speed of the crossing.
 
-    Parameters
-    ----------
-    pair
-        The pair, proved.
-
     Raises
     ------
     NotProvedError
@@ -465,17 +442,11 @@ def coefficients(pair: Pair) -> Coefficients:
     left = bordered(shifted(matrix, acb(0, 1) * w), q)
     conjugate = [v.conjugate() for v in q]
 
-    def whole(v: Balls) -> Balls:
-        out = [acb(0)] * len(x)
-        for i, c in zip(kept, v, strict=True):
-            out[i] = c
-        return out
-
     def second(u: Balls, v: Balls) -> Balls:
-        found = line.second(x, p, whole(u), whole(v))
+        found = line.second(x, p, line.whole(u), line.whole(v))
         return [acb(found[i]) for i in kept]
 
-    cubic = line.third(x, p, whole(q), whole(q), whole(conjugate))
+    cubic = line.third(x, p, line.whole(q), line.whole(q), line.whole(conjugate))
     total = dot(left, [acb(cubic[i]) for i in kept])
     mean = solve(shifted(matrix, acb(0)), second(q, conjugate))
     total = total - 2 * dot(left, second(q, mean))
@@ -501,14 +472,17 @@ def others(pair: Pair, zeros: int = 0) -> int:
     int
         1 stable, -1 one is unstable, 0 open.
     """
-    rest = list(pair.matrix.charpoly().coeffs())
-    square = pair.frequency**2
-    out = []
-    for k in range(len(rest) - 1, 1, -1):  # division by λ² + ω², highest power first
+    quotient = without_pair(pair.matrix.charpoly().coeffs(), pair.frequency**2)[zeros:]
+    return hurwitz_sign(quotient) if len(quotient) > 1 else 1
+
+
+def without_pair(polynomial: Sequence[Any], square: Any) -> Balls:
+    """The quotient of a polynomial by λ² + ω², lowest power first."""
+    rest, out = list(polynomial), []
+    for k in range(len(rest) - 1, 1, -1):  # highest power first
         out.append(rest[k])
         rest[k - 2] = rest[k - 2] - square * rest[k]
-    quotient = out[::-1][zeros:]
-    return hurwitz_sign(quotient) if len(quotient) > 1 else 1
+    return out[::-1]
 
 
 @dataclass(frozen=True)
@@ -536,19 +510,13 @@ def line_form(pair: Pair) -> LineForm:
     """
     line, kept = pair.line, pair.line.d.kept
     x, p = pair.point
-    along, _ = direction(line, x, p)
+    along = direction(line, x, p)
     tangent = [acb(along[i]) for i in kept]
     matrix, q = pair.matrix, pair.mode
     left = bordered(shifted(matrix, acb(0, 1) * pair.frequency), q)
     across = bordered(shifted(matrix, acb(0)), tangent)
 
-    def whole(v: Balls) -> Balls:
-        out = [acb(0)] * len(x)
-        for i, c in zip(kept, v, strict=True):
-            out[i] = c
-        return out
-
-    pushed = line.second(x, p, whole(q), whole([v.conjugate() for v in q]))
+    pushed = line.second(x, p, line.whole(q), line.whole([v.conjugate() for v in q]))
     push = dot(across, [acb(pushed[i]) for i in kept])
     return LineForm(eigenvalue_speed(pair, left, q).real, push.real)
 

@@ -137,11 +137,6 @@ def pencil(law: str) -> sympy.Matrix:
 
     A disturbance of θ, φ̇, ω₃, the normal force, and of slip or contact force grows with e^(λt)
     where the determinant vanishes.  θ̇ grows as λ times θ.
-
-    Parameters
-    ----------
-    law
-        Name of the law.
     """
     found = equations(law)
     x, u = found.by_state, found.by_unknown
@@ -160,13 +155,7 @@ def pencil(law: str) -> sympy.Matrix:
 
 
 def folded(expression: Expr) -> Expr:
-    """A polynomial with cosθ to the first power at most, expanded.
-
-    Parameters
-    ----------
-    expression
-        Polynomial in s and c.
-    """
+    """A polynomial with cosθ to the first power at most, expanded."""
     poly = sympy.Poly(sympy.expand(expression), COS)
     return sympy.expand(
         sum(a * COS ** (n % 2) * (1 - SIN**2) ** (n // 2) for (n,), a in poly.terms())

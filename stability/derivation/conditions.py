@@ -151,24 +151,13 @@ class Numbers:
     """Whether a double that is the nearest one to a short decimal is read as the decimal."""
 
     def family(self, family: Family) -> Family:
-        """The family whose graph has these numbers.
-
-        Parameters
-        ----------
-        family
-            The family.
-        """
+        """The family whose graph has these numbers."""
         if not self.decimals:
             return family
         return DecimalFamily(**{f.name: getattr(family, f.name) for f in fields(family)})
 
     def ratio(self, value: float) -> Any:
         """A double as a rational.
-
-        Parameters
-        ----------
-        value
-            A finite double.
 
         Examples
         --------
@@ -195,13 +184,7 @@ class Numbers:
         return fmpq(exact.numerator, exact.denominator)
 
     def point(self, given: Mapping[str, Any]) -> dict[str, Any]:
-        """Numbers by name as rationals; balls stay.
-
-        Parameters
-        ----------
-        given
-            Numbers or balls by name.
-        """
+        """Numbers by name as rationals; balls stay."""
         return {
             n: v if isinstance(v, (arb, fmpq)) else self.rational(n, v) for n, v in given.items()
         }
@@ -209,13 +192,7 @@ class Numbers:
     def intervals(
         self, family: Family, positive: Sequence[str], between: Mapping[str, tuple[Any, Any]]
     ) -> dict[str, tuple[Any, Any]]:
-        """Open intervals by name, as rationals; None for an infinite end.
-
-        Parameters
-        ----------
-        family, positive, between
-            As in `stability.conditions`.
-        """
+        """Open intervals by name, as rationals; None for an infinite end."""
         names = (*family.at, *family.unknown, *family.parameters)
         if isinstance(positive, str):
             raise ParameterError(f"positive is {shown(positive)}; give a tuple of names.")

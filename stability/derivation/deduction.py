@@ -156,11 +156,6 @@ class Members:
     def values(self, point: Mapping[str, Any]) -> list[Any]:
         """Values of the variables at a member, from its family parameters and parameters.
 
-        Parameters
-        ----------
-        point
-            Rationals by name.
-
         Raises
         ------
         DomainError
@@ -229,15 +224,7 @@ def _short(value: Any) -> str:
 
 
 def sloped_somewhere(family: Family, given: Mapping[str, Any]) -> bool:
-    """Whether the rates have a slope at a typical member; True where no such member is found.
-
-    Parameters
-    ----------
-    family
-        The family.
-    given
-        Parameters that have a number.
-    """
+    """Whether the rates have a slope at a typical member; True where no such member is found."""
     names = (*family.at, *family.parameters)
     known = {n: float(v) for n, v in zip(names, sampled(family, 0), strict=True)}
     known |= {n: float(v) for n, v in given.items()}
@@ -332,15 +319,7 @@ class Deduction:
         return tuple(c * turned for c in coefficients), even, count
 
     def polynomial(self, poly: Poly, together: Sequence[Poly] = ()) -> Polynomial:
-        """A polynomial with integer coefficients, times a positive number.
-
-        Parameters
-        ----------
-        poly
-            The polynomial.
-        together
-            Polynomials that get the same factor.
-        """
+        """A polynomial with integer coefficients, times a positive number."""
         names = self.whole.names
         numbers = [c for p in (poly, *together) for c in p.coeffs()]
         scale = Fraction(lcm(*(int(c.q) for c in numbers)) if numbers else 1)
@@ -531,13 +510,7 @@ def _even(a: Sequence[Poly], budget: Budget) -> list[tuple[str, str, Poly, int]]
 
 
 def closed_forms(reading: Reading) -> tuple[tuple[str, str], ...]:
-    """Closed forms; a function whose name is only a number is left out where nothing names it.
-
-    Parameters
-    ----------
-    reading
-        The family's Jacobian.
-    """
+    """Closed forms; a function whose name is only a number is left out where nothing names it."""
     found = [(i, reading.text(v)) for i, v in reading.triangular.solved.items()]
     named = {i: reading.name(i) for i, _ in found}
     texts = " ".join(text for _, text in found)

@@ -302,11 +302,6 @@ class Whole:
 def whole(reading: Reading) -> Whole:
     """The characteristic polynomial of a family in factors over Q.
 
-    Parameters
-    ----------
-    reading
-        The family's Jacobian.
-
     Raises
     ------
     NotExact

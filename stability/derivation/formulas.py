@@ -24,9 +24,8 @@ from typing import Any
 import sympy
 from flint import Ordering, fmpz_mpoly_ctx, fmpz_poly
 
-from ..algebra.exact.known_polynomial import Exact
 from ..algebra.number_types import precision
-from ..algebra.polynomial import Polynomial
+from ..algebra.polynomial import Exact, Polynomial
 from ..base.errors import ParameterError, shown
 from ..bodies.disk_polynomials import exact_polynomial, known_polynomial
 from ..bodies.families import FAMILIES, families_under
@@ -62,15 +61,6 @@ LIMITS = "limits in mu hold at each member, not uniformly along the family"
 
 def where(family: str, of: str, roots: int) -> tuple[str, ...]:
     """The range of each root, in the order in which they are printed.
-
-    Parameters
-    ----------
-    family
-        Name of the family.
-    of
-        Solved quantity, such as `mu**2`.
-    roots
-        Number of roots.
 
     Returns
     -------
@@ -343,11 +333,6 @@ class Formulas:
 def expression(polynomial: Polynomial) -> Expr:
     """A polynomial of `stability.bodies.disk_polynomials` as a SymPy expression.
 
-    Parameters
-    ----------
-    polynomial
-        The polynomial.
-
     Examples
     --------
     >>> expression(exact_polynomial("rolling", "viscous").conditions[0][1])
@@ -558,13 +543,7 @@ def _span(r: Range) -> str:
 
 
 def cases(laws: Sequence[str]) -> list[tuple[str, str]]:
-    """Family and law of every polynomial, for the given laws.
-
-    Parameters
-    ----------
-    laws
-        Names of contact laws.
-    """
+    """Family and law of every polynomial, for the given laws."""
     return [
         (family.name, law)
         for law in laws

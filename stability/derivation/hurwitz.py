@@ -64,11 +64,6 @@ def factored(expression: Expr) -> Expr:
 
     As `sympy.factor`, which first looks for denominators and needs most of its time for that.
 
-    Parameters
-    ----------
-    expression
-        Polynomial over Q.
-
     Examples
     --------
     >>> factored(2 * K * SIN**2 - 2 * K)
@@ -220,11 +215,6 @@ def _all_positive(polynomial: Any, place: int) -> bool:
 def decisive(derived: Derived) -> tuple[list[StabilityCondition], list[Obligation]]:
     """The conditions that decide, and the proofs of the others.
 
-    Parameters
-    ----------
-    derived
-        Result of `derive`.
-
     Returns
     -------
     conditions, obligations
@@ -309,15 +299,7 @@ def catalogue() -> dict[str, Any]:
 
 
 def terms(expression: Expr, variables: Sequence[sympy.Symbol]) -> list[list[int]]:
-    """A polynomial as lists of a coefficient and its exponents.
-
-    Parameters
-    ----------
-    expression
-        Polynomial with whole coefficients.
-    variables
-        Its variables.
-    """
+    """A polynomial as lists of a coefficient and its exponents."""
     if expression == 0:
         return []
     poly = sympy.Poly(expression, *variables)

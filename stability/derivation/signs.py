@@ -129,11 +129,6 @@ def between(roots: Sequence[Any], low: Any, high: Any) -> Iterator[Any]:
 def short(low: Any, high: Any) -> Any:
     """The decimal of fewest digits well inside an interval.
 
-    Parameters
-    ----------
-    low, high
-        Rationals, low below high.
-
     Examples
     --------
     >>> short(fmpq(1, 3), fmpq(1, 2))
@@ -234,15 +229,7 @@ class Sign:
 
 
 class Domain:
-    """Variables with bounds, and polynomials known to be positive.
-
-    Parameters
-    ----------
-    ring
-        Context of the polynomials.
-    names
-        Name of each variable.
-    """
+    """Variables with bounds, and polynomials known to be positive."""
 
     def __init__(self, ring: Any, names: Sequence[str]) -> None:
         self.ring, self.names = ring, list(names)
@@ -343,13 +330,7 @@ class Domain:
     # --- proofs ---
 
     def sign(self, poly: Poly) -> Sign:
-        """The sign of a polynomial, factor by factor.
-
-        Parameters
-        ----------
-        poly
-            A polynomial.
-        """
+        """The sign of a polynomial, factor by factor."""
         if poly == 0:
             return Sign(0, (), (), ())
         constant, found = factors(poly)
@@ -373,13 +354,7 @@ class Domain:
         return Sign(known, tuple(open_), tuple(reasons), tuple(nonzero))
 
     def positive(self, poly: Poly) -> str | None:
-        """A proof that a polynomial is positive in the whole domain, or None.
-
-        Parameters
-        ----------
-        poly
-            A polynomial.
-        """
+        """A proof that a polynomial is positive in the whole domain, or None."""
         if poly.is_constant():
             return "a positive number" if number_of(poly) > 0 else None
         key = str(poly)

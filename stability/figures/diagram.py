@@ -22,7 +22,7 @@ from ..base.errors import ParameterError
 from ..base.quantities import Quantity, axis_label, in_latex, read, unit_of
 from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..bodies.quantities import quantities_of
-from ..boundary.crossings import Crossing
+from ..boundary.brackets import Crossing
 from ..boundary.curves import KINDS
 from ..boundary.two_parameters.point_records import CodimensionTwo, PointKind
 from ..maps.dataset import points_of

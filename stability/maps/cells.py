@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..algebra.eigensolver import chosen, eigensolver, name_of
-from ..algebra.exact.known_polynomial import TabulatedPolynomial
+from ..algebra.polynomial import TabulatedPolynomial
 from ..base.axis import Axis
 from ..base.errors import NoMemberError, ParameterError, StabilityError
 from ..base.types import Floats, Progress
@@ -268,11 +268,6 @@ class Cells:
 
     def part(self, xs: Floats, ys: Floats) -> Chunk:
         """The arrays of a grid inside the map, complete, without the others.
-
-        Parameters
-        ----------
-        xs, ys
-            Successive values of the axes.
 
         Returns
         -------

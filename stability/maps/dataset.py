@@ -47,15 +47,6 @@ def point_variables(
 ) -> dict[str, Any]:
     """Variables along the dimension `point`.
 
-    Parameters
-    ----------
-    found
-        The points.
-    axes
-        Attributes of each axis by name.
-    rate
-        Attributes of rates.
-
     Returns
     -------
     dict

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra.eigensolver import name_of
-from ..algebra.exact.known_polynomial import TabulatedPolynomial
+from ..algebra.polynomial import TabulatedPolynomial
 from ..base.axis import Axis, AxisLike
 from ..base.checks import flag
 from ..base.errors import FileError, ParameterError, listed
@@ -125,15 +125,7 @@ def flags() -> dict[str, Any]:
 
 
 def band(judge: Callable[[], Judge], xs: Floats, ys: Floats) -> tuple[Codes, int]:
-    """Flags of a band, and the number of its cells that went to exact arithmetic.
-
-    Parameters
-    ----------
-    judge
-        Gives this worker's judge.
-    xs, ys
-        Increasing values of the axes.
-    """
+    """Flags of a band, and the number of its cells that went to exact arithmetic."""
     codes, left = judge()(xs, ys)
     codes[codes == ELSEWHERE] = CODES[Verdict.UNDECIDED]  # a sign that balls leave open
     return codes, left
@@ -333,15 +325,7 @@ def verdict_store(
 
 
 def growth_store(folder: Path, cells: Cells, layout: Layout, *, overwrite: bool) -> ZarrStore:
-    """The store of a map of verdicts and growth rates.
-
-    Parameters
-    ----------
-    folder, layout, overwrite
-        As for `ZarrStore`.
-    cells
-        The cells of the map.
-    """
+    """The store of a map of verdicts and growth rates."""
     attributes = cell_attributes(cells.problem, missing=not cells.exact)
     arrays = (
         Variable("verdict", "int8", -1, attributes["verdict"]),

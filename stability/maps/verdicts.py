@@ -26,14 +26,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..algebra.exact.known_polynomial import Exact, TabulatedPolynomial
 from ..algebra.number_types import Algebra, numpy_algebra
-from ..algebra.polynomial import Polynomial
+from ..algebra.polynomial import Exact, Polynomial, TabulatedPolynomial
 from ..algebra.running_error import UNIT
 from ..base.axis import Axis
 from ..base.checks import whole_number
 from ..base.errors import NoMemberError
-from ..base.types import Floats, Progress
+from ..base.types import Floats
 from ..base.verdict import CODES, Verdict, best
 from ..bodies.disk_polynomials import INPUT
 from ..spectra.certificate import verdict
@@ -253,9 +252,7 @@ class Interval:
         return Interval(self.low / other.high * (1 - SLACK), self.high / other.low * (1 + SLACK))
 
 
-def prove_boxes(
-    problem: Problem, axes: tuple[Axis, Axis], levels: int, progress: Progress | None = None
-) -> Boxes:
+def prove_boxes(problem: Problem, axes: tuple[Axis, Axis], levels: int) -> Boxes:
     """Cover a map with rectangles of one proved verdict and a strip of narrow ones.
 
     Parameters
@@ -266,8 +263,6 @@ def prove_boxes(
         x and y.
     levels
         Largest number of halvings of the map in both directions.
-    progress
-        Called with (boxes examined, a bound on their number).
 
     Returns
     -------
@@ -295,14 +290,11 @@ def prove_boxes(
     edges = [_edges(axis, levels) for axis in axes]
     i = j = np.zeros(1, dtype=np.int64)
     found: list[tuple[Any, Any, Any]] = []
-    done, proved = 0, 0.0
+    proved = 0.0
     for level in range(levels + 1):
         width = 1 << (levels - level)
         span = [(e[n * width], e[(n + 1) * width]) for e, n in zip(edges, (i, j), strict=True)]
         codes = judge({axes[0].name: span[0], axes[1].name: span[1]})
-        done += len(codes)
-        if progress:
-            progress(done, done + 4 * int((codes == 0).sum()) * (level < levels))
         proved += 4.0**-level * int((codes != 0).sum())
         keep = codes != 0 if level < levels else np.ones(len(codes), dtype=bool)
         found.append((np.stack(span[0], -1)[keep], np.stack(span[1], -1)[keep], codes[keep]))

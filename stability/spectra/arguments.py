@@ -369,15 +369,7 @@ def _check_members(problem: Problem, axis_values: Mapping[str, Floats]) -> None:
 
 
 def opened(family: Family, given: Mapping[str, Any]) -> dict[str, Any]:
-    """The parameters by name, with those of a mapping called `parameters`.
-
-    Parameters
-    ----------
-    family
-        The family.
-    given
-        What the caller gave by name.
-    """
+    """The parameters by name, with those of a mapping called `parameters`."""
     inner = given.get("parameters")
     if "parameters" in (*family.at, *family.parameters) or not isinstance(inner, Mapping):
         return dict(given)

@@ -18,11 +18,11 @@ import numpy as np
 from flint import acb, arb, ctx, fmpq_poly
 from numpy.typing import ArrayLike
 
-from ..algebra.exact.known_polynomial import ExactPolynomial
 from ..algebra.exact.number_fields import EXACT, NotExact, nearest_root
 from ..algebra.exact.roots import bounded_roots, clustered, isolated
 from ..algebra.exact.routh import hurwitz_sign, on_the_axis, product, verdict_polynomial
 from ..algebra.number_types import MIXED, balls, precision, upper
+from ..algebra.polynomial import ExactPolynomial
 from ..base.verdict import Verdict, best
 from ..systems.family import Family
 from ..systems.structure.axis_proof import exact_verdict
@@ -187,13 +187,7 @@ def _exact(problem: Problem, values: Mapping[str, float]) -> tuple[list[Any], li
 
 
 def structural_zeros(member: Member) -> int:
-    """Number of structural zero eigenvalues of a member, each proved zero at this member.
-
-    Parameters
-    ----------
-    member
-        The member.
-    """
+    """Number of structural zero eigenvalues of a member, each proved zero at this member."""
     if certain(member.family):
         return structure(member.family).zeros
     return member.structural[0]
@@ -322,13 +316,6 @@ def _by_conditions(conditions: Sequence[tuple[str, Any]], even: bool) -> Verdict
 
 def in_balls(family: Family, a: Balls, q: Balls) -> Verdict | None:
     """The verdict for all parameters in balls, by Routh's array at the current precision.
-
-    Parameters
-    ----------
-    family
-        The family.
-    a, q
-        Family parameters and parameters as balls.
 
     Returns
     -------

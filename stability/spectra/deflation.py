@@ -152,13 +152,7 @@ class Place(Record):
         return Place(a, q, u, self.rate[rows], self.roundings)
 
     def reduced(self, family: Family, zeros: int, *, watch: bool = False) -> Reduced:
-        """The linearisation without structural zeros.
-
-        Parameters
-        ----------
-        family, zeros, watch
-            As for `deflate`.
-        """
+        """The linearisation without structural zeros."""
         return deflate(family, self.a, self.q, self.u, self.roundings, zeros, watch)
 
 
@@ -260,11 +254,6 @@ def tracked_matrix(
     family: Family, a: Floats, q: Floats, u: Floats, roundings: Sequence[int] | None
 ) -> tuple[Floats, Floats]:
     """The linearisation at members, and a bound on the error of each entry.
-
-    Parameters
-    ----------
-    family, a, q, u, roundings
-        As for `deflate`.
 
     Returns
     -------

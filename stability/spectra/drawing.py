@@ -27,11 +27,5 @@ def register(kind: str, finder: Callable[[], Drawing]) -> None:
 
 
 def figure_of(kind: str) -> Drawing:
-    """The function that draws a kind of result.
-
-    Parameters
-    ----------
-    kind
-        A registered kind.
-    """
+    """The function that draws a kind of result."""
     return _FINDERS[kind]()

@@ -21,10 +21,10 @@ import numpy as np
 from flint import arb, fmpq, fmpq_poly
 from numpy.typing import ArrayLike
 
-from ..algebra.exact.known_polynomial import ExactPolynomial
 from ..algebra.exact.number_fields import EXACT, NotExact, rational
 from ..algebra.exact.routh import product
 from ..algebra.number_types import MIXED, balls, precision
+from ..algebra.polynomial import ExactPolynomial
 from ..base.checks import checked
 from ..base.errors import (
     NameUnknownError,
@@ -92,11 +92,6 @@ class Problem:
     def rationals(self, values: Mapping[str, float]) -> dict[str, Any]:
         """Exact rationals of values: the user's own where these are no doubles.
 
-        Parameters
-        ----------
-        values
-            Doubles by name.
-
         Returns
         -------
         dict
@@ -137,11 +132,6 @@ class Problem:
     def arrays(self, values: Mapping[str, Any]) -> tuple[Floats, Floats, Floats, tuple[int, ...]]:
         """Dimensionless rows for broadcast values.
 
-        Parameters
-        ----------
-        values
-            Value or array by name.
-
         Returns
         -------
         a, q, rate, shape
@@ -163,11 +153,6 @@ class Problem:
     def balls(self, values: Mapping[str, Any]) -> tuple[list[Any], list[Any]]:
         """Family parameters and parameters as balls around the exact numbers.
 
-        Parameters
-        ----------
-        values
-            Doubles by name, or balls.
-
         Returns
         -------
         a, q
@@ -180,11 +165,6 @@ class Problem:
 
 def broadcast_shape(values: Mapping[str, Any]) -> tuple[int, ...]:
     """The common shape of arrays.
-
-    Parameters
-    ----------
-    values
-        Value or array by name.
 
     Returns
     -------
@@ -302,11 +282,6 @@ def formulas_of(family: Family) -> ClosedForm | None:
     """The formulas of a family; None where it has none, or they are not those of its graph.
 
     A graph whose numbers CasADi has rounded on the way may differ in its last digits.
-
-    Parameters
-    ----------
-    family
-        The family.
     """
     formulas, cut = family.formulas, len(family.at)
     if formulas is None:

@@ -83,11 +83,6 @@ def _free(name: str) -> str:
 def dataset(spectrum: Any) -> xarray.Dataset:
     """Eigenvalues, error discs, verdicts, labels of modes, and all that was given.
 
-    Parameters
-    ----------
-    spectrum
-        The `Spectrum`.
-
     Returns
     -------
     xarray.Dataset
@@ -196,13 +191,7 @@ def of_body(spectrum: Any) -> str:
 
 
 def line(spectrum: Any) -> str:
-    """The verdict and the eigenvalues of a spectrum, or the verdicts of its points, in one line.
-
-    Parameters
-    ----------
-    spectrum
-        The `Spectrum`.
-    """
+    """The verdict and the eigenvalues of a spectrum, or the verdicts of its points, in one line."""
     shape, count = spectrum.eigenvalues.shape[:-1], spectrum.eigenvalues.shape[-1]
     unit = f" [{spectrum.rate_unit}]" if spectrum.rate_unit != "1" else ""
     number = f"{count} eigenvalue{'s' * (count != 1)}"
@@ -222,13 +211,7 @@ def line(spectrum: Any) -> str:
 
 
 def page(spectrum: Any) -> str:
-    """A table for a notebook: eigenvalues with error and mode, or a row for each point.
-
-    Parameters
-    ----------
-    spectrum
-        The `Spectrum`.
-    """
+    """A table for a notebook: eigenvalues with error and mode, or a row for each point."""
     family, unit = spectrum.family, spectrum.rate_unit
     units = f" [{escape(unit)}]" if unit != "1" else ""
     title = f"<b>{escape(family.name)}</b> of {escape(family.system.name)}"

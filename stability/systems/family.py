@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..algebra.exact.known_polynomial import ExactPolynomial
+from ..algebra.polynomial import ExactPolynomial
 from ..algebra.program import entries
 from ..algebra.upright import Upright
 from ..base.checks import broadcast, instance, rows

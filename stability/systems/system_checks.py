@@ -8,7 +8,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from ..algebra.exact.known_polynomial import ExactPolynomial
+from ..algebra.polynomial import ExactPolynomial
 from ..algebra.upright import Upright
 from ..base.checks import checked, flag, instance, known, one_number, rows
 from ..base.errors import NameUnknownError, ParameterError, absent, shown

@@ -15,8 +15,8 @@ from ..bodies.contact_laws import LAWS
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES, SteadyFamily
 from ..bodies.quantities import QUANTITIES
+from ..boundary.brackets import BoundaryPoint
 from ..boundary.changes import along
-from ..boundary.crossings import BoundaryPoint
 from ..spectra.problem import disk_problem
 from .disk_formulas import formula_latex, formula_lines
 from .formats.about import About, Standing

@@ -14,8 +14,8 @@ import pytest
 import stability as st
 from stability.base.errors import StabilityWarning
 from stability.bodies.contact import Contact
+from stability.boundary.brackets import Boundaries
 from stability.boundary.changes import along
-from stability.boundary.crossings import Boundaries
 from stability.spectra.problem import disk_problem
 
 LAWS: dict[str, type[Contact]] = {

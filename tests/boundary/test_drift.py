@@ -5,12 +5,12 @@ from typing import Any
 import numpy as np
 import pytest
 import sympy
+from proofs.centre_manifold import W, derive_slow_flow
 from reference import beyond
 from simulation import crossing, simulate
 
 import stability as st
 from stability.boundary.drift import FORMULAS
-from stability.derivation.centre_manifold import W, derive_slow_flow
 
 K, MU = sympy.symbols("k mu")
 NAMES = {"k": K, "mu": MU, "w": W}

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.boundary.crossings import Crossing
+from stability.boundary.brackets import Crossing
 from stability.boundary.curves import KINDS
 
 STATES = "abcdefgh"

@@ -11,8 +11,7 @@ from flint import arb
 import stability as st
 from stability.algebra.exact.rational_functions import RING
 from stability.boundary.brackets import AxisScan, refine
-from stability.boundary.critical import Conditions
-from stability.boundary.search import Mark, Search, grows, single
+from stability.boundary.search import Conditions, Mark, Search, grows, single
 from stability.spectra.problem import system_problem
 
 STATES = ("q", "u", "r", "w")

@@ -22,15 +22,7 @@ MOST_WORK = 1_000_000
 
 
 class Expression(Element):
-    """A quotient of polynomials in indeterminates, reduced by their relations.
-
-    Parameters
-    ----------
-    field
-        The function field.
-    num, den
-        Numerator and denominator, `fmpq_mpoly` each.
-    """
+    """A quotient of polynomials in indeterminates, reduced by their relations."""
 
     __slots__ = ("den", "field", "num")
 
@@ -106,13 +98,7 @@ _QUOTIENTS = {"tan": ("sin", "cos"), "tanh": ("sinh", "cosh")}
 
 
 class FunctionField:
-    """Quotients of polynomials over Q in named indeterminates and in values of functions.
-
-    Parameters
-    ----------
-    names
-        Names of the first indeterminates.
-    """
+    """Quotients of polynomials over Q in named indeterminates and in values of functions."""
 
     def __init__(self, names: Sequence[str]) -> None:
         symbols = tuple(f"x{i}" for i in range(len(names) + SPARE))

@@ -27,11 +27,6 @@ class NotExact(ArithmeticError):  # noqa: N818  (internal: never reaches a user)
 def rational(value: float) -> Any:
     """The double as an exact rational.
 
-    Parameters
-    ----------
-    value
-        A finite double.
-
     Examples
     --------
     >>> rational(0.375)

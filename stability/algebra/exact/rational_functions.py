@@ -90,11 +90,6 @@ class Ratio(Element):
 def univariate(p: Any) -> Any:
     """A polynomial of the ring without s as an `fmpq_poly` in x.
 
-    Parameters
-    ----------
-    p
-        An element of `RING`.
-
     Examples
     --------
     >>> univariate(RING.gens()[0] ** 2 - 2)
@@ -109,13 +104,7 @@ def univariate(p: Any) -> Any:
 
 
 def multivariate(p: Any) -> Any:
-    """An `fmpq_poly` in x as an element of the ring.
-
-    Parameters
-    ----------
-    p
-        The polynomial.
-    """
+    """An `fmpq_poly` in x as an element of the ring."""
     return RING.from_dict({(i, 0): c for i, c in enumerate(p.coeffs()) if c != 0})
 
 

@@ -153,11 +153,6 @@ def factored_roots(p: Any) -> list[tuple[Any, int]]:
     Flint's search needs minutes where roots are 2⁻²⁰⁰⁰ apart.  Most such roots belong to different
     factors, or to a factor of degree 2, whose roots need no search.
 
-    Parameters
-    ----------
-    p
-        An `fmpz_poly`, not constant.
-
     Examples
     --------
     >>> from flint import fmpz_poly

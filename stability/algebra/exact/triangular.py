@@ -23,15 +23,7 @@ MOST_STEPS = 200
 
 
 class RecordingField(FunctionField):
-    """A function field that records the meaning of each function's indeterminate.
-
-    Parameters
-    ----------
-    names
-        Names of the first indeterminates.
-    budget
-        Limits of the work.
-    """
+    """A function field that records the meaning of each function's indeterminate."""
 
     def __init__(self, names: Sequence[str], budget: Budget) -> None:
         super().__init__(names)
@@ -86,19 +78,7 @@ def occurring(poly: Any) -> set[int]:
 
 
 def inserted(field: FunctionField, poly: Any, index: int, value: Expression) -> Expression:
-    """A polynomial with an expression in place of one indeterminate.
-
-    Parameters
-    ----------
-    field
-        The function field.
-    poly
-        The polynomial.
-    index
-        Index of the indeterminate.
-    value
-        The expression.
-    """
+    """A polynomial with an expression in place of one indeterminate."""
     parts = by_power(poly, index) if poly != 0 else {}
     degree = max(parts, default=0)
     if degree == 0:
@@ -318,13 +298,7 @@ class Triangular:
         return True
 
     def value(self, expression: Expression) -> Expression:
-        """An expression with the solved unknowns inserted.
-
-        Parameters
-        ----------
-        expression
-            The expression.
-        """
+        """An expression with the solved unknowns inserted."""
         for index, known in self.solved.items():
             if index in occurring(expression.num) | occurring(expression.den):
                 top = inserted(self.field, expression.num, index, known)
@@ -341,13 +315,7 @@ class Triangular:
                 # the equation itself stays in `kept` for those who print it
 
     def reduce(self, polynomials: Sequence[Any]) -> list[Any]:
-        """Polynomials modulo the kept equations, all times the same nonzero polynomial.
-
-        Parameters
-        ----------
-        polynomials
-            Polynomials.
-        """
+        """Polynomials modulo the kept equations, all times the same nonzero polynomial."""
         out = [self.field.reduced(p) for p in polynomials]
         for index, equation in self.kept:
             found = [remainder(p, equation, index, self.field.reduced) for p in out]

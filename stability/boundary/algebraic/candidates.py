@@ -50,15 +50,7 @@ class Watched:
 
 
 def watched(tower: Tower, budget: Budget) -> list[Watched]:
-    """Every polynomial whose zeros on the branch may end a piece of constant verdict.
-
-    Parameters
-    ----------
-    tower
-        The variables.
-    budget
-        Limits of the work.
-    """
+    """Every polynomial whose zeros on the branch may end a piece of constant verdict."""
     found: list[tuple[str, Any]] = [
         ("crossed" if p in tower.whole.crossed else "pole", p) for p in tower.whole.nonzero
     ]
@@ -153,13 +145,7 @@ def _eliminated(poly: Any, level: Any, budget: Budget) -> list[Any]:
 
 
 def in_base(poly: Any) -> Any:
-    """A polynomial in z and s as an element of `RING`.
-
-    Parameters
-    ----------
-    poly
-        The polynomial.
-    """
+    """A polynomial in z and s as an element of `RING`."""
     if not occurring(poly) <= {0, 1}:
         raise NotExact("a variable was not eliminated")
     return RING.from_dict({tuple(map(int, e[:2])): c for e, c in poly.to_dict().items()})
@@ -239,17 +225,6 @@ class Candidate:
 class Candidates:
     """All candidates along an interval.
 
-    Parameters
-    ----------
-    tower
-        The variables.
-    polynomials
-        The watched polynomials.
-    low, high
-        Ends of the interval.
-    budget
-        Limits of the work.
-
     Raises
     ------
     NotExact
@@ -313,13 +288,6 @@ class Candidates:
 
     def refined(self, one: Candidate, bits: int) -> Any:
         """The value of a candidate at another precision.
-
-        Parameters
-        ----------
-        one
-            The candidate.
-        bits
-            The precision.
 
         Raises
         ------

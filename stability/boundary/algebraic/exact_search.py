@@ -33,8 +33,15 @@ from ...algebra.number_types import precision
 from ...base.errors import NoMemberError, StabilityError
 from ...derivation.elimination import evaluate, whole
 from ...systems.structure.structural_zeros import structure
-from ..brackets import AxisScan, crossing_rate
-from ..crossings import Boundaries, BoundaryPoint, Crossing, Unresolved, bracket
+from ..brackets import (
+    AxisScan,
+    Boundaries,
+    BoundaryPoint,
+    Crossing,
+    Unresolved,
+    bracket,
+    crossing_rate,
+)
 from ..interval_search.pieces import BRANCH, NO_MEMBER, NO_VALUE
 from ..search import grows
 from .candidates import Candidate, Candidates, Watched, least_size, watched

@@ -36,17 +36,7 @@ KINDS = {"sin": "circle", "cos": "circle", "sinh": "hyperbola", "cosh": "hyperbo
 
 
 class Along(Reading):
-    """A family's Jacobian along an axis, every other quantity an exact rational.
-
-    Parameters
-    ----------
-    line
-        The line.
-    low, high
-        Ends of the interval.
-    budget
-        Limits of the work.
-    """
+    """A family's Jacobian along an axis, every other quantity an exact rational."""
 
     def __init__(self, line: AxisScan, low: float, high: float, budget: Budget) -> None:
         self.axis, self._ends = line.axis, (low, high)
@@ -115,11 +105,6 @@ class Along(Reading):
 
     def at(self, value: Any) -> dict[int, Any]:
         """Values of every indeterminate at a value of the axis, a ball.
-
-        Parameters
-        ----------
-        value
-            The value.
 
         Raises
         ------
@@ -260,13 +245,6 @@ class Level:
 class Tower:
     """Every variable of a family along an axis, in the ring Q[z, s, …, w].
 
-    Parameters
-    ----------
-    along
-        The family's Jacobian.
-    whole
-        Its characteristic polynomial.
-
     Raises
     ------
     NotExact
@@ -354,13 +332,7 @@ class Tower:
     # --- relations ---
 
     def image(self, poly: Any) -> Any:
-        """A polynomial of the family in the ring of the tower.
-
-        Parameters
-        ----------
-        poly
-            The polynomial, without λ.
-        """
+        """A polynomial of the family in the ring of the tower."""
         return poly.compose(*self._images, ctx=self.ring)
 
     def _ordered(self, extra: list[Level]) -> tuple[Level, ...]:
@@ -403,12 +375,6 @@ class Tower:
     # --- members ---
 
     def known(self, value: Any) -> Mapping[int, Any]:
-        """Values of the polynomials' variables at a value of the axis, as balls.
-
-        Parameters
-        ----------
-        value
-            The value, a ball.
-        """
+        """Values of the polynomials' variables at a value of the axis, as balls."""
         found = self.along.at(value)
         return {new: found[old] for new, old in enumerate(self.whole.indices)}

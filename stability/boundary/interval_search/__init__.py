@@ -1,8 +1,7 @@
 """Proof, piece by piece along an axis, that no eigenvalue meets the imaginary axis.
 
 `taylor` holds the arithmetic, `meetings` the functions that vanish where an eigenvalue meets the
-axis, and `pieces` the search, many pieces at once in double precision by `quick_pieces`.  `meaning`
-finds the parts of the axis that have a member.
-May import what `boundary` may, and its `brackets` and `crossings`.
+axis, and `pieces` the search, many pieces at once in double precision by `quick_pieces`.
+May import what `boundary` may, and its `brackets`.
 To add a function whose zeros count as meetings: a form in `Meetings.functions`.
 """

@@ -27,8 +27,7 @@ from ...algebra.number_types import balls, precision
 from ...base.errors import NoMemberError, StabilityError
 from ...systems.closed_form import ClosedForm
 from ...systems.structure.enclosure import ball_unknowns
-from ..brackets import BITS, AxisScan
-from ..crossings import Crossing
+from ..brackets import BITS, AxisScan, Crossing
 from .taylor import coefficient, product, quotient, series_algebra, span, terms
 
 SKEW = 1e7
@@ -222,23 +221,11 @@ class Meetings:
         return a, q
 
     def prepared(self, value: float) -> bool:
-        """Whether `root` need not follow the member from the family's known one.
-
-        Parameters
-        ----------
-        value
-            Value of the axis.
-        """
+        """Whether `root` need not follow the member from the family's known one."""
         return value in self._rough
 
     def prepare(self, values: Sequence[float]) -> None:
-        """Double-precision unknowns at many points, followed all at once, for `root`.
-
-        Parameters
-        ----------
-        values
-            Values of the axis.
-        """
+        """Double-precision unknowns at many points, followed all at once, for `root`."""
         new = [v for v in dict.fromkeys(values) if v not in self._rough]
         if not new or self.family.anchor is None or self.family.closed:
             return
@@ -253,15 +240,7 @@ class Meetings:
             self._rough[value] = u.tolist() if good else None
 
     def root(self, value: float, bits: int = BITS) -> list[Any] | None:
-        """The unknowns of the member that the family's root-finder gives; None without a member.
-
-        Parameters
-        ----------
-        value
-            Value of the axis.
-        bits
-            Working precision.
-        """
+        """The unknowns of the member that the family's root-finder gives; None without a member."""
         key = value, bits
         if key not in self._roots:
             self.prepare([value])
@@ -321,11 +300,6 @@ class Meetings:
     def piece(self, low: float, high: float) -> Piece:
         """Everything enclosed over a piece, at the working precision.
 
-        Parameters
-        ----------
-        low, high
-            Its ends.
-
         Raises
         ------
         NoMemberError
@@ -361,17 +335,7 @@ class Meetings:
     def functions(
         self, matrices: Sequence[Any], bases: Sequence[Basis], *, fold: bool
     ) -> list[Form]:
-        """The functions as forms: static and flutter for each block.
-
-        Parameters
-        ----------
-        matrices
-            Taylor coefficients of the linearisation.
-        bases
-            One for each block.
-        fold
-            As in `taylor.product`.
-        """
+        """The functions as forms: static and flutter for each block."""
         out = []
         for block, basis in zip(self.blocks, bases, strict=True):
             part = [
@@ -389,13 +353,7 @@ class Meetings:
         return out
 
     def zeros_in(self, piece: Piece) -> int | None:
-        """Number of zeros of all functions on a piece, each simple; None if this is not proved.
-
-        Parameters
-        ----------
-        piece
-            The piece.
-        """
+        """Number of zeros of all functions on a piece, each simple; None if this is not proved."""
         values = self.functions(piece.matrices, piece.bases, fold=True)
         open_ = [i for i, f in enumerate(values) if not nonzero(span(f))]
         if not open_:
@@ -405,11 +363,7 @@ class Meetings:
         slopes = self.functions(piece.slopes, piece.bases, fold=False)
         if not all(nonzero(slopes[i][1]) for i in open_):
             return None
-        ends = [self._signs(v, piece.bases) for v in (piece.low, piece.high)]
-        signs = [(ends[0][i], ends[1][i]) for i in open_]
-        if any(0 in pair for pair in signs):
-            return None
-        return sum(a != b for a, b in signs)
+        return _changes(open_, *(self._signs(v, piece.bases) for v in (piece.low, piece.high)))
 
     def _signs(self, value: float, bases: Sequence[Basis] | None) -> list[int]:
         """Proved signs of the functions at a point; 0 where open."""
@@ -428,26 +382,14 @@ class Meetings:
         return out
 
     def clear(self, value: float) -> bool:
-        """Whether no eigenvalue is on the imaginary axis at a point, proved.
-
-        Parameters
-        ----------
-        value
-            Value of the axis.
-        """
+        """Whether no eigenvalue is on the imaginary axis at a point, proved."""
         try:
             return 0 not in self._signs(value, None)
         except ArithmeticError:
             return False
 
     def joined(self, piece: Piece) -> bool:
-        """Whether the family's own members at both ends lie on the branch of a piece.
-
-        Parameters
-        ----------
-        piece
-            The piece.
-        """
+        """Whether the family's own members at both ends lie on the branch of a piece."""
         if not self.family.unknown or self.family.closed:
             return True
         for value in (piece.low, piece.high):
@@ -457,6 +399,12 @@ class Meetings:
             ):
                 return False
         return True
+
+
+def _changes(places: Sequence[int], low: Sequence[int], high: Sequence[int]) -> int | None:
+    """Number of functions whose signs at two ends differ; None where one is open."""
+    signs = [(low[i], high[i]) for i in places]
+    return None if any(0 in pair for pair in signs) else sum(a != b for a, b in signs)
 
 
 FORMULA_ORDER = 6
@@ -476,15 +424,7 @@ class FormulaPiece:
 
 
 class FormulaMeetings:
-    """The functions along a line.
-
-    Parameters
-    ----------
-    line
-        The line.
-    formulas
-        Formulas of its family.
-    """
+    """The functions along a line."""
 
     def __init__(self, line: AxisScan, formulas: ClosedForm) -> None:
         self.line, self.formulas = line, formulas
@@ -512,11 +452,6 @@ class FormulaMeetings:
 
     def piece(self, low: float, high: float) -> FormulaPiece:
         """Functions over a piece, at the working precision.
-
-        Parameters
-        ----------
-        low, high
-            Its ends.
 
         Raises
         ------
@@ -570,23 +505,13 @@ class FormulaMeetings:
         return own if self.formulas.even else [*own, Crossing.FLUTTER]
 
     def zeros_in(self, piece: FormulaPiece) -> int | None:
-        """Number of zeros of all functions on a piece, each simple; None if this is not proved.
-
-        Parameters
-        ----------
-        piece
-            The piece.
-        """
+        """Number of zeros of all functions on a piece, each simple; None if this is not proved."""
         open_ = [i for i, f in enumerate(piece.forms) if not nonzero(span(f))]
         if not open_:
             return 0
         if not all(nonzero(span(piece.slopes[i])) for i in open_):
             return None
-        ends = [self._signs(v) for v in (piece.low, piece.high)]
-        signs = [(ends[0][i], ends[1][i]) for i in open_]
-        if any(0 in pair for pair in signs):
-            return None
-        return sum(a != b for a, b in signs)
+        return _changes(open_, self._signs(piece.low), self._signs(piece.high))
 
     def _signs(self, value: float) -> list[int]:
         """Proved signs of the functions at a point; 0 where open."""
@@ -612,13 +537,7 @@ class FormulaMeetings:
         return self._known[key]
 
     def clear(self, value: float) -> bool:
-        """Whether no eigenvalue is on the imaginary axis at a point, proved.
-
-        Parameters
-        ----------
-        value
-            Value of the axis.
-        """
+        """Whether no eigenvalue is on the imaginary axis at a point, proved."""
         return 0 not in self._signs(value)
 
 

@@ -25,8 +25,7 @@ from ...base.errors import NoMemberError, StabilityError
 from ...base.types import Floats
 from ...systems.closed_form import ClosedForm
 from ...systems.graph.implicit_form import ImplicitForm
-from ..brackets import BITS, AxisScan
-from ..crossings import Crossing
+from ..brackets import BITS, AxisScan, Crossing
 from .meetings import FormulaMeetings, watched
 
 ORDER = 3
@@ -97,13 +96,7 @@ def quick_pieces(found: FormulaMeetings, low: float, high: float, *, log: bool) 
 
 
 def rounds_of(found: FormulaMeetings) -> Rounds | None:
-    """Rounds of pieces with the kernel of a line's formulas; None where these have none.
-
-    Parameters
-    ----------
-    found
-        The functions along a line.
-    """
+    """Rounds of pieces with the kernel of a line's formulas; None where these have none."""
     line = found.line
     names = (*line.problem.family.at, *line.problem.family.parameters)
     if line.problem.ratios or not line.problem.plain or line.axis not in names:

@@ -30,11 +30,6 @@ HALF = arb(0.5, 0.5)
 def terms(count: int) -> Iterator[None]:
     """A context in which power series have a given number of terms; within `precision` only.
 
-    Parameters
-    ----------
-    count
-        Number of terms.
-
     Raises
     ------
     ZeroDivisionError
@@ -53,15 +48,7 @@ def terms(count: int) -> Iterator[None]:
 
 
 def coefficient(value: Any, index: int) -> Any:
-    """A Taylor coefficient of a series or of a number.
-
-    Parameters
-    ----------
-    value
-        `arb_series`, or a number.
-    index
-        Power of the variable.
-    """
+    """A Taylor coefficient of a series or of a number."""
     if isinstance(value, arb_series):
         return value[index]
     return arb(value) if index == 0 else arb(0)
@@ -231,13 +218,7 @@ def quotient(p: Sequence[Any], q: Sequence[Any], *, fold: bool) -> list[Any]:
 
 
 def span(form: Sequence[Any]) -> Any:
-    """A ball that holds every value of a form of balls over its piece.
-
-    Parameters
-    ----------
-    form
-        Coefficients.
-    """
+    """A ball that holds every value of a form of balls over its piece."""
     total = form[0]
     for k, c in enumerate(form[1:], 1):
         total = total + c * (HALF if k % 2 == 0 else UNIT)

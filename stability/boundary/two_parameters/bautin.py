@@ -34,8 +34,8 @@ from ...derivation.elimination import Reading, evaluate
 from ...derivation.signs import real_roots, univariate
 from ...spectra.problem import Problem
 from ...systems.family import Family
+from ..brackets import Crossing
 from ..changes import along
-from ..crossings import Crossing
 from ..krawczyk import NotProvedError, Values, polished, tested
 from ..lyapunov_coefficient import (
     Line,
@@ -46,6 +46,7 @@ from ..lyapunov_coefficient import (
     others,
     pair_of,
     signed,
+    without_pair,
 )
 from .onset_forms import OnsetForm, OnsetForms
 from .plane_search import SEVERAL, Rectangle, box_of, meets
@@ -235,13 +236,7 @@ def _refined(
 
 
 class PolynomialPair:
-    """Two polynomials without common factor, with their slopes as a system of equations.
-
-    Parameters
-    ----------
-    f, g
-        Elements of `PLANE`.
-    """
+    """Two polynomials without common factor, with their slopes as a system of equations."""
 
     def __init__(self, f: Any, g: Any) -> None:
         self.pair = f, g
@@ -259,13 +254,7 @@ class PolynomialPair:
         return [univariate(f.resultant(g, name), i) for i, name in ((0, "y"), (1, "x"))]
 
     def near(self, roots: Sequence[Sequence[Any]]) -> Iterator[tuple[Any, Any]]:
-        """Pairs of roots at which both polynomials may vanish.
-
-        Parameters
-        ----------
-        roots
-            Balls of x, and of y.
-        """
+        """Pairs of roots at which both polynomials may vanish."""
         for x in roots[0]:
             rows = [arb_poly(_collapsed(p, x)) for p in self.pair]
             for y in roots[1]:
@@ -652,11 +641,8 @@ class _Judge:
         """Whether all other eigenvalues are stable."""
         p = [arb(evaluate(c, known)) for c in self.search.forms_of.characteristic]
         rest = [c * scale**k for k, c in enumerate(p)]
-        square, out = -z / scale**2, []
-        for k in range(len(rest) - 1, 1, -1):  # division by λ² + ω², highest power first
-            out.append(rest[k])
-            rest[k - 2] = rest[k - 2] - square * rest[k]
-        quotient = [c / out[0] for c in out[::-1]]
+        quotient = without_pair(rest, -z / scale**2)
+        quotient = [c / quotient[-1] for c in quotient]
         return hurwitz_sign(quotient) if len(quotient) > 1 else 1
 
 

@@ -46,11 +46,6 @@ class OnsetForm:
 class OnsetForms:
     """The forms of a family.
 
-    Parameters
-    ----------
-    reading
-        The family's Jacobian over its field.
-
     Raises
     ------
     NotExact

@@ -254,17 +254,7 @@ def _halves(box: Rectangle, whole: Rectangle, axes: Sequence[int] = (0, 1)) -> I
 
 
 class BoxSearch:
-    """Points of the spectral kinds in a rectangle, by halving boxes.
-
-    Parameters
-    ----------
-    plane
-        The polynomial.
-    rectangle
-        Ends of x and y.
-    size
-        Number of states.
-    """
+    """Points of the spectral kinds in a rectangle, by halving boxes."""
 
     def __init__(self, plane: Plane, rectangle: Rectangle, size: int) -> None:
         self.plane, self.rectangle = plane, rectangle

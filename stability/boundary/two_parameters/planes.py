@@ -168,13 +168,6 @@ class Nature:
 def nature(kind: PointKind, p: Poly) -> Nature | None:
     """Pairs and other eigenvalues at a solution; None where no pair is on the imaginary axis.
 
-    Parameters
-    ----------
-    kind
-        Kind of point.
-    p
-        Coefficients as balls at the solution.
-
     Raises
     ------
     NotProvedError
@@ -254,11 +247,6 @@ class GraphPlane:
 
     def at(self, x: Any, y: Any) -> list[Slope]:
         """Coefficients with their slopes, lowest first, without structural zeros.
-
-        Parameters
-        ----------
-        x, y
-            Balls.
 
         Raises
         ------
@@ -407,11 +395,6 @@ def value_of(p: Any, x: Any, y: Any) -> Any:
 
 def exact_plane(problem: Problem, names: tuple[str, str]) -> ExactPlane:
     """The polynomial over Q[x, y].
-
-    Parameters
-    ----------
-    problem, names
-        As for `GraphPlane`.
 
     Raises
     ------

@@ -24,8 +24,10 @@ INLINE = (
     "weight",
     "cubic_discs",
     "quintic_discs",
+    "correct_cubic",
+    "correct_quintic",
 )
-"""Functions that are written into the loops over cells."""
+"""Functions, here and in `loops`, that are written into the loops over cells."""
 EPS = 2.0**-52
 """Relative distance of doubles."""
 

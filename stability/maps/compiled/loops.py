@@ -234,76 +234,53 @@ WANTED = 1e-13
 """Error of the abscissa, relative to the largest modulus, beyond which a cell is computed again."""
 
 
+def correct_cubic(j: int, w: Any) -> None:
+    """One correction of the factors of one cell of a block."""
+    w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j], w[CHANGE + j] = corrected_cubic(
+        w[A + j],
+        w[A + SIDE + j],
+        w[A + 2 * SIDE + j],
+        w[F + j],
+        w[F + SIDE + j],
+        w[F + 2 * SIDE + j],
+    )
+
+
+def correct_quintic(j: int, w: Any) -> None:
+    """The same for a factor of degree 5."""
+    (
+        w[F + j],
+        w[F + SIDE + j],
+        w[F + 2 * SIDE + j],
+        w[F + 3 * SIDE + j],
+        w[F + 4 * SIDE + j],
+        w[CHANGE + j],
+    ) = corrected_quintic(
+        w[A + j],
+        w[A + SIDE + j],
+        w[A + 2 * SIDE + j],
+        w[A + 3 * SIDE + j],
+        w[A + 4 * SIDE + j],
+        w[F + j],
+        w[F + SIDE + j],
+        w[F + 2 * SIDE + j],
+        w[F + 3 * SIDE + j],
+        w[F + 4 * SIDE + j],
+    )
+
+
 def correct(degree: int, w: Any) -> int:
     """One correction of the factors of a block; the number of cells that still change."""
     if degree == 3:
         for j in range(SIDE):
-            w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j], w[CHANGE + j] = corrected_cubic(
-                w[A + j],
-                w[A + SIDE + j],
-                w[A + 2 * SIDE + j],
-                w[F + j],
-                w[F + SIDE + j],
-                w[F + 2 * SIDE + j],
-            )
+            correct_cubic(j, w)
     else:
         for j in range(SIDE):
-            (
-                w[F + j],
-                w[F + SIDE + j],
-                w[F + 2 * SIDE + j],
-                w[F + 3 * SIDE + j],
-                w[F + 4 * SIDE + j],
-                w[CHANGE + j],
-            ) = corrected_quintic(
-                w[A + j],
-                w[A + SIDE + j],
-                w[A + 2 * SIDE + j],
-                w[A + 3 * SIDE + j],
-                w[A + 4 * SIDE + j],
-                w[F + j],
-                w[F + SIDE + j],
-                w[F + 2 * SIDE + j],
-                w[F + 3 * SIDE + j],
-                w[F + 4 * SIDE + j],
-            )
+            correct_quintic(j, w)
     open_cells = 0
     for j in range(SIDE):
         open_cells += 0 if w[CHANGE + j] < ENOUGH else 1
     return open_cells
-
-
-def correct_one(degree: int, j: int, w: Any) -> None:
-    """One correction of one cell of a block."""
-    if degree == 3:
-        w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j], w[CHANGE + j] = corrected_cubic(
-            w[A + j],
-            w[A + SIDE + j],
-            w[A + 2 * SIDE + j],
-            w[F + j],
-            w[F + SIDE + j],
-            w[F + 2 * SIDE + j],
-        )
-    else:
-        (
-            w[F + j],
-            w[F + SIDE + j],
-            w[F + 2 * SIDE + j],
-            w[F + 3 * SIDE + j],
-            w[F + 4 * SIDE + j],
-            w[CHANGE + j],
-        ) = corrected_quintic(
-            w[A + j],
-            w[A + SIDE + j],
-            w[A + 2 * SIDE + j],
-            w[A + 3 * SIDE + j],
-            w[A + 4 * SIDE + j],
-            w[F + j],
-            w[F + SIDE + j],
-            w[F + 2 * SIDE + j],
-            w[F + 3 * SIDE + j],
-            w[F + 4 * SIDE + j],
-        )
 
 
 def begin(degree: int, j: int, z: Any, w: Any) -> None:
@@ -361,7 +338,10 @@ def rescue(degree: int, j: int, near: Any, z: Any, w: Any) -> None:
         else:
             begin(degree, j, z, w)
         for _ in range(LONGER if attempt else 2 * MORE):
-            correct_one(degree, j, w)
+            if degree == 3:
+                correct_cubic(j, w)
+            else:
+                correct_quintic(j, w)
             if w[CHANGE + j] < ENOUGH:
                 return
 

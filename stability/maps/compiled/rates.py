@@ -9,9 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...algebra.exact.known_polynomial import TabulatedPolynomial
 from ...algebra.kernels.compiled import compiled
-from ...algebra.polynomial import Polynomial
+from ...algebra.polynomial import Polynomial, TabulatedPolynomial
 from ...algebra.running_error import UNIT
 from ...base.types import Floats
 from ...base.verdict import CODES, Verdict, best
@@ -146,11 +145,6 @@ def order_of(exact: TabulatedPolynomial) -> list[int]:
     """One order of the variables for all polynomials, so that a scheme knows them by level.
 
     Those that no polynomial has are left out: a level costs a copy.
-
-    Parameters
-    ----------
-    exact
-        Polynomials of a family and law.
     """
     known = exact.known
     terms = tuple(t for f in known.factors for c in f for t in c.terms)
@@ -173,13 +167,7 @@ class Found(NamedTuple):
 
 
 class CompiledRates:
-    """Growth rates over tiles by compiled loops.
-
-    Parameters
-    ----------
-    tables
-        Polynomials of a family and law.
-    """
+    """Growth rates over tiles by compiled loops."""
 
     def __init__(self, tables: Tables) -> None:
         self.tables = tables
@@ -270,13 +258,7 @@ class CompiledRates:
 
 
 def in_range(values: Any) -> bool:
-    """Whether numbers are zero, or of a size whose products neither over- nor underflow.
-
-    Parameters
-    ----------
-    values
-        Float or array.
-    """
+    """Whether numbers are zero, or of a size whose products neither over- nor underflow."""
     size = np.abs(values)
     return bool(((size == 0) | ((size > 1 / WIDEST) & (size < WIDEST))).all())
 

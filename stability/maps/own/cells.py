@@ -99,13 +99,7 @@ class FormulaCells(Bands):
         return bool(np.isinf(self.band(xs, ys)[2].error).mean() <= MOST_POOR)
 
     def judged(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:
-        """Flags and growth rates over a grid, flat; none is decided over Q.
-
-        Parameters
-        ----------
-        xs, ys
-            Increasing values of the axes.
-        """
+        """Flags and growth rates over a grid, flat; none is decided over Q."""
         if self.swept:
             place = self._places(xs, ys)
             quick, codes = swept(self.formulas.with_bounds, place, self._moving, WANTED, FLAGS)
@@ -206,13 +200,7 @@ def _tracked(value: Any) -> RunningError:
 
 
 def formula_cells(problem: Problem, axes: tuple[Axis, Axis], modes: bool) -> FormulaCells | None:
-    """The cells of a map by formulas; None where the family has none, or they have no bounds.
-
-    Parameters
-    ----------
-    problem, axes, modes
-        As for `stability.maps.cells.Cells`.
-    """
+    """The cells of a map by formulas; None where the family has none, or they have no bounds."""
     formulas = formulas_of(problem.family)
     if formulas is None or not problem.plain or problem.exact is not None:
         return None
@@ -397,13 +385,7 @@ class SliceCells(Bands):
         self.growth = bool(self.rates(*sample(axes)).poor.mean() <= MOST_POOR)
 
     def rates(self, xs: Floats, ys: Floats) -> Rates:
-        """Growth rates over a grid, flat, with y outermost.
-
-        Parameters
-        ----------
-        xs, ys
-            Values of the axes.
-        """
+        """Growth rates over a grid, flat, with y outermost."""
         with np.errstate(all="ignore"):
             t, s = (
                 powers(w(v), d)
@@ -413,25 +395,13 @@ class SliceCells(Bands):
         return rates(parts, modes=self.modes)
 
     def judged(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:
-        """Flags and growth rates over a grid, flat, as from `SliceVerdicts` and `rates`.
-
-        Parameters
-        ----------
-        xs, ys
-            Increasing values of the axes.
-        """
+        """Flags and growth rates over a grid, flat, as from `SliceVerdicts` and `rates`."""
         codes, exact = self.verdicts(xs, ys)
         return codes.reshape(-1), exact, self.rates(xs, ys)
 
 
 def slice_cells(problem: Problem, axes: tuple[Axis, Axis], modes: bool) -> SliceCells | None:
-    """The cells of a map by a slice; None where the family has none.
-
-    Parameters
-    ----------
-    problem, axes, modes
-        As for `stability.maps.cells.Cells`.
-    """
+    """The cells of a map by a slice; None where the family has none."""
     found = slice_of(problem, axes[0].name, axes[1].name)
     with suppress(NotExact):
         return None if found is None else SliceCells(found, axes, modes)

@@ -242,35 +242,17 @@ class Bands(ABC):
 
     @abstractmethod
     def judged(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:
-        """Flags, `ELSEWHERE` where none is proved, cells decided over Q, and growth rates, flat.
-
-        Parameters
-        ----------
-        xs, ys
-            Increasing values of the axes.
-        """
+        """Flags, `ELSEWHERE` where none is proved, cells decided over Q, and growth rates, flat."""
 
     def band(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:
-        """The same; the error is infinite in cells that are left to the graph.
-
-        Parameters
-        ----------
-        xs, ys
-            Increasing values of the axes.
-        """
+        """The same; the error is infinite in cells that are left to the graph."""
         codes, exact, found = self.judged(xs, ys)
         found.error[(found.poor & (codes != NO_MEMBER)) | (codes == ELSEWHERE)] = np.inf
         return codes, exact, found
 
 
 def sample(axes: tuple[Axis, Axis]) -> list[Floats]:
-    """A few values of each axis.
-
-    Parameters
-    ----------
-    axes
-        x and y.
-    """
+    """A few values of each axis."""
     return [g.values[:: max(1, g.count // SAMPLE)] for g in axes]
 
 

@@ -30,15 +30,7 @@ ELSEWHERE = -1
 
 
 class SliceVerdicts:
-    """Verdicts of the members in the axes of a map.
-
-    Parameters
-    ----------
-    slice_
-        Polynomial and conditions.
-    axes
-        x and y.
-    """
+    """Verdicts of the members in the axes of a map."""
 
     def __init__(self, slice_: Slice, axes: tuple[Axis, Axis]) -> None:
         self.slice, self.axes = slice_, axes
@@ -116,11 +108,6 @@ class SliceVerdicts:
 
     def __call__(self, xs: Floats, ys: Floats) -> tuple[Codes, int]:
         """Flags over a grid inside the map.
-
-        Parameters
-        ----------
-        xs, ys
-            Increasing values of the axes.
 
         Returns
         -------
@@ -209,15 +196,7 @@ class SliceVerdicts:
 
 
 def slice_verdicts(problem: Problem, axes: tuple[Axis, Axis]) -> SliceVerdicts | None:
-    """Verdicts from the slice of a problem; None where it has none, or no conditions.
-
-    Parameters
-    ----------
-    problem
-        Problem of a user's family.
-    axes
-        x and y.
-    """
+    """Verdicts from the slice of a problem; None where it has none, or no conditions."""
     found = slice_of(problem, axes[0].name, axes[1].name)
     with suppress(NotExact):
         return None if found is None else SliceVerdicts(found, axes)

@@ -40,13 +40,7 @@ ORDERS = 6
 
 
 class Window:
-    """An axis of a map as t = (x - middle)/unit, with |t| at most about one.
-
-    Parameters
-    ----------
-    axis
-        The axis.
-    """
+    """An axis of a map as t = (x - middle)/unit, with |t| at most about one."""
 
     def __init__(self, axis: Axis) -> None:
         size = max(abs(axis.low), abs(axis.high))
@@ -127,13 +121,7 @@ class Surface:
         return signs
 
     def over(self, box: Box) -> Signs:
-        """Proved signs over whole boxes, 0 where open.
-
-        Parameters
-        ----------
-        box
-            The boxes.
-        """
+        """Proved signs over whole boxes, 0 where open."""
         value: Any = 0.0
         spread: Any = 0.0
         rounding = self._rounding(box)
@@ -266,13 +254,7 @@ class Box:
         """Largest size of a monomial over each box, at least one."""
 
     def take(self, index: Any) -> Box:
-        """Some of the boxes.
-
-        Parameters
-        ----------
-        index
-            Their places.
-        """
+        """Some of the boxes."""
         out = object.__new__(Box)
         for name, value in vars(self).items():
             taken = tuple(v[index] for v in value) if name == "middle" else value[..., index]

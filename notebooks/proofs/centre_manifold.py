@@ -15,11 +15,11 @@ from typing import Any
 import casadi as ca
 import sympy
 
-from ..algebra.number_types import Algebra, sympy_algebra
-from ..algebra.program import Program
-from ..bodies.newton_euler import STATES
-from ..bodies.thin_disk import disk_system
-from .characteristic import MU, K
+from stability.algebra.number_types import Algebra, sympy_algebra
+from stability.algebra.program import Program
+from stability.bodies.newton_euler import STATES
+from stability.bodies.thin_disk import disk_system
+from stability.derivation.characteristic import MU, K
 
 W = sympy.Symbol("w", positive=True)
 DEPENDENT = ("theta_dot", "phi_dot", "slip_x", "slip_y")
