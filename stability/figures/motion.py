@@ -111,7 +111,7 @@ def plot_motion(
     parts = [show] if show else _parts(dataset, names)
     wide = PAGE if len(parts) > 1 else COLUMN
     if width is not None and ax is None:
-        wide = checked_size("width", width, 2.0, 40.0, "inches")
+        wide = checked_size("width", width, 2.0, "inches")
     stacked = wide < NARROW
     usual = COLUMN if stacked or len(parts) == 1 else PAGE
     tall = sum(_heights(parts, names, stacked=stacked)) * (wide / usual) ** 0.5
@@ -128,13 +128,10 @@ def plot_motion(
             pages = _pages(figure, _heights(parts, names, stacked=True), stacked=stacked)
             for part, page in zip(parts, pages, strict=True):
                 draw[part](page, motion)
-        lowest = next(a for a in _drawn_on(figure, ax) if a.get_xlabel())
+        drawn = figure.axes if ax is None else np.ravel(ax).tolist()
+        lowest = next(a for a in drawn if a.get_xlabel())
         note(lowest, fixed_of(dataset))
     return figure
-
-
-def _drawn_on(figure: Figure, ax: Any) -> list[Axes]:
-    return np.ravel(ax).tolist() if ax is not None else list(figure.axes)
 
 
 def _parts(dataset: xarray.Dataset, names: tuple[str, ...]) -> list[str]:

@@ -25,6 +25,8 @@ from ..base.checks import positive
 from ..base.errors import ParameterError, shown
 from ..base.quantities import Quantity, in_latex, plain_text
 
+LARGEST = 40.0
+"""Largest width [in] and size of text [pt]."""
 SCREEN = 144.0
 """Dots of a page for an inch of a figure: text of 7.5 points is small on a screen at 96."""
 
@@ -95,9 +97,9 @@ def drawing(
     ParameterError
         If a size is not accepted, or a width is given with axes.
     """
-    size = None if fontsize is None else checked_size("fontsize", fontsize, LEAST, 40.0, "points")
+    size = None if fontsize is None else checked_size("fontsize", fontsize, LEAST, "points")
     if ax is None:
-        wide = COLUMN if width is None else checked_size("width", width, 2.0, 40.0, "inches")
+        wide = COLUMN if width is None else checked_size("width", width, 2.0, "inches")
         settings = styled(BASE if size is None else size)
         with figure_style(settings):
             figure = StyledFigure(
@@ -153,11 +155,11 @@ def settle(figure: Figure) -> None:
         engine.execute(figure)
 
 
-def checked_size(name: str, value: Any, low: float, high: float, unit: str) -> float:
-    """A size within bounds, or an error that says what is accepted."""
+def checked_size(name: str, value: Any, low: float, unit: str) -> float:
+    """A size of at most `LARGEST`, or an error that says what is accepted."""
     number = positive(name, value)
-    if not isinstance(number, float) or not low <= number <= high:
-        raise ParameterError(f"{name} is {shown(value)}; give {low:g} to {high:g} {unit}.")
+    if not isinstance(number, float) or not low <= number <= LARGEST:
+        raise ParameterError(f"{name} is {shown(value)}; give {low:g} to {LARGEST:g} {unit}.")
     return number
 
 

@@ -61,7 +61,8 @@ def full(
     times = problem.times[(problem.times >= begin) & (problem.times < end)]
     times = np.append(times, end) - begin
     state = problem.start if start is None else start
-    first = STIFF if _stiff(problem) else FIRST
+    stiff = problem.friction > SLOW * problem.pace  # an explicit method would be slow
+    first = STIFF if stiff else FIRST
     asked = decade(first * problem.tolerance, FINEST, COARSEST)
     best: Track | None = None
     while True:
@@ -126,11 +127,6 @@ def kept_until(problem: Problem, track: Track) -> float:
     bad = ~(np.max(apart, axis=0) <= problem.tolerance)
     bad[-1] |= end == problem.last  # an error above the tolerance is stated there
     return float(times[max(int(np.argmax(bad)) - 1, 0) if bad.any() else -1])
-
-
-def _stiff(problem: Problem) -> bool:
-    """Whether the friction makes an explicit method slow."""
-    return problem.friction > SLOW * problem.pace
 
 
 def _settings(problem: Problem, tolerance: float, *, check: bool) -> Settings:
