@@ -84,7 +84,7 @@ _HOME = {
     "explorer.explore": ("explore",),
     "tables.registry": ("table",),
     "tables.formats.table": ("Table",),
-    "base.citation.citation": ("citation", "Citation"),
+    "base.citation": ("citation", "Citation"),
     "base.errors": ("StabilityError", "StabilityWarning"),
 }
 _WHERE = {name: module for module, names in _HOME.items() for name in names}
@@ -98,8 +98,8 @@ if TYPE_CHECKING:
     from .algebra.exact.known_polynomial import Exact as Exact
     from .algebra.exact.known_polynomial import ExactPolynomial as ExactPolynomial
     from .algebra.upright import UPRIGHT as UPRIGHT
-    from .base.citation.citation import Citation as Citation
-    from .base.citation.citation import citation as citation
+    from .base.citation import Citation as Citation
+    from .base.citation import citation as citation
     from .base.errors import StabilityError as StabilityError
     from .base.errors import StabilityWarning as StabilityWarning
     from .base.verdict import Nonlinear as Nonlinear

@@ -17,7 +17,7 @@ from ..algebra.balls import precision
 from ..algebra.number_types import balls
 from ..algebra.program import Program
 from ..base.checks import instance
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..base.errors import ParameterError
 from .disk import Disk
 from .round_body.body import Body

@@ -14,7 +14,7 @@ from ..algebra.exact.known_polynomial import TabulatedPolynomial
 from ..algebra.exact.number_fields import NotExact, rational
 from ..algebra.exact.real_roots import UnclearError
 from ..base.axis import AxisLike
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..base.errors import ParameterError, StabilityError
 from ..base.types import Floats
 from ..base.verdict import Verdict

@@ -35,7 +35,7 @@ from ..algebra.program import Program
 from ..algebra.upright import Upright
 from ..base.axis import AxisLike
 from ..base.checks import instance, whole_number
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..base.errors import ParameterError, StabilityError, listed, shown, warned
 from ..bodies.contact import Contact
 from ..bodies.contact_laws import LAWS, law_missing

@@ -21,7 +21,7 @@ from ..algebra.polynomial import Polynomial
 from ..algebra.routh_balls import hurwitz_sign, verdict_polynomial
 from ..base.checks import flag, instance, known, whole_number
 from ..base.checks import positive as above_zero
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..base.errors import ParameterError, StabilityError
 from ..base.types import Record, fields_of
 from ..base.verdict import Verdict, best

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..base.errors import listed
 from ..base.quantities import Kind
 from ..base.types import Floats

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..algebra.eigensolver import EigenSolver, eigenpairs, lapack
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..base.errors import ParameterError
 from ..base.quantities import Kind, rate_unit
 from ..base.types import Complexes, Floats, Record, fields_of

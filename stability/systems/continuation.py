@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import flag, instance, one_number, whole_number
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..base.errors import NoMemberError, ParameterError
 from ..base.types import Floats, TupleRecord
 from .family import Family

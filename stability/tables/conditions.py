@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.quantities import Kind, Quantity
 from ..bodies.contact import Contact

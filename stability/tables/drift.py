@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
-from ..base.citation.used import MODEL
+from ..base.citation import MODEL
 from ..base.errors import NameUnknownError, shown
 from ..base.quantities import Kind
 from ..bodies.contact import Contact

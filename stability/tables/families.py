@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..bodies.contact_laws import LAWS
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES, families_of_disk

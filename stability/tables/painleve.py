@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..base.quantities import Kind
 from ..base.types import Progress
 from .formats.about import About, Standing

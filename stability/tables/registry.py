@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.citation.used import gathered, joined
+from ..base.citation import gathered, joined
 from ..base.errors import ParameterError, listed
 from ..base.types import Progress
 from ..bodies.disk import Disk

@@ -10,7 +10,7 @@ from typing import Any
 from flint import arb
 
 from ..algebra.balls import precision
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..base.types import Progress
 from ..base.verdict import Verdict
 from ..bodies.contact_laws import Rough

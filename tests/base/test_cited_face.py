@@ -10,8 +10,7 @@ import casadi as ca
 import pytest
 
 import stability as st
-from stability.base.citation.used import cited, gathered
-from stability.base.citation.works import WORKS
+from stability.base.citation import WORKS, cited, gathered
 
 VISCOUS = st.Viscous(0.97)
 PLANE: dict[str, Any] = {"x": ("at", 1, 3, 5), "y": ("mu", 0.1, 1, 4)}

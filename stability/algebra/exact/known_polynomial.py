@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ...base.citation.used import cited
+from ...base.citation import cited
 from ...base.errors import ParameterError, shown
 from ...base.types import content
 from ...base.user_code import arithmetic

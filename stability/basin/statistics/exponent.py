@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...base.checks import checked, whole_number
-from ...base.citation.used import joined
+from ...base.citation import joined
 from ...base.errors import ParameterError, warned
 from ...base.types import Floats
 from ..lattice.labels import Ints, Label, asked

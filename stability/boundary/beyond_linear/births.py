@@ -10,7 +10,7 @@ from flint import arb
 
 from ...algebra.balls import precision, upper
 from ...base.axis import AxisLike
-from ...base.citation.used import cited
+from ...base.citation import cited
 from ...base.errors import ParameterError, StabilityError
 from ...spectra.arguments import axis_of, prepare
 from ...systems.family import Family

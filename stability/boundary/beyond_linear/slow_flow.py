@@ -20,7 +20,7 @@ from scipy.integrate import quad
 
 from ...algebra.program import Program
 from ...base.checks import one_number, real_numbers
-from ...base.citation.used import cited
+from ...base.citation import cited
 from ...base.errors import NameUnknownError, NoMemberError, ParameterError, shown
 from ...base.types import Floats, Record, fields_of
 from ...bodies.contact import Contact

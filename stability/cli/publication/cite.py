@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from contextlib import suppress
 
-from ...base.citation.citation import Citation, citation
+from ...base.citation import Citation, citation
 from ...storage.json_text import json_text
 
 

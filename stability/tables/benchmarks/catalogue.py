@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict
 
 from ...base.checks import chosen
-from ...base.citation.used import cited
+from ...base.citation import cited
 from ...base.errors import listed
 from ..formats.about import About, Standing
 from ..formats.column import Column, word
