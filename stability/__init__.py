@@ -11,7 +11,7 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from .base.calls.guard import guarded
+from .base.calls import guarded
 from .base.version import __version__ as __version__
 from .spectra.presentation import drawing
 

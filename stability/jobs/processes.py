@@ -23,8 +23,8 @@ from importlib.util import find_spec
 from queue import Empty, SimpleQueue
 from typing import Any
 
-from ..base.calls.main_module import check_main
 from ..base.errors import StabilityError
+from ..base.main_module import check_main
 from ..base.types import Progress
 from ..storage.files import postponed
 from .following import Lanes, WorkerEnded

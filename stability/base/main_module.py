@@ -9,7 +9,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from ..errors import ParameterError, one_line
+from .errors import ParameterError, one_line
 
 GUARDS = ("__name__", "parent_process", "current_process")
 """Names by which the condition of a guard tells the script from its workers."""
