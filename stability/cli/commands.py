@@ -12,17 +12,17 @@ from typing import Any, cast
 from ..base.errors import ParameterError, StabilityError, StabilityWarning
 from ..base.version import __version__
 from ..storage.json_text import HELP, json_text
-from .basin.basins import EXAMPLES as BASINS
-from .basin.basins import add_arguments as add_basins
+from .basins import EXAMPLES as BASINS
+from .basins import add_arguments as add_basins
+from .cite import add_arguments as add_cite
 from .compare import add_arguments as add_compare
-from .explorer.explore import EXAMPLES as PAGES
-from .explorer.explore import _explore
-from .explorer.explore import add_arguments as add_explore
+from .explore import EXAMPLES as PAGES
+from .explore import _explore
+from .explore import add_arguments as add_explore
+from .export import EXAMPLES as EXPORTS
+from .export import add_arguments as add_export
 from .map import _boundaries, _map
 from .options import _Parser, _Unasked, of_own_body, overwriting, scheduling
-from .publication.cite import add_arguments as add_cite
-from .publication.export import EXAMPLES as EXPORTS
-from .publication.export import add_arguments as add_export
 from .scene import add_arguments as add_scene
 from .simulate import add_arguments
 from .spectrum import _spectrum
@@ -166,7 +166,7 @@ def _simulate(options: argparse.Namespace) -> None:
 
 
 def _basins(options: argparse.Namespace) -> None:
-    from .basin.basins import run
+    from .basins import run
 
     run(options)
 
@@ -178,13 +178,13 @@ def _scene(options: argparse.Namespace) -> None:
 
 
 def _export(options: argparse.Namespace) -> None:
-    from .publication.export import run
+    from .export import run
 
     run(options)
 
 
 def _cite(options: argparse.Namespace) -> None:
-    from .publication.cite import run
+    from .cite import run
 
     run(options)
 

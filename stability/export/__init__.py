@@ -3,5 +3,5 @@
 LaTeX, C, AUTO-07p and BifurcationKit.jl, from the graph that the package evaluates.
 May import `basin`, `scene` and the floors below.
 To add a format: a module like `bifurcationkit.py` with one function, its name on the face, and a
-word in `FORMATS` of `cli/publication/export.py`.
+word in `FORMATS` of `cli/export.py`.
 """

@@ -5,12 +5,12 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
-from ...base.errors import ParameterError
-from ...storage.json_text import json_text
-from ..body_option import body_of, where_of
-from ..options import number
-from ..subject import at_of, disk_of, numbers_and_at, own_family, set_numbers
-from ..system_option import doubles
+from ..base.errors import ParameterError
+from ..storage.json_text import json_text
+from .body_option import body_of, where_of
+from .options import number
+from .subject import at_of, disk_of, numbers_and_at, own_family, set_numbers
+from .system_option import doubles
 
 EXAMPLES = (
     "stability explore --out page.html",
@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _explore(options: argparse.Namespace) -> None:
-    from ...explorer.explore import explore
+    from ..explorer.explore import explore
 
     if options.contact is not None and ":" in options.contact:
         raise ParameterError("--contact names a law of your own; the page draws stored laws.")

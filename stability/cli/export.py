@@ -6,12 +6,12 @@ import argparse
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ...base.errors import ParameterError
-from ...storage.json_text import json_text
-from ..body_option import add_body, body_of, where_of
-from ..options import _axis_ends, overwriting
-from ..subject import CONTACTS, add_family, add_numbers
-from ..system_option import doubles, exact_numbers, family_named, system_with_families
+from ..base.errors import ParameterError
+from ..storage.json_text import json_text
+from .body_option import add_body, body_of, where_of
+from .options import _axis_ends, overwriting
+from .subject import CONTACTS, add_family, add_numbers
+from .system_option import doubles, exact_numbers, family_named, system_with_families
 
 FORMATS = ("latex", "c", "auto", "bifurcationkit")
 """Words after `export`."""
@@ -70,7 +70,7 @@ def _with_body(options: argparse.Namespace, swept: Mapping[str, Any]) -> tuple[A
     law = options.contact or "viscous"
     if body is not None:
         return body.family(options.family, law, **where_of(options)), body
-    from ...bodies.thin_disk import disk_family
+    from ..bodies.thin_disk import disk_family
 
     return disk_family(options.family, law), None
 
@@ -81,9 +81,9 @@ def _numbers(options: argparse.Namespace, family: Any) -> dict[str, Any]:
 
 
 def _latex(options: argparse.Namespace) -> dict[str, Any]:
-    from ...export.latex import latex
-    from ...storage.files import atomic_write
-    from ...storage.targets import check_suffix, check_target
+    from ..export.latex import latex
+    from ..storage.files import atomic_write
+    from ..storage.targets import check_suffix, check_target
 
     target = check_target(check_suffix(options.out, (".tex",), "--out"), overwrite=options.force)
     family = _subject(options)
@@ -98,7 +98,7 @@ def _latex(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def _c(options: argparse.Namespace) -> dict[str, Any]:
-    from ...export.c_code import c_code
+    from ..export.c_code import c_code
 
     if options.set:
         raise ParameterError("--set is no option of `export c`, whose code takes numbers.")
@@ -117,8 +117,8 @@ def _c(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def _continuation(options: argparse.Namespace) -> dict[str, Any]:
-    from ...export.auto import auto_input
-    from ...export.bifurcationkit import bifurcationkit_input
+    from ..export.auto import auto_input
+    from ..export.bifurcationkit import bifurcationkit_input
 
     write = auto_input if options.format == "auto" else bifurcationkit_input
     free, start, stop = _axis_ends(options.axis, "--axis")

@@ -1,4 +1,4 @@
-"""The command `basins`: a thin layer on the public names."""
+"""The command `basins`: many launches, and which one ends where."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...base.checks import whole_number
-from ...base.errors import FileError, ParameterError
-from ...storage.json_text import json_text
-from ..options import _picture, overwriting, scheduling, step_error
-from ..subject import add_subject
-from ..terminal import progress_bar, say
-from .launched import KINDS, launched
+from ..base.checks import whole_number
+from ..base.errors import FileError, NameUnknownError, ParameterError, absent, listed, shown
+from ..storage.json_text import json_text
+from .body_option import where_of
+from .options import _axis, _picture, number, overwriting, scheduling, step_error
+from .subject import add_subject, moving, refuse_of_body
+from .terminal import progress_bar, say
 
 if TYPE_CHECKING:
-    from ...basin.basins import Plan
-    from ...basin.cost import Cost
+    from ..basin.basins import Plan
+    from ..basin.cost import Cost
 
 EXAMPLES = (
     "stability basins --family spinning --x at:0.1:3:200 --y tilt:0.01:1.2:160 --mu 0.3 "
@@ -131,8 +131,8 @@ def run(options: argparse.Namespace) -> None:
         if not options.dry_run:
             if cost.launches or cost.border:
                 say(_in_words(cost))
-            from ...basin.basins import run as fill
-            from ...basin.dataset import lost
+            from ..basin.basins import run as fill
+            from ..basin.dataset import lost
 
             kept = fill(
                 plan,
@@ -155,9 +155,9 @@ def run(options: argparse.Namespace) -> None:
 
 def _planned(options: argparse.Namespace) -> tuple[Plan, Path, Path | None]:
     """The plan and the targets, checked before anything is computed."""
-    from ...basin.basins import MOST_LEVELS, planned
-    from ...jobs.zarr_store import check_store
-    from ...storage.targets import check_suffix
+    from ..basin.basins import MOST_LEVELS, planned
+    from ..jobs.zarr_store import check_store
+    from ..storage.targets import check_suffix
 
     out = check_store(check_suffix(options.out, (".zarr",), "--out"))
     picture = None if options.plot is None else _picture(options.plot, options.force)
@@ -182,12 +182,12 @@ def _planned(options: argparse.Namespace) -> tuple[Plan, Path, Path | None]:
 
 def _cost(plan: Plan, out: Path, options: argparse.Namespace) -> Cost:
     """The expected cost of what the store does not hold yet."""
-    from ...basin.cost import predict
-    from ...jobs.dask import workers_of
+    from ..basin.cost import predict
+    from ..jobs.dask import workers_of
 
     missing, levels = None, options.levels
     if out.is_dir() and any(out.iterdir()):
-        from ...basin.basins import store_of
+        from ..basin.basins import store_of
 
         try:
             store = store_of(plan, out)
@@ -202,9 +202,9 @@ def _cost(plan: Plan, out: Path, options: argparse.Namespace) -> Cost:
 
 
 def _draw(dataset: Any, picture: Path, options: argparse.Namespace) -> None:
-    from ...figures.basin.basins import plot_basins
-    from ...figures.canvas import save_figure
-    from ...storage.files import atomic_write
+    from ..figures.basin.basins import plot_basins
+    from ..figures.canvas import save_figure
+    from ..storage.files import atomic_write
 
     with atomic_write(picture, overwrite=options.force) as draft:
         save_figure(plot_basins(dataset), draft)
@@ -278,9 +278,9 @@ def _report(
     picture: Path | None,
     numbers: tuple[int, ...],
 ) -> None:
-    from ...basin.dataset import told_of_lost
-    from ...motion.result import BY_CODE
-    from ...storage.targets import path_text
+    from ..basin.dataset import told_of_lost
+    from ..motion.result import BY_CODE
+    from ..storage.targets import path_text
 
     codes = dataset.outcome.values
     counts = {o.word: int((codes == c).sum()) for c, o in BY_CODE.items()}
@@ -331,3 +331,97 @@ def _sensitivity(record: dict[str, Any]) -> str:
         if record["border_open_blocks"]:
             words.append(f"{record['border_open_blocks']} open (a longer --time decides)")
     return ", ".join(words)
+
+
+KINDS = {"uniform": "LOW:HIGH", "log": "LOW:HIGH", "normal": "MEAN:DEVIATION"}
+"""Distributions of --sample, and their two numbers."""
+NUMBERS = ("mu", "k", "mass", "radius", "gravity")
+"""Options that may be axes too."""
+
+
+def launched(options: argparse.Namespace) -> dict[str, Any]:
+    """What is launched, and over which numbers, as arguments of `st.basins`.
+
+    Parameters
+    ----------
+    options
+        Parsed options of the command.
+
+    Raises
+    ------
+    StabilityError
+        In one sentence, if the options do not fit together.
+    """
+    varied = _varied(options)
+    axes = [varied[n] for n in ("x", "y") if n in varied] + varied.get("more", [])
+    names = [a[0] for a in axes] or list(varied["distribution"])
+    held = _held(options, names)
+    if options.system is not None:
+        refuse_of_body(options, "family", "body")
+        return varied | moving(options) | {"held": held}
+    for name in NUMBERS:
+        if name in (*names, *held) and getattr(options, name) is not None:
+            twice = "as an axis" if name in names else "by --set"
+            raise ParameterError(f"{name} is given as --{name} and {twice}; give it once.")
+    options.family = options.family or ""
+    found = moving(options, {a[0]: a for a in axes}, coefficients={*names, *held})
+    where = {} if options.body is None else where_of(options)
+    return varied | where | found | {"held": held, "family": options.family}
+
+
+def _varied(options: argparse.Namespace) -> dict[str, Any]:
+    """The axes, or the distribution of a random sample, its size and seed."""
+    if options.sample:
+        given = [f"--{n}" for n in ("x", "y", "more") if getattr(options, n)]
+        if given:
+            raise ParameterError(f"{given[0]} does not go with --sample; give axes or a sample.")
+        if options.count is None:
+            raise ParameterError("--count is missing; give the number of launches of the sample.")
+        spread = dict(_distribution(text) for text in options.sample)
+        if len(spread) < len(options.sample):
+            raise ParameterError("--sample names a quantity twice; give each once.")
+        return {"distribution": spread, "count": options.count, "seed": options.seed or 0}
+    for name in ("count", "seed"):
+        if getattr(options, name) is not None:
+            raise ParameterError(f"--{name} belongs to --sample; leave it out.")
+    missing = [f"--{n}" for n in ("x", "y") if getattr(options, n) is None]
+    if missing:
+        raise ParameterError(f"{absent(missing)}; give NAME:LO:HI:N, or a sample by --sample.")
+    axes: dict[str, Any] = {n: _axis(getattr(options, n), f"--{n}") for n in ("x", "y")}
+    return axes | {"more": [_axis(text, "--more") for text in options.more or ()]}
+
+
+def _distribution(text: str) -> tuple[str, Any]:
+    """Name and distribution of one quantity, from NAME:KIND:A:B."""
+    from ..basin.statistics.samples import LogUniform, Normal, Uniform
+
+    parts = text.split(":")
+    if len(parts) != 4:
+        each = listed([f"NAME:{kind}:{numbers}" for kind, numbers in KINDS.items()], "or")
+        raise ParameterError(f"--sample is {shown(text)}; give {each}.")
+    name, kind, *numbers = parts
+    if kind not in KINDS:
+        raise NameUnknownError(
+            f"--sample has the kind {shown(kind)}; give {listed(list(KINDS), 'or')}."
+        )
+    a, b = (number(v, f"a number of --sample {shown(text)}") for v in numbers)
+    return name, {"uniform": Uniform, "log": LogUniform, "normal": Normal}[kind](a, b)
+
+
+def _held(options: argparse.Namespace, varied: Sequence[str]) -> dict[str, float]:
+    """Numbers of --set by name; `at` is the one that names the family's members."""
+    from ..bodies.families import at_name
+
+    found: dict[str, float] = {}
+    for text in options.set or ():
+        name, equals, value = text.partition("=")
+        if not equals:
+            raise ParameterError(f"--set is {shown(text)}; give NAME=NUMBER.")
+        if name == "at":
+            name = at_name(options.family)
+        if name in found:
+            raise ParameterError(f"{name} is set twice; give it once.")
+        if name in varied:
+            raise ParameterError(f"{name} varies and is set; give it once.")
+        found[name] = number(value, name)
+    return found

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from contextlib import suppress
 
-from ...base.citation import Citation, citation
-from ...storage.json_text import json_text
+from ..base.citation import Citation, citation
+from ..storage.json_text import json_text
 
 
 def run(options: argparse.Namespace) -> None:
@@ -28,13 +28,13 @@ def run(options: argparse.Namespace) -> None:
 
 def _of_file(path: str) -> Citation:
     """What a file says; the readers check it as ever."""
-    from ...base.errors import FileError
-    from ...basin.dataset import FORMAT as BASINS
-    from ...motion.dataset import FORMAT as MOTION
-    from ...spectra.presentation.labels import FORMAT as MAP
-    from ...storage.reading import opened
-    from ...storage.targets import place
-    from ...storage.zarr_folder import opened_store
+    from ..base.errors import FileError
+    from ..basin.dataset import FORMAT as BASINS
+    from ..motion.dataset import FORMAT as MOTION
+    from ..spectra.presentation.labels import FORMAT as MAP
+    from ..storage.reading import opened
+    from ..storage.targets import place
+    from ..storage.zarr_folder import opened_store
 
     read = opened_store if place(path).suffix.lower() == ".zarr" else opened
     forms = {MAP: "a map", MOTION: "a motion", BASINS: "launches"}
