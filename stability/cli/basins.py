@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any
 from ..base.checks import whole_number
 from ..base.errors import FileError, NameUnknownError, ParameterError, absent, listed, shown
 from ..storage.json_text import json_text
-from .body_option import where_of
 from .options import _axis, _picture, number, overwriting, scheduling, step_error
-from .subject import add_subject, moving, refuse_of_body
+from .subject import add_subject, moving, refuse_of_body, where_of
 from .terminal import progress_bar, say
 
 if TYPE_CHECKING:

@@ -7,10 +7,17 @@ from typing import Any
 
 from ..base.errors import ParameterError
 from ..storage.json_text import json_text
-from .body_option import body_of, where_of
 from .options import number
-from .subject import at_of, disk_of, numbers_and_at, own_family, set_numbers
-from .system_option import doubles
+from .subject import (
+    at_of,
+    body_of,
+    disk_of,
+    doubles,
+    numbers_and_at,
+    own_family,
+    set_numbers,
+    where_of,
+)
 
 EXAMPLES = (
     "stability explore --out page.html",

@@ -8,10 +8,19 @@ from typing import Any
 
 from ..base.errors import ParameterError
 from ..storage.json_text import json_text
-from .body_option import add_body, body_of, where_of
 from .options import _axis_ends, overwriting
-from .subject import CONTACTS, add_family, add_numbers
-from .system_option import doubles, exact_numbers, family_named, system_with_families
+from .subject import (
+    CONTACTS,
+    add_body,
+    add_family,
+    add_numbers,
+    body_of,
+    doubles,
+    exact_numbers,
+    family_named,
+    system_with_families,
+    where_of,
+)
 
 FORMATS = ("latex", "c", "auto", "bifurcationkit")
 """Words after `export`."""

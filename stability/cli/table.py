@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..base.errors import ParameterError
-from .body_option import add_body, body_of
 from .options import _axis, _list, overwriting
-from .subject import CONTACTS, add_numbers
+from .subject import CONTACTS, add_body, add_numbers, body_of
 from .terminal import progress_bar
 
 FORMS = ("json", "csv", "latex")
@@ -42,7 +41,7 @@ def _table(options: argparse.Namespace) -> None:
 
 def _settings(options: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
     """The family and the keyword arguments of `stability.table`; what is not given is left out."""
-    from .system_option import doubles, exact_numbers, family_named
+    from .subject import doubles, exact_numbers, family_named
 
     family: Any = options.family
     plain = ("k", "mu", "contact", "tilt", "at", "systems")
