@@ -17,10 +17,10 @@ from ..systems.structure.structural_zeros import steady_where, structure
 from ..systems.system import System
 from .certificates import own_certificates
 from .motion import motion_of
-from .pages import page_data
-from .quantity import Quantity
+from .page import page_data
+from .quantities import Quantity
 from .subject import Subject
-from .verdicts.derived import derived_formulas
+from .verdicts import derived_formulas
 
 DECIMALS = (
     " Floats in the equations count as the decimals that were written, which "

@@ -9,12 +9,14 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ...algebra.number_types import Algebra
-from ...algebra.polynomial import Polynomial
-from ...algebra.upright import Upright
-from ...base.verdict import Verdict
-from ...systems.family import Family
-from .solver import Solver
+from ..algebra.linear_systems import solution
+from ..algebra.number_types import Algebra
+from ..algebra.polynomial import Polynomial
+from ..algebra.upright import Upright
+from ..base.errors import StabilityError
+from ..base.verdict import Verdict
+from ..systems.family import Family
+from .source import graph
 
 ROUNDINGS = 3
 """Roundings of a coefficient, of the bound itself, and one to spare."""
@@ -133,22 +135,15 @@ def typeset(polynomial: Polynomial, names: Mapping[str, tuple[str, int]], shift:
     >>> typeset(p, {"k": ("k", 1), "z": ("speed", 1)})  # a space where a name is a word
     '2 <i>k</i> <i>speed</i> − 1'
     """
-    words = []
-    for c, exponents in polynomial.terms:
-        factors, space = [], ""
-        for variable, exponent in zip(polynomial.variables, exponents, strict=True):
-            symbol, power = names.get(variable, (variable, 1))
-            raised = exponent * power
-            letter, _, below = html.escape(symbol).partition("_")
-            text = f"<i>{letter}</i>" + f"<sub>{below}</sub>" * bool(below)
-            if raised and symbol != "1":
-                factors.append(text if raised == 1 else f"{text}<sup>{raised}</sup>")
-                space = " " if WORD.search(letter) else space
-        size = "" if abs(c) == 1 and factors else _size(c, shift)
-        parts = [size, *factors] if size else factors
-        words.append((" − " if c < 0 else " + ") + space.join(parts))
-    found = "".join(words) or "0"
-    return found[3:] if found.startswith(" + ") else found.replace(" − ", "−", 1)
+
+    def text(symbol: str) -> str:
+        letter, _, below = html.escape(symbol).partition("_")
+        return f"<i>{letter}</i>" + f"<sub>{below}</sub>" * bool(below)
+
+    def between(symbols: Sequence[str]) -> str:
+        return " " if any(WORD.search(one.partition("_")[0]) for one in symbols) else ""
+
+    return _terms(polynomial, names, shift, text, between)
 
 
 MOST_FILLED = 4
@@ -175,16 +170,30 @@ def filled(polynomial: Polynomial, names: Mapping[str, tuple[str, int]], shift: 
     """
     if len(polynomial.terms) > MOST_FILLED:
         return ""
+    return _terms(polynomial, names, shift, str, lambda _: " · ")
+
+
+def _terms(
+    polynomial: Polynomial,
+    names: Mapping[str, tuple[str, int]],
+    shift: int,
+    text: Callable[[str], str],
+    between: Callable[[Sequence[str]], str],
+) -> str:
+    """The terms of a polynomial, with a text for each symbol and one between factors."""
     words = []
     for c, exponents in polynomial.terms:
-        factors = [_size(c, shift)] if abs(c) != 1 or not any(exponents) else []
+        symbols, factors = [], []
         for variable, exponent in zip(polynomial.variables, exponents, strict=True):
-            number, power = names.get(variable, (variable, 1))
+            symbol, power = names.get(variable, (variable, 1))
             raised = exponent * power
-            if raised and number != "1":
-                factors.append(number if raised == 1 else f"{number}<sup>{raised}</sup>")
-        words.append((" − " if c < 0 else " + ") + " · ".join(factors))
-    found = "".join(words)
+            if raised and symbol != "1":
+                symbols.append(symbol)
+                factors.append(text(symbol) + f"<sup>{raised}</sup>" * (raised != 1))
+        if abs(c) != 1 or not factors:
+            factors.insert(0, _size(c, shift))
+        words.append((" − " if c < 0 else " + ") + between(symbols).join(factors))
+    found = "".join(words) or "0"
     return found[3:] if found.startswith(" + ") else found.replace(" − ", "−", 1)
 
 
@@ -219,3 +228,72 @@ def _horner(terms: list[tuple[float, tuple[int, ...]]], values: list[Any]) -> An
         if power in groups:
             total = total + _horner(groups[power], values[:-1])
     return total
+
+
+MOST_UNKNOWNS = 4
+"""Largest number of unknowns: a texture of the shader has four channels."""
+STEPS = 3
+"""Steps of Newton's method in the shader, from the members of a grid."""
+CLOSE = 1e-3
+"""Largest last step in the shader, over 1 plus the unknown; elsewhere no member is drawn."""
+
+
+@dataclass(frozen=True)
+class Solver:
+    """The equations of a family's unknowns, and where a search for them starts."""
+
+    family: Family
+    """A family with a root-finder."""
+
+    @property
+    def unknown(self) -> tuple[str, ...]:
+        """States that are solved for."""
+        return tuple(self.family.unknown)
+
+    def told(self) -> dict[str, Any]:
+        """The record in the page."""
+        family, names = self.family, self.unknown
+        known = family.anchor
+        return {
+            "names": names,
+            "equations": graph(family.graph.along),
+            "cut": len(family.at),
+            "guess": list(family.unknown.values()),
+            "positive": [i for i, name in enumerate(names) if name in family.positive],
+            "anchor": {"given": known.given.tolist(), "unknown": list(known.unknown)}
+            if known
+            else None,
+        }
+
+    def polished(self, algebra: Algebra, q: Sequence[Any]) -> tuple[list[Any], list[Any]]:
+        """Quantities with unknowns, by Newton's method from a guess, and what is positive there."""
+        family, count = self.family, len(q) - len(self.unknown)
+        cut, program, size = len(family.at), family.graph.along, algebra.functions["fabs"]
+        given, u = list(q[:count]), list(q[count:])
+        trust: list[Any] = []
+        for _ in range(STEPS):
+            at = [given[:cut], u, given[cut:]]
+            r, slope = (program.dense(algebra, at, i) for i in (0, 1))
+            step = [row[0] for row in solution(algebra, slope, r)]
+            u = [a - b for a, b in zip(u, step, strict=True)]
+            trust = [CLOSE * (1.0 + size(a)) - size(b) for a, b in zip(u, step, strict=True)]
+        trust += [a for a, name in zip(u, self.unknown, strict=True) if name in family.positive]
+        return [*given, *u], trust
+
+
+def solver_of(family: Family) -> Solver | None:
+    """How the members of a family are found; None where they are known in closed form.
+
+    Raises
+    ------
+    StabilityError
+        If more is solved for than the page can find.
+    """
+    if not family.unknown or family.closed:
+        return None
+    if len(family.unknown) > MOST_UNKNOWNS or family.graph.finder is None:
+        raise StabilityError(
+            f"{family.name}: {', '.join(family.unknown)} of its members is solved for; the page "
+            f"finds up to {MOST_UNKNOWNS} unknowns, which their equations fix."
+        )
+    return Solver(family)
