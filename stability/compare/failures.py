@@ -15,7 +15,7 @@ from .marks import BY_WORD, HONEST, Judgement, Mark
 from .motion import drivers
 from .motion.cases import MOTION_CASES
 from .spectrum.cases import CASES, DECADES
-from .spectrum.measure import ROUTES
+from .spectrum.routes import ROUTES
 
 _FIRST = (
     "forward-1e-4",

@@ -20,7 +20,7 @@ FROM_FIGURES_UP = (
     "cli",
     "compare/figures",
     "compare/report.py",
-    "compare/parts.py",
+    "compare/plan.py",
 )
 """Where matplotlib, tqdm and argparse may be imported."""
 WITH_SYMPY = (

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import sympy
 
-from ....base.types import Floats
+from ...base.types import Floats
 
 Matrices = Callable[[Floats, Floats], Floats]
 """(states (N, n), parameters (N, m)) → linearisations (N, n, n)."""

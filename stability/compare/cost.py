@@ -1,11 +1,46 @@
-"""Cost against error as numbers: the Pareto front, and how far other routes are from it."""
+"""Time of a call; cost against error: the Pareto front, and how far other routes are from it."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+
+
+def timed(
+    call: Callable[[], Any], *, least: int = 5, most: int = 200, budget: float = 0.4
+) -> list[float]:
+    """Time of each of several calls [s].
+
+    Parameters
+    ----------
+    call
+        Function to time.
+    least, most
+        Smallest and largest number of calls.
+    budget
+        Time after which no call beyond the least starts [s].
+
+    Returns
+    -------
+    list of float
+
+    Examples
+    --------
+    >>> len(timed(lambda: None, least=3, most=3))
+    3
+    """
+    found: list[float] = []
+    begin = time.perf_counter()
+    while len(found) < least or (len(found) < most and time.perf_counter() - begin < budget):
+        start = time.perf_counter()
+        call()
+        found.append(time.perf_counter() - start)
+    return found
+
 
 FLOOR = 1e-16
 """Smallest error that counts: errors below it are less than the rounding of a double."""
@@ -48,12 +83,25 @@ def places(panel: Mapping[str, tuple[float, float]]) -> dict[str, Place]:
     ('good', 1.5)
     """
     found = {}
-    for name, (time, error) in panel.items():
+    for name, (seconds, error) in panel.items():
         mine = max(error, FLOOR)
         better = {
             other: t for other, (t, e) in panel.items() if max(e, FLOOR) <= mine and np.isfinite(t)
         }
         rival = min(better, key=lambda other: better[other])
-        factor = time / better[rival]
-        found[name] = Place(time, error, factor <= 1.0, max(factor, 1.0), rival)
+        factor = seconds / better[rival]
+        found[name] = Place(seconds, error, factor <= 1.0, max(factor, 1.0), rival)
     return found
+
+
+# --- timings in a CSV ---
+
+
+def least(values: Sequence[float] | None) -> float | None:
+    """The least of some times; None without any."""
+    return min(values) if values else None
+
+
+def timings(values: Sequence[float] | None) -> str:
+    """Times as the text of one cell."""
+    return " ".join(f"{v:.3e}" for v in values or ())
