@@ -83,7 +83,7 @@ _HOME = {
     "export.bifurcationkit": ("bifurcationkit_input",),
     "explorer.explore": ("explore",),
     "tables.registry": ("table",),
-    "tables.formats.table": ("Table",),
+    "tables.table": ("Table",),
     "base.citation": ("citation", "Citation"),
     "base.errors": ("StabilityError", "StabilityWarning"),
 }
@@ -202,8 +202,8 @@ if TYPE_CHECKING:
     from .systems.following.turning_points import Fold as Fold
     from .systems.mechanics import mechanics as mechanics
     from .systems.system import System as System
-    from .tables.formats.table import Table as Table
     from .tables.registry import table as table
+    from .tables.table import Table as Table
 
 
 def __getattr__(name: str) -> Any:

@@ -17,7 +17,7 @@ FORMS = ("json", "csv", "latex")
 
 def _table(options: argparse.Namespace) -> None:
     from ..storage.targets import check_suffix, check_target
-    from ..tables.formats.table import FORMS as ENDINGS
+    from ..tables.table import FORMS as ENDINGS
 
     if options.list == (options.name is not None) and options.name != "list":
         raise ParameterError("give the name of a table, or --list to see them, one of them.")

@@ -13,10 +13,7 @@ from ..bodies.contact_laws import LinearViscous, Viscous
 from ..bodies.disk import Disk
 from ..boundary.drift import FORMULAS, drift
 from .conditions import MU, K
-from .formats.about import About, Standing
-from .formats.column import Column
-from .formats.plain import units_note
-from .formats.table import Definition
+from .table import About, Column, Definition, Standing, units_note
 
 RATIOS = (1.25, 1.5, 2.0, 3.0)
 """Values of omega3 over its threshold in the table of drift."""

@@ -12,10 +12,7 @@ from ..bodies.families import FAMILIES, families_of_disk
 from ..bodies.thin_disk import disk_family
 from ..systems.structure.structural_zeros import structure
 from .conditions import scan
-from .formats.about import About, Standing
-from .formats.column import Column, word
-from .formats.plain import framed
-from .formats.table import Definition, Table
+from .table import About, Column, Definition, Standing, Table, framed, word
 
 
 @dataclass(frozen=True)

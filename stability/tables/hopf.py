@@ -14,10 +14,7 @@ from ..bodies.families import FAMILIES
 from ..boundary.hopf import hopf
 from .conditions import MU, K, member
 from .drift import _body, law_of
-from .formats.about import About, Standing
-from .formats.column import Column, word
-from .formats.plain import units_note
-from .formats.table import Definition
+from .table import About, Column, Definition, Standing, units_note, word
 
 
 @dataclass(frozen=True)

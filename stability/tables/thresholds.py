@@ -30,9 +30,7 @@ from .benchmarks.row import (
     compared,
     threshold,
 )
-from .formats.about import About, Standing
-from .formats.plain import framed
-from .formats.table import Definition
+from .table import About, Definition, Standing, framed
 
 BITS = 200
 """Working precision of the closed forms."""

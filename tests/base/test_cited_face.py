@@ -284,7 +284,7 @@ def test_tables_of_a_users_family_cite_its_result_and_no_disk() -> None:
 
 
 def test_every_table_cites_works_that_are_known() -> None:
-    from stability.tables.contents.places import PLACES, definition
+    from stability.tables.registry import PLACES, definition
 
     for name in PLACES:
         keys = definition(name).cites.split(", ")

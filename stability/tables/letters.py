@@ -6,8 +6,8 @@ import re
 import unicodedata
 from collections.abc import Collection
 
-from ...base.quantities import KNOWN_UNIT, RAISED, readable
-from ...bodies.quantities import QUANTITIES
+from ..base.quantities import KNOWN_UNIT, RAISED, readable
+from ..bodies.quantities import QUANTITIES
 
 GREEK = frozenset(
     "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau phi "
