@@ -79,8 +79,7 @@ _HOME = {
     "compare.report": ("report",),
     "export.latex": ("latex",),
     "export.c_code": ("c_code",),
-    "export.auto": ("auto_input",),
-    "export.bifurcationkit": ("bifurcationkit_input",),
+    "export.continuation": ("auto_input", "bifurcationkit_input"),
     "explorer.explore": ("explore",),
     "tables.registry": ("table",),
     "tables.table": ("Table",),
@@ -170,9 +169,9 @@ if TYPE_CHECKING:
     from .derivation.conditions import Conditions as Conditions
     from .derivation.conditions import conditions as conditions
     from .explorer.explore import explore as explore
-    from .export.auto import auto_input as auto_input
-    from .export.bifurcationkit import bifurcationkit_input as bifurcationkit_input
     from .export.c_code import c_code as c_code
+    from .export.continuation import auto_input as auto_input
+    from .export.continuation import bifurcationkit_input as bifurcationkit_input
     from .export.latex import latex as latex
     from .figures.basin.basins import plot_basins as plot_basins
     from .figures.diagram import plot_map as plot_map

@@ -126,8 +126,7 @@ def _c(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def _continuation(options: argparse.Namespace) -> dict[str, Any]:
-    from ..export.auto import auto_input
-    from ..export.bifurcationkit import bifurcationkit_input
+    from ..export.continuation import auto_input, bifurcationkit_input
 
     write = auto_input if options.format == "auto" else bifurcationkit_input
     free, start, stop = _axis_ends(options.axis, "--axis")
