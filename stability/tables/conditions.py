@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any
 
 from ..base.citation import cited
@@ -23,32 +23,6 @@ from .letters import escaped, mathematics, prose
 from .table import END, NEEDS, About, Column, Definition, Standing, Table, latex, plain, word
 
 
-@dataclass(frozen=True)
-class ConditionRow:
-    """One change of verdict along a family, or none."""
-
-    family: str
-    """Name of the family."""
-    contact: str
-    """Contact law."""
-    k: float
-    """Inertia factor [-]."""
-    mu: float | None
-    """Friction coefficient in the user's unit, or None for a law without one."""
-    at: float | None
-    """Family parameter where the verdict changes, or None without a change."""
-    error: float | None
-    """Half-width of the proved bracket around `at`."""
-    crossing: str
-    """static, flutter, or none."""
-    frequency: float | None
-    """Frequency of the crossing pair."""
-    below: str
-    """Verdict below `at` (or everywhere)."""
-    above: str
-    """Verdict above `at` (or everywhere)."""
-
-
 def conditions(
     *,
     k: Sequence[float] = (0.25, 0.3125, 0.5),
@@ -56,7 +30,7 @@ def conditions(
     disk: Disk | None = None,
     laws: Sequence[str] = ("smooth", "viscous", "rough"),
     progress: Callable[[int, int], None] | None = None,
-) -> list[ConditionRow]:
+) -> list[dict[str, Any]]:
     """Changes of the verdict along each family, each with a proved bracket.
 
     Parameters
@@ -74,7 +48,7 @@ def conditions(
 
     Returns
     -------
-    list of ConditionRow
+    list of dict
         `at` is searched over `SteadyFamily.searched` (in √(g/R), or rad for tumbling; tumbling ends
         at upright, since larger angles are its mirror image).
 
@@ -83,7 +57,7 @@ def conditions(
     Examples
     --------
     >>> rows = conditions(k=(0.25,), mu=(0.3,), laws=("viscous",))
-    >>> [(r.family, r.crossing) for r in rows]
+    >>> [(r["family"], r["crossing"]) for r in rows]
     [('rolling', 'flutter'), ('spinning', 'static'), ('tumbling', 'none')]
     """
     base = Disk() if disk is None else disk
@@ -97,7 +71,7 @@ def conditions(
         if family.law in ("", law)
         for contact in _contacts(law, mu)
     ]
-    rows: list[ConditionRow] = []
+    rows: list[dict[str, Any]] = []
     for done, problem in enumerate(asked, start=1):
         rows += _rows(*problem)
         if progress:
@@ -127,7 +101,7 @@ def scan(family: SteadyFamily, disk: Disk, contact: Contact) -> list[BoundaryPoi
     return list(found)
 
 
-def _rows(family: SteadyFamily, disk: Disk, contact: Contact) -> list[ConditionRow]:
+def _rows(family: SteadyFamily, disk: Disk, contact: Contact) -> list[dict[str, Any]]:
     from ..spectra.spectrum import spectrum
 
     mu = contact.given.get("mu")
@@ -144,27 +118,18 @@ def _rows(family: SteadyFamily, disk: Disk, contact: Contact) -> list[ConditionR
         low, high = family.searched
         middle = math.sqrt(low * high) * family.unit(float(disk.rate))
         verdict = spectrum(family.name, at=middle, disk=disk, contact=contact).verdict.word
-        return [
-            ConditionRow(
-                **common,
-                at=None,
-                error=None,
-                crossing="none",
-                frequency=None,
-                below=verdict,
-                above=verdict,
-            )
-        ]
+        none = {"at": None, "error": None, "crossing": "none", "frequency": None}
+        return [common | none | {"below": verdict, "above": verdict}]
     return [
-        ConditionRow(
-            **common,
-            at=p.value,
-            error=p.error,
-            crossing=p.crossing.word,
-            frequency=p.frequency,
-            below=good if p.stable_below else "unstable",
-            above="unstable" if p.stable_below else good,
-        )
+        common
+        | {
+            "at": p.value,
+            "error": p.error,
+            "crossing": p.crossing.word,
+            "frequency": p.frequency,
+            "below": good if p.stable_below else "unstable",
+            "above": "unstable" if p.stable_below else good,
+        }
         for p in points
     ]
 
@@ -250,7 +215,7 @@ TABLE = Definition(
         word("below", "verdict below at, or everywhere"),
         word("above", "verdict above at, or everywhere"),
     ),
-    lambda **options: [asdict(row) for row in conditions(**options)],
+    conditions,
     ("k", "mu", "contact", "disk", "progress"),
     _notes,
     _text,
