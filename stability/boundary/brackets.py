@@ -31,7 +31,7 @@ from ..systems.structure.enclosure import (
     in_one_box,
     matrix_polynomial,
 )
-from ..systems.structure.multiplicity import certain, symmetric
+from ..systems.structure.identities import certain, symmetric
 from ..systems.structure.structural_zeros import structure
 from .critical import frequency
 from .crossings import BoundaryPoint, Crossing, bracket

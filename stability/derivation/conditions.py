@@ -30,7 +30,7 @@ from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..bodies.subject import family_by_name
 from ..systems.family import Family
-from ..systems.structure.multiplicity import Member
+from ..systems.structure.member import Member
 from ..systems.structure.structural_zeros import steady_where, structure
 from ..systems.structure.zero_blocks import semisimple, typical, zero_power
 from ..systems.system import A_FAMILY, refuse_system

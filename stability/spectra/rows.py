@@ -18,7 +18,7 @@ from .eigenvalues import Eigenpairs, decide, eigenvalues
 from .problem import Problem, broadcast_shape
 
 if TYPE_CHECKING:
-    from ..systems.structure.multiplicity import Member
+    from ..systems.structure.member import Member
 
 from ..base.types import Complexes, Floats
 
@@ -41,7 +41,7 @@ class Rows:
     """
 
     def __init__(self, problem: Problem, *, exact: bool) -> None:
-        from ..systems.structure.multiplicity import certain, symmetric
+        from ..systems.structure.identities import certain, symmetric
 
         self.problem, self.exact = problem, exact
         family = problem.family

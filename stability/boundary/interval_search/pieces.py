@@ -14,7 +14,7 @@ from typing import Any
 
 from ...algebra.balls import precision
 from ...base.errors import NoMemberError, StabilityError
-from ...systems.structure.multiplicity import certain
+from ...systems.structure.identities import certain
 from ...systems.structure.structural_zeros import structure
 from ..brackets import BITS, AxisScan
 from ..crossings import Crossing

@@ -13,7 +13,7 @@ from ...jobs.checkpoint import Chunk
 from ...spectra.deflation import Reduced, deflate
 from ...spectra.eigenvalues import decide, eigenvalues
 from ...spectra.problem import Problem
-from ...systems.structure.multiplicity import certain, symmetric
+from ...systems.structure.identities import certain, symmetric
 from ...systems.structure.structural_zeros import structure
 from .rates import Rates, of_matrices, rates
 
