@@ -26,12 +26,11 @@ _HOME = {
     "bodies.dry_friction": ("Coulomb", "RegularisedCoulomb"),
     "systems.system": ("System",),
     "systems.mechanics": ("mechanics",),
-    "systems.condition": ("Condition",),
+    "systems.equations": ("Condition",),
     "algebra.upright": ("UPRIGHT",),
     "systems.family": ("Family",),
     "bodies.thin_disk": ("disk_family", "disk_system"),
-    "systems.continuation": ("branch", "Branch", "BranchPoint"),
-    "systems.following.turning_points": ("Fold",),
+    "systems.continuation": ("branch", "Branch", "BranchPoint", "Fold"),
     "spectra.spectrum": ("spectrum",),
     "spectra.result": ("Spectrum",),
     "base.verdict": ("Verdict", "Nonlinear"),
@@ -193,12 +192,12 @@ if TYPE_CHECKING:
     from .scene.scene import Scene as Scene
     from .spectra.result import Spectrum as Spectrum
     from .spectra.spectrum import spectrum as spectrum
-    from .systems.condition import Condition as Condition
     from .systems.continuation import Branch as Branch
     from .systems.continuation import BranchPoint as BranchPoint
+    from .systems.continuation import Fold as Fold
     from .systems.continuation import branch as branch
+    from .systems.equations import Condition as Condition
     from .systems.family import Family as Family
-    from .systems.following.turning_points import Fold as Fold
     from .systems.mechanics import mechanics as mechanics
     from .systems.system import System as System
     from .tables.registry import table as table

@@ -20,8 +20,8 @@ from ..bodies.disk_polynomials import PLAIN, DiskPolynomial, exact_polynomial
 from ..bodies.families import FAMILIES
 from ..boundary.interval_search.formula_meetings import hurwitz
 from ..derivation.conditions import conditions
+from ..systems.closed_form import ImplicitForm
 from ..systems.family import Family
-from ..systems.graph.implicit_form import ImplicitForm
 from ..systems.structure.zero_blocks import typical
 from .formulas import (
     FLOAT,

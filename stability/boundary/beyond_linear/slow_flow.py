@@ -28,8 +28,7 @@ from ...bodies.resistance import Resistance, resistances
 from ...bodies.round_body.body import Body
 from ...bodies.subject import of_body
 from ...spectra.arguments import problem_of
-from ...systems.condition import Condition
-from ...systems.equations import Equations
+from ...systems.equations import Condition, Equations
 from ...systems.family import Family
 from ...systems.structure.structural_zeros import structure
 from ...systems.system import System

@@ -25,8 +25,7 @@ from ...algebra.kernels.tape import Tape
 from ...algebra.number_types import Algebra, balls
 from ...base.errors import NoMemberError, StabilityError
 from ...base.types import Floats
-from ...systems.closed_form import ClosedForm
-from ...systems.graph.implicit_form import ImplicitForm
+from ...systems.closed_form import ClosedForm, ImplicitForm
 from ..brackets import BITS, AxisScan
 from ..crossings import Crossing
 from .formula_meetings import FormulaMeetings, watched

@@ -20,8 +20,7 @@ from ...base.axis import Axis
 from ...base.types import Floats
 from ...base.verdict import CODES, NO_MEMBER, Verdict
 from ...spectra.problem import Problem, formulas_of
-from ...systems.closed_form import ClosedForm
-from ...systems.graph.implicit_form import ImplicitForm
+from ...systems.closed_form import ClosedForm, ImplicitForm
 from ..compiled.swept import swept
 from .rates import MOST_POOR, WANTED, Bands, Rates, monic, rates, sample
 from .slice_verdicts import ELSEWHERE, Codes

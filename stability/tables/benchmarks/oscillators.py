@@ -8,7 +8,7 @@ import casadi as ca
 
 from ...boundary.beyond_linear.two_parameters.points import codimension_two
 from ...motion.simulate import simulate
-from ...systems.condition import Condition
+from ...systems.equations import Condition
 from ...systems.family import Family
 from ...systems.system import System
 from .row import CLOSED, ELSEWHERE, BenchmarkRow, Source, at_threshold, compared, threshold

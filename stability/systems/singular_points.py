@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...algebra.running_error import RunningError, running_error_arrays
-from ...base.types import Floats, Record
-from ..graph.family_graph import FamilyGraph
+from ..algebra.running_error import RunningError, running_error_arrays
+from ..base.types import Floats, Record
+from .graph.family_graph import FamilyGraph
 
 DIFFERENCE = 6e-6
 """Step of central differences of the exact slopes, relative to 1 or to the number."""
