@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from importlib.resources import files
 from typing import Any
 
 from .errors import ParameterError, shown
@@ -91,258 +93,14 @@ def _latex(text: str) -> str:
     return text.replace("&", r"\&").replace("ø", r"{\o}")
 
 
-_EVERY = (
-    Work(
-        "stability",
-        "software",
-        "this package",
-        "{The stability developers}",
-        "stability: stability diagrams of nonholonomic and frictional systems, with proved "
-        "boundaries",
-        "",
-        f"version {__version__}",
-    ),
-    Work(
-        "przybylska2016",
-        "article",
-        "the model of the disk, and the frames of bodies of revolution",
-        "Przybylska, Maria and Rauch-Wojciechowski, Stefan",
-        "Dynamics of a Rolling and Sliding Disk in a Plane. Asymptotic Solutions, Stability and "
-        "Numerical Simulations",
-        "2016",
-        "Regular and Chaotic Dynamics",
-        "21(2)",
-        "204--231",
-        "10.1134/S1560354716020052",
-    ),
-    Work(
-        "lesaux2005",
-        "article",
-        "dry friction of the disk",
-        "Le Saux, Caroline and Leine, Remco I. and Glocker, Christoph",
-        "Dynamics of a Rolling Disk in the Presence of Dry Friction",
-        "2005",
-        "Journal of Nonlinear Science",
-        "15",
-        "27--61",
-        "10.1007/s00332-004-0655-4",
-    ),
-    Work(
-        "as2017",
-        "misc",
-        "a circling disk of 0.5 m, whose spin is printed",
-        "As, Y.",
-        "Student report on a rolling disk",
-        "2017",
-        "Technion",
-    ),
-    Work(
-        "fenichel1979",
-        "article",
-        "slow manifolds: creeping slip, and drift along a family",
-        "Fenichel, Neil",
-        "Geometric singular perturbation theory for ordinary differential equations",
-        "1979",
-        "Journal of Differential Equations",
-        "31",
-        "53--98",
-        "10.1016/0022-0396(79)90152-9",
-    ),
-    Work(
-        "fraser1988",
-        "article",
-        "the iteration of the slow manifold",
-        "Fraser, Simon J.",
-        "The steady state and equilibrium approximations: A geometrical picture",
-        "1988",
-        "The Journal of Chemical Physics",
-        "88",
-        "4732--4738",
-        "10.1063/1.454686",
-    ),
-    Work(
-        "fiedler2000",
-        "article",
-        "Hopf bifurcation of a line of steady motions",
-        "Fiedler, Bernold and Liebscher, Stefan and Alexander, James C.",
-        "Generic Hopf bifurcation from lines of equilibria without parameters: I. Theory",
-        "2000",
-        "Journal of Differential Equations",
-        "167",
-        "16--35",
-    ),
-    Work(
-        "kuznetsov2004",
-        "book",
-        "Lyapunov coefficients, and points of codimension two",
-        "Kuznetsov, Yuri A.",
-        "Elements of Applied Bifurcation Theory, third edition",
-        "2004",
-        "Springer",
-        "",
-        "",
-        "10.1007/978-1-4757-3978-7",
-    ),
-    Work(
-        "casadi",
-        "article",
-        "the graph of the equations and its derivatives (CasADi)",
-        "Andersson, Joel A. E. and Gillis, Joris and Horn, Greg and Rawlings, James B. and Diehl, "
-        "Moritz",
-        "CasADi: a software framework for nonlinear optimization and optimal control",
-        "2019",
-        "Mathematical Programming Computation",
-        "11(1)",
-        "1--36",
-        "10.1007/s12532-018-0139-4",
-    ),
-    Work(
-        "lapack",
-        "book",
-        "eigenvalues (LAPACK)",
-        "Anderson, Edward and Bai, Zhaojun and Bischof, Christian and Blackford, Susan and "
-        "Demmel, James and Dongarra, Jack and Du Croz, Jeremy and Greenbaum, Anne and Hammarling, "
-        "Sven and McKenney, Alan and Sorensen, Danny",
-        "LAPACK Users' Guide, third edition",
-        "1999",
-        "Society for Industrial and Applied Mathematics",
-    ),
-    Work(
-        "arb",
-        "article",
-        "proofs in ball arithmetic (Arb, by python-flint)",
-        "Johansson, Fredrik",
-        "Arb: efficient arbitrary-precision midpoint-radius interval arithmetic",
-        "2017",
-        "IEEE Transactions on Computers",
-        "66(8)",
-        "1281--1292",
-        "10.1109/TC.2017.2690633",
-    ),
-    Work(
-        "sympy",
-        "article",
-        "algebra of proofs and formulas (SymPy)",
-        "Meurer, Aaron and Smith, Christopher P. and Paprocki, Mateusz and others",
-        "SymPy: symbolic computing in Python",
-        "2017",
-        "PeerJ Computer Science",
-        "3",
-        "e103",
-        "10.7717/peerj-cs.103",
-    ),
-    Work(
-        "heyoka",
-        "article",
-        "integration by Taylor's method (heyoka)",
-        "Biscani, Francesco and Izzo, Dario",
-        "Revisiting high-order Taylor methods for astrodynamics and celestial mechanics",
-        "2021",
-        "Monthly Notices of the Royal Astronomical Society",
-        "504(2)",
-        "2614--2628",
-        "10.1093/mnras/stab1032",
-    ),
-    Work(
-        "scipy",
-        "article",
-        "integration (SciPy)",
-        "Virtanen, Pauli and Gommers, Ralf and Oliphant, Travis E. and others",
-        "SciPy 1.0: fundamental algorithms for scientific computing in Python",
-        "2020",
-        "Nature Methods",
-        "17(3)",
-        "261--272",
-        "10.1038/s41592-019-0686-2",
-    ),
-    Work(
-        "hairer1993",
-        "book",
-        "the method DOP853",
-        "Hairer, Ernst and Nørsett, Syvert P. and Wanner, Gerhard",
-        "Solving Ordinary Differential Equations I: Nonstiff Problems",
-        "1993",
-        "Springer",
-        "",
-        "",
-        "10.1007/978-3-540-78862-1",
-    ),
-    Work(
-        "hairer1996",
-        "book",
-        "the method Radau IIA",
-        "Hairer, Ernst and Wanner, Gerhard",
-        "Solving Ordinary Differential Equations II: Stiff and Differential-Algebraic Problems",
-        "1996",
-        "Springer",
-        "",
-        "",
-        "10.1007/978-3-642-05221-7",
-    ),
-    Work(
-        "petzold1983",
-        "article",
-        "the method LSODA",
-        "Petzold, Linda",
-        "Automatic selection of methods for solving stiff and nonstiff systems of ordinary "
-        "differential equations",
-        "1983",
-        "SIAM Journal on Scientific and Statistical Computing",
-        "4(1)",
-        "136--148",
-        "10.1137/0904010",
-    ),
-    Work(
-        "shampine1997",
-        "article",
-        "the BDF method",
-        "Shampine, Lawrence F. and Reichelt, Mark W.",
-        "The MATLAB ODE Suite",
-        "1997",
-        "SIAM Journal on Scientific Computing",
-        "18(1)",
-        "1--22",
-        "10.1137/S1064827594276424",
-    ),
-    Work(
-        "sundials",
-        "article",
-        "integration of stiff motions (SUNDIALS, by CasADi)",
-        "Hindmarsh, Alan C. and Brown, Peter N. and Grant, Keith E. and Lee, Steven L. and "
-        "Serban, Radu and Shumaker, Dan E. and Woodward, Carol S.",
-        "SUNDIALS: Suite of nonlinear and differential/algebraic equation solvers",
-        "2005",
-        "ACM Transactions on Mathematical Software",
-        "31(3)",
-        "363--396",
-        "10.1145/1089014.1089020",
-    ),
-    Work(
-        "grebogi1983",
-        "article",
-        "the uncertainty exponent",
-        "Grebogi, Celso and McDonald, Steven W. and Ott, Edward and Yorke, James A.",
-        "Final state sensitivity: an obstruction to predictability",
-        "1983",
-        "Physics Letters A",
-        "99(9)",
-        "415--418",
-        "10.1016/0375-9601(83)90945-3",
-    ),
-    Work(
-        "wilson1927",
-        "article",
-        "intervals of a probability",
-        "Wilson, Edwin B.",
-        "Probable Inference, the Law of Succession, and Statistical Inference",
-        "1927",
-        "Journal of the American Statistical Association",
-        "22(158)",
-        "209--212",
-        "10.1080/01621459.1927.10502953",
-    ),
-)
-WORKS = {work.key: work for work in _EVERY}
+def _read() -> dict[str, Work]:
+    text = files(__package__).joinpath("works.json").read_text(encoding="utf-8")
+    works = {one["key"]: Work(**one) for one in json.loads(text)}
+    works["stability"] = replace(works["stability"], place=f"version {__version__}")
+    return works
+
+
+WORKS = _read()
 """Every work by its key."""
 
 
@@ -478,7 +236,7 @@ ATTRIBUTE = "citation"
 class Citation(Record):
     """What to cite; it prints as text, and then as BibTeX.
 
-    Source: the entries of stability/base/citation.py, checked by tests/base/test_citation.py.
+    Source: the entries of stability/base/works.json, checked by tests/base/test_citation.py.
 
     Examples
     --------

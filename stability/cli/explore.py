@@ -46,7 +46,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", required=True, metavar="PAGE.html", help="page to write")
 
 
-def _explore(options: argparse.Namespace) -> None:
+def run(options: argparse.Namespace) -> None:
+    """Write the page of a diagram, and print where it is."""
     from ..explorer.explore import explore
 
     if options.contact is not None and ":" in options.contact:

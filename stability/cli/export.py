@@ -6,9 +6,9 @@ import argparse
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..base.errors import ParameterError
+from ..base.errors import ParameterError, shown
 from ..storage.json_text import json_text
-from .options import _axis_ends, overwriting
+from .options import number, overwriting
 from .subject import (
     CONTACTS,
     add_body,
@@ -129,7 +129,10 @@ def _continuation(options: argparse.Namespace) -> dict[str, Any]:
     from ..export.continuation import auto_input, bifurcationkit_input
 
     write = auto_input if options.format == "auto" else bifurcationkit_input
-    free, start, stop = _axis_ends(options.axis, "--axis")
+    free, *ends = options.axis.split(":")
+    if len(ends) != 2:
+        raise ParameterError(f"--axis is {shown(options.axis)}; give NAME:START:STOP.")
+    start, stop = (number(end, "--axis") for end in ends)
     family, body = _with_body(options, {free: (free, start, stop)})
     numbers_of = {} if body is None else body.given
     own: dict[str, Any] = {

@@ -406,7 +406,9 @@ def contact_of(
 def set_numbers(options: argparse.Namespace) -> dict[str, float]:
     """Numbers of --set for which there is no option; others count as given by their option."""
     found: dict[str, float] = {}
-    direct = {*NUMBERS, *(shape_names() if options.body else ())} & vars(options).keys()
+    direct = {*NUMBERS, *(_shape_options() if options.body else ())} & vars(options).keys() - {
+        "solid"
+    }
     seen: set[str] = set()
     for text in options.set or ():
         name, equals, value = text.partition("=")
@@ -536,11 +538,6 @@ def add_body(
     if place:
         group.add_argument("--theta", type=float, help="where it rolls, if at several inclinations")
         group.add_argument("--pole", help="for vertical: its theta, 0 or pi (default 0)")
-
-
-def shape_names() -> tuple[str, ...]:
-    """Numbers of named bodies that are options."""
-    return tuple(n for n in _shape_options() if n != "solid")
 
 
 def where_of(options: argparse.Namespace) -> dict[str, Any]:

@@ -15,7 +15,8 @@ FORMS = ("json", "csv", "latex")
 """Forms on standard output; text without one of these."""
 
 
-def _table(options: argparse.Namespace) -> None:
+def run(options: argparse.Namespace) -> None:
+    """Compute a table, and print or write it."""
     from ..storage.targets import check_suffix, check_target
     from ..tables.table import FORMS as ENDINGS
 

@@ -100,7 +100,10 @@ def page_data(
         "start": {
             "subject": start.key,
             "values": values,
-            "axes": [None if a is None else told_axis(a, sizes[a.name]) for a in axes],
+            "axes": [
+                a and [a.name, a.low / sizes[a.name], a.high / sizes[a.name], *["log"] * a.log]
+                for a in axes
+            ],
         },
         "units": {n: kind.words for n, kind in CURVES.items()} if stated is None else stated,
         "si": units.told() if units else {},
@@ -115,11 +118,6 @@ def page_data(
         },
         "foot": foot(source, units) + more,
     }
-
-
-def told_axis(axis: Axis, size: float = 1.0) -> list[Any]:
-    """Name, ends and spacing of an axis in the page, whose unit has a size."""
-    return [axis.name, axis.low / size, axis.high / size, *["log"] * axis.log]
 
 
 def foot(source: str, units: PageUnits | None = None) -> str:

@@ -520,7 +520,7 @@ def eliminate(
     return [solution[j] for j in range(size)], values
 
 
-def _counted(word: str, given: tuple[str, ...], most: int = 8) -> str:
+def _counted(word: str, given: tuple[str, ...]) -> str:
     """How many names of a kind there are, and the first of them."""
-    told = ", ".join(given[:most]) + ", …" * (len(given) > most)
+    told = ", ".join(given[:8]) + ", …" * (len(given) > 8)
     return f"{len(given)} {word}{'s' * (len(given) != 1)}" + f" ({told})" * bool(given)

@@ -241,22 +241,8 @@ class Model:
         return ca.vertcat(self.q, self.u, self.p)
 
 
-def symbols_of(what: str, value: Any, given: Any = None) -> tuple[ca.SX, tuple[str, ...]]:
-    """A column of symbols and their names, or a refusal.
-
-    Parameters
-    ----------
-    what
-        Name of the argument in the message.
-    value
-        SX symbols, or None for none.
-    given
-        Names, or None for those of the symbols.
-
-    Returns
-    -------
-    symbols, names
-    """
+def _symbols_of(what: str, value: Any) -> tuple[ca.SX, tuple[str, ...]]:
+    """A column of symbols and their names, or a refusal."""
     column = ca.SX(0, 1) if value is None else value
     if not isinstance(column, ca.SX) or not (
         column.numel() == 0
@@ -266,12 +252,7 @@ def symbols_of(what: str, value: Any, given: Any = None) -> tuple[ca.SX, tuple[s
             f"{what} is {shown(value)}; give one column of symbols, as SX.sym does."
         )
     found = [s.name() for s in ca.vertsplit(column)] if column.numel() else []
-    own = names(f"the names of {what}", found if given is None else given)
-    if len(own) != column.numel():
-        raise ParameterError(
-            f"{what} has {column.numel()} entries but {len(own)} names; give each entry one name."
-        )
-    return column, own
+    return column, names(f"the names of {what}", found)
 
 
 def read_model(
@@ -297,7 +278,9 @@ def read_model(
     -------
     Model
     """
-    (q, at), (u, speeds), (p, given) = (symbols_of(w, v) for w, v in (("q", q), ("u", u), ("p", p)))
+    (q, at), (u, speeds), (p, given) = (
+        _symbols_of(w, v) for w, v in (("q", q), ("u", u), ("p", p))
+    )
     if not (q.numel() and u.numel()):
         raise ParameterError("q or u is empty; give at least one coordinate and one velocity.")
     names("q, u and p", [*at, *speeds, *given])

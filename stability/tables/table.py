@@ -396,11 +396,6 @@ def longtable(
     ]
 
 
-def breaking(share: float) -> str:
-    """Alignment of a column of texts that break, as a share of the line."""
-    return rf">{{\raggedright\arraybackslash}}p{{{share:g}\linewidth}}"
-
-
 def across(columns: int, text: str, indent: str = "") -> str:
     """A line across all columns."""
     box = rf"\parbox[t]{{\linewidth}}{{\raggedright {indent}{text}\strut}}"  # stretches no column
@@ -410,7 +405,7 @@ def across(columns: int, text: str, indent: str = "") -> str:
 def spec(column: Column, table: Table) -> str:
     """Alignment of a column."""
     if column.share:
-        return breaking(column.share)
+        return rf">{{\raggedright\arraybackslash}}p{{{column.share:g}\linewidth}}"
     values = [row[column.name] for row in table.rows]
     return "r" if any(isinstance(v, (int, float)) for v in values) else "l"
 

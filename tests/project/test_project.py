@@ -18,7 +18,7 @@ FROM_FIGURES_UP = (
     "figures",
     "atlas",
     "cli",
-    "compare/figures",
+    "compare/figures.py",
     "compare/report.py",
     "compare/plan.py",
 )

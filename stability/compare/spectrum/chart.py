@@ -17,7 +17,7 @@ from ...jobs.processes import Task
 from ...storage.csv_text import csv_text
 from ..cost import Place, least, places, timed, timings
 from .points import EDGES, Points, classes, edge, points_of
-from .routes import OWN, PEOPLE, ROUTES, Answer, Route, check, route
+from .routes import ROUTES, Answer, Route, check, route
 
 if TYPE_CHECKING:
     import xarray
@@ -32,7 +32,7 @@ HALVINGS = 32
 """Halvings from 1e-13 to below 1e-22, which is far below the rounding of a double."""
 SPARSE = 4
 """A slow route is asked one boundary in this many."""
-CHARTED = tuple(r.name for r in (*PEOPLE, *OWN))
+CHARTED = tuple(r.name for r in ROUTES.values() if r.charted)
 """Names of the routes in the charts."""
 
 

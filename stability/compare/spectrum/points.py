@@ -7,7 +7,7 @@ routes take another way: they use doubles, or the polynomials over Q that are pa
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import Any
@@ -113,11 +113,6 @@ class Points:
         """The problem of all points at once."""
         at = None if self.lean is not None else self.at
         return disk_problem(self.family, Disk(k=self.k), self.contact(), at, self.lean)
-
-    def singles(self) -> Iterator[Points]:
-        """The points one by one."""
-        for i in range(len(self)):
-            yield self[i : i + 1]
 
     @cached_property
     def truth(self) -> Truth:
@@ -284,7 +279,7 @@ def edge(family: str, law: str, k: float, mu: float | None, low: float, high: fl
 # --- hardness classes ---
 
 
-SEED = 20161
+SEED, COUNT = 20161, 16
 EDGES: tuple[tuple[str, str, float, float | None, float, float], ...] = (
     ("rolling", "viscous", 0.25, 0.3, 1.0, 2.0),
     ("rolling", "viscous", 0.5, 300.0, 0.5, 2.0),
@@ -339,16 +334,17 @@ def _points(family: str, law: str, k: Any, mu: Any, at: Any, label: str = "") ->
     return Points(family, law, full(k), None if mu is None else full(mu), at, label=label)
 
 
-def _random(rng: np.random.Generator, count: int, mu: tuple[float, float]) -> list[Points]:
-    """Members of the viscous families, mu* log-uniform."""
+def _random(least: float, most: float) -> list[Points]:
+    """Members of the viscous families, mu* log-uniform between two numbers."""
+    rng = np.random.default_rng(SEED)
     ranges = {name: family.sampled for name, family in FAMILIES.items() if family.sampled}
     return [
         _points(
             family,
             "viscous",
-            rng.uniform(0.05, 0.5, count),
-            10 ** rng.uniform(math.log10(mu[0]), math.log10(mu[1]), count),
-            rng.uniform(low, high, count),
+            rng.uniform(0.05, 0.5, COUNT),
+            10 ** rng.uniform(math.log10(least), math.log10(most), COUNT),
+            rng.uniform(low, high, COUNT),
         )
         for family, (low, high) in ranges.items()
     ]
@@ -422,9 +418,8 @@ def _viscous() -> list[Any]:
 
 @lru_cache(maxsize=1)
 def _makers() -> Mapping[str, tuple[str, Callable[[], list[Points]]]]:
-    rng = np.random.default_rng
     return {
-        "open": ("anywhere: random k, μ* in 0.1…10", lambda: _random(rng(SEED), 16, (0.1, 10.0))),
+        "open": ("anywhere: random k, μ* in 0.1…10", lambda: _random(0.1, 10.0)),
         "near": (
             "near a boundary: relative distance 10⁻³…10⁻⁷",
             lambda: [close_to(e, (1e-3, 1e-5, 1e-7)) for e in _viscous()],
@@ -433,10 +428,10 @@ def _makers() -> Mapping[str, tuple[str, Callable[[], list[Points]]]]:
             "very near a boundary: relative distance 10⁻⁹…10⁻¹⁵",
             lambda: [close_to(e, (1e-9, 1e-12, 1e-15)) for e in _viscous()],
         ),
-        "large-mu": ("large friction: μ* in 10³…10⁸", lambda: _random(rng(SEED), 16, (1e3, 1e8))),
+        "large-mu": ("large friction: μ* in 10³…10⁸", lambda: _random(1e3, 1e8)),
         "small-mu": (
             "small friction: μ* in 10⁻¹⁰…10⁻³",
-            lambda: _random(rng(SEED), 16, (1e-10, 1e-3)),
+            lambda: _random(1e-10, 1e-3),
         ),
         "flat-hoop": ("tumbling hoop at 0.1°…5° from flat", _flat_hoop),
         "meeting": ("two eigenvalues coalesce (defective), to 1 ulp…10⁻¹⁰", _meeting),

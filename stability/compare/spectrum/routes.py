@@ -97,6 +97,8 @@ class Route:
     """Whether the route belongs to the package."""
     default: ClassVar[bool] = False
     """Whether the package uses the route by default."""
+    charted: ClassVar[bool] = True
+    """Whether the charts have it; the catalogue of failures has every route."""
     arrays: ClassVar[bool] = True
     """Whether it takes many points at once, which makes the time per point shorter."""
     small: ClassVar[float] = SMALL
@@ -157,14 +159,14 @@ class LongForwardDifferences(ForwardDifferences):
     """Forward differences with a step that is too long."""
 
     name, title = "forward-1e-4", "as forward, step 1e-4"
-    step = 1e-4
+    step, charted = 1e-4, False
 
 
 class ShortForwardDifferences(ForwardDifferences):
     """Forward differences with a step that is too short."""
 
     name, title = "forward-1e-12", "as forward, step 1e-12"
-    step = 1e-12
+    step, charted = 1e-12, False
 
 
 class CentralDifferences(Route):
@@ -245,6 +247,7 @@ class AutomaticRaw(AutomaticJacobian):
     """`AutomaticJacobian` with the zeros left in, as in a first script."""
 
     name, title = "ad-raw", "as ad, but the zeros that structure demands are left in"
+    charted = False
 
     def judged(self, points: Points, values: Complexes) -> Answer:  # noqa: ARG002
         """Every eigenvalue counts, structural zeros too."""
@@ -287,6 +290,7 @@ class SolvedSymbolically(Route):
     """SymPy's equations solved for the accelerations first, which leaves 1/cosθ."""
 
     name, title = "sympy-solved", "equations solved for the accelerations by SymPy; LAPACK"
+    charted = False
     flaw = (
         "SymPy solves for the accelerations in the order of the equations as written, and so "
         "divides by cos θ and by μ v_y. On a steady motion without slip the result is 0/0, though "
@@ -563,27 +567,24 @@ OWN: tuple[type[Route], ...] = (Deflated, Certified, MapKernel, MapVerdict, Exac
 # --- every route ---
 
 PEOPLE: tuple[type[Route], ...] = (
+    LongForwardDifferences,
     ForwardDifferences,
+    ShortForwardDifferences,
     CentralDifferences,
     ComplexStep,
+    AutomaticRaw,
     AutomaticJacobian,
     AutomaticTolerance,
     SymbolicJacobian,
+    SolvedSymbolically,
     PolynomialRoots,
     Hurwitz,
     ManyDigits,
     MoreDigits,
     MostDigits,
 )
-"""Routes that people use, in the charts."""
-STEPS: tuple[type[Route], ...] = (
-    LongForwardDifferences,
-    ShortForwardDifferences,
-    AutomaticRaw,
-    SolvedSymbolically,
-)
-"""Further routes that people use, in the catalogue of failures only."""
-ROUTES: dict[str, type[Route]] = {r.name: r for r in (*PEOPLE, *STEPS, *OWN)}
+"""Routes that people use."""
+ROUTES: dict[str, type[Route]] = {r.name: r for r in (*PEOPLE, *OWN)}
 """Every route by name."""
 
 
