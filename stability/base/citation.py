@@ -292,14 +292,14 @@ def citation(result: Any = None) -> Citation:
     The stability developers, stability: stability
     """
     if result is None:
-        return of_keys(MODEL)
+        return _of_keys(MODEL)
     keys = _keys(result)
     if not keys:
         raise ParameterError(
             f"{shown(type(result).__name__)} says nothing of what to cite; give a result of this "
             "package, such as a spectrum, a map, a motion or an answer."
         )
-    return of_keys(keys)
+    return _of_keys(keys)
 
 
 def _keys(result: Any) -> str:
@@ -311,19 +311,8 @@ def _keys(result: Any) -> str:
     return keys if isinstance(keys, str) else ""
 
 
-def of_keys(keys: str) -> Citation:
-    """The works with these keys.
-
-    Parameters
-    ----------
-    keys
-        Keys, joined by commas.
-
-    Raises
-    ------
-    ParameterError
-        If a key is unknown, as in a file of a later version.
-    """
+def _of_keys(keys: str) -> Citation:
+    """The works with these keys."""
     names = [key.strip() for key in keys.split(",")]
     for name in names:
         if name not in WORKS:

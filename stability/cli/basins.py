@@ -165,7 +165,7 @@ def _planned(options: argparse.Namespace) -> tuple[Plan, Path, Path | None]:
     whole_number("levels", options.levels, 0, MOST_LEVELS)
     if options.levels and (options.sample or options.more):
         raise ParameterError("--levels refines a map of two axes; leave it out.")
-    given = launched(options)
+    given = _launched(options)
     thing = given.pop("disk")
     plan = planned(
         thing,
@@ -338,19 +338,8 @@ NUMBERS = ("mu", "k", "mass", "radius", "gravity")
 """Options that may be axes too."""
 
 
-def launched(options: argparse.Namespace) -> dict[str, Any]:
-    """What is launched, and over which numbers, as arguments of `st.basins`.
-
-    Parameters
-    ----------
-    options
-        Parsed options of the command.
-
-    Raises
-    ------
-    StabilityError
-        In one sentence, if the options do not fit together.
-    """
+def _launched(options: argparse.Namespace) -> dict[str, Any]:
+    """What is launched, and over which numbers, as arguments of `st.basins`."""
     varied = _varied(options)
     axes = [varied[n] for n in ("x", "y") if n in varied] + varied.get("more", [])
     names = [a[0] for a in axes] or list(varied["distribution"])

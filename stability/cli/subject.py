@@ -252,7 +252,7 @@ def members(
         from ..spectra.arguments import check_names
 
         check_names(options.family, sorted(swept), options.contact)
-    law = contact_of(options, given, swept=swept)
+    law = _contact_of(options, given, swept=swept)
     thing = disk_of(options) if body is None else body
     arguments = {"body": thing, "contact": law, "at": at} | where
     if lean is not None:
@@ -377,7 +377,7 @@ def disk_of(options: argparse.Namespace) -> Any:
     return Disk.named(options.disk)
 
 
-def contact_of(
+def _contact_of(
     options: argparse.Namespace,
     given: Mapping[str, float],
     *,
@@ -452,7 +452,7 @@ def moving(
         return {"disk": system, "families": families}
     given = {} if coefficients else set_numbers(options)
     body = body_of(options, swept or {})
-    law = contact_of(options, given, motion=True, swept={*(swept or ()), *coefficients})
+    law = _contact_of(options, given, motion=True, swept={*(swept or ()), *coefficients})
     return {"disk": disk_of(options) if body is None else body, "contact": law}
 
 
@@ -598,7 +598,7 @@ def _own_body(place: str, named: Collection[str]) -> Any:
             f"body is {shown(place)}; known are {', '.join(named)}, or give `module:body` or "
             "`file.py:body`."
         )
-    module, name, table = contents("body", "body", place)
+    module, name, table = _contents("body", "body", place)
     found = table.get(name)
     if isinstance(found, Body) or (callable(found) and not isinstance(found, type)):
         return found
@@ -670,7 +670,7 @@ def family_named(place: str) -> Any:
     """
     from ..systems.family import Family
 
-    module, name, table = contents("system", "family", place)
+    module, name, table = _contents("system", "family", place)
     if not isinstance(table.get(name), Family):
         names = sorted(n for n, v in table.items() if isinstance(v, Family)) or ["none"]
         raise NameUnknownError(
@@ -680,21 +680,8 @@ def family_named(place: str) -> Any:
     return found
 
 
-def contents(option: str, what: str, place: str) -> tuple[str, str, dict[str, Any]]:
-    """Module, name, and all names of the module, from `module:name` or `file.py:name`.
-
-    Parameters
-    ----------
-    option, what
-        The option and what it names, for the messages.
-    place
-        The text.
-
-    Raises
-    ------
-    NameUnknownError
-        If the text is none of the two, or the module cannot be imported.
-    """
+def _contents(option: str, what: str, place: str) -> tuple[str, str, dict[str, Any]]:
+    """Module, name, and all names of the module, from `module:name` or `file.py:name`."""
     module, colon, name = place.rpartition(":")
     dotted = all(part.isidentifier() for part in module.split("."))
     if not colon or not name.isidentifier() or not (dotted or module.endswith(".py")):
@@ -743,7 +730,7 @@ def system_with_families(place: str) -> tuple[Any, list[Any]]:
     from ..systems.equations import Equations
     from ..systems.family import Family
 
-    module, name, table = contents("system", "name", place)
+    module, name, table = _contents("system", "name", place)
     found = table.get(name)
     system = found.system if isinstance(found, Family) else found
     if not isinstance(system, Equations):

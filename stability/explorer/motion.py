@@ -77,9 +77,11 @@ def _frame(model: Model) -> ca.SX:
             y[names.index(part[0]) : names.index(part[0]) + len(part)] for part in (FRONT, PLACE)
         )
         arm = ca.vertcat(series["arm_X"], series["arm_Y"])
-        return frame_of_axis(y[:3], front, centre, series["potential"], arm)
+        return _frame_of_axis(y[:3], front, centre, series["potential"], arm)
     first = names.index(POSE[0])
-    return frame_of_angles(y[0], y[first : first + len(POSE)], series["potential"], series["reach"])
+    return _frame_of_angles(
+        y[0], y[first : first + len(POSE)], series["potential"], series["reach"]
+    )
 
 
 def body_of(body: RoundShape, family: Family, pole: int = 0) -> dict[str, Any]:
@@ -113,7 +115,7 @@ def _by_angles(
     relative = omega3 - phi_dot * cosine
     rim_speed = (phi_dot + relative * cosine) * slope + relative * sine * h
     rates = placed(x, slip[0] + theta_dot * h, slip[1] - rim_speed, pose)
-    return frame_of_angles(theta, pose, h, slope), rates
+    return _frame_of_angles(theta, pose, h, slope), rates
 
 
 def _along_axis(
@@ -128,7 +130,7 @@ def _along_axis(
     arm = -slope * axis - (h - axis[2] * slope) * ca.SX([0, 0, 1])
     along = family.system.observables["slip"] - ca.cross(turn, arm)[:2]
     rates = ca.vertcat(ca.cross(turn, pose[:3]), along / POSE_UNIT)
-    return frame_of_axis(axis, pose[:3], pose[3:], h, arm), rates
+    return _frame_of_axis(axis, pose[:3], pose[3:], h, arm), rates
 
 
 def meridian(body: RoundShape, family: Family) -> dict[str, Any]:
@@ -165,7 +167,7 @@ def start_along_axes(family: Family, formulas: Formulas, model: Model, pole: int
     return javascript([len(formulas.names), 1], start)
 
 
-def frame_of_angles(theta: Any, pose: ca.SX, height: Any, slope: Any) -> ca.SX:
+def _frame_of_angles(theta: Any, pose: ca.SX, height: Any, slope: Any) -> ca.SX:
     """The place of a body from its angles; that of the centre has the unit `POSE_UNIT`.
 
     Source: docs/explanation/bodies.md, frames and contact point a = h' x̂ - h ẑ.
@@ -173,7 +175,7 @@ def frame_of_angles(theta: Any, pose: ca.SX, height: Any, slope: Any) -> ca.SX:
     Examples
     --------
     >>> theta = ca.SX.sym("theta")
-    >>> found = frame_of_angles(theta, ca.SX.zeros(4), ca.sin(theta), ca.cos(theta))
+    >>> found = _frame_of_angles(theta, ca.SX.zeros(4), ca.sin(theta), ca.cos(theta))
     >>> [round(float(v), 12) + 0.0 for v in ca.Function("f", [theta], [found])(1.5707963267948966).full()[:, 0]]
     [1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
     """  # noqa: E501
@@ -185,7 +187,7 @@ def frame_of_angles(theta: Any, pose: ca.SX, height: Any, slope: Any) -> ca.SX:
     return ca.SX(ca.vertcat(st * cp, st * sp, ct, mark, x, y, height, contact))
 
 
-def frame_of_axis(axis: ca.SX, front: ca.SX, place: ca.SX, height: Any, arm: ca.SX) -> ca.SX:
+def _frame_of_axis(axis: ca.SX, front: ca.SX, place: ca.SX, height: Any, arm: ca.SX) -> ca.SX:
     """The place of a body from its axis and a direction fixed in it, made a unit and normal to it.
 
     Source: docs/explanation/bodies.md, the chart along fixed axes.

@@ -74,7 +74,7 @@ class SteadyProblem:
         return {"ds": first, "dsmin": length * 1e-9, "dsmax": length / STEPS}
 
 
-def steady_problem(
+def _steady_problem(
     family: Family, free: str, start: float, stop: float, given: Mapping[str, Any]
 ) -> SteadyProblem:
     """The problem of a family, with its start.
@@ -312,7 +312,7 @@ def auto_input(
     ...     print(*sorted(path.name for path in found.iterdir()))
     c.spinning spinning.c
     """
-    problem = steady_problem(family, free, start, stop, parameters)
+    problem = _steady_problem(family, free, start, stop, parameters)
     if len(problem.parameters) > MOST_PARAMETERS:
         raise ParameterError(
             f"{family.name} has {len(problem.parameters)} parameters; AUTO has room for "
@@ -463,7 +463,7 @@ def bifurcationkit_input(
     ...     [path.name for path in found.iterdir()]
     ['spinning.jl']
     """
-    problem = steady_problem(family, free, start, stop, parameters)
+    problem = _steady_problem(family, free, start, stop, parameters)
     own = c_name(name or family.name)
     title = f"{family.name} of {family.system.name}".replace("\n", " ")
     return write_folder(out, {f"{own}.jl": _file(problem, own, title)}, overwrite=overwrite)

@@ -63,7 +63,7 @@ def _is_zero(value: Any) -> bool:
     return bool(value.contains(0)) and float(value.abs_upper()) < SMALL
 
 
-def vanishing(column: ca.SX, symbols: ca.SX) -> list[bool]:
+def _vanishing(column: ca.SX, symbols: ca.SX) -> list[bool]:
     """Whether each entry of a column vanishes identically; no proof counts as no.
 
     Parameters
@@ -80,7 +80,7 @@ def vanishing(column: ca.SX, symbols: ca.SX) -> list[bool]:
     Examples
     --------
     >>> x = ca.SX.sym("x")
-    >>> vanishing(ca.vertcat(ca.sin(x) ** 2 + ca.cos(x) ** 2 - 1, x), x)
+    >>> _vanishing(ca.vertcat(ca.sin(x) ** 2 + ca.cos(x) ** 2 - 1, x), x)
     [True, False]
     """
     if not column.numel():
@@ -127,7 +127,7 @@ def _plainly_regular(matrix: ca.SX, symbols: ca.SX) -> bool:
     return bool(sizes[-1] > 1e-8 * sizes[0])
 
 
-def pivots_of(matrix: ca.SX, symbols: ca.SX, states: int) -> list[tuple[int, int]] | None:
+def _pivots_of(matrix: ca.SX, symbols: ca.SX, states: int) -> list[tuple[int, int]] | None:
     """Pairs (row, column) that eliminate a square matrix; constant and sparse pivots first.
 
     A pivot that vanishes where all states are zero, as in many symmetric motions, comes last.
@@ -149,7 +149,7 @@ def pivots_of(matrix: ca.SX, symbols: ca.SX, states: int) -> list[tuple[int, int
     Examples
     --------
     >>> x = ca.SX.sym("x")
-    >>> pivots_of(ca.vertcat(ca.horzcat(x, 2), ca.horzcat(1, 0)), x, 1)
+    >>> _pivots_of(ca.vertcat(ca.horzcat(x, 2), ca.horzcat(1, 0)), x, 1)
     [(0, 1), (1, 0)]
     """
 
@@ -255,7 +255,7 @@ def _symbols_of(what: str, value: Any) -> tuple[ca.SX, tuple[str, ...]]:
     return column, names(f"the names of {what}", found)
 
 
-def read_model(
+def _read_model(
     q: Any,
     u: Any,
     p: Any,
@@ -267,17 +267,7 @@ def read_model(
     velocity_constraints: Any,
     holonomic: Any,
 ) -> Model:
-    """The model, or a refusal that says what does not fit.
-
-    Parameters
-    ----------
-    q, u, p, kinetic, potential, forces, q_dot, velocity_constraints, holonomic
-        As in `stability.systems.mechanics.mechanics`.
-
-    Returns
-    -------
-    Model
-    """
+    """The model, or a refusal that says what does not fit."""
     (q, at), (u, speeds), (p, given) = (
         _symbols_of(w, v) for w, v in (("q", q), ("u", u), ("p", p))
     )
@@ -373,7 +363,7 @@ def _kinematics(q: ca.SX, u: ca.SX, q_dot: Any, symbols: ca.SX) -> ca.SX:
         return u
     rates = within("q_dot", expression("q_dot", q_dot, q.numel(), 1), symbols, "q, u or p")
     slopes = ca.jacobian(rates, u)
-    if ca.depends_on(slopes, u) or not all(vanishing(rates - slopes @ u, symbols)):
+    if ca.depends_on(slopes, u) or not all(_vanishing(rates - slopes @ u, symbols)):
         raise ParameterError("q_dot is not linear in u without a free term; give q_dot = N(q) u.")
     if singular(slopes.T @ slopes, symbols):
         raise ParameterError(
@@ -390,25 +380,14 @@ def _kinematics(q: ca.SX, u: ca.SX, q_dot: Any, symbols: ca.SX) -> ca.SX:
 
 def _closes(slopes: ca.SX, rates: ca.SX, q: ca.SX, symbols: ca.SX) -> bool:
     """Whether brackets of the columns stay within their span (Frobenius)."""
-    bracket = brackets(slopes, rates, q)
+    bracket = _brackets(slopes, rates, q)
     gram = slopes.T @ slopes
     rest = bracket - slopes @ ca.solve(gram, slopes.T @ bracket)
-    return all(vanishing(ca.vec(rest), symbols))
+    return all(_vanishing(ca.vec(rest), symbols))
 
 
-def brackets(slopes: ca.SX, rates: ca.SX, q: ca.SX) -> ca.SX:
-    """(∂q̇/∂q) N - Ṅ: brackets of the columns of N with q̇ = N u.
-
-    Parameters
-    ----------
-    slopes, rates, q
-        N, N u and the coordinates.
-
-    Returns
-    -------
-    SX
-        Shape (k, n).
-    """
+def _brackets(slopes: ca.SX, rates: ca.SX, q: ca.SX) -> ca.SX:
+    """(∂q̇/∂q) N - Ṅ: brackets of the columns of N with q̇ = N u."""
     turned = ca.jtimes(ca.vec(ca.densify(slopes)), q, rates)
     return ca.jacobian(rates, q) @ slopes - ca.reshape(turned, *slopes.shape)
 
@@ -444,7 +423,7 @@ def unknowns(model: Model) -> tuple[str, ...]:
     return (*rates, *[f"multiplier_{c}" for c in model.constraints])
 
 
-def balance(model: Model, solved: Mapping[int, int]) -> Balance:
+def _balance(model: Model, solved: Mapping[int, int]) -> Balance:
     """The equations of motion of a model.
 
     Parameters
@@ -466,7 +445,7 @@ def balance(model: Model, solved: Mapping[int, int]) -> Balance:
     momenta = ca.gradient(model.kinetic, u)
     across = ca.gradient(model.kinetic - model.potential, q)
     forcing = model.forces + slopes.T @ across - ca.jtimes(momenta, q, rates)
-    turning = ca.sparsify(brackets(slopes, rates, q))
+    turning = ca.sparsify(_brackets(slopes, rates, q))
     if turning.nnz():  # N (NᵀN)⁻¹: the Gram matrix is positive wherever q̇ determines u
         gram = slopes.T @ slopes
         own, _ = eliminate(gram, momenta, [(i, i) for i in range(u.numel())])
@@ -537,7 +516,7 @@ def choice(model: Model, independent: Any, pivots: Any) -> dict[int, int]:
                 f"pivots is {shown(pivots)}; give each velocity outside independent one constraint."
             )
         return table
-    found = pivots_of(
+    found = _pivots_of(
         ca.jacobian(model.rates, model.u)[:, rest],
         model.symbols,
         len(model.coordinates) + len(model.velocities),
@@ -566,21 +545,8 @@ def _stated(model: Model, pivots: Any) -> dict[int, int]:
     }
 
 
-def dependent(model: Model, solved: Mapping[int, int]) -> tuple[ca.SX, ca.SX]:
-    """The dependent velocities, and what they are in terms of the independent ones.
-
-    Parameters
-    ----------
-    model
-        The model.
-    solved
-        Velocity for which each constraint is solved, by index.
-
-    Returns
-    -------
-    symbols, expressions
-        Columns.
-    """
+def _dependent(model: Model, solved: Mapping[int, int]) -> tuple[ca.SX, ca.SX]:
+    """The dependent velocities, and what they are in terms of the independent ones."""
     places = list(solved.values())
     symbols = model.u[places]
     rows = model.rates[list(solved)]
@@ -601,25 +567,10 @@ def _refuse_pivots(model: Model, solved: Mapping[int, int], slopes: ca.SX) -> No
             )
 
 
-def guarded(
+def _guarded(
     model: Model, solved: Mapping[int, int], pivots: Sequence[ca.SX]
 ) -> tuple[dict[str, ca.SX], list[Condition]]:
-    """The pivots that are not constant, as observables, and as conditions.
-
-    Parameters
-    ----------
-    model
-        The model.
-    solved
-        Velocity for which each constraint is solved, by index.
-    pivots
-        Pivot of each step of the elimination.
-
-    Returns
-    -------
-    observables, conditions
-        In natural order each pivot is positive where masses are and constraints are independent.
-    """
+    """The pivots that are not constant, as observables, and as conditions."""
     speeds, constraints = model.velocities, model.constraints
     count = len(constraints)
     if solved:
@@ -629,24 +580,16 @@ def guarded(
     else:
         free, ties = list(speeds), list(constraints)
         held, masses = dict(zip(ties, pivots[len(speeds) :], strict=True)), pivots[: len(speeds)]
-    word = "its pivot, squared," if solved else "its pivot"
+    lacking = "does not determine a force or velocity of its own: its pivot"
+    lacking += ", squared," * bool(solved)
     firm = [
-        (n, v, f"the mass matrix is not positive: its pivot for {n}", False)
+        (n, v, f"the mass matrix is not positive: its pivot for {n}")
         for n, v in zip(free, masses, strict=True)
     ]
-    tied = [
-        (
-            n,
-            v,
-            f"constraint {n} does not determine a force or velocity of its own: {word}",
-            bool(solved),
-        )
-        for n, v in held.items()
-    ]
+    tied = [(n, v**2 if solved else v, f"constraint {n} {lacking}") for n, v in held.items()]
     seen, conditions = {}, []
     entries = [*tied, *firm] if solved else [*firm, *tied]  # as eliminated: the cause comes first
-    for name, value, reason, either in entries:
-        value = value**2 if either else value
+    for name, value, reason in entries:
         if value.is_constant():
             if not float(value) > 0:
                 raise ParameterError(f"{reason} is {float(value):.3g}; give a positive one.")
@@ -657,27 +600,12 @@ def guarded(
     return seen, conditions
 
 
-def invariant(model: Model, outputs: Mapping[str, ca.SX], left: Sequence[str]) -> dict[str, bool]:
-    """Whether each output is the same for every value of the coordinates that are left out.
-
-    Parameters
-    ----------
-    model
-        The model.
-    outputs
-        Expressions by name.
-    left
-        Names of the coordinates.
-
-    Returns
-    -------
-    dict
-        Whether each output is independent of all of them, by name.
-    """
+def _invariant(model: Model, outputs: Mapping[str, ca.SX], left: Sequence[str]) -> dict[str, bool]:
+    """Whether each output is the same for every value of the coordinates that are left out."""
     places = model.q[[model.coordinates.index(n) for n in left]]
     along = ca.SX.sym("along", places.numel())  # any direction: each slope has its own factor
     slopes = ca.cse(ca.jtimes(ca.vertcat(*outputs.values()), places, along))
-    return dict(zip(outputs, vanishing(slopes, ca.vertcat(model.symbols, along)), strict=True))
+    return dict(zip(outputs, _vanishing(slopes, ca.vertcat(model.symbols, along)), strict=True))
 
 
 # --- the system ---
@@ -802,7 +730,7 @@ def mechanics(
     >>> sleigh.states, sleigh.rates([1.0, 2.0], [])  # v' = w², 2 w' = -v w
     (('v', 'w'), array([ 4., -1.]))
     """
-    model = read_model(
+    model = _read_model(
         q,
         u,
         p,
@@ -903,7 +831,7 @@ def _graph(
     model: Model, solved: Mapping[int, int], own: dict[str, ca.SX], limits: list[Condition]
 ) -> _Graph:
     """Rates, observables and conditions with every velocity as a state."""
-    parts = balance(model, solved)
+    parts = _balance(model, solved)
     solution, pivots = eliminate(parts.mass, parts.forcing, parts.order)
     rates = dict(zip(model.coordinates, ca.vertsplit(model.q_dot), strict=True))
     rates |= dict(zip(model.velocities, solution, strict=False))
@@ -916,14 +844,14 @@ def _graph(
         seen[f"residual_{label}"] = model.positions.get(label, model.rates[i])
         if label in model.positions:
             seen[f"residual_rate_{label}"] = model.rates[i]
-    pivotal, guards = guarded(model, solved, pivots)
+    pivotal, guards = _guarded(model, solved, pivots)
     names("observables", [*seen, *pivotal, *own])
     return _Graph(parts.mass, parts.forcing, rates, seen | pivotal | own, tuple([*guards, *limits]))
 
 
 def _reduced(model: Model, graph: _Graph, solved: Mapping[int, int], gone: list[str]) -> _Graph:
     """The same in independent velocities; the others become observables."""
-    symbols, values = dependent(model, solved)
+    symbols, values = _dependent(model, solved)
     extra = {s: symbols[i] for i, s in enumerate(gone)}
     extra |= {f"d_{s}": graph.rates[s] for s in gone}
     names("observables", [*graph.seen, *extra])
@@ -941,7 +869,7 @@ def _without(
     vital = {f"rate of {s}": graph.rates[s] for s in states}
     own = graph.conditions[len(graph.conditions) - limits :]
     vital |= {f"condition {i + 1}": c.value for i, c in enumerate(own)}
-    same = invariant(model, vital | graph.seen, left)
+    same = _invariant(model, vital | graph.seen, left)
     for what in vital:
         if not same[what]:
             raise ParameterError(

@@ -38,25 +38,10 @@ def _known(block: Floats) -> list[RunningError]:
     return [RunningError(c, GIVEN * np.abs(c)) for c in block.T]
 
 
-def step_noise(
+def _step_noise(
     graph: FamilyGraph, a: Floats, u: Floats, q: Floats, *, whole: bool = False
 ) -> Floats:
-    """Bound on the change of a Newton step at a root by rounding of the equations.
-
-    Parameters
-    ----------
-    graph
-        The family's graph.
-    a, u, q
-        Family parameters, unknowns and parameters, shapes (N, ·).
-    whole
-        Whether the residual counts too; the result then bounds the distance to the root.
-
-    Returns
-    -------
-    ndarray
-        Shape (N, u); infinite where the slope is singular.
-    """
+    """Bound on the change of a Newton step at a root by rounding of the equations."""
     exact = [[RunningError(c, np.zeros_like(c)) for c in block.T] for block in (a, u, q)]
     (value, error), (slope, _) = running_error_arrays(graph.residual, exact, a.shape[:1])
     size = error + np.abs(value) if whole else error
@@ -92,27 +77,17 @@ def rate_noise(
     with np.errstate(all="ignore"):
         root = GIVEN * np.abs(u)
         if u.shape[1] and not graph.closed:
-            root = root + 2 * step_noise(graph, a, u, q, whole=True)
+            root = root + 2 * _step_noise(graph, a, u, q, whole=True)
         solved = [RunningError(c, e) for c, e in zip(u.T, root.T, strict=True)]
         found = running_error_arrays(graph.rates, [_known(a), solved, _known(q)], a.shape[:1])
-        bound: Floats = 2 * found[0][1][..., 0] + given_noise(states, matrix)
+        bound: Floats = 2 * found[0][1][..., 0] + _given_noise(states, matrix)
     return bound
 
 
-def given_noise(states: Floats, matrix: Floats) -> Floats:
+def _given_noise(states: Floats, matrix: Floats) -> Floats:
     """The part of `rate_noise` that given states account for, which is quickly known.
 
     Held values are exact constants of the graph, so running error analysis leaves them out.
-
-    Parameters
-    ----------
-    states, matrix
-        As for `rate_noise`.
-
-    Returns
-    -------
-    ndarray
-        Shape (N, n).
     """
     with np.errstate(all="ignore"):
         out: Floats = 2 * (np.abs(matrix) @ (GIVEN * np.abs(states))[..., None])[..., 0]
@@ -202,13 +177,13 @@ def accepted(
     close = np.abs(step) <= STEP * np.maximum(size, 1e-8)
     if not close.all():
         # a root at 0 is accurate within the rounding of its equation, not relatively
-        noise = step_noise(graph, a, u, q)
+        noise = _step_noise(graph, a, u, q)
         close |= (np.abs(step) <= 2 * noise) & (noise <= NOISE * np.maximum(size, 1.0))
     good: NDArray[np.bool_] = np.asarray((np.isfinite(u) & close).all(axis=1))
     signed = u[:, list(positive)]
     good &= (signed > 0).all(axis=1)
     if (good & (signed < TINY).any(axis=1)).any():  # a root at 0 comes out on either side
-        off = step_noise(graph, a, u, q, whole=True)
+        off = _step_noise(graph, a, u, q, whole=True)
         good &= (signed > 2 * off[:, list(positive)]).all(axis=1)
     return good
 
@@ -643,7 +618,7 @@ def require_steady(family: Any, a: Floats, u: Floats, q: Floats, states: Floats)
             f"{family.name}: the rates have no value there, such as the sign of 0, or overflow "
             "double precision; give values nearer to 1."
         )
-    if (np.abs(rates) <= given_noise(states, matrix)).all():  # nothing else has to be counted
+    if (np.abs(rates) <= _given_noise(states, matrix)).all():  # nothing else has to be counted
         return
     bound = rate_noise(family.graph, a, u, q, states, matrix)
     bound = np.where(np.isfinite(bound), bound, UNKNOWN * scale[:, None])

@@ -178,7 +178,7 @@ def plain(table: Table) -> str:
     """
     cells = [[c.name for c in table.columns]]
     cells += [[c.written(row[c.name]) for c in table.columns] for row in table.rows]
-    return framed(table, aligned(cells))
+    return framed(table, _aligned(cells))
 
 
 def framed(table: Table, lines: Sequence[str]) -> str:
@@ -199,7 +199,7 @@ def framed(table: Table, lines: Sequence[str]) -> str:
     return "\n".join([table.heading, "", *lines, *([""] if notes else []), *notes])
 
 
-def aligned(cells: Sequence[Sequence[str]]) -> list[str]:
+def _aligned(cells: Sequence[Sequence[str]]) -> list[str]:
     """Lines of columns with equal width, the first line underlined.
 
     Parameters
@@ -213,7 +213,7 @@ def aligned(cells: Sequence[Sequence[str]]) -> list[str]:
 
     Examples
     --------
-    >>> aligned([["k", "mu"], ["0.25", "1"]])
+    >>> _aligned([["k", "mu"], ["0.25", "1"]])
     ['k     mu', '----  --', '0.25  1']
     """
     widths = [max(len(row[i]) for row in cells) for i in range(len(cells[0]))]
@@ -315,15 +315,15 @@ def latex(table: Table) -> str:
     rows = [line for block in _blocks(table) for line in block]
     cells = [c for c in table.columns if c.place == "cell"]
     notes = [line for line in table.notes if line != units_note(table)]  # the header has the units
-    body = longtable(
+    body = _longtable(
         table.heading,
-        [spec(c, table) for c in cells],
+        [_spec(c, table) for c in cells],
         [_head(c) for c in cells],
         rows,
         [_unit(c, table) for c in cells],
         label=table.name,
     )
-    return "\n".join([start(table.name), *body, *symbols(table), *paragraphs(notes), END])
+    return "\n".join([start(table.name), *body, *symbols(table), *_paragraphs(notes), END])
 
 
 END = r"\par\endgroup"
@@ -343,7 +343,7 @@ def start(name: str) -> str:
     )
 
 
-def longtable(
+def _longtable(
     caption: str,
     specs: Sequence[str],
     head: Sequence[str],
@@ -373,7 +373,7 @@ def longtable(
 
     Examples
     --------
-    >>> print(longtable("two", ["l", "r"], ["a", "b"], [r"1 & 2 \\"], label="two")[1])
+    >>> print(_longtable("two", ["l", "r"], ["a", "b"], [r"1 & 2 \\"], label="two")[1])
     \caption{Two.}\label{tab:two}\\
     """
     titles = [" & ".join(head) + r" \\"]
@@ -402,7 +402,7 @@ def across(columns: int, text: str, indent: str = "") -> str:
     return rf"\multicolumn{{{columns}}}{{@{{}}l@{{}}}}{{\makebox[0pt][l]{{{box}}}}} \\"
 
 
-def spec(column: Column, table: Table) -> str:
+def _spec(column: Column, table: Table) -> str:
     """Alignment of a column."""
     if column.share:
         return rf">{{\raggedright\arraybackslash}}p{{{column.share:g}\linewidth}}"
@@ -507,7 +507,7 @@ def symbols(table: Table) -> list[str]:
     return [r"\noindent " + "; ".join(said) + "."]
 
 
-def paragraphs(lines: Sequence[str]) -> list[str]:
+def _paragraphs(lines: Sequence[str]) -> list[str]:
     r"""Notes in LaTeX: lines of one paragraph joined, an indented line alone.
 
     Parameters
@@ -521,7 +521,7 @@ def paragraphs(lines: Sequence[str]) -> list[str]:
 
     Examples
     --------
-    >>> paragraphs(["one", "two", "  alone"])
+    >>> _paragraphs(["one", "two", "  alone"])
     ['', 'one two', '', '\\quad alone']
     """
     out: list[str] = []

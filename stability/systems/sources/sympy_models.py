@@ -260,21 +260,8 @@ class Implicit:
     """Number of constraint forces among the unknowns."""
 
 
-def implicit(model: Any, chosen: Sequence[Any]) -> Implicit:
-    """The equations of a SymPy model.
-
-    Parameters
-    ----------
-    model
-        One of `FORMS`, but no mapping.
-    chosen
-        Coordinates and speeds that the user calls dependent.
-
-    Raises
-    ------
-    ParameterError
-        If the model is none of these, or has no equations yet.
-    """
+def _implicit(model: Any, chosen: Sequence[Any]) -> Implicit:
+    """The equations of a SymPy model."""
     from sympy import Matrix, MatrixBase
     from sympy.physics import mechanics
 
@@ -285,7 +272,7 @@ def implicit(model: Any, chosen: Sequence[Any]) -> Implicit:
                 "the mechanics.System has no equations yet; call its form_eoms() first."
             )
         own = (*model.q_dep, *model.u_dep)
-        return implicit(method, (*chosen, *(d for d in own if d not in chosen)))
+        return _implicit(method, (*chosen, *(d for d in own if d not in chosen)))
     if isinstance(model, mechanics.KanesMethod):
         return _kane(model)
     if isinstance(model, mechanics.LagrangesMethod):
@@ -404,7 +391,7 @@ def sympy_model(
         if isinstance(model, Mapping):
             found = _explicit(model, parameters, observables or {})
         else:
-            form = implicit(model, tuple(given))
+            form = _implicit(model, tuple(given))
             found = _Reader(form, given, parameters, observables or {}).system()
     return _without(found, cyclic)
 
@@ -426,16 +413,10 @@ def _dependent(given: Any) -> dict[Any, Any]:
 # --- names ---
 
 
-def label(symbol: Any) -> str:
-    """The name of a SymPy symbol, function of time, or derivative: q, q_dot, q_ddot.
-
-    Parameters
-    ----------
-    symbol
-        The symbol.
-    """
+def _label(symbol: Any) -> str:
+    """The name of a SymPy symbol, function of time, or derivative: q, q_dot, q_ddot."""
     if symbol.is_Derivative:
-        return f"{label(symbol.expr)}_{'d' * int(symbol.derivative_count)}ot"
+        return f"{_label(symbol.expr)}_{'d' * int(symbol.derivative_count)}ot"
     return str(symbol.name if symbol.is_Symbol else symbol.func.__name__)
 
 
@@ -454,7 +435,7 @@ def _free(expressions: Sequence[Any], known: Sequence[Any]) -> list[Any]:
                 f"the equations hold {shown(str(one))}, an unknown function of a state; write its "
                 "expression, or give a symbol where it is a parameter."
             )
-    return sorted(found, key=lambda s: (label(s), str(s)))
+    return sorted(found, key=lambda s: (_label(s), str(s)))
 
 
 def _parameters(given: Any, free: Sequence[Any]) -> list[Any]:
@@ -463,12 +444,12 @@ def _parameters(given: Any, free: Sequence[Any]) -> list[Any]:
         return list(free)
     if isinstance(given, (str, Mapping)) or not hasattr(given, "__iter__"):
         raise ParameterError(f"parameters is {shown(given)}; give a list of SymPy symbols.")
-    by_name = {label(s): s for s in free}
+    by_name = {_label(s): s for s in free}
     chosen = [_symbol(s, by_name) for s in given]
     for symbol in free:
         if symbol not in chosen:
             raise NameUnknownError(
-                f"the equations hold the symbol {shown(label(symbol))}, which is neither a state "
+                f"the equations hold the symbol {shown(_label(symbol))}, which is neither a state "
                 "nor listed in parameters."
             )
     return chosen
@@ -485,7 +466,7 @@ def _symbol(given: Any, by_name: Mapping[str, Any]) -> Any:
 
 
 def _column(symbols: Sequence[Any]) -> ca.SX:
-    return ca.vertcat(*[ca.SX.sym(label(s)) for s in symbols]) if symbols else ca.SX(0, 1)
+    return ca.vertcat(*[ca.SX.sym(_label(s)) for s in symbols]) if symbols else ca.SX(0, 1)
 
 
 def _known(symbols: Sequence[Any], column: ca.SX) -> dict[Any, Term]:
@@ -496,7 +477,7 @@ def _without(found: dict[str, Any], cyclic: Any) -> dict[str, Any]:
     """The system without coordinates that no other rate holds."""
     if isinstance(cyclic, str) or not hasattr(cyclic, "__iter__"):
         raise ParameterError(f"cyclic is {shown(cyclic)}; give a list of coordinates.")
-    gone = [s if isinstance(s, str) else label(s) for s in cyclic]
+    gone = [s if isinstance(s, str) else _label(s) for s in cyclic]
     for name in gone:
         if name not in found["states"]:
             raise NameUnknownError(
@@ -546,8 +527,8 @@ def _explicit(
         "x": x,
         "p": p,
         "rhs": ca.vertcat(*[graph(read(r)) for r in rates]),
-        "states": tuple(map(label, states)),
-        "parameters": tuple(map(label, own)),
+        "states": tuple(map(_label, states)),
+        "parameters": tuple(map(_label, own)),
         "observables": {n: graph(read(e)) for n, e in seen.items()},
     }
 
@@ -607,7 +588,7 @@ class _Reader:
             *(e for e in self.given.values() if e is not None),
         ]
         own = _parameters(self.parameters, _free(written, known))
-        self.names = tuple(map(label, self.states)), tuple(map(label, own))
+        self.names = tuple(map(_label, self.states)), tuple(map(_label, own))
         self.x, self.p = _column(self.states), _column(own)
         self.probes = Probes(self.x, self.p)
         self.expressions = seen
@@ -697,12 +678,12 @@ class _Reader:
         if u_dep:
             found = self._linear_solution(velocity, u_dep, read)
             read.add(found)
-            self.seen |= {label(s): v for s, v in found.items()}
+            self.seen |= {_label(s): v for s, v in found.items()}
 
     def _solved(self, read: Translation) -> dict[str, Any]:
         form = self.form
         q, u = len(form.q), len(form.u)
-        unknowns = [f"d_{label(s)}" for s in (*form.q, *form.u)]
+        unknowns = [f"d_{_label(s)}" for s in (*form.q, *form.u)]
         unknowns += [f"lambda_{i + 1}" for i in range(form.multipliers)]
         matrix, right = read.rows(form.matrix), [read(f) for f in form.forcing]
         kinematic, dynamic, bound = form.blocks
