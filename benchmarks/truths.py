@@ -31,12 +31,11 @@ from numpy.polynomial.chebyshev import chebder, chebroots, chebval
 from scipy.special import roots_jacobi
 
 import stability as st
-from stability.algebra.number_types import balls
+from stability.algebra.number_types import balls, heyoka_algebra
 from stability.algebra.program import Program
 from stability.bodies.model import FLAT, LIFT_OFF
 from stability.bodies.newton_euler import STATES
 from stability.integrators.flow import flow
-from stability.integrators.taylor import heyoka_algebra
 
 Scene = tuple[str, float, "float | None", tuple[float, ...], float]
 UPRIGHT = 1.5707963267948966  # the double nearest pi/2, which is not upright

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from .base.calls.guard import guarded
+from .base.calls import guarded
 from .base.version import __version__ as __version__
 from .spectra import drawing
 
@@ -26,12 +26,11 @@ _HOME = {
     "bodies.dry_friction": ("Coulomb", "RegularisedCoulomb"),
     "systems.system": ("System",),
     "systems.mechanics": ("mechanics",),
-    "systems.condition": ("Condition",),
+    "systems.equations": ("Condition",),
     "algebra.upright": ("UPRIGHT",),
     "systems.family": ("Family",),
     "bodies.thin_disk": ("disk_family", "disk_system"),
-    "systems.continuation": ("branch", "Branch", "BranchPoint"),
-    "systems.following.turning_points": ("Fold",),
+    "systems.continuation": ("branch", "Branch", "BranchPoint", "Fold"),
     "spectra.spectrum": ("spectrum",),
     "spectra.result": ("Spectrum",),
     "base.verdict": ("Verdict", "Nonlinear"),
@@ -78,12 +77,11 @@ _HOME = {
     "compare.report": ("report",),
     "export.latex": ("latex",),
     "export.c_code": ("c_code",),
-    "export.auto": ("auto_input",),
-    "export.bifurcationkit": ("bifurcationkit_input",),
+    "export.continuation": ("auto_input", "bifurcationkit_input"),
     "explorer.explore": ("explore",),
     "tables.registry": ("table",),
-    "tables.formats.table": ("Table",),
-    "base.citation.citation": ("citation", "Citation"),
+    "tables.table": ("Table",),
+    "base.citation": ("citation", "Citation"),
     "base.errors": ("StabilityError", "StabilityWarning"),
 }
 _WHERE = {name: module for module, names in _HOME.items() for name in names}
@@ -97,8 +95,8 @@ if TYPE_CHECKING:
     from .algebra.polynomial import Exact as Exact
     from .algebra.polynomial import ExactPolynomial as ExactPolynomial
     from .algebra.upright import UPRIGHT as UPRIGHT
-    from .base.citation.citation import Citation as Citation
-    from .base.citation.citation import citation as citation
+    from .base.citation import Citation as Citation
+    from .base.citation import citation as citation
     from .base.errors import StabilityError as StabilityError
     from .base.errors import StabilityWarning as StabilityWarning
     from .base.verdict import Nonlinear as Nonlinear
@@ -165,9 +163,9 @@ if TYPE_CHECKING:
     from .derivation.conditions import Conditions as Conditions
     from .derivation.conditions import conditions as conditions
     from .explorer.explore import explore as explore
-    from .export.auto import auto_input as auto_input
-    from .export.bifurcationkit import bifurcationkit_input as bifurcationkit_input
     from .export.c_code import c_code as c_code
+    from .export.continuation import auto_input as auto_input
+    from .export.continuation import bifurcationkit_input as bifurcationkit_input
     from .export.latex import latex as latex
     from .figures.animate import animate as animate
     from .figures.basins import plot_basins as plot_basins
@@ -189,16 +187,16 @@ if TYPE_CHECKING:
     from .scene.scene import Scene as Scene
     from .spectra.result import Spectrum as Spectrum
     from .spectra.spectrum import spectrum as spectrum
-    from .systems.condition import Condition as Condition
     from .systems.continuation import Branch as Branch
     from .systems.continuation import BranchPoint as BranchPoint
+    from .systems.continuation import Fold as Fold
     from .systems.continuation import branch as branch
+    from .systems.equations import Condition as Condition
     from .systems.family import Family as Family
-    from .systems.following.turning_points import Fold as Fold
     from .systems.mechanics import mechanics as mechanics
     from .systems.system import System as System
-    from .tables.formats.table import Table as Table
     from .tables.registry import table as table
+    from .tables.table import Table as Table
 
 
 def __getattr__(name: str) -> Any:

@@ -136,8 +136,7 @@ def of_report(name: str) -> Callable[[Path], None]:
 def _report_figure(name: str) -> Any:
     import xarray
 
-    from stability.compare import failures, report
-    from stability.compare.figures import cost_error, shares, work_precision
+    from stability.compare import failures, figures, report
 
     def data(stem: str) -> Any:
         with xarray.open_dataset(REPORT / f"{stem}.nc", engine="h5netcdf") as found:
@@ -154,12 +153,12 @@ def _report_figure(name: str) -> Any:
     if part == "motion":
         found = data("motion")
         if what == "first":
-            return work_precision.first_call_figure(found)
-        return work_precision.motion_figure(found, what)
+            return figures.first_call_figure(found)
+        return figures.motion_figure(found, what)
     draw = {
-        "verdict": shares.verdict_figure,
-        "eigenvalues": cost_error.spectrum_figure,
-        "boundary": cost_error.boundary_figure,
+        "verdict": figures.verdict_figure,
+        "eigenvalues": figures.spectrum_figure,
+        "boundary": figures.boundary_figure,
     }
     return draw[what](data("spectrum"))
 

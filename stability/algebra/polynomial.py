@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar
 
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..base.errors import ParameterError, shown
 from ..base.types import content, fields_of
 from ..base.user_code import arithmetic

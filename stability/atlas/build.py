@@ -249,7 +249,8 @@ def _diagram(
     here: Path, body: str, family: str, resolution: int
 ) -> tuple[Any, Picture, tuple[tuple[Any, ...], ...]]:
     from ..boundary.changes import boundaries
-    from ..figures.diagram import Strip, plot_map
+    from ..figures.diagram import plot_map
+    from ..figures.shading import Strip
     from ..maps.netcdf import write_map
     from ..maps.stability_map import stability_map
     from ..spectra.spectrum import spectrum

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from .calls.guard import guard
+from .calls import guard
 from .errors import NameUnknownError, ParameterError, StabilityError, shown
 
 T = TypeVar("T")

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..base.axis import Axis
 from ..base.checks import flag
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..base.errors import listed
 from ..base.provenance import versions
 from ..base.quantities import Kind

@@ -16,7 +16,7 @@ from flint import arb, fmpq
 from ..algebra.number_types import balls, precision
 from ..algebra.program import Program
 from ..base.checks import instance
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..base.errors import ParameterError
 from .disk import Disk
 from .round_body.body import Body

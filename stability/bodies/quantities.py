@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import replace
 
-from ..base.citation.used import DISK
+from ..base.citation import DISK
 from ..base.quantities import Kind, Quantity
 from .contact import Contact
 from .contact_laws import MOTION_LAWS

@@ -34,7 +34,7 @@ from ..systems.structure.enclosure import (
     in_one_box,
     matrix_polynomial,
 )
-from ..systems.structure.multiplicity import certain, symmetric
+from ..systems.structure.identities import certain, symmetric
 from ..systems.structure.structural_zeros import structure
 from .search import frequency
 

@@ -14,7 +14,7 @@ from ..algebra.exact.roots import UnclearError
 from ..algebra.number_types import MIXED, precision
 from ..algebra.polynomial import TabulatedPolynomial
 from ..base.axis import AxisLike
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..base.errors import ParameterError, StabilityError
 from ..base.types import Floats
 from ..base.verdict import Verdict

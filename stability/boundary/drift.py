@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import checked, flag
-from ..base.citation.used import MODEL
+from ..base.citation import MODEL
 from ..base.errors import ParameterError, if_degrees, shown
 from ..base.types import Floats, Record
 from ..bodies.contact import Contact

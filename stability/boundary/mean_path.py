@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from ..algebra.program import Program
 from ..base.checks import one_number, real_numbers
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..base.errors import ParameterError, shown
 from ..base.types import Floats
 from ..base.version import __version__

@@ -20,7 +20,7 @@ from scipy.integrate import quad
 
 from ..algebra.program import Program
 from ..base.checks import one_number, real_numbers
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..base.errors import NameUnknownError, NoMemberError, ParameterError, shown
 from ..base.types import Floats, Record, fields_of
 from ..bodies.contact import Contact
@@ -28,8 +28,7 @@ from ..bodies.resistance import Resistance, resistances
 from ..bodies.round_body.body import Body
 from ..bodies.subject import of_body
 from ..spectra.arguments import problem_of
-from ..systems.condition import Condition
-from ..systems.equations import Equations
+from ..systems.equations import Condition, Equations
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
 from ..systems.system import System

@@ -12,23 +12,11 @@ from typing import Any, cast
 from ..base.errors import ParameterError, StabilityError, StabilityWarning
 from ..base.version import __version__
 from ..storage.text import HELP, json_text
-from .basin.basins import EXAMPLES as BASINS
-from .basin.basins import add_arguments as add_basins
-from .compare import add_arguments as add_compare
-from .explorer.explore import EXAMPLES as PAGES
-from .explorer.explore import _explore
-from .explorer.explore import add_arguments as add_explore
+from . import basins, cite, compare, explore, export, scene, simulate, table
 from .map import _boundaries, _map
 from .options import _Parser, _Unasked, of_own_body, overwriting, scheduling
-from .publication.cite import add_arguments as add_cite
-from .publication.export import EXAMPLES as EXPORTS
-from .publication.export import add_arguments as add_export
-from .scene import add_arguments as add_scene
-from .simulate import add_arguments
 from .spectrum import _spectrum
 from .subject import add_member, add_subject
-from .table import _table
-from .table import add_arguments as add_table
 from .terminal import (
     LEAST_MEMORY,
     allowed_memory,
@@ -159,42 +147,6 @@ def _atlas(options: argparse.Namespace) -> None:
         print(f"open {page}")
 
 
-def _simulate(options: argparse.Namespace) -> None:
-    from .simulate import run
-
-    run(options)
-
-
-def _basins(options: argparse.Namespace) -> None:
-    from .basin.basins import run
-
-    run(options)
-
-
-def _scene(options: argparse.Namespace) -> None:
-    from .scene import run
-
-    run(options)
-
-
-def _export(options: argparse.Namespace) -> None:
-    from .publication.export import run
-
-    run(options)
-
-
-def _cite(options: argparse.Namespace) -> None:
-    from .publication.cite import run
-
-    run(options)
-
-
-def _compare(options: argparse.Namespace) -> None:
-    from .compare import run
-
-    run(options)
-
-
 # --- arguments ---
 
 
@@ -298,15 +250,15 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
                      "100 points, not with --bodies")  # fmt: skip
     overwriting(sub, "replace files in an existing folder")
 
-    sub = command("explore", _explore, "The diagrams alive in a browser: one page, no network",
-                  *PAGES)  # fmt: skip
+    sub = command("explore", explore.run, "The diagrams alive in a browser: one page, no network",
+                  *explore.EXAMPLES)  # fmt: skip
     add_subject(sub, words)
     sub.add_argument("--at", default=None, help="member that is shown at first")
-    add_explore(sub)
+    explore.add_arguments(sub)
     overwriting(sub, "replace an existing file")
 
-    sub = command("simulate", _simulate, "Launch a disk, another body, or a system, and say what "
-                  "becomes of it",
+    sub = command("simulate", simulate.run,
+                  "Launch a disk, another body, or a system, and say what becomes of it",
                   "stability simulate --theta 1.47 --omega3 1.2 --mu 0.3 --time 100 "
                   "--out run.nc --plot run.png --film run.html",
                   "stability simulate --body eccentric-sphere --offset 0.15 --theta 0.1 --omega3 5 "
@@ -314,18 +266,19 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
                   "stability simulate --system examples/watt_governor.py:running --start "
                   "x=1,y=0,z=1.4 --set e=0.8 --set a=0.5 --set b=0.5 "
                   "--time 200")  # fmt: skip
-    add_arguments(sub, words)
+    simulate.add_arguments(sub, words)
 
-    sub = command("basins", _basins, "Which launch ends where, over two numbers or a random sample",
-                  *BASINS)  # fmt: skip
-    add_basins(sub, words)
+    sub = command("basins", basins.run,
+                  "Which launch ends where, over two numbers or a random sample",
+                  *basins.EXAMPLES)  # fmt: skip
+    basins.add_arguments(sub, words)
 
-    sub = command("scene", _scene, "A scene of a TOML file, answered by the least model",
+    sub = command("scene", scene.run, "A scene of a TOML file, answered by the least model",
                   "stability scene examples/scenes/rolled-coin.toml --json")  # fmt: skip
-    add_scene(sub)
+    scene.add_arguments(sub)
 
-    add_table(command(
-        "table", _table, "A table, recomputed: families, conditions, drift, hopf, …",
+    table.add_arguments(command(
+        "table", table.run, "A table, recomputed: families, conditions, drift, hopf, …",
         "stability table --list",
         "stability table conditions --k 0.25,0.5 --mu 0.1,1,10",
         "stability table drift --k 0.25 --mu 0.3 --out drift.tex",
@@ -334,10 +287,11 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
         "stability table hopf --system examples/railway_wheelset.py:centred --x v:1:50:50 "
         "--set m=1",
     ), words)  # fmt: skip
-    add_export(command("export", _export, "A system or family for LaTeX, C, AUTO-07p or "
-                       "BifurcationKit.jl", *EXPORTS), words)  # fmt: skip
-    add_cite(command("cite", _cite, "What to cite for this package, or for a file that it wrote",
-                     "stability cite --bibtex", "stability cite map.nc"))  # fmt: skip
+    what = "A system or family for LaTeX, C, AUTO-07p or BifurcationKit.jl"
+    export.add_arguments(command("export", export.run, what, *export.EXAMPLES), words)
+    what = "What to cite for this package, or for a file that it wrote"
+    bibtex = "stability cite --bibtex"
+    cite.add_arguments(command("cite", cite.run, what, bibtex, "stability cite map.nc"))
     for name, what, example in (
         ("chart", "Time against error, by every route to a spectrum or a motion",
          "stability chart spectrum --out chart"),
@@ -346,9 +300,9 @@ def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
         ("report", "Both charts and the catalogue of failures on one page",
          "stability report --out report"),
     ):  # fmt: skip
-        sub = command(name, _compare, what, example)
+        sub = command(name, compare.run, what, example)
         sub.set_defaults(command=name)
-        add_compare(sub, chart=name == "chart")
+        compare.add_arguments(sub, chart=name == "chart")
     return parser
 
 

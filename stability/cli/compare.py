@@ -119,8 +119,7 @@ def summary(folder: Path, plan: Mapping[str, Sequence[Sequence[Task]]]) -> dict[
     """
     from ..base.provenance import machine
     from ..compare import failures as catalogue
-    from ..compare.parts import standings
-    from ..compare.plan import FAILURES, SCENES, asked
+    from ..compare.plan import FAILURES, SCENES, asked, standings
     from ..compare.report import part
     from ..compare.scenes import choice
     from ..jobs.measured_cells import Journal
@@ -166,7 +165,7 @@ def lines(found: dict[str, Any]) -> list[str]:
     -------
     list of str
     """
-    from ..compare.parts import Standing, nearest
+    from ..compare.plan import Standing, nearest
 
     out = []
     for name in CHARTS:

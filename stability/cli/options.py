@@ -135,13 +135,6 @@ def _axis(text: str, which: str) -> Any:
     return (name, *ends, points, *rest)
 
 
-def _axis_ends(text: str, which: str) -> tuple[str, float, float]:
-    parts = text.split(":")
-    if len(parts) != 3:
-        raise ParameterError(f"{which} is {shown(text)}; give NAME:START:STOP.")
-    return parts[0], number(parts[1], which), number(parts[2], which)
-
-
 def _picture(path: str, force: bool) -> Any:
     from ..storage.targets import PICTURES, check_suffix, check_target
 

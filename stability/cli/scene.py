@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 NONE = {"settling_time": "has not settled", "lift_off_time": "does not lift off"}
 """What a quantity without a value means."""
+SPREAD = ("inputs", "moves", "outcomes", "contrary", "size", "wasted", "routes", "enough")
+"""What is told of how inputs that are known roughly move an answer."""
 GAP = 2
 """Spaces between two columns."""
 
@@ -231,18 +233,7 @@ def _about(answer: Answer, names: tuple[str, ...]) -> dict[str, Any]:
         "sentence": answer.sentence,
         "notes": answer.notes,
         "rungs": [asdict(r) for r in answer.rungs],
-        "spread": None
-        if spread is None
-        else {
-            "inputs": spread.inputs,
-            "moves": spread.moves,
-            "outcomes": spread.outcomes,
-            "contrary": spread.contrary,
-            "size": spread.size,
-            "wasted": spread.wasted,
-            "routes": spread.routes,
-            "enough": spread.enough,
-        },
+        "spread": None if spread is None else {n: getattr(spread, n) for n in SPREAD},
         "cost": answer.cost,
     }
 

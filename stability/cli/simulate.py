@@ -12,8 +12,15 @@ from ..base.errors import ParameterError, absent, shown
 from ..base.quantities import Kind
 from ..storage.text import json_text
 from .options import overwriting, step_error
-from .subject import add_subject, body_numbers, moving, refuse_of_body, require
-from .system_option import doubles, exact_numbers
+from .subject import (
+    add_subject,
+    body_numbers,
+    doubles,
+    exact_numbers,
+    moving,
+    refuse_of_body,
+    require,
+)
 from .terminal import progress_bar, waiting
 
 MOST = 10_000_000

@@ -7,18 +7,18 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..base.errors import ParameterError
-from .body_option import add_body, body_of
 from .options import _axis, _list, overwriting
-from .subject import CONTACTS, add_numbers
+from .subject import CONTACTS, add_body, add_numbers, body_of
 from .terminal import progress_bar
 
 FORMS = ("json", "csv", "latex")
 """Forms on standard output; text without one of these."""
 
 
-def _table(options: argparse.Namespace) -> None:
+def run(options: argparse.Namespace) -> None:
+    """Compute a table, and print or write it."""
     from ..storage.targets import check_suffix, check_target
-    from ..tables.formats.table import FORMS as ENDINGS
+    from ..tables.table import FORMS as ENDINGS
 
     if options.list == (options.name is not None) and options.name != "list":
         raise ParameterError("give the name of a table, or --list to see them, one of them.")
@@ -42,7 +42,7 @@ def _table(options: argparse.Namespace) -> None:
 
 def _settings(options: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
     """The family and the keyword arguments of `stability.table`; what is not given is left out."""
-    from .system_option import doubles, exact_numbers, family_named
+    from .subject import doubles, exact_numbers, family_named
 
     family: Any = options.family
     plain = ("k", "mu", "contact", "tilt", "at", "systems")

@@ -26,10 +26,10 @@ __all__ = sorted(_WHERE)  # noqa: PLE0605
 if TYPE_CHECKING:
     from .failures import attempt as attempt
     from .motion.drivers import Driver as Driver
-    from .spectrum.case import Case as Case
     from .spectrum.cases import CASES as CASES
-    from .spectrum.routes.jacobians import AutomaticJacobian as AutomaticJacobian
-    from .spectrum.routes.route import Route as Route
+    from .spectrum.cases import Case as Case
+    from .spectrum.routes import AutomaticJacobian as AutomaticJacobian
+    from .spectrum.routes import Route as Route
 
 
 def __getattr__(name: str) -> Any:

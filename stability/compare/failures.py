@@ -14,26 +14,9 @@ from .marks import BY_WORD, HONEST, Judgement, Mark
 from .motion import drivers
 from .motion.cases import MOTION_CASES
 from .spectrum.cases import CASES, DECADES
-from .spectrum.measure import ROUTES
+from .spectrum.routes import ROUTES
 
-_FIRST = (
-    "forward-1e-4",
-    "forward",
-    "forward-1e-12",
-    "central",
-    "complex-step",
-    "ad-raw",
-    "ad",
-    "ad-1e-9",
-    "sympy",
-    "sympy-solved",
-    "polynomial",
-    "hurwitz",
-    "mpmath-30",
-    "mpmath-50",
-    "mpmath-100",
-)
-ROUTE_NAMES = (*_FIRST, *(name for name in ROUTES if name not in _FIRST))
+ROUTE_NAMES = tuple(ROUTES)
 """Columns of the linear part: routes that people use, then those of the package."""
 _LEADING = (
     "rk4",

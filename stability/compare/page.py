@@ -12,13 +12,14 @@ from ..base.provenance import machine, today
 from ..storage.files import atomic_write
 from . import failures as catalogue
 from .marks import Mark
-from .motion import measure as motion_methods
+from .motion import chart as motion_chart
 from .motion.drivers import DRIVERS
 from .scenes import sentence
-from .spectrum import measure as spectrum_methods
+from .spectrum import chart as spectrum_chart
+from .spectrum.routes import ROUTES
 
 if TYPE_CHECKING:
-    from .parts import Part, Plate, Standing
+    from .plan import Part, Plate, Standing
 
 
 PAGE = "index.html"
@@ -176,14 +177,14 @@ def _figure(plate: Plate) -> str:
 def _methods(one: Part) -> list[str]:
     """The methods of a part, a line each, and why some of them crash."""
     asked = {
-        "spectrum": spectrum_methods.CHARTED,
-        "motion": motion_methods.NAMES,
+        "spectrum": spectrum_chart.CHARTED,
+        "motion": motion_chart.NAMES,
         "failures": (*catalogue.ROUTE_NAMES, *catalogue.DRIVER_NAMES),
         "scenes": (),
     }[one.name]
     if not asked:
         return []
-    known: dict[str, Any] = {**spectrum_methods.ROUTES, **DRIVERS}
+    known: dict[str, Any] = {**ROUTES, **DRIVERS}
     given = set(_asked(one))
     lines = [
         f"<dt{' class=own' if known[n].own else ''}>{n}</dt><dd>{html.escape(known[n].title)}</dd>"
@@ -241,7 +242,7 @@ def reason(standing: Standing) -> str:
 
 def _standings(one: Part) -> tuple[str, list[str]]:
     """A paragraph on the standing of the package's default routes, and their table."""
-    from .parts import nearest, standings
+    from .plan import nearest, standings
 
     found = standings(one)
     best = nearest(found).values()

@@ -24,17 +24,16 @@ from ..storage.targets import check_folder, path_text, place, refusing
 from ..storage.text import csv_text
 from . import failures as catalogue
 from . import scenes
-from .motion import dataset as motion_data
+from .motion import chart as motion_chart
 from .plan import FAILURES, MOTION, PARTS, SCENES, SPECTRUM, asked, done, planned
-from .spectrum import dataset as spectral_data
-from .spectrum import measure as spectral
+from .spectrum import chart as spectrum_chart
 from .spectrum.cases import DECADES, LADDERS
 
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-from .parts import METRICS, Part, Plate
+from .plan import METRICS, Part, Plate
 
 ALONE = (SPECTRUM, MOTION, SCENES)
 """Timed parts: their cells run one at a time, so that none disturbs a timing."""
@@ -180,7 +179,7 @@ def part(name: str, cells: Mapping[str, Cell]) -> Part:
 
 
 def _spectrum(cells: Mapping[str, Cell]) -> Part:
-    chart = spectral_data.dataset(cells)
+    chart = spectrum_chart.dataset(cells)
     found: list[Plate] = []
     if chart.sizes["hardness"]:
         found += _classes(chart)
@@ -191,7 +190,7 @@ def _spectrum(cells: Mapping[str, Cell]) -> Part:
 
 def _classes(chart: xarray.Dataset) -> list[Plate]:
     """Figures of verdicts and of eigenvalues, which some routes have."""
-    from .figures import cost_error, shares
+    from .figures import answering, spectrum_figure, verdict_figure
 
     count = int(np.nanmax(chart["count"].values, initial=0))
     truth = f"Truth: {chart.attrs['truth']}."
@@ -200,12 +199,12 @@ def _classes(chart: xarray.Dataset) -> list[Plate]:
             "spectrum-verdict",
             f"Verdicts in {chart.sizes['hardness']} classes of problems, {count} points at most: "
             "shares right, undecided and wrong. At the right: time per point, the median over the "
-            f"classes, in a batch of {spectral.MANY} where the route takes arrays. Bold: the "
+            f"classes, in a batch of {spectrum_chart.MANY} where the route takes arrays. Bold: the "
             f"package's. {truth}",
-            lambda: shares.verdict_figure(chart),
+            lambda: verdict_figure(chart),
         )
     ]
-    if cost_error.answering(chart):
+    if answering(chart):
         found.append(Plate(
             "spectrum-eigenvalues",
             "Eigenvalues, for routes without a wrong verdict: least time per point against the "
@@ -213,23 +212,24 @@ def _classes(chart: xarray.Dataset) -> list[Plate]:
             "largest modulus, after the best matching. Named: routes on the Pareto front (broad "
             "line), the package's, and ad-1e-9 as a reference; other common routes are grey. "
             f"μ* is μ√(gR). {truth}",
-            lambda: cost_error.spectrum_figure(chart),
+            lambda: spectrum_figure(chart),
         ))  # fmt: skip
     return found
 
 
 def _places(chart: xarray.Dataset) -> Plate:
     """The figure of the places of boundaries."""
-    from .figures.cost_error import boundary_figure
+    from .figures import boundary_figure
 
     return Plate(
         "spectrum-boundary",
         "Places of boundaries. Above: time for one boundary against the largest relative error "
-        f"on {chart.sizes['boundary']} boundaries (slow routes on every {spectral.SPARSE}th), "
-        "for routes that miss none; a line goes down to the median error. Below: all errors, "
-        "boundary by boundary; smaller ones are drawn at 10⁻¹⁷. Common routes bisect on their "
-        "verdict from 1 % off; the package calls boundaries() in the same bracket. A boundary "
-        "is missed where a route gives both ends the same verdict. μ means μ√(gR).",
+        f"on {chart.sizes['boundary']} boundaries (slow routes on every "
+        f"{spectrum_chart.SPARSE}th), for routes that miss none; a line goes down to the median "
+        "error. Below: all errors, boundary by boundary; smaller ones are drawn at 10⁻¹⁷. Common "
+        "routes bisect on their verdict from 1 % off; the package calls boundaries() in the same "
+        "bracket. A boundary is missed where a route gives both ends the same verdict. μ means "
+        "μ√(gR).",
         lambda: boundary_figure(chart),
     )
 
@@ -246,9 +246,9 @@ TURNS = (
 
 
 def _motion(cells: Mapping[str, Cell]) -> Part:
-    from .figures.work_precision import first_call_figure, motion_figure, panels_of
+    from .figures import first_call_figure, motion_figure, panels_of
 
-    chart = motion_data.dataset(cells)
+    chart = motion_chart.dataset(cells)
     plates = [
         Plate(
             f"motion-{m}",
@@ -319,7 +319,7 @@ def _failures(cells: Mapping[str, Cell]) -> Part:
 
 
 def _failure_figure(found: Sequence[catalogue.Entry], name: str) -> Figure:
-    from .figures.shares import MARKS, failure_figure
+    from .figures import MARKS, failure_figure
 
     mine = [e for e in found if e.part == name]
     methods = list(dict.fromkeys(e.method for e in mine))
@@ -340,7 +340,7 @@ def _edges(found: Sequence[catalogue.Entry]) -> int:
 
 
 def _ladder_figure(found: Sequence[catalogue.Entry]) -> Figure:
-    from .figures.shares import ladder_figure
+    from .figures import ladder_figure
 
     counts, edges = catalogue.ladder(found), _edges(found)
     share = np.array([
@@ -370,13 +370,14 @@ def _write(folder: Path, one: Part, cells: Mapping[str, Cell]) -> None:
 
 
 def _texts(one: Part, cells: Mapping[str, Cell]) -> dict[str, str]:
-    from .csv_files import boundary_csv, motion_csv, spectrum_csv
-
     if one.name == SCENES:
         return {"scenes.csv": csv_text(scenes.COLUMNS, scenes.rows(one.chart))}
     if one.name == FAILURES:
         return {"failures.csv": catalogue.as_csv(one.chart),
                 "failures.md": catalogue.as_markdown(one.chart)}  # fmt: skip
     if one.name == MOTION:
-        return {"motion.csv": motion_csv(cells)}
-    return {"spectrum.csv": spectrum_csv(cells), "boundaries.csv": boundary_csv(cells)}
+        return {"motion.csv": motion_chart.motion_csv(cells)}
+    return {
+        "spectrum.csv": spectrum_chart.spectrum_csv(cells),
+        "boundaries.csv": spectrum_chart.boundary_csv(cells),
+    }

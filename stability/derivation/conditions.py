@@ -23,7 +23,7 @@ from ..algebra.number_types import precision
 from ..algebra.polynomial import Polynomial
 from ..base.checks import flag, instance, known, one_number, whole_number
 from ..base.checks import positive as above_zero
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..base.errors import ParameterError, StabilityError, shown
 from ..base.exact_numbers import decimal_of, double, exact_ratio, written
 from ..base.types import Record, fields_of
@@ -34,7 +34,7 @@ from ..bodies.round_body.body import Body
 from ..bodies.subject import family_by_name
 from ..systems.family import Family
 from ..systems.graph.family_graph import FamilyGraph
-from ..systems.structure.multiplicity import Member
+from ..systems.structure.member import Member
 from ..systems.structure.structural_zeros import steady_where, structure
 from ..systems.structure.zero_blocks import semisimple, typical, zero_power
 from ..systems.system import A_FAMILY, refuse_system

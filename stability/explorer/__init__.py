@@ -2,7 +2,8 @@
 
 `explore.py` holds the public function.  `disk_page.py`, `body_page.py` and `own_page.py` say which
 families a page has; each is a `Subject` (`subject.py`): a `Family` with its numbers.  Its formulas
-become JavaScript and shader source (`source/`); `page.py` joins `script/` and data into one file.
-May import `atlas`, `compare` and the floors below.
+(`formulas.py`, `verdicts.py`) become JavaScript and shader source (`source.py`); `page.py` joins
+`script/` and data into one file.  May import `atlas`, `compare` and the floors below.
 To add what a page tells of a family: `subject.py`, and a module in `script/` that shows it.
+To add a way to decide a verdict: a function in `verdicts.py` that gives one `Formulas`.
 """

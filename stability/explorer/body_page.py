@@ -31,13 +31,10 @@ from .motion import (
     start_along_axes,
     through_poles,
 )
-from .page import shared
-from .pages import FRICTION, LAW_NAMES, law_of, page_data
-from .quantity import Quantity
+from .page import FRICTION, LAW_NAMES, law_of, page_data, shared
+from .quantities import PageUnits, Quantity, units_of, without_scales
 from .subject import Subject
-from .units import PageUnits, units_of, without_scales
-from .verdicts.closed import closed_formulas
-from .verdicts.derived import derived_formulas
+from .verdicts import closed_formulas, derived_formulas
 
 LAW_KEYS = ("smooth", "viscous", "rough")
 """Laws of the page."""

@@ -19,11 +19,10 @@ from ..spectra.arguments import prepare
 from ..spectra.problem import Problem
 from .certificates import certificate
 from .motion import body_of, motion_of
-from .pages import FRICTION, law_of, page_data
-from .quantity import Quantity
+from .page import FRICTION, law_of, page_data
+from .quantities import Quantity, units_of
 from .subject import Subject
-from .units import units_of
-from .verdicts.stored import stored_formulas
+from .verdicts import stored_formulas
 
 FAMILY_NAMES = tuple(f.name for f in FAMILIES.values() if f.drawn)
 """Families of the page, which one number names."""

@@ -18,8 +18,7 @@ from ..systems.family import Family
 from .body_page import body_page
 from .disk_page import disk_page
 from .own_page import own_page
-from .page import page
-from .pages import axis
+from .page import axis, page
 
 ENDINGS = (".html",)
 """Endings of the file."""
@@ -133,7 +132,7 @@ def explore(
         data = disk_page(family, at, contact, disk, axes, parameters, certify=certify)
         title = "Steady motions of a disk"
     if out is None:
-        from .widget import widget
+        from .page import widget
 
         return widget(data)
     with atomic_write(out, overwrite=overwrite) as draft:

@@ -17,9 +17,8 @@ from ..bodies.round_body.models.pole_model import FRONT, PLACE, pole_model
 from ..bodies.round_body.pole_equations import SLIP, smooth_at
 from ..bodies.round_body.shape import RoundShape
 from ..systems.family import Family
-from .source.formulas import Formulas, Values
-from .source.frames import frame_of_angles, frame_of_axis
-from .source.source_text import graph, javascript
+from .formulas import Formulas, Values
+from .source import graph, javascript
 
 FLAT = math.sin(1e-6)
 """Sine of the angle that counts as flat, as in `simulate`."""
@@ -78,9 +77,11 @@ def _frame(model: Model) -> ca.SX:
             y[names.index(part[0]) : names.index(part[0]) + len(part)] for part in (FRONT, PLACE)
         )
         arm = ca.vertcat(series["arm_X"], series["arm_Y"])
-        return frame_of_axis(y[:3], front, centre, series["potential"], arm)
+        return _frame_of_axis(y[:3], front, centre, series["potential"], arm)
     first = names.index(POSE[0])
-    return frame_of_angles(y[0], y[first : first + len(POSE)], series["potential"], series["reach"])
+    return _frame_of_angles(
+        y[0], y[first : first + len(POSE)], series["potential"], series["reach"]
+    )
 
 
 def body_of(body: RoundShape, family: Family, pole: int = 0) -> dict[str, Any]:
@@ -114,7 +115,7 @@ def _by_angles(
     relative = omega3 - phi_dot * cosine
     rim_speed = (phi_dot + relative * cosine) * slope + relative * sine * h
     rates = placed(x, slip[0] + theta_dot * h, slip[1] - rim_speed, pose)
-    return frame_of_angles(theta, pose, h, slope), rates
+    return _frame_of_angles(theta, pose, h, slope), rates
 
 
 def _along_axis(
@@ -129,7 +130,7 @@ def _along_axis(
     arm = -slope * axis - (h - axis[2] * slope) * ca.SX([0, 0, 1])
     along = family.system.observables["slip"] - ca.cross(turn, arm)[:2]
     rates = ca.vertcat(ca.cross(turn, pose[:3]), along / POSE_UNIT)
-    return frame_of_axis(axis, pose[:3], pose[3:], h, arm), rates
+    return _frame_of_axis(axis, pose[:3], pose[3:], h, arm), rates
 
 
 def meridian(body: RoundShape, family: Family) -> dict[str, Any]:
@@ -164,3 +165,35 @@ def start_along_axes(family: Family, formulas: Formulas, model: Model, pole: int
         return [sine, 0.0, cosine, *turn, *slides, 0.0, cosine, 0.0, -1.0 * sine, 0.0, 0.0]
 
     return javascript([len(formulas.names), 1], start)
+
+
+def _frame_of_angles(theta: Any, pose: ca.SX, height: Any, slope: Any) -> ca.SX:
+    """The place of a body from its angles; that of the centre has the unit `POSE_UNIT`.
+
+    Source: docs/explanation/bodies.md, frames and contact point a = h' x̂ - h ẑ.
+
+    Examples
+    --------
+    >>> theta = ca.SX.sym("theta")
+    >>> found = _frame_of_angles(theta, ca.SX.zeros(4), ca.sin(theta), ca.cos(theta))
+    >>> [round(float(v), 12) + 0.0 for v in ca.Function("f", [theta], [found])(1.5707963267948966).full()[:, 0]]
+    [1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
+    """  # noqa: E501
+    phi, psi, x, y = (POSE_UNIT * pose[i] for i in range(4))
+    st, ct, sp, cp = ca.sin(theta), ca.cos(theta), ca.sin(phi), ca.cos(phi)
+    first, second = ca.vertcat(ct * cp, ct * sp, -st), ca.vertcat(-sp, cp, 0)
+    mark = ca.cos(psi) * first + ca.sin(psi) * second
+    contact = ca.vertcat(x + slope * cp, y + slope * sp, 0)
+    return ca.SX(ca.vertcat(st * cp, st * sp, ct, mark, x, y, height, contact))
+
+
+def _frame_of_axis(axis: ca.SX, front: ca.SX, place: ca.SX, height: Any, arm: ca.SX) -> ca.SX:
+    """The place of a body from its axis and a direction fixed in it, made a unit and normal to it.
+
+    Source: docs/explanation/bodies.md, the chart along fixed axes.
+    """
+    along = axis / ca.norm_2(axis)
+    across = front - ca.dot(front, along) * along
+    centre = ca.vertcat(POSE_UNIT * place, height)
+    contact = ca.vertcat(centre[:2] + arm[:2], 0)
+    return ca.SX(ca.vertcat(along, across / ca.norm_2(across), centre, contact))

@@ -17,10 +17,10 @@ from ..systems.structure.structural_zeros import steady_where, structure
 from ..systems.system import System
 from .certificates import own_certificates
 from .motion import motion_of
-from .pages import page_data
-from .quantity import Quantity
+from .page import page_data
+from .quantities import Quantity
 from .subject import Subject
-from .verdicts.derived import derived_formulas
+from .verdicts import derived_formulas
 
 DECIMALS = (
     " Floats in the equations count as the decimals that were written, which "
@@ -39,7 +39,7 @@ def own_page(
     certify: bool,
 ) -> dict[str, Any]:
     """Data of the page of one family of a user's system."""
-    family, values, zeros = without_inputs(family, given_values(family, at, parameters))
+    family, values, zeros = _without_inputs(family, _given_values(family, at, parameters))
     names = [*family.at, *family.parameters]
     if len(names) < 2:
         raise ParameterError(
@@ -83,7 +83,7 @@ def own_page(
         subject,
         values,
         axes,
-        stated=own_units(family),
+        stated=_own_units(family),
         motions={subject.model: motion_of(system_model(family.system), solid=False)},
         certificates={subject.key: own_certificates(subject) if certify else []},
         families={},
@@ -109,7 +109,7 @@ def _quantity(
     )
 
 
-def own_units(family: Family) -> dict[str, str]:
+def _own_units(family: Family) -> dict[str, str]:
     """Units of times, rates and observables of a system; empty where it states none."""
     units = family.system.units
     time = time_unit(units)
@@ -117,7 +117,7 @@ def own_units(family: Family) -> dict[str, str]:
     return known_ | ({} if time == "1" else {"time": time, "growth rate": f"1/{time}"})
 
 
-def given_values(family: Family, at: Any, parameters: Mapping[str, Any]) -> dict[str, float]:
+def _given_values(family: Family, at: Any, parameters: Mapping[str, Any]) -> dict[str, float]:
     """Every quantity of a family as a number, or an error that names what is missing."""
     names = (*family.at, *family.parameters)
     for name in parameters:
@@ -134,7 +134,7 @@ def given_values(family: Family, at: Any, parameters: Mapping[str, Any]) -> dict
     return values
 
 
-def without_inputs(
+def _without_inputs(
     family: Family, values: Mapping[str, float]
 ) -> tuple[Family, dict[str, float], list[str]]:
     """The family without the inputs whose given 0 it needs to be steady, and their names.

@@ -13,10 +13,9 @@ from ..algebra.number_types import Algebra
 from ..algebra.program import Program
 from ..algebra.straight_lines import Line, Record
 from ..systems.family import Family
-from .quantity import Quantity
-from .source.formulas import Formulas, Values
-from .source.shader import Seen, look
-from .source.source_text import JAVASCRIPT, graph, javascript
+from .formulas import Formulas, Values
+from .quantities import Quantity
+from .source import JAVASCRIPT, Seen, graph, javascript, look
 
 
 @dataclass(frozen=True)

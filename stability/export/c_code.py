@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,12 +11,13 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from ..base.errors import DomainError, ParameterError, shown
+from ..base.errors import DomainError, FileError, ParameterError, shown
 from ..base.types import Floats, Record
+from ..storage.files import atomic_write
+from ..storage.targets import check_target, path_text, place, refusing
 from ..systems.equations import Equations
 from ..systems.family import Family
 from ..systems.sources.numeric import NumericSystem
-from .folder import write_folder
 
 SEED = 20160201
 """Seed of the points in the example."""
@@ -273,3 +274,40 @@ def _points(function: ca.Function, points: int) -> tuple[Floats, Floats]:
         f"{function.name()} has finite values at {len(given)} of {TRIES * points} random points "
         "from 0.5 to 1.5; no example can be made."
     )
+
+
+def write_folder(out: str | Path, files: Mapping[str, str], *, overwrite: bool) -> Path:
+    """Write texts into a folder, which is made if needed.
+
+    Parameters
+    ----------
+    out
+        The folder.
+    files
+        Texts by the names of their files.
+    overwrite
+        Whether existing files may be replaced.
+
+    Returns
+    -------
+    Path
+        The folder.
+
+    Raises
+    ------
+    FileError
+        If a file exists, or the folder cannot be written.
+    """
+    folder = place(out)
+    if folder.exists() and not folder.is_dir():
+        raise FileError(f"{path_text(folder)} is a file; give a folder.")
+    for name in files:  # before anything is written
+        if (folder / name).exists() and not overwrite:
+            raise FileError(f"{path_text(folder / name)} exists; allow overwriting, or move it.")
+    with refusing(folder):
+        folder.mkdir(parents=True, exist_ok=True)
+    for name, text in files.items():
+        target = check_target(folder / name, overwrite=overwrite)
+        with atomic_write(target, overwrite=overwrite) as draft:
+            draft.write_text(text, "utf-8")
+    return folder

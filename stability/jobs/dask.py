@@ -21,9 +21,9 @@ from functools import partial
 from typing import Any, TypeVar
 from weakref import WeakSet
 
-from ..base.calls.main_module import check_main
 from ..base.checks import MOST_WORKERS, whole_number
 from ..base.errors import NameUnknownError, ParameterError, StabilityError, one_line, shown
+from ..base.main_module import check_main
 from ..base.types import Progress
 from ..storage.files import ignoring_signals
 from .following import follow, processes

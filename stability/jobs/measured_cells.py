@@ -26,8 +26,8 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any
 
-from ..base.calls.main_module import check_main
 from ..base.errors import FileError, StabilityError
+from ..base.main_module import check_main
 from ..base.provenance import machine
 from ..base.types import Progress
 from ..storage.files import atomic_write, postponed

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..base.citation.used import cited, joined
+from ..base.citation import cited, joined
 from ..base.verdict import NO_MEMBER
 from ..boundary.two_parameters.point_records import (
     CodimensionTwo,

@@ -16,7 +16,7 @@ import casadi as ca
 import numpy as np
 
 from ..algebra.program import Program, entries
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..base.errors import DomainError, listed
 from ..base.quantities import Kind
 from ..base.types import Floats

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.citation.used import cited, joined
+from ..base.citation import cited, joined
 from ..base.quantities import Kind
 from ..base.types import Floats
 from ..bodies.disk import Disk

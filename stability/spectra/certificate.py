@@ -25,9 +25,9 @@ from ..algebra.number_types import MIXED, balls, precision, upper
 from ..algebra.polynomial import ExactPolynomial
 from ..base.verdict import Verdict, best
 from ..systems.family import Family
-from ..systems.structure.axis_proof import exact_verdict
 from ..systems.structure.enclosure import ball_unknowns, characteristic
-from ..systems.structure.multiplicity import Member, certain, symmetric
+from ..systems.structure.identities import certain, symmetric
+from ..systems.structure.member import Member, exact_verdict
 from ..systems.structure.structural_zeros import structure
 from ..systems.structure.zero_blocks import kept_block, proved_power, semisimple, zero_power
 from .eigenvalues import (

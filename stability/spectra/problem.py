@@ -48,7 +48,7 @@ from ..bodies.thin_disk import disk_family
 from ..systems.closed_form import ClosedForm
 from ..systems.family import Family
 from ..systems.structure.enclosure import characteristic
-from ..systems.structure.multiplicity import certain
+from ..systems.structure.identities import certain
 from ..systems.structure.structural_zeros import SAMPLE_BITS, SAMPLES, sampled, structure
 from ..systems.structure.zero_blocks import semisimple
 

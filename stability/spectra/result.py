@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..algebra.eigensolver import EigenSolver, eigenpairs, lapack
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..base.errors import ParameterError, StabilityError
 from ..base.quantities import Kind, Quantity, rate_unit
 from ..base.types import Complexes, Floats, Record, fields_of

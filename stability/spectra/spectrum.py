@@ -36,7 +36,7 @@ from .problem import Problem, broadcast_shape
 from .result import NOT_ASKED, Proof, Spectrum
 
 if TYPE_CHECKING:
-    from ..systems.structure.multiplicity import Member
+    from ..systems.structure.member import Member
     from .certificate import Certificate
 
 
@@ -204,7 +204,7 @@ class Rows:
     """
 
     def __init__(self, problem: Problem, *, exact: bool) -> None:
-        from ..systems.structure.multiplicity import certain, symmetric
+        from ..systems.structure.identities import certain, symmetric
 
         self.problem, self.exact = problem, exact
         family = problem.family

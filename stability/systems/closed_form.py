@@ -1,20 +1,29 @@
-"""A family whose unknowns and characteristic polynomial are known as formulas."""
+"""A family whose unknowns and characteristic polynomial are known as formulas.
+
+One unknown may obey an equation in the parameters alone.  That equation may have several roots.
+The one nearest to the start is meant, for every number type.  Doubles find it by Newton's method,
+and by a search where Newton's method goes to another one.  Balls prove it by the mean value
+theorem, series follow power by power.
+
+Source: tests/bodies/test_closed_forms.py compares with the linearisation of the graph.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
+from itertools import product
 from typing import Any
 
 import casadi as ca
 import numpy as np
-from flint import arb
+from flint import arb, arb_series, ctx
 from numpy.typing import NDArray
 
 from ..algebra.number_types import Algebra, balls, numpy_algebra
 from ..algebra.program import Program, Varying
-from ..algebra.running_error import bounded
+from ..algebra.running_error import TRACKED, RunningError, bounded
 from ..base.errors import NoMemberError
 from ..base.types import Floats, Record, fields_of
 
@@ -211,3 +220,262 @@ class RepeatedBalls:
 
 def _identical(x: Any, y: Any) -> bool:
     return bool(x.mid() == y.mid() and x.rad() == y.rad())
+
+
+# --- with one unknown ---
+
+
+STEPS = 60
+"""Most steps of Newton's method."""
+LEAST = 2.0**-52
+"""Step, relative to 1 or the unknown, at which Newton's method ends in doubles."""
+WIDER = 4.0
+"""Factor from the first bound on an error to the interval that proves it."""
+TRIES = 4
+"""Intervals that are tried, each wider than the one before."""
+SIGNS = 32
+"""Values between the start and a root, and as many on the other side, whose signs are compared."""
+SAMPLES = 720
+"""Steps of the search for the nearest root."""
+HALVINGS = 60
+"""Halvings of a step in which a root lies."""
+SAME = 1e-12
+"""Distance of a root in doubles from the ball of the same root, relative to 1 or to the root."""
+KEPT = 1024
+"""Most roots that are kept."""
+
+
+_PLAIN = numpy_algebra()
+
+
+@dataclass(frozen=True, eq=False)
+class ImplicitForm(ClosedForm):
+    """Formulas whose function takes the unknown as its last family parameter."""
+
+    equation: str = ""
+    """A CasADi function, serialised: (unknown, parameters) → a number that vanishes at members, and
+    its slope by the unknown."""
+    start: float = 0.0
+    """Number to which the root that is meant is the nearest."""
+    between: tuple[float, float] = (-np.inf, np.inf)
+    """Interval in which other roots are sought; a condition of the system says what is valid."""
+
+    __getstate__ = fields_of
+
+    @cached_property
+    def used(self) -> tuple[int, ...]:
+        """Parameters on which the unknown depends, by their places."""
+        function = ca.Function.deserialize(self.equation)
+        count = function.numel_in(1)
+        pattern = function.jac_sparsity(0, 1)
+        return tuple(i for i in range(count) if pattern.has_nz(0, i))
+
+    @cached_property
+    def _program(self) -> Program:
+        return Program(ca.Function.deserialize(self.equation))
+
+    def __call__(self, algebra: Algebra, a: Any, q: Any) -> Columns:
+        """As for every closed form; the equation is solved first."""
+        return self.entries(algebra, [*a, self.solved(algebra, q)], q)
+
+    def begun(self, algebra: Algebra, a: Any, q: Any, moving: Varying) -> Formulas:
+        """As for every closed form; the equation is solved once where its parameters stay."""
+        if moving is None or any((1, place) in moving for place in self.used):
+            return partial(self, algebra)
+        u = self.solved(algebra, q)
+        then = super().begun(algebra, [*a, u], q, moving)
+        return lambda a, q: then([*a, u], q)
+
+    def guess(self, a: Floats, q: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+        """The unknown, and where it is not found; the root-finder would take any other root.
+
+        Parameters
+        ----------
+        a, q
+            Family parameters and parameters, shapes (N, ·).
+        """
+        near = np.broadcast_to(self.near(list(q.T)), a.shape[:1])
+        return np.array(near)[:, None], ~np.isfinite(near)
+
+    def solved(self, algebra: Algebra, q: Sequence[Any]) -> Any:
+        """The unknown, in the number type of the parameters.
+
+        Parameters
+        ----------
+        algebra
+            The number type.
+        q
+            Parameters.
+
+        Raises
+        ------
+        NoMemberError
+            If no unique root is proved near the one in double precision.
+        """
+        own = [q[i] for i in self.used]
+        if any(isinstance(v, arb_series) for v in own):
+            return self._series(algebra, q)
+        if algebra is TRACKED:
+            return self._tracked(q)
+        if any(isinstance(v, arb) for v in q) or isinstance(algebra.constant(0.0), arb):
+            return self._ball([v[0] if isinstance(v, arb_series) else arb(v) for v in q])
+        return self.near([q[i] if i in self.used else 0.0 for i in range(len(q))])
+
+    def _both(self, algebra: Algebra, u: Any, q: Sequence[Any]) -> tuple[Any, Any]:
+        value, slope = self._program.run(algebra, [[u], list(q)])
+        zero = algebra.constant(0.0)
+        return (value or [zero])[0], (slope or [zero])[0]
+
+    def near(self, q: Sequence[Any]) -> Any:
+        """The root nearest to the start in doubles, not a number where none is found.
+
+        Parameters
+        ----------
+        q
+            Parameters, numbers or arrays.
+        """
+        own = [np.asarray(q[i], dtype=float) for i in self.used]
+        key = tuple(v.item() for v in own) if all(v.ndim == 0 for v in own) else None
+        if key is not None and key in self._roots:
+            return self._roots[key]
+        given = [np.asarray(0.0)] * len(q)
+        for i, v in zip(self.used, own, strict=True):
+            given[i] = v
+        shape = np.broadcast_shapes(*(v.shape for v in own))
+        with np.errstate(all="ignore"):
+            u = self._newton(np.full(shape, self.start), given)
+            lost = ~self._nearest(u, given)
+            if lost.any():
+                rows = [np.broadcast_to(v, shape)[lost] for v in given]
+                u[lost] = self._searched(rows, int(lost.sum()))
+        if key is not None:
+            if len(self._roots) >= KEPT:
+                self._roots.clear()
+            self._roots[key] = u
+        return u
+
+    @cached_property
+    def _roots(self) -> dict[tuple[float, ...], Any]:
+        return {}
+
+    def _newton(self, u: Any, q: Sequence[Any]) -> Any:
+        """Newton's method; not a number where it does not end."""
+        for _ in range(STEPS):
+            value, slope = self._both(_PLAIN, u, q)
+            step = np.asarray(value / slope)
+            u = u - step
+            if (np.abs(step) <= LEAST * (1 + np.abs(u))).all():
+                break
+        return np.array(np.where(np.abs(step) <= 4 * LEAST * (1 + np.abs(u)), u, np.nan))
+
+    def _nearest(self, u: Any, q: Sequence[Any]) -> Any:
+        """Whether no sample nearer to the start than a root has another sign than the start."""
+        low, high = self.between
+        share = (np.arange(SIGNS) / SIGNS).reshape(-1, *[1] * u.ndim)
+        other = -share - 1 / SIGNS  # up to the place as far away as the root
+        sides = np.stack([self.start + (u - self.start) * one for one in (share, other)])
+        value = np.sign(self._value(np.clip(sides, low, high), q))
+        return (value == value[:1, :1]).all(axis=(0, 1)) | (u == self.start)
+
+    def _value(self, u: Any, q: Sequence[Any]) -> Any:
+        return np.broadcast_to(self._both(_PLAIN, u, q)[0], np.shape(u))
+
+    def _searched(self, q: Sequence[Any], count: int) -> Any:
+        """The root next to the nearest change of sign; not a number where there is none."""
+        low, high = self.between
+        if not np.isfinite(high - low):
+            return np.full(count, np.nan)
+        grid = low + (high - low) * (np.arange(SAMPLES) + 0.5) / SAMPLES
+        value = self._value(np.tile(grid[:, None], count), q)
+        change = np.sign(value[:-1]) * np.sign(value[1:]) <= 0
+        far = np.abs((grid[:-1] + grid[1:]) / 2 - self.start)
+        order = np.where(change, far[:, None], np.inf)
+        best = order.argmin(axis=0)
+        left, right = grid[best], grid[best + 1]
+        begin = np.sign(np.take_along_axis(value, best[None], 0)[0])
+        for _ in range(HALVINGS):
+            middle = (left + right) / 2
+            here = np.sign(self._value(middle, q)) == begin
+            left, right = np.where(here, middle, left), np.where(here, right, middle)
+        found = self._newton((left + right) / 2, q)
+        close = np.abs(found - left) <= (high - low) / SAMPLES
+        return np.where(close & np.isfinite(order.min(axis=0)), found, np.nan)
+
+    def _tracked(self, q: Sequence[Any]) -> RunningError:
+        """With a bound: |f(u)| over the least slope on an interval that this bound fits into."""
+        plain = [v.value if isinstance(v, RunningError) else v for v in q]
+        u = self.near(plain)
+        with np.errstate(all="ignore"):
+            value, slope = self._both(TRACKED, RunningError(u, 0.0), q)
+            off = np.abs(value.value) + 1.01 * value.error
+            width = WIDER * off / np.abs(slope.value) + LEAST**2
+            bound: Any = np.full(np.shape(u), np.inf)
+            for _ in range(TRIES):
+                _, over = self._both(TRACKED, RunningError(u, width), q)
+                least = np.abs(over.value) - 1.01 * over.error
+                found = 1.01 * off / np.where(least > 0, least, np.nan)
+                bound = np.where(found <= width, np.minimum(bound, found), bound)
+                width = WIDER * width
+        return RunningError(u, bound)
+
+    @cached_property
+    def _known(self) -> dict[Any, Any]:
+        return {}
+
+    def _ball(self, q: Sequence[Any]) -> Any:
+        """As a ball by an interval Newton step; one for exact numbers is kept."""
+        own = [q[i] for i in self.used]
+        points = [float(v.mid()) for v in own]
+        exact = all(v == arb(p) for v, p in zip(own, points, strict=True))
+        key = (ctx.prec, *points) if exact else None
+        if key is None or key not in self._known:
+            table = dict(zip(self.used, points, strict=True))
+            found = self._proved(q, float(self.near([table.get(i, 0.0) for i in range(len(q))])))
+            if key is None:
+                self._require_one(own, found, q)
+                return found
+            self._known[key] = found
+        return self._known[key]
+
+    def _require_one(self, own: Sequence[Any], found: Any, q: Sequence[Any]) -> None:
+        """Refuse an interval at whose ends another root is the nearest."""
+        ends = [{float(v.mid() - v.rad()), float(v.mid() + v.rad())} for v in own]
+        if all(len(some) == 1 for some in ends):
+            return
+        room = SAME * (1 + abs(float(found.mid()))) + float(found.rad())
+        for corner in product(*ends):
+            table = dict(zip(self.used, corner, strict=True))
+            there = float(self.near([table.get(i, 0.0) for i in range(len(q))]))
+            if not abs(there - float(found.mid())) <= room:
+                raise NoMemberError("another root is the nearest in a part of the interval.")
+
+    def _proved(self, q: Sequence[Any], rough: float) -> Any:
+        if not np.isfinite(rough):
+            raise NoMemberError("no root is found there.")
+        middle = [v.mid() for v in q]
+        u = arb(rough)
+        for _ in range(ctx.prec.bit_length()):  # quadratically, from the digits of a double
+            value, slope = self._both(balls(), u, middle)
+            u = (u - value / slope).mid()
+        value, slope = self._both(balls(), u, q)
+        width = (abs(value) / abs(slope) * WIDER).upper() + arb(2) ** (8 - ctx.prec)
+        for _ in range(TRIES):
+            wide = arb(u, width.upper())
+            _, over = self._both(balls(), wide, q)
+            if not over.contains(0):
+                found = u - value / over
+                if found.is_finite() and wide.contains_interior(found):
+                    return found
+            width = WIDER * width
+        raise NoMemberError("no unique root is proved there.")
+
+    def _series(self, algebra: Algebra, q: Sequence[Any]) -> Any:
+        """Power by power (implicit function theorem)."""
+        plain = [v[0] if isinstance(v, arb_series) else arb(v) for v in q]
+        found = [self._ball(plain)]
+        slope = self._both(balls(), found[0], plain)[1]
+        for k in range(1, ctx.cap):
+            rest, _ = self._both(algebra, arb_series([*found, 0]), q)
+            rest = rest[k] if isinstance(rest, arb_series) else arb(0)
+            found.append(-rest / slope)
+        return arb_series(found)

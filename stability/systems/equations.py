@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -9,16 +11,112 @@ from typing import Any, Self
 
 import casadi as ca
 import numpy as np
+from casadi import global_pickle_context, global_unpickle_context
+from casadi.casadi import _current_pickle_context  # type: ignore[attr-defined]
 from numpy.typing import ArrayLike, NDArray
 
 from ..algebra.program import Program, entries
-from ..base.checks import broadcast, known, rows
-from ..base.errors import DomainError, ParameterError, shown
+from ..base.checks import broadcast, instance, known, real_numbers, rows
+from ..base.errors import DomainError, ParameterError, listing, shown
 from ..base.quantities import Quantity
-from ..base.types import Record, content
-from .condition import Condition, not_finite
-from .serialisation import Portable
+from ..base.types import Record, content, fields_of
 from .system_checks import check_implicit, check_system, expression, mapping, names
+
+
+class Portable:
+    """A frozen dataclass with expressions that pickles, also in a process pool, and copies.
+
+    CasADi pickles an expression only within a context, in which expressions share their symbols.  A
+    record opens a context of its own where none is open, so that `pickle` alone is enough.
+    """
+
+    __getstate__ = fields_of
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        if _current_pickle_context():  # an outer record, or a caller, shares the symbols
+            return object.__reduce_ex__(self, protocol)
+        with global_pickle_context():
+            return _read, (pickle.dumps(self, protocol),)
+
+    def __copy__(self) -> Self:
+        new = object.__new__(type(self))
+        new.__dict__.update(self.__getstate__())
+        return new
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        new = object.__new__(type(self))
+        memo[id(self)] = new
+        new.__dict__.update(copy.deepcopy(self.__getstate__(), memo))
+        return new
+
+
+def _read(written: bytes) -> Any:
+    with global_unpickle_context():
+        return pickle.loads(written)
+
+
+def not_finite(name: str, values: Mapping[str, Any], found: NDArray[np.float64]) -> DomainError:
+    """The error of a graph with a value that is not finite; it names the first such place.
+
+    Parameters
+    ----------
+    name
+        Name of the system.
+    values
+        What the graph is computed from by name, arrays that broadcast to the leading shape.
+    found
+        Its values, matrices of shape (…, rows, columns).
+    """
+    fine = np.isfinite(found).all(axis=(-1, -2))
+    first = int(np.argmin(fine))
+    at = [np.broadcast_to(v, fine.shape).flat[first] for v in values.values()]
+    return DomainError(
+        f"{name} at {listing(values, at)}: values are not finite there, or overflow double "
+        "precision; give other states or parameters, nearer to 1."
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Condition(Portable, Record):
+    """A quantity that must be positive for the equations to have a meaning, and the reason.
+
+    Source: this package; the end of a run at a condition: tests/motion/test_system_motion.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> import casadi as ca
+    >>> g = ca.SX.sym("g")
+    >>> st.Condition(g, "g is {value:g}, which must be positive").sentence
+    'g is {value:g}, which must be positive'
+    """
+
+    value: ca.SX
+    """Expression in the states and parameters; a state without a positive value is refused."""
+    sentence: str
+    """The reason as a sentence for the user, with `{value}` in place of the number."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "value", expression("value of a condition", self.value, 1, 1))
+        sentence = instance("sentence of a condition", self.sentence, str, "give a string")
+        try:
+            sentence.format(value=1.0)
+        except (LookupError, ValueError, AttributeError, TypeError):
+            raise ParameterError(
+                f"sentence of a condition is {shown(sentence)}; the only thing in braces is "
+                "{value}, with a format for numbers."
+            ) from None
+
+    def _content(self) -> tuple[object, ...]:
+        graph = ca.Function("condition", ca.symvar(self.value), [self.value])
+        return (type(self), self.sentence, graph.serialize())
+
+    def refusal(self, value: float) -> str:
+        """The reason with its value, one sentence."""
+        number = real_numbers("value", value)
+        if number.size != 1:
+            raise ParameterError(f"value has shape {number.shape}; give one number.")
+        return self.sentence.format(value=float(number.item())) + "."
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -422,7 +520,7 @@ def eliminate(
     return [solution[j] for j in range(size)], values
 
 
-def _counted(word: str, given: tuple[str, ...], most: int = 8) -> str:
+def _counted(word: str, given: tuple[str, ...]) -> str:
     """How many names of a kind there are, and the first of them."""
-    told = ", ".join(given[:most]) + ", …" * (len(given) > most)
+    told = ", ".join(given[:8]) + ", …" * (len(given) > 8)
     return f"{len(given)} {word}{'s' * (len(given) != 1)}" + f" ({told})" * bool(given)

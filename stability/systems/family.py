@@ -19,11 +19,10 @@ from ..base.errors import DomainError, NoMemberError, ParameterError, StabilityE
 from ..base.types import Floats, Record, fields_of
 from .closed_form import ClosedForm
 from .equations import Equations
-from .following.members import Found, check_states, find, require_steady
-from .following.sheet import Anchor
 from .graph.family_graph import FamilyGraph, Frame
 from .graph.ignorable import acting_on, hidden_pairs, ignorable
 from .graph.smoothness import KINKED, REMOVABLE, gap, sloped
+from .members import Anchor, Found, check_states, find, require_steady
 from .system_checks import check_family, tables
 
 

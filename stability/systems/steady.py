@@ -23,9 +23,8 @@ from ..base.errors import (
 from ..base.types import Floats
 from .equations import Equations
 from .family import Family
-from .following.roots import accepted, newton_step, roots
-from .following.sheet import Anchor
 from .graph.ignorable import acting_on, ignorable
+from .members import Anchor, accepted, newton_step, roots
 from .system_checks import mapping, names
 
 STARTS = 64

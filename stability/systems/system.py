@@ -8,8 +8,7 @@ from typing import Any, Self
 
 from ..algebra.upright import Upright
 from ..base.errors import ParameterError, shown
-from .condition import Condition
-from .equations import Equations
+from .equations import Condition, Equations
 from .family import Family
 from .graph.ignorable import ignorable
 

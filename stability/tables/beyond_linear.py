@@ -12,10 +12,8 @@ from typing import Any
 from ..base.quantities import Kind, Quantity, rate_unit, readable
 from ..boundary.hopf import CycleBirth, HopfPoint
 from ..boundary.two_parameters.point_records import CodimensionTwo
-from .formats.about import About, Standing
-from .formats.column import Column, word
-from .formats.letters import symbol
-from .formats.table import Definition, Table
+from .letters import symbol
+from .table import About, Column, Definition, Standing, Table, word
 
 HOPF_HEADING = "flutter boundaries of {name}: how oscillation begins (recomputed)"
 POINT_HEADING = "points of codimension two of {name} (recomputed)"

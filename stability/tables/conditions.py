@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.quantities import Kind, Quantity
 from ..bodies.contact import Contact
@@ -17,39 +17,10 @@ from ..bodies.families import FAMILIES, SteadyFamily
 from ..bodies.quantities import QUANTITIES
 from ..boundary.brackets import BoundaryPoint
 from ..boundary.changes import along
+from ..derivation.formulas import LIMITS
 from ..spectra.problem import disk_problem
-from .disk_formulas import formula_latex, formula_lines
-from .formats.about import About, Standing
-from .formats.column import Column, word
-from .formats.latex import latex
-from .formats.plain import plain
-from .formats.table import Definition, Table
-
-
-@dataclass(frozen=True)
-class ConditionRow:
-    """One change of verdict along a family, or none."""
-
-    family: str
-    """Name of the family."""
-    contact: str
-    """Contact law."""
-    k: float
-    """Inertia factor [-]."""
-    mu: float | None
-    """Friction coefficient in the user's unit, or None for a law without one."""
-    at: float | None
-    """Family parameter where the verdict changes, or None without a change."""
-    error: float | None
-    """Half-width of the proved bracket around `at`."""
-    crossing: str
-    """static, flutter, or none."""
-    frequency: float | None
-    """Frequency of the crossing pair."""
-    below: str
-    """Verdict below `at` (or everywhere)."""
-    above: str
-    """Verdict above `at` (or everywhere)."""
+from .letters import escaped, mathematics, prose
+from .table import END, NEEDS, About, Column, Definition, Standing, Table, latex, plain, word
 
 
 def conditions(
@@ -59,7 +30,7 @@ def conditions(
     disk: Disk | None = None,
     laws: Sequence[str] = ("smooth", "viscous", "rough"),
     progress: Callable[[int, int], None] | None = None,
-) -> list[ConditionRow]:
+) -> list[dict[str, Any]]:
     """Changes of the verdict along each family, each with a proved bracket.
 
     Parameters
@@ -77,7 +48,7 @@ def conditions(
 
     Returns
     -------
-    list of ConditionRow
+    list of dict
         `at` is searched over `SteadyFamily.searched` (in √(g/R), or rad for tumbling; tumbling ends
         at upright, since larger angles are its mirror image).
 
@@ -86,7 +57,7 @@ def conditions(
     Examples
     --------
     >>> rows = conditions(k=(0.25,), mu=(0.3,), laws=("viscous",))
-    >>> [(r.family, r.crossing) for r in rows]
+    >>> [(r["family"], r["crossing"]) for r in rows]
     [('rolling', 'flutter'), ('spinning', 'static'), ('tumbling', 'none')]
     """
     base = Disk() if disk is None else disk
@@ -100,7 +71,7 @@ def conditions(
         if family.law in ("", law)
         for contact in _contacts(law, mu)
     ]
-    rows: list[ConditionRow] = []
+    rows: list[dict[str, Any]] = []
     for done, problem in enumerate(asked, start=1):
         rows += _rows(*problem)
         if progress:
@@ -130,7 +101,7 @@ def scan(family: SteadyFamily, disk: Disk, contact: Contact) -> list[BoundaryPoi
     return list(found)
 
 
-def _rows(family: SteadyFamily, disk: Disk, contact: Contact) -> list[ConditionRow]:
+def _rows(family: SteadyFamily, disk: Disk, contact: Contact) -> list[dict[str, Any]]:
     from ..spectra.spectrum import spectrum
 
     mu = contact.given.get("mu")
@@ -147,27 +118,18 @@ def _rows(family: SteadyFamily, disk: Disk, contact: Contact) -> list[ConditionR
         low, high = family.searched
         middle = math.sqrt(low * high) * family.unit(float(disk.rate))
         verdict = spectrum(family.name, at=middle, disk=disk, contact=contact).verdict.word
-        return [
-            ConditionRow(
-                **common,
-                at=None,
-                error=None,
-                crossing="none",
-                frequency=None,
-                below=verdict,
-                above=verdict,
-            )
-        ]
+        none = {"at": None, "error": None, "crossing": "none", "frequency": None}
+        return [common | none | {"below": verdict, "above": verdict}]
     return [
-        ConditionRow(
-            **common,
-            at=p.value,
-            error=p.error,
-            crossing=p.crossing.word,
-            frequency=p.frequency,
-            below=good if p.stable_below else "unstable",
-            above="unstable" if p.stable_below else good,
-        )
+        common
+        | {
+            "at": p.value,
+            "error": p.error,
+            "crossing": p.crossing.word,
+            "frequency": p.frequency,
+            "below": good if p.stable_below else "unstable",
+            "above": "unstable" if p.stable_below else good,
+        }
         for p in points
     ]
 
@@ -253,7 +215,7 @@ TABLE = Definition(
         word("below", "verdict below at, or everywhere"),
         word("above", "verdict above at, or everywhere"),
     ),
-    lambda **options: [asdict(row) for row in conditions(**options)],
+    conditions,
     ("k", "mu", "contact", "disk", "progress"),
     _notes,
     _text,
@@ -269,3 +231,124 @@ TABLE = Definition(
     home=f"{__name__}:TABLE",
 )
 """The table for the registry."""
+
+
+# --- the conditions as formulas ---
+
+
+Formulas = Mapping[str, Any]
+"""A record of `stability.derivation.formulas.Formulas`."""
+SHORT_FORMULA = 60
+"""Most characters of a formula that is set with fractions; a longer one breaks over lines."""
+SYMBOLS = (
+    (r"\lambda", "eigenvalue; where M occurs, λ = σ mu"),
+    ("k", "inertia factor"),
+    (r"\mu", "friction coefficient, dimensionless, also written mu*"),
+    (r"\omega_{3}", "axial angular velocity"),
+    (r"\dot\varphi", "precession rate"),
+    (r"\theta", "axis inclination"),
+    ("z", "square of omega3 (rolling) or phi_dot (spinning, circling, precession)"),
+    ("s", "sin(theta)"),
+    ("M", "mu**2"),
+)
+"""Symbols of the formulas, in LaTeX, with their meaning."""
+
+
+def formula_lines(found: Sequence[Formulas]) -> list[str]:
+    """The formulas as lines of text.
+
+    Parameters
+    ----------
+    found
+        One record for each family and law.
+
+    Returns
+    -------
+    list of str
+    """
+    lines = ["stability conditions as formulas, dimensionless (recomputed)", ""]
+    for one in found:
+        product = "".join(f"({p})" for p in one["polynomial"])
+        lines += [
+            f"{one['family']}, {one['contact']}",
+            f"    det(λ - A) ~ λ^{one['structural_zeros']} {product}",
+        ]
+        lines += [f"    decides: {c['kind']:<9} {c['positive']} > 0" for c in one["conditions"]]
+        for b in one["boundaries"]:
+            lines.append(f"    {b['kind']} boundary: {b['of']} = {b['formula']}")
+            lines += [f"        for {b['where']}"] if "where" in b else []
+        for limit, values in one["limits"].items():
+            lines += [f"    as {limit}, at each member: {value} > 0" for value in values]
+        lines += [f"    {p['name']} {p['positive']} > 0: {p['proof']}" for p in one["proved"]]
+        lines += [f"    * {s}" for s in one["statements"]] + [""]
+    last = "lam = λ; where M = mu*² occurs, λ = σ mu; z = at*², s = sin(theta)."
+    return [*lines, last, f"The {LIMITS}.", ""]
+
+
+def formula_latex(found: Sequence[Formulas]) -> str:
+    r"""The formulas as LaTeX: a table of the symbols, then a list for each family and law.
+
+    Parameters
+    ----------
+    found
+        One record for each family and law.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> from dataclasses import asdict
+    >>> from stability.derivation.formulas import formulas
+    >>> text = formula_latex([asdict(formulas("spinning", "rough"))])
+    >>> print(text[text.index(r"\item static b"):].splitlines()[0])
+    \item static boundary: $\dot\varphi ^{2} = \frac{1}{k + 1}$
+    """
+    lines = [
+        "% stability table conditions: recomputed from the equations of motion",
+        NEEDS,
+        r"\begingroup\raggedright\setlength{\parindent}{0pt}",
+        r"\begin{tabular}{@{}ll@{}}",
+        r"\toprule",
+        r"symbol & meaning \\",
+        r"\midrule",
+        *(rf"${symbol}$ & {prose(meaning)} \\" for symbol, meaning in SYMBOLS),
+        r"\bottomrule",
+        r"\end{tabular}",
+    ]
+    for one in found:
+        lines += ["", *_list(one)]
+    return "\n".join([*lines, "", prose(f"Dimensionless: m = R = g = 1. The {LIMITS}."), END])
+
+
+def _list(one: Formulas) -> list[str]:
+    """Formulas of one family and law as an itemised list."""
+    product = r"\,".join(f"({mathematics(p)})" for p in one["polynomial"])
+    lines = [
+        rf"\paragraph{{{escaped(one['family'])}, {escaped(one['contact'])} contact}} "
+        rf"Characteristic polynomial: $\lambda^{{{one['structural_zeros']}}}$ times ${product}$.",
+        r"\begin{itemize}",
+    ]
+    lines += [rf"\item {c['kind']}: {_formula(c['positive'], '> 0')}" for c in one["conditions"]]
+    for b in one["boundaries"]:
+        where = f" for {prose(b['where'])}" if "where" in b else ""
+        lines.append(rf"\item {b['kind']} boundary: {_formula(b['formula'], head=b['of'])}{where}")
+    for limit, values in one["limits"].items():
+        lines += [rf"\item ${mathematics(limit)}$: {_formula(v, '> 0')}" for v in values]
+    lines += [rf"\item {prose(s)}" for s in one["statements"]]
+    if not any(line.startswith(r"\item") for line in lines):
+        lines.append(r"\item no condition")
+    return [*lines, r"\end{itemize}"]
+
+
+def _formula(text: str, relation: str = "", head: str = "") -> str:
+    """A formula: with fractions where it is short, otherwise one that breaks over lines."""
+    before = f"{mathematics(head)} = " if head else ""
+    if len(text) > SHORT_FORMULA:
+        return f"${before}{mathematics(text)}{relation and ' ' + relation}$"
+    import sympy
+
+    names = {sympy.Symbol("lam"): r"\lambda", sympy.Symbol("mu"): r"\mu"}
+    value = sympy.sympify(text, locals={"S": sympy.Symbol("S")})
+    return f"${before}{sympy.latex(value, symbol_names=names)}{relation and ' ' + relation}$"

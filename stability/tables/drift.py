@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
 
-from ..base.citation.used import MODEL
+from ..base.citation import MODEL
 from ..base.errors import NameUnknownError, shown
 from ..base.quantities import Kind
 from ..bodies.contact import Contact
@@ -13,35 +12,10 @@ from ..bodies.contact_laws import LinearViscous, Viscous
 from ..bodies.disk import Disk
 from ..boundary.drift import FORMULAS, drift
 from .conditions import MU, K
-from .formats.about import About, Standing
-from .formats.column import Column
-from .formats.plain import units_note
-from .formats.table import Definition
+from .table import About, Column, Definition, Standing, units_note
 
 RATIOS = (1.25, 1.5, 2.0, 3.0)
 """Values of omega3 over its threshold in the table of drift."""
-
-
-@dataclass(frozen=True)
-class DriftRow:
-    """How long straight rolling lasts."""
-
-    k: float
-    """Inertia factor [-]."""
-    mu: float
-    """Friction coefficient in the user's unit."""
-    omega3: float
-    """omega3 at the start."""
-    threshold: float
-    """Value of omega3 where spectral stability ends."""
-    tilt: float
-    """theta - π/2 at the start [rad]."""
-    time_slow: float
-    """Time to the threshold from the slow manifold."""
-    time_launch: float
-    """Time to the threshold from a launch with phi_dot = 0 and no slip."""
-    tilt_end: float
-    """Tilt at the threshold after the launch [rad]."""
 
 
 def drift_rows(
@@ -51,7 +25,7 @@ def drift_rows(
     tilt: Sequence[float] = (0.01,),
     disk: Disk | None = None,
     law: str = "viscous",
-) -> list[DriftRow]:
+) -> list[dict[str, float]]:
     """How long straight rolling lasts, to leading order in the tilt.
 
     Parameters
@@ -65,14 +39,14 @@ def drift_rows(
 
     Returns
     -------
-    list of DriftRow
+    list of dict
 
     Source: tests/boundary/test_drift.py.
 
     Examples
     --------
     >>> rows = drift_rows(k=(0.25,), mu=(1.0,))
-    >>> [round(r.time_launch / r.time_slow, 3) for r in rows]
+    >>> [round(r["time_launch"] / r["time_slow"], 3) for r in rows]
     [0.798, 0.857, 0.918, 0.963]
     """
     rows = []
@@ -88,16 +62,16 @@ def drift_rows(
                         for f in (False, True)
                     )
                     rows.append(
-                        DriftRow(
-                            inertia,
-                            value,
-                            at,
-                            threshold,
-                            angle,
-                            slow.time,
-                            fast.time,
-                            fast.tilt_end,
-                        )
+                        {
+                            "k": inertia,
+                            "mu": value,
+                            "omega3": at,
+                            "threshold": threshold,
+                            "tilt": angle,
+                            "time_slow": slow.time,
+                            "time_launch": fast.time,
+                            "tilt_end": fast.tilt_end,
+                        }
                     )
     return rows
 
@@ -166,7 +140,7 @@ TABLE = Definition(
         ),
         Column("tilt_end", "tilt at the threshold after the launch", Kind.ANGLE, form="{:.4g}"),
     ),
-    lambda **options: [asdict(row) for row in drift_rows(**options)],
+    drift_rows,
     ("k", "mu", "contact", "disk", "tilt"),
     lambda table: [*DRIFT_NOTES, units_note(table)],
     about=About(

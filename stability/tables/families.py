@@ -2,39 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
 from functools import lru_cache
+from typing import Any
 
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..bodies.contact_laws import LAWS
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES, families_of_disk
 from ..bodies.thin_disk import disk_family
 from ..systems.structure.structural_zeros import structure
 from .conditions import scan
-from .formats.about import About, Standing
-from .formats.column import Column, word
-from .formats.plain import framed
-from .formats.table import Definition, Table
-
-
-@dataclass(frozen=True)
-class FamilyRow:
-    """A family of steady motions."""
-
-    family: str
-    """Name of the family."""
-    at: str
-    """Quantities that name a member."""
-    motion: str
-    """The motion in words."""
-    condition: str
-    """Condition for a member, derived from the graph; dimensionless (m = R = g = 1)."""
-    structural_zeros: dict[str, int]
-    """Number of structural zeros by contact law."""
-    thresholds: dict[str, list[float]]
-    """Squares of `at` (`at` itself for an angle) where the smooth and rough verdicts change,
-    for k = 1/4."""
+from .table import About, Column, Definition, Standing, Table, framed, word
 
 
 @lru_cache(maxsize=8)
@@ -84,19 +62,19 @@ def condition(name: str) -> str:
     return f"{unknown} = {sympy.simplify(root)}"
 
 
-def families() -> list[FamilyRow]:
+def families() -> list[dict[str, Any]]:
     """The families of steady motions with their conditions, derived from the graph.
 
     Returns
     -------
-    list of FamilyRow
+    list of dict
         One row for each family; thresholds are computed for the uniform disk.
 
     Source: equations of Przybylska & Rauch-Wojciechowski 2016; recomputed.
 
     Examples
     --------
-    >>> [row.family for row in families()]
+    >>> [row["family"] for row in families()]
     ['rolling', 'spinning', 'tumbling', 'circling', 'precession']
     """
     rows = []
@@ -110,9 +88,14 @@ def families() -> list[FamilyRow]:
                 power = 1 if record.by_angle else 2
                 thresholds[law] = [p.value**power for p in points]
         rows.append(
-            FamilyRow(
-                name, ", ".join(record.at), record.disk_motion, condition(name), zeros, thresholds
-            )
+            {
+                "family": name,
+                "at": ", ".join(record.at),
+                "motion": record.disk_motion,
+                "condition": condition(name),
+                "structural_zeros": zeros,
+                "thresholds": thresholds,
+            }
         )
     return rows
 
@@ -154,7 +137,7 @@ TABLE = Definition(
             form="{:.6g}",
         ),
     ),
-    lambda: [asdict(row) for row in families()],
+    families,
     notes=lambda _: ["Dimensionless: m = R = g = 1, angular velocities in √(g/R)."],
     text=_text,
     about=About(

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from typing import Any
 
-from ..base.citation.used import MODEL
+from ..base.citation import MODEL
 from ..base.errors import listed
 from ..base.quantities import Kind
 from ..base.types import Progress
@@ -14,34 +14,14 @@ from ..bodies.families import FAMILIES
 from ..boundary.hopf import hopf
 from .conditions import MU, K, member
 from .drift import _body, law_of
-from .formats.about import About, Standing
-from .formats.column import Column, word
-from .formats.plain import units_note
-from .formats.table import Definition
+from .table import About, Column, Definition, Standing, units_note, word
 
-
-@dataclass(frozen=True)
-class HopfRow:
-    """A flutter boundary along spinning or tumbling, or none."""
-
-    family: str
-    """Name of the family."""
-    k: float
-    """Inertia factor [-]."""
-    mu: float
-    """Friction coefficient in the user's unit."""
-    at: float | None
-    """Family parameter at the boundary, or None without a boundary."""
-    stable: str
-    """Stable side of the boundary: below, above, or - without a boundary."""
-    frequency: float | None
-    """Frequency of the crossing pair."""
-    crossing: float | None
-    """Re μ' of `HOPF_NOTES` along the line, dimensionless."""
-    push: float | None
-    """Coefficient c of `HOPF_NOTES`, dimensionless."""
-    kind: str
-    """elliptic, hyperbolic, degenerate, or none."""
+NONE: dict[str, Any] = {
+    **dict.fromkeys(("at", "frequency", "crossing", "push")),
+    "stable": "-",
+    "kind": "none",
+}
+"""Row of a line without a boundary."""
 
 
 def hopf_rows(
@@ -51,7 +31,7 @@ def hopf_rows(
     disk: Disk | None = None,
     law: str = "viscous",
     progress: Progress | None = None,
-) -> list[HopfRow]:
+) -> list[dict[str, Any]]:
     """Flutter boundaries along spinning and tumbling, with their type.
 
     Parameters
@@ -67,34 +47,33 @@ def hopf_rows(
 
     Returns
     -------
-    list of HopfRow
+    list of dict
 
     Source: tests/boundary/test_hopf.py.
 
     Examples
     --------
-    >>> [(r.family, r.kind) for r in hopf_rows(k=(0.5,), mu=(1.0,))]
+    >>> [(r["family"], r["kind"]) for r in hopf_rows(k=(0.5,), mu=(1.0,))]
     [('spinning', 'elliptic'), ('tumbling', 'hyperbolic')]
     """
-    rows: list[HopfRow] = []
+    rows: list[dict[str, Any]] = []
     lines = [name for name, family in FAMILIES.items() if family.flutter]
     asked = [(f, inertia, value) for f in lines for inertia in k for value in mu]
     for done, (family, inertia, value) in enumerate(asked, start=1):
         found = hopf(family, contact=law_of(law, value), disk=_body(disk, inertia))
-        rows += [
-            HopfRow(
-                family,
-                inertia,
-                value,
-                p.at,
-                "below" if p.stable_below else "above",
-                p.frequency,
-                p.crossing,
-                p.push,
-                p.kind.word,
-            )
+        line = {"family": family, "k": inertia, "mu": value}
+        points = [
+            {
+                "at": p.at,
+                "stable": "below" if p.stable_below else "above",
+                "frequency": p.frequency,
+                "crossing": p.crossing,
+                "push": p.push,
+                "kind": p.kind.word,
+            }
             for p in found
-        ] or [HopfRow(family, inertia, value, None, "-", None, None, None, "none")]
+        ]
+        rows += [line | point for point in points or [NONE]]
         if progress:
             progress(done, len(asked))
     return rows
@@ -130,7 +109,7 @@ TABLE = Definition(
         Column("push", "coefficient of the drift, dimensionless", latex="c"),
         word("kind", "elliptic, hyperbolic, degenerate, or none"),
     ),
-    lambda **options: [asdict(row) for row in hopf_rows(**options)],
+    hopf_rows,
     ("k", "mu", "contact", "disk", "progress"),
     lambda table: [*HOPF_NOTES, units_note(table)],
     about=About(

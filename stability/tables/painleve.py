@@ -5,12 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..base.quantities import Kind
 from ..base.types import Progress
-from .formats.about import About, Standing
-from .formats.column import Column, word
-from .formats.table import Definition, Table
+from .table import About, Column, Definition, Standing, Table, word
 
 
 def _rows(body: Any = None, progress: Progress | None = None) -> list[dict[str, Any]]:

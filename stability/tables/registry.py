@@ -1,24 +1,76 @@
-"""Names of the tables, and `table`, which computes them."""
+"""Names of the tables, `table`, which computes them, and the list of tables."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 
-from ..base.citation.used import gathered, joined
-from ..base.errors import ParameterError, listed
+from ..base.citation import gathered, joined
+from ..base.errors import NameUnknownError, ParameterError, StabilityError, listed, shown
 from ..base.types import Progress
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES
 from ..bodies.law_names import law_named
 from ..bodies.quantities import PHYSICAL, disk_quantities
 from ..systems.family import Family
-from .contents.places import PLACES as PLACES
-from .contents.places import definition as definition
-from .formats.table import Table
+from .table import Definition, Table, framed, word
+
+PLACES = {
+    "families": "families",
+    "conditions": "conditions",
+    "drift": "drift",
+    "hopf": "hopf",
+    "painleve": "painleve",
+    "benchmarks": "benchmarks.catalogue",
+    "thresholds": "thresholds",
+    "list": "registry",
+}
+"""Module of each table, by name; its `TABLE` is the `Definition`."""
+NOTEBOOKS = {
+    "theorems": "theorems_disk",
+    "bodies": "theorems_steady and theorems_stability",
+    "completeness": "theorems_steady",
+}
+"""Notebooks that prove what tables of earlier versions printed, by the table's name."""
+
+
+def definition(name: str) -> Definition:
+    """The definition of a table.
+
+    Parameters
+    ----------
+    name
+        A key of `PLACES`.
+
+    Returns
+    -------
+    Definition
+
+    Raises
+    ------
+    NameUnknownError
+        If the table is unknown, or has become a notebook.
+
+    Examples
+    --------
+    >>> definition("drift").takes
+    ('k', 'mu', 'contact', 'disk', 'tilt')
+    """
+    if name in NOTEBOOKS:
+        raise NameUnknownError(
+            f"table {name} is proved and printed by {NOTEBOOKS[name]} now, in the notebooks of the "
+            "project and of its documentation."
+        )
+    if name not in PLACES:
+        known = ", ".join((*PLACES, "codimension"))
+        raise NameUnknownError(f"table is {shown(name)}; known are {known}.")
+    found: Definition = import_module(f"{__package__}.{PLACES[name]}").TABLE
+    return found
+
 
 OF_FAMILY = ("conditions", "hopf", "codimension")
 """Tables of a family of the user's own."""
@@ -311,3 +363,72 @@ def _of_disk(
     name = given.get("contact", "viscous")
     law = class_named(name) if "mu" in swept else law_named(name, one.get("mu"))
     return {"disk": body, "contact": law, "at": one.get("at")}
+
+
+# --- the list of tables ---
+
+
+def every_table() -> list[dict[str, str]]:
+    """One row for each table.
+
+    Returns
+    -------
+    list of dict
+
+    Raises
+    ------
+    StabilityError
+        If a table does not say where it is from.
+
+    Examples
+    --------
+    >>> [row["name"] for row in every_table()][:3]
+    ['families', 'conditions', 'drift']
+    """
+    from .beyond_linear import POINTS
+
+    every = {name: definition(name) for name in PLACES if name != "list"} | {"codimension": POINTS}
+    rows = []
+    for name, one in every.items():
+        if one.about is None:
+            raise StabilityError(f"the table {name} has no source; give its Definition `about`.")
+        shows = one.heading.format(name="a family").removesuffix(" (recomputed)")
+        rows.append(
+            {
+                "name": name,
+                "shows": shows,
+                "source": one.about.source,
+                "published": one.about.published,
+                "recomputed": one.about.recomputed,
+                "difference": one.about.difference,
+                "status": str(one.about.standing.value),
+            }
+        )
+    return rows
+
+
+def _list_text(table: Table) -> str:
+    lines: list[str] = []
+    for row in table.rows:
+        lines += ["", f"{row['name']}: {row['shows']}"]
+        lines += [f"    {c.name:<11} {row[c.name]}" for c in table.columns[2:]]
+    return framed(table, lines[1:])
+
+
+TABLE = Definition(
+    "the tables, and whether each is reproduced or recomputed",
+    (
+        word("name", "name of the table"),
+        word("shows", "what the table shows", share=0.15),
+        word("source", "where equations, statements or values are from", share=0.17),
+        word("published", "what of the source was at hand as printed", share=0.13),
+        word("recomputed", "what the package computes, and by which route", share=0.15),
+        word("difference", "largest difference from the known values", share=0.11),
+        word("status", "whether the table is reproduced", "below"),
+    ),
+    every_table,
+    notes=lambda table: [f"{len(table.rows)} tables; `stability table NAME` computes one."],
+    text=_list_text,
+    home=f"{__name__}:TABLE",
+)
+"""The table for the registry."""

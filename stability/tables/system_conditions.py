@@ -10,11 +10,9 @@ from typing import TYPE_CHECKING, Any
 from ..algebra.polynomial import Polynomial
 from ..base.exact_numbers import decimal_of, written
 from ..base.quantities import readable
-from .formats.column import Column, word
-from .formats.latex import END
-from .formats.letters import converted, escaped, symbol
-from .formats.letters import unit as unit_in_latex
-from .formats.table import Definition
+from .letters import converted, escaped, symbol
+from .letters import unit as unit_in_latex
+from .table import END, Column, Definition, word
 
 if TYPE_CHECKING:
     from ..derivation.conditions import Conditions

@@ -10,7 +10,7 @@ from typing import Any
 from flint import arb
 
 from ..algebra.number_types import precision
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..base.types import Progress
 from ..base.verdict import Verdict
 from ..bodies.contact_laws import Rough
@@ -30,9 +30,7 @@ from .benchmarks.row import (
     compared,
     threshold,
 )
-from .formats.about import About, Standing
-from .formats.plain import framed
-from .formats.table import Definition
+from .table import About, Definition, Standing, framed
 
 BITS = 200
 """Working precision of the closed forms."""

@@ -23,7 +23,7 @@ from stability.algebra.number_types import (
 from stability.algebra.program import Program
 from stability.algebra.running_error import TRACKED, RunningError
 from stability.boundary.interval_search.taylor import series_algebra, terms
-from stability.systems.graph.slopes import rates_and_slopes
+from stability.systems.graph.family_graph import rates_and_slopes
 
 INSIDE = {
     "expm1": [(0.3,), (-1e-9,), (-4.0,)],

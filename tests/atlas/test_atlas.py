@@ -252,7 +252,7 @@ def test_a_folder_in_the_way_stops_it_before_anything_is_moved(tmp_path: Path) -
 
 def test_figures_use_colours_that_differ_in_lightness_and_mark_growth_without_colour() -> None:
     """Luminance of decay and growth ends differ from neutral, and growth is hatched."""
-    from stability.figures.diagram import DIVERGING
+    from stability.figures.shading import DIVERGING
 
     light = [float(np.dot(DIVERGING(v)[:3], [0.2126, 0.7152, 0.0722])) for v in (0.0, 0.5, 1.0)]
     assert light[1] - max(light[0], light[2]) > 0.5

@@ -11,8 +11,7 @@ import pytest
 import yaml
 
 import stability as st
-from stability.base.citation.used import METHODS
-from stability.base.citation.works import WORKS
+from stability.base.citation import METHODS, WORKS
 from stability.bodies.contact_laws import MOTION_LAWS
 from stability.cli.commands import main
 from stability.integrators.selection import METHODS as INTEGRATORS
@@ -195,7 +194,7 @@ def test_an_answer_cites_the_rung_that_answered() -> None:
 
 
 def test_every_law_is_known_to_the_choice() -> None:
-    from stability.base.citation.used import LAWS
+    from stability.base.citation import LAWS
 
     assert set(LAWS) <= set(MOTION_LAWS)
 

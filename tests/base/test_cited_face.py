@@ -10,8 +10,7 @@ import casadi as ca
 import pytest
 
 import stability as st
-from stability.base.citation.used import cited, gathered
-from stability.base.citation.works import WORKS
+from stability.base.citation import WORKS, cited, gathered
 
 VISCOUS = st.Viscous(0.97)
 PLANE: dict[str, Any] = {"x": ("at", 1, 3, 5), "y": ("mu", 0.1, 1, 4)}
@@ -285,7 +284,7 @@ def test_tables_of_a_users_family_cite_its_result_and_no_disk() -> None:
 
 
 def test_every_table_cites_works_that_are_known() -> None:
-    from stability.tables.contents.places import PLACES, definition
+    from stability.tables.registry import PLACES, definition
 
     for name in PLACES:
         keys = definition(name).cites.split(", ")

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import stability as st
-from stability.base.calls.main_module import guarded_line
+from stability.base.main_module import guarded_line
 
 SCRIPT = """
 import stability as st

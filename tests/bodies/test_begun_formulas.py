@@ -15,8 +15,8 @@ from stability.algebra.number_types import precision
 from stability.algebra.running_error import TRACKED, RunningError
 from stability.base.errors import NoMemberError
 from stability.spectra.problem import formulas_of
+from stability.systems import members as following
 from stability.systems.closed_form import ClosedForm, RepeatedBalls
-from stability.systems.following import members as following
 
 FAMILIES = ("torus", "egg", "leaning")
 MIDDLE = {"theta": 1.2, "omega3": 1.1, "tube": 0.2, "thickness": 0.1, "mu": 0.4}

@@ -19,7 +19,7 @@ from stability.bodies.round_body.inclinations import tumbling_ranges
 from stability.boundary.interval_search.taylor import series_algebra, terms
 from stability.maps import cells
 from stability.spectra.problem import formulas_of
-from stability.systems.graph.implicit_form import ImplicitForm
+from stability.systems.closed_form import ImplicitForm
 
 ROUNDED = st.Body(
     lambda theta, bend: 1 + bend * ca.cos(2 * theta),

@@ -304,7 +304,7 @@ def test_a_family_whose_graph_has_another_form_gets_no_polynomial(
 
 def test_methods_are_compared_on_it(family: str) -> None:
     from stability.compare.spectrum.points import Points
-    from stability.compare.spectrum.routes.mpmath_routes import ManyDigits
+    from stability.compare.spectrum.routes import ManyDigits
 
     known, at = given(family)[0]
     one = np.ones(1)

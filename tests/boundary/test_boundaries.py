@@ -691,7 +691,7 @@ def test_the_command_line_prints_the_warning_in_one_line(
     def run(_: Any) -> None:
         st.boundaries(softened(), axis=("g", 0.6, 1, 9), at=0.5, c=0.0)
 
-    monkeypatch.setattr(cli, "_table", run)
+    monkeypatch.setattr(cli.table, "run", run)
     assert cli.main(["table", "families"]) == 0
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 1 and lines[0].startswith("stability: note: the search along g is not")

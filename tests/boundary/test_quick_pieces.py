@@ -16,7 +16,7 @@ from stability.boundary.interval_search.meetings import FormulaMeetings, watched
 from stability.boundary.interval_search.quick_pieces import ORDER, Rounds, rounds_of
 from stability.boundary.interval_search.taylor import coefficient, series_algebra, terms
 from stability.spectra.problem import system_problem
-from stability.systems.graph.implicit_form import ImplicitForm
+from stability.systems.closed_form import ImplicitForm
 
 LINES: dict[str, tuple[st.Body, str, str, str, dict[str, float], tuple[float, float]]] = {
     "theta": (st.Torus(0.2), "tumbling", "viscous", "theta", {"tube": 0.2, "mu": 0.3}, (0.1, 1.5)),

@@ -7,7 +7,7 @@ import pytest
 from command_line import output
 
 import stability as st
-from stability.base.citation.works import WORKS
+from stability.base.citation import WORKS
 
 DISK = ["stability", "przybylska2016", "casadi"]
 SCENE = """

@@ -14,24 +14,35 @@ from reference import spectra
 import stability as st
 from stability.base.verdict import CODES, Verdict
 from stability.compare import failures as catalogue
+from stability.compare.cost import places
 from stability.compare.failures import Entry, attempt
 from stability.compare.marks import HONEST, Judgement, Mark, by_error
 from stability.compare.motion.cases import MOTION_CASES, MotionCase
+from stability.compare.motion.chart import judged
 from stability.compare.motion.drivers import DRIVERS, Answer, Driver, driver, simulated
-from stability.compare.motion.measure import judged
 from stability.compare.motion.reference_motions import ReferenceMotion, scene, scenes
-from stability.compare.pareto import places
-from stability.compare.spectrum import measure as spectral
-from stability.compare.spectrum.case import Case
-from stability.compare.spectrum.cases import CASES, LADDERS, DoubleZero, NonSteady
-from stability.compare.spectrum.hardness import EDGES, MEETINGS, classes, coalescence, points_of
-from stability.compare.spectrum.points import Points
-from stability.compare.spectrum.routes import jacobians as routes
-from stability.compare.spectrum.routes.jacobians import AutomaticJacobian, AutomaticRaw
-from stability.compare.spectrum.routes.mpmath_routes import ManyDigits
-from stability.compare.spectrum.routes.package_routes import OWN, Certified, Deflated, MapKernel
-from stability.compare.spectrum.routes.route import Route
-from stability.compare.spectrum.routes.sympy_disk import kept_mass
+from stability.compare.spectrum import chart as spectrum_chart
+from stability.compare.spectrum import routes as routes
+from stability.compare.spectrum.cases import CASES, LADDERS, Case, DoubleZero, NonSteady
+from stability.compare.spectrum.points import (
+    EDGES,
+    MEETINGS,
+    Points,
+    classes,
+    coalescence,
+    points_of,
+)
+from stability.compare.spectrum.routes import (
+    OWN,
+    AutomaticJacobian,
+    AutomaticRaw,
+    Certified,
+    Deflated,
+    ManyDigits,
+    MapKernel,
+    Route,
+)
+from stability.compare.spectrum.sympy_disk import kept_mass
 
 # --- truths of spectra ---
 
@@ -126,7 +137,7 @@ def test_boundaries_are_those_of_published_formulas(whole: bool) -> None:
             ("spinning", "rough"): 1 / (1 + k),
             ("spinning", "smooth"): 1 / k,
         }.get((family, law))
-        value, rest = spectral.exact_edge(*where)
+        value, rest = spectrum_chart.exact_edge(*where)
         if square is not None:
             with mpmath.workdps(40):
                 exact = mpmath.sqrt(mpmath.mpf(1) / (1 / mpmath.mpf(square)))
@@ -179,16 +190,16 @@ def test_every_class_has_points_of_more_than_one_verdict(whole: bool) -> None:
 
 
 @pytest.mark.few(4)
-@pytest.mark.parametrize("name", list(spectral.ROUTES))
+@pytest.mark.parametrize("name", list(routes.ROUTES))
 def test_every_route_is_right_in_the_open_field(name: str) -> None:
     if name == "sympy-solved":  # 0/0 upright, which is what it is there to show
         return
     for group in points_of("open"):
         few = group[:3]
-        answer = spectral.route(name).answer(few)
+        answer = routes.route(name).answer(few)
         if name != "ad-raw":
             assert answer.codes.tolist() == few.truth.codes.tolist()
-        _, abscissa = spectral.errors(few, answer)
+        _, abscissa = spectrum_chart.errors(few, answer)
         if abscissa is not None and name != "ad-raw":
             rough = {"forward": 1e-5, "forward-1e-4": 1e-1, "forward-1e-12": 1e-1, "central": 1e-7}
             assert abscissa.max() < rough.get(name, 1e-8)
@@ -213,21 +224,21 @@ def test_an_error_is_counted_after_the_best_matching() -> None:
     exact = it.truth.eigenvalues
     none = np.zeros(1, np.int8)
     turned = routes.Answer(none, exact[:, ::-1], exact.real.max(axis=1))
-    off, _ = spectral.errors(it, turned)
+    off, _ = spectrum_chart.errors(it, turned)
     assert off is not None and off[0] < 1e-15
     moved = routes.Answer(none, exact + 1e-3, exact.real.max(axis=1) + 1e-3)
-    off, abscissa = spectral.errors(it, moved)
+    off, abscissa = spectrum_chart.errors(it, moved)
     assert off is not None and abscissa is not None
     assert off[0] == pytest.approx(1e-3 / np.abs(exact).max(), rel=1e-9)
     assert abscissa[0] == pytest.approx(1e-3 / abs(exact.real.max()), rel=1e-9)
 
 
 def test_cells_of_a_chart_hold_every_timing() -> None:
-    cell = spectral.measure("conservative", "ad")
+    cell = spectrum_chart.measure("conservative", "ad")
     assert cell["count"] == 40 == len(cell["eigenvalues"])
     assert cell["wrong"] > 0
     assert min(len(cell["one"]), len(cell["many"])) >= 3
-    cell = spectral.measure("conservative", "certified")
+    cell = spectrum_chart.measure("conservative", "certified")
     assert (cell["wrong"], cell["undecided"], cell["many"]) == (0, 0, [])
 
 
@@ -236,8 +247,8 @@ def test_boundaries_by_lapack_are_off_and_those_of_the_package_are_not(
     whole: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if not whole:  # the nearly flat hoop is the seventh
-        monkeypatch.setattr(spectral, "EDGES", (*EDGES[:7:2], EDGES[11]))
-    people, own = spectral.locate("ad-1e-9"), spectral.locate("map")
+        monkeypatch.setattr(spectrum_chart, "EDGES", (*EDGES[:7:2], EDGES[11]))
+    people, own = spectrum_chart.locate("ad-1e-9"), spectrum_chart.locate("map")
     assert max(e for e in own["error"] if e is not None) < 3e-16
     assert all(w is not None and w < 1e-15 for w in own["width"])
     assert None in people["error"]  # the nearly flat hoop: 1e-9 hides the growth
@@ -337,9 +348,9 @@ def test_a_spectrum_of_no_steady_motion_is_wrong_and_a_refusal_is_not() -> None:
 
 
 def test_one_over_cosine_crashes_or_is_wrong_where_the_disk_is_upright() -> None:
-    found = marks(spectral.route("sympy-solved"), ["1/cosθ left by computer algebra"])
+    found = marks(routes.route("sympy-solved"), ["1/cosθ left by computer algebra"])
     assert set(found.values()) <= {Mark.CRASHED, Mark.WRONG}
-    assert marks(spectral.route("sympy"), ["1/cosθ left by computer algebra"]) == {
+    assert marks(routes.route("sympy"), ["1/cosθ left by computer algebra"]) == {
         "1/cosθ left by computer algebra": Mark.RIGHT
     }
 
@@ -543,15 +554,15 @@ def test_a_default_route_that_is_wrong_is_told() -> None:
 
 def test_the_readme_counts_cases_and_methods() -> None:
     readme = (Path(__file__).parents[2] / "README.md").read_text()
-    cases, methods = len(CASES) + len(MOTION_CASES), len(spectral.ROUTES) + len(DRIVERS)
+    cases, methods = len(CASES) + len(MOTION_CASES), len(routes.ROUTES) + len(DRIVERS)
     assert f"{cases} hard cases to {methods} methods" in readme
     assert readme.count("hard cases") == readme.count(f"{cases} hard cases")
 
 
 def test_every_case_and_method_is_documented_and_has_a_name_of_its_own() -> None:
-    assert len({r.title for r in spectral.ROUTES.values()}) == len(spectral.ROUTES)
+    assert len({r.title for r in routes.ROUTES.values()}) == len(routes.ROUTES)
     assert len({d.title for d in DRIVERS.values()}) == len(DRIVERS)
-    assert set(catalogue.ROUTE_NAMES) == set(spectral.ROUTES)
+    assert set(catalogue.ROUTE_NAMES) == set(routes.ROUTES)
     assert set(catalogue.DRIVER_NAMES) == set(DRIVERS)
     for case in (*CASES.values(), *MOTION_CASES.values()):
         it: Case | MotionCase = case()

@@ -12,7 +12,7 @@ import pytest
 
 import stability as st
 from stability.bodies.newton_euler import STATES
-from stability.compare.motion.measure import distance
+from stability.compare.motion.chart import distance
 from stability.compare.motion.reference_motions import scene
 from stability.integrators import taylor
 from stability.motion.result import BY_CODE

@@ -20,12 +20,10 @@ from matplotlib.figure import Figure
 import stability as st
 from stability.cli import main
 from stability.compare import failures as catalogue
-from stability.compare import parts, report, scenes
-from stability.compare.motion import dataset as motion_data
-from stability.compare.motion import measure as works
-from stability.compare.spectrum import dataset as spectral_data
-from stability.compare.spectrum import hardness
-from stability.compare.spectrum import measure as spectral
+from stability.compare import plan, report, scenes
+from stability.compare.motion import chart as motion_chart
+from stability.compare.spectrum import chart as spectrum_chart
+from stability.compare.spectrum.points import classes
 from stability.figures.canvas import COLUMN, save_figure
 from stability.jobs import measured_cells as journal
 from stability.jobs.measured_cells import CRASHED, DONE, LATE, REFUSED, Journal, Task, run
@@ -211,22 +209,19 @@ def small(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> No
     """A report of few routes, classes, scenes and cases, or of some more."""
     few = request.param == "few"
     routes = ("ad-1e-9", "spectrum") if few else ("ad-1e-9", "certified", "map", "spectrum")
-    names = ("open", "meeting") if few else tuple(hardness.classes())
-    some = {name: hardness.classes()[name] for name in names}
-    for module in (spectral, spectral_data):
-        monkeypatch.setattr(module, "CHARTED", routes)
-    for module in (spectral, spectral_data):
-        monkeypatch.setattr(module, "classes", lambda: some)
-    charted = {n: works.CHARTED[n] for n in ("gentle", "stiff-10000")[: 1 if few else 2]}
+    names = ("open", "meeting") if few else tuple(classes())
+    some = {name: classes()[name] for name in names}
+    monkeypatch.setattr(spectrum_chart, "CHARTED", routes)
+    monkeypatch.setattr(spectrum_chart, "classes", lambda: some)
+    charted = {n: motion_chart.CHARTED[n] for n in ("gentle", "stiff-10000")[: 1 if few else 2]}
     drivers = ("simulate", "rk4", "rough-model")[: 2 if few else 3]
-    for module in (works, motion_data):
-        monkeypatch.setattr(module, "CHARTED", charted)
-        monkeypatch.setattr(module, "NAMES", drivers)
+    monkeypatch.setattr(motion_chart, "CHARTED", charted)
+    monkeypatch.setattr(motion_chart, "NAMES", drivers)
     if few:
         monkeypatch.setattr("stability.figures.canvas.FORMATS", (".png",))
-        for module in (parts, report):  # each metric is one more figure
-            monkeypatch.setattr(module, "METRICS", {"path": parts.METRICS["path"]})
-        monkeypatch.setattr(works, "LIMIT", 2.0)  # what a cell has by then is kept
+        for module in (plan, report):  # each metric is one more figure
+            monkeypatch.setattr(module, "METRICS", {"path": plan.METRICS["path"]})
+        monkeypatch.setattr(motion_chart, "LIMIT", 2.0)  # what a cell has by then is kept
     monkeypatch.setattr(catalogue, "LIMIT", 60.0)  # a loaded machine is no fault of a method
     monkeypatch.setattr(catalogue, "ROUTE_NAMES", ("ad-raw", "sympy-solved", "spectrum"))
     monkeypatch.setattr(catalogue, "DRIVER_NAMES", ("rk4", "regularised", "simulate"))

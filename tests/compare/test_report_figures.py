@@ -17,16 +17,24 @@ from matplotlib.figure import Figure
 
 from stability.compare import failures as catalogue
 from stability.compare import page, report
-from stability.compare.figures.cost_error import boundary_figure, spectrum_figure
-from stability.compare.figures.panels import OWN, PALE, PEOPLE
-from stability.compare.figures.shares import MARKS, ladder_figure, verdict_figure
-from stability.compare.figures.work_precision import LOOKS, first_call_figure, motion_figure
+from stability.compare.figures import (
+    LOOKS,
+    MARKS,
+    OWN,
+    PALE,
+    PEOPLE,
+    boundary_figure,
+    first_call_figure,
+    ladder_figure,
+    motion_figure,
+    spectrum_figure,
+    verdict_figure,
+)
 from stability.compare.marks import Mark
 from stability.compare.motion.drivers import DRIVERS
 from stability.compare.motion.reference_motions import scene
-from stability.compare.parts import Part
-from stability.compare.plan import FAILURES
-from stability.compare.spectrum.measure import ROUTES
+from stability.compare.plan import FAILURES, Part
+from stability.compare.spectrum.routes import ROUTES
 from stability.figures.canvas import COLUMN
 
 EXAMPLE = Path(__file__).parents[2] / "docs" / "report"
@@ -235,7 +243,7 @@ def test_sympy_divides_by_what_the_page_names() -> None:
     """The pivots of the elimination, in an exact decomposition of the same equations."""
     import sympy
 
-    from stability.compare.spectrum.routes.sympy_disk import K, X, residual
+    from stability.compare.spectrum.sympy_disk import K, X, residual
 
     equations, unknowns, _ = residual("viscous")
     mass, _ = sympy.linear_eq_to_matrix(list(equations), unknowns)

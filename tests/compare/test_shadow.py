@@ -10,7 +10,7 @@ import pytest
 import stability as st
 from stability.base.errors import StabilityWarning
 from stability.bodies.newton_euler import STATES
-from stability.compare.motion.measure import distance
+from stability.compare.motion.chart import distance
 from stability.compare.motion.reference_motions import ReferenceMotion, scene, scenes
 from stability.motion.result import BY_CODE
 from stability.motion.simulate import simulate

@@ -16,7 +16,7 @@ from stability.cli import main
 from stability.derivation.formulas import cases, formulas
 from stability.spectra.certificate import verdict
 from stability.spectra.problem import disk_problem
-from stability.tables.disk_formulas import formula_latex
+from stability.tables.conditions import formula_latex
 
 Z, M, S, K = sympy.symbols("z M s k")
 

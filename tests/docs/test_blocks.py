@@ -81,7 +81,7 @@ def test_a_file_that_a_page_adds_is_not_one_of_the_package() -> None:
 
 
 def test_a_table_that_a_page_adds_has_a_name_of_its_own() -> None:
-    from stability.tables.contents.places import PLACES
+    from stability.tables.registry import PLACES
 
     page = (DOCS / "howto" / "table.md").read_text(encoding="utf-8")
     [name] = re.findall(r'^    "(\w+)": "\w+",$', page, re.MULTILINE)

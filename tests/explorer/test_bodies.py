@@ -148,8 +148,8 @@ def test_bounds_of_the_signs_hold_in_balls(asked: tuple[str, Engine]) -> None:
     """
     name, view = asked
     from stability.algebra.number_types import balls
-    from stability.explorer.quantity import Quantity
-    from stability.explorer.verdicts.closed import closed_formulas
+    from stability.explorer.quantities import Quantity
+    from stability.explorer.verdicts import closed_formulas
 
     generator, wide = np.random.default_rng(SEED), 0
     for law in ("viscous", "rough"):

@@ -14,7 +14,7 @@ from stability.algebra.exact.routh import routh
 from stability.algebra.number_types import numpy_algebra
 from stability.algebra.program import Program
 from stability.explorer import page
-from stability.explorer.source.source_text import graph
+from stability.explorer.source import graph
 
 FOLDER = Path(page.__file__).parent
 

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.base.calls.guard import guarded
+from stability.base.calls import guarded
 
 OTHERS = {"REAL_DISKS", "UPRIGHT", "StabilityError", "StabilityWarning"}
 """Public names that are no functions or classes of the package, or errors, which take anything."""

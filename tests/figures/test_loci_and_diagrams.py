@@ -12,8 +12,10 @@ from matplotlib.figure import Figure
 
 import stability as st
 from stability.base.errors import ParameterError
-from stability.figures.diagram import TEXTURES, Strip, caption
-from stability.figures.loci import mode_groups, swept
+from stability.figures.diagram import caption
+from stability.figures.loci import swept
+from stability.figures.modes import mode_groups
+from stability.figures.shading import TEXTURES, Strip
 
 UNITS = {"lean": "rad", "lean_rate": "rad/s", "k": "1/s2", "c": "1/s", "x y": "mm"}
 

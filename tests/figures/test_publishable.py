@@ -21,8 +21,7 @@ import stability as st
 from stability.atlas.build import atlas
 from stability.base.errors import ParameterError
 from stability.figures.canvas import COLUMN, save_figure
-from stability.figures.diagram import Strip
-from stability.figures.shading import DIVERGING, linear_part
+from stability.figures.shading import DIVERGING, Strip, linear_part
 from stability.figures.styled_figure import StyledFigure, signed_ticks
 
 

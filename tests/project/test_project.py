@@ -18,9 +18,9 @@ FROM_FIGURES_UP = (
     "figures",
     "atlas",
     "cli",
-    "compare/figures",
+    "compare/figures.py",
     "compare/report.py",
-    "compare/parts.py",
+    "compare/plan.py",
 )
 """Where matplotlib, tqdm and argparse may be imported."""
 WITH_SYMPY = (
@@ -28,8 +28,7 @@ WITH_SYMPY = (
     "derivation",
     "tables",
     "compare",
-    "systems/sources/sympy_forms.py",  # these two read the user's SymPy models,
-    "systems/sources/sympy_models.py",  # and import SymPy when they are called
+    "systems/sources/sympy_models.py",  # reads the user's SymPy models, imports SymPy when called
 )
 """Where SymPy may be imported."""
 

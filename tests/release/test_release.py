@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 import yaml
 
-from stability.base.citation.works import WORKS
+from stability.base.citation import WORKS
 from stability.base.version import __version__
 from stability.tables.benchmarks.catalogue import CASES
 

@@ -17,7 +17,7 @@ import stability as st
 from stability.base.errors import NameUnknownError, ParameterError
 from stability.base.quantities import rate_unit, time_unit
 from stability.figures.motion import caption
-from stability.tables.formats.letters import symbol
+from stability.tables.letters import symbol
 from stability.tables.system_conditions import latex, lines
 
 DISK_WORDS = (

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.systems.following.steadiness import rate_noise
+from stability.systems.members import rate_noise
 
 X, P = ca.SX.sym("x", 2), ca.SX.sym("p")
 Y = X[0]

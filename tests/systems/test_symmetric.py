@@ -24,8 +24,7 @@ from symmetric_systems import (
 
 import stability as st
 from stability import Verdict
-from stability.systems.structure.multiplicity import symmetric
-from stability.systems.structure.pattern import mirrored, zeros
+from stability.systems.structure.identities import mirrored, sparse_zeros, symmetric
 
 DISC = st.Family(rolling_disc(place=False), "straight", at=("u2",), held=STRAIGHT)
 WHEEL = st.Family(rolling_disc(place=True), "straight", at=("u2",), held=STRAIGHT)
@@ -193,7 +192,7 @@ def test_places_of_zeros_prove_zeros_and_symmetry_of_random_matrices(count: int)
     for _ in range(count):
         n = int(rng.integers(1, 6))
         pattern = rng.random((n, n)) < rng.choice([0.15, 0.3])
-        many, even = zeros(pattern), mirrored(pattern)
+        many, even = sparse_zeros(pattern), mirrored(pattern)
         ranks = []
         for _ in range(3):
             matrix = pattern * rng.integers(1, 10**6, (n, n)).astype(object)

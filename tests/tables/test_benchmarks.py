@@ -15,8 +15,8 @@ from stability.base.checks import chosen
 from stability.base.errors import NameUnknownError
 from stability.cli.commands import main
 from stability.tables.benchmarks import catalogue
+from stability.tables.benchmarks.bicycle import EIGENVALUES, ENTRIES, EXACT, SPEEDS
 from stability.tables.benchmarks.catalogue import CASES, benchmark_notes, benchmark_rows
-from stability.tables.benchmarks.linear_bicycle import EIGENVALUES, ENTRIES, EXACT, SPEEDS
 from stability.tables.benchmarks.row import AGREES, CLOSED, BenchmarkRow, Source, compared
 from stability.tables.registry import definition
 

@@ -21,7 +21,7 @@ from stability.bodies.families import FAMILIES
 from stability.bodies.round_body.shapes.named import NAMED
 from stability.cli.commands import _parser, main
 from stability.tables.families import condition
-from stability.tables.formats.letters import mathematics, prose
+from stability.tables.letters import mathematics, prose
 from stability.tables.registry import PLACES, definition
 
 SI = st.Disk(mass=0.00567, radius=0.01213, gravity=9.80665)

@@ -10,9 +10,8 @@ import stability as st
 from stability.cli.commands import main
 from stability.tables.benchmarks.catalogue import CASES
 from stability.tables.benchmarks.row import AGREES, CLOSED, PUBLISHED, QUOTED
-from stability.tables.contents.listing import listed
-from stability.tables.contents.places import PLACES, definition
-from stability.tables.formats.about import Standing
+from stability.tables.registry import PLACES, definition, every_table
+from stability.tables.table import Standing
 
 
 @cache
@@ -24,7 +23,7 @@ def rows() -> list[dict[str, Any]]:
 
 
 def test_every_table_says_where_it_is_from() -> None:
-    said = {row["name"]: row for row in listed()}
+    said = {row["name"]: row for row in every_table()}
     assert set(said) == {*PLACES, "codimension"} - {"list"}
     for row in said.values():
         assert all(

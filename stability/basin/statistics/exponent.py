@@ -27,7 +27,7 @@ from scipy.stats import chi2
 from scipy.stats import f as fisher
 
 from ...base.checks import checked, whole_number
-from ...base.citation.used import joined
+from ...base.citation import joined
 from ...base.errors import ParameterError, warned
 from ...base.types import Floats
 from ..labels import Ints, Label, asked

@@ -14,8 +14,7 @@ import casadi as ca
 
 from ...algebra.program import Program
 from ...base.quantities import Units
-from ...systems.condition import Condition
-from ...systems.equations import eliminate
+from ...systems.equations import Condition, eliminate
 from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import CREEP, Creep, Rough

@@ -17,8 +17,7 @@ import numpy as np
 
 from ...algebra.program import Program
 from ...base.errors import NoMemberError, ParameterError
-from ...systems.condition import Condition
-from ...systems.equations import eliminate
+from ...systems.equations import Condition, eliminate
 from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import Creep, Rough

@@ -21,8 +21,7 @@ from ...algebra.number_types import Algebra, casadi_algebra
 from ...algebra.polynomial import Polynomial
 from ...algebra.program import Program
 from ...base.errors import StabilityError
-from ...systems.closed_form import ClosedForm
-from ...systems.graph.implicit_form import ImplicitForm
+from ...systems.closed_form import ClosedForm, ImplicitForm
 from ...systems.system import System
 from ..contact import Contact
 from ..contact_laws import LinearViscous, Rough, Smooth, Viscous

@@ -26,7 +26,7 @@ from ...base.errors import NoMemberError, StabilityError
 from ...base.types import Floats
 from ...base.verdict import DECAYING, Verdict
 from ...systems.structure.enclosure import ball_unknowns
-from ...systems.structure.multiplicity import certain
+from ...systems.structure.identities import certain
 from ...systems.structure.structural_zeros import structure
 from ..brackets import (
     BITS,

@@ -23,8 +23,7 @@ from ...algebra.kernels.tape import Tape, recorded_series
 from ...algebra.number_types import Algebra, balls, precision
 from ...base.errors import NoMemberError, StabilityError
 from ...base.types import Floats
-from ...systems.closed_form import ClosedForm
-from ...systems.graph.implicit_form import ImplicitForm
+from ...systems.closed_form import ClosedForm, ImplicitForm
 from ..brackets import BITS, AxisScan, Crossing
 from .meetings import FormulaMeetings, watched
 

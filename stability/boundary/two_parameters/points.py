@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ...algebra.exact.number_fields import NotExact
 from ...algebra.number_types import precision
 from ...base.axis import Axis, AxisLike
-from ...base.citation.used import cited
+from ...base.citation import cited
 from ...base.errors import ParameterError
 from ...bodies.contact import Contact
 from ...bodies.disk import Disk

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import ClassVar
 
 from ..marks import Judgement, Mark, by_error
+from .chart import judged
 from .drivers import Answer, Driver
-from .measure import judged
 from .reference_motions import UNDETERMINED, ReferenceMotion, scene
 
 ASKED = 1e-6

@@ -28,9 +28,8 @@ from ...jobs.checkpoint import Chunk
 from ...spectra.deflation import Reduced, deflate
 from ...spectra.eigenvalues import decide, eigenvalues
 from ...spectra.problem import Problem, formulas_of
-from ...systems.closed_form import ClosedForm
-from ...systems.graph.implicit_form import ImplicitForm
-from ...systems.structure.multiplicity import certain, symmetric
+from ...systems.closed_form import ClosedForm, ImplicitForm
+from ...systems.structure.identities import certain, symmetric
 from ...systems.structure.structural_zeros import structure
 from ..compiled.swept import swept
 from .rates import MOST_POOR, WANTED, Bands, Coefficients, Rates, monic, of_matrices, rates, sample

@@ -1,8 +1,20 @@
-"""A system's graph read at a family: state, rates, Jacobian, equations, tangent."""
+"""A system's graph read at a family: state, rates, Jacobian, equations, tangent.
+
+CasADi's Jacobian of a large graph is larger by the number of states, before a family folds most of
+it to zero.  Here each number carries its slopes along the states, and a slope that folds to zero at
+the family is never built.
+
+A graph that has eliminated a dense mass matrix of n rows holds n³/3 products, and its slopes n
+times as many.  Balls lose a digit with each pivot of it.  For a large implicit system M(x) z = F(x)
+M, F and the slopes of F - M z stay small graphs.  Then z = M⁻¹ F, and the slopes of z are
+M⁻¹ ∂(F - M z) with z held.
+
+Source: tests/systems/test_implicit.py.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -10,13 +22,450 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from ...algebra.number_types import Algebra
+from ...algebra.linear_systems import solution
+from ...algebra.number_types import MORE, UNARY, Algebra
 from ...algebra.program import Program
 from ...algebra.upright import Upright
+from ...base.errors import StabilityError
 from ..equations import Equations
 from .constants import Constants, exact_numbers, rounded
-from .implicit import Asked, Implicit, solvable, solved_rates
-from .slopes import rates_and_slopes
+
+# --- slopes on the way ---
+
+
+Slopes = dict[int, Any]
+
+
+class Sloped:
+    """A number with its nonzero slopes along the states, by index.
+
+    Parameters
+    ----------
+    value
+        The number.
+    slopes
+        Slope by index of the state.
+    """
+
+    __slots__ = ("slopes", "value")
+
+    def __init__(self, value: Any, slopes: Slopes) -> None:
+        self.value, self.slopes = value, slopes
+
+    def __add__(self, other: Any) -> Sloped:
+        value, slopes = _split(other)
+        return Sloped(self.value + value, _joined(self.slopes, slopes))
+
+    __radd__ = __add__
+
+    def __neg__(self) -> Sloped:
+        return Sloped(-self.value, {j: -s for j, s in self.slopes.items()})
+
+    def __sub__(self, other: Any) -> Sloped:
+        value, slopes = _split(other)
+        return Sloped(self.value - value, _joined(self.slopes, {j: -s for j, s in slopes.items()}))
+
+    def __rsub__(self, other: Any) -> Sloped:
+        return Sloped(other, {}) - self
+
+    def __mul__(self, other: Any) -> Sloped:
+        value, slopes = _split(other)
+        product = _joined(_scaled(self.slopes, value), _scaled(slopes, self.value))
+        return Sloped(self.value * value, product)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Sloped:
+        value, slopes = _split(other)
+        quotient = self.value / value
+        above = _joined(self.slopes, _scaled(slopes, -quotient) if slopes else {})
+        return Sloped(quotient, {j: s / value for j, s in above.items()})
+
+    def __rtruediv__(self, other: Any) -> Sloped:
+        return Sloped(other, {}) / self
+
+
+def _split(number: Any) -> tuple[Any, Slopes]:
+    return (number.value, number.slopes) if isinstance(number, Sloped) else (number, {})
+
+
+def _zero(value: Any) -> bool:
+    return bool(value.is_zero()) if hasattr(value, "is_zero") else value == 0
+
+
+def _scaled(slopes: Slopes, factor: Any) -> Slopes:
+    if not slopes or _zero(factor):
+        return {}
+    products = ((j, s * factor) for j, s in slopes.items())
+    return {j: s for j, s in products if not _zero(s)}
+
+
+def _joined(first: Slopes, second: Slopes) -> Slopes:
+    if not second:
+        return first
+    out = dict(first)
+    for j, s in second.items():
+        total = out[j] + s if j in out else s
+        if _zero(total):
+            out.pop(j, None)
+        else:
+            out[j] = total
+    return out
+
+
+BY_VALUE: dict[str, Callable[[Any], Any]] = {
+    "tan": lambda y: 1 + y * y,
+    "sqrt": lambda y: 1 / (2 * y),
+    "exp": lambda y: y,
+    "tanh": lambda y: 1 - y * y,
+}
+"""Derivatives that the value y of the function gives."""
+
+
+def _by_argument(f: Mapping[str, Callable[..., Any]]) -> dict[str, Callable[[Any], Any]]:
+    """Derivatives of the other functions, from the argument x."""
+    return {
+        "sin": f["cos"],
+        "cos": lambda x: -f["sin"](x),
+        "log": lambda x: 1 / x,
+        "asin": lambda x: 1 / f["sqrt"](1 - x * x),
+        "acos": lambda x: -1 / f["sqrt"](1 - x * x),
+        "atan": lambda x: 1 / (1 + x * x),
+        "sinh": f["cosh"],
+        "cosh": f["sinh"],
+        "expm1": f["exp"],
+        "log1p": lambda x: 1 / (x + 1),
+        "asinh": lambda x: 1 / f["sqrt"](x * x + 1),
+        "acosh": lambda x: 1 / f["sqrt"](x * x - 1),
+        "atanh": lambda x: 1 / (-(x * x) + 1),
+    }
+
+
+def sloped_algebra(plain: Algebra) -> Algebra:
+    """Numbers of an algebra with slopes.
+
+    Parameters
+    ----------
+    plain
+        The algebra of values and slopes.
+    """
+    f = plain.functions
+
+    by_argument = _by_argument(f)
+
+    def lifted(name: str) -> Callable[[Any], Any]:
+        def apply(number: Any) -> Any:
+            x, slopes = _split(number)
+            y = f[name](x)
+            if not slopes:
+                return y
+            slope = BY_VALUE[name](y) if name in BY_VALUE else by_argument[name](x)
+            return Sloped(y, _scaled(slopes, slope))
+
+        return apply
+
+    def power(base: Any, exponent: Any) -> Any:
+        (x, by_x), (n, by_n) = _split(base), _split(exponent)
+        y = f["pow"](x, n)
+        slopes = _scaled(by_x, n * f["pow"](x, n - 1)) if by_x else {}
+        if by_n:
+            slopes = _joined(slopes, _scaled(by_n, y * f["log"](x)))
+        return Sloped(y, slopes)
+
+    def fabs(number: Any) -> Any:
+        x, slopes = _split(number)
+        if slopes:
+            raise StabilityError(
+                "the graph takes the absolute value of a state, which has no slope at zero; only "
+                "smooth elementary functions are read."
+            )
+        return f["fabs"](x)
+
+    table: dict[str, Callable[..., Any]] = {n: lifted(n) for n in (*UNARY, *MORE) if n in f}
+    return Algebra(f"sloped {plain.name}", plain.constant, table | {"pow": power, "fabs": fabs})
+
+
+def rates_and_slopes(
+    program: Program, algebra: Algebra, states: Sequence[Any], parameters: Sequence[Any]
+) -> tuple[list[Any], list[Slopes]]:
+    """Rates and their slopes along the states, at states and parameters of any number type.
+
+    Parameters
+    ----------
+    program
+        The rates, a dense column in (states, parameters).
+    algebra
+        The number type.
+    states, parameters
+        Values.
+
+    Returns
+    -------
+    values, slopes
+        For each rate its value, and its nonzero slopes by index of the state.
+
+    Examples
+    --------
+    >>> import casadi as ca
+    >>> from stability.algebra.number_types import casadi_algebra
+    >>> x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
+    >>> rates = Program(ca.Function("f", [x, p], [ca.vertcat(x[1], -p * ca.sin(x[0]))]))
+    >>> rates_and_slopes(rates, casadi_algebra(), [ca.SX(0), ca.SX(0)], [p])
+    ([SX(0), SX(0)], [{1: 1}, {0: SX((-p))}])
+    """
+    sloped = [Sloped(value, {j: 1}) for j, value in enumerate(states)]
+    found = program.run(sloped_algebra(algebra), [sloped, parameters])[0]
+    values, slopes = zip(*map(_split, found), strict=True) if found else ((), ())
+    return list(values), list(slopes)
+
+
+# --- the implicit form ---
+
+
+AGREES = 1e-6
+"""Relative difference up to which rates and the solution of the implicit form are the same."""
+
+
+def solvable(system: Equations) -> bool:
+    """Whether the implicit form gives every rate that it names, tried at a point of doubles.
+
+    Parameters
+    ----------
+    system
+        A system; one that is built from its mass matrix passes wherever its graph has values.
+    """
+    if system.mass is None or system.forcing is None:
+        return False
+    point = [
+        [0.1 + 0.37 * ((5 * i) % 7) for i in range(len(names))]
+        for names in (system.states, system.parameters)
+    ]
+    sides = ca.Function("sides", [system.x, system.p], [system.mass, system.forcing, system.rhs])
+    mass, forcing, rates = (np.array(v) for v in sides(*point))
+    if not all(np.isfinite(v).all() for v in (mass, forcing, rates)):
+        return False
+    try:
+        z = np.linalg.solve(mass, forcing)[:, 0]
+    except np.linalg.LinAlgError:
+        return False
+    own = [(z[j], rates[i, 0]) for i, j in solved_rates(system).items()]
+    return bool(own) and all(abs(v - r) <= AGREES * (1 + np.abs(z).max()) for v, r in own)
+
+
+def solved_rates(system: Equations) -> dict[int, int]:
+    """Index of the unknown of the implicit form by index of the state whose rate it is."""
+    places = {name: j for j, name in enumerate(system.unknowns)}
+    return {i: places[f"d_{n}"] for i, n in enumerate(system.states) if f"d_{n}" in places}
+
+
+@dataclass(frozen=True)
+class Asked:
+    """One output: some rates, or some of their slopes; or an output of another program."""
+
+    rows: Sequence[int] = ()
+    """Indices of states."""
+    columns: Sequence[int] | None = None
+    """Indices in (states, parameters) of the slopes' variables; None for the rates themselves."""
+    other: Program | None = None
+    """The other program, of one output."""
+
+
+class Implicit:
+    """M, F and the slopes of F - M z at a family, as graphs.
+
+    Parameters
+    ----------
+    system
+        The system.
+    values
+        Values of states and parameters by name: symbols, or numbers as symbols.
+    algebra
+        CasADi's expressions, which fold zeros alone.
+    program
+        Function from outputs in the family's symbols, and more inputs, to a `Program`.
+    hidden
+        Slopes (rate, state) that are proved zero.
+    """
+
+    def __init__(
+        self,
+        system: Equations,
+        values: Mapping[str, Any],
+        algebra: Algebra,
+        program: Callable[..., Program],
+        hidden: Sequence[tuple[int, int]],
+    ) -> None:
+        assert system.mass is not None and system.forcing is not None
+        self.solved = solved_rates(system)
+        self.own = [i for i in range(len(system.states)) if i not in self.solved]
+        size, states = system.mass.size1(), len(system.states)
+        given = [[values[n] for n in names] for names in (system.states, system.parameters)]
+        bare = Program(
+            ca.Function(
+                "sides", [system.x, system.p], [ca.densify(system.mass), ca.densify(system.forcing)]
+            )
+        )
+        mass, forcing = bare.run(algebra, given)
+        self.mass = ca.sparsify(ca.reshape(ca.vertcat(*map(ca.SX, mass)), size, size))
+        self.forcing = ca.vertcat(*map(ca.SX, forcing))
+        z = ca.SX.sym("z", size)
+        self.rest = bool(self.forcing.is_zero())
+        """Whether F vanishes identically, so that z does."""
+        column = ca.vertcat(*[system.rhs[i] for i in self.own], system.forcing - system.mass @ z)
+        core = Program(
+            ca.Function("core", [ca.vertcat(system.x, system.p), z], [ca.densify(column)])
+        )
+        inner = [ca.SX(0)] * size if self.rest else ca.vertsplit(z)
+        found, slopes = rates_and_slopes(core, algebra, [v for g in given for v in g], inner)
+        self.free = ca.vertcat(*map(ca.SX, found[: len(self.own)])) if self.own else ca.SX(0, 1)
+        table = ca.SX(len(slopes), states + len(system.parameters))
+        for i, row in enumerate(slopes):
+            for j, value in row.items():
+                table[i, j] = value
+        self.table = ca.sparsify(table)
+        self._z, self._program = z, program
+        self._pattern = self._patterns(states, hidden)
+
+    def _patterns(self, states: int, hidden: Sequence[tuple[int, int]]) -> tuple[Any, Any]:
+        """Whether each rate, and each slope, may differ from zero."""
+        from scipy.sparse import bmat
+        from scipy.sparse.csgraph import connected_components
+
+        mass = np.array(ca.DM(self.mass.sparsity(), 1)) != 0
+        size, own = len(mass), len(self.own)
+        _, labels = connected_components(bmat([[None, mass], [mass.T, None]]), directed=False)
+        joined = labels[size:, None] == labels[None, :size]  # which equations move an unknown
+        moved = np.array(ca.DM(self.table.sparsity(), 1)) != 0
+        pushed = np.array([not self.forcing[i].is_zero() for i in range(size)])
+        rates = np.array([False] * states)
+        slopes = np.zeros((states, moved.shape[1]), dtype=bool)
+        for k, i in enumerate(self.own):
+            rates[i], slopes[i] = not self.free[k].is_zero(), moved[k]
+        for i, j in self.solved.items():
+            rates[i] = (joined[j] & pushed).any()
+            slopes[i] = (joined[j][:, None] & moved[own:]).any(axis=0)
+        for i, j in hidden:
+            slopes[i, j] = False
+        return rates, slopes
+
+    @property
+    def still(self) -> list[bool]:
+        """Whether each rate vanishes identically."""
+        return [not bool(v) for v in self._pattern[0]]
+
+    def program(self, *outputs: Asked) -> Program:
+        """Rates and slopes as a program.
+
+        Parameters
+        ----------
+        outputs
+            What it returns, in order.
+        """
+        return _Solved(self, outputs)
+
+    def equations(
+        self, rows: Sequence[int], inputs: Sequence[ca.SX], numbers: tuple[ca.SX, Sequence[float]]
+    ) -> ca.Function:
+        """Some rates as a function of (unknowns, given) in doubles, for a root-finder.
+
+        Parameters
+        ----------
+        rows
+            Indices of states.
+        inputs
+            Symbols of the unknowns and of (family parameters, parameters).
+        numbers
+            Symbols of the graph's numbers, and their values.
+        """
+        column, values = numbers
+        sides = [self.mass, self.forcing, self.free]
+        if values:
+            sides = ca.substitute(sides, [column], [ca.DM(values)])
+        known = ca.Function("sides", list(inputs), sides)
+        symbols = [ca.MX.sym("unknowns", inputs[0].numel()), ca.MX.sym("given", inputs[1].numel())]
+        mass, forcing, free = known(*symbols)
+        z = ca.solve(mass, forcing)
+        places = {i: free[k] for k, i in enumerate(self.own)}
+        places |= {i: z[j] for i, j in self.solved.items()}
+        return ca.Function("residual", symbols, [ca.vertcat(*[places[i] for i in rows])])
+
+    def shape(self, asked: Asked) -> tuple[int, int]:
+        """Shape of an output."""
+        if asked.other is not None:
+            return asked.other.shapes[0]
+        return len(asked.rows), 1 if asked.columns is None else len(asked.columns)
+
+    def places(self, asked: Asked) -> tuple[tuple[int, int], ...]:
+        """(row, column) of each stored entry of an output."""
+        rates, slopes = self._pattern
+        if asked.other is not None:
+            return asked.other.places[0]
+        if asked.columns is None:  # rates are a dense column
+            return tuple((i, 0) for i in range(len(asked.rows)))
+        return tuple(
+            (i, j)
+            for j, column in enumerate(asked.columns)
+            for i, row in enumerate(asked.rows)
+            if slopes[row, column]
+        )
+
+    @cached_property
+    def _sides(self) -> Program:
+        return self._program("sides", self.mass, self.forcing, self.free)
+
+    @cached_property
+    def _slopes(self) -> Program:
+        return self._program("slopes", self.table, more=[self._z])
+
+    def run(
+        self, algebra: Algebra, arguments: Sequence[Sequence[Any]], *, slopes: bool
+    ) -> tuple[dict[int, Any], dict[tuple[int, int], Any]]:
+        """Every rate, and every slope where asked, by index."""
+        mass, forcing, free = (self._sides.dense(algebra, arguments, k) for k in range(3))
+        z = [[algebra.constant(0.0)]] * len(mass)
+        if not self.rest:
+            z = solution(algebra, mass, forcing)
+        rates = {i: row[0] for i, row in zip(self.own, free, strict=True)}
+        rates |= {i: z[j][0] for i, j in self.solved.items()}
+        if not slopes:
+            return rates, {}
+        table = self._slopes.dense(algebra, [*arguments, [row[0] for row in z]])
+        moved = solution(algebra, mass, table[len(self.own) :])
+        rows = dict(zip(self.own, table, strict=False)) | {
+            i: moved[j] for i, j in self.solved.items()
+        }
+        return rates, {(i, j): v for i, row in rows.items() for j, v in enumerate(row)}
+
+
+class _Solved(Program):
+    """Rates and slopes of an implicit form, with the face of a `Program`."""
+
+    tape = None
+    """None: it solves linear systems, for which no kernel runs."""
+
+    def __init__(self, form: Implicit, outputs: Sequence[Asked]) -> None:
+        self._form, self._outputs, self.name = form, outputs, "implicit"
+        self.places = tuple(map(form.places, outputs))
+        self.shapes = tuple(map(form.shape, outputs))
+        self.size = form.mass.numel() + form.table.nnz()
+
+    def run(self, algebra: Algebra, arguments: Sequence[Sequence[Any]]) -> list[list[Any]]:
+        """As `Program.run`."""
+        sloped = any(one.columns is not None for one in self._outputs)
+        rates, slopes = self._form.run(algebra, arguments, slopes=sloped)
+        out = []
+        for one, places in zip(self._outputs, self.places, strict=True):
+            if one.other is not None:
+                out.append(one.other.run(algebra, arguments)[0])
+            elif one.columns is None:
+                out.append([rates[i] for i in one.rows])
+            else:
+                out.append([slopes[one.rows[i], one.columns[j]] for i, j in places])
+        return out
+
+
+# --- the graph at a family ---
+
 
 FINDER = {"abstol": 1e-300, "abstolStep": 1e-14, "max_iter": 200, "error_on_fail": False}
 """Options for CasADi's root-finder, to the last digit; `Family` checks the root afterwards."""

@@ -8,17 +8,354 @@ system on the motions that obey the constraints.  Its linearisation is that of S
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import reduce
 from typing import Any
 
 import casadi as ca
 
+from ...algebra.number_types import MORE, UNARY
 from ...base.errors import NameUnknownError, ParameterError, shown
-from ..condition import Condition
-from .exact_terms import MINUS, ZERO, Probes, Term, graph, no_folding, solve, times
-from .sympy_expressions import Translation
-from .sympy_forms import FORMS, Implicit, implicit
+from ..equations import Condition
+from .exact_terms import (
+    MINUS,
+    ONE,
+    ZERO,
+    Probes,
+    Term,
+    graph,
+    no_folding,
+    over,
+    plus,
+    power,
+    solve,
+    times,
+)
+
+# --- expressions as graphs ---
+
+
+RECIPROCAL = {
+    "sec": "cos",
+    "csc": "sin",
+    "cot": "tan",
+    "sech": "cosh",
+    "csch": "sinh",
+    "coth": "tanh",
+}
+"""Functions that are one over a function of the graph."""
+DIRECT: dict[str, Callable[[Any], Any]] = {n: getattr(ca, n) for n in (*UNARY, *MORE)} | {
+    "Abs": ca.fabs
+}
+"""Functions of one number in SymPy that a graph has, by SymPy's name."""
+ANGLE = "atan2"
+"""The one function of two numbers."""
+
+
+class Translation:
+    """SymPy expressions with known symbols, as terms of a graph; each expression is read once.
+
+    Parameters
+    ----------
+    known
+        Terms by SymPy symbol, function of time or derivative.
+
+    Examples
+    --------
+    >>> import sympy
+    >>> a = sympy.Symbol("a")
+    >>> Translation({a: ca.SX.sym("a")})(sympy.sin(a) / 3)
+    SX((sin(a)/3))
+    """
+
+    def __init__(self, known: Mapping[Any, Term]) -> None:
+        self._found: dict[Any, Term] = dict(known)
+
+    def add(self, known: Mapping[Any, Term]) -> None:
+        """Further symbols, before an expression that holds them is read.
+
+        Parameters
+        ----------
+        known
+            As in the constructor.
+        """
+        self._found |= known
+
+    def __call__(self, expression: Any) -> Term:
+        """The term of one expression.
+
+        Parameters
+        ----------
+        expression
+            A SymPy expression.
+
+        Raises
+        ------
+        ParameterError
+            If the graph has no such number or function; the sentence names it.
+        """
+        stack = [expression]  # no recursion: expressions may be deeper than Python's stack
+        while stack:
+            one = stack[-1]
+            open_ = [a for a in _parts(one) if a not in self._found] if self._new(one) else []
+            if open_:
+                stack += open_
+                continue
+            stack.pop()
+            if one not in self._found:
+                self._found[one] = _term(one, [self._found[a] for a in _parts(one)])
+        return self._found[expression]
+
+    def _new(self, one: Any) -> bool:
+        return one not in self._found
+
+    def rows(self, matrix: Any) -> list[list[Term]]:
+        """The entries of a SymPy matrix as rows of terms.
+
+        Parameters
+        ----------
+        matrix
+            A SymPy matrix.
+        """
+        return [[self(matrix[i, j]) for j in range(matrix.cols)] for i in range(matrix.rows)]
+
+
+def _parts(one: Any) -> tuple[Any, ...]:
+    """Arguments that are read first; a rational exponent is no term."""
+    if one.is_Pow:
+        return tuple(one.args[:1] if one.exp.is_Rational else one.args)
+    known = one.is_Function and type(one).__name__ in (*DIRECT, *RECIPROCAL, ANGLE)
+    return tuple(one.args) if one.is_Add or one.is_Mul or known else ()
+
+
+def _term(one: Any, parts: list[Term]) -> Term:
+    if one.is_Rational:
+        return Fraction(int(one.p), int(one.q))
+    if one.is_Float and one.is_finite:
+        sign, mantissa, exponent, _ = one._mpf_
+        return Fraction((-1) ** sign * int(mantissa)) * Fraction(2) ** exponent
+    if one.is_Add:
+        return reduce(plus, parts, ZERO)
+    if one.is_Mul:
+        return reduce(times, parts, ONE)
+    if one.is_Pow:
+        return _power(one, parts)
+    if type(one).__name__ == ANGLE and len(parts) == 2:
+        return _angle(one, *parts)
+    if one.is_Function and len(parts) == 1:
+        return _function(one, parts[0])
+    raise _refusal(one)
+
+
+def _power(one: Any, parts: list[Term]) -> Term:
+    base, exponent = parts[0], one.exp
+    if exponent.is_Integer:
+        if abs(int(exponent)) > 64 and not isinstance(base, Fraction):
+            return ca.power(base, float(exponent))
+        return power(base, int(exponent))
+    if isinstance(base, Fraction) and (exponent.is_Rational or isinstance(parts[1], Fraction)):
+        raise _irrational(one)
+    if exponent.is_Rational and exponent.q == 2:
+        return power(ca.sqrt(base), int(exponent.p))
+    if exponent.is_Rational:  # a third is no double: the logarithm keeps the power exact
+        return ca.exp(times(Fraction(int(exponent.p), int(exponent.q)), ca.log(base)))
+    if isinstance(base, Fraction) and Fraction(float(base)) != base:
+        raise _irrational(one)
+    if isinstance(parts[1], Fraction) and Fraction(float(parts[1])) != parts[1]:
+        return ca.exp(times(parts[1], ca.log(base)))
+    return ca.power(graph(base), graph(parts[1]))
+
+
+def _function(one: Any, part: Term) -> Term:
+    name = type(one).__name__
+    if name not in DIRECT and name not in RECIPROCAL:
+        raise _refusal(one)
+    if isinstance(part, Fraction):
+        raise _irrational(one)
+    if name in RECIPROCAL:
+        return over(ONE, DIRECT[RECIPROCAL[name]](part))
+    return DIRECT[name](part)
+
+
+def _angle(one: Any, y: Term, x: Term) -> Term:
+    """The angle of (x, y); that of (c x, c y) with c > 0 is the same, so a fraction stays exact."""
+    for part in (y, x):
+        if isinstance(part, Fraction):
+            scale = Fraction(part.denominator)
+            y, x = times(scale, y), times(scale, x)
+    if any(isinstance(v, Fraction) and Fraction(float(v)) != v for v in (y, x)) or (
+        isinstance(y, Fraction) and isinstance(x, Fraction)
+    ):
+        raise _irrational(one)
+    return ca.atan2(graph(y), graph(x))
+
+
+def _irrational(one: Any) -> ParameterError:
+    return ParameterError(
+        f"the equations hold the number {shown(str(one))}, which no double is exactly; put a "
+        "symbol in its place and give its value as a parameter."
+    )
+
+
+def _refusal(one: Any) -> ParameterError:
+    if one.is_number and not one.is_Function:
+        if one.is_NumberSymbol:
+            return _irrational(one)
+        return ParameterError(
+            f"the equations hold {shown(str(one))}, which is no finite real number; SymPy divided "
+            "by zero or left the real numbers."
+        )
+    if one.is_Derivative:
+        return ParameterError(
+            f"the equations hold {shown(str(one))}, which is neither a state nor the rate of one; "
+            "solve for it, or leave it out."
+        )
+    if one.is_Symbol:
+        return ParameterError(
+            f"the equations hold the symbol {shown(str(one))}, which is neither a state nor a "
+            "parameter; time itself is none, so the equations must not name it."
+        )
+    return ParameterError(
+        f"the equations use SymPy's {type(one).__name__}; a graph has + - * /, powers, abs, sqrt, "
+        "exp, log, sin, sinh and their like, and the inverses, atan2 too: write it by these, or "
+        "give the rates to System.from_function as a plain Python function, for spectra without "
+        "proofs."
+    )
+
+
+# --- models in one form ---
+
+
+FORMS = (
+    "a KanesMethod, a LagrangesMethod, a mechanics.System, a tuple (mass matrix, forcing, q, u), "
+    "or a mapping from states to rates"
+)
+
+
+@dataclass(frozen=True)
+class Implicit:
+    """A model's equations: matrix · (rates, accelerations, multipliers) = forcing."""
+
+    q: tuple[Any, ...]
+    """Coordinates."""
+    u: tuple[Any, ...]
+    """Speeds: functions of time, or derivatives of coordinates."""
+    matrix: Any
+    """Square SymPy matrix over the derivatives of q and u, then the multipliers."""
+    forcing: Any
+    """SymPy column."""
+    blocks: tuple[int, ...]
+    """Number of rows of each block: kinematics, dynamics, constraints of the accelerations."""
+    zero: tuple[Any, ...] = ()
+    """Symbols that are zero: auxiliary speeds."""
+    configuration: tuple[Any, ...] = ()
+    """Expressions in q that vanish."""
+    velocity: tuple[Any, ...] = ()
+    """Expressions linear in u that vanish."""
+    dependent: tuple[Any, ...] = ()
+    """Coordinates and speeds that the model itself calls dependent."""
+    multipliers: int = 0
+    """Number of constraint forces among the unknowns."""
+
+
+def _implicit(model: Any, chosen: Sequence[Any]) -> Implicit:
+    """The equations of a SymPy model."""
+    from sympy import Matrix, MatrixBase
+    from sympy.physics import mechanics
+
+    if isinstance(model, mechanics.System):
+        method = model.eom_method
+        if method is None:
+            raise ParameterError(
+                "the mechanics.System has no equations yet; call its form_eoms() first."
+            )
+        own = (*model.q_dep, *model.u_dep)
+        return _implicit(method, (*chosen, *(d for d in own if d not in chosen)))
+    if isinstance(model, mechanics.KanesMethod):
+        return _kane(model)
+    if isinstance(model, mechanics.LagrangesMethod):
+        return _lagrange(model, chosen)
+    if isinstance(model, tuple) and len(model) == 4:
+        try:
+            mass, forcing = Matrix(model[0]), Matrix(model[1])
+            q, u = (tuple(s if isinstance(s, MatrixBase) else list(s)) for s in model[2:])
+        except (TypeError, ValueError, NotImplementedError):
+            raise ParameterError(f"model is {shown(model)}; give {FORMS}.") from None
+        return _matrices(mass, forcing, q, u)
+    raise ParameterError(f"model is {shown(model)}; give {FORMS}.")
+
+
+def _kane(model: Any) -> Implicit:
+    try:
+        matrix, forcing = model.mass_matrix_full, model.forcing_full
+    except ValueError:
+        raise ParameterError(
+            "the KanesMethod has no equations yet; call its kanes_equations(bodies, loads) first."
+        ) from None
+    q, u, aux = tuple(model.q), tuple(model.u), tuple(model._uaux)
+    depends = len(model._udep)
+    velocity = tuple(model._k_nh * model.u + model._f_nh) if depends else ()
+    return Implicit(
+        q,
+        u,
+        matrix,
+        forcing,
+        (len(q), len(u) - depends, depends),
+        zero=(*aux, *(a.diff() for a in aux)),
+        configuration=tuple(model._f_h),
+        velocity=velocity,
+        dependent=(*model._qdep, *model._udep),
+    )
+
+
+def _lagrange(model: Any, chosen: Sequence[Any]) -> Implicit:
+    if model.eom is None:
+        raise ParameterError(
+            "the LagrangesMethod has no equations yet; call its form_lagranges_equations() first."
+        )
+    q, u = tuple(model.q), tuple(model.u)
+    constraints = tuple(model.coneqs)
+    speed = dict(zip(q, u, strict=True))
+    named = dict.fromkeys((*chosen, *(speed[c] for c in chosen if c in speed)))
+    if len([s for s in named if s in u]) != len(constraints):
+        raise ParameterError(
+            f"the model has {len(constraints)} constraint{'s' * (len(constraints) != 1)}; name as "
+            "many dependent coordinates (or rates) in dependent, such as dependent=[q1]."
+        )
+    return Implicit(
+        q,
+        u,
+        model.mass_matrix_full,
+        model.forcing_full,
+        (len(q), len(q), len(constraints)),
+        configuration=tuple(model._hol_coneqs),
+        velocity=constraints,
+        dependent=tuple(s for s in named if s in (*q, *u)),
+        multipliers=len(constraints),
+    )
+
+
+def _matrices(mass: Any, forcing: Any, q: tuple[Any, ...], u: tuple[Any, ...]) -> Implicit:
+    from sympy import diag, eye
+
+    n, m = len(q), len(u)
+    size = mass.rows
+    fits = mass.rows == mass.cols == forcing.rows and forcing.cols == 1
+    if fits and size == n + m:
+        return Implicit(q, u, mass, forcing, (n, m, 0))
+    if fits and size == m == n:
+        return Implicit(q, u, diag(eye(n), mass), type(forcing)([*u, *forcing]), (n, m, 0))
+    raise ParameterError(
+        f"the mass matrix is {mass.rows} x {mass.cols} and the forcing {forcing.rows} x "
+        f"{forcing.cols} for {n} coordinates and {m} speeds; give {n + m} rows, or {m} where each "
+        "speed is the rate of its coordinate."
+    )
+
+
+# --- the system ---
+
 
 CLOSE = 1e-6
 """Largest value of a configuration constraint at a state that still counts as on the constraint."""
@@ -54,7 +391,7 @@ def sympy_model(
         if isinstance(model, Mapping):
             found = _explicit(model, parameters, observables or {})
         else:
-            form = implicit(model, tuple(given))
+            form = _implicit(model, tuple(given))
             found = _Reader(form, given, parameters, observables or {}).system()
     return _without(found, cyclic)
 
@@ -76,16 +413,10 @@ def _dependent(given: Any) -> dict[Any, Any]:
 # --- names ---
 
 
-def label(symbol: Any) -> str:
-    """The name of a SymPy symbol, function of time, or derivative: q, q_dot, q_ddot.
-
-    Parameters
-    ----------
-    symbol
-        The symbol.
-    """
+def _label(symbol: Any) -> str:
+    """The name of a SymPy symbol, function of time, or derivative: q, q_dot, q_ddot."""
     if symbol.is_Derivative:
-        return f"{label(symbol.expr)}_{'d' * int(symbol.derivative_count)}ot"
+        return f"{_label(symbol.expr)}_{'d' * int(symbol.derivative_count)}ot"
     return str(symbol.name if symbol.is_Symbol else symbol.func.__name__)
 
 
@@ -104,7 +435,7 @@ def _free(expressions: Sequence[Any], known: Sequence[Any]) -> list[Any]:
                 f"the equations hold {shown(str(one))}, an unknown function of a state; write its "
                 "expression, or give a symbol where it is a parameter."
             )
-    return sorted(found, key=lambda s: (label(s), str(s)))
+    return sorted(found, key=lambda s: (_label(s), str(s)))
 
 
 def _parameters(given: Any, free: Sequence[Any]) -> list[Any]:
@@ -113,12 +444,12 @@ def _parameters(given: Any, free: Sequence[Any]) -> list[Any]:
         return list(free)
     if isinstance(given, (str, Mapping)) or not hasattr(given, "__iter__"):
         raise ParameterError(f"parameters is {shown(given)}; give a list of SymPy symbols.")
-    by_name = {label(s): s for s in free}
+    by_name = {_label(s): s for s in free}
     chosen = [_symbol(s, by_name) for s in given]
     for symbol in free:
         if symbol not in chosen:
             raise NameUnknownError(
-                f"the equations hold the symbol {shown(label(symbol))}, which is neither a state "
+                f"the equations hold the symbol {shown(_label(symbol))}, which is neither a state "
                 "nor listed in parameters."
             )
     return chosen
@@ -135,7 +466,7 @@ def _symbol(given: Any, by_name: Mapping[str, Any]) -> Any:
 
 
 def _column(symbols: Sequence[Any]) -> ca.SX:
-    return ca.vertcat(*[ca.SX.sym(label(s)) for s in symbols]) if symbols else ca.SX(0, 1)
+    return ca.vertcat(*[ca.SX.sym(_label(s)) for s in symbols]) if symbols else ca.SX(0, 1)
 
 
 def _known(symbols: Sequence[Any], column: ca.SX) -> dict[Any, Term]:
@@ -146,7 +477,7 @@ def _without(found: dict[str, Any], cyclic: Any) -> dict[str, Any]:
     """The system without coordinates that no other rate holds."""
     if isinstance(cyclic, str) or not hasattr(cyclic, "__iter__"):
         raise ParameterError(f"cyclic is {shown(cyclic)}; give a list of coordinates.")
-    gone = [s if isinstance(s, str) else label(s) for s in cyclic]
+    gone = [s if isinstance(s, str) else _label(s) for s in cyclic]
     for name in gone:
         if name not in found["states"]:
             raise NameUnknownError(
@@ -196,8 +527,8 @@ def _explicit(
         "x": x,
         "p": p,
         "rhs": ca.vertcat(*[graph(read(r)) for r in rates]),
-        "states": tuple(map(label, states)),
-        "parameters": tuple(map(label, own)),
+        "states": tuple(map(_label, states)),
+        "parameters": tuple(map(_label, own)),
         "observables": {n: graph(read(e)) for n, e in seen.items()},
     }
 
@@ -257,7 +588,7 @@ class _Reader:
             *(e for e in self.given.values() if e is not None),
         ]
         own = _parameters(self.parameters, _free(written, known))
-        self.names = tuple(map(label, self.states)), tuple(map(label, own))
+        self.names = tuple(map(_label, self.states)), tuple(map(_label, own))
         self.x, self.p = _column(self.states), _column(own)
         self.probes = Probes(self.x, self.p)
         self.expressions = seen
@@ -347,12 +678,12 @@ class _Reader:
         if u_dep:
             found = self._linear_solution(velocity, u_dep, read)
             read.add(found)
-            self.seen |= {label(s): v for s, v in found.items()}
+            self.seen |= {_label(s): v for s, v in found.items()}
 
     def _solved(self, read: Translation) -> dict[str, Any]:
         form = self.form
         q, u = len(form.q), len(form.u)
-        unknowns = [f"d_{label(s)}" for s in (*form.q, *form.u)]
+        unknowns = [f"d_{_label(s)}" for s in (*form.q, *form.u)]
         unknowns += [f"lambda_{i + 1}" for i in range(form.multipliers)]
         matrix, right = read.rows(form.matrix), [read(f) for f in form.forcing]
         kinematic, dynamic, bound = form.blocks

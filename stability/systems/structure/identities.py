@@ -1,4 +1,19 @@
-"""Zeros and symmetry of a family's spectrum as identities of expressions, for all members."""
+"""Zeros and symmetry of a family's spectrum at all members, by places, vectors and identities.
+
+A coefficient of det(λ - A) is a sum over sets of disjoint cycles in the graph of the entries that
+are not zero (F. Harary, SIAM Rev. 4 (1962) 202-210).  So sparsity proves zeros and symmetry for any
+values, at any size, without one product.
+
+The center of a free chain may lie anywhere and move at any constant speed: vectors without
+parameters say so.  If A maps V₁ to 0, V₂ to V₁, and so on, then A is nilpotent on the last of these
+spaces, so λ = 0 has at least its dimension as multiplicity.  No polynomial is multiplied out.
+
+An identity in a symbol for each entry holds for the entries too.  Entries that are equal up to a
+rational factor share their symbol: this is enough for the symmetric stiffness of the restricted
+three-body problem, whose entries are too large to be multiplied out.
+
+Source: tests/systems/test_null_chains.py, tests/systems/test_symmetric.py.
+"""
 
 from __future__ import annotations
 
@@ -9,15 +24,315 @@ from functools import lru_cache, reduce
 from typing import Any
 
 import numpy as np
+from flint import fmpq, fmpq_mat
+from numpy.typing import NDArray
 
-from ...algebra.exact.function_field import FunctionField
+from ...algebra.exact.function_field import Expression, FunctionField
 from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, vanishes
 from ...base.errors import StabilityError
 from ..family import Family
-from . import pattern
-from .entries import with_symbols
-from .null_chains import constant_zeros
 from .structural_zeros import structure
+
+# --- what the places of zero entries prove ---
+
+
+Pattern = NDArray[np.bool_]
+
+
+def components(pattern: Pattern) -> list[NDArray[np.intp]]:
+    """Indices of the diagonal blocks of the block triangular form.
+
+    Parameters
+    ----------
+    pattern
+        Whether each entry may differ from zero, shape (n, n).
+
+    Examples
+    --------
+    >>> [c.tolist() for c in components(np.array([[1, 1], [0, 1]], dtype=bool))]
+    [[1], [0]]
+    """
+    from scipy.sparse.csgraph import connected_components
+
+    _, labels = connected_components(pattern, directed=True, connection="strong")
+    return [np.flatnonzero(labels == label) for label in np.unique(labels)]
+
+
+def sparse_zeros(pattern: Pattern) -> int:
+    """Number of eigenvalues that are zero for all values of the entries.
+
+    Parameters
+    ----------
+    pattern
+        As for `components`.
+
+    Returns
+    -------
+    int
+        n minus the largest number of states that disjoint cycles cover.
+
+    Examples
+    --------
+    >>> sparse_zeros(np.array([[0, 1, 0], [0, 0, 1], [0, 1, 0]], dtype=bool))  # a chain into a pair
+    1
+    """
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import min_weight_full_bipartite_matching
+
+    if not len(pattern):
+        return 0
+    cost = pattern.astype(float)
+    outside = np.flatnonzero(~np.diag(pattern))
+    cost[outside, outside] = 2.0  # a state outside every cycle
+    rows, columns = min_weight_full_bipartite_matching(csr_array(cost))
+    return int(cost[rows, columns].sum()) - len(pattern)
+
+
+def mirrored(pattern: Pattern) -> bool:
+    """Whether the spectrum is symmetric under λ → -λ for all values of the entries.
+
+    This holds if every cycle is even: within each block a change of the signs of some states R then
+    gives R A R = -A, as under a reversal of time.
+
+    Parameters
+    ----------
+    pattern
+        As for `components`.
+
+    Examples
+    --------
+    >>> mirrored(np.array([[0, 1], [1, 0]], dtype=bool)), mirrored(np.eye(2, dtype=bool))
+    (True, False)
+    """
+    return all(_two_sides(pattern[np.ix_(some, some)]) for some in components(pattern))
+
+
+def _two_sides(block: Pattern) -> bool:
+    """Whether signs ±1 of the states exist that differ wherever an entry is not zero."""
+    either = block | block.T
+    if np.diag(block).any():
+        return False
+    sign = np.zeros(len(block), dtype=int)
+    sign[0], waiting = 1, [0]
+    while waiting:
+        here = waiting.pop()
+        for there in np.flatnonzero(either[here]):
+            if sign[there] == 0:
+                sign[there] = -sign[here]
+                waiting.append(int(there))
+            elif sign[there] == sign[here]:
+                return False
+    return True
+
+
+def known_coefficients(size: int, count: int, *, even: bool) -> list[bool]:
+    """Whether each coefficient of det(λ - A), lowest first, is zero for these reasons.
+
+    Parameters
+    ----------
+    size
+        Number of states n.
+    count
+        Number of zero eigenvalues.
+    even
+        Whether the spectrum is symmetric under λ → -λ.
+
+    Returns
+    -------
+    list of bool
+        n + 1 entries.
+
+    Examples
+    --------
+    >>> known_coefficients(3, 0, even=True)  # λ³ + a λ
+    [True, False, True, False]
+    """
+    return [i < count or (even and (size - i) % 2 == 1) for i in range(size + 1)]
+
+
+# --- a symbol for each large entry ---
+
+
+def with_symbols(
+    blocks: Sequence[Sequence[Sequence[Any]]], zero: Callable[[Any], bool]
+) -> list[list[list[Any]]]:
+    """Matrices with a symbol in place of each expression; all share their symbols.
+
+    Parameters
+    ----------
+    blocks
+        Matrices of rationals and of expressions of one function field.
+    zero
+        Test whether an entry is zero.
+
+    Returns
+    -------
+    list
+        The matrices, of rationals and of rational multiples of symbols.
+
+    Examples
+    --------
+    >>> a, b = FunctionField(["a", "b"]).symbols
+    >>> one, two = with_symbols([[[a + b]], [[-2 * a - 2 * b, a - a]]], lambda v: bool(v == 0))
+    >>> two[0][0] == -2 * one[0][0], two[0][1]
+    (True, 0)
+    """
+    keys: dict[tuple[str, str], int] = {}
+    parts = [[[_split(entry, zero) for entry in row] for row in block] for block in blocks]
+    for block in parts:
+        for row in block:
+            for _, key in row:
+                if key is not None:
+                    keys.setdefault(key, len(keys))
+    # one field for all: the same symbol in two fields would mean two expressions
+    symbols = FunctionField([f"e{i}" for i in range(len(keys))]).symbols
+    return [
+        [[c if key is None else symbols[keys[key]] * c for c, key in row] for row in block]
+        for block in parts
+    ]
+
+
+def _split(entry: Any, zero: Callable[[Any], bool]) -> tuple[Any, tuple[str, str] | None]:
+    """An entry as a rational factor, and the name of the rest; None where there is no rest."""
+    if zero(entry):
+        return 0, None
+    if not isinstance(entry, Expression):
+        return entry, None
+    if entry.num.is_constant() and entry.den.is_constant():
+        return entry.plain(), None
+    top, bottom = entry.num.leading_coefficient(), entry.den.leading_coefficient()
+    return top / bottom, (str(entry.num / top), str(entry.den / bottom))
+
+
+# --- chains of constant vectors ---
+
+
+SAMPLES = 2
+"""Values of the indeterminates at which vectors are sought; each vector is then proved."""
+
+
+def constant_zeros(matrix: Sequence[Sequence[Any]], zero: Callable[[Any], bool]) -> int:
+    """Number of zero eigenvalues that chains of constant vectors prove, from right or left.
+
+    Parameters
+    ----------
+    matrix, zero
+        As for `constant_kernels`.
+
+    Examples
+    --------
+    >>> from stability.algebra.exact.function_field import FunctionField
+    >>> [k] = FunctionField(["k"]).symbols
+    >>> free = [[0, 0, 1, 0], [0, 0, 0, 1], [-k, k, 0, 0], [k, -k, 0, 0]]
+    >>> constant_zeros(free, lambda v: bool(v == 0))
+    2
+    """
+    return max(constant_kernels(matrix, zero), default=0)
+
+
+def constant_kernels(matrix: Sequence[Sequence[Any]], zero: Callable[[Any], bool]) -> list[int]:
+    """Dimensions of the kernels of A, A², … that chains of constant vectors prove.
+
+    Parameters
+    ----------
+    matrix
+        Rationals, and expressions of one function field.
+    zero
+        Test whether an entry is zero.
+
+    Examples
+    --------
+    >>> constant_kernels([[0, 1], [0, 0]], lambda v: bool(v == 0))
+    [1, 2]
+    """
+    try:
+        found = [_sample(matrix, number) for number in range(SAMPLES)]
+    except (NotExact, ZeroDivisionError):
+        return []
+    turned = [list(column) for column in zip(*matrix, strict=True)]
+    right = _chain(matrix, found, zero)
+    left = _chain(turned, [m.transpose() for m in found], zero)
+    longer = max(len(right), len(left))  # a chain that has ended keeps its dimension
+    right, left = ([*s, *s[-1:] * (longer - len(s))] for s in (right, left))
+    return list(map(max, right, left)) if right and left else right or left
+
+
+def _sample(matrix: Sequence[Sequence[Any]], number: int) -> Any:
+    """The matrix with a rational in place of each indeterminate, related or not."""
+
+    def value(entry: Any) -> Any:
+        if not isinstance(entry, Expression):
+            if not isinstance(entry, (int, fmpq)):
+                raise NotExact("an algebraic entry")
+            return fmpq(entry)
+        count = entry.num.context().nvars()
+        point = [
+            fmpq(3 + 2 * ((i + 7 * number) % 11) + i, 5 + (i + number) % 3) for i in range(count)
+        ]
+        return fmpq(entry.num(*point)) / fmpq(entry.den(*point))
+
+    return fmpq_mat([[value(entry) for entry in row] for row in matrix])
+
+
+def _chain(
+    matrix: Sequence[Sequence[Any]], samples: Sequence[Any], zero: Callable[[Any], bool]
+) -> list[int]:
+    """Dimensions of the spaces of the chain."""
+    size, dimensions = len(matrix), list[int]()
+    space: list[list[Any]] = []
+    while True:
+        if len(space) == size:
+            return dimensions
+        checks = _kernel(space, size)  # rows that vanish on the space
+        shadow = fmpq_mat(checks)
+        rows = [row for m in samples for row in (shadow * m).tolist()]
+        wider = _kernel(rows, size)
+        if len(wider) <= len(space) or not _mapped(matrix, wider, checks, zero):
+            return dimensions
+        space = wider
+        dimensions.append(len(space))
+
+
+def _kernel(rows: list[list[Any]], size: int) -> list[list[Any]]:
+    """A basis of the vectors on which all rows vanish."""
+    if not rows:
+        return [[fmpq(int(i == j)) for j in range(size)] for i in range(size)]
+    table, rank = fmpq_mat(rows).rref()
+    pivots = [next(j for j in range(size) if table[i, j] != 0) for i in range(rank)]
+    out = []
+    for free in (j for j in range(size) if j not in pivots):
+        vector = [fmpq(0)] * size
+        vector[free] = fmpq(1)
+        for i, j in enumerate(pivots):
+            vector[j] = -table[i, free]
+        out.append(vector)
+    return out
+
+
+def _mapped(
+    matrix: Sequence[Sequence[Any]],
+    vectors: list[list[Any]],
+    checks: list[list[Any]],
+    zero: Callable[[Any], bool],
+) -> bool:
+    """Whether the matrix maps vectors to where all checks vanish, identically."""
+    for vector in vectors:
+        image = [_dot(row, vector) for row in matrix]
+        if not all(zero(_dot(image, check)) for check in checks):
+            return False
+    return True
+
+
+def _dot(entries: Sequence[Any], vector: Sequence[Any]) -> Any:
+    total: Any = fmpq(0)
+    for entry, c in zip(entries, vector, strict=True):
+        if c != 0 and not (isinstance(entry, (int, fmpq)) and entry == 0):
+            total = total + entry * c
+    return total
+
+
+# --- identities of expressions ---
+
 
 MOST_STATES = 16
 """States of the largest block whose symmetry is sought by multiplying expressions out."""
@@ -59,11 +374,11 @@ def identity(family: Family) -> Identity:
         zeros, even = _zero_pattern(
             exact_matrix(family, *parts), zero, (sampled.zeros, sampled.even)
         )
-    zeros = max(zeros, tangents, pattern.zeros(places), len(family.left_out))
-    return Identity(zeros, even or pattern.mirrored(places))
+    zeros = max(zeros, tangents, sparse_zeros(places), len(family.left_out))
+    return Identity(zeros, even or mirrored(places))
 
 
-def stored(family: Family) -> pattern.Pattern:
+def stored(family: Family) -> Pattern:
     """Whether the graph holds each entry of the linearisation."""
     graph = family.graph.matrix
     out = np.zeros(graph.shapes[0], dtype=bool)
@@ -141,11 +456,11 @@ def blocks_of(
     matrix: list[list[Any]], zero: Callable[[Any], bool] = vanishes
 ) -> list[list[list[Any]]]:
     """Diagonal blocks of the block triangular form: their polynomials multiply to the whole."""
-    members = pattern.components(nonzero(matrix, zero))
+    members = components(nonzero(matrix, zero))
     return [[[matrix[i][j] for j in some] for i in some] for some in members]
 
 
-def nonzero(matrix: list[list[Any]], zero: Callable[[Any], bool] = vanishes) -> pattern.Pattern:
+def nonzero(matrix: list[list[Any]], zero: Callable[[Any], bool] = vanishes) -> Pattern:
     """Whether each entry is not proved to be zero."""
     return np.array([[not zero(entry) for entry in row] for row in matrix])
 
@@ -165,7 +480,7 @@ def _zero_pattern(
     """
     blocks = blocks_of(matrix, zero)
     places = [nonzero(block, zero) for block in blocks]
-    count, even = sum(map(pattern.zeros, places)), all(map(pattern.mirrored, places))
+    count, even = sum(map(sparse_zeros, places)), all(map(mirrored, places))
     if count < wanted[0]:
         count = max(count, constant_zeros(matrix, zero))
     large = max(map(len, blocks)) > MOST_STATES
@@ -206,8 +521,8 @@ def zeros_and_parity(
             poly = characteristic(block)
         except NotExact:  # too large: the places of its zero entries still prove something
             places = nonzero(block, zero)
-            zeros += pattern.zeros(places)
-            even = even and pattern.mirrored(places)
+            zeros += sparse_zeros(places)
+            even = even and mirrored(places)
             continue
         low = next(i for i, c in enumerate(poly) if not zero(c))
         zeros += low

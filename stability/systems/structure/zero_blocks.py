@@ -24,19 +24,18 @@ from ...algebra.number_types import balls, precision
 from ...base.errors import NoMemberError
 from ...base.verdict import Verdict, best
 from ..family import Family
-from .axis_proof import READINGS
 from .enclosure import ball_unknowns
 from .identities import (
     MOST_STATES,
+    Pattern,
+    constant_kernels,
     exact_matrix,
     fixed_directions,
     nonzero,
     on_the_branch,
     stored,
 )
-from .multiplicity import ROOT_BITS, Member
-from .null_chains import constant_kernels
-from .pattern import Pattern
+from .member import READINGS, ROOT_BITS, Member
 from .structural_zeros import SAMPLE_BITS, sampled, structure
 
 Rows = Sequence[Sequence[Any]]

@@ -6,19 +6,22 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict
 
 from ...base.checks import chosen
-from ...base.citation.used import cited
+from ...base.citation import cited
 from ...base.errors import listed
-from ..formats.about import About, Standing
-from ..formats.column import Column, word
-from ..formats.plain import framed
-from ..formats.table import Definition
-from .cycles import axon, nerve, stick_slip, swinging
-from .linear_bicycle import linear_bicycle
-from .nonlinear_bicycle import nonlinear_bicycle
-from .oscillators import rotor, saddle, triangular_points, ziegler
+from ..table import About, Column, Definition, Standing, framed, word
+from .bicycle import linear_bicycle, nonlinear_bicycle
+from .oscillators import (
+    axon,
+    nerve,
+    rotor,
+    saddle,
+    stick_slip,
+    swinging,
+    triangular_points,
+    ziegler,
+)
 from .row import BenchmarkRow, Case
-from .spinning import gyropendulum, liquid, sphere, vortices
-from .tops import lagrange, tippe
+from .spinning import gyropendulum, lagrange, liquid, sphere, tippe, vortices
 from .wheels import hunting, sympy_disc, turning
 
 CASES: dict[str, Case] = {

@@ -1,0 +1,64 @@
+"""The command `cite`: what to cite for this package, or for a file that it wrote."""
+
+from __future__ import annotations
+
+import argparse
+from contextlib import suppress
+
+from ..base.citation import Citation, citation
+from ..storage.text import json_text
+
+
+def run(options: argparse.Namespace) -> None:
+    """Run the command.
+
+    Parameters
+    ----------
+    options
+        Parsed options.
+    """
+    found = citation() if options.file is None else _of_file(options.file)
+    if options.json:
+        fields = ("key", "role", "text", "doi", "bibtex")
+        works = [{n: getattr(work, n) for n in fields} for work in found.works]
+        print(json_text({"works": works}))
+    else:
+        print(found.bibtex if options.bibtex else found.text)
+
+
+def _of_file(path: str) -> Citation:
+    """What a file says; the readers check it as ever."""
+    from ..base.errors import FileError
+    from ..basin.dataset import FORMAT as BASINS
+    from ..motion.dataset import FORMAT as MOTION
+    from ..spectra.labels import FORMAT as MAP
+    from ..storage.netcdf import opened
+    from ..storage.targets import place
+    from ..storage.zarr_folder import opened_store
+
+    read = opened_store if place(path).suffix.lower() == ".zarr" else opened
+    forms = {MAP: "a map", MOTION: "a motion", BASINS: "launches"}
+    *others, last = forms
+    for form in others:
+        with suppress(FileError), read(path, form, forms[form], lazy=True) as dataset:
+            return citation(dataset)
+    with read(path, last, "a map, a motion or launches", lazy=True) as dataset:
+        return citation(dataset)
+
+
+def add_arguments(sub: argparse.ArgumentParser) -> None:
+    """Arguments of the command.
+
+    Parameters
+    ----------
+    sub
+        The command's parser.
+    """
+    sub.add_argument(
+        "file",
+        metavar="FILE",
+        nargs="?",
+        help="a map, motion or store of launches that this package wrote (.nc or "
+        ".zarr); without it: this package, and the paper of the disk",
+    )
+    sub.add_argument("--bibtex", action="store_true", help="entries of BibTeX alone")

@@ -1,0 +1,410 @@
+"""Drivers on scenes at many tolerances: work against precision, as a dataset."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import time
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...base.errors import StabilityError
+from ...base.provenance import machine, today
+from ...base.types import Floats
+from ...jobs.measured_cells import Cell, Late, Task
+from ...storage.text import csv_text
+from ..cost import Place, least, places, timed, timings
+from .drivers import DRIVERS, MODELS, OWN, PEOPLE, Answer, Driver, driver
+from .reference_motions import ReferenceMotion, scene, scenes
+
+if TYPE_CHECKING:
+    import xarray
+
+CHARTED: dict[str, str] = {
+    "gentle": "gentle: viscous, μ = 0.3, until t = 20",
+    "near-threshold": "near threshold: rolling at ω₃ = 1.4142, until t = 200",
+    "stiff-300": "stiff: μ = 300, until t = 20",
+    "stiff-10000": "stiff: μ = 10⁴, until t = 10",
+    "rough-long": "long: rough, until t = 1000",
+    "slides_then_sticks": "dry friction: slides, then sticks, until t = 10",
+    "near-flat": "approach to flatness: rough hoop, 6·10⁻⁴ rad from flat",
+    "lift-off": "lift-off at t = 16.1",
+}
+"""Scenes of the chart and their titles."""
+NAMES = tuple(d.name for d in (*OWN, *PEOPLE, *MODELS))
+"""Drivers of the chart."""
+PATIENCE = 0.3
+"""Time of a run beyond which no tighter tolerance is tried [s]."""
+LIMIT = 7.0
+"""Time limit of a cell [s]."""
+METRICS = ("final", "path", "audit", "event")
+"""Names of the errors of a motion."""
+
+
+def tasks() -> list[list[Task]]:
+    """Tasks of the chart, each in a fresh process, so that its first call is the first."""
+    return [
+        [Task(f"motion/{s}/{name}", measure, (s, name), LIMIT)]
+        for s in CHARTED
+        if s in scenes()
+        for name in NAMES
+        if DRIVERS[name]().takes(scene(s))
+    ]
+
+
+def measure(which: str, name: str) -> dict[str, Any]:
+    """One cell: a driver on a scene at all its tolerances.
+
+    Parameters
+    ----------
+    which, name
+        Names of the scene and of the driver.
+
+    Returns
+    -------
+    dict
+        first: seconds of the first call, or None; tolerance: values that were tried; rows: a dict
+        for each of them.  A row holds final, path, audit, event (errors), outcome (a word), seconds
+        (every repeat), stated and an empty message.  A row without an answer holds only the
+        message: the reason.
+    """
+    it, mine = scene(which), driver(name)
+    times = it.asked
+    _forget()
+    out: dict[str, Any] = {"first": None, "tolerance": [], "rows": []}
+    for tolerance in mine.tolerances:
+        out["tolerance"].append(tolerance)
+        start = time.perf_counter()
+        try:
+            motion = mine.run(it, times, tolerance)
+            took = time.perf_counter() - start
+            out["first"] = took if out["first"] is None else out["first"]
+            if took > PATIENCE:  # Taylor compiles code for each order: time the run again
+                [took] = timed(lambda t=tolerance: mine.run(it, times, t), least=1, most=1)  # type: ignore[misc]
+            row = judged(it, motion)
+            row |= {"seconds": _repeated(mine, it, tolerance, took), "message": ""}
+        except (StabilityError, ArithmeticError, ValueError, RuntimeError) as error:
+            took, row = time.perf_counter() - start, {"message": str(error)[:200]}
+        except Late:
+            out["rows"].append({"message": f"no answer within the {LIMIT:g} s of the cell"})
+            return out
+        out["rows"].append(row)
+        if took > PATIENCE:
+            break
+    return out
+
+
+def _repeated(mine: Driver, it: ReferenceMotion, tolerance: float, took: float) -> list[float]:
+    """Time of each repeat [s]; the first run alone where it took long."""
+    if took > PATIENCE:
+        return [took]
+    return timed(lambda: mine.run(it, it.asked, tolerance), least=1, most=9, budget=0.08)
+
+
+def _forget() -> None:
+    """Keep heyoka from its store of compiled code on disk, so that a first call compiles."""
+    from ...integrators import taylor
+
+    if taylor.available():
+        import heyoka
+
+        with contextlib.suppress(AttributeError):  # older versions have no such store
+            heyoka.llvm_state.set_diskcache_enabled(False)
+
+
+def judged(it: ReferenceMotion, motion: Answer) -> dict[str, Any]:
+    """The errors of a motion.
+
+    Parameters
+    ----------
+    it
+        The scene, with its truth.
+    motion
+        Answer of a driver.
+
+    Returns
+    -------
+    dict
+        final: error of the last true state, over 1 or its size; path: the largest such error along
+        the path; both None where the driver lacks a time of the truth.  event: error of the time of
+        the end, where the truth has one, or of the events of dry friction; None where outcome or
+        kinds of events differ, or there are none.  audit, outcome, stated: as in `Answer`.
+    """
+    both = [t for t in it.times if t in set(motion.times.tolist())]
+    mine = motion.states[np.isin(motion.times, both)]
+    true = it.states[np.isin(it.times, both)]
+    off = distance(mine, true)
+    whole = len(both) == len(it.times)
+    return {
+        "final": float(off[-1]) if whole else None,
+        "path": float(off.max()) if whole else None,
+        "audit": motion.audit,
+        "event": _event(it, motion),
+        "outcome": motion.outcome,
+        "stated": motion.stated,
+    }
+
+
+def distance(mine: Floats, true: Floats) -> Floats:
+    """Largest difference of states, each over 1 or its own size.
+
+    Parameters
+    ----------
+    mine, true
+        States of the driver and of the truth, shape (t, 6).
+
+    Returns
+    -------
+    ndarray
+        Shape (t,).
+    """
+    return np.asarray((np.abs(mine - true) / np.maximum(1.0, np.abs(true))).max(axis=-1))
+
+
+def _event(it: ReferenceMotion, motion: Answer) -> float | None:
+    if it.ends:
+        return abs(motion.end_time - it.end_time) if motion.outcome == it.outcome else None
+    if not it.events:
+        return None
+    if [kind for kind, _ in it.events] != [kind for kind, _ in motion.events]:
+        return None
+    pairs = zip(it.events, motion.events, strict=True)
+    return max(abs(a - b) for (_, a), (_, b) in pairs)
+
+
+# --- the chart as data ---
+
+
+FORMAT = "stability chart motion 1"
+"""Attribute `format` of a file of this chart."""
+LONG = {
+    "final": "error of the last state, the largest over the states, each over 1 or its own size",
+    "path": "the same, the largest along the path",
+    "audit": "largest error of the energy account over the initial energy",
+    "event": "error of the time of the end, or of the events of dry friction",
+    "stated": "the driver's own estimate of the error of the last state",
+}
+"""Description of each metric."""
+
+
+def dataset(cells: Mapping[str, Cell]) -> xarray.Dataset:
+    """Numbers of the motion chart, with every raw timing.
+
+    Parameters
+    ----------
+    cells
+        Cells by key, as in `stability.compare.motion.chart.tasks`; missing cells are gaps;
+        scenes and drivers without any are left out.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (scene, driver, rung | repeat); a rung is one of the driver's tolerances, from loose
+        to tight.  NaN marks a gap: no such tolerance, no answer, or none in time; `message` and
+        `status` say which.
+    """
+    import xarray
+
+    kinds = [k for k in CHARTED if any(key.startswith(f"motion/{k}/") for key in cells)]
+    names = [n for n in NAMES if any(key.endswith(f"/{n}") for key in cells)]
+    rungs = max((len(DRIVERS[n].tolerances) for n in names), default=0)
+    repeats = max(
+        (
+            len(r.get("seconds", ()))
+            for key, c in cells.items()
+            if key.startswith("motion/") and c.value
+            for r in c.value["rows"]
+        ),
+        default=1,
+    )
+    shape = (len(kinds), len(names), rungs)
+    numbers = {key: np.full(shape, np.nan) for key in ("tolerance", *LONG)}
+    seconds = np.full((*shape, repeats), np.nan)
+    first = np.full(shape[:2], np.nan)
+    outcome, message = np.full(shape, "", "U14"), np.full(shape, "", "U200")
+    status = np.full(shape[:2], "not asked", "U10")
+    for i, kind in enumerate(kinds):
+        for j, name in enumerate(names):
+            cell = cells.get(f"motion/{kind}/{name}")
+            if cell is None:
+                continue
+            status[i, j] = cell.status
+            if cell.value is None:
+                message[i, j] = cell.message
+                continue
+            first[i, j] = np.nan if cell.value["first"] is None else cell.value["first"]
+            for m, row in enumerate(cell.value["rows"]):
+                place = (i, j, m)
+                numbers["tolerance"][place] = cell.value["tolerance"][m]
+                message[place] = row["message"]
+                if row["message"]:
+                    continue
+                outcome[place] = row["outcome"]
+                seconds[place][: len(row["seconds"])] = row["seconds"]
+                for key in LONG:
+                    numbers[key][place] = np.nan if row[key] is None else row[key]
+    along = ("scene", "driver", "rung")
+    data: dict[str, Any] = {
+        key: (along, values, {"long_name": LONG.get(key, "tolerance, step or ε"), "units": "1"})
+        for key, values in numbers.items()
+    }
+    data["seconds"] = (
+        (*along, "repeat"),
+        seconds,
+        {"long_name": "time of each repeated run", "units": "s"},
+    )
+    data["first"] = (
+        along[:2],
+        first,
+        {
+            "long_name": "time of the first run in its process: graphs built, code compiled",
+            "units": "s",
+        },
+    )
+    data |= {
+        "outcome": (along, outcome),
+        "message": (along, message),
+        "status": (along[:2], status),
+    }
+    truths = [scene(k) for k in kinds]
+    coordinates = {
+        "scene": kinds,
+        "driver": names,
+        "scene_title": ("scene", [CHARTED[k] for k in kinds]),
+        "title": ("driver", [DRIVERS[n].title for n in names]),
+        "own": ("driver", [DRIVERS[n].own for n in names]),
+        "default": ("driver", [DRIVERS[n].default for n in names]),
+        "true_outcome": ("scene", [t.outcome for t in truths]),
+        "truth_error": ("scene", [t.error for t in truths]),
+    }
+    attributes = {
+        "format": FORMAT,
+        "title": "ways to a motion: time against error",
+        "machine": json.dumps(machine()),
+        "created": today(),
+        "truth": "two independent integrations in many digits (reference_motions.json)",
+    }
+    return xarray.Dataset(data, coordinates, attributes)
+
+
+def points(chart: xarray.Dataset, which: str, metric: str) -> dict[str, list[tuple[float, float]]]:
+    """(seconds, error) of every driver at each tolerance that has a right outcome.
+
+    The least repeat counts: other work on the machine only adds to a time.
+
+    Parameters
+    ----------
+    chart
+        From `dataset`.
+    which
+        Name of the scene.
+    metric
+        One of `stability.compare.motion.chart.METRICS`.
+
+    Returns
+    -------
+    dict
+        By driver, from loose to tight; drivers without such a tolerance are left out.
+    """
+    if metric not in METRICS:
+        raise KeyError(metric)
+    here = chart.sel(scene=which)
+    true = str(here.true_outcome.values)
+    found: dict[str, list[tuple[float, float]]] = {}
+    for name in here.driver.values.tolist():
+        mine = here.sel(driver=name)
+        rows = []
+        for m in range(mine.sizes["rung"]):
+            rung = mine.isel(rung=m)
+            error, times = float(rung[metric]), rung.seconds.values
+            if np.isfinite(error) and str(rung.outcome.values) == true:
+                rows.append((float(np.nanmin(times)), error))
+        if rows:
+            found[name] = rows
+    return found
+
+
+def standing(chart: xarray.Dataset, which: str, metric: str = "path") -> dict[str, Place]:
+    """Standing of each driver, at the best of its tolerances.
+
+    Parameters
+    ----------
+    chart
+        From `dataset`.
+    which
+        Name of the scene.
+    metric
+        Metric whose error counts.
+
+    Returns
+    -------
+    dict
+        By driver: the standing of its tolerance that is on the front, or nearest to it.
+    """
+    flat = {
+        f"{name} {m}": point
+        for name, rows in points(chart, which, metric).items()
+        for m, point in enumerate(rows)
+    }
+    best: dict[str, Place] = {}
+    for key, place in places(flat).items():
+        name = key.split()[0]
+        if name not in best or place.factor < best[name].factor:
+            best[name] = Place(
+                place.time, place.error, place.on_front, place.factor, place.rival.split()[0]
+            )
+    return best
+
+
+# --- as text ---
+
+
+def motion_csv(cells: Mapping[str, Cell]) -> str:
+    """CSV of the motions: one line for each scene, driver and tolerance.
+
+    Parameters
+    ----------
+    cells
+        Cells of any chart by key.
+
+    Returns
+    -------
+    str
+    """
+    metrics = (*METRICS, "stated")
+    columns = (
+        "scene",
+        "driver",
+        "tolerance",
+        "outcome",
+        *(f"{m}_error" for m in metrics),
+        "least_s",
+        "timings_s",
+        "first_call_s",
+        "message",
+    )
+    rows: list[Sequence[Any]] = []
+    for key, cell in cells.items():
+        if not key.startswith("motion/"):
+            continue
+        _, which, name = key.split("/")
+        if cell.value is None:
+            rows.append((which, name, *[None] * 10, f"{cell.status}: {cell.message}"))
+            continue
+        for tolerance, row in zip(cell.value["tolerance"], cell.value["rows"], strict=True):
+            rows.append(
+                (
+                    which,
+                    name,
+                    tolerance,
+                    row.get("outcome"),
+                    *(row.get(m) for m in metrics),
+                    least(row.get("seconds")),
+                    timings(row.get("seconds")),
+                    cell.value["first"],
+                    row["message"],
+                )
+            )
+    return csv_text(columns, rows)

@@ -1,0 +1,596 @@
+"""Routes to a spectrum on every hardness class: time for each point against error, as a dataset."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...base.errors import StabilityError
+from ...base.provenance import machine, today
+from ...base.types import Floats
+from ...base.verdict import CODES, Verdict
+from ...jobs.measured_cells import Cell, Task
+from ...storage.text import csv_text
+from ..cost import Place, least, places, timed, timings
+from .points import EDGES, Points, classes, edge, points_of
+from .routes import ROUTES, Answer, Route, check, route
+
+if TYPE_CHECKING:
+    import xarray
+
+FEW = 12
+"""Points of a class, about, for a route that takes one point at a time."""
+MANY = 960
+"""Points of a timed call of a route that takes arrays."""
+BRACKET = 1e-2
+"""Relative half-width of the bracket in which a boundary is searched for."""
+HALVINGS = 32
+"""Halvings from 1e-13 to below 1e-22, which is far below the rounding of a double."""
+SPARSE = 4
+"""A slow route is asked one boundary in this many."""
+CHARTED = tuple(r.name for r in ROUTES.values() if r.charted)
+"""Names of the routes in the charts."""
+
+
+def tasks() -> list[list[Task]]:
+    """Tasks of the chart, grouped by route: a process for each, so that none disturbs another."""
+    return [
+        [
+            *(Task(f"spectrum/{c}/{name}", measure, (c, name)) for c in classes()),
+            Task(f"boundary/{name}", locate, (name,)),
+        ]
+        for name in CHARTED
+    ]
+
+
+def errors(points: Points, answer: Answer) -> tuple[Floats | None, Floats | None]:
+    """Errors of eigenvalues and abscissa at each point.
+
+    Parameters
+    ----------
+    points
+        The points.
+    answer
+        Answer of a route.
+
+    Returns
+    -------
+    eigenvalues
+        Largest error over the largest modulus, after the best matching; shape (N,), or None.
+    abscissa
+        Error over the abscissa itself, over the largest modulus where that is zero; (N,) or None.
+    """
+    truth = points.truth
+    size = np.abs(truth.eigenvalues).max(axis=1)
+    size = np.where(size > 0, size, 1.0)
+    eigenvalues = None
+    if answer.eigenvalues is not None:
+        eigenvalues = (
+            np.array(
+                [
+                    _matched(mine, exact, rest)
+                    for mine, exact, rest in zip(
+                        answer.eigenvalues, truth.eigenvalues, truth.rest, strict=True
+                    )
+                ]
+            )
+            / size
+        )
+    if answer.abscissa is None:
+        return eigenvalues, None
+    scale = np.where(truth.abscissa != 0, np.abs(truth.abscissa), size)
+    off = np.abs((answer.abscissa - truth.abscissa) - truth.abscissa_rest)
+    return eigenvalues, off / scale
+
+
+def _matched(mine: Any, exact: Any, rest: Any) -> float:
+    from scipy.optimize import linear_sum_assignment
+
+    distance = np.abs((mine[:, None] - exact[None, :]) - rest[None, :])
+    rows, columns = linear_sum_assignment(distance)
+    return float(distance[rows, columns].max())
+
+
+def measure(hardness: str, name: str) -> dict[str, Any]:
+    """One cell: the errors of a route on a class, and its times.
+
+    Parameters
+    ----------
+    hardness, name
+        Names of the hardness class and of the route.
+
+    Returns
+    -------
+    dict
+        eigenvalues, abscissa: errors at each point, or None; wrong, undecided: numbers of
+        verdicts; count: number of points; first: seconds of the first call; one, many: seconds per
+        point of each timed call, at one point and at many.
+    """
+    import time
+
+    mine = route(name)
+    groups = [p if mine.arrays else p[: _share(p, hardness)] for p in points_of(hardness)]
+    first = None
+    found: dict[str, Any] = {"eigenvalues": [], "abscissa": [], "wrong": 0, "undecided": 0}
+    for points in groups:
+        start = time.perf_counter()
+        answer = mine.answer(points)
+        first = time.perf_counter() - start if first is None else first
+        check(points, answer)
+        eigenvalues, abscissa = errors(points, answer)
+        for key, values in (("eigenvalues", eigenvalues), ("abscissa", abscissa)):
+            found[key] = None if values is None else [*found[key], *values.tolist()]
+        open_ = answer.codes == CODES[Verdict.UNDECIDED]
+        found["undecided"] += int(open_.sum())
+        found["wrong"] += int(((answer.codes != points.truth.codes) & ~open_).sum())
+    found |= {"count": sum(len(p) for p in groups), "first": first}
+    return found | _times(mine, groups)
+
+
+def _share(points: Points, hardness: str) -> int:
+    """Number of a group's points for a slow route: about `FEW` in the whole class."""
+    total = sum(len(p) for p in points_of(hardness))
+    return max(1, round(FEW * len(points) / total))
+
+
+def _times(mine: Route, groups: Sequence[Points]) -> dict[str, list[float]]:
+    """Seconds per point of each repeat: at one point, and at many for a route with arrays."""
+    one: list[float] = []
+    for points in groups[:2]:
+        single = points[:1]
+        least, budget = (5, 0.06) if mine.arrays else (2, 0.06)
+        one += timed(lambda p=single: mine.answer(p), least=least, most=40, budget=budget)  # type: ignore[misc]
+    if not mine.arrays:
+        return {"one": one, "many": []}
+    many: list[float] = []
+    for points in groups[:2]:
+        tiled = points[np.arange(MANY) % len(points)]
+        repeats = timed(lambda p=tiled: mine.answer(p), least=3, most=20, budget=0.1)  # type: ignore[misc]
+        many += [seconds / MANY for seconds in repeats]
+    return {"one": one, "many": many}
+
+
+# --- boundaries ---
+
+
+def locate(name: str) -> dict[str, Any]:
+    """One cell: each boundary, searched by bisection on a route's verdict from 1 % off.
+
+    For the package's routes, its function `boundaries` replaces the bisection.
+
+    Parameters
+    ----------
+    name
+        The route.
+
+    Returns
+    -------
+    dict
+        Lists along `EDGES`, None where a slow route is not asked.  error: relative, None where not
+        found; seconds; width: the stated relative half-width, or None.
+    """
+    import time
+
+    mine = route(name)
+    out: dict[str, Any] = {"error": [], "seconds": [], "width": []}
+    slow = not mine.own and not mine.arrays
+    for number, where in enumerate(EDGES):
+        if slow and number % SPARSE:
+            for key in out:
+                out[key].append(None)
+            continue
+        exact = exact_edge(*where)
+        start = time.perf_counter()
+        found, width = _found(mine, where, exact[0])
+        out["seconds"].append(time.perf_counter() - start)
+        error = None if found is None else abs((found - exact[0]) - exact[1]) / exact[0]
+        out["error"].append(error)
+        out["width"].append(width)
+    return out
+
+
+def exact_edge(
+    family: str, law: str, k: float, mu: float | None, low: float, high: float
+) -> tuple[float, float]:
+    """A boundary to 22 digits, by bisection on the sign of Hurwitz's determinants in balls.
+
+    Parameters
+    ----------
+    family, law, k, mu, low, high
+        As in `EDGES`.
+
+    Returns
+    -------
+    value, rest
+        The boundary rounded to double, and the exact boundary less that, as a double.
+    """
+    from fractions import Fraction
+
+    from flint import arb, fmpq
+
+    from ...algebra.exact.routh import hurwitz_sign, verdict_polynomial
+    from ...algebra.number_types import precision
+    from ...bodies.thin_disk import disk_family
+    from ...systems.structure.enclosure import characteristic
+    from ...systems.structure.structural_zeros import structure
+
+    near = edge(family, law, k, mu, low, high)
+    member = disk_family(family, law)
+    zeros = structure(member).zeros
+    q = [fmpq(*v.as_integer_ratio()) for v in ((k,) if mu is None else (k, mu))]
+
+    def sign(at: Fraction) -> int:
+        with precision(512):
+            a = [arb(fmpq(at.numerator, at.denominator))]
+            c = characteristic(member, a, [arb(v) for v in q])
+            return hurwitz_sign(verdict_polynomial(c, zeros, member.conservative))
+
+    a, b = (Fraction(near) * (1 + Fraction(s, 10**13)) for s in (-1, 1))
+    below = sign(a)
+    if below * sign(b) != -1:
+        raise ArithmeticError(f"{family}, {law}: no boundary near {near}")
+    for _ in range(HALVINGS):
+        middle = (a + b) / 2
+        here = sign(middle)
+        if here == 0:  # the boundary itself
+            a = b = middle
+            break
+        a, b = (middle, b) if here == below else (a, middle)
+    middle = (a + b) / 2
+    return float(middle), float(middle - Fraction(float(middle)))
+
+
+def _found(mine: Route, where: Any, near: float) -> tuple[float | None, float | None]:
+    return _proved(where, near) if mine.own else (_bisected(mine, where, near), None)
+
+
+def _bisected(mine: Route, where: Any, near: float) -> float | None:
+    """Bisection on whether a route says unstable; None where the ends are not distinguished."""
+    family, law, k, mu = where[:4]
+
+    def unstable(at: float) -> bool:
+        friction = None if mu is None else np.array([mu])
+        code = mine.answer(Points(family, law, np.array([k]), friction, np.array([at]))).codes[0]
+        return bool(code == CODES[Verdict.UNSTABLE])
+
+    low, high = near * (1 - BRACKET), near * (1 + BRACKET)
+    first = unstable(low)
+    if unstable(high) == first:
+        return None
+    while low < (middle := (low + high) / 2) < high:
+        if unstable(middle) == first:
+            low = middle
+        else:
+            high = middle
+    return (low + high) / 2
+
+
+def _proved(where: Any, near: float) -> tuple[float | None, float | None]:
+    """A boundary by the package's `boundaries`, and its proved relative half-width."""
+    from ...bodies.disk import Disk
+    from ...bodies.law_names import law_named
+    from ...boundary.changes import boundaries
+
+    family, law, k, mu = where[:4]
+    try:
+        found = boundaries(
+            family,
+            axis=("at", near * (1 - BRACKET), near * (1 + BRACKET), 4),
+            disk=Disk(k=k),
+            contact=law_named(law, mu),
+        )
+    except StabilityError:
+        return None, None
+    if len(found) != 1:
+        return None, None
+    return found[0].value, found[0].error / found[0].value
+
+
+# --- the chart as data ---
+
+
+FORMAT = "stability chart spectrum 1"
+"""Attribute `format` of a file of this chart."""
+QUANTITIES = ("eigenvalues", "abscissa", "verdict", "boundary")
+"""Quantities of the chart."""
+
+
+def padded(rows: Sequence[Sequence[float | None] | None], shape: tuple[int, ...]) -> Any:
+    """Rows of different lengths as one array of doubles, with NaN for missing numbers.
+
+    Parameters
+    ----------
+    rows
+        Rows of numbers, or None for a missing row.
+    shape
+        Leading shape that the rows fill.
+
+    Returns
+    -------
+    ndarray
+        `shape + (longest,)`.
+
+    Examples
+    --------
+    >>> padded([[1.0, 2.0], None, [3.0]], (3,)).tolist()
+    [[1.0, 2.0], [nan, nan], [3.0, nan]]
+    """
+    longest = max((len(r) for r in rows if r), default=1)
+    out = np.full((len(rows), longest), np.nan)
+    for index, row in enumerate(rows):
+        if row:
+            out[index, : len(row)] = [np.nan if v is None else v for v in row]
+    return out.reshape(*shape, longest)
+
+
+def dataset(cells: Mapping[str, Cell]) -> xarray.Dataset:
+    """Numbers of the spectrum chart, with every raw timing.
+
+    Parameters
+    ----------
+    cells
+        Cells by key, as in `stability.compare.spectrum.chart.tasks`: of some of the hardness
+        classes, with or without boundaries, by the same routes.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (route, hardness, point | call) and, if asked, (route, boundary).  NaN marks
+        missing numbers: a route without that answer, fewer points or calls than another's, or a
+        cell whose `status` is not done.
+    """
+    import xarray
+
+    names = [n for n in CHARTED if any(key.endswith(f"/{n}") for key in cells)]
+    kinds = [c for c in classes() if any(key.startswith(f"spectrum/{c}/") for key in cells)]
+    grid = [cells[f"spectrum/{c}/{n}"] for n in names for c in kinds]
+    edges = [cell for n in names if (cell := cells.get(f"boundary/{n}")) is not None]
+    shape = (len(names), len(kinds))
+
+    def rows(key: str, from_: Sequence[Cell]) -> list[Any]:
+        return [None if c.value is None else c.value[key] for c in from_]
+
+    def number(key: str) -> Any:
+        return np.array([np.nan if v is None else v for v in rows(key, grid)], float).reshape(shape)
+
+    two, long = (
+        ("route", "hardness"),
+        {
+            "eigenvalues": "error of the eigenvalues over the largest modulus, best matching",
+            "abscissa": "error of the abscissa over the abscissa, over the largest modulus where 0",
+            "one": "time of a call with one point",
+            "many": "time a point of a call with many points",
+        },
+    )
+    data: dict[str, Any] = {}
+    for key, unit, last in (
+        ("eigenvalues", "1", "point"),
+        ("abscissa", "1", "point"),
+        ("one", "s", "call_one"),
+        ("many", "s", "call_many"),
+    ):
+        values = padded(rows(key, grid), shape)
+        data[key] = (
+            (*two, f"{last}_{key}" if last == "point" else last),
+            values,
+            {"units": unit, "long_name": long[key]},
+        )
+    for key, text in (
+        ("wrong", "wrong verdicts"),
+        ("undecided", "verdicts said to be undecided"),
+        ("count", "points asked"),
+    ):
+        data[key] = (two, number(key), {"long_name": text, "units": "1"})
+    data["first"] = (two, number("first"), {"long_name": "time of the first call", "units": "s"})
+    data["status"] = (two, np.array([c.status for c in grid], dtype="U10").reshape(shape))
+    data["message"] = (two, np.array([c.message for c in grid], dtype="U200").reshape(shape))
+    coordinates: dict[str, Any] = {
+        "route": names,
+        "hardness": kinds,
+        "title": ("route", [ROUTES[n].title for n in names]),
+        "own": ("route", [ROUTES[n].own for n in names]),
+        "default": ("route", [ROUTES[n].default for n in names]),
+        "class_title": ("hardness", [classes()[c] for c in kinds]),
+    }
+    attributes = {
+        "format": FORMAT,
+        "title": "routes to a spectrum: time against error",
+        "machine": json.dumps(machine()),
+        "created": today(),
+        "truth": "characteristic polynomial of the graph in balls of 1024 bits and more",
+    }
+    if edges:
+        data |= _boundaries(edges)
+        coordinates["boundary"] = [" ".join(str(part) for part in e[:4]) for e in EDGES]
+    return xarray.Dataset(data, coordinates, attributes)
+
+
+def _boundaries(edges: Sequence[Cell]) -> dict[str, Any]:
+    """Variables over (route, boundary)."""
+    data: dict[str, Any] = {}
+    for key, unit, text in (
+        ("error", "1", "relative error of a boundary found"),
+        ("seconds", "s", "time to find it"),
+        ("width", "1", "stated half-width, relative"),
+    ):
+        values = padded([c.value and c.value[key] for c in edges], (len(edges),))
+        values = np.pad(values, ((0, 0), (0, len(EDGES) - values.shape[1])), constant_values=np.nan)
+        data[f"boundary_{key}"] = (
+            ("route", "boundary"),
+            values,
+            {"units": unit, "long_name": text},
+        )
+    asked = [
+        [r is not None for r in c.value["seconds"]] if c.value else [True] * len(EDGES)
+        for c in edges
+    ]
+    data["boundary_asked"] = (("route", "boundary"), np.array(asked))
+    return data
+
+
+def seconds(chart: xarray.Dataset, route: str, hardness: str) -> tuple[float, float]:
+    """Least times per point [s]: of calls with many points, if any, and with one point.
+
+    Other work on the machine only adds to a time.
+
+    Parameters
+    ----------
+    chart
+        From `dataset`.
+    route, hardness
+        Names of the route and of the hardness class.
+
+    Returns
+    -------
+    best, one
+        Equal without calls with many points; NaN where the cell is not done.
+    """
+    here = chart.sel(route=route, hardness=hardness)
+    one, many = (_least(here[key].values) for key in ("one", "many"))
+    return (many if np.isfinite(many) else one), one
+
+
+def _least(values: Any) -> float:
+    known = values[np.isfinite(values)]
+    return float(known.min()) if known.size else float("nan")
+
+
+def _median(values: Any) -> float:
+    known = values[np.isfinite(values)]
+    return float(np.median(known)) if known.size else float("nan")
+
+
+def _worst(values: Any) -> float:
+    known = values[np.isfinite(values)]
+    return float(known.max()) if known.size else float("nan")
+
+
+def standing(chart: xarray.Dataset, quantity: str, hardness: str = "") -> dict[str, Place]:
+    """Standing of every route in a panel; routes with a wrong verdict have none.
+
+    Parameters
+    ----------
+    chart
+        From `dataset`.
+    quantity
+        eigenvalues, abscissa, verdict (error: share of points undecided) or boundary.
+    hardness
+        Hardness class; not used for boundary.
+
+    Returns
+    -------
+    dict
+    """
+    panel: dict[str, tuple[float, float]] = {}
+    for name in chart.route.values.tolist():
+        if quantity == "boundary":
+            here = chart.sel(route=name)
+            asked = here.boundary_asked.values
+            error = here.boundary_error.values[asked]
+            if not error.size or not np.isfinite(error).all():
+                continue
+            panel[name] = (_median(here.boundary_seconds.values[asked]), float(error.max()))
+            continue
+        cell = chart.sel(route=name, hardness=hardness)
+        if str(cell.status.values) != "done" or float(cell.wrong) > 0:
+            continue
+        time = seconds(chart, name, hardness)[0]
+        if quantity == "verdict":
+            panel[name] = (time, float(cell.undecided / cell["count"]))
+        elif np.isfinite(error := _worst(cell[quantity].values)):
+            panel[name] = (time, error)
+    return places(panel)
+
+
+# --- as text ---
+
+
+def spectrum_csv(cells: Mapping[str, Cell]) -> str:
+    """CSV of the spectra: one line for each route and hardness class.
+
+    Parameters
+    ----------
+    cells
+        Cells of any chart by key.
+
+    Returns
+    -------
+    str
+    """
+    columns = (
+        "hardness",
+        "route",
+        "status",
+        "points",
+        "wrong",
+        "undecided",
+        "worst_eigenvalue_error",
+        "worst_abscissa_error",
+        "first_call_s",
+        "one_point_s",
+        "a_point_of_many_s",
+        "one_point_timings_s",
+        "many_timings_s",
+        "message",
+    )
+    rows: list[Sequence[Any]] = []
+    for key, cell in cells.items():
+        if not key.startswith("spectrum/"):
+            continue
+        _, hardness, route = key.split("/")
+        v = cell.value or {}
+        rows.append(
+            (
+                hardness,
+                route,
+                cell.status,
+                *(v.get(name) for name in ("count", "wrong", "undecided")),
+                *(max(v[q]) if v.get(q) else None for q in ("eigenvalues", "abscissa")),
+                v.get("first"),
+                *(least(v.get(name)) for name in ("one", "many")),
+                *(timings(v.get(name)) for name in ("one", "many")),
+                "" if v else cell.message,
+            )
+        )
+    return csv_text(columns, rows)
+
+
+def boundary_csv(cells: Mapping[str, Cell]) -> str:
+    """CSV of the boundaries: one line for each route and each boundary that it is asked.
+
+    Parameters
+    ----------
+    cells
+        Cells of any chart by key.
+
+    Returns
+    -------
+    str
+    """
+    columns = (
+        "route",
+        "family",
+        "contact",
+        "k",
+        "mu",
+        "relative_error",
+        "stated_half_width",
+        "seconds",
+        "status",
+    )
+    rows: list[Sequence[Any]] = []
+    for key, cell in cells.items():
+        if not key.startswith("boundary/"):
+            continue
+        name = key.split("/")[1]
+        for i, where in enumerate(EDGES):
+            if cell.value is None:
+                rows.append((name, *where[:4], *[None] * 3, cell.status))
+            elif (seconds := cell.value["seconds"][i]) is not None:
+                error, width = cell.value["error"][i], cell.value["width"][i]
+                status = "not found" if error is None else "found"
+                rows.append((name, *where[:4], error, width, seconds, status))
+    return csv_text(columns, rows)
