@@ -19,7 +19,7 @@ filter, and from there to exact arithmetic.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -66,8 +66,6 @@ class VerdictKernel:
 
     def __init__(self, exact: Exact, behind: Mapping[str, int] = INPUT) -> None:
         self.exact = exact
-        self.good = CODES[best(even=exact.even)]
-        self.bad = CODES[Verdict.UNSTABLE]
         self._parts = [_Split(p, behind) for _, p in exact.conditions]
 
     def __call__(self, point: list[Any]) -> Codes:
@@ -86,19 +84,10 @@ class VerdictKernel:
         shape = np.broadcast_shapes(*(np.shape(v) for v in point))
         with np.errstate(all="ignore"):
             signs = [part.signs(point) for part in self._parts]
-            codes = np.ascontiguousarray(np.broadcast_to(self._codes(signs), shape))
+            codes = np.ascontiguousarray(np.broadcast_to(_flags(signs, self.exact.even), shape))
         sure = self.in_range(point)
         if sure is not True:
             codes = np.where(sure, codes, np.int8(0))
-        return codes
-
-    def _codes(self, signs: list[tuple[Any, Any]]) -> Codes:
-        good: Any = np.True_
-        bad: Any = np.False_
-        for above, below in signs:
-            good, bad = good & above, bad | below
-        good, bad = np.asarray(good).view(np.int8), np.asarray(bad).view(np.int8)
-        codes: Codes = good * np.int8(self.good) + bad * np.int8(self.bad)
         return codes
 
     def in_range(self, point: list[Any]) -> Any:
@@ -121,6 +110,17 @@ class VerdictKernel:
                 return True
             total: Any = sum(d * np.abs(np.log10(v)) for d, v in zip(powers, point, strict=True))
         return total <= RANGE
+
+
+def _flags(signs: Sequence[tuple[Any, Any]], even: bool) -> Codes:
+    """Verdict flags from where each condition is positive, and where it is negative, proved."""
+    good: Any = np.True_
+    bad: Any = np.False_
+    for above, below in signs:
+        good, bad = good & above, bad | below
+    good, bad = np.asarray(good).view(np.int8), np.asarray(bad).view(np.int8)
+    codes: Codes = good * np.int8(CODES[best(even=even)]) + bad * np.int8(CODES[Verdict.UNSTABLE])
+    return codes
 
 
 class _Split:
@@ -364,14 +364,8 @@ class BoxConditions:
         with np.errstate(all="ignore"):
             point = self.exact.point(values, INTERVALS)
             box = [p if isinstance(p, Interval) else Interval(p, p) for p in point]
-            signs = [part(box) for part in self.parts]
-        good: Any = np.ones(count, dtype=bool)
-        bad: Any = np.zeros(count, dtype=bool)
-        for sign in signs:
-            good, bad = good & (sign > 0), bad | (sign < 0)
-        codes = np.zeros(count, dtype=np.int8)
-        codes[good] = CODES[best(even=self.exact.known.even)]
-        codes[bad] = CODES[Verdict.UNSTABLE]
+            signs = [(sign > 0, sign < 0) for sign in (part(box) for part in self.parts)]
+        codes = np.array(np.broadcast_to(_flags(signs, self.exact.known.even), count))
         codes[upright] = 0  # the static boundary itself runs through such a box
         return codes
 

@@ -150,7 +150,9 @@ def _setting(thing: Disk | Body, contact: Contact, resistance: Any, *, pose: boo
             for r in against
         }
 
-    numbers = {length if n == "length" else n: v for n, v in body.given.items()}
+    numbers = body.given
+    if isinstance(thing, Disk):
+        numbers = {n: getattr(thing, n) for n in ("mass", "radius", "gravity", "k")}
     return _Round(
         model,
         numbers | contact.given | {r.coefficient: r.value for r in against},

@@ -2,7 +2,7 @@
 
 `points` is the way in; `planes` gives the polynomial over the plane and the equations of each kind,
 `plane_search` their solutions, `bautin` the points where the first Lyapunov coefficient vanishes,
-by its polynomial of `onset_forms`, and `point_records` the result.
+and `point_records` the result.
 May import what `boundary` may, and its `changes`, `hopf` and `interval_search`.
 To add a kind of point: a `PointKind`, and its equations in `planes`.
 """
