@@ -29,6 +29,7 @@ from typing import Any, overload
 import numpy as np
 from flint import arb
 
+from ..algebra.eigensolver import eigenpairs
 from ..algebra.exact.number_fields import NotExact
 from ..algebra.exact.roots import UnclearError
 from ..algebra.number_types import precision, upper
@@ -692,7 +693,7 @@ def pair_at(family: Family, at: Any, parameters: Sequence[Any]) -> Pair:
     line = Line(family, family.at[0], dict(zip(family.parameters, parameters, strict=True)))
     value = float(arb(at).mid())
     a, q = np.array([[value]]), np.array([[float(arb(v).mid()) for v in parameters]])
-    values = np.linalg.eigvals(family.matrix(a, family.solve(a, q), q)[0])
+    values, _ = eigenpairs(family.matrix(a, family.solve(a, q), q)[0])
     pairs = [v for v in values if v.imag > 0]
     if not pairs:
         raise NotProvedError
