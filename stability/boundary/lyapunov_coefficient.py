@@ -25,6 +25,7 @@ import casadi as ca
 import numpy as np
 from flint import acb, acb_mat, arb, arb_mat
 
+from ..algebra.eigensolver import eigenpairs
 from ..algebra.exact.routh import hurwitz_sign
 from ..algebra.number_types import balls
 from ..algebra.program import Program
@@ -279,7 +280,7 @@ def guess(line: Line, value: float, frequency: float) -> tuple[PairEquations, li
     u = family.solve(a, q)
     kept = line.d.kept
     matrix = family.matrix(a, u, q)[0][np.ix_(kept, kept)]
-    values, vectors = np.linalg.eig(matrix)
+    values, vectors = eigenpairs(matrix)
     best = int(np.argmin(np.abs(values - 1j * frequency)))
     mode = vectors[:, best] / np.linalg.norm(vectors[:, best])
     unknowns = line.member(value)

@@ -148,3 +148,11 @@ def test_an_axis_of_a_disk_with_a_resistance_has_the_disks_limits(axis: Any, why
     against = {"resistance": st.RollingResistance(0.01), "contact": st.Viscous(0.3)}
     with pytest.raises(st.StabilityError, match=why):
         st.boundaries("spinning", at=2.5, disk=st.Disk(), axis=axis, **against)
+
+
+def test_boundaries_of_a_body_that_are_proved_say_of_what() -> None:
+    found = st.boundaries(
+        "tumbling", axis=("at", 0.05, 1.5, 9), contact=st.Smooth(), body=st.Torus(0.2)
+    )
+    assert found.complete
+    assert found.how.endswith("or a single crossing, on one branch of steady motions")

@@ -421,7 +421,7 @@ def proved(line: AxisScan, grid: Floats, *, log: bool = False) -> Boundaries:
     family = line.problem.family
     how = PIECES.format(count=found.count)
     if family.unknown and not family.closed:
-        how += f", {BRANCH}"
+        how += f", {ON_ONE_BRANCH}"
     inside = [p for p in points if low <= p.value + p.error and p.value - p.error <= high]
     return Boundaries(tuple(inside), tuple(left), how=how)
 
