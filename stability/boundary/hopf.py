@@ -697,4 +697,4 @@ def pair_at(family: Family, at: Any, parameters: Sequence[Any]) -> Pair:
     pairs = [v for v in values if v.imag > 0]
     if not pairs:
         raise NotProvedError
-    return pair_near(line, value, float(min(pairs, key=lambda v: abs(v.real)).imag))
+    return pair_near(line, value, float(min(pairs, key=lambda v: abs(v.real / v.imag)).imag))
