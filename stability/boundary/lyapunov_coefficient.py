@@ -25,9 +25,8 @@ import casadi as ca
 import numpy as np
 from flint import acb, acb_mat, arb, arb_mat
 
-from ..algebra.eigensolver import eigenpairs
 from ..algebra.exact.routh import hurwitz_sign
-from ..algebra.number_types import balls
+from ..algebra.number_types import balls, precision
 from ..algebra.program import Program
 from ..algebra.upright import Upright
 from ..base.errors import ParameterError, StabilityError
@@ -38,6 +37,10 @@ from ..systems.structure.linearity import kept
 from .krawczyk import NotProvedError, Values, polished, proved
 
 Balls = list[Any]
+GUESS_BITS = 64
+"""Precision of the eigenvalues from which a search starts."""
+REAL = 1e-12
+"""Frequency, over the largest eigenvalue, up to which one of these counts as real."""
 
 
 class Derivatives:
@@ -263,7 +266,9 @@ class PairEquations:
         return values, rows
 
 
-def guess(line: Line, value: float, frequency: float) -> tuple[PairEquations, list[float]]:
+def guess(
+    line: Line, value: float, frequency: float | None = None
+) -> tuple[PairEquations, list[float]]:
     """Equations of a pair and a first guess in double precision.
 
     Parameters
@@ -271,7 +276,13 @@ def guess(line: Line, value: float, frequency: float) -> tuple[PairEquations, li
     line
         The line.
     value, frequency
-        Approximate value of the axis and |Im λ|.
+        Approximate value of the axis and |Im λ|; the pair nearest to the imaginary axis when left
+        out.
+
+    Raises
+    ------
+    NotProvedError
+        If there is none.
     """
     family = line.family
     given = {n: float(arb(v).mid()) for n, v in line.fixed.items()} | {line.axis: value}
@@ -280,9 +291,21 @@ def guess(line: Line, value: float, frequency: float) -> tuple[PairEquations, li
     u = family.solve(a, q)
     kept = line.d.kept
     matrix = family.matrix(a, u, q)[0][np.ix_(kept, kept)]
-    values, vectors = eigenpairs(matrix)
-    best = int(np.argmin(np.abs(values - 1j * frequency)))
-    mode = vectors[:, best] / np.linalg.norm(vectors[:, best])
+    if not np.isfinite(matrix).all():
+        raise NotProvedError
+    with precision(GUESS_BITS):
+        found, columns = acb_mat(matrix.tolist()).eig(right=True, algorithm="approx")
+    values = np.array([complex(v) for v in found])
+    if frequency is None:
+        turns = values.imag > REAL * np.abs(values).max()
+        far = np.where(turns, np.abs(values.real), np.inf)
+    else:
+        far = np.abs(values - 1j * frequency)
+    best = int(np.argmin(far))
+    if not np.isfinite(far[best]):
+        raise NotProvedError
+    mode = np.array([complex(columns[i, best]) for i in range(len(values))])
+    mode /= np.linalg.norm(mode)
     unknowns = line.member(value)
     return PairEquations(line, mode), [
         value,
@@ -293,7 +316,7 @@ def guess(line: Line, value: float, frequency: float) -> tuple[PairEquations, li
     ]
 
 
-def pair_near(line: Line, value: float, frequency: float) -> Pair:
+def pair_near(line: Line, value: float, frequency: float | None = None) -> Pair:
     """The crossing pair near a value of the axis, proved at the working precision.
 
     Parameters
@@ -301,7 +324,7 @@ def pair_near(line: Line, value: float, frequency: float) -> Pair:
     line
         The line.
     value, frequency
-        Approximate value of the axis and |Im λ|.
+        As for `guess`.
 
     Raises
     ------
