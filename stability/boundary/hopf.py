@@ -34,7 +34,7 @@ from ..algebra.exact.roots import UnclearError
 from ..algebra.number_types import precision, upper
 from ..base.axis import AxisLike
 from ..base.checks import checked, instance, whole_number
-from ..base.citation.used import cited
+from ..base.citation import cited
 from ..base.errors import ParameterError, StabilityError, listed, shown, warned
 from ..base.types import Floats, Record, Sentences
 from ..bodies.contact import Contact
