@@ -12,10 +12,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 _HOME = {
-    "spectrum.routes.route": ("Route",),
-    "spectrum.routes.jacobians": ("AutomaticJacobian",),
-    "spectrum.case": ("Case",),
-    "spectrum.cases": ("CASES",),
+    "spectrum.routes": ("AutomaticJacobian", "Route"),
+    "spectrum.cases": ("CASES", "Case"),
     "motion.drivers": ("Driver",),
     "failures": ("attempt",),
 }

@@ -568,3 +568,9 @@ def test_every_case_and_method_is_documented_and_has_a_name_of_its_own() -> None
         it: Case | MotionCase = case()
         assert it.__doc__ and it.physics and it.known and it.group
     assert isinstance(attempt(lambda: Judgement(Mark.RIGHT)), Judgement)
+
+
+def test_every_public_name_of_the_comparison_is_there() -> None:
+    import stability.compare
+
+    assert all(getattr(stability.compare, name) is not None for name in stability.compare.__all__)
