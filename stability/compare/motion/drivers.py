@@ -124,11 +124,12 @@ KINDS = {
     "cvodes": "implicit multistep, in SUNDIALS",
     "idas": "implicit multistep for differential-algebraic equations, in SUNDIALS",
 }
-"""What each integrator is, in a few words."""
+"""What each integrator is, in a few words; one that has none yet is compared by its name."""
 
 
 def _single(method: str) -> type[Driver]:
-    title = f"simulate(method='{method}', check=False): {KINDS[method]}"
+    call, kind = f"simulate(method='{method}', check=False)", KINDS.get(method, "")
+    title = f"{call}: {kind}" if kind else call
     words = {"name": method, "title": title}
     body = {**words, "method": method, "__doc__": f"`simulate` by {method}, unchecked."}
     made: type[Driver] = type(method.capitalize(), (Simulated,), body)
