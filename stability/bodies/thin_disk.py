@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 from ..base.checks import flag, known
 from ..base.errors import NameUnknownError, ParameterError, listed
@@ -18,7 +19,7 @@ from .contact_laws import LAWS, Smooth, law_class, stored
 from .dry_friction import DIRECTION, CoulombAlong
 from .families import FAMILIES, SteadyFamily, families_of_disk, families_under
 from .model import Model
-from .round_body.equations import round_system
+from .round_body.equations import Resistances, round_system
 from .round_body.families import round_family
 from .round_body.models.angle_model import round_model
 from .round_body.thin import unit_disk
@@ -146,7 +147,9 @@ def _disk_family(record: SteadyFamily, law: type[Contact]) -> Family:
     )
 
 
-def disk_model(law: str | type[Contact], *, pose: bool = False) -> Model:
+def disk_model(
+    law: str | type[Contact], *, pose: bool = False, resistance: Resistances = ()
+) -> Model:
     """The disk under a contact law, for a launch; built once for each.
 
     Parameters
@@ -156,6 +159,8 @@ def disk_model(law: str | type[Contact], *, pose: bool = False) -> Model:
         sticks, the model is of sliding.
     pose
         Whether y holds φ, ψ and the place of the centre.
+    resistance
+        Classes of the resistances to rolling and turning.
 
     Returns
     -------
@@ -169,5 +174,10 @@ def disk_model(law: str | type[Contact], *, pose: bool = False) -> Model:
     >>> list(model.guards)
     ['lift-off', 'flat', 'no-contact']
     """
-    contact = law_class(law)
-    return round_model(unit_disk(), contact, contact.symbols(), pose=pose)
+    every: Any = law_class(law), bool(pose), resistance
+    return _disk_model(*every)
+
+
+@lru_cache(maxsize=64)
+def _disk_model(law: type[Contact], pose: bool, resistance: Resistances) -> Model:  # noqa: FBT001
+    return round_model(unit_disk(), law, law.symbols(), pose=pose, resistance=resistance)

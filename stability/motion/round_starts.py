@@ -21,6 +21,7 @@ from ..bodies.contact import Contact
 from ..bodies.contact_laws import MOTION_LAWS, law_class, law_missing, spelled
 from ..bodies.disk import Disk
 from ..bodies.model import FLAT, TAKEN, Dry, Model
+from ..bodies.quantities import PHYSICAL
 from ..bodies.resistance import UNITS, Resistance, resistances
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.equations import Resistances
@@ -28,7 +29,8 @@ from ..bodies.round_body.models.angle_model import round_model
 from ..bodies.round_body.models.pole_model import pole_model
 from ..bodies.round_body.pole_equations import smooth_at
 from ..bodies.round_body.shape import RoundShape
-from ..bodies.round_body.thin import thin_body, unit_disk
+from ..bodies.round_body.thin import thin_body
+from ..bodies.thin_disk import disk_model
 from ..integrators.flow import flow_of
 from ..integrators.stick_slip import REST, continuations
 from ..settling.body_lines import body_settling, disk_settling
@@ -127,17 +129,16 @@ def accepted(contact: Any) -> type[Contact]:
 
 def _setting(thing: Disk | Body, contact: Contact, resistance: Any, *, pose: bool) -> _Round:
     body: RoundShape = thin_body(thing) if isinstance(thing, Disk) else thing
-    length, why = "length", f"the height of {body.name} holds for theta between {{}} and {{}}"
-    if isinstance(thing, Disk):
-        length, why = "radius", FLAT_AT_BOTH
     against, law = _acting(body, contact, resistance), type(contact)
     given, kinds = law.symbols(), tuple(type(r) for r in against)
-    every: Any = law, kinds, pose
     if isinstance(thing, Disk):
-        model, settling = _of_disk(*every), disk_settling(law)
-        if kinds:
-            settling = body_settling(unit_disk(), law, given, kinds)
+        length, why = "radius", FLAT_AT_BOTH
+        numbers = {n: getattr(thing, n) for n in (*PHYSICAL, "k")}
+        model, settling = disk_model(law, pose=pose, resistance=kinds), disk_settling(law, kinds)
     else:
+        low, high = body.between
+        length, why = "length", f"the height of {body.name} holds for theta between "
+        why, numbers = f"{why}{low:.6g} and {high:.6g}", body.given
         model = _model(body, law, given, kinds, pose=pose)
         settling = body_settling(body, law, given, kinds)
     _check_names(body, model)
@@ -150,9 +151,6 @@ def _setting(thing: Disk | Body, contact: Contact, resistance: Any, *, pose: boo
             for r in against
         }
 
-    numbers = body.given
-    if isinstance(thing, Disk):
-        numbers = {n: getattr(thing, n) for n in ("mass", "radius", "gravity", "k")}
     return _Round(
         model,
         numbers | contact.given | {r.coefficient: r.value for r in against},
@@ -161,14 +159,8 @@ def _setting(thing: Disk | Body, contact: Contact, resistance: Any, *, pose: boo
         given,
         settling,
         body.between,
-        why.format(*(f"{v:.6g}" for v in body.between)),
+        why,
     )
-
-
-@lru_cache(maxsize=64)
-def _of_disk(law: type[Contact], resistance: Resistances, pose: bool) -> Model:  # noqa: FBT001
-    """The model of every disk."""
-    return round_model(unit_disk(), law, law.symbols(), pose=pose, resistance=resistance)
 
 
 def _acting(body: RoundShape, contact: Contact, given: Any) -> tuple[Resistance, ...]:

@@ -69,15 +69,17 @@ def body_settling(
     return _settling(*every)
 
 
-def disk_settling(law: type[Contact]) -> Settling:
+def disk_settling(law: type[Contact], resistance: Resistances = ()) -> Settling:
     """The same for every disk; its second argument `p` has the inertia factor first."""
-    every: Any = law, _records(law)
+    every: Any = law, resistance, _records(law)
     return _of_disk(*every)
 
 
 @lru_cache(maxsize=16)
-def _of_disk(law: type[Contact], records: tuple[SteadyFamily, ...]) -> Settling:
-    every: Any = unit_disk(), law, law.symbols(), (), records
+def _of_disk(
+    law: type[Contact], resistance: Resistances, records: tuple[SteadyFamily, ...]
+) -> Settling:
+    every: Any = unit_disk(), law, law.symbols(), resistance, records
     return _settling(*every)
 
 

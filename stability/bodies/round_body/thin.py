@@ -15,7 +15,7 @@ from ..contact import Contact
 from ..disk import Disk
 from ..model import Model
 from ..momenta import momenta_model
-from ..quantities import QUANTITIES
+from ..quantities import QUANTITIES, THIN
 from .height.expression import Expression, expression
 from .shape import Outline
 from .si_law import Shape, shape_of
@@ -46,7 +46,7 @@ def thin_body(disk: Disk) -> Outline:
     return Outline(
         *_height_and_moments(),
         {"k": disk.k},
-        "disk",
+        THIN,
         (0.0, math.pi),
         disk.mass,
         disk.gravity,
@@ -84,7 +84,7 @@ def of_thin(model: Model, law: type[Contact]) -> Model:
     p = model.system.parameters
     return replace(
         model,
-        quantities=QUANTITIES,
+        quantities={**model.quantities, **QUANTITIES},
         parking=partial(_park, [p.index(n) for n in ("mu",) if n in p]),
         sound=_stands,
         short=partial(momenta_model, law) if whole else None,
