@@ -21,9 +21,17 @@ _HOME = {
     "bodies.round_body.shapes.profile": ("Egg", "from_profile"),
     "bodies.round_body.shapes.named": ("Torus", "Spheroid", "EccentricSphere", "ThickDisk"),
     "bodies.resistance": ("AirTorque", "PivotingResistance", "RollingResistance", "Resistance"),
-    "bodies.contact": ("Contact", "Parameter"),
-    "bodies.contact_laws": ("Smooth", "Viscous", "LinearViscous", "Rough", "Creep"),
-    "bodies.dry_friction": ("Coulomb", "RegularisedCoulomb"),
+    "bodies.contact_laws": (
+        "Contact",
+        "Parameter",
+        "Smooth",
+        "Viscous",
+        "LinearViscous",
+        "Rough",
+        "Creep",
+        "Coulomb",
+        "RegularisedCoulomb",
+    ),
     "systems.system": ("System",),
     "systems.mechanics": ("mechanics",),
     "systems.equations": ("Condition",),
@@ -112,18 +120,18 @@ if TYPE_CHECKING:
     from .basin.statistics.samples import Normal as Normal
     from .basin.statistics.samples import Uniform as Uniform
     from .basin.statistics.shock import fatal_shock as fatal_shock
-    from .bodies.contact import Contact as Contact
-    from .bodies.contact import Parameter as Parameter
+    from .bodies.contact_laws import Contact as Contact
+    from .bodies.contact_laws import Coulomb as Coulomb
     from .bodies.contact_laws import Creep as Creep
     from .bodies.contact_laws import LinearViscous as LinearViscous
+    from .bodies.contact_laws import Parameter as Parameter
+    from .bodies.contact_laws import RegularisedCoulomb as RegularisedCoulomb
     from .bodies.contact_laws import Rough as Rough
     from .bodies.contact_laws import Smooth as Smooth
     from .bodies.contact_laws import Viscous as Viscous
     from .bodies.disk import REAL_DISKS as REAL_DISKS
     from .bodies.disk import Disk as Disk
     from .bodies.disk_polynomials import exact_polynomial as exact_polynomial
-    from .bodies.dry_friction import Coulomb as Coulomb
-    from .bodies.dry_friction import RegularisedCoulomb as RegularisedCoulomb
     from .bodies.launch import launch as launch
     from .bodies.painleve import PainleveLimit as PainleveLimit
     from .bodies.painleve import painleve_limit as painleve_limit

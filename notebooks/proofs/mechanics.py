@@ -7,8 +7,7 @@ from typing import Any, ClassVar
 
 import sympy
 
-from stability.bodies.contact import Contact, Parameter
-from stability.bodies.contact_laws import LAWS
+from stability.bodies.contact_laws import LAWS, Contact, Parameter
 from stability.derivation.body_polynomials import (
     BEND,
     FORCE_X,

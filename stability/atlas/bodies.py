@@ -23,8 +23,7 @@ from ..base.checks import whole_number
 from ..base.errors import FileError, NoMemberError
 from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..base.version import __version__
-from ..bodies.contact import Contact
-from ..bodies.contact_laws import Rough, Smooth, Viscous
+from ..bodies.contact_laws import Contact, Rough, Smooth, Viscous
 from ..bodies.families import FAMILIES
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.inclinations import tumbling_ranges

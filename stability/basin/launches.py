@@ -13,12 +13,10 @@ from ..base.axis import Axis
 from ..base.checks import one_number
 from ..base.errors import NameUnknownError, ParameterError, listed, shown
 from ..base.types import Floats
-from ..bodies.contact import Contact
-from ..bodies.contact_laws import MOTION_LAWS, law_missing
+from ..bodies.contact_laws import MOTION_LAWS, Contact, law_given, law_missing
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES, at_name
 from ..bodies.launch import launch
-from ..bodies.law_names import law_given
 from ..bodies.newton_euler import STATES
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.families import place_of

@@ -1,20 +1,205 @@
-"""The stored contact laws, one class each, and their names; dry friction is in `dry_friction`."""
+"""Contact laws: what a law says of itself, the laws of the package, and how a call names one."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import os
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import Number, broadcast, instance, known, positive, whole_number
-from ..base.errors import NameUnknownError, ParameterError, listed, shown
+from ..base.errors import NameUnknownError, ParameterError, listed, meant, shown
 from ..base.quantities import Units
-from .contact import OVER_ANY_NUMBER, ZERO_MU, Contact, Parameter
+from ..base.types import Record
+from ..base.user_code import arithmetic, imported
 from .disk import Disk
-from .dry_friction import Coulomb, RegularisedCoulomb
+
+ZERO_MU = "friction must be positive (without friction the law is Smooth(), `--contact smooth`)"
+
+OVER_ANY_NUMBER = arithmetic(
+    "give a slip of two numbers that is not zero under dry friction, the normal force and mu, all "
+    "of one number type"
+)
+
+
+def plain(value: Any, scales: Units) -> Any:  # noqa: ARG001
+    """The number itself, which has no unit."""
+    return value
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of a contact law: a field of its class, an axis of maps, an option.
+
+    Source: this package; a parameter of a user's law: tests/bodies/test_contact_law.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> st.Viscous.parameters[0].name, st.Viscous.parameters[0].unit
+    ('mu', 's/m')
+    """
+
+    name: str
+    """Name of the field."""
+    unit: str
+    """SI unit, `1` for a number without one."""
+    dimensionless: Callable[[Any, Units], Any] = plain
+    """(value in SI, units of the body) → the number in the equations, by + - * / alone."""
+    symbol: str = ""
+    """Name in the equations, `name` if empty; fields with the same symbol are alternatives."""
+    zero: bool = False
+    """Whether zero is accepted."""
+
+    @property
+    def place(self) -> str:
+        """Name in the equations."""
+        return self.symbol or self.name
+
+
+@dataclass(frozen=True, eq=False)
+class Contact(Record):
+    """The base of the contact laws; a law is one frozen subclass, here or in a user's module.
+
+    A law states its `name`, its `parameters` and its `force`.  These give everything else:
+    spectra, boundaries, maps, motions, and the command line (`--contact module:Class`).  Each
+    parameter is a field of the class.  Its value must be a finite number above zero (or zero, where
+    `Parameter.zero` says so).  The force must vanish with the slip and depend linearly on the
+    normal force.
+
+    Raises
+    ------
+    ParameterError
+        If a parameter is not a finite number above zero, or zero where that is not accepted.
+
+    Source: docs/explanation/architecture.md; a user's law: tests/bodies/test_contact_law.py.
+
+    Examples
+    --------
+    >>> from dataclasses import dataclass
+    >>> import stability as st
+    >>> @dataclass(frozen=True, eq=False)
+    ... class Weakening(st.Contact):
+    ...     nu: float
+    ...     name = "weakening"
+    ...     parameters = (st.Parameter("nu", "s/m", lambda nu, scales: nu * scales.speed),)
+    ...
+    ...     def force(self, slip, normal, nu):
+    ...         share = nu * normal / (1 + slip[0] ** 2 + slip[1] ** 2)
+    ...         return [-share * slip[0], -share * slip[1]]
+    >>> st.spectrum("rolling", contact=Weakening(0.3), at=2.0).verdict.word
+    'stable'
+    """
+
+    name: ClassVar[str] = ""
+    """Name of the law in files and messages."""
+    parameters: ClassVar[tuple[Parameter, ...]] = ()
+    """Parameters of the force, in the order of its last argument."""
+    conservative: ClassVar[bool] = False
+    """Whether energy is conserved, so that the reduced spectrum is even in λ."""
+    slips: ClassVar[bool] = True
+    """Whether the slip at the contact belongs to the state that a spectrum needs."""
+    linearises: ClassVar[bool] = True
+    """Whether the law has a linearisation at rest."""
+    sticks: ClassVar[bool] = False
+    """Whether the contact can stick, with any force inside the friction cone."""
+    relaxes: ClassVar[bool] = False
+    """Whether slip decays at a rate in proportion to the first parameter, stiff if large."""
+    holds: ClassVar[bool] = False
+    """Whether the slip follows from the other states, and the force is the one that keeps it so."""
+
+    def __post_init__(self) -> None:
+        for p in self.parameters:
+            if not hasattr(self, p.name):
+                raise ParameterError(
+                    f"{type(self).__name__} has the parameter {p.name} and no such field; write "
+                    f"`{p.name}: float` in the class, under @dataclass(frozen=True, eq=False)."
+                )
+            if getattr(self, p.name) is None and len(self.alternatives(p.name)) > 1:
+                continue
+            object.__setattr__(self, p.name, self.accepted(p.name, getattr(self, p.name)))
+
+    @property
+    def given(self) -> dict[str, Any]:
+        """Each given parameter by name; empty for a law without parameters."""
+        values = {p.name: getattr(self, p.name, None) for p in self.parameters}
+        return {n: v for n, v in values.items() if v is not None}
+
+    @classmethod
+    def symbols(cls) -> tuple[str, ...]:
+        """Names of the parameters in the equations."""
+        return tuple(dict.fromkeys(p.place for p in cls.parameters))
+
+    @classmethod
+    def arguments(cls, given: Mapping[str, Any], scales: Units) -> dict[str, Any]:
+        """Dimensionless parameters of the equations by name, over any number type.
+
+        Parameters
+        ----------
+        given
+            Numbers by name, in the user's units; names that are no parameters are ignored.
+        scales
+            Units of the body.
+        """
+        return {
+            p.place: p.dimensionless(given[p.name], scales)
+            for p in cls.parameters
+            if p.name in given
+        }
+
+    @classmethod
+    def accepted(cls, name: str, value: Any) -> Number:
+        """Values of a parameter in double precision, or an error that says what is accepted.
+
+        Parameters
+        ----------
+        name
+            Name of the parameter.
+        value
+            A number or an array of numbers, any shape.
+        """
+        [parameter] = [p for p in cls.parameters if p.name == name]
+        if parameter.zero:
+            return positive(name, value, "it must not be negative", zero=True)
+        first = parameter.place == cls.parameters[0].place
+        return positive(name, value, *((ZERO_MU,) if first else ()))
+
+    @classmethod
+    def alternatives(cls, name: str) -> tuple[str, ...]:
+        """Names of the parameters with the symbol of this one, its own name included.
+
+        Parameters
+        ----------
+        name
+            Name of a parameter; for any other name the result is empty.
+        """
+        places = {p.place for p in cls.parameters if p.name == name}
+        return tuple(p.name for p in cls.parameters if p.place in places)
+
+    @OVER_ANY_NUMBER
+    def force(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
+        """Horizontal contact force over m g, for the slip over √(gR) and the normal force over m g.
+
+        Parameters
+        ----------
+        slip
+            Horizontal velocity of the contact point, shape (2,) [√(gR)].
+        normal
+            Normal force [m g].
+        mu
+            Dimensionless parameter of the law [-]; for several parameters a tuple, in order.
+        """
+        raise NameUnknownError(f"the contact law {type(self).__name__} states no force.")
+
+    @OVER_ANY_NUMBER
+    def power(self, slip: Any, normal: Any, mu: Any) -> Any:
+        """Power that the law dissipates [m g √(gR)]; arguments as in `force`."""
+        force = self.force(slip, normal, mu)
+        return -(force[0] * slip[0] + force[1] * slip[1])
 
 
 def _times_speed(value: Any, scales: Units) -> Any:
@@ -265,6 +450,111 @@ class Creep3(Creep):
     order: ClassVar[int] = 3
 
 
+MU, DIRECTION = "mu", "direction"
+"""Parameters: the friction coefficient, and a stated direction of slip."""
+
+
+def _over_speed(value: Any, scales: Units) -> Any:
+    return value / scales.speed
+
+
+@dataclass(frozen=True, eq=False)
+class Coulomb(Contact):
+    """Dry friction, set-valued at rest: −mu·gn along the slip, or sticking with |F| ≤ mu·gn.
+
+    Sticking is the rough disk inside the friction cone.  The law has no linearisation at rest, so
+    it is for motion (`simulate`) and not for spectra.
+
+    Parameters
+    ----------
+    mu
+        Friction coefficient, positive [-], the same at rest and in slip.
+
+    Raises
+    ------
+    ParameterError
+        If mu is not a finite number above zero.
+
+    Source: Le Saux, Leine & Glocker, J. Nonlinear Sci. 15 (2005) 27-61, for the disk.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> st.Coulomb(0.3).force([3.0, 4.0], 1.0, 0.3)
+    [-0.18, -0.24]
+    """
+
+    mu: ArrayLike
+    """Friction coefficient [-]."""
+    name: ClassVar[str] = "coulomb"
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("mu", "1"),)
+    linearises: ClassVar[bool] = False
+    sticks: ClassVar[bool] = True
+
+    @OVER_ANY_NUMBER
+    def force(self, slip: Any, normal: Any, mu: Any) -> Any:
+        """Against the slip, mu times the normal force; not defined at rest."""
+        size = (slip[0] * slip[0] + slip[1] * slip[1]) ** 0.5
+        return [-mu * normal * slip[0] / size, -mu * normal * slip[1] / size]
+
+
+class CoulombAlong(Coulomb):
+    """Dry friction against a stated direction of slip, an angle from x̂ and the second parameter."""
+
+    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter(MU, "1"), Parameter(DIRECTION, "rad"))
+
+    def force(self, slip: Any, normal: Any, mu: Any) -> Any:  # noqa: ARG002
+        """Against the direction, mu times the normal force."""
+        import casadi as ca  # the command line reads the laws for its help
+
+        coefficient, angle = mu
+        return [-coefficient * normal * ca.cos(angle), -coefficient * normal * ca.sin(angle)]
+
+
+@dataclass(frozen=True, eq=False)
+class RegularisedCoulomb(Contact):
+    """Dry friction made smooth: −mu·gn·vA/√(|vA|² + ε²); the disk creeps where `Coulomb` sticks.
+
+    Parameters
+    ----------
+    mu
+        Friction coefficient, positive [-].
+    epsilon
+        Slip speed ε below which the force decreases to zero, positive [m/s].
+
+    Raises
+    ------
+    ParameterError
+        If mu or epsilon is not a finite number above zero.
+
+    Source: tends to dry friction at a known rate: tests/integrators/test_coulomb.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> st.RegularisedCoulomb(0.3, 1e-3).epsilon
+    0.001
+    """
+
+    mu: ArrayLike
+    """Friction coefficient [-]."""
+    epsilon: ArrayLike
+    """Slip speed below which the force decreases to zero [m/s]."""
+    name: ClassVar[str] = "coulomb-regularised"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        Parameter("mu", "1"),
+        Parameter("epsilon", "m/s", _over_speed),
+    )
+    linearises: ClassVar[bool] = False
+
+    @OVER_ANY_NUMBER
+    def force(self, slip: Any, normal: Any, mu: Any) -> Any:
+        """Against the slip; mu is the pair (mu, epsilon)."""
+        coefficient, epsilon = mu
+        size = (slip[0] * slip[0] + slip[1] * slip[1] + epsilon * epsilon) ** 0.5
+        return [-coefficient * normal * slip[0] / size, -coefficient * normal * slip[1] / size]
+
+
 CREEP: tuple[type[Contact], ...] = (Rough, Creep, Creep2, Creep3)
 """The slow manifold of viscous contact by order; order 0 is the rough disk."""
 LAWS: dict[str, type[Contact]] = {law.name: law for law in (Smooth, Viscous, LinearViscous, Rough)}
@@ -385,3 +675,212 @@ def stored(law: type[Contact]) -> bool:
         Class of the law.
     """
     return LAWS.get(law.name) is law
+
+
+def law_named(
+    name: str,
+    mu: float | None,
+    *,
+    needed: bool = True,
+    motion: bool = False,
+    epsilon: float | None = None,
+    others: Mapping[str, float] | None = None,
+) -> Contact:
+    """The contact law of that name, with its parameters.
+
+    Parameters
+    ----------
+    name
+        A key of `MOTION_LAWS`, or `module:Class` for a user's law.
+    mu
+        Friction coefficient [s/m, dry friction: -], or None for a law without one.  For
+        `linear-viscous` it gives c = mu m g, with the same linearisation.
+    needed
+        Whether a missing coefficient is an error; otherwise its value is 1.
+    motion
+        Whether the law is for a motion; dry friction is accepted only then.
+    epsilon
+        Slip speed of `coulomb-regularised` [m/s].
+    others
+        Parameters of a user's law by name.
+
+    Returns
+    -------
+    Contact
+
+    Raises
+    ------
+    NameUnknownError
+        If the law is unknown, or is refused by `law_class`.
+    ParameterError
+        If a parameter is missing or not positive, or the law does not have it.
+
+    Examples
+    --------
+    >>> law_named("viscous", 0.3).mu
+    0.3
+    """
+    law = class_named(name, motion=motion)
+    given = {"mu": mu, "epsilon": epsilon} | dict(others or {})
+    given = {n: v for n, v in given.items() if v is not None}
+    for n in given:
+        if n not in [p.name for p in law.parameters]:
+            if n == "mu":
+                raise ParameterError(
+                    f"mu is given but the {law.name} law has no coefficient; leave it out."
+                )
+            where = "; it belongs to coulomb-regularised" if n == "epsilon" else ""
+            raise ParameterError(f"{n} is given but the {law.name} law has none{where}.")
+    for p in law.parameters:
+        if not set(law.alternatives(p.name)) & set(given):
+            _supply(law, p.name, given, needed=needed)
+    return law(**given)
+
+
+def law_given(
+    contact: Any, given: dict[str, Any], *, motion: bool = False, swept: Collection[str] = ()
+) -> Any:
+    """The contact law of a call: an instance as it is, or a word or class with numbers by name.
+
+    Parameters
+    ----------
+    contact
+        What the caller gave; None counts as viscous where `mu` is given or swept.
+    given
+        Numbers by name; those of the law are taken out.
+    motion
+        As for `law_named`.
+    swept
+        Parameters of an axis, whose value is set later.
+
+    Returns
+    -------
+    Contact
+        Anything else that was given is returned as it is.
+
+    Raises
+    ------
+    NameUnknownError, ParameterError
+        As for `law_named`.
+
+    Examples
+    --------
+    >>> law_given("viscous", {"mu": 0.3}).mu
+    0.3
+    """
+    if contact is None and "mu" in (*given, *swept):
+        contact = Viscous
+    if not isinstance(contact, (str, type)):
+        return contact
+    law = (
+        class_named(contact, motion=motion)
+        if isinstance(contact, str)
+        else law_class(contact, motion=motion)
+    )
+    own: dict[str, Any] = {}
+    for p in law.parameters:
+        if p.name in swept and p.name in given:
+            raise ParameterError(f"{p.name} is given as a value and as an axis; give it once.")
+        if p.name in given:
+            own[p.name] = given.pop(p.name)
+        elif p.name in swept and not set(law.alternatives(p.name)) & set(own):
+            own[p.name] = 1.0  # the axis replaces this value
+    for p in law.parameters:
+        if not set(law.alternatives(p.name)) & set(own):
+            refuse_misspelt(law, given)
+            word = "mu" if "mu" in law.alternatives(p.name) else p.name
+            named = f", or contact={law.name!r} with {word}=NUMBER" * (law in MOTION_LAWS.values())
+            axis = f", or make {word} an axis" * bool(swept)
+            raise ParameterError(f"{word} is missing; give {as_called(law, word)}{named}{axis}.")
+    return law(**own)
+
+
+def refuse_misspelt(law: type[Contact], given: Collection[str]) -> None:
+    """Refuse a name that the law does not have, before a parameter that it has is missing.
+
+    Parameters
+    ----------
+    law
+        The law.
+    given
+        Names that the caller gave.
+    """
+    names = [n for p in law.parameters for n in (p.name, *law.alternatives(p.name))]
+    for name in given:
+        near = meant(name, names)
+        if near and near != name:
+            raise NameUnknownError(f"{shown(name)} is not an argument here; {near} is.")
+
+
+def law_only(contact: Any, given: dict[str, Any], *, motion: bool = False) -> Any:
+    """The contact law of a call that takes no other numbers by name.
+
+    Parameters
+    ----------
+    contact, given, motion
+        As for `law_given`.
+
+    Returns
+    -------
+    Contact
+        Anything else that was given is returned as it is.
+
+    Raises
+    ------
+    NameUnknownError, ParameterError
+        As for `law_given`, or if a number belongs to no law.
+
+    Examples
+    --------
+    >>> law_only("rough", {}).name
+    'rough'
+    """
+    law = law_given(contact, given, motion=motion)
+    for name in given:
+        refuse_misspelt(Viscous, given)
+        raise ParameterError(
+            f"{shown(name)} is not an argument here; the disk's numbers go in disk=Disk(...), and "
+            "in contact=Viscous(mu) or contact='viscous' with mu=NUMBER."
+        )
+    return law
+
+
+def class_named(name: str, *, motion: bool = False) -> type[Contact]:
+    """The class of a contact law by its name; arguments as in `law_named`."""
+    own = isinstance(name, str) and ":" in name
+    return law_class(_imported(name) if own else name, motion=motion)
+
+
+def _supply(law: type[Contact], name: str, given: dict[str, Any], *, needed: bool) -> None:
+    """Set a coefficient that is not needed to 1, or refuse one that is missing."""
+    if name == "epsilon" and law is RegularisedCoulomb:
+        raise ParameterError(
+            "epsilon is missing; coulomb-regularised needs the slip speed below which its "
+            "force gives way (--epsilon)."
+        )
+    name = "mu" if "mu" in law.alternatives(name) else name
+    if needed:
+        option = "--mu" if name == "mu" else f"--set {name}=VALUE"
+        raise ParameterError(
+            f"{name} is missing; the {law.name} law needs a positive coefficient ({option})."
+        )
+    given[name] = 1.0
+
+
+def _imported(place: str) -> Any:
+    """The class at `module:Class`, found from the working directory too."""
+    module, _, name = place.partition(":")
+    if not all(part.isidentifier() for part in (*module.split("."), name)):
+        raise NameUnknownError(f"contact is {shown(place)}; give `module:Class`.")
+    found = imported(
+        "contact",
+        place,
+        lambda: getattr(import_module(module), name),
+        os.getcwd(),
+        "give a module on Python's path or in this folder, and a class in it",
+    )
+    if not (isinstance(found, type) and issubclass(found, Contact) and found.name):
+        raise NameUnknownError(
+            f"contact is {shown(place)}, which is not a subclass of Contact with a name of its own."
+        )
+    return found

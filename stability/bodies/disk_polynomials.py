@@ -20,8 +20,7 @@ from ..algebra.number_types import Algebra
 from ..algebra.polynomial import Exact, Polynomial, TabulatedPolynomial
 from ..base.checks import known
 from ..base.errors import NameUnknownError, NoMemberError, StabilityError, shown
-from .contact import Contact
-from .contact_laws import LAWS, law_missing, stored
+from .contact_laws import LAWS, Contact, law_missing, stored
 from .families import FAMILIES
 
 DATA = "disk_polynomials.json"

@@ -15,8 +15,8 @@ from ..base.errors import ParameterError, shown
 from ..base.quantities import Quantity, time_unit
 from ..base.types import Floats, Same
 from ..systems.system import System
+from .contact_laws import DIRECTION, MU
 from .creep import CREEPS
-from .dry_friction import DIRECTION, MU
 
 WORK, PROBE = "work", "probe"
 """Entries of y: the energy lost since the start; a bounded function without symmetry."""

@@ -20,7 +20,7 @@ import casadi as ca
 import numpy as np
 
 from ..base.types import Floats
-from .contact import Contact
+from .contact_laws import Contact
 from .model import Chart, Model
 
 NAMES = ("theta", "theta_dot", "momentum", "omega3", "velocity_x", "velocity_y")

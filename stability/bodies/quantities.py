@@ -10,8 +10,7 @@ from dataclasses import replace
 
 from ..base.citation import DISK
 from ..base.quantities import Kind, Quantity
-from .contact import Contact
-from .contact_laws import MOTION_LAWS
+from .contact_laws import MOTION_LAWS, Contact
 
 PHYSICAL = ("mass", "radius", "gravity")
 """The disk's dimensional quantities."""

@@ -11,11 +11,9 @@ import numpy as np
 from ..base.checks import one_number
 from ..base.errors import NameUnknownError, NoMemberError, ParameterError, shown
 from ..systems.family import Family
-from .contact import Contact
-from .contact_laws import LAWS, Viscous, law_class, law_missing, spelled
+from .contact_laws import LAWS, Contact, Viscous, law_class, law_given, law_missing, spelled
 from .disk import Disk
 from .families import FAMILIES
-from .law_names import law_given
 from .resistance import Resistance, resistances
 from .round_body.body import Body
 from .round_body.families import body_family, round_family, survives, unknown_family

@@ -14,9 +14,7 @@ from ..base.checks import flag, known
 from ..base.errors import NameUnknownError, ParameterError, listed
 from ..systems.family import Family
 from ..systems.system import System
-from .contact import Contact
-from .contact_laws import LAWS, Smooth, law_class, stored
-from .dry_friction import DIRECTION, CoulombAlong
+from .contact_laws import DIRECTION, LAWS, Contact, CoulombAlong, Smooth, law_class, stored
 from .families import FAMILIES, SteadyFamily, families_of_disk, families_under
 from .model import Model
 from .round_body.equations import Resistances, round_system

@@ -18,7 +18,7 @@ from ..base.citation import cited
 from ..base.errors import ParameterError, StabilityError
 from ..base.types import Floats
 from ..base.verdict import Verdict
-from ..bodies.contact import Contact
+from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..spectra.arguments import swept

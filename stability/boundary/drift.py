@@ -20,10 +20,8 @@ from ..base.checks import checked, flag
 from ..base.citation import MODEL
 from ..base.errors import ParameterError, if_degrees, shown
 from ..base.types import Floats, Record
-from ..bodies.contact import Contact
-from ..bodies.contact_laws import LinearViscous, Viscous, law_missing, stored
+from ..bodies.contact_laws import Contact, LinearViscous, Viscous, law_missing, law_only, stored
 from ..bodies.disk import Disk
-from ..bodies.law_names import law_only
 from ..spectra.problem import disk_problem
 
 FORMULAS = {

@@ -37,11 +37,9 @@ from ..base.checks import checked, instance, whole_number
 from ..base.citation import cited
 from ..base.errors import ParameterError, StabilityError, listed, shown, warned
 from ..base.types import Floats, Record, Sentences
-from ..bodies.contact import Contact
-from ..bodies.contact_laws import LAWS, law_missing
+from ..bodies.contact_laws import LAWS, Contact, law_missing, law_only
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES, SteadyFamily
-from ..bodies.law_names import law_only
 from ..bodies.round_body.body import Body
 from ..bodies.subject import of_body
 from ..spectra.arguments import axis_of, prepare

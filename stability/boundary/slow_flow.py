@@ -23,7 +23,7 @@ from ..base.checks import one_number, real_numbers
 from ..base.citation import cited
 from ..base.errors import NameUnknownError, NoMemberError, ParameterError, shown
 from ..base.types import Floats, Record, fields_of
-from ..bodies.contact import Contact
+from ..bodies.contact_laws import Contact
 from ..bodies.resistance import Resistance, resistances
 from ..bodies.round_body.body import Body
 from ..bodies.subject import of_body

@@ -385,7 +385,7 @@ def _contact_of(
     swept: Collection[str] = (),
 ) -> Any:
     """The contact law that the options name; a coefficient that an axis has gets the value 1."""
-    from ..bodies.law_names import class_named, law_named
+    from ..bodies.contact_laws import class_named, law_named
 
     options.contact = options.contact or "viscous"
     law = class_named(options.contact, motion=motion)

@@ -23,8 +23,7 @@ from sympy.polys.matrices import DomainMatrix
 from ..algebra.number_types import sympy_algebra
 from ..algebra.program import Program
 from ..base.checks import known
-from ..bodies.contact import Contact
-from ..bodies.contact_laws import LAWS
+from ..bodies.contact_laws import LAWS, Contact
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.equations import round_system
 from .characteristic import COS, LAM, MU, SIN

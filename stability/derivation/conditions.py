@@ -28,7 +28,7 @@ from ..base.errors import ParameterError, StabilityError, shown
 from ..base.exact_numbers import decimal_of, double, exact_ratio, written
 from ..base.types import Record, fields_of
 from ..base.verdict import Verdict, best
-from ..bodies.contact import Contact
+from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..bodies.subject import family_by_name

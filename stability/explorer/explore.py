@@ -9,7 +9,7 @@ from typing import Any
 
 from ..base.checks import flag
 from ..base.errors import ParameterError
-from ..bodies.contact import Contact
+from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..storage.files import atomic_write

@@ -14,8 +14,7 @@ from typing import Any
 from ..base.axis import Axis
 from ..base.errors import NameUnknownError, ParameterError, StabilityError, listed, shown
 from ..base.version import __version__
-from ..bodies.contact_laws import LAWS, Viscous
-from ..bodies.law_names import law_given
+from ..bodies.contact_laws import LAWS, Viscous, law_given
 from .quantities import CURVES, PageUnits
 from .subject import Subject
 

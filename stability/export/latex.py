@@ -14,7 +14,7 @@ from ..algebra.polynomial import Polynomial
 from ..algebra.program import Program
 from ..algebra.upright import Upright
 from ..base.errors import ParameterError, shown
-from ..bodies.contact import Contact
+from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
 from ..bodies.quantities import QUANTITIES
 from ..bodies.round_body.body import Body

@@ -14,7 +14,7 @@ import numpy as np
 from ..algebra.eigensolver import eigenvalues_alone
 from ..algebra.program import Program, entries
 from ..base.types import Floats, fields_of
-from ..bodies.contact import Contact
+from ..bodies.contact_laws import Contact
 from ..bodies.model import Model
 from ..bodies.thin_disk import disk_model
 from ..systems.system import System

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ..base.axis import AxisLike
 from ..base.checks import flag, whole_number
 from ..base.errors import ParameterError
-from ..bodies.contact import Contact
+from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..boundary.curves import trace

@@ -29,7 +29,7 @@ from ..base.checks import flag
 from ..base.errors import FileError, ParameterError, listed
 from ..base.types import Floats, Progress
 from ..base.verdict import CODES, Verdict
-from ..bodies.contact import Contact
+from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..jobs.chunks import Arrays, Block, Layout, Variable

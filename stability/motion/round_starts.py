@@ -17,8 +17,7 @@ from ..base.checks import broadcast
 from ..base.errors import DomainError, NameUnknownError, ParameterError, if_degrees, shown
 from ..base.quantities import Units
 from ..base.types import Floats
-from ..bodies.contact import Contact
-from ..bodies.contact_laws import MOTION_LAWS, law_class, law_missing, spelled
+from ..bodies.contact_laws import MOTION_LAWS, Contact, law_class, law_missing, spelled
 from ..bodies.disk import Disk
 from ..bodies.model import FLAT, TAKEN, Dry, Model
 from ..bodies.quantities import PHYSICAL

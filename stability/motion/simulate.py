@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.errors import ParameterError, shown, warned
+from ..bodies.contact_laws import law_only
 from ..bodies.disk import Disk
-from ..bodies.law_names import law_only
 from ..bodies.model import FLAT
 from ..bodies.resistance import Resistance
 from ..bodies.round_body.body import Body

@@ -13,7 +13,7 @@ from ..base.checks import checked
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.quantities import Kind, Units
 from ..base.types import Floats
-from ..bodies.contact import Contact
+from ..bodies.contact_laws import Contact
 from ..bodies.model import LIFT_OFF, NO_CONTACT, Model
 from ..bodies.newton_euler import STATES
 from ..settling.settling import Settling

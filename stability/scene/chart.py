@@ -14,10 +14,8 @@ import numpy as np
 from ..base.errors import ParameterError, StabilityError, shown
 from ..base.provenance import machine, today
 from ..base.version import __version__
-from ..bodies.contact import Contact
-from ..bodies.contact_laws import LinearViscous, Rough, Smooth, Viscous
+from ..bodies.contact_laws import Contact, Coulomb, LinearViscous, Rough, Smooth, Viscous
 from ..bodies.disk import Disk
-from ..bodies.dry_friction import Coulomb
 from ..systems.system import System
 from .answer import states_in_units
 from .inputs import in_words, known_to, laws_of

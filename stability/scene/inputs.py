@@ -12,9 +12,8 @@ import numpy as np
 from ..base.checks import one_number
 from ..base.errors import ParameterError, shown
 from ..base.quantities import Kind, readable
-from ..bodies.contact import Contact
+from ..bodies.contact_laws import Contact, law_only
 from ..bodies.disk import Disk
-from ..bodies.law_names import law_only
 from ..bodies.model import Model, system_model
 from ..bodies.newton_euler import STATES
 from ..bodies.round_body.body import Body

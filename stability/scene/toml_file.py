@@ -15,10 +15,9 @@ from typing import Any
 
 from ..base.checks import instance, one_number
 from ..base.errors import FileError, NameUnknownError, ParameterError, StabilityError, shown
-from ..bodies.contact import Contact
+from ..bodies.contact_laws import Contact, class_named, law_named
 from ..bodies.disk import Disk
 from ..bodies.launch import launch
-from ..bodies.law_names import class_named, law_named
 from ..bodies.newton_euler import STATES
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.shape import SCALES

@@ -22,8 +22,7 @@ from numpy.typing import NDArray
 from ..algebra.upright import UPRIGHT
 from ..base.errors import NoMemberError
 from ..base.types import Floats
-from ..bodies.contact import Contact
-from ..bodies.contact_laws import Creep
+from ..bodies.contact_laws import Contact, Creep
 from ..bodies.families import FAMILIES, SteadyFamily, lines_under, tumbling
 from ..bodies.newton_euler import STATES
 from ..bodies.round_body.equations import Resistances, round_system

@@ -23,7 +23,7 @@ from ..algebra.upright import UPRIGHT
 from ..base.errors import listing
 from ..base.quantities import rate_unit
 from ..base.types import Floats
-from ..bodies.contact import Contact
+from ..bodies.contact_laws import Contact
 from ..bodies.newton_euler import STATES as SIX
 from ..systems.family import Family
 from ..systems.system import System

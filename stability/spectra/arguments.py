@@ -14,11 +14,18 @@ from ..base.axis import MOST_POINTS, Axis, AxisLike
 from ..base.checks import checked, real_numbers
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.types import Floats
-from ..bodies.contact import Contact
-from ..bodies.contact_laws import LAWS, Viscous, law_missing
+from ..bodies.contact_laws import (
+    LAWS,
+    Contact,
+    Viscous,
+    class_named,
+    law_given,
+    law_missing,
+    law_only,
+    refuse_misspelt,
+)
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES
-from ..bodies.law_names import class_named, law_given, law_only, refuse_misspelt
 from ..bodies.quantities import PHYSICAL
 from ..bodies.round_body.body import Body
 from ..bodies.subject import of_body

@@ -38,8 +38,7 @@ from ..base.errors import (
 from ..base.exact_numbers import double, no_double, warn_rounded
 from ..base.quantities import Units, without_dimension
 from ..base.types import Floats
-from ..bodies.contact import Contact
-from ..bodies.contact_laws import LAWS, spelled, stored
+from ..bodies.contact_laws import LAWS, Contact, spelled, stored
 from ..bodies.disk import Disk
 from ..bodies.disk_polynomials import disk_polynomial
 from ..bodies.families import FAMILIES, leaning

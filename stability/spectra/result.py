@@ -32,7 +32,7 @@ from .labels import axis_attributes, of_package, origin, rate_attributes, verdic
 if TYPE_CHECKING:
     import xarray
 
-    from ..bodies.contact import Contact
+    from ..bodies.contact_laws import Contact
 
 
 TAKEN = ("eigenvalues", "error_radius", "abscissa", "abscissa_error", "verdict", "certified",

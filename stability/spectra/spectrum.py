@@ -21,7 +21,7 @@ from ..base.checks import flag
 from ..base.errors import DomainError, NoMemberError, ParameterError, listing
 from ..base.types import Complexes, Floats
 from ..base.verdict import CODES, Verdict
-from ..bodies.contact import Contact
+from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES, SteadyFamily
 from ..bodies.round_body.body import Body

@@ -10,8 +10,7 @@ from typing import Any
 from ..base.citation import cited
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.quantities import Kind, Quantity
-from ..bodies.contact import Contact
-from ..bodies.contact_laws import LAWS
+from ..bodies.contact_laws import LAWS, Contact
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES, SteadyFamily
 from ..bodies.quantities import QUANTITIES

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from ..base.citation import MODEL
 from ..base.errors import NameUnknownError, shown
 from ..base.quantities import Kind
-from ..bodies.contact import Contact
-from ..bodies.contact_laws import LinearViscous, Viscous
+from ..bodies.contact_laws import Contact, LinearViscous, Viscous
 from ..bodies.disk import Disk
 from ..boundary.drift import FORMULAS, drift
 from .conditions import MU, K

@@ -12,9 +12,9 @@ import numpy as np
 from ..base.citation import gathered, joined
 from ..base.errors import NameUnknownError, ParameterError, StabilityError, listed, shown
 from ..base.types import Progress
+from ..bodies.contact_laws import law_named
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES
-from ..bodies.law_names import law_named
 from ..bodies.quantities import PHYSICAL, disk_quantities
 from ..systems.family import Family
 from .table import Definition, Table, framed, word
@@ -342,7 +342,7 @@ def _of_disk(
     given: Mapping[str, Any], axes: Mapping[str, Any], parameters: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Arguments of a disk's family, one number each."""
-    from ..bodies.law_names import class_named
+    from ..bodies.contact_laws import class_named
 
     for key in (*given, *parameters):
         if key not in OF_POINTS:

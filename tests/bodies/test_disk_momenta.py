@@ -9,8 +9,7 @@ import pytest
 
 import stability as st
 from stability.basin.lanes import lean_of
-from stability.bodies.contact import Contact, Parameter
-from stability.bodies.contact_laws import law_class
+from stability.bodies.contact_laws import Contact, Parameter, law_class
 from stability.bodies.thin_disk import disk_model
 from stability.integrators.flow import flow_of
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.bodies.contact import Contact
+from stability.bodies.contact_laws import Contact
 from stability.bodies.model import Model
 from stability.bodies.round_body.models.angle_model import round_model
 from stability.bodies.thin_disk import disk_model

@@ -13,7 +13,7 @@ import pytest
 
 import stability as st
 from stability.base.errors import StabilityWarning
-from stability.bodies.contact import Contact
+from stability.bodies.contact_laws import Contact
 from stability.boundary.brackets import Boundaries
 from stability.boundary.changes import along
 from stability.spectra.problem import disk_problem

@@ -12,7 +12,7 @@ from figure_audit import drawn, faults, linear, luminance
 from PIL import Image
 
 import stability as st
-from stability.bodies.contact import Contact
+from stability.bodies.contact_laws import Contact
 from stability.figures import animate as animation
 from stability.figures.animate import animate, geometry, resample
 from stability.figures.canvas import COLUMN

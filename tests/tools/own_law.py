@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from stability.base.quantities import Units
-from stability.bodies.contact import Contact, Parameter
+from stability.bodies.contact_laws import Contact, Parameter
 
 
 def by_speed(nu: Any, scales: Units) -> Any:

@@ -17,8 +17,7 @@ import sympy
 from stability.algebra.number_types import sympy_algebra
 from stability.algebra.program import Program
 from stability.base.errors import StabilityError
-from stability.bodies.contact import Contact
-from stability.bodies.contact_laws import LAWS
+from stability.bodies.contact_laws import LAWS, Contact
 from stability.bodies.round_body.pole_equations import PoleBody
 from stability.bodies.round_body.shape import SCALES
 from stability.bodies.round_body.si_law import Law

@@ -16,8 +16,7 @@ from ...algebra.program import Program
 from ...base.quantities import Units
 from ...systems.equations import Condition, eliminate
 from ...systems.system import System
-from ..contact import Contact
-from ..contact_laws import CREEP, Creep, Rough
+from ..contact_laws import CREEP, Contact, Creep, Rough
 from ..creep import CREEPS, follows, slip_of
 from ..explicit import surface
 from ..held_motion import SLIP, held_in_angles

@@ -12,10 +12,8 @@ from ...base.checks import known
 from ...base.errors import NameUnknownError, NoMemberError, ParameterError, listed, shown
 from ...systems.family import Family
 from ...systems.system import System
-from ..contact import Contact
-from ..contact_laws import law_class
+from ..contact_laws import Contact, class_named, law_class
 from ..families import FAMILIES, Held, SteadyFamily
-from ..law_names import class_named
 from .equations import Resistances, round_system
 from .inclinations import first_numbers, level, sizes, stands_upright, start, stays_level
 from .pole_equations import SLIP, pole_system, refuse_rough_pole

@@ -19,8 +19,7 @@ from ...algebra.program import Program
 from ...base.errors import NoMemberError, ParameterError
 from ...systems.equations import Condition, eliminate
 from ...systems.system import System
-from ..contact import Contact
-from ..contact_laws import Creep, Rough
+from ..contact_laws import Contact, Creep, Rough
 from ..held_motion import SLIP as STATED
 from ..held_motion import SLIP_RATE, held_programs
 from ..resistance import Resistance, total_moment

@@ -23,8 +23,7 @@ from ...algebra.program import Program
 from ...base.errors import StabilityError
 from ...systems.closed_form import ClosedForm, ImplicitForm
 from ...systems.system import System
-from ..contact import Contact
-from ..contact_laws import LinearViscous, Rough, Smooth, Viscous
+from ..contact_laws import Contact, LinearViscous, Rough, Smooth, Viscous
 from ..disk_polynomials import digest
 from ..families import tumbling
 from .equations import conditions_along

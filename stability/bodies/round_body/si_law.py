@@ -9,8 +9,7 @@ from typing import Any
 import casadi as ca
 
 from ...base.quantities import Units
-from ..contact import Contact
-from ..contact_laws import MOTION_LAWS, LinearViscous
+from ..contact_laws import MOTION_LAWS, Contact, LinearViscous
 from .height.expression import Expression
 from .shape import MOMENTS, SCALES, RoundShape
 

@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 
 from ...base.types import Floats
-from ..contact import Contact
+from ..contact_laws import Contact
 from ..disk import Disk
 from ..model import Model
 from ..momenta import momenta_model

@@ -13,7 +13,7 @@ from ...algebra.number_types import precision
 from ...base.axis import Axis, AxisLike
 from ...base.citation import cited
 from ...base.errors import ParameterError
-from ...bodies.contact import Contact
+from ...bodies.contact_laws import Contact
 from ...bodies.disk import Disk
 from ...bodies.round_body.body import Body
 from ...spectra.arguments import swept

@@ -15,8 +15,7 @@ import numpy as np
 
 from ...base.errors import NameUnknownError, StabilityWarning, shown
 from ...base.types import Floats
-from ...bodies.contact_laws import Rough, Smooth
-from ...bodies.dry_friction import RegularisedCoulomb
+from ...bodies.contact_laws import RegularisedCoulomb, Rough, Smooth
 from ...integrators.selection import METHODS
 from .reference_motions import ReferenceMotion
 

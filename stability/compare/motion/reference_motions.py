@@ -16,9 +16,8 @@ import numpy as np
 
 from ...base.errors import NameUnknownError, shown
 from ...base.types import Floats
-from ...bodies.contact import Contact
+from ...bodies.contact_laws import Contact, law_named
 from ...bodies.disk import Disk
-from ...bodies.law_names import law_named
 
 UNDETERMINED = "undetermined"
 """The outcome of a motion on which two high-precision integrations do not agree."""

@@ -270,8 +270,8 @@ def _bisected(mine: Route, where: Any, near: float) -> float | None:
 
 def _proved(where: Any, near: float) -> tuple[float | None, float | None]:
     """A boundary by the package's `boundaries`, and its proved relative half-width."""
+    from ...bodies.contact_laws import law_named
     from ...bodies.disk import Disk
-    from ...bodies.law_names import law_named
     from ...boundary.changes import boundaries
 
     family, law, k, mu = where[:4]

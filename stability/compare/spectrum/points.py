@@ -20,10 +20,9 @@ from ...algebra.number_types import precision
 from ...algebra.upright import Upright
 from ...base.types import Floats
 from ...base.verdict import CODES, Verdict, best
-from ...bodies.contact import Contact
+from ...bodies.contact_laws import Contact, law_named
 from ...bodies.disk import Disk
 from ...bodies.families import FAMILIES
-from ...bodies.law_names import law_named
 from ...bodies.thin_disk import disk_family
 from ...spectra.problem import Problem, disk_problem
 from ...systems.family import Family

@@ -13,10 +13,8 @@ import numpy as np
 
 from ....base.quantities import Kind, Quantity
 from ....systems.system import System
-from ...contact import Contact
-from ...contact_laws import Creep, Rough
+from ...contact_laws import DIRECTION, MU, Contact, CoulombAlong, Creep, Rough
 from ...creep import CREEPS
-from ...dry_friction import DIRECTION, MU, CoulombAlong
 from ...explicit import Surface, angular_velocity, explicit, surface
 from ...model import (
     CONE,

@@ -17,8 +17,7 @@ import numpy as np
 
 from ....base.types import Floats
 from ....systems.system import System
-from ...contact import Contact
-from ...contact_laws import Rough
+from ...contact_laws import Contact, Rough
 from ...model import (
     LIFT_OFF,
     NO_CONTACT,
