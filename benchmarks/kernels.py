@@ -35,7 +35,7 @@ from stability.base.axis import Axis
 from stability.maps.cells import COMPILED_FROM, Cells
 from stability.maps.growth_rates import GrowthKernel
 from stability.maps.verdicts import GridVerdicts
-from stability.spectra.arguments import prepare
+from stability.spectra.axes import swept
 from stability.spectra.certificate import certify
 from stability.spectra.problem import disk_problem
 
@@ -81,7 +81,7 @@ def problem_of(family: str, law: str, nx: int, ny: int) -> tuple[Any, tuple[Axis
         axes = Axis("theta", 0.3, 1.2, nx), Axis("phi_dot", 0.3, 3.0, ny)
     else:
         axes = Axis("at", *AXES[family], nx), Axis(name, low, high, ny, log)
-    return prepare(family, axes, None, kind, None, {}), axes
+    return swept(family, {a.name: a for a in axes}, contact=kind)[0], axes
 
 
 def eigvals_of(question: Any, axes: tuple[Axis, Axis]) -> tuple[Callable[[], Any], int]:
@@ -260,7 +260,7 @@ def baseline(family: str, axes: tuple[Axis, Axis]) -> Callable[[], Any]:
 def maps(family: str) -> dict[str, Any]:
     axes = axes_of(family)
     slow = baseline(family, axes)
-    question = prepare(family, axes, None, st.Viscous, None, {})
+    question = swept(family, {a.name: a for a in axes}, contact=st.Viscous)[0]
     xs, ys = axes[0].values, axes[1].values
     grid = GridVerdicts(question, "at", "mu")
 
@@ -301,7 +301,7 @@ def signs_wrong(family: str, axes: tuple[Axis, Axis], slow: Callable[[], Any]) -
 def packed(family: str, distance: float) -> dict[str, Any]:
     """Time of the verdict route on a grid packed around a boundary, exact arithmetic included."""
     axes = axes_of(family, distance)
-    question = prepare(family, axes, None, st.Viscous, None, {})
+    question = swept(family, {a.name: a for a in axes}, contact=st.Viscous)[0]
     grid = GridVerdicts(question, "at", "mu")
     xs = np.linspace(axes[0].low, axes[0].high, 400)
     ys = np.linspace(axes[1].low, axes[1].high, 300)

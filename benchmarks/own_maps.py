@@ -25,7 +25,7 @@ from stability.base.axis import Axis
 from stability.maps.cells import Cells
 from stability.maps.own.slice_verdicts import slice_verdicts
 from stability.maps.own.slices import _cached
-from stability.spectra.arguments import prepare
+from stability.spectra.axes import swept
 
 SIDE = 1000
 """Cells along each axis."""
@@ -190,7 +190,7 @@ def compare(family: Any, x: Any, y: Any, fixed: dict[str, float]) -> dict[str, A
     """Times per cell, ratios, and whether both routes agree where LAPACK's sign is clear."""
     axes = Axis.of(x, "x"), Axis.of(y, "y")
     slow = other(family, axes, fixed, SOME)
-    question = prepare(family, axes, None, None, None, fixed)
+    question = swept(family, {a.name: a for a in axes}, parameters=fixed)[0]
     xs, ys = axes[0].values, axes[1].values
     start = time.perf_counter()
     judge = slice_verdicts(question, axes)

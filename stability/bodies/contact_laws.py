@@ -812,12 +812,14 @@ def refuse_misspelt(law: type[Contact], given: Collection[str]) -> None:
             raise NameUnknownError(f"{shown(name)} is not an argument here; {near} is.")
 
 
-def law_only(contact: Any, given: dict[str, Any], *, motion: bool = False) -> Any:
+def law_only(
+    contact: Any, given: dict[str, Any], *, motion: bool = False, swept: Collection[str] = ()
+) -> Any:
     """The contact law of a call that takes no other numbers by name.
 
     Parameters
     ----------
-    contact, given, motion
+    contact, given, motion, swept
         As for `law_given`.
 
     Returns
@@ -835,7 +837,7 @@ def law_only(contact: Any, given: dict[str, Any], *, motion: bool = False) -> An
     >>> law_only("rough", {}).name
     'rough'
     """
-    law = law_given(contact, given, motion=motion)
+    law = law_given(contact, given, motion=motion, swept=swept)
     for name in given:
         refuse_misspelt(Viscous, given)
         raise ParameterError(

@@ -245,6 +245,11 @@ FAMILIES = {family.name: family for family in _RECORDS}
 """Every family by name.  A new one is one more record: docs/howto/family.md."""
 
 
+def record_of(family: Any) -> SteadyFamily | None:
+    """The record of a family by its name; None for anything else."""
+    return FAMILIES.get(family) if isinstance(family, str) else None
+
+
 def at_name(family: Any) -> str:
     """Name of the number that names members of a family by its name; `at` where none alone does.
 
@@ -258,8 +263,8 @@ def at_name(family: Any) -> str:
     >>> at_name("rolling"), at_name("vertical"), at_name("precession")
     ('omega3', 'omega_Z', 'at')
     """
-    found = FAMILIES.get(family) if isinstance(family, str) else None
-    return found.at[0] if found is not None and len(found.at) == 1 else "at"
+    record = record_of(family)
+    return record.at[0] if record is not None and len(record.at) == 1 else "at"
 
 
 def named_by(family: str) -> Kind:

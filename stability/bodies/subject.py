@@ -1,19 +1,36 @@
-"""A family of a body of revolution by name, turned into a `Family` with its numbers by name."""
+"""What a question is asked about, resolved once from names, objects and numbers."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..base.checks import one_number
-from ..base.errors import NameUnknownError, NoMemberError, ParameterError, shown
+from ..base.checks import checked, instance, known
+from ..base.errors import NameUnknownError, NoMemberError, ParameterError, if_degrees, shown
+from ..base.exact_numbers import no_double
 from ..systems.family import Family
-from .contact_laws import LAWS, Contact, Viscous, law_class, law_given, law_missing, spelled
+from ..systems.system import refuse_system
+from .contact_laws import (
+    LAWS,
+    Contact,
+    Viscous,
+    class_named,
+    law_class,
+    law_given,
+    law_missing,
+    law_only,
+    refuse_misspelt,
+    spelled,
+)
 from .disk import Disk
-from .families import FAMILIES
+from .families import FAMILIES, SteadyFamily, families_of_disk, leaning, record_of
+from .quantities import PHYSICAL
 from .resistance import Resistance, resistances
 from .round_body.body import Body
 from .round_body.families import body_family, round_family, survives, unknown_family
@@ -22,32 +39,100 @@ from .round_body.shape import SCALES, RoundShape, refuse_constants, single_pole
 from .round_body.thin import thin_body
 from .thin_disk import disk_family
 
+NONE: Mapping[str, Any] = MappingProxyType({})
+LEAN = ("lean",)
+"""The key of a member that a lean names."""
 
-def of_body(
-    family: Any,
-    body: Any,
-    disk: Any,
-    contact: Any,
-    parameters: Mapping[str, Any],
-    axes: Sequence[Any] = (),
-) -> tuple[Any, Any, Any, dict[str, Any]]:
-    """Family, disk, contact and parameters of a call, with a body's numbers among the parameters.
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """A family with the numbers that the caller gave.
+
+    A disk is told apart where its numbers become dimensionless, and nowhere else.
+    """
+
+    family: Family
+    """The family; that of a disk is dimensionless."""
+    keys: tuple[str, ...]
+    """Names under which the numbers of a member stand; `at` for the single one of a disk."""
+    member: Mapping[str, Any]
+    """The numbers of the member by key, as far as they are given."""
+    numbers: Mapping[str, Any]
+    """Every other number by name, but those of `disk` and `law`."""
+    body: RoundShape | None = None
+    """A body of revolution, whose numbers are the family's own."""
+    disk: Disk | None = None
+    """A disk, whose numbers become dimensionless."""
+    law: Contact | None = None
+    """The contact law of a body or disk."""
+    record: SteadyFamily | None = None
+    """The family of a body or disk by its name."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names that an axis may have."""
+        if self.disk is None or self.law is None:
+            return (*self.family.at, *self.family.parameters)
+        return tuple(dict.fromkeys((*self.keys, *_numbers_of(self.law))))
+
+    def key(self, axis: str) -> str:
+        """The key of an axis: `at` and the member's own name are two names for one number."""
+        single = len(self.keys) == 1 and axis in ("at", *self.family.at)
+        return axis if not single or axis in self.family.parameters else self.keys[0]
+
+    def check_axis(self, name: str, low: float, high: float) -> None:
+        """Refuse an axis with values that the body or the law does not accept."""
+        if self.law is not None and self.law.alternatives(name):
+            self.law.accepted(name, [low, high])
+        between = np.linspace(low, high, 17)
+        if self.disk is not None:
+            check_angle(self.family.name, self.family.at[0] if name == "at" else name, between)
+            if name == "lean":
+                checked_lean(between)
+            if name in ("k", *PHYSICAL):
+                replace(self.disk, **{name: between})
+        elif isinstance(self.body, Body) and name in self.body.given:
+            first = {n: float(np.asarray(v).flat[0]) for n, v in self.body.shape.items()}
+            shaped = {"shape": first | {name: between}} if name in first else {name: between}
+            replace(self.body, **shaped)
+        elif self.body is not None and name in self.body.given:
+            Disk(**{"radius" if name == "length" else name: between})
+
+
+def subject_of(
+    family: str | Family,
+    *,
+    at: ArrayLike | None = None,
+    lean: ArrayLike | None = None,
+    disk: Disk | None = None,
+    body: Any = None,
+    contact: Contact | type[Contact] | str | None = None,
+    parameters: Mapping[str, Any] = NONE,
+    axes: Collection[str] = (),
+    whole: bool = False,
+    laws: Mapping[str, type[Contact]] = LAWS,
+) -> Subject:
+    """What a question is asked about.
 
     Parameters
     ----------
     family
-        What the caller gave: a name, or a `Family`.
-    body
-        A `Body`, a `Disk`, or None, which leaves everything as it is.
-    disk, contact, parameters
-        What the caller gave.
+        Name of a family of a disk or body, or a `Family`.
+    at
+        Number that names the member; where axes take some of several numbers, the others.
+    lean
+        Angle π/2 - theta [rad] instead of `at`, where theta alone names a member of a disk.
+    disk, body, contact
+        Body and law, for a family by its name; the uniform disk where neither is given.
+    parameters
+        Numbers by name.  One that has the name of an argument, such as `at`, is given in a mapping
+        called `parameters`.
     axes
-        Axes as the caller gave them; their values are set later.
-
-    Returns
-    -------
-    family, disk, contact, parameters
-        For a `Body` its `Family`, None, None, and every number by name but those swept.
+        Names of the axes, whose values are set later.
+    whole
+        Whether every number of the member must be given.
+    laws
+        Laws that this question takes, for the refusal of a call without one.
 
     Raises
     ------
@@ -56,60 +141,69 @@ def of_body(
 
     Examples
     --------
-    >>> import casadi as ca
-    >>> from stability.bodies.round_body.body import Body
-    >>> ball = Body(lambda theta: 1.0, axial=0.4, transverse=0.4, name="ball")
-    >>> of_body("spinning", ball, None, "rough", {})[0].system.name
-    'ball, rough'
+    >>> asked = subject_of("rolling", contact="viscous", parameters={"omega3": 1.2, "mu": 0.3})
+    >>> asked.member, asked.law.mu
+    ({'at': 1.2}, 0.3)
     """
-    given = dict(parameters)
-    if body is None and isinstance(disk, Disk) and given.get("resistance") is not None:
-        body, disk = disk, None
-    if body is None:
-        return family, disk, contact, given
-    if disk is not None:
-        raise ParameterError("body and disk are both given; give one of them.")
-    if isinstance(body, Disk) and given.get("resistance") is not None:
-        body = thin_body(body)
-    if isinstance(body, Disk):
-        return family, body, contact, {n: v for n, v in given.items() if n != "resistance"}
-    if not isinstance(body, RoundShape):
-        raise ParameterError(f"body is {shown(body)}; give a stability.Body or a stability.Disk.")
+    refuse_system(family)
+    numbers = dict(parameters)
+    shape = _revolved(body, disk, numbers)
     if isinstance(family, Family):
-        raise ParameterError(
-            f"body belongs to families by name; {family.name} is a family of "
-            f"{family.system.name}, which has its own equations."
-        )
-    if not isinstance(family, str) or family not in FAMILIES:
-        raise unknown_family(family, body)
-    swept = [a[0] for a in axes if isinstance(a, (tuple, list)) and a and isinstance(a[0], str)]
-    refuse_constants(body, swept)
-    law = _law(contact, given, swept)
-    for axis in axes:
-        _check_axis(body, law, axis)
-    return _resolved(family, body, law, given, swept)
+        _refuse_words(family, {"lean": lean, "disk": disk, "contact": contact, "body": body})
+        subject = Subject(family, family.at, {}, {})
+        return _with_numbers(subject, at, _opened(family, numbers), axes, whole=whole)
+    if shape is not None:
+        return _of_body(family, shape, contact, numbers, at, lean, axes, whole=whole)
+    if not isinstance(family, str):
+        raise NameUnknownError(f"family is {shown(family)}; give a name or a stability.Family.")
+    record = families_of_disk()[known("family", family, families_of_disk())]
+    check_names(family, axes, contact)
+    open_ = not whole or lean is not None
+    member = _member(family, record.at, _keys(record.at), at, numbers, axes, whole=not open_)
+    law = _stated(law_only(contact, numbers, swept=axes), numbers, axes, laws)
+    thin = next((d for d in (body, disk) if d is not None), Disk())
+    leans = lean is not None or "lean" in axes
+    return disk_subject(family, thin, law, member, lean, leans=leans)
 
 
-def _check_axis(body: RoundShape, law: Contact, axis: Any) -> None:
-    """Refuse an axis with values that the body or the law does not accept."""
-    if not (isinstance(axis, (tuple, list)) and len(axis) > 2 and isinstance(axis[0], str)):
-        return
-    name = axis[0]
-    low, high = (
-        one_number(f"the {side} end of the axis {name}", value)
-        for side, value in zip(("low", "high"), axis[1:3], strict=True)
-    )
-    if type(law).alternatives(name):
-        type(law).accepted(name, [low, high])
-    if name not in body.given:
-        return
-    between = np.linspace(low, high, 17)
-    if not isinstance(body, Body):
-        Disk(**{"radius" if name == "length" else name: between})  # a disk checks its numbers
-        return
-    single = {n: float(np.asarray(v).flat[0]) for n, v in body.shape.items()}
-    change = {"shape": single | {name: between}} if name in body.shape else {name: between}
-    replace(body, **change)  # and so does a body
+def disk_subject(
+    family: str,
+    disk: Disk,
+    law: Contact,
+    member: Mapping[str, Any] = NONE,
+    lean: ArrayLike | None = None,
+    *,
+    leans: bool = False,
+) -> Subject:
+    """A family of the disk by its name, with its numbers.
+
+    Parameters
+    ----------
+    family
+        A key of `FAMILIES`.
+    disk, law
+        The disk and its contact law; their fields may be arrays.
+    member
+        The numbers of the member, by `at` or, of several, by their names.
+    lean
+        As for `subject_of`.
+    leans
+        Whether a lean names the member, though its value may be set later.
+    """
+    instance("disk", disk, Disk, "give a stability.Disk")
+    resolved = disk_family(family, type(law))
+    keys = _keys(resolved.at)
+    member = {key: checked(key, value) for key, value in member.items()}
+    for part, key in zip(resolved.at, keys, strict=True):
+        if key in member:
+            check_angle(family, part, np.asarray(member[key]))
+    if leans:
+        if not FAMILIES[family].by_angle:
+            raise ParameterError(f"lean names a member of {leaning()}; for {family} give at.")
+        if member:
+            raise ParameterError(f"{resolved.at[0]} and lean are both given; give one of them.")
+        keys, member = LEAN, {} if lean is None else {"lean": checked_lean(lean)}
+    return Subject(resolved, keys, member, {}, disk=disk, law=law, record=FAMILIES[family])
 
 
 def family_by_name(
@@ -141,70 +235,277 @@ def family_by_name(
     ('k',)
     """
     if not isinstance(family, str):
-        for name, one in (("contact", contact), ("body", body)):
-            if one is not None:
+        for name, value in (("contact", contact), ("body", body)):
+            if value is not None:
                 raise ParameterError(
                     f"{name} belongs to a family by its name; leave it out where {word} is "
                     f"{shown(family)}."
                 )
         return family
     contact = Viscous if contact is None and "mu" in given else contact
-    if body is None or isinstance(body, Disk):
+    shape = _revolved(body, None, {})
+    if shape is None:
         return disk_family(family, contact)
-    if not isinstance(body, RoundShape):
-        raise ParameterError(f"body is {shown(body)}; give a stability.Body or a stability.Disk.")
-    return body_family(body, family, contact, None)
+    return body_family(shape, family, contact, None)
 
 
-def _law(contact: Any, given: dict[str, Any], swept: Collection[str]) -> Contact:
-    found = law_given(contact, given, swept=swept)
-    if found is None:
-        raise law_missing(LAWS, ", or make mu an axis" if swept else "")
-    if not isinstance(found, Contact) or not found.name:
-        raise NameUnknownError(f"contact is {shown(found)}; give one of {spelled(LAWS)}.")
-    law_class(type(found), motion=False)
-    return found
+def check_names(family: str, axes: Collection[str], contact: Any) -> None:
+    """Refuse an axis that no disk has, before anything else that is missing.
+
+    Parameters
+    ----------
+    family
+        Name of a family of the disk.
+    axes
+        Names of the axes as they were given.
+    contact
+        A law, its name or class, or None for viscous.
+    """
+    record = record_of(family)
+    law: Any = Viscous if contact is None else contact
+    law = class_named(law, motion=True) if isinstance(law, str) else law
+    if record is None or not isinstance(law, (type, Contact)) or not hasattr(law, "parameters"):
+        return
+    single = ("at", *record.at, *LEAN[: record.by_angle]) if len(record.at) == 1 else record.at
+    names = dict.fromkeys((*single, *_numbers_of(law)))
+    for name in axes:
+        if name not in names:
+            raise NameUnknownError(
+                f"axis is {shown(name)}; known for {family} are {', '.join(names)}."
+            )
 
 
-def _resolved(
-    family: str, body: RoundShape, law: Contact, given: dict[str, Any], swept: Collection[str]
-) -> tuple[Family, None, None, dict[str, Any]]:
-    theta = given.pop("theta", None) if FAMILIES[family].level else None
-    pole = single_pole(given.pop("pole", None))
-    against = resistances(given.pop("resistance", None))
-    physical = not body.dimensionless or any(n in SCALES for n in swept)
+def check_angle(family: str, part: str, values: Any) -> None:
+    """Refuse an inclination at which the disk is flat; a guess at degrees says so."""
+    if part != "theta":
+        return
+    bad = values[(values <= 0) | (values >= math.pi)]
+    if bad.size:
+        worst = float(bad.flat[np.abs(bad).argmax()])
+        raise NoMemberError(
+            f"{family} does not exist there: theta is {worst:g}; theta must lie strictly "
+            "between 0 and π, because the disk is flat at both and its equations of motion end "
+            f"there{if_degrees(worst)}."
+        )
+
+
+def checked_lean(lean: ArrayLike) -> Any:
+    """The lean as finite numbers strictly between -π/2 and π/2, or a refusal."""
+    value = checked("lean", lean)
+    bad = np.asarray(value)[np.abs(value) >= np.pi / 2]
+    if bad.size:
+        worst = float(bad.flat[np.abs(bad).argmax()])
+        raise ParameterError(
+            f"lean is {worst:g}; it must lie strictly between -π/2 and π/2, 0 is upright"
+            f"{if_degrees(worst)}."
+        )
+    return value
+
+
+def _numbers_of(law: Any) -> tuple[str, ...]:
+    """Names of the numbers of a disk under a law."""
+    return ("k", *PHYSICAL, *(p.name for p in law.parameters))
+
+
+def _keys(names: tuple[str, ...]) -> tuple[str, ...]:
+    return ("at",) if len(names) == 1 else names
+
+
+def _revolved(body: Any, disk: Any, numbers: dict[str, Any]) -> RoundShape | None:
+    """The body of revolution of a call; None for a disk without resistance."""
+    if body is not None and disk is not None:
+        raise ParameterError("body and disk are both given; give one of them.")
+    thin = disk if body is None else body
+    if isinstance(thin, Disk):
+        if numbers.get("resistance") is not None:
+            return thin_body(thin)
+        if body is not None:
+            numbers.pop("resistance", None)
+        return None
+    if body is None:
+        return None
+    return instance("body", body, RoundShape, "give a stability.Body or a stability.Disk")
+
+
+def _refuse_words(family: Family, words: Mapping[str, Any]) -> None:
+    """Refuse what belongs to families by name."""
+    given = [word for word, value in words.items() if value is not None]
+    if "body" in given:
+        raise ParameterError(
+            f"body belongs to families by name; {family.name} is a family of "
+            f"{family.system.name}, which has its own equations."
+        )
+    for word in given:
+        if word in family.parameters:
+            raise ParameterError(
+                f"{word} is an argument of the disk here; give the parameter {word} of "
+                f"{family.name} as parameters={{{word!r}: …}}."
+            )
+    if "lean" in given:
+        raise ParameterError(f"lean belongs to families of the disk; {family.name} takes at.")
+    if given:
+        raise ParameterError(
+            f"{' and '.join(given)} belong{'s' * (len(given) == 1)} to the disk's families; "
+            f"{family.name} takes {', '.join(family.parameters) or 'no parameters'}."
+        )
+
+
+def _opened(family: Family, numbers: dict[str, Any]) -> dict[str, Any]:
+    """The numbers by name, with those of a mapping called `parameters`."""
+    inner = numbers.get("parameters")
+    if "parameters" in (*family.at, *family.parameters) or not isinstance(inner, Mapping):
+        return numbers
+    out = {name: value for name, value in numbers.items() if name != "parameters"}
+    for name, value in inner.items():
+        if not isinstance(name, str):
+            raise ParameterError(f"parameters names {shown(name)}; give names, each a string.")
+        if name in out:
+            raise ParameterError(f"{name} is given by name and in parameters; give it once.")
+        out[name] = value
+    return out
+
+
+def _with_numbers(
+    subject: Subject, at: Any, numbers: dict[str, Any], axes: Collection[str], *, whole: bool
+) -> Subject:
+    """A subject whose numbers are the family's own."""
+    family = subject.family
+    if "at" in numbers and "at" not in (*family.at, *family.parameters):
+        at = numbers.pop("at")
+    for name in numbers:
+        if name not in (*family.parameters, *family.at):
+            raise NameUnknownError(
+                f"{shown(name)} is not a parameter of {family.name}; known are "
+                f"{', '.join((*family.parameters, *family.at)) or 'none'}."
+            )
+    member = _member(family.name, family.at, family.at, at, numbers, axes, whole=whole)
+    return replace(subject, member=member, numbers=numbers)
+
+
+def _member(
+    family: str,
+    names: tuple[str, ...],
+    keys: tuple[str, ...],
+    at: Any,
+    numbers: dict[str, Any],
+    axes: Collection[str],
+    *,
+    whole: bool,
+) -> dict[str, Any]:
+    """The numbers that name a member, by key: of `at`, or taken out of `numbers` by name.
+
+    Numbers that are exact by their type stay so.
+    """
+    by_name = {n: numbers.pop(n) for n in names if n in numbers}
+    if at is None:
+        if whole and len(by_name) < len(names):
+            raise ParameterError(
+                f"at is missing; it names the member of the family, here {' and '.join(names)}."
+            )
+        return {k: _number(n, by_name[n]) for n, k in zip(names, keys, strict=True) if n in by_name}
+    if not names:
+        raise ParameterError(f"{family} has one member alone; leave at out.")
+    if by_name:
+        raise ParameterError(f"{next(iter(by_name))} is given as at and by name; give it once.")
+    rest = tuple(k for k in keys if k not in axes)
+    several = isinstance(at, (tuple, list)) or getattr(at, "ndim", 0) > 0
+    parts = list(at) if several else [at]
+    if len(keys) == 1:
+        parts = [at]
+    elif len(parts) == len(rest) < len(keys):
+        keys = rest
+    elif len(parts) != len(keys) and len(rest) < len(keys):
+        raise ParameterError(
+            f"at holds {len(parts)} numbers; a member of {family} is named by "
+            f"{', '.join(names)}, and beyond the axis at holds "
+            + (f"{len(rest)} ({', '.join(rest)})." if rest else "none, so leave it out.")
+        )
+    elif len(parts) != len(keys) or any(isinstance(p, (tuple, list)) or np.ndim(p) for p in parts):
+        array = np.asarray(checked("at", at), dtype=float)
+        if array.ndim == 0 or array.shape[-1] != len(keys):
+            raise ParameterError(
+                f"at has shape {array.shape}; for {family} it holds ({', '.join(keys)}) along its "
+                "last axis."
+            )
+        parts = list(np.moveaxis(array, -1, 0))
+    return {key: _number("at", part) for key, part in zip(keys, parts, strict=True)}
+
+
+def _number(name: str, value: Any) -> Any:
+    return value if no_double(value) is not None else checked(name, value)
+
+
+def _stated(
+    law: Any,
+    numbers: Mapping[str, Any],
+    axes: Collection[str],
+    laws: Mapping[str, type[Contact]] = LAWS,
+) -> Contact:
+    """A contact law with its numbers, for a linearisation."""
+    if law is None:
+        refuse_misspelt(Viscous, numbers)
+        raise law_missing(laws, ", or make mu an axis" if axes else "")
+    if not isinstance(law, Contact) or not law.name:
+        raise NameUnknownError(f"contact is {shown(law)}; give one of {spelled(LAWS)}.")
+    law_class(type(law), motion=False)
+    return law
+
+
+def _of_body(
+    name: Any,
+    body: RoundShape,
+    contact: Any,
+    numbers: dict[str, Any],
+    at: Any,
+    lean: Any,
+    axes: Collection[str],
+    *,
+    whole: bool,
+) -> Subject:
+    record = record_of(name)
+    if record is None:
+        raise unknown_family(name, body)
+    refuse_constants(body, axes)
+    law = _stated(law_given(contact, numbers, swept=axes), numbers, axes)
+    theta = numbers.pop("theta", None) if record.level else None
+    pole = single_pole(numbers.pop("pole", None))
+    against = resistances(numbers.pop("resistance", None))
     coefficients = dict(law.given)
-    for name in swept:  # an axis takes the place of its alternatives
-        others = type(law).alternatives(name)
+    for axis in axes:  # an axis takes the place of its alternatives
+        others = law.alternatives(axis)
         if others:
-            coefficients = {n: v for n, v in coefficients.items() if n not in others} | {name: 1.0}
+            coefficients = {n: v for n, v in coefficients.items() if n not in others} | {axis: 1.0}
     for r in against:
-        if np.any(r.value) or r.coefficient in swept:
-            _survives(family, body, r, theta)
-    found = round_family(
+        if np.any(r.value) or r.coefficient in axes:
+            _survives(record, body, r, theta)
+    family = round_family(
         body,
-        family,
+        name,
         type(law),
         tuple(coefficients),
-        physical=physical,
+        physical=not body.dimensionless or any(n in SCALES for n in axes),
         theta=theta,
         pole=pole,
         resistance=tuple(type(r) for r in against),
     )
-    numbers = body.given | coefficients | {r.coefficient: r.value for r in against}
-    for name in given:
-        if name in numbers:
-            owner = f"the {law.name} law" if name in coefficients else body.name
-            raise ParameterError(f"{name} is {owner}'s own number; give it there alone.")
-    own = {n: numbers[n] for n in found.system.parameters if n not in swept}
-    return found, None, None, own | given
+    own = body.given | coefficients | {r.coefficient: r.value for r in against}
+    for number in numbers:
+        if number in own:
+            owner = f"the {law.name} law" if number in coefficients else body.name
+            raise ParameterError(f"{number} is {owner}'s own number; give it there alone.")
+    _refuse_words(family, {"lean": lean})
+    own = {n: own[n] for n in family.system.parameters if n not in axes}
+    subject = Subject(family, family.at, {}, {}, body=body, law=law, record=record)
+    return _with_numbers(subject, at, own | _opened(family, numbers), axes, whole=whole)
 
 
-def _survives(family: str, body: RoundShape, resistance: Resistance, theta: float | None) -> None:
+def _survives(
+    record: SteadyFamily, body: RoundShape, resistance: Resistance, theta: float | None
+) -> None:
     """Refuse a family whose members lose energy to a resistance, so that none is steady."""
-    upright = FAMILIES[family].level and level(body, theta) is None
-    if not survives(family, (type(resistance),), upright=upright):
+    upright = record.level and level(body, theta) is None
+    if not survives(record.name, (type(resistance),), upright=upright):
         raise NoMemberError(
-            f"{family} of {body.name} does not survive {resistance.name}, which costs energy "
+            f"{record.name} of {body.name} does not survive {resistance.name}, which costs energy "
             "there; slow_flow gives its drift along the family."
         )

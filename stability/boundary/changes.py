@@ -21,7 +21,7 @@ from ..base.verdict import Verdict
 from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
-from ..spectra.arguments import swept
+from ..spectra.axes import swept
 from ..spectra.certificate import verdict as certified
 from ..spectra.labels import of_package
 from ..spectra.problem import Problem

@@ -32,22 +32,21 @@ from flint import arb
 from ..algebra.exact.number_fields import NotExact
 from ..algebra.exact.roots import UnclearError
 from ..algebra.number_types import precision, upper
-from ..base.axis import AxisLike
-from ..base.checks import checked, instance, whole_number
+from ..base.axis import Axis, AxisLike
+from ..base.checks import checked, whole_number
 from ..base.citation import cited
 from ..base.errors import ParameterError, StabilityError, listed, shown, warned
 from ..base.types import Floats, Record, Sentences
-from ..bodies.contact_laws import LAWS, Contact, law_missing, law_only
+from ..bodies.contact_laws import LAWS, Contact
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES, SteadyFamily
 from ..bodies.round_body.body import Body
-from ..bodies.subject import of_body
-from ..spectra.arguments import axis_of, prepare
-from ..spectra.problem import Problem, disk_problem
+from ..bodies.subject import subject_of
+from ..spectra.axes import swept
+from ..spectra.problem import Problem, problem_of
 from ..systems.family import Family
 from ..systems.structure.linearity import linear
 from ..systems.structure.structural_zeros import structure
-from ..systems.system import refuse_system
 from .brackets import BoundaryPoint, Crossing
 from .changes import MOST_SCAN, along
 from .krawczyk import NotProvedError
@@ -259,9 +258,13 @@ LINEAR = (
 """Reason where there is no first Lyapunov coefficient."""
 
 
-def births(
-    family: Family, axis: AxisLike, parameters: dict[str, Any]
-) -> list[CycleBirth] | list[HopfPoint]:
+WHOLE_LINE = (
+    "belongs to a user's family; the disk's lines are searched throughout, with disk=Disk(...) and "
+    "contact=Viscous(mu)."
+)
+
+
+def births(problem: Problem, grid: Axis) -> list[CycleBirth] | list[HopfPoint]:
     """Every flutter boundary along an axis, with the kind of its onset.
 
     Raises
@@ -270,10 +273,7 @@ def births(
         If the family is conservative, or eigenvalues vanish by structure for another reason than
         a line of steady motions or states on which nothing depends.
     """
-    grid = axis_of(family, axis, "axis", MOST_SCAN)
-    named = "at" in (*family.at, *family.parameters)  # then it is a parameter like any other
-    at = None if named else parameters.pop("at", None)
-    problem = prepare(family, (grid,), None, None, at, parameters)
+    family = problem.family
     on_line = _accepted(family, grid.name)
     found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
     found.warn(grid.name)
@@ -548,46 +548,43 @@ def hopf(
     >>> point.kind.word, point.coefficient, point.crossing
     ('soft', -0.25, 0.5)
     """
-    refuse_system(family)
-    if body is not None:
-        family, disk, contact, parameters = of_body(family, body, disk, contact, parameters, [axis])
-    if isinstance(family, Family):
-        given = {"contact": contact, "disk": disk}
-        for name, value in given.items():
-            if value is not None:
-                raise ParameterError(
-                    f"{name} belongs to the disk; {family.name} takes axis and its parameters."
-                )
-        if axis is None:
-            raise ParameterError(
-                f"axis is missing; {family.name} needs (name, low, high, n), as for boundaries."
-            )
-        return births(family, axis, dict(parameters))
-    if axis is not None or "at" in parameters:
-        raise ParameterError(
-            f"{'axis' if axis is not None else 'at'} belongs to a user's family; the disk's lines "
-            "are searched throughout, with disk=Disk(...) and contact=Viscous(mu)."
+    if axis is not None:
+        problem, (grid,) = swept(
+            family, {"axis": axis}, disk, body, contact, None, parameters, most=MOST_SCAN
         )
-    record = FAMILIES.get(family) if isinstance(family, str) else None
+        if not problem.plain:
+            raise ParameterError(f"axis {WHOLE_LINE}")
+        return births(problem, grid)
+    asked = subject_of(
+        family,
+        disk=disk,
+        body=body,
+        contact=contact,
+        parameters=parameters,
+        laws={name: law for name, law in LAWS.items() if law.parameters},
+    )
+    record, law = asked.record, asked.law
+    if asked.disk is None:
+        raise ParameterError(
+            f"axis is missing; {asked.family.name} needs (name, low, high, n), as for boundaries."
+        )
     if record is None or record.flutter is None:
         lines = listed([name for name, one in FAMILIES.items() if one.flutter])
         raise ParameterError(
             f"family is {shown(family)}; {lines} have such boundaries (rolling passes its own "
             "slowly, see drift)."
         )
-    contact = law_only(contact, dict(parameters))
-    if contact is None:
-        raise law_missing({n: law for n, law in LAWS.items() if law.parameters})
-    if not isinstance(contact, Contact) or not contact.parameters:
+    if asked.member:
+        raise ParameterError(f"{next(iter(asked.member))} {WHOLE_LINE}")
+    if law is None or not law.parameters:
         raise ParameterError(f"contact is {shown(contact)}; a law with friction is needed.")
     points = whole_number("points", points, 2, MOST_POINTS, "the search takes time for each")
-    body = Disk() if disk is None else instance("disk", disk, Disk, "give a stability.Disk")
-    problem = disk_problem(family, body, contact, 1.0)
+    problem = problem_of(replace(asked, member={"at": 1.0}))
     for name, value in problem.values.items():
         if np.ndim(value):
             raise ParameterError(f"{name} is an array; give one number.")
-    works = cited(contact.name, model=True, proofs=True, theory=["fiedler2000"])
-    unit = record.unit(float(np.asarray(body.rate)))
+    works = cited(law.name, model=True, proofs=True, theory=["fiedler2000"])
+    unit = record.unit(float(np.asarray(asked.disk.rate)))
     bits = BITS
     while True:  # until the signs that decide the type are proved
         last = bits >= MOST_BITS

@@ -26,8 +26,8 @@ from ..base.types import Floats, Record, fields_of
 from ..bodies.contact_laws import Contact
 from ..bodies.resistance import Resistance, resistances
 from ..bodies.round_body.body import Body
-from ..bodies.subject import of_body
-from ..spectra.arguments import problem_of
+from ..bodies.subject import subject_of
+from ..spectra.problem import problem_of
 from ..systems.equations import Condition, Equations
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
@@ -294,12 +294,14 @@ def slow_flow(
             )
         small, value = against.coefficient, one_number(against.coefficient, against.value)
         none = type(against)(0.0)  # type: ignore[call-arg]  # every resistance has one field
-        family, _, _, given = of_body(family, body, None, contact, given | {"resistance": none})
-        given.pop(small, None)
-        if not isinstance(family, Family):
+        if body is None:
             raise ParameterError("body is missing; give a stability.Body.")
+        given["resistance"] = none
+    asked = subject_of(family, body=body, contact=contact, parameters=given)
+    family = asked.family
     still = _still(family, small)
-    problem = problem_of(still, None, None, None, given)
+    given = {n: v for n, v in {**asked.numbers, **asked.member}.items() if n != small}
+    problem = problem_of(subject_of(still, parameters=given))
     numbers = {n: one_number(n, v) for n, v in problem.values.items()}
     missing = [n for n in still.parameters if n not in numbers]
     if missing:

@@ -249,7 +249,7 @@ def members(
             raise ParameterError(f"give --at, or for {leaning()} --lean, and not both.")
         _check_count(options, at)
     elif body is None:
-        from ..spectra.arguments import check_names
+        from ..bodies.subject import check_names
 
         check_names(options.family, sorted(swept), options.contact)
     law = _contact_of(options, given, swept=swept)

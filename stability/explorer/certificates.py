@@ -12,7 +12,7 @@ from ..base.axis import Axis
 from ..base.errors import StabilityError, StabilityWarning
 from ..base.verdict import CODES
 from ..maps.verdicts import Boxes, prove_boxes
-from ..spectra.arguments import prepare
+from ..spectra.axes import swept
 from ..spectra.problem import Problem
 from .subject import Subject
 
@@ -69,7 +69,8 @@ def own_certificates(subject: Subject) -> list[Any]:
 
     def problem(axes: list[Axis], held: dict[str, float]) -> Problem:
         at = [held.pop(n) for n in family.at if n in held]
-        return prepare(family, axes, None, None, at[0] if len(at) == 1 else None, held)
+        member = at[0] if len(at) == 1 else None
+        return swept(family, {a.name: a for a in axes}, at=member, parameters=held)[0]
 
     held = {n: float(q.value) for n, q in subject.called.items() if n not in subject.axes}
     try:

@@ -15,7 +15,7 @@ from ..bodies.families import FAMILIES
 from ..bodies.quantities import QUANTITIES
 from ..bodies.round_body.thin import thin_body
 from ..bodies.thin_disk import disk_family, disk_model
-from ..spectra.arguments import prepare
+from ..spectra.axes import swept
 from ..spectra.problem import Problem
 from .certificates import certificate
 from .motion import body_of, motion_of
@@ -132,7 +132,8 @@ def _certificates(subject: Subject, k: float) -> list[Any]:
 
     def problem(axes: list[Axis], held: dict[str, float]) -> Problem:
         disk = Disk(k=held["k"]) if "k" in held else None
-        return prepare(subject.family.name, axes, disk, subject.law, None, {})
+        called = {a.name: a for a in axes}
+        return swept(subject.family.name, called, disk, contact=subject.law)[0]
 
     slices = [{}] if "k" in subject.axes else [{"k": v} for v in sorted({*CERTIFIED, k})]
     return [certificate(subject, held, LEVELS, problem) for held in slices]

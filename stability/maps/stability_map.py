@@ -16,7 +16,7 @@ from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..boundary.curves import trace
 from ..jobs.checkpoint import Checkpoint
-from ..spectra.arguments import swept
+from ..spectra.axes import swept
 from ..systems.family import Family
 from .cells import Cells
 from .verdicts import MOST_LEVELS, prove_boxes

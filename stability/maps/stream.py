@@ -37,7 +37,7 @@ from ..jobs.dask import check_pool, pool_of
 from ..jobs.filling import fill
 from ..jobs.pipeline import Counted, ordered, shared
 from ..jobs.zarr_store import ZarrStore
-from ..spectra.arguments import swept
+from ..spectra.axes import swept
 from ..spectra.labels import axis_attributes
 from ..spectra.problem import Problem
 from ..storage.checksum import ATTRIBUTE, STATEMENT, seal

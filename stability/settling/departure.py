@@ -13,8 +13,9 @@ from ..algebra.eigensolver import eigenpairs
 from ..base.errors import StabilityError
 from ..base.types import Complexes, Floats
 from ..base.verdict import CODES, Verdict
+from ..bodies.subject import subject_of
 from ..spectra.deflation import lowered
-from ..spectra.problem import system_problem
+from ..spectra.problem import problem_of
 from ..spectra.spectrum import Rows
 from ..systems.family import Family
 from .line import Line, Near
@@ -104,7 +105,7 @@ def _grown(
     given = {n: p[:, parameters.index(n)] for n in family.parameters}
     given |= dict(zip(family.at, a.T, strict=True))
     try:
-        rows = Rows(system_problem(family, None, given), exact=False)
+        rows = Rows(problem_of(subject_of(family, parameters=given)), exact=False)
         codes = np.broadcast_to(rows.spectra()[2], len(a))
         reduced = rows.place.reduced(family, rows.zeros)
         modes = np.broadcast_to(eigenpairs(reduced.matrix)[1], (len(a), *reduced.matrix.shape[1:]))

@@ -4,7 +4,7 @@ All computations are dimensionless.  Only a `Problem` knows how a user's numbers
 `mass`, `radius`, `gravity`, or the parameters of a user's system) become the family's parameters.
 A `Problem` converts any number type, so that balls start from the exact doubles.
 
-`disk_problem` makes one about a family of the disk: its units, exact data and roundings.
+`problem_of` makes one from a `Subject`: for a disk with units, exact data and roundings.
 """
 
 from __future__ import annotations
@@ -31,19 +31,17 @@ from ..base.errors import (
     NoMemberError,
     ParameterError,
     absent,
-    if_degrees,
     listing,
     shown,
 )
 from ..base.exact_numbers import double, no_double, warn_rounded
 from ..base.quantities import Units, without_dimension
 from ..base.types import Floats
-from ..bodies.contact_laws import LAWS, Contact, spelled, stored
+from ..bodies.contact_laws import Contact, stored
 from ..bodies.disk import Disk
 from ..bodies.disk_polynomials import disk_polynomial
-from ..bodies.families import FAMILIES, leaning
 from ..bodies.quantities import PHYSICAL, is_angle
-from ..bodies.thin_disk import disk_family
+from ..bodies.subject import LEAN, Subject, subject_of
 from ..systems.closed_form import ClosedForm
 from ..systems.family import Family
 from ..systems.structure.enclosure import characteristic
@@ -184,74 +182,65 @@ def broadcast_shape(values: Mapping[str, Any]) -> tuple[int, ...]:
         ) from None
 
 
-def system_problem(
-    family: Family, at: ArrayLike | None, parameters: Mapping[str, ArrayLike]
-) -> Problem:
-    """The problem of a family of a user's system; numbers are not converted.
+def problem_of(subject: Subject) -> Problem:
+    """The problem of a subject, whose member may be open where an axis takes it.
 
     Parameters
     ----------
-    family
-        The family.
-    at
-        Family parameter (last axis its parts, if there are several), or None where it varies.
-    parameters
-        The system's other parameters by name.
+    subject
+        What the question is asked about.
 
     Returns
     -------
     Problem
 
-    Raises
-    ------
-    NameUnknownError
-        If a parameter is missing or unknown.
+    Examples
+    --------
+    >>> from stability.bodies.subject import subject_of
+    >>> disk = Disk(radius=0.3, gravity=9.81)
+    >>> problem_of(subject_of("rolling", at=5.0, disk=disk, contact=Viscous(0.2))).names
+    ('at', 'k', 'mass', 'radius', 'gravity', 'mu')
     """
-    for name in parameters:
-        if at is not None and name in family.at:
-            raise ParameterError(f"{name} is given as at and by name; give it once.")
-        if name not in (*family.parameters, *family.at):
-            raise NameUnknownError(
-                f"{shown(name)} is not a parameter of {family.name}; known are "
-                f"{', '.join((*family.parameters, *family.at)) or 'none'}."
-            )
-    if at is not None and not family.at:
-        raise ParameterError(f"{family.name} has one member alone; leave at out.")
-    keys = family.at
-    several = isinstance(at, (tuple, list)) and len(at) == len(keys) > 1
-    parts: list[Any] = list(at) if several else [at]  # type: ignore[arg-type]
-    own = dict(zip(keys, parts, strict=False)) if len(parts) == len(keys) else {}
-    ratios = {
-        n: r for n, v in (*parameters.items(), *own.items()) if (r := no_double(v)) is not None
-    }
-    values: dict[str, Any] = {
-        n: double(ratios[n]) if n in ratios else checked(n, v) for n, v in parameters.items()
-    }
-    if at is not None:
-        if own and ratios.keys() & own.keys():
-            parts = [double(ratios[n]) if n in ratios else v for n, v in own.items()]
-            at = parts if several else parts[0]
-        given = np.asarray(checked("at", at), dtype=float)
-        if len(keys) > 1 and (given.ndim == 0 or given.shape[-1] != len(keys)):
-            raise ParameterError(
-                f"at has shape {given.shape}; for {family.name} its last axis must hold "
-                f"{len(keys)} values ({', '.join(keys)})."
-            )
-        columns = [given] if len(keys) == 1 else list(np.moveaxis(given, -1, 0))
-        values |= {key: _scalar(c) for key, c in zip(keys, columns, strict=True)}
-
-    roundings = tuple(int(n in ratios) for n in (*family.at, *family.parameters))
-    reduce = partial(_reduce, family)
+    family = subject.family
+    if subject.disk is not None and subject.law is not None:
+        return _of_disk(subject, subject.disk, subject.law)
+    given = {**subject.numbers, **subject.member}
+    ratios = {n: r for n, v in given.items() if (r := no_double(v)) is not None}
     return Problem(
         family,
-        values,
+        {n: double(ratios[n]) if n in ratios else checked(n, v) for n, v in given.items()},
         without_dimension(family.system.quantities, family.system.units),
-        reduce,
-        roundings=roundings,
+        partial(_reduce, family),
+        roundings=tuple(int(n in ratios) for n in (*family.at, *family.parameters)),
         exact=_compared(family),
         plain=True,
         ratios=ratios,
     )
+
+
+def _of_disk(subject: Subject, disk: Disk, law: Contact) -> Problem:
+    parts, leans = subject.family.at, subject.keys == LEAN
+    return Problem(
+        subject.family,
+        {**subject.member, "k": disk.k, **{n: getattr(disk, n) for n in PHYSICAL}, **law.given},
+        disk.dimensionless,
+        partial(_reduce_disk, parts, ("at",) if leans else subject.keys, type(law)),
+        _units,
+        disk_roundings(parts, law, si=not disk.dimensionless, lean=leans),
+        law,
+        disk_polynomial(subject.family.name, law.name) if stored(type(law)) else None,
+    )
+
+
+def disk_problem(
+    family: str,
+    disk: Disk,
+    contact: Contact,
+    at: ArrayLike | None = None,
+    lean: ArrayLike | None = None,
+) -> Problem:
+    """The problem of a disk's family, from its objects."""
+    return problem_of(subject_of(family, at=at, lean=lean, disk=disk, contact=contact))
 
 
 @lru_cache(maxsize=64)
@@ -359,91 +348,6 @@ def _reduce(
     return [v[k] for k in family.at], [v[n] for n in family.parameters], 1.0
 
 
-def _scalar(value: Any) -> Any:
-    return float(value) if np.ndim(value) == 0 else value
-
-
-def disk_problem(
-    family: str,
-    disk: Disk,
-    contact: Contact,
-    at: ArrayLike | None = None,
-    lean: ArrayLike | None = None,
-) -> Problem:
-    """The problem of one of the disk's families.
-
-    Parameters
-    ----------
-    family
-        A key of `FAMILIES`.
-    disk, contact
-        The body and the law; their fields may be arrays.
-    at
-        Family parameter; several numbers that name a member lie along the last axis.  None where
-        the parameter is an axis.
-    lean
-        Angle π/2 - theta [rad] instead of `at`, where theta alone names a member; 0 is exactly
-        upright.
-
-    Returns
-    -------
-    Problem
-
-    Raises
-    ------
-    StabilityError
-        If the family, the law or a number is not accepted.
-
-    Examples
-    --------
-    >>> from stability.bodies.contact_laws import Viscous
-    >>> disk_problem("rolling", Disk(radius=0.3, gravity=9.81), Viscous(0.2), 5.0).names
-    ('at', 'k', 'mass', 'radius', 'gravity', 'mu')
-    """
-    if not isinstance(family, str):
-        raise NameUnknownError(f"family is {shown(family)}; give a name or a stability.Family.")
-    if not isinstance(contact, Contact) or not contact.name:
-        raise NameUnknownError(f"contact is {shown(contact)}; give one of {spelled(LAWS)}.")
-    law = type(contact)
-    if not law.linearises:
-        raise NameUnknownError(
-            f"contact is {shown(contact)}, dry friction, which has no linearisation of its own; "
-            "inside the friction cone it is Rough()."
-        )
-    if not isinstance(disk, Disk):
-        raise ParameterError(f"disk is {shown(disk)}; give a stability.Disk.")
-    resolved = disk_family(family, law)
-    parts = resolved.at
-    keys = ("at",) if len(parts) == 1 else parts
-    values: dict[str, Any] = {}
-    if at is not None:
-        given = np.asarray(checked("at", at), dtype=float)
-        if len(keys) > 1 and (given.ndim == 0 or given.shape[-1] != len(keys)):
-            raise ParameterError(
-                f"at has shape {given.shape}; for {family} it is the pair ({', '.join(keys)}) "
-                "along the last axis."
-            )
-        columns = [given] if len(keys) == 1 else list(np.moveaxis(given, -1, 0))
-        values |= {key: _scalar(c) for key, c in zip(keys, columns, strict=True)}
-        for part, column in zip(parts, columns, strict=True):
-            _check_theta(family, part, column)
-    if lean is not None:
-        values |= {"lean": checked_lean(family, at, lean)}
-    values |= {"k": disk.k} | {n: getattr(disk, n) for n in PHYSICAL}
-    values |= contact.given
-
-    return Problem(
-        resolved,
-        values,
-        disk.dimensionless,
-        partial(_reduce_disk, parts, keys, law),
-        _units,
-        disk_roundings(parts, contact, si=not disk.dimensionless, lean=lean is not None),
-        contact,
-        disk_polynomial(family, law.name) if stored(law) else None,
-    )
-
-
 def _reduce_disk(
     parts: Sequence[str],
     keys: Sequence[str],
@@ -466,23 +370,6 @@ def _units(v: Mapping[str, Any], root: Callable[[Any], Any] = np.sqrt) -> Units:
     return Units(v["mass"], v["radius"], v["gravity"], root)
 
 
-def checked_lean(family: str, at: ArrayLike | None, lean: ArrayLike) -> Any:
-    """The lean as finite numbers strictly between -π/2 and π/2, or a refusal."""
-    if not FAMILIES[family].by_angle:
-        raise ParameterError(f"lean names a member of {leaning()}; for {family} give at.")
-    if at is not None:
-        raise ParameterError("at and lean are both given; give one of them.")
-    value = checked("lean", lean)
-    bad = np.asarray(value)[np.abs(value) >= np.pi / 2]
-    if bad.size:
-        worst = float(bad.flat[np.abs(bad).argmax()])
-        raise ParameterError(
-            f"lean is {worst:g}; it must lie strictly between -π/2 and π/2, 0 is upright"
-            f"{if_degrees(worst)}."
-        )
-    return value
-
-
 def disk_roundings(
     parts: Sequence[str], contact: Contact, *, si: bool, lean: bool = False
 ) -> tuple[int, ...]:
@@ -491,31 +378,3 @@ def disk_roundings(
     angle = 2 if lean else 0
     turns = (angle if is_angle(p) else some for p in parts)
     return (*turns, 0, *((some,) * len(contact.symbols())))
-
-
-def _check_theta(family: str, part: str, values: Any) -> None:
-    """Refuse an inclination at which the disk is flat; a guess at degrees says so."""
-    if part != "theta":
-        return
-    bad = values[(values <= 0) | (values >= math.pi)]
-    if bad.size:
-        worst = float(bad.flat[np.abs(bad).argmax()])
-        raise NoMemberError(
-            f"{family} does not exist there: theta is {worst:g}; theta must lie strictly "
-            "between 0 and π, because the disk is flat at both and its equations of motion end "
-            f"there{if_degrees(worst)}."
-        )
-
-
-def check_axis(problem: Problem, name: str, values: Floats) -> None:
-    """Refuse an axis with values that the body or the law does not accept."""
-    if problem.law is None:
-        return
-    part = problem.family.at[0] if name == "at" else name
-    _check_theta(problem.family.name, part, values)
-    if name == "lean":
-        checked_lean(problem.family.name, None, values)
-    if problem.law.alternatives(name):
-        problem.law.accepted(name, values)
-    elif name in ("k", *PHYSICAL):
-        Disk(**{name: values})

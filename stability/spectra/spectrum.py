@@ -6,7 +6,7 @@ A numeric system, which is a Python function, has a numerical derivative and dis
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -23,16 +23,15 @@ from ..base.types import Complexes, Floats
 from ..base.verdict import CODES, Verdict
 from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
-from ..bodies.families import FAMILIES, SteadyFamily
 from ..bodies.round_body.body import Body
+from ..bodies.subject import subject_of
 from ..systems.family import Family
 from ..systems.sources.numeric import Derivative, NumericSystem
 from ..systems.structure.structural_zeros import structure
 from ..systems.structure.zero_blocks import semisimple
-from .arguments import opened, problem_of
 from .deflation import Place, Reduced, drift_powers, drifting
 from .eigenvalues import Eigenpairs, decide, eigenvalues
-from .problem import Problem, broadcast_shape
+from .problem import Problem, broadcast_shape, problem_of
 from .result import NOT_ASKED, Proof, Spectrum
 
 if TYPE_CHECKING:
@@ -408,10 +407,18 @@ def spectrum(
     >>> s.eigenvalues.round(4).tolist()[0]
     (-1.7739+0j)
     """
-    if at is None and lean is None:
-        _check_named(family, parameters)
     certify, escalate = flag("certify", certify), flag("escalate", escalate)
-    problem = problem_of(family, at, disk, contact, parameters, lean, body=body)
+    subject = subject_of(
+        family,
+        at=at,
+        lean=lean,
+        disk=disk,
+        body=body,
+        contact=contact,
+        parameters=parameters,
+        whole=True,
+    )
+    problem = problem_of(subject)
     if isinstance(problem.family.system, NumericSystem):
         return numeric_spectrum(problem, problem.family.system, certify=certify)
     rows = Rows(problem, exact=certify or escalate)
@@ -454,19 +461,6 @@ def spectrum(
     if escalate:
         asked |= codes == CODES[Verdict.UNDECIDED]
     return proved(found, rows, asked, shape, escalated=not certify) if asked.any() else found
-
-
-def _check_named(family: Any, parameters: Mapping[str, Any]) -> None:
-    """Refuse a member without `at` that its own names do not give either."""
-    known = FAMILIES.get(family) if isinstance(family, str) else family
-    names = known.at if isinstance(known, (Family, SteadyFamily)) else ()
-    if isinstance(known, Family) and not names:
-        return  # a system without parameters: the member stands alone
-    given = opened(known, parameters) if isinstance(known, Family) else parameters
-    if names and set(names) <= set(given):
-        return
-    own = f", here {' and '.join(names)}" if names else ""
-    raise ParameterError(f"at is missing; it names the member of the family{own}.")
 
 
 def proved(

@@ -9,7 +9,7 @@ import stability as st
 from stability.base.quantities import Kind, read, written
 from stability.bodies.contact_laws import LAWS
 from stability.bodies.quantities import disk_quantities
-from stability.bodies.subject import of_body
+from stability.bodies.subject import subject_of
 
 BODIES = (
     st.Torus(0.2),
@@ -35,9 +35,9 @@ def test_a_family_of_a_body_is_that_of_the_calls_by_name(law: str) -> None:
             body.family("tumbling", law)
         return
     family = body.family("tumbling", LAWS[law](**mu))
-    named, _, _, numbers = of_body("tumbling", body, None, law, mu)
-    assert family == named
-    one = st.spectrum(family, at=1.0, **numbers)
+    named = subject_of("tumbling", body=body, contact=law, parameters=mu)
+    assert family == named.family
+    one = st.spectrum(family, at=1.0, **named.numbers)
     other = st.spectrum("tumbling", at=1.0, body=body, contact=law, **mu)
     assert (one.eigenvalues == other.eigenvalues).all()
     assert body.family("tumbling", law).at == ("theta",)

@@ -17,14 +17,13 @@ from transcendental_boundaries import judge
 
 import stability as st
 from stability.algebra.exact.hurwitz_forms import Budget
-from stability.base.axis import Axis
 from stability.base.errors import StabilityError, StabilityWarning
 from stability.boundary.algebraic import exact_search
 from stability.boundary.algebraic.candidates import least_size
 from stability.boundary.algebraic.tower import Along, Tower
 from stability.boundary.brackets import AxisScan
 from stability.derivation.elimination import whole
-from stability.spectra.arguments import prepare
+from stability.spectra.axes import swept
 
 EXACT = "isolated exactly, with functions and unknowns as algebraic numbers"
 
@@ -367,7 +366,7 @@ def test_the_slope_of_an_absolute_value_is_read_away_from_zero() -> None:
 def test_the_bound_for_a_zero_is_below_every_other_conjugate(shift: int, least: float) -> None:
     """√p - k at p = 2 has the conjugates ±√2 - k; times p - 2 it is zero, without a conjugate."""
     family = linear(lambda p: ca.sqrt(p) - 3)
-    problem = prepare(family, (Axis.of(("p", 1, 4, 2), "axis"),), None, None, None, {})
+    problem = swept(family, {"axis": ("p", 1, 4, 2)})[0]
     budget = Budget(4000, 10)
     along = Along(AxisScan(problem, "p", {}), 1, 4, budget)
     tower = Tower(along, whole(along))

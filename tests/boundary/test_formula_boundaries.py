@@ -11,10 +11,11 @@ import pytest
 import stability as st
 from stability.algebra.number_types import precision
 from stability.base.errors import NoMemberError
+from stability.bodies.subject import subject_of
 from stability.boundary import brackets
 from stability.boundary.interval_search.meetings import FormulaMeetings, hurwitz
 from stability.boundary.interval_search.quick_pieces import quick_pieces
-from stability.spectra.problem import system_problem
+from stability.spectra.problem import problem_of
 from stability.spectra.spectrum import spectrum
 
 CASES: list[tuple[st.Body, str, dict[str, Any]]] = [
@@ -72,7 +73,9 @@ def test_pieces_proved_in_doubles_hold_what_they_say(log: bool) -> None:
     """Signs at many points, in balls: one on each clear piece, and one change on a single piece."""
     family = st.Torus(0.2).family("tumbling", "viscous")
     line = brackets.AxisScan(
-        system_problem(family, None, {"tube": 0.2, "mu": 0.3}), "theta", {"tube": 0.2, "mu": 0.3}
+        problem_of(subject_of(family, parameters={"tube": 0.2, "mu": 0.3})),
+        "theta",
+        {"tube": 0.2, "mu": 0.3},
     )
     assert line.formulas is not None
     functions = FormulaMeetings(line, line.formulas)
@@ -107,7 +110,7 @@ def test_no_member_leaves_a_part_open() -> None:
 def test_formulas_say_nothing_where_the_height_does_not_hold() -> None:
     """Beyond π/2 a thick disk lies on its other rim, where its formulas still have values."""
     family = st.ThickDisk(0.1).family("precession", "smooth")
-    problem = system_problem(family, None, {"thickness": 0.1, "phi_dot": 1.7})
+    problem = problem_of(subject_of(family, parameters={"thickness": 0.1, "phi_dot": 1.7}))
     line = brackets.AxisScan(problem, "theta", problem.values)
     assert line.formulas is not None
     found = FormulaMeetings(line, line.formulas)

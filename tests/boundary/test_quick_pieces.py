@@ -11,11 +11,12 @@ from flint import arb, arb_series, ctx
 import stability as st
 from stability.algebra.kernels.tape import recorded, recorded_series
 from stability.algebra.number_types import balls, precision
+from stability.bodies.subject import subject_of
 from stability.boundary import brackets
 from stability.boundary.interval_search.meetings import FormulaMeetings, watched
 from stability.boundary.interval_search.quick_pieces import ORDER, Rounds, rounds_of
 from stability.boundary.interval_search.taylor import coefficient, series_algebra, terms
-from stability.spectra.problem import system_problem
+from stability.spectra.problem import problem_of
 from stability.systems.closed_form import ImplicitForm
 
 LINES: dict[str, tuple[st.Body, str, str, str, dict[str, float], tuple[float, float]]] = {
@@ -42,7 +43,9 @@ LINES: dict[str, tuple[st.Body, str, str, str, dict[str, float], tuple[float, fl
 
 def rounds(name: str) -> Rounds:
     body, family, law, axis, values, _ = LINES[name]
-    line = brackets.AxisScan(system_problem(body.family(family, law), None, values), axis, values)
+    line = brackets.AxisScan(
+        problem_of(subject_of(body.family(family, law), parameters=values)), axis, values
+    )
     assert line.formulas is not None
     found = rounds_of(FormulaMeetings(line, line.formulas))
     assert found is not None
@@ -140,7 +143,7 @@ def test_no_piece_with_an_inclination_beyond_the_height_is_judged() -> None:
     """Beyond π/2 a thick disk has no member although its formulas have values."""
     body = st.ThickDisk(0.1)
     values = {"thickness": 0.1, "phi_dot": 1.7}
-    problem = system_problem(body.family("precession", "smooth"), None, values)
+    problem = problem_of(subject_of(body.family("precession", "smooth"), parameters=values))
     line = brackets.AxisScan(problem, "theta", values)
     assert line.formulas is not None
     found = rounds_of(FormulaMeetings(line, line.formulas))

@@ -10,9 +10,10 @@ from flint import arb
 
 import stability as st
 from stability.algebra.exact.rational_functions import RING
+from stability.bodies.subject import subject_of
 from stability.boundary.brackets import AxisScan, refine
 from stability.boundary.search import Conditions, Mark, Search, grows, single
-from stability.spectra.problem import system_problem
+from stability.spectra.problem import problem_of
 
 STATES = ("q", "u", "r", "w")
 
@@ -113,7 +114,7 @@ def _product(a: list[Any], b: list[Any]) -> list[Any]:
 def test_a_map_with_an_edge_of_neutral_members_says_what_is_open_and_ends_soon() -> None:
     """Bisection of the verdict once ran towards 0 through a thousand doubles, for every cell."""
     family = resting(lambda p: p, lambda p: p)
-    line = AxisScan(system_problem(family, 0.0, {}), "p", {})
+    line = AxisScan(problem_of(subject_of(family, at=0.0, parameters={})), "p", {})
     asked: list[float] = []
     sign = line.quick_sign
     line.quick_sign = lambda value: asked.append(value) or sign(value)  # type: ignore[method-assign, func-returns-value]

@@ -400,7 +400,7 @@ ASK = ["spectrum", "rolling", "--at", "1.2", "--mu", "0.3"]
         (["spectrum", "tumbling", "--at", "0", "--mu", "1"], "strictly between 0 and π"),
         (["spectrum", "tumbling", "--at", "3.2", "--mu", "1"], "strictly between 0 and π"),
         (["spectrum", "circling", "--at", "1,1", "--mu", "1"], "rough disk"),
-        (["spectrum", "circling", "--at", "1", "--contact", "rough"], "the pair (theta, phi_dot)"),
+        (["spectrum", "circling", "--at", "1", "--contact", "rough"], "it holds (theta, phi_dot)"),
         (["spectrum", "circling", "--at", "1.2,0", "--contact", "rough"], "no admissible"),
         (["spectrum", "rolling", "--at", "1,2", "--mu", "1"], "rolling takes omega3, 1 number"),
         (["spectrum", "rolling", "--at", "-inf", "--mu", "1"], "at is -inf"),

@@ -14,8 +14,9 @@ import pytest
 
 import stability as st
 from stability.base.errors import DomainError
+from stability.bodies.subject import subject_of
 from stability.boundary.brackets import AxisScan, refine
-from stability.spectra.problem import system_problem
+from stability.spectra.problem import problem_of
 
 BRANCHES: dict[str, tuple[float, list[Callable[[Any], Any]], list[Callable[[Any], Any]]]] = {
     "a line and another": (2.0, [lambda p: p, lambda p: 1 - p], []),
@@ -94,7 +95,7 @@ def test_a_jump_of_the_root_finder_is_no_boundary() -> None:
     rate = -(y - p / 2 - 1 - q) * (y - 2 * p + 1) * (y + p - 1) * (y * y - p)
     system = st.System("jumps", y, ca.vertcat(p, q), rate, states=("y",), parameters=("p", "q"))
     family = st.Family(system, "m", at=("p",), unknown={"y": 0.3}, equations=("y",))
-    line = AxisScan(system_problem(family, None, {"q": 0.5}), "p", {"q": 0.5})
+    line = AxisScan(problem_of(subject_of(family, parameters={"q": 0.5})), "p", {"q": 0.5})
     low, high = -0.7591, -0.7590957
     ends = [float(st.spectrum(family, at=p_, q=0.5).states[0]) for p_ in (low, high)]
     assert line.sign(low) * line.sign(high) < 0  # of members on two branches

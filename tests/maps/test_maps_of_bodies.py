@@ -10,7 +10,7 @@ import pytest
 import stability as st
 from stability.base.verdict import NO_MEMBER, Verdict
 from stability.maps.own.slices import slice_of
-from stability.spectra.arguments import axis_of, prepare
+from stability.spectra.axes import swept
 
 BODIES = (st.Torus(0.2), st.Spheroid(1.6))
 
@@ -106,11 +106,10 @@ def test_conditions_at_the_right_angle_are_kept() -> None:
 def test_no_polynomial_where_a_condition_fails_or_is_not_exact(condition: st.Condition) -> None:
     family = leaning(condition)
     x, y = ("k", -1, 1, 40), ("c", 0.5, 1.5, 33)
-    axes = axis_of(family, x, "x"), axis_of(family, y, "y")
     try:
-        problem = prepare(family, axes, None, None, None, {})
+        problem, _ = swept(family, {"x": x, "y": y})
     except st.StabilityError:
-        problem = prepare(leaning(ABOVE), axes, None, None, None, {})
+        problem, _ = swept(leaning(ABOVE), {"x": x, "y": y})
         problem = replace(problem, family=family)
     assert slice_of(problem, "k", "c") is None
 

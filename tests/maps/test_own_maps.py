@@ -30,7 +30,7 @@ from stability.maps.own.rates import discs
 from stability.maps.own.slice_verdicts import ELSEWHERE, slice_verdicts
 from stability.maps.own.slices import slice_of
 from stability.maps.own.surfaces import Box, Surface, Window, _double, powers
-from stability.spectra.arguments import prepare
+from stability.spectra.axes import swept
 from stability.spectra.certificate import verdict
 
 STABLE, UNSTABLE, NEUTRAL, NO_MEMBER = 1, 2, 3, 4
@@ -100,7 +100,7 @@ def mapped(rational: st.Family) -> Any:
 
 def judge(some: st.Family, x: Any, y: Any, **fixed: float) -> tuple[Any, Any, Any]:
     axes = Axis.of(x, "x"), Axis.of(y, "y")
-    question = prepare(some, axes, None, None, None, fixed)
+    question = swept(some, {a.name: a for a in axes}, parameters=fixed)[0]
     return slice_verdicts(question, axes), question, axes
 
 

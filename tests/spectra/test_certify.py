@@ -13,8 +13,9 @@ from spectrum_oracle import DIGITS, random_points, reduced_truth, truth
 import stability as st
 from stability.algebra.exact.number_fields import rational
 from stability.base.verdict import Verdict
+from stability.bodies.subject import subject_of
 from stability.spectra.certificate import certify, verdict
-from stability.spectra.problem import disk_problem, system_problem
+from stability.spectra.problem import disk_problem, problem_of
 
 FAMILIES = ["rolling", "spinning", "tumbling"]
 
@@ -329,7 +330,7 @@ def test_a_users_family_is_certified() -> None:
         assert found.certified
         assert 1e-16 < abs(found.abscissa) < 1e-13
         assert found.abscissa_error < 1e-14 * abs(found.abscissa)
-    question = system_problem(rest, 0.3, {"push": 1.0})
+    question = problem_of(subject_of(rest, at=0.3, parameters={"push": 1.0}))
     here = verdict(question, {"drag": 0.3, "push": 1.0})
     assert here is Verdict.NEUTRAL  # eigenvalues 0 and -0.3, over Q
 

@@ -12,8 +12,9 @@ import sympy
 
 import stability as st
 from stability.base.errors import ParameterError
-from stability.spectra.arguments import problem_of
+from stability.bodies.subject import subject_of
 from stability.spectra.deflation import tracked_matrix
+from stability.spectra.problem import problem_of
 from stability.spectra.spectrum import Rows
 
 THIRD = Fraction(1, 3)
@@ -73,7 +74,7 @@ def test_the_rounding_of_a_fraction_is_in_the_bound_on_its_linearisation() -> No
     system = st.System("growth", x, b, b * x, states=("x",), parameters=("b",))
     rest = st.Family(system, "rest", at=("b",), held={"x": 0.0})
     for value in (THIRD, Fraction(1, 7), 1 / 3):
-        rows = Rows(problem_of(rest, value, None, None, {}), exact=False)
+        rows = Rows(problem_of(subject_of(rest, at=value)), exact=False)
         place = rows.place
         matrix, error = tracked_matrix(rest, place.a, place.q, place.u, place.roundings)
         off = abs(Fraction(value) - Fraction(float(matrix[0, 0, 0])))

@@ -96,21 +96,21 @@ def test_along_an_axis_too() -> None:
         (lambda: st.spectrum("rolling", at=1.2, omega3=1.2, **LAW), "omega3 is given as at and by"),
         (
             lambda: st.spectrum("tumbling", theta=1.2, lean=0.1, **LAW),
-            "theta is given by name, and lean too",
+            "theta and lean are both given",
         ),
         (lambda: st.spectrum("rolling", phi_dot=1.2, **LAW), "at is missing; .* here omega3"),
         (lambda: st.spectrum("rolling", body=st.Torus(0.3), **LAW), "at is missing; .* omega3"),
         (lambda: st.spectrum("circling", theta=0.7, contact="rough"), "here theta and phi_dot"),
         (
             lambda: st.spectrum("circling", theta=[0.7, 0.8], phi_dot=[1.0, 2, 3], contact="rough"),
-            "have shapes .2,., .3,.; make them fit",
+            "shapes are theta .2,., phi_dot .3,.; make them fit",
         ),
         (lambda: st.spectrum("rolling", omega3="fast", **LAW), "omega3 is 'fast'"),
         (
             lambda: st.stability_map(
                 "rolling", x=("at", 0.1, 2, 5), y=("mu", 0.1, 1, 3), omega3=1.2
             ),
-            "omega3 is given by name, and at too",
+            "at .omega3. is given as 1.2, and as an axis from 0.1 to 2",
         ),
         (
             lambda: st.stability_map(
@@ -121,7 +121,7 @@ def test_along_an_axis_too() -> None:
                 theta=0.2,
                 phi_dot=1.0,
             ),
-            "theta is given by name, and as an axis",
+            "theta is given as 0.2, and as an axis from 0.1 to 0.5",
         ),
     ],
 )

@@ -8,9 +8,10 @@ import pytest
 
 import stability as st
 from stability.base.verdict import Verdict
+from stability.bodies.subject import subject_of
 from stability.spectra import certificate
 from stability.spectra.certificate import verdict
-from stability.spectra.problem import system_problem
+from stability.spectra.problem import problem_of
 
 
 def governor() -> st.Family:
@@ -68,7 +69,7 @@ def critical(a: float, b: float) -> float:
 def test_balls_alone_say_what_exact_numbers_say(
     count: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    problem, draw = system_problem(governor(), None, {}), np.random.default_rng(5)
+    problem, draw = problem_of(subject_of(governor(), parameters={})), np.random.default_rng(5)
     points = []
     for step in (0.3, 1e-3, 1e-9, 1e-12, -1e-12, -1e-9, -1e-3, -0.3):
         for a, b in draw.uniform(0.2, 0.8, (count, 2)).round(3):
@@ -84,7 +85,7 @@ def test_exact_numbers_are_not_tried_where_balls_decide(monkeypatch: pytest.Monk
         raise AssertionError
 
     monkeypatch.setattr("stability.systems.structure.member.exact_unknowns", refused)
-    problem = system_problem(governor(), None, {})
+    problem = problem_of(subject_of(governor(), parameters={}))
     assert verdict(problem, {"e": 0.4, "a": 0.5, "b": 0.5}) is Verdict.STABLE
     with pytest.raises(AssertionError):
         certificate.certify(problem, {"e": 0.4, "a": 0.5, "b": 0.5})
@@ -92,4 +93,4 @@ def test_exact_numbers_are_not_tried_where_balls_decide(monkeypatch: pytest.Monk
 
 @pytest.mark.parametrize(("p", "found"), [(0.7, Verdict.STABLE), (-0.7, Verdict.UNDECIDED)])
 def test_a_root_that_is_no_steady_motion_has_no_verdict(p: float, found: Verdict) -> None:
-    assert verdict(system_problem(kinked(), None, {}), {"p": p, "q": 1.0}) is found
+    assert verdict(problem_of(subject_of(kinked(), parameters={})), {"p": p, "q": 1.0}) is found

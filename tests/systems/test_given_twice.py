@@ -49,5 +49,7 @@ def test_a_streamed_map_refuses_it_too_and_writes_nothing(tmp_path: Path) -> Non
 
 
 def test_a_disks_at_is_refused_with_both_values() -> None:
-    with pytest.raises(st.StabilityError, match=r"at is given as 2.0, and as an axis from 1 to 4"):
+    with pytest.raises(
+        st.StabilityError, match=r"at .phi_dot. is given as 2.0, and as an axis from 1 to 4"
+    ):
         st.stability_map("spinning", x=("at", 1, 4, 5), y=("mu", 0.1, 2, 5), at=2.0)

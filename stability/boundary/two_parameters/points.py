@@ -16,7 +16,7 @@ from ...base.errors import ParameterError
 from ...bodies.contact_laws import Contact
 from ...bodies.disk import Disk
 from ...bodies.round_body.body import Body
-from ...spectra.arguments import swept
+from ...spectra.axes import swept
 from ...spectra.labels import of_package
 from ...spectra.problem import Problem
 from ...systems.family import Family
