@@ -37,7 +37,8 @@ _HOME = {
     "systems.equations": ("Condition",),
     "algebra.upright": ("UPRIGHT",),
     "systems.family": ("Family",),
-    "bodies.thin_disk": ("disk_family", "disk_system"),
+    "bodies.thin_disk": ("disk_system",),
+    "bodies.subject": ("disk_family",),
     "systems.continuation": ("branch", "Branch", "BranchPoint", "Fold"),
     "spectra.spectrum": ("spectrum",),
     "spectra.result": ("Spectrum",),
@@ -146,7 +147,7 @@ if TYPE_CHECKING:
     from .bodies.round_body.shapes.named import Torus as Torus
     from .bodies.round_body.shapes.profile import Egg as Egg
     from .bodies.round_body.shapes.profile import from_profile as from_profile
-    from .bodies.thin_disk import disk_family as disk_family
+    from .bodies.subject import disk_family as disk_family
     from .bodies.thin_disk import disk_system as disk_system
     from .boundary.brackets import Boundaries as Boundaries
     from .boundary.brackets import BoundaryPoint as BoundaryPoint

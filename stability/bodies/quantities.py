@@ -82,11 +82,6 @@ def quantities_of(system: str) -> Mapping[str, Quantity]:
     return disk_quantities(MOTION_LAWS.get(system.removeprefix(SYSTEM)))
 
 
-def is_angle(name: str) -> bool:
-    """Whether a quantity is an angle, which no choice of units changes."""
-    return QUANTITIES[name].kind is Kind.ANGLE
-
-
 _OWN = (
     Quantity("length", "R", "length", Kind.LENGTH),
     Quantity("axial", "I₃/mR²", "axial moment of inertia", Kind.NUMBER, "I_3/mR^2"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from types import MappingProxyType
 from typing import Any
 
@@ -12,10 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import checked, instance, known
-from ..base.errors import NameUnknownError, NoMemberError, ParameterError, if_degrees, shown
+from ..base.errors import NameUnknownError, NoMemberError, ParameterError, if_degrees, listed, shown
 from ..base.exact_numbers import no_double
-from ..systems.family import Family
-from ..systems.system import refuse_system
+from ..systems.family import Family, refuse_system
 from .contact_laws import (
     LAWS,
     Contact,
@@ -27,17 +27,24 @@ from .contact_laws import (
     law_only,
     refuse_misspelt,
     spelled,
+    stored,
 )
 from .disk import Disk
-from .families import FAMILIES, SteadyFamily, families_of_disk, leaning, record_of
+from .families import (
+    FAMILIES,
+    SteadyFamily,
+    families_of_disk,
+    families_under,
+    leaning,
+    record_of,
+)
 from .quantities import PHYSICAL
 from .resistance import Resistance, resistances
 from .round_body.body import Body
 from .round_body.families import body_family, round_family, survives, unknown_family
 from .round_body.inclinations import level
 from .round_body.shape import SCALES, RoundShape, refuse_constants, single_pole
-from .round_body.thin import thin_body
-from .thin_disk import disk_family
+from .round_body.thin import thin_body, unit_disk
 
 NONE: Mapping[str, Any] = MappingProxyType({})
 LEAN = ("lean",)
@@ -156,8 +163,9 @@ def subject_of(
         return _of_body(family, shape, contact, numbers, at, lean, axes, whole=whole)
     if not isinstance(family, str):
         raise NameUnknownError(f"family is {shown(family)}; give a name or a stability.Family.")
-    record = families_of_disk()[known("family", family, families_of_disk())]
-    check_names(family, axes, contact)
+    record = FAMILIES[known("family", family, families_of_disk())]
+    if axes:
+        check_names(family, axes, contact)
     open_ = not whole or lean is not None
     member = _member(family, record.at, _keys(record.at), at, numbers, axes, whole=not open_)
     law = _stated(law_only(contact, numbers, swept=axes), numbers, axes, laws)
@@ -204,6 +212,65 @@ def disk_subject(
             raise ParameterError(f"{resolved.at[0]} and lean are both given; give one of them.")
         keys, member = LEAN, {} if lean is None else {"lean": checked_lean(lean)}
     return Subject(resolved, keys, member, {}, disk=disk, law=law, record=FAMILIES[family])
+
+
+def disk_family(name: str, law: str | Contact | type[Contact] | None = None) -> Family:
+    """One of the disk's families under a contact law; dimensionless, built once.
+
+    In each family the rate of theta_dot must vanish.  This equation is solved for phi_dot (rolling,
+    tumbling) or omega3 (spinning, circling, precession).  Rolling and spinning satisfy it
+    identically.
+
+    Parameters
+    ----------
+    name
+        A key of `FAMILIES`.
+    law
+        A contact law, its name or its class; its numbers stay parameters of the family.
+
+    Returns
+    -------
+    Family
+        The family, as `spectrum` and the others take it.
+
+    Raises
+    ------
+    NameUnknownError, ParameterError
+        If there is no such family under this law, or the law is missing.
+
+    Source: Przybylska & Rauch-Wojciechowski 2016, Section 2; notebooks/theorems_disk.py proves
+    that no law of friction has further steady motions.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> import math
+    >>> st.disk_family("tumbling", "viscous").member([math.pi / 6], [0.5, 1.0]).round(12)[2]
+    np.float64(2.0)
+    """
+    record = FAMILIES[known("family", name, families_of_disk())]
+    law = type(law) if isinstance(law, Contact) else law
+    if law is not None and not isinstance(law, type):
+        known("contact", law, LAWS)
+    contact = law_class(law, motion=False)
+    word = contact.name
+    if record.law and (record.law != word or not stored(contact)):
+        own = families_under(word if stored(contact) else "")
+        raise NameUnknownError(
+            f"{name} is a family of the {record.law} disk; steady motions under the {word} law are "
+            f"{listed([f.name for f in own])}."
+        )
+    return _disk_family(record, contact)  # type: ignore[arg-type]  # a class is hashable
+
+
+@lru_cache(maxsize=32)
+def _disk_family(record: SteadyFamily, law: type[Contact]) -> Family:
+    return replace(
+        round_family(unit_disk(), record.name, law, law.symbols(), physical=False),
+        conservative=law.conservative,
+        integrals=law.conservative and stored(law),
+        drifts=record.drifts and stored(law) and bool(law.parameters),
+    )
 
 
 def family_by_name(
@@ -432,7 +499,8 @@ def _member(
 
 
 def _number(name: str, value: Any) -> Any:
-    return value if no_double(value) is not None else checked(name, value)
+    exact = type(value) is not float and no_double(value) is not None
+    return value if exact else checked(name, value)
 
 
 def _stated(

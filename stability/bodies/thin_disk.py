@@ -6,19 +6,15 @@ Source: Przybylska & Rauch-Wojciechowski 2016, Section 2.
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
-from ..base.checks import flag, known
-from ..base.errors import NameUnknownError, ParameterError, listed
-from ..systems.family import Family
+from ..base.checks import flag
+from ..base.errors import ParameterError
 from ..systems.system import System
-from .contact_laws import DIRECTION, LAWS, Contact, CoulombAlong, Smooth, law_class, stored
-from .families import FAMILIES, SteadyFamily, families_of_disk, families_under
+from .contact_laws import DIRECTION, Contact, CoulombAlong, Smooth, law_class
 from .model import Model
 from .round_body.equations import Resistances, round_system
-from .round_body.families import round_family
 from .round_body.models.angle_model import round_model
 from .round_body.thin import unit_disk
 
@@ -84,65 +80,6 @@ def disk_system(
             )
         contact, names = CoulombAlong, (*names, DIRECTION)
     return round_system(unit_disk(), contact, names, physical=False, slip_states=bool(slip_states))
-
-
-def disk_family(name: str, law: str | Contact | type[Contact] | None = None) -> Family:
-    """One of the disk's families under a contact law; dimensionless, built once.
-
-    In each family the rate of theta_dot must vanish.  This equation is solved for phi_dot (rolling,
-    tumbling) or omega3 (spinning, circling, precession).  Rolling and spinning satisfy it
-    identically.
-
-    Parameters
-    ----------
-    name
-        A key of `FAMILIES`.
-    law
-        A contact law, its name or its class; its numbers stay parameters of the family.
-
-    Returns
-    -------
-    Family
-        The family, as `spectrum` and the others take it.
-
-    Raises
-    ------
-    NameUnknownError, ParameterError
-        If there is no such family under this law, or the law is missing.
-
-    Source: Przybylska & Rauch-Wojciechowski 2016, Section 2; notebooks/theorems_disk.py proves
-    that no law of friction has further steady motions.
-
-    Examples
-    --------
-    >>> import stability as st
-    >>> import math
-    >>> st.disk_family("tumbling", "viscous").member([math.pi / 6], [0.5, 1.0]).round(12)[2]
-    np.float64(2.0)
-    """
-    record = FAMILIES[known("family", name, families_of_disk())]
-    law = type(law) if isinstance(law, Contact) else law
-    if law is not None and not isinstance(law, type):
-        known("contact", law, LAWS)
-    contact = law_class(law, motion=False)
-    word = contact.name
-    if record.law and (record.law != word or not stored(contact)):
-        own = families_under(word if stored(contact) else "")
-        raise NameUnknownError(
-            f"{name} is a family of the {record.law} disk; steady motions under the {word} law are "
-            f"{listed([f.name for f in own])}."
-        )
-    return _disk_family(record, contact)  # type: ignore[arg-type]  # a class is hashable
-
-
-@lru_cache(maxsize=32)
-def _disk_family(record: SteadyFamily, law: type[Contact]) -> Family:
-    return replace(
-        round_family(unit_disk(), record.name, law, law.symbols(), physical=False),
-        conservative=law.conservative,
-        integrals=law.conservative and stored(law),
-        drifts=record.drifts and stored(law) and bool(law.parameters),
-    )
 
 
 def disk_model(

@@ -79,7 +79,7 @@ def _with_body(options: argparse.Namespace, swept: Mapping[str, Any]) -> tuple[A
     law = options.contact or "viscous"
     if body is not None:
         return body.family(options.family, law, **where_of(options)), body
-    from ..bodies.thin_disk import disk_family
+    from ..bodies.subject import disk_family
 
     return disk_family(options.family, law), None
 

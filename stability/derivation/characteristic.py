@@ -15,7 +15,7 @@ import sympy
 from ..algebra.number_types import sympy_algebra
 from ..base.errors import StabilityError
 from ..bodies.families import FAMILIES
-from ..bodies.thin_disk import disk_family
+from ..bodies.subject import disk_family
 from ..systems.family import Family
 
 LAM, K, MU, SIN, COS = sympy.symbols("lam k mu s c")

@@ -14,7 +14,8 @@ from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES
 from ..bodies.quantities import QUANTITIES
 from ..bodies.round_body.thin import thin_body
-from ..bodies.thin_disk import disk_family, disk_model
+from ..bodies.subject import disk_family
+from ..bodies.thin_disk import disk_model
 from ..spectra.axes import swept
 from ..spectra.problem import Problem
 from .certificates import certificate

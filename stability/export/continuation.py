@@ -23,9 +23,8 @@ from ..algebra.straight_lines import Language, Line, Record
 from ..base.checks import instance
 from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.types import Floats
-from ..systems.family import Family
+from ..systems.family import A_FAMILY, Family, refuse_system
 from ..systems.structure.structural_zeros import structure
-from ..systems.system import A_FAMILY, refuse_system
 from .c_code import c_name, generated, write_folder
 
 STEPS = 50

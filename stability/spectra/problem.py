@@ -35,12 +35,12 @@ from ..base.errors import (
     shown,
 )
 from ..base.exact_numbers import double, no_double, warn_rounded
-from ..base.quantities import Units, without_dimension
+from ..base.quantities import Kind, Units, without_dimension
 from ..base.types import Floats
 from ..bodies.contact_laws import Contact, stored
 from ..bodies.disk import Disk
 from ..bodies.disk_polynomials import disk_polynomial
-from ..bodies.quantities import PHYSICAL, is_angle
+from ..bodies.quantities import PHYSICAL, QUANTITIES
 from ..bodies.subject import LEAN, Subject, subject_of
 from ..systems.closed_form import ClosedForm
 from ..systems.family import Family
@@ -205,7 +205,9 @@ def problem_of(subject: Subject) -> Problem:
     if subject.disk is not None and subject.law is not None:
         return _of_disk(subject, subject.disk, subject.law)
     given = {**subject.numbers, **subject.member}
-    ratios = {n: r for n, v in given.items() if (r := no_double(v)) is not None}
+    ratios = {
+        n: r for n, v in given.items() if type(v) is not float and (r := no_double(v)) is not None
+    }
     return Problem(
         family,
         {n: double(ratios[n]) if n in ratios else checked(n, v) for n, v in given.items()},
@@ -360,7 +362,10 @@ def _reduce_disk(
         # no double is π/2, so the right angle has the type of the lean
         upright = v["lean"].pi() / 2 if hasattr(v["lean"], "pi") else np.pi / 2
         v = dict(v) | {"at": upright - v["lean"]}
-    a = [v[k] if is_angle(p) else v[k] * time for k, p in zip(keys, parts, strict=True)]
+    a = [
+        v[k] if QUANTITIES[p].kind is Kind.ANGLE else v[k] * time
+        for k, p in zip(keys, parts, strict=True)
+    ]
     # under the linear law mu means c = mu m g
     q = [v["k"], *law.arguments(v, _units(v, root)).values()]
     return a, q, 1 / time
@@ -376,5 +381,5 @@ def disk_roundings(
     """Number of roundings in each dimensionless number: none for k and for a given angle."""
     some = 4 if si else 0
     angle = 2 if lean else 0
-    turns = (angle if is_angle(p) else some for p in parts)
+    turns = (angle if QUANTITIES[p].kind is Kind.ANGLE else some for p in parts)
     return (*turns, 0, *((some,) * len(contact.symbols())))

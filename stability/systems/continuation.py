@@ -13,7 +13,7 @@ from ..base.checks import flag, instance, one_number, whole_number
 from ..base.citation import cited
 from ..base.errors import NoMemberError, ParameterError
 from ..base.types import Floats, Record, TupleRecord
-from .family import Family
+from .family import A_FAMILY, Family
 from .members import follow
 from .singular_points import (
     FLAT,
@@ -26,7 +26,6 @@ from .singular_points import (
     locate_fold,
     singular_point,
 )
-from .system import A_FAMILY
 from .system_checks import numbers_of
 
 

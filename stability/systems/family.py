@@ -15,15 +15,15 @@ from ..algebra.polynomial import ExactPolynomial
 from ..algebra.program import entries
 from ..algebra.upright import Upright
 from ..base.checks import broadcast, instance, rows
-from ..base.errors import DomainError, NoMemberError, ParameterError, StabilityError, listing
+from ..base.errors import DomainError, NoMemberError, ParameterError, StabilityError, listing, shown
 from ..base.types import Floats, Record, fields_of
 from .closed_form import ClosedForm
 from .equations import Equations
 from .graph.family_graph import FamilyGraph, Frame
 from .graph.ignorable import acting_on, hidden_pairs, ignorable
-from .graph.smoothness import KINKED, REMOVABLE, gap, sloped
-from .members import Anchor, Found, check_states, find, require_steady
-from .system_checks import check_family, tables
+from .graph.smoothness import KINKED, REMOVABLE, gap, has_kinks, sloped
+from .members import UNKNOWN, Anchor, Found, check_states, find, given_noise, rate_noise
+from .system_checks import check_family
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -273,11 +273,14 @@ class Family(Record):
             if row is None:
                 raise
             raise DomainError(f"{self._place(a[row], q[row])}: {REMOVABLE}") from None
-        fine = sloped(self.system, states, given)
-        if not fine.all():
+        if self._has_kinks and not (fine := sloped(self.system, states, given)).all():
             i = int(np.argmin(fine))
             raise DomainError(self._kinked(a[i], q[i]))
         return states
+
+    @cached_property
+    def _has_kinks(self) -> bool:
+        return has_kinks(self.system)
 
     def _place(self, a: Floats, q: Floats) -> str:
         return f"{self.name} at {listing((*self.at, *self.parameters), (*a, *q))}"
@@ -464,3 +467,119 @@ class Family(Record):
         table = dict(zip(self.at, a.T, strict=True)) | dict(zip(self.parameters, q.T, strict=True))
         columns = [table[n] for n in self.system.parameters]
         return np.column_stack(columns) if columns else np.zeros((len(a), 0))
+
+
+def tables(family: Any, a: Any, q: Any, u: Any = None) -> tuple[Floats, Floats, Floats]:
+    """Family parameters, unknowns and parameters as tables (N, ·); fitting arrays stay unchanged.
+
+    Parameters
+    ----------
+    family
+        The `Family`.
+    a, q, u
+        Family parameters, parameters, and unknowns or None.
+
+    Returns
+    -------
+    a, u, q
+
+    Raises
+    ------
+    ParameterError
+        If an entry is no number, or the count of columns or rows does not fit.
+    """
+    wanted = family.at, tuple(family.unknown), family.parameters
+    if u is None and type(a) is np.ndarray:
+        u = np.zeros((a.shape[0] if a.ndim else 1, len(wanted[1])))
+    given = a, u, q
+    if all(
+        type(t) is np.ndarray
+        and t.dtype == float
+        and t.ndim == 2
+        and t.shape == (a.shape[0], len(its))
+        and np.isfinite(t).all()
+        for t, its in zip(given, wanted, strict=True)
+    ):
+        return a, u, q
+    first = rows("a", a, family.at).reshape(-1, len(family.at))
+    found = [first]
+    for what, table, its in zip("uq", given[1:], wanted[1:], strict=True):
+        empty = not its or (what == "u" and u is None)
+        numbers = np.zeros((len(first), len(its))) if empty else rows(what, table, its)
+        found.append(numbers.reshape(-1, len(its)) if its else numbers)
+    if len({len(t) for t in found}) > 1:
+        listed = ", ".join(str(t.shape) for t in found)
+        raise ParameterError(f"a, u and q have shapes {listed}; give as many rows of each.")
+    return found[0], found[1], found[2]
+
+
+def require_steady(family: Any, a: Floats, u: Floats, q: Floats, states: Floats) -> None:
+    """Refuse members at which a rate does not vanish within its rounding.
+
+    Parameters
+    ----------
+    family
+        A `Family`.
+    a, u, q
+        Family parameters, unknowns and parameters, shapes (N, ·).
+    states
+        States of the members, shape (N, n).
+
+    Raises
+    ------
+    NoMemberError
+        If a rate does not vanish, or has no value.
+    """
+    arguments = [list(block.T) for block in (a, u, q)]
+    rates = family.graph.rates.arrays(arguments, a.shape[:1])[0][..., 0]
+    rates[:, [family.system.index(n) for n in family.left_out]] = 0.0
+    if not rates.any():
+        return
+    with np.errstate(all="ignore"):
+        matrix = family.matrix(a, u, q)
+        size = np.abs(matrix).max(axis=(1, 2))
+        scale = 1 + size * (1 + np.abs(u).max(axis=1, initial=0))
+    if not (np.isfinite(rates).all() and np.isfinite(scale).all()):
+        raise NoMemberError(
+            f"{family.name}: the rates have no value there, such as the sign of 0, or overflow "
+            "double precision; give values nearer to 1."
+        )
+    if (np.abs(rates) <= given_noise(states, matrix)).all():  # nothing else has to be counted
+        return
+    bound = rate_noise(family.graph, a, u, q, states, matrix)
+    bound = np.where(np.isfinite(bound), bound, UNKNOWN * scale[:, None])
+    over = ~(np.abs(rates) <= bound)
+    if over.any():
+        row = int(np.argmax(over.any(axis=1)))
+        which = int(np.argmax(np.where(over[row], np.abs(rates[row]), -1.0)))
+        raise NoMemberError(
+            f"{family.name} at {listing(family.at, a[row])} is not steady: "
+            f"{family.system.states[which]} still changes at {abs(rates[row, which]):.3g}, and "
+            f"rounding accounts for {bound[row, which]:.1g} of that at most; "
+            f"{_remedy(family.system, family.system.states[which])}."
+        )
+
+
+def _remedy(system: Any, state: str) -> str:
+    if state in ignorable(system):
+        return "it is ignorable, so leave it out of the family"
+    return "add its rate to the family's equations, or give what is held to all its digits"
+
+
+A_FAMILY = "give a stability.Family: system.steady(at, guess={…}), disk_family(…), body.family(…)"
+"""What a call accepts that needs a family, in its refusal."""
+
+
+def refuse_system(family: Any) -> None:
+    """Refuse equations of motion where one of their families of steady motions is needed.
+
+    Parameters
+    ----------
+    family
+        What the user gave as a family.
+    """
+    if isinstance(family, Equations):
+        raise ParameterError(
+            f"family is the system {shown(family.name)}; give a family of its steady motions: "
+            "system.steady(at, guess={…}) finds one, stability.Family names one."
+        )

@@ -23,10 +23,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..algebra.running_error import UNIT, RunningError, running_error_arrays
-from ..base.errors import NameUnknownError, NoMemberError, ParameterError, listing, shown
+from ..base.errors import NameUnknownError, ParameterError, listing, shown
 from ..base.types import Floats
 from .graph.family_graph import FamilyGraph
-from .graph.ignorable import ignorable
 from .singular_points import Curve, locate_branch_point, singular_point
 
 GIVEN = 4 * UNIT
@@ -80,11 +79,11 @@ def rate_noise(
             root = root + 2 * _step_noise(graph, a, u, q, whole=True)
         solved = [RunningError(c, e) for c, e in zip(u.T, root.T, strict=True)]
         found = running_error_arrays(graph.rates, [_known(a), solved, _known(q)], a.shape[:1])
-        bound: Floats = 2 * found[0][1][..., 0] + _given_noise(states, matrix)
+        bound: Floats = 2 * found[0][1][..., 0] + given_noise(states, matrix)
     return bound
 
 
-def _given_noise(states: Floats, matrix: Floats) -> Floats:
+def given_noise(states: Floats, matrix: Floats) -> Floats:
     """The part of `rate_noise` that given states account for, which is quickly known.
 
     Held values are exact constants of the graph, so running error analysis leaves them out.
@@ -585,59 +584,6 @@ def _stopped(family: Any, asked: Floats, u: Floats, share: float, positive: Sequ
         f"reaches: it stopped at {what}{listing([names[i] for i in moved], stop[moved])}"
         f"{beyond}."
     )
-
-
-def require_steady(family: Any, a: Floats, u: Floats, q: Floats, states: Floats) -> None:
-    """Refuse members at which a rate does not vanish within its rounding.
-
-    Parameters
-    ----------
-    family
-        A `Family`.
-    a, u, q
-        Family parameters, unknowns and parameters, shapes (N, ·).
-    states
-        States of the members, shape (N, n).
-
-    Raises
-    ------
-    NoMemberError
-        If a rate does not vanish, or has no value.
-    """
-    arguments = [list(block.T) for block in (a, u, q)]
-    rates = family.graph.rates.arrays(arguments, a.shape[:1])[0][..., 0]
-    rates[:, [family.system.index(n) for n in family.left_out]] = 0.0
-    if not rates.any():
-        return
-    with np.errstate(all="ignore"):
-        matrix = family.matrix(a, u, q)
-        size = np.abs(matrix).max(axis=(1, 2))
-        scale = 1 + size * (1 + np.abs(u).max(axis=1, initial=0))
-    if not (np.isfinite(rates).all() and np.isfinite(scale).all()):
-        raise NoMemberError(
-            f"{family.name}: the rates have no value there, such as the sign of 0, or overflow "
-            "double precision; give values nearer to 1."
-        )
-    if (np.abs(rates) <= _given_noise(states, matrix)).all():  # nothing else has to be counted
-        return
-    bound = rate_noise(family.graph, a, u, q, states, matrix)
-    bound = np.where(np.isfinite(bound), bound, UNKNOWN * scale[:, None])
-    over = ~(np.abs(rates) <= bound)
-    if over.any():
-        row = int(np.argmax(over.any(axis=1)))
-        which = int(np.argmax(np.where(over[row], np.abs(rates[row]), -1.0)))
-        raise NoMemberError(
-            f"{family.name} at {listing(family.at, a[row])} is not steady: "
-            f"{family.system.states[which]} still changes at {abs(rates[row, which]):.3g}, and "
-            f"rounding accounts for {bound[row, which]:.1g} of that at most; "
-            f"{_remedy(family.system, family.system.states[which])}."
-        )
-
-
-def _remedy(system: Any, state: str) -> str:
-    if state in ignorable(system):
-        return "it is ignorable, so leave it out of the family"
-    return "add its rate to the family's equations, or give what is held to all its digits"
 
 
 def check_states(family: Any) -> None:

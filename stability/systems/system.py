@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 from ..algebra.upright import Upright
-from ..base.errors import ParameterError, shown
+from ..base.errors import ParameterError
 from .equations import Condition, Equations
 from .family import Family
 from .graph.ignorable import ignorable
@@ -300,23 +300,4 @@ class System(Equations):
             positive=positive,
             name=name,
             **parameters,
-        )
-
-
-A_FAMILY = "give a stability.Family: system.steady(at, guess={…}), disk_family(…), body.family(…)"
-"""What a call accepts that needs a family, in its refusal."""
-
-
-def refuse_system(family: Any) -> None:
-    """Refuse equations of motion where one of their families of steady motions is needed.
-
-    Parameters
-    ----------
-    family
-        What the user gave as a family.
-    """
-    if isinstance(family, Equations):
-        raise ParameterError(
-            f"family is the system {shown(family.name)}; give a family of its steady motions: "
-            "system.steady(at, guess={…}) finds one, stability.Family names one."
         )

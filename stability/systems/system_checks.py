@@ -262,50 +262,6 @@ def check_family(family: Any) -> None:
         )
 
 
-def tables(family: Any, a: Any, q: Any, u: Any = None) -> tuple[Floats, Floats, Floats]:
-    """Family parameters, unknowns and parameters as tables (N, ·); fitting arrays stay unchanged.
-
-    Parameters
-    ----------
-    family
-        The `Family`.
-    a, q, u
-        Family parameters, parameters, and unknowns or None.
-
-    Returns
-    -------
-    a, u, q
-
-    Raises
-    ------
-    ParameterError
-        If an entry is no number, or the count of columns or rows does not fit.
-    """
-    wanted = family.at, tuple(family.unknown), family.parameters
-    if u is None and type(a) is np.ndarray:
-        u = np.zeros((a.shape[0] if a.ndim else 1, len(wanted[1])))
-    given = a, u, q
-    if all(
-        type(t) is np.ndarray
-        and t.dtype == float
-        and t.ndim == 2
-        and t.shape == (a.shape[0], len(its))
-        and np.isfinite(t).all()
-        for t, its in zip(given, wanted, strict=True)
-    ):
-        return a, u, q
-    first = rows("a", a, family.at).reshape(-1, len(family.at))
-    found = [first]
-    for what, table, its in zip("uq", given[1:], wanted[1:], strict=True):
-        empty = not its or (what == "u" and u is None)
-        numbers = np.zeros((len(first), len(its))) if empty else rows(what, table, its)
-        found.append(numbers.reshape(-1, len(its)) if its else numbers)
-    if len({len(t) for t in found}) > 1:
-        listed = ", ".join(str(t.shape) for t in found)
-        raise ParameterError(f"a, u and q have shapes {listed}; give as many rows of each.")
-    return found[0], found[1], found[2]
-
-
 def check_implicit(
     mass: ca.SX, unknowns: tuple[str, ...], rates: Mapping[str, Any], pivots: Any, states: Any
 ) -> list[tuple[int, int]]:

@@ -9,7 +9,7 @@ from ..base.citation import cited
 from ..bodies.contact_laws import LAWS
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES, families_of_disk
-from ..bodies.thin_disk import disk_family
+from ..bodies.subject import disk_family
 from ..systems.structure.structural_zeros import structure
 from .conditions import scan
 from .table import About, Column, Definition, Standing, Table, framed, word

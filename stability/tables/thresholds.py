@@ -15,7 +15,7 @@ from ..base.types import Progress
 from ..base.verdict import Verdict
 from ..bodies.contact_laws import Rough
 from ..bodies.disk import Disk
-from ..bodies.thin_disk import disk_family
+from ..bodies.subject import disk_family
 from ..boundary.changes import boundaries
 from ..spectra.spectrum import spectrum
 from .benchmarks.catalogue import COLUMNS, benchmark_lines, benchmark_notes

@@ -213,7 +213,7 @@ def exact_edge(
 
     from ...algebra.exact.routh import hurwitz_sign, verdict_polynomial
     from ...algebra.number_types import precision
-    from ...bodies.thin_disk import disk_family
+    from ...bodies.subject import disk_family
     from ...systems.structure.enclosure import characteristic
     from ...systems.structure.structural_zeros import structure
 

@@ -23,7 +23,7 @@ from ...base.verdict import CODES, Verdict, best
 from ...bodies.contact_laws import Contact, law_named
 from ...bodies.disk import Disk
 from ...bodies.families import FAMILIES
-from ...bodies.thin_disk import disk_family
+from ...bodies.subject import disk_family
 from ...spectra.problem import Problem, disk_problem
 from ...systems.family import Family
 from ...systems.structure.enclosure import characteristic

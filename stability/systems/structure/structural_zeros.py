@@ -70,7 +70,7 @@ def structure(family: Family) -> Structure:
 
     Examples
     --------
-    >>> from stability.bodies.thin_disk import disk_family
+    >>> from stability.bodies.subject import disk_family
     >>> structure(disk_family("rolling", "viscous")).zeros
     2
     """
