@@ -564,13 +564,13 @@ MOTION_LAWS: dict[str, type[Contact]] = LAWS | {law.name: law for law in _FURTHE
 """The stored contact laws that `simulate` accepts, by name."""
 
 
-def law_class(law: str | type[Contact] | None, *, motion: bool = True) -> type[Contact]:
+def law_class(law: str | Contact | type[Contact] | None, *, motion: bool = True) -> type[Contact]:
     """The class of a contact law, of the package or of a user.
 
     Parameters
     ----------
     law
-        A key of `MOTION_LAWS`, or a subclass of `Contact`.
+        A key of `MOTION_LAWS`, a contact law, or a subclass of `Contact`.
     motion
         Whether the law is for a motion; a spectrum needs a law with a linearisation.
 
@@ -590,8 +590,9 @@ def law_class(law: str | type[Contact] | None, *, motion: bool = True) -> type[C
     linear = [n for n, one in MOTION_LAWS.items() if one.linearises]
     if law is None:
         raise law_missing(MOTION_LAWS if motion else LAWS)
-    if isinstance(law, type) and issubclass(law, Contact) and law.name:
-        found = law
+    kind = type(law) if isinstance(law, Contact) else law
+    if isinstance(kind, type) and issubclass(kind, Contact) and kind.name:
+        found = kind
     elif isinstance(law, str) and law in MOTION_LAWS:
         found = MOTION_LAWS[law]
     else:

@@ -20,7 +20,7 @@ from ..algebra.number_types import Algebra
 from ..algebra.polynomial import Exact, Polynomial, TabulatedPolynomial
 from ..base.checks import known
 from ..base.errors import NameUnknownError, NoMemberError, StabilityError, shown
-from .contact_laws import LAWS, Contact, law_missing, stored
+from .contact_laws import Contact, law_class, stored
 from .families import FAMILIES
 
 DATA = "disk_polynomials.json"
@@ -133,16 +133,13 @@ def exact_polynomial(family: str, law: str | Contact | type[Contact] | None = No
     (2, ['2*k*z - 1'])
     """
     family = known("family", family, FAMILIES)
-    if law is None:
-        raise law_missing(LAWS)
-    one = type(law) if isinstance(law, Contact) else law
-    name = one.name if isinstance(one, type) and issubclass(one, Contact) and stored(one) else one
-    name = known("contact", name, LAWS)
-    found = known_polynomial(family, name)
+    kind, found = law_class(law, motion=False), None
+    if stored(kind):
+        found = known_polynomial(family, kind.name)
     if found is None:
         cases = ", ".join(key.replace(" ", " under ") for key in _catalogue())
         raise NameUnknownError(
-            f"{shown(f'{family} {name}')} has no polynomial; there is one for {cases}."
+            f"{shown(f'{family} {kind.name}')} has no polynomial; there is one for {cases}."
         )
     return found
 

@@ -15,13 +15,12 @@ from flint import arb, fmpq
 
 from ..algebra.number_types import balls, precision
 from ..algebra.program import Program
-from ..base.checks import instance
 from ..base.citation import cited
 from ..base.errors import ParameterError
 from .disk import Disk
 from .round_body.body import Body
 from .round_body.shape import RoundShape, of_fit
-from .round_body.thin import thin_body
+from .round_body.thin import round_shape
 
 WIDTH = 1e-13
 """Largest width of an enclosure, over its value."""
@@ -98,9 +97,7 @@ def painleve_limit(body: Body | Disk) -> PainleveLimit:
     >>> print(f"mu |vx| < {egg.middle:.12f}, first reached at theta = {egg.theta:.3f}")
     mu |vx| < 1.307568805424, first reached at theta = 2.531
     """
-    if not isinstance(body, Disk):
-        instance("body", body, Body, "give a stability.Body or a stability.Disk")
-    shape = thin_body(body) if isinstance(body, Disk) else body
+    shape = round_shape(body)
     if any(np.ndim(v) for v in shape.given.values()):
         raise ParameterError("Painlevé's limit needs one number for each quantity of the body.")
     with precision(128):

@@ -44,7 +44,7 @@ from .round_body.body import Body
 from .round_body.families import body_family, round_family, survives, unknown_family
 from .round_body.inclinations import level
 from .round_body.shape import SCALES, RoundShape, refuse_constants, single_pole
-from .round_body.thin import thin_body, unit_disk
+from .round_body.thin import round_shape, unit_disk
 
 NONE: Mapping[str, Any] = MappingProxyType({})
 LEAN = ("lean",)
@@ -78,9 +78,13 @@ class Subject:
     @property
     def names(self) -> tuple[str, ...]:
         """Names that an axis may have."""
-        if self.disk is None or self.law is None:
-            return (*self.family.at, *self.family.parameters)
-        return tuple(dict.fromkeys((*self.keys, *_numbers_of(self.law))))
+        if self.disk is not None:
+            return tuple(dict.fromkeys((*self.keys, *_numbers_of(self.law))))
+        return (*self.family.at, *self.family.parameters)
+
+    def alternatives(self, name: str) -> tuple[str, ...]:
+        """Names of the law's coefficient that a name is one of; empty for any other number."""
+        return self.law.alternatives(name) if self.law else ()
 
     def key(self, axis: str) -> str:
         """The key of an axis: `at` and the member's own name are two names for one number."""
@@ -89,7 +93,7 @@ class Subject:
 
     def check_axis(self, name: str, low: float, high: float) -> None:
         """Refuse an axis with values that the body or the law does not accept."""
-        if self.law is not None and self.law.alternatives(name):
+        if self.law and self.law.alternatives(name):
             self.law.accepted(name, [low, high])
         between = np.linspace(low, high, 17)
         if self.disk is not None:
@@ -249,9 +253,6 @@ def disk_family(name: str, law: str | Contact | type[Contact] | None = None) -> 
     np.float64(2.0)
     """
     record = FAMILIES[known("family", name, families_of_disk())]
-    law = type(law) if isinstance(law, Contact) else law
-    if law is not None and not isinstance(law, type):
-        known("contact", law, LAWS)
     contact = law_class(law, motion=False)
     word = contact.name
     if record.law and (record.law != word or not stored(contact)):
@@ -383,15 +384,12 @@ def _revolved(body: Any, disk: Any, numbers: dict[str, Any]) -> RoundShape | Non
     if body is not None and disk is not None:
         raise ParameterError("body and disk are both given; give one of them.")
     thin = disk if body is None else body
-    if isinstance(thin, Disk):
-        if numbers.get("resistance") is not None:
-            return thin_body(thin)
-        if body is not None:
-            numbers.pop("resistance", None)
+    if thin is None:
         return None
-    if body is None:
+    if isinstance(thin, Disk) and numbers.get("resistance") is None:
+        numbers.pop("resistance", None)
         return None
-    return instance("body", body, RoundShape, "give a stability.Body or a stability.Disk")
+    return round_shape(thin) if body is not None or isinstance(disk, Disk) else None
 
 
 def _refuse_words(family: Family, words: Mapping[str, Any]) -> None:
@@ -515,7 +513,7 @@ def _stated(
         raise law_missing(laws, ", or make mu an axis" if axes else "")
     if not isinstance(law, Contact) or not law.name:
         raise NameUnknownError(f"contact is {shown(law)}; give one of {spelled(LAWS)}.")
-    law_class(type(law), motion=False)
+    law_class(law, motion=False)
     return law
 
 

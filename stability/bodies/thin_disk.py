@@ -64,7 +64,7 @@ def disk_system(
     >>> float(system.observe(upright, [0.25, 0.3])["normal_force"])
     1.0
     """
-    contact = law_class(type(law) if isinstance(law, Contact) else law)
+    contact = law_class(law)
     if slip_states is not None:
         slip_states = flag("slip_states", slip_states)
         if slip_states != contact.slips and contact is not Smooth:

@@ -108,10 +108,10 @@ def along_axes(subject: Subject, axes: Sequence[Axis], *, exact: bool = False) -
     StabilityError
         If an axis is unknown, or a value is missing or given twice.
     """
-    names, law = [g.name for g in axes], subject.law
+    names = [g.name for g in axes]
     if len(set(names)) < len(names):
         raise ParameterError(f"both axes are {shown(names[0])}; give two different ones.")
-    if law is not None and set(names[1:]) & set(law.alternatives(names[0])):
+    if set(names[1:]) & set(subject.alternatives(names[0])):
         raise ParameterError(
             f"the axes are {' and '.join(sorted(names))}, which are two names for one "
             "coefficient; take one."
@@ -132,7 +132,7 @@ def along_axes(subject: Subject, axes: Sequence[Axis], *, exact: bool = False) -
     for name, value in problem.values.items():
         if np.ndim(value) and name not in names:
             raise ParameterError(f"{name} is an array; what is not an axis must be one number.")
-    others = {n for name in names if law is not None for n in law.alternatives(name)}
+    others = {n for name in names for n in subject.alternatives(name)}
     held = {n: v for n, v in problem.values.items() if n not in others}
     axis_values = {g.name: g.values for g in axes}
     ratios = {n: r for n, r in problem.ratios.items() if n not in names}

@@ -202,7 +202,8 @@ def problem_of(subject: Subject) -> Problem:
     ('at', 'k', 'mass', 'radius', 'gravity', 'mu')
     """
     family = subject.family
-    if subject.disk is not None and subject.law is not None:
+    if subject.disk is not None:
+        assert subject.law
         return _of_disk(subject, subject.disk, subject.law)
     given = {**subject.numbers, **subject.member}
     ratios = {

@@ -207,7 +207,7 @@ def body_family(
     if not isinstance(name, str) or name not in FAMILIES:
         raise unknown_family(name, body)
     law: Any = class_named(contact, motion=False) if isinstance(contact, str) else contact
-    kind = law_class(type(law) if isinstance(law, Contact) else law, motion=False)
+    kind = law_class(law, motion=False)
     given: Collection[str] = (
         law.given
         if isinstance(law, Contact)

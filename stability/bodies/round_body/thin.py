@@ -10,6 +10,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from ...base.checks import instance
 from ...base.types import Floats
 from ..contact_laws import Contact
 from ..disk import Disk
@@ -17,7 +18,7 @@ from ..model import Model
 from ..momenta import momenta_model
 from ..quantities import QUANTITIES, THIN
 from .height.expression import Expression, expression
-from .shape import Outline
+from .shape import Outline, RoundShape
 from .si_law import Shape, shape_of
 
 
@@ -52,6 +53,19 @@ def thin_body(disk: Disk) -> Outline:
         disk.gravity,
         disk.radius,
     )
+
+
+def round_shape(body: Any) -> RoundShape:
+    """A body or disk as a body of revolution; anything else is refused.
+
+    Parameters
+    ----------
+    body
+        What the caller gave.
+    """
+    if isinstance(body, Disk):
+        return thin_body(body)
+    return instance("body", body, RoundShape, "give a stability.Body or a stability.Disk")
 
 
 @lru_cache(maxsize=1)
