@@ -25,6 +25,7 @@ from ...systems.closed_form import ClosedForm, ImplicitForm
 from ...systems.system import System
 from ..contact_laws import Contact, LinearViscous, Rough, Smooth, Viscous
 from ..disk_polynomials import digest
+from ..explicit import Surface, surface
 from ..families import tumbling
 from .equations import conditions_along
 from .height.expression import Expression
@@ -134,21 +135,20 @@ class _Formulas:
         rate = table["gravity"] / table["length"]  # square of the unit of rates
         level = ca.SX(height_of_angle(shape[1], theta, numbers.own))
         h = self._series(shape[1], numbers.own) if _waves(shape[1]) > FEW else level
-        slope = ca.jacobian(h, theta)
-        s, c = ca.sin(theta), ca.cos(theta)
+        body = surface(theta, h, *(self._kept(table[n]) for n in ("transverse", "axial")))
         known = {
-            "I1": self._kept(table["transverse"]),
-            "I3": self._kept(table["axial"]),
-            "s": s,
-            "c": c,
-            "r": h * s + slope * c,
-            "z": h * c - slope * s,
-            "ρ": h + ca.jacobian(slope, theta),
+            "I1": body.transverse,
+            "I3": body.axial,
+            "s": body.sine,
+            "c": body.cosine,
+            "r": body.outward,
+            "z": body.along,
+            "ρ": h + body.curve,
             "h": h,
-            "h′′": ca.jacobian(slope, theta),
+            "h′′": body.curve,
         }
         turn = self.turn / ca.sqrt(rate)
-        unknowns, positive = self._member(known, h, slope, turn)
+        unknowns, positive = self._member(body, turn)
         known |= {"mu": self._drag(table, given)} | unknowns
         powers = [self._value(terms, known) for terms in self.record["coefficients"]]
         scaled = [
@@ -217,11 +217,9 @@ class _Formulas:
         self.constants.append((ca.SX.sym(f"c{len(self.constants)}"), float(number)))
         return self.constants[-1][0]
 
-    def _member(
-        self, known: Mapping[str, Any], h: ca.SX, slope: ca.SX, turn: ca.SX
-    ) -> tuple[dict[str, ca.SX], list[ca.SX]]:
+    def _member(self, body: Surface, turn: ca.SX) -> tuple[dict[str, ca.SX], list[ca.SX]]:
         """φ̇ and ω₃ without unit, and numbers that are positive at every member."""
-        i1, i3, s, c, r, z = (known[n] for n in ("I1", "I3", "s", "c", "r", "z"))
+        h, slope, _, r, z, s, c, i1, i3 = body
         if self.name == "rolling":
             return {"omega3": turn}, []
         if self.name == "circling":
