@@ -16,14 +16,10 @@ import casadi as ca
 import numpy as np
 
 from ..algebra.program import Program, entries
-from ..base.citation import cited
-from ..base.errors import DomainError, listed
 from ..base.quantities import Kind
 from ..base.types import Floats
 from ..base.version import __version__
-from ..bodies.families import named_by
 from ..bodies.model import POSE, POSE_UNIT, Model
-from ..bodies.quantities import SYSTEM
 from ..integrators.flow import flow_of
 from ..integrators.stick_slip import REST, SLIDING, STICKING
 from .result import Outcome, outcome_flags
@@ -33,7 +29,6 @@ if TYPE_CHECKING:
     import xarray
 
     from ..bodies.model import Model
-    from ..settling.settling import Nearest
     from .result import Result, Settings
     from .starts import Starts
 
@@ -43,11 +38,6 @@ FORMAT = "stability trajectory 1"
 ACCOUNT = 1e-2
 """Largest `energy_error` of a run with an outcome."""
 LIBRARIES = ("casadi", "numpy", "scipy", "heyoka", "xarray")
-ENERGY_ERROR = (
-    "largest |audit| over the energy at the start",
-    "largest |audit| over the largest sum of |x dE/dx| of the states, or the energy lost",
-)
-"""Definition of the energy error: of a disk, of a user's system."""
 
 
 @cache
@@ -129,7 +119,7 @@ def assemble(launches: Starts, settings: Settings, results: list[Result]) -> xar
     coordinates["time"] = fast("time", times, labels("time"), fastpath=True)
     for name, value in launches.given.items():
         kept = ((), value) if value.ndim == 0 else (dims, value.reshape(launches.shape))
-        coordinates[name] = fast(*kept, {} if launches.law else labels(name), fastpath=True)
+        coordinates[name] = fast(*kept, launches.subject.numbers.get(name, {}), fastpath=True)
     if not single:  # a slice keeps it to find its own events
         numbers = np.arange(launches.count).reshape(launches.shape)
         coordinates["number"] = fast(
@@ -218,8 +208,6 @@ def _series(
     own, states = len(model.system.states), flow_of(model).reported(y)
     found = dict(zip(model.states, np.moveaxis(states, -1, 0), strict=True))
     found |= observe(model, y, launches.p[:, None, :], modes, heading)
-    if launches.law is not None:
-        found["kinetic"] = found["energy"] - found["potential"]
     if model.accounted:
         found["dissipated"] = work = y[..., own]
         found["audit"] = found["energy"] + work - launches.energies[:, None]
@@ -230,14 +218,7 @@ def _series(
         reach = found.pop("reach")
         found["contact_x"] = found["centre_x"] + reach * np.cos(found["phi"])
         found["contact_y"] = found["centre_y"] + reach * np.sin(found["phi"])
-    if launches.law is None:
-        require_values(model.system.name, found)
-        return found
-    named = {n: q.kind for n, q in model.quantities.items() if n in found}
-    if launches.dimensionless:
-        return {n: found[n] for n in named}
-    sizes = {kind: launches.size(kind)[..., None] for kind in set(named.values())}
-    return {n: found[n] * sizes[kind] for n, kind in named.items()}
+    return launches.subject.in_units(launches, found)
 
 
 def _summary(
@@ -254,18 +235,14 @@ def _summary(
         return make(dims, array, attributes, fastpath=True)
 
     second = launches.unit("time")
-    account = (
-        {}
-        if error is None
-        else {
-            "energy_error": variable(error, units="1", long_name=ENERGY_ERROR[launches.law is None])
-        }
-    )
+    subject, account = launches.subject, {}
+    if error is not None:
+        account["energy_error"] = variable(error, units="1", long_name=subject.energy_error)
     return {
         "outcome": variable(
             np.array([r.outcome.code for r in results], dtype=np.int8),
             long_name="what became of the launch",
-            **outcome_flags(disk=launches.law is not None),
+            **outcome_flags(subject.outcomes),
         ),
         "evidence": variable([r.evidence for r in results], long_name="why"),
         "end_time": variable(
@@ -277,40 +254,11 @@ def _summary(
             units=second,
         ),
         **account,
-        **_nearest(launches, [r.near for r in results], variable),
+        **subject.nearest(launches, [r.near for r in results], variable),
         **_errors(results, clock, variable, second),
         "steps": variable([r.path.steps for r in results], long_name="steps of the integrator"),
         "method": variable([r.choice.method for r in results], long_name="integrator"),
     }
-
-
-def _nearest(launches: Starts, near: list[Nearest], variable: Any) -> dict[str, Any]:
-    """The nearest steady motions; those of a user's system only where all launches have one."""
-    found = {
-        "nearest_family": variable([n.family for n in near], long_name="nearest steady motion"),
-        "nearest_distance": variable(
-            [n.distance for n in near], units="1", long_name="dimensionless distance from it"
-        ),
-    }
-    if launches.law is not None:
-        named = list(dict.fromkeys(line.along[0] for line in launches.settling.lines))
-        kinds = [named_by(n.family) for n in near]
-        sizes = {kind: np.broadcast_to(launches.size(kind), len(near)) for kind in set(kinds)}
-        which = enumerate(zip(near, kinds, strict=True))
-        plain = launches.dimensionless
-        found["nearest_at"] = variable(
-            np.array([n.at * sizes[kind][i] for i, (n, kind) in which]),
-            long_name=f"its {listed(named, 'or')}" if named else "the number that names it",
-            units="1" if plain else f"{Kind.ANGULAR_VELOCITY.si} (theta: {Kind.ANGLE.si})",
-        )
-        return found
-    if any(n.member is None for n in near):
-        return {}
-    found["nearest_distance"].attrs["long_name"] = "distance from it, in units of the states"
-    member = np.array([n.member for n in near]).reshape(*launches.shape, -1)
-    label = {"long_name": "states of the steady motion", "columns": " ".join(launches.model.states)}
-    dims = (*found["nearest_family"].dims, "state")
-    return found | {"nearest_member": type(found["nearest_family"])(dims, member, label)}
 
 
 def _errors(results: list[Result], clock: Floats, variable: Any, second: str) -> dict[str, Any]:
@@ -349,23 +297,14 @@ def _accounted(results: list[Result], error: Floats) -> list[Result]:
     ]
 
 
-def _body(launches: Starts) -> dict[str, Any]:
-    if launches.law is None:
-        name = launches.model.system.name
-        return {"system": name, "states": json.dumps(launches.model.states)}
-    found = {"contact": launches.law.name, "dimensionless": int(launches.dimensionless)}
-    name = launches.model.system.name
-    return found if name.startswith(SYSTEM) else {"body": name.rpartition(", ")[0]} | found
-
-
 def _provenance(launches: Starts, settings: Settings, results: list[Result]) -> dict[str, Any]:
     used = Counter(r.choice.method for r in results)
     outcomes = Counter(r.outcome.word for r in results)
-    first, body = results[0].choice, _body(launches)
+    first, subject = results[0].choice, launches.subject
     attributes: dict[str, Any] = {
         "format": FORMAT,
         "title": launches.model.title,
-        **body,
+        **subject.attributes,
         "outcome": ", ".join(
             word if launches.shape == () else f"{count} {word}" for word, count in outcomes.items()
         ),
@@ -374,14 +313,10 @@ def _provenance(launches: Starts, settings: Settings, results: list[Result]) -> 
         "method_reason": first.reason,
         "tolerance": settings.tolerance,
         "tolerance_used": results[0].tolerance,
-        **({"flat": settings.flat} if launches.law else {}),
+        **{n: getattr(settings, n) for n in subject.settings},
         "settle": settings.settle,
         "max_steps": settings.max_steps,
-        "citation": cited(
-            launches.law.name if launches.law else None,
-            model=launches.law is not None,
-            methods=used,
-        ),
+        "citation": subject.cited(methods=used),
         "software": f"stability {__version__}",
         "versions": _versions(),
         "source": launches.model.source,
@@ -402,19 +337,6 @@ def _observer(model: Model) -> Program:
     """Program of every series from states and parameters."""
     system, values = model.system, list(model.series.values())
     return Program(ca.Function("observer", [system.x, system.p], [ca.densify(ca.vertcat(*values))]))
-
-
-@lru_cache(maxsize=64)
-def _slopes(model: Model) -> Program:
-    system = model.system
-    slopes = ca.densify(ca.jacobian(model.series["energy"], system.x)).T
-    return Program(ca.Function("slopes", [system.x, system.p], [slopes]))
-
-
-def _energy_slopes(model: Model, states: Floats, p: Floats) -> Floats:
-    """Gradient of the energy, shape (…, n)."""
-    given = [entries(states), entries(p)]
-    return np.asarray(_slopes(model).arrays(given, states.shape[:-1])[0][..., 0])
 
 
 def observe(
@@ -464,29 +386,8 @@ def observe(
     return dict(zip(model.series, np.moveaxis(values, -1, 0), strict=True))
 
 
-def require_values(system: str, found: dict[str, Floats]) -> None:
-    """Refuse an observable that has no value at a sample.
-
-    Parameters
-    ----------
-    system
-        Name of the system.
-    found
-        Series by name.
-    """
-    for name, values in found.items():
-        if not np.isfinite(values).all():
-            raise DomainError(
-                f"{system}: {name} has no value somewhere on the way; give the system a condition "
-                "that ends the run before, or leave the observable out."
-            )
-
-
 def account(launches: Starts, y: Floats, series: dict[str, Floats]) -> Floats:
     """Error of the energy account of each launch, over a measure of the energy.
-
-    For the disk the measure is the energy at the start, which is positive.  The energy of a user's
-    system may have any zero: there the measure is the largest Σ |x ∂E/∂x| or energy lost.
 
     Parameters
     ----------
@@ -503,14 +404,7 @@ def account(launches: Starts, y: Floats, series: dict[str, Floats]) -> Floats:
         Shape (N,).
     """
     audit = np.abs(series["audit"]).max(axis=-1)
-    if launches.law is not None:
-        scale = launches.energies * launches.size(Kind.ENERGY)
-    else:
-        x = y[..., : len(launches.model.states)]
-        share = np.abs(x * _energy_slopes(launches.model, x, launches.p[:, None, :])).sum(axis=-1)
-        scale = np.maximum(share, np.abs(series["dissipated"])).max(axis=-1)
-        scale = np.where(scale > 0, scale, 1.0)
-    return np.asarray(audit / scale)
+    return np.asarray(audit / launches.subject.energy_scale(launches, y, series))
 
 
 # --- starts and events ---
@@ -533,21 +427,11 @@ def start_states(launches: Starts, dims: tuple[str, ...]) -> dict[str, Any]:
     """
     import xarray
 
-    states = launches.starts.copy()
-    _scale(states, launches, np.arange(launches.count))
+    states = launches.states_in_units(launches.starts)
     label = {"long_name": "state at time 0", "columns": " ".join(launches.model.states)}
     make: Any = xarray.Variable
     shaped = states.reshape(*launches.shape, -1)
     return {"start_state": make((*dims, "state"), shaped, label, fastpath=True)}
-
-
-def _scale(states: Floats, launches: Starts, which: Any) -> None:
-    """Give rows of states of a disk its units, row i those of launch `which[i]`."""
-    if launches.dimensionless:
-        return
-    for column, name in enumerate(launches.model.states):
-        scale = launches.size(launches.model.quantities[name].kind)
-        states[:, column] *= scale[which] if scale.ndim else scale
 
 
 def event_log(launches: Starts, results: list[Result]) -> dict[str, Any]:
@@ -578,7 +462,7 @@ def event_log(launches: Starts, results: list[Result]) -> dict[str, Any]:
     which = np.array([r[0] for r in rows], dtype=np.int64)
     times = np.array([r[1] for r in rows], dtype=float)
     states = np.array([r[3] for r in rows], dtype=float).reshape(len(rows), count)
-    _scale(states, launches, which)
+    states = launches.states_in_units(states, which)
 
     make: Any = xarray.Variable
 
@@ -599,7 +483,7 @@ def event_log(launches: Starts, results: list[Result]) -> dict[str, Any]:
             {"long_name": "state at the event", "columns": " ".join(launches.model.states)},
         ),
     }
-    if launches.law is not None:  # no user's system sticks
+    if launches.subject.slips:
         log["event_direction"] = variable(
             "event",
             np.array([r[4] for r in rows], dtype=float),

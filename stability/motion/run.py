@@ -303,9 +303,8 @@ def _judged(
     """
     paths, why = [], []
     for leg, (path, _) in zip(legs, ran, strict=True):
-        contact = launches.law is not None and dries is None
         moved = None
-        if path.end is not None and contact and path.end.kind != FLAT:
+        if path.end is not None and dries is None and path.end.kind != FLAT:
             moved = closer(leg, path)
         paths.append(moved[0] if moved else path)
         why.append(moved[1] if moved else "")
@@ -346,8 +345,8 @@ def _judge(  # noqa: PLR0913
         outcome, evidence = Outcome.MOVING, near.evidence
         if near.settled:
             outcome = Outcome.SETTLED
-            apart = launches.settling.distances(leg.flow.reported(path.states), p, near)
-            since = _since(leg, apart, settings.settle)
+            states = leg.flow.reported(path.states)
+            since = float(leg.times[launches.settling.since(states, p, near, settings.settle)])
     return Result(
         path,
         choice,
@@ -403,10 +402,3 @@ def _ending(leg: Leg, end: End) -> tuple[Outcome, str]:
     said = words.format(value=value) if outcome is Outcome.DOMAIN_END else f"{words} {value:.1e}"
     fall = f"at {-rate:.4g}" if math.isfinite(rate) else "without bound"
     return outcome, f"{said}, falling {fall}"
-
-
-def _since(leg: Leg, apart: Floats, within: float) -> float:
-    """The first sample from which the motion stayed within the distance of the family."""
-    outside = np.flatnonzero(apart > within)
-    first = 0 if outside.size == 0 else min(int(outside[-1]) + 1, len(leg.times) - 1)
-    return float(leg.times[first])
