@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from inspect import signature
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
@@ -19,7 +20,7 @@ from numpy.typing import ArrayLike
 from ..base.axis import Axis, AxisLike
 from ..base.checks import whole_number
 from ..base.errors import ParameterError, StabilityError, StabilityWarning, shown, warned
-from ..base.types import Floats, Progress
+from ..base.types import Floats, Progress, fields_of
 from ..base.verdict import CODES
 from ..bodies.disk import Disk
 from ..bodies.families import at_name
@@ -91,6 +92,22 @@ class Plan:
     seed: int = 0
     """Seed of a sample."""
 
+    __getstate__ = fields_of
+
+    @cached_property
+    def first(self) -> Starts:
+        """One of the launches, for names and units."""
+        return self.starts((0,) * len(self.layout.shape), slice(0, 1))
+
+    @cached_property
+    def arrays(self) -> tuple[Variable, ...]:
+        """The arrays of the result, with the numbers of a sample that vary."""
+        varied = self.launches.varied if self.distribution is not None else ()
+        return variables(self.first) + tuple(
+            Variable(n, "float64", np.nan, self.launches.label(self.first, n), coordinate=True)
+            for n in varied
+        )
+
     def points(self, block: Block, part: slice) -> dict[str, Floats]:
         """Values of the numbers that vary, for a part of the launches of a chunk."""
         where = self.layout.slices(block)
@@ -120,20 +137,6 @@ class _Work:
         launches = plan.starts(block, part)
         found = arrays(outcomes(launches, plan.settings), launches)
         return found | (plan.points(block, part) if plan.distribution is not None else {})
-
-
-@dataclass(frozen=True)
-class _Blank:
-    """Arrays of launches that ended their worker."""
-
-    states: int
-    """States of a launch."""
-    varied: tuple[str, ...]
-    """Numbers of a sample that vary; none for a map."""
-
-    def __call__(self, count: int) -> Arrays:
-        nan = np.full(count, np.nan)
-        return {**blank(count, self.states), **dict.fromkeys(self.varied, nan)}
 
 
 def basins(
@@ -379,8 +382,6 @@ def run(
     Store
         The full store.
     """
-    some = plan.starts((0,) * len(plan.layout.shape), slice(0, 1))
-    varied = plan.launches.varied if plan.distribution is not None else ()
     kept = store_of(plan, store, overwrite)
     with ExitStack() as stack:
         with kept_on_stop(kept, Counted(None, plan.layout.total)):  # workers may take seconds
@@ -390,7 +391,7 @@ def run(
         fill(
             kept,
             work,
-            blank=_Blank(len(some.model.states), varied),
+            blank=partial(blank, plan.arrays),
             executor=pool,
             workers=number,
             progress=told,
@@ -413,12 +414,7 @@ def store_of(plan: Plan, store: Any = None, overwrite: bool = False) -> Store:
     store, overwrite
         As for `basins`.
     """
-    some = plan.starts((0,) * len(plan.layout.shape), slice(0, 1))
-    varied = plan.launches.varied if plan.distribution is not None else ()
-    asked = variables(some) + tuple(
-        Variable(n, "float64", np.nan, plan.launches.label(some, n), coordinate=True)
-        for n in varied
-    )
+    some = plan.first
     more = (
         {} if plan.distribution is None else {"sample": repr(plan.distribution), "seed": plan.seed}
     )
@@ -427,10 +423,10 @@ def store_of(plan: Plan, store: Any = None, overwrite: bool = False) -> Store:
     told = attributes(plan.launches, some, plan.horizon, plan.settings, more)
     told["citation"] = works(some, linear=LINEAR in coords)
     if store is None:
-        return Memory(plan.layout, asked, coords, told)
+        return Memory(plan.layout, plan.arrays, coords, told)
     about = question(plan.launches, some, plan.horizon, plan.settings, more)
     about["axes"] = [[a.name, a.low, a.high, a.count, a.log] for a in plan.axes]
-    return ZarrStore(store, plan.layout, asked, coords, told, about, overwrite=overwrite)
+    return ZarrStore(store, plan.layout, plan.arrays, coords, told, about, overwrite=overwrite)
 
 
 def _linear_verdict(launches: Launches, axes: tuple[Axis, ...]) -> dict[str, Any]:

@@ -51,35 +51,46 @@ def variables(sample: Starts) -> tuple[Variable, ...]:
     second, names = sample.unit("time"), sample.settling.names
     member, units = (sample.subject.member[n] for n in ("long_name", "units"))
     flags = outcome_flags(sample.subject.outcomes)
-    codes = np.arange(len(names) + 1, dtype=np.int8)
     meanings = " ".join(["none", *(n.replace(" ", "_") for n in names)])
-    states = (("state", len(sample.model.states)),)
-    number = dict.fromkeys(("units",), "1")
+    codes = {"flag_values": list(range(len(names) + 1)), "flag_meanings": meanings}
+    flags["flag_values"] = flags["flag_values"].tolist()
+
+    def number(name: str, words: str, unit: str) -> Variable:
+        return Variable(name, "float64", np.nan, {"long_name": words, "units": unit})
+
     return (
-        Variable("outcome", "int8", MISSING, {
-            "long_name": "what became of the launch",
-            "flag_values": [int(v) for v in flags["flag_values"]],
-            "flag_meanings": flags["flag_meanings"]}),
-        Variable("end_time", "float64", np.nan, {
-            "long_name": "time of the event, of the proof of settling, or the last time",
-            "units": second}),
-        Variable("family", "int8", MISSING, {
-            "long_name": "family of the steady motion that is settled on",
-            "flag_values": codes.tolist(), "flag_meanings": meanings}),
-        Variable("member", "float64", np.nan, {
-            "long_name": f"steady motion that is settled on: {member}", "units": units}),
-        Variable("member_error", "float64", np.nan, {
-            "long_name": "error of member: a proved bound for the computed state, and the "
-            "estimated effect of the integration's error", "units": units}),
-        Variable("error", "float64", np.nan, {
-            "long_name": "estimated effect of the integration's error, dimensionless: on member "
-            "where settled, on the time of an event, on the final state where moving (the largest "
-            "over the states, each over 1 or its own size)"} | number),
+        Variable("outcome", "int8", MISSING, {"long_name": "what became of the launch"} | flags),
+        number("end_time", "time of the event, of the proof of settling, or the last time", second),
+        Variable(
+            "family",
+            "int8",
+            MISSING,
+            {"long_name": "family of the steady motion that is settled on"} | codes,
+        ),
+        number("member", f"steady motion that is settled on: {member}", units),
+        number(
+            "member_error",
+            "error of member: a proved bound for the computed state, and the estimated effect of "
+            "the integration's error",
+            units,
+        ),
+        number(
+            "error",
+            "estimated effect of the integration's error, dimensionless: on member where settled, "
+            "on the time of an event, on the final state where moving (the largest over the "
+            "states, each over 1 or its own size)",
+            "1",
+        ),
         Variable("steps", "int32", MISSING, {"long_name": "steps of the integrator"}),
-        Variable("start_state", "float64", np.nan, {
-            "long_name": "state at the start", "columns": " ".join(sample.model.states)}, states,
-            coordinate=True),
-    )  # fmt: skip
+        Variable(
+            "start_state",
+            "float64",
+            np.nan,
+            {"long_name": "state at the start", "columns": " ".join(sample.model.states)},
+            (("state", len(sample.model.states)),),
+            coordinate=True,
+        ),
+    )
 
 
 def arrays(found: Outcomes, launches: Starts) -> dict[str, Any]:
@@ -115,23 +126,21 @@ def arrays(found: Outcomes, launches: Starts) -> dict[str, Any]:
     }
 
 
-def blank(count: int, states: int) -> Arrays:
+def blank(arrays: tuple[Variable, ...], count: int) -> Arrays:
     """Arrays of launches that ended their worker: *unresolved*.
 
     Parameters
     ----------
+    arrays
+        Those of a result.
     count
         Number of launches.
-    states
-        Number of states of each.
     """
-    nan = np.full(count, np.nan)
+    known = {"outcome": CODES[Outcome.UNRESOLVED], "family": 0, "steps": 0}
     return {
-        "outcome": np.full(count, CODES[Outcome.UNRESOLVED], dtype=np.int8),
-        "end_time": nan, "family": np.zeros(count, dtype=np.int8), "member": nan,
-        "member_error": nan, "error": nan, "steps": np.zeros(count, dtype=np.int32),
-        "start_state": np.full((count, states), np.nan),
-    }  # fmt: skip
+        v.name: np.full((count, *(n for _, n in v.more)), known.get(v.name, v.fill), v.dtype)
+        for v in arrays
+    }
 
 
 def lost(kept: Store) -> tuple[int, ...]:
@@ -241,10 +250,13 @@ def question(
 ) -> dict[str, Any]:
     """Everything that the numbers depend on, for the fingerprint of a store."""
     return attributes(launches, sample, horizon, settings, more) | {
-        "graph": str(sample.model.rhs), "varied": list(launches.varied),
-        "held": dict(launches.held), "flat": settings.flat, "most": settings.max_steps,
+        "graph": str(sample.model.rhs),
+        "varied": list(launches.varied),
+        "held": dict(launches.held),
+        "flat": settings.flat,
+        "most": settings.max_steps,
         "families": [f"{f.name} {f.held} {f.unknown}" for f in launches.families],
-    }  # fmt: skip
+    }
 
 
 def read_basins(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Dataset:

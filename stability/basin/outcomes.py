@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 from ..algebra.program import Program
 from ..base.checks import one_number
 from ..base.errors import ParameterError
-from ..base.quantities import Kind
 from ..base.types import Floats
 from ..bodies.model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.flow import ASKING, Flow, flow_of
@@ -98,7 +97,8 @@ def outcomes(
     fit = np.ones(launches.count, dtype=bool)
     found = _blank(launches.count)
     flow = flow_of(launches.model)
-    for row, kind in _unfit(launches, settings).items():
+    ended = (launches.unfit or {}) | dict.fromkeys(launches.flat(settings.flat).tolist(), FLAT)
+    for row, kind in ended.items():
         fit[row] = False
         found.outcome[row] = CODES[OF_END.get(kind, Outcome.DOMAIN_END)]
         found.error[row] = 0.0
@@ -137,21 +137,12 @@ def _blank(count: int) -> Outcomes:
     )
 
 
-def _unfit(launches: Starts, settings: Settings) -> dict[int, str]:
-    """Launches that have ended before they begin."""
-    found = dict(launches.unfit or {})
-    if FLAT in launches.model.guards:
-        theta = launches.starts[:, 0]
-        low = np.minimum(theta, math.pi - theta) <= settings.flat * (1 + 1e-6)
-        found |= dict.fromkeys(np.flatnonzero(low).tolist(), FLAT)
-    return found
-
-
 def _together(
     found: Outcomes, launches: Starts, rows: NDArray[np.intp], settings: Settings, flow: Flow
 ) -> NDArray[np.intp]:
     """Run launches on lanes, twice; those that the two runs leave open."""
-    starts, p, horizon = _numbers(launches, rows, flow, settings)
+    starts, p = flow.pack(launches.starts[rows]), launches.flow_p(settings.flat)[rows]
+    horizon = launches.times[-1] / launches.clock[rows]
     tolerance, settling = settings.tolerance, launches.settling
     first = _judged(flow, starts, p, horizon, tolerance, settings, settling)
     alone = first.outcome == CODES[Outcome.UNRESOLVED]
@@ -182,17 +173,6 @@ def _decades(tolerance: float, loose: float) -> float:
     if not loose > tolerance:
         return 1.0
     return max(1.0, math.log(tolerance / ROUNDING) / math.log(loose / tolerance))
-
-
-def _numbers(
-    launches: Starts, rows: NDArray[np.intp], flow: Flow, settings: Settings
-) -> tuple[Floats, Floats, Floats]:
-    """Y at the starts, parameters and last times of some launches."""
-    starts, p = flow.pack(launches.starts[rows]), launches.p[rows]
-    more = flow.p.numel() - p.shape[1]  # a disk's guards know the sine of the flat angle
-    p = np.column_stack([p, np.full((len(rows), more), math.sin(settings.flat))])
-    clock = np.broadcast_to(launches.size(Kind.TIME), (launches.count,))[rows]
-    return starts, p, launches.times[-1] / clock
 
 
 @dataclass(frozen=True, eq=False)
@@ -294,7 +274,7 @@ def _singly(found: Outcomes, launches: Starts, rows: NDArray[np.intp], settings:
     """Decide some launches one by one, with all their neighbours."""
     if not rows.size:
         return
-    some = results(subset(launches, rows), replace(settings, check=True, workers=1))
+    some = results(launches.some(rows), replace(settings, check=True, workers=1))
     for row, result in zip(rows, some, strict=True):
         found.outcome[row] = result.outcome.code
         found.time[row] = result.settled_at if result.outcome is Outcome.SETTLED else result.time
@@ -308,36 +288,3 @@ def _singly(found: Outcomes, launches: Starts, rows: NDArray[np.intp], settings:
             near = result.near
             found.family[row] = launches.settling.names.index(near.family)
             found.member[row], found.member_error[row] = near.limit, near.error
-
-
-def subset(launches: Starts, rows: NDArray[np.intp]) -> Starts:
-    """Some of the launches.
-
-    Parameters
-    ----------
-    launches
-        All launches.
-    rows
-        Numbers of those that are kept.
-
-    Returns
-    -------
-    Starts
-    """
-
-    def some(value: Any) -> Any:
-        return value[rows] if np.ndim(value) else value
-
-    units = launches.units
-    own = {n: some(getattr(units, n)) for n in ("mass", "length", "gravity")}
-
-    return replace(
-        launches,
-        shape=(len(rows),),
-        starts=launches.starts[rows],
-        p=launches.p[rows],
-        given={n: some(v) for n, v in launches.given.items()},
-        units=replace(units, **own),
-        energies=launches.energies[rows],
-        unfit=None,
-    )

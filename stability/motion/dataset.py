@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import platform
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
 from functools import cache, lru_cache, partial
@@ -73,59 +73,64 @@ def assemble(launches: Starts, settings: Settings, results: list[Result]) -> xar
     -------
     xarray.Dataset
     """
-    import xarray
-
-    single = launches.shape == ()
-    dims = _dims(launches.shape)
-    y, running, modes, times = _samples(launches, results, single)
+    single, dims = launches.shape == (), _dims(launches.shape)
+    y, running, modes, times = _samples(launches, results)
     heading = None
     if launches.dry:  # a start at rest from which slip sets in at once
         first = [r.transitions[0].direction if r.transitions else 0.0 for r in results]
         heading = np.broadcast_to(np.array(first)[:, None], y.shape[:2])
     series = _series(launches, settings, y, modes, heading)
-    along = (*dims, "time")
-    shape = (*launches.shape, y.shape[1])
-    fast: Any = xarray.Variable
     labels = _labels(launches.model, launches.dimensionless)
-    variables = {
-        n: fast(along, v.reshape(shape), labels(n), fastpath=True) for n, v in series.items()
-    }
+
+    def along(values: Any, **attributes: Any) -> Any:
+        return _variable((*dims, "time"), values.reshape(*launches.shape, -1), attributes)
+
+    variables = {n: along(v, **labels(n)) for n, v in series.items()}
     if not single:
-        variables["running"] = fast(
-            along,
-            running.reshape(shape),
-            {
-                "long_name": "whether the run had not ended",
-                "flag_values": [0, 1],
-                "flag_meanings": "ended running",
-            },
+        variables["running"] = along(
+            running,
+            long_name="whether the run had not ended",
+            flag_values=[0, 1],
+            flag_meanings="ended running",
         )
     if modes is not None:
-        variables["mode"] = fast(
-            along,
-            modes.astype(np.int8).reshape(shape),
-            {
-                "long_name": "mode of dry friction",
-                "flag_values": np.array([SLIDING, STICKING], dtype=np.int8),
-                "flag_meanings": "sliding sticking",
-            },
+        variables["mode"] = along(
+            modes.astype(np.int8),
+            long_name="mode of dry friction",
+            flag_values=np.array([SLIDING, STICKING], dtype=np.int8),
+            flag_meanings="sliding sticking",
         )
     error = account(launches, y, series) if launches.model.accounted else None
     if error is not None:
         results = _accounted(results, error)
     variables |= _summary(launches, results, error, dims)
     variables |= event_log(launches, results)
-    coordinates = start_states(launches, dims)  # a launch is known by its start
-    coordinates["time"] = fast("time", times, labels("time"), fastpath=True)
+    states = launches.states_in_units(launches.starts).reshape(*launches.shape, -1)
+    coordinates = {  # a launch is known by its start
+        "start_state": _states((*dims, "state"), launches, states, "at time 0"),
+        "time": _variable("time", times, labels("time")),
+    }
     for name, value in launches.given.items():
-        kept = ((), value) if value.ndim == 0 else (dims, value.reshape(launches.shape))
-        coordinates[name] = fast(*kept, launches.subject.numbers.get(name, {}), fastpath=True)
+        own, kept = (dims, value.reshape(launches.shape)) if value.ndim else ((), value)
+        coordinates[name] = _variable(own, kept, launches.subject.numbers.get(name, {}))
     if not single:  # a slice keeps it to find its own events
         numbers = np.arange(launches.count).reshape(launches.shape)
-        coordinates["number"] = fast(
-            dims, numbers, {"long_name": "launch, counted flat"}, fastpath=True
-        )
+        coordinates["number"] = _variable(dims, numbers, {"long_name": "launch, counted flat"})
     return _dataset(variables, coordinates, _provenance(launches, settings, results))
+
+
+def _variable(dims: Any, values: Any, attributes: Mapping[str, Any]) -> Any:
+    """A labelled array that is known to fit."""
+    import xarray
+
+    make: Any = xarray.Variable
+    return make(dims, values, dict(attributes), fastpath=True)
+
+
+def _states(dims: tuple[str, ...], launches: Starts, states: Floats, when: str) -> Any:
+    """States in the user's units, shape (…, s), as a labelled array."""
+    names = " ".join(launches.model.states)
+    return _variable(dims, states, {"long_name": f"state {when}", "columns": names})
 
 
 def _dataset(
@@ -161,39 +166,28 @@ def _dims(shape: tuple[int, ...]) -> tuple[str, ...]:
 
 
 def _samples(
-    launches: Starts, results: list[Result], single: bool
-) -> tuple[Floats, Any, Floats | None, Floats]:
+    launches: Starts, results: list[Result]
+) -> tuple[Floats, Floats, Floats | None, Floats]:
     """States over (launch, time), whether each was still running, the modes, and the times."""
-    asked = launches.times
-    skip = int(asked[0] != 0)  # the start was added in front
-    dry = results[0].modes is not None
-    if single:
-        result = results[0]
-        rows, times = result.path.states[skip:], asked[: len(result.path.states) - skip]
-        modes = result.modes[skip:] if result.modes is not None else None
-        if result.path.end is not None:
-            clock = float(launches.size(Kind.TIME))
-            end_time = result.time * clock
-            if len(times) and times[-1] >= end_time:  # ended on a sample, or at the start
-                rows, times = rows[:-1], times[:-1]
-                modes = modes[:-1] if modes is not None else None
-            rows = np.vstack([rows, result.final[None]])
-            times = np.append(times, end_time)
-            modes = np.append(modes, result.last_mode) if modes is not None else None
-        return rows[None], None, modes[None] if modes is not None else None, times
-    width = len(results[0].final)
-    y = np.empty((len(results), len(asked), width))
-    running = np.ones((len(results), len(asked)), dtype=np.int8)
-    held = np.zeros(y.shape[:2]) if dry else None
+    times = launches.times
+    skip, kept = int(times[0] != 0), len(times)  # the start was added in front
+    if launches.shape == () and results[0].path.end is not None:  # the end is the last sample
+        end = results[0].time * float(launches.size(Kind.TIME))
+        before = times[: len(results[0].path.states) - skip]
+        kept = len(before) - int(len(before) > 0 and before[-1] >= end)
+        times = np.append(before[:kept], end)
+    y = np.empty((len(results), len(times), len(results[0].final)))
+    running = np.ones(y.shape[:2], dtype=np.int8)
+    modes = np.zeros(y.shape[:2]) if results[0].modes is not None else None
     for i, result in enumerate(results):
-        rows = result.path.states[skip:]
+        rows = result.path.states[skip:][:kept]
         y[i, : len(rows)] = rows
         y[i, len(rows) :] = result.final
         running[i, len(rows) :] = 0
-        if held is not None and result.modes is not None:
-            held[i, : len(rows)] = result.modes[skip:]
-            held[i, len(rows) :] = result.last_mode
-    return y, running, held, asked
+        if modes is not None and result.modes is not None:
+            modes[i, : len(rows)] = result.modes[skip:][:kept]
+            modes[i, len(rows) :] = result.last_mode
+    return y, running, modes, times
 
 
 def _series(
@@ -225,14 +219,10 @@ def _summary(
     launches: Starts, results: list[Result], error: Floats | None, dims: tuple[str, ...]
 ) -> dict[str, Any]:
     """One value for each launch: outcome, evidence, times, the nearest steady motion."""
-    import xarray
-
-    shape, clock = launches.shape, launches.size(Kind.TIME)
-    make: Any = xarray.Variable
+    clock = launches.size(Kind.TIME)
 
     def variable(values: Any, **attributes: Any) -> Any:
-        array = np.asarray(values).reshape(shape)
-        return make(dims, array, attributes, fastpath=True)
+        return _variable(dims, np.asarray(values).reshape(launches.shape), attributes)
 
     second = launches.unit("time")
     subject, account = launches.subject, {}
@@ -407,33 +397,6 @@ def account(launches: Starts, y: Floats, series: dict[str, Floats]) -> Floats:
     return np.asarray(audit / launches.subject.energy_scale(launches, y, series))
 
 
-# --- starts and events ---
-
-
-def start_states(launches: Starts, dims: tuple[str, ...]) -> dict[str, Any]:
-    """The state at time 0 of each launch, also where no sample is at that time.
-
-    Parameters
-    ----------
-    launches
-        The launches.
-    dims
-        Names of their dimensions.
-
-    Returns
-    -------
-    dict
-        `start_state` over (…, state), in the user's units.
-    """
-    import xarray
-
-    states = launches.states_in_units(launches.starts)
-    label = {"long_name": "state at time 0", "columns": " ".join(launches.model.states)}
-    make: Any = xarray.Variable
-    shaped = states.reshape(*launches.shape, -1)
-    return {"start_state": make((*dims, "state"), shaped, label, fastpath=True)}
-
-
 def event_log(launches: Starts, results: list[Result]) -> dict[str, Any]:
     """The event log: transitions between sliding and sticking, and early ends.
 
@@ -447,10 +410,7 @@ def event_log(launches: Starts, results: list[Result]) -> dict[str, Any]:
     dict
         Variables over (event), and `event_state` over (event, state).
     """
-    import xarray
-
     motion = flow_of(launches.model)
-    count = len(launches.model.states)
     rows: list[tuple[int, float, str, Floats, float]] = []
     for i, result in enumerate(results):
         for t in result.transitions:
@@ -458,38 +418,19 @@ def event_log(launches: Starts, results: list[Result]) -> dict[str, Any]:
         end = result.path.end
         if end is not None:
             rows.append((i, end.time, result.outcome.word, motion.reported(end.state), 0.0))
-    clock = launches.size(Kind.TIME)
     which = np.array([r[0] for r in rows], dtype=np.int64)
-    times = np.array([r[1] for r in rows], dtype=float)
-    states = np.array([r[3] for r in rows], dtype=float).reshape(len(rows), count)
+    times = np.array([r[1] for r in rows], dtype=float) * launches.clock[which]
+    states = np.array([r[3] for r in rows]).reshape(len(rows), len(launches.model.states))
     states = launches.states_in_units(states, which)
-
-    make: Any = xarray.Variable
-
-    def variable(dims: Any, values: Any, attributes: Any = None) -> Any:
-        return make(dims, values, attributes or {}, fastpath=True)
-
     log: dict[str, Any] = {
-        "event_launch": variable("event", which, {"long_name": "launch, counted flat"}),
-        "event_time": variable(
-            "event",
-            times * (clock[which] if clock.ndim else clock),
-            {"units": launches.unit("time")},
-        ),
-        "event_kind": variable("event", np.array([r[2] for r in rows], dtype="U12")),
-        "event_state": variable(
-            ("event", "state"),
-            states,
-            {"long_name": "state at the event", "columns": " ".join(launches.model.states)},
-        ),
+        "event_launch": _variable("event", which, {"long_name": "launch, counted flat"}),
+        "event_time": _variable("event", times, {"units": launches.unit("time")}),
+        "event_kind": _variable("event", np.array([r[2] for r in rows], dtype="U12"), {}),
+        "event_state": _states(("event", "state"), launches, states, "at the event"),
     }
     if launches.subject.slips:
-        log["event_direction"] = variable(
-            "event",
-            np.array([r[4] for r in rows], dtype=float),
-            {
-                "long_name": "direction of slip from x̂, before sticking or at its onset",
-                "units": Kind.ANGLE.si,
-            },
-        )
+        words = "direction of slip from x̂, before sticking or at its onset"
+        angles = np.array([r[4] for r in rows], dtype=float)
+        label = {"long_name": words, "units": Kind.ANGLE.si}
+        log["event_direction"] = _variable("event", angles, label)
     return log

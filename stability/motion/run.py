@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from ..base.quantities import Kind
 from ..base.types import Floats
 from ..bodies.model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.flow import ASKING, Flow, flow_of
@@ -172,25 +171,25 @@ def _grown(
 
 
 def _legs(launches: Starts, settings: Settings) -> list[Leg]:
-    which = flow_of(launches.model)
-    # the disk's flow has one more parameter: the sine of the angle that counts as flat
-    more = [math.sin(settings.flat)] * (which.p.numel() - launches.p.shape[1])
-    turning, lead = list(launches.model.turning), launches.times[:1] != 0
+    which, turning = flow_of(launches.model), list(launches.model.turning)
+    lead = launches.times[:1] != 0
     times = np.concatenate([[0.0], launches.times]) if lead else launches.times
-    clock = launches.size(Kind.TIME)
     # launches of one time scale share their array of times
-    shared = times / float(clock) if clock.ndim == 0 else None
+    shared = times / launches.clock[0] if np.ndim(launches.units.time) == 0 else None
+    rows = zip(
+        launches.flow_p(settings.flat), which.pack(launches.starts), launches.clock, strict=True
+    )
     return [
         Leg(
             which,
-            np.append(p, more),
+            p,
             y,
-            times / float(clock[i]) if shared is None else shared,
+            times / clock if shared is None else shared,
             _finer(settings.tolerance, y[turning]),
             settings.max_steps,
             settings.max_seconds,
         )
-        for i, (p, y) in enumerate(zip(launches.p, which.pack(launches.starts), strict=True))
+        for p, y, clock in rows
     ]
 
 

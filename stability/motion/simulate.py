@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 
 from ..base.errors import ParameterError, warned
 from ..bodies.disk import Disk
-from ..bodies.model import FLAT
 from ..bodies.resistance import Resistance
 from ..bodies.round_body.body import Body
 from ..integrators.flow import CASADI, flow_of
@@ -242,13 +241,10 @@ def _check_flat(launches: Starts, settings: Settings) -> None:
         raise ParameterError(
             f"flat is {settings.flat:g}, and only a disk falls flat; leave it out."
         )
-    if FLAT not in launches.model.guards:
-        return
-    theta = launches.starts[:, 0]
-    # a start within rounding of the border cannot be distinguished from one on it
-    bad = np.flatnonzero(np.minimum(theta, np.pi - theta) <= settings.flat * (1 + 1e-6))
+    bad = launches.flat(settings.flat)
     if bad.size:
+        theta = launches.starts[bad[0], 0]
         raise ParameterError(
-            f"theta of start is {theta[bad[0]]:g}, flat within flat = {settings.flat:g} rad; start "
+            f"theta of start is {theta:g}, flat within flat = {settings.flat:g} rad; start "
             "more upright, or give a smaller flat."
         )

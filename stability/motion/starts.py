@@ -5,17 +5,18 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..base.checks import checked
 from ..base.errors import ParameterError
 from ..base.quantities import Kind, Units
 from ..base.types import Floats
 from ..bodies.contact_laws import Contact
-from ..bodies.model import Model
+from ..bodies.model import FLAT, Model
 from ..settling.settling import Nearest, Settling
 from .result import Outcome
 
@@ -110,6 +111,42 @@ class Starts:
     def size(self, kind: Kind) -> Any:
         """A dimensionless 1 of a kind in the user's units, shape (N,) or ()."""
         return np.asarray(self.units.size(kind))
+
+    @property
+    def clock(self) -> Floats:
+        """Unit of time of each launch, shape (N,)."""
+        return np.broadcast_to(self.size(Kind.TIME), (self.count,))
+
+    def flow_p(self, flat: float) -> Floats:
+        """Parameters of the flow: those of the system, then for a body the sine of `flat`."""
+        more = self.model.p.numel() - self.p.shape[1]
+        return np.column_stack([self.p, np.full((self.count, more), math.sin(flat))])
+
+    def flat(self, angle: float) -> NDArray[np.intp]:
+        """Launches that start flat within an angle, as far as bodies fall flat."""
+        if FLAT not in self.model.guards:
+            return np.zeros(0, dtype=np.intp)
+        theta = self.starts[:, 0]
+        # a start within rounding of the border cannot be distinguished from one on it
+        return np.flatnonzero(np.minimum(theta, np.pi - theta) <= angle * (1 + 1e-6))
+
+    def some(self, rows: NDArray[np.intp]) -> Starts:
+        """Some of the launches, which are all fit."""
+
+        def part(value: Any) -> Any:
+            return value[rows] if np.ndim(value) else value
+
+        scales = {n: part(getattr(self.units, n)) for n in ("mass", "length", "gravity")}
+        return replace(
+            self,
+            shape=(len(rows),),
+            starts=self.starts[rows],
+            p=self.p[rows],
+            given={n: part(v) for n, v in self.given.items()},
+            units=replace(self.units, **scales),
+            energies=self.energies[rows],
+            unfit=None,
+        )
 
     def states_in_units(self, states: Floats, which: Any = slice(None)) -> Floats:
         """States in the user's units, shape (m, s), of which row i is of launch `which[i]`."""

@@ -105,7 +105,7 @@ def test_outcomes_do_not_depend_on_the_company() -> None:
     launches = launched("spinning", "phi_dot", 24, 8, 150.0)
     whole = outcomes(launches, Settings())
     rows = np.random.default_rng(1).permutation(24)[:11]
-    some = outcomes(engine.subset(launches, rows), Settings())
+    some = outcomes(launches.some(rows), Settings())
     for name in Outcomes.__dataclass_fields__:
         np.testing.assert_array_equal(getattr(some, name), getattr(whole, name)[rows])
     assert (whole.outcome == CODES[Outcome.SETTLED]).sum() > 7
