@@ -26,10 +26,10 @@ from stability.basin.basins import planned
 from stability.basin.cost import predict
 from stability.basin.lanes import lean_of
 from stability.basin.launches import prepare
-from stability.basin.outcomes import Judging, outcomes
+from stability.basin.outcomes import outcomes
 from stability.integrators import taylor
 from stability.integrators.flow import flow, flow_of
-from stability.motion.result import BY_CODE
+from stability.motion.result import BY_CODE, Settings
 from stability.motion.starts import Starts
 
 MU, HORIZON = 0.3, 2000.0
@@ -104,11 +104,11 @@ def reference(count: int, repeats: int) -> None:
     asked = prepare(None, "viscous", names, {}, "", (), {"mu": MU})
     some = asked.starts(dict(zip(names, start.T, strict=True)), 100.0)
     shares = []
-    outcomes(some, Judging(check=False))
+    outcomes(some, Settings(check=False))
     for _ in range(repeats):
         bare = raw(some, 1e-9, 10**6)
         begin = time.process_time()
-        outcomes(some, Judging(check=False))
+        outcomes(some, Settings(check=False))
         shares.append(bare / ((time.process_time() - begin) / count))
     print(
         f"reference batch, {count} launches to T = 100, tolerance 1e-9: throughput "
@@ -126,14 +126,14 @@ def scene(count: int, repeats: int, horizon: float) -> None:
     for body, k in BODIES.items():
         for family in SCENES:
             some = launches(family, k, count, 1, horizon)
-            outcomes(launches(family, k, 2048, 2, 2.0), Judging())
+            outcomes(launches(family, k, 2048, 2, 2.0), Settings())
             ratios, shorter, single, checked = [], [], [], []
             for _ in range(repeats):
                 bare = raw(some, 1e-9, 10**6)
                 begin = time.process_time()
-                found = outcomes(some, Judging(check=False))
+                found = outcomes(some, Settings(check=False))
                 middle = time.process_time()
-                outcomes(some, Judging())
+                outcomes(some, Settings())
                 checked.append((time.process_time() - middle) / count)
                 single.append((middle - begin) / count)
                 ratios.append(bare / single[-1])

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from inspect import signature
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
@@ -19,20 +20,19 @@ from numpy.typing import ArrayLike
 from ..base.axis import Axis, AxisLike
 from ..base.checks import whole_number
 from ..base.errors import ParameterError, StabilityError, StabilityWarning, shown, warned
-from ..base.types import Floats, Progress
+from ..base.types import Floats, Progress, fields_of
 from ..base.verdict import CODES
 from ..bodies.disk import Disk
 from ..bodies.families import at_name
-from ..bodies.newton_euler import STATES
 from ..bodies.round_body.body import Body
 from ..boundary.changes import boundaries
-from ..integrators.flow import CASADI
 from ..jobs.chunks import Arrays, Block, Layout, Memory, Store, Variable, even_chunk
 from ..jobs.dask import check_pool, pool_of
 from ..jobs.filling import fill, kept_on_stop
 from ..jobs.pipeline import Counted, shared
 from ..jobs.zarr_store import ZarrStore
 from ..motion.gather import moving
+from ..motion.result import Settings
 from ..motion.starts import Starts
 from ..spectra.spectrum import spectrum
 from ..systems.family import Family
@@ -42,7 +42,6 @@ from .dataset import (
     attributes,
     blank,
     coordinates,
-    label,
     lost,
     question,
     told_of_lost,
@@ -50,8 +49,8 @@ from .dataset import (
     works,
 )
 from .launch_labels import LaunchLabels
-from .launches import SCALES, TILT, Launches, prepare
-from .outcomes import Judging, judged_by, last_time, outcomes
+from .launches import Launches, Steady, prepare
+from .outcomes import last_time, outcomes
 from .refinement import refine
 from .statistics.samples import DistributionLike, Independent, check_distribution, sample
 
@@ -82,7 +81,7 @@ class Plan:
     """What is launched."""
     horizon: float
     """Last time."""
-    judging: Judging
+    settings: Settings
     """Settings of the runs."""
     layout: Layout
     """The grid of chunks."""
@@ -92,6 +91,22 @@ class Plan:
     """Distribution of a sample; None for a map."""
     seed: int = 0
     """Seed of a sample."""
+
+    __getstate__ = fields_of
+
+    @cached_property
+    def first(self) -> Starts:
+        """One of the launches, for names and units."""
+        return self.starts((0,) * len(self.layout.shape), slice(0, 1))
+
+    @cached_property
+    def arrays(self) -> tuple[Variable, ...]:
+        """The arrays of the result, with the numbers of a sample that vary."""
+        varied = self.launches.varied if self.distribution is not None else ()
+        return variables(self.first) + tuple(
+            Variable(n, "float64", np.nan, self.launches.label(self.first, n), coordinate=True)
+            for n in varied
+        )
 
     def points(self, block: Block, part: slice) -> dict[str, Floats]:
         """Values of the numbers that vary, for a part of the launches of a chunk."""
@@ -107,8 +122,7 @@ class Plan:
 
     def starts(self, block: Block, part: slice) -> Starts:
         """The launches of a part of a chunk, checked."""
-        with CASADI:  # calls from several threads take turns
-            return self.launches.starts(self.points(block, part), self.horizon)
+        return self.launches.starts(self.points(block, part), self.horizon)
 
 
 @dataclass(frozen=True)
@@ -121,22 +135,8 @@ class _Work:
     def __call__(self, block: Block, part: slice) -> Arrays:
         plan: Plan = self.plan()
         launches = plan.starts(block, part)
-        found = arrays(outcomes(launches, plan.judging), launches)
+        found = arrays(outcomes(launches, plan.settings), launches)
         return found | (plan.points(block, part) if plan.distribution is not None else {})
-
-
-@dataclass(frozen=True)
-class _Blank:
-    """Arrays of launches that ended their worker."""
-
-    states: int
-    """States of a launch."""
-    varied: tuple[str, ...]
-    """Numbers of a sample that vary; none for a map."""
-
-    def __call__(self, count: int) -> Arrays:
-        nan = np.full(count, np.nan)
-        return {**blank(count, self.states), **dict.fromkeys(self.varied, nan)}
 
 
 def basins(
@@ -156,12 +156,12 @@ def basins(
     horizon: float,
     body: Body | Disk | None = None,
     families: Family | Sequence[Family] = (),
-    tolerance: float = Judging.tolerance,
-    check: bool = Judging.check,
-    settle: float = Judging.settle,
-    flat: float = Judging.flat,
-    max_steps: int = Judging.most,
-    max_seconds: float = Judging.seconds,
+    tolerance: float = Settings.tolerance,
+    check: bool = Settings.check,
+    settle: float = Settings.settle,
+    flat: float = Settings.flat,
+    max_steps: int = Settings.max_steps,
+    max_seconds: float = Settings.max_seconds,
     levels: int = 0,
     store: str | os.PathLike[str] | None = None,
     overwrite: bool = False,
@@ -295,14 +295,9 @@ def planned(*given: Any, **named: Any) -> Plan:
 def _plan(asked: SimpleNamespace) -> Plan:
     """The plan of a call of `basins`, whose arguments are checked here."""
     thing, family, distribution = moving(asked.disk, asked.body), asked.family, asked.distribution
-    judging = judged_by(
-        asked.tolerance,
-        asked.check,
-        asked.settle,
-        asked.flat,
-        asked.max_steps,
-        asked.max_seconds,
-    )
+    runs = "tolerance", "check", "settle", "flat", "max_steps", "max_seconds"
+    settings = Settings(**{n: getattr(asked, n) for n in runs})
+    settings.refuse()
     last = last_time(asked.horizon)
     axes: tuple[Axis, ...] = ()
     if distribution is None:
@@ -340,7 +335,7 @@ def _plan(asked: SimpleNamespace) -> Plan:
     layout = Layout(names if axes else ("launch",), shape, even_chunk(shape, size))
     if axes:
         launches.check_edges(axes, last)
-    return Plan(launches, last, judging, layout, axes, distribution, seed)
+    return Plan(launches, last, settings, layout, axes, distribution, seed)
 
 
 def _axes(x: Any, y: Any, more: Sequence[Any], family: str) -> tuple[Axis, ...]:
@@ -387,8 +382,6 @@ def run(
     Store
         The full store.
     """
-    some = plan.starts((0,) * len(plan.layout.shape), slice(0, 1))
-    varied = plan.launches.varied if plan.distribution is not None else ()
     kept = store_of(plan, store, overwrite)
     with ExitStack() as stack:
         with kept_on_stop(kept, Counted(None, plan.layout.total)):  # workers may take seconds
@@ -398,7 +391,7 @@ def run(
         fill(
             kept,
             work,
-            blank=_Blank(len(some.model.states), varied),
+            blank=partial(blank, plan.arrays),
             executor=pool,
             workers=number,
             progress=told,
@@ -406,7 +399,7 @@ def run(
         if levels:
             axes = plan.axes[1], plan.axes[0]
             order = replace(plan.launches, varied=tuple(a.name for a in axes))
-            labels = LaunchLabels(order, plan.horizon, plan.judging)
+            labels = LaunchLabels(order, plan.horizon, plan.settings)
             refine(kept, labels, axes, levels, pool, number, progress)
     return kept
 
@@ -421,24 +414,19 @@ def store_of(plan: Plan, store: Any = None, overwrite: bool = False) -> Store:
     store, overwrite
         As for `basins`.
     """
-    some = plan.starts((0,) * len(plan.layout.shape), slice(0, 1))
-    varied = plan.launches.varied if plan.distribution is not None else ()
-    asked = variables(some) + tuple(
-        Variable(n, "float64", np.nan, label(plan.launches, some, n), coordinate=True)
-        for n in varied
-    )
+    some = plan.first
     more = (
         {} if plan.distribution is None else {"sample": repr(plan.distribution), "seed": plan.seed}
     )
     coords = coordinates(plan.launches, some, plan.axes)
     coords |= _linear_verdict(plan.launches, plan.axes)
-    told = attributes(plan.launches, some, plan.horizon, plan.judging, more)
-    told["citation"] = works(plan.launches, some, linear=LINEAR in coords)
+    told = attributes(plan.launches, some, plan.horizon, plan.settings, more)
+    told["citation"] = works(some, linear=LINEAR in coords)
     if store is None:
-        return Memory(plan.layout, asked, coords, told)
-    about = question(plan.launches, some, plan.horizon, plan.judging, more)
+        return Memory(plan.layout, plan.arrays, coords, told)
+    about = question(plan.launches, some, plan.horizon, plan.settings, more)
     about["axes"] = [[a.name, a.low, a.high, a.count, a.log] for a in plan.axes]
-    return ZarrStore(store, plan.layout, asked, coords, told, about, overwrite=overwrite)
+    return ZarrStore(store, plan.layout, plan.arrays, coords, told, about, overwrite=overwrite)
 
 
 def _linear_verdict(launches: Launches, axes: tuple[Axis, ...]) -> dict[str, Any]:
@@ -456,46 +444,34 @@ def _linear_verdict(launches: Launches, axes: tuple[Axis, ...]) -> dict[str, Any
     >>> found.linear_verdict.attrs["changes"], found.linear_verdict.attrs["zones"]
     ([2.0], [2, 1])
     """
-    if not launches.family or launches.contact is None:
+    near = launches.steady(axes)
+    if near is None:
         return {}
-    own = launches.own
-    along = [a for a in axes if a.name == own]
-    others = [a.name for a in axes if a.name != own]
-    if not along or any(n != TILT and n not in STATES for n in others):
-        return {}
-    held, law = dict(launches.held), launches.contact
-    body: dict[str, Any] = {}
-    if isinstance(launches.thing, Body):
-        body = {"body": launches.body(held), **launches.where, "certify": True}
-    elif isinstance(launches.thing, Disk):
-        body = {"disk": replace(launches.thing, **{n: held[n] for n in SCALES if n in held})}
-    if set(law.given) & set(held):
-        law = type(law)(**(law.given | {n: held[n] for n in law.given if n in held}))
     try:
-        given = body | {"contact": law}
-        found = spectrum(launches.family, at=along[0].values, **given)
-        changes, zones = _zones(launches.family, along[0], given)
+        found = spectrum(near.family, at=near.axis.values, certify=True, **near.call)
+        changes, zones = _zones(near)
     except StabilityError:  # dry friction is not smooth at a member
         return {}
     attributes: dict[str, Any] = {
-        "long_name": f"linear verdict of {launches.near} under {law.name} contact",
+        "long_name": f"linear verdict of {near.words}",
         "flag_values": [int(c) for c in CODES.values()],
         "flag_meanings": " ".join(v.word for v in CODES),
     }
     if zones:
         attributes |= {"changes": changes, "zones": zones}
-    return {LINEAR: (own, np.asarray(found.codes, dtype=np.int8), attributes)}
+    return {LINEAR: (near.axis.name, np.asarray(found.codes, dtype=np.int8), attributes)}
 
 
-def _zones(family: str, axis: Axis, given: dict[str, Any]) -> tuple[list[float], list[int]]:
+def _zones(near: Steady) -> tuple[list[float], list[int]]:
     """Changes of verdict and the verdicts between them; none where a piece stays open."""
-    of_all = {n: v for n, v in given.items() if n != "certify"}
+    axis = near.axis
     with warnings.catch_warnings():  # an open piece leaves out the zones, and nothing else
         warnings.simplefilter("ignore", StabilityWarning)
-        found = boundaries(family, axis=("at", axis.low, axis.high, axis.count), **of_all)
+        found = boundaries(near.family, axis=("at", axis.low, axis.high, axis.count), **near.call)
     if not found.complete or not len(found):
         return [], []
     changes = [float(f"{p.value:.{DIGITS}g}") for p in found]
     ends = np.array([axis.low, *changes, axis.high])
-    between = spectrum(family, at=(ends[1:] + ends[:-1]) / 2, **given)
+    middles = (ends[1:] + ends[:-1]) / 2
+    between = spectrum(near.family, at=middles, certify=True, **near.call)
     return changes, [int(c) for c in between.codes]

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from ..base.types import Floats
-from ..integrators.flow import CASADI
 from ..jobs.chunks import Arrays, Block
 from .basins import Plan
 from .dataset import arrays
@@ -203,11 +202,10 @@ def _trials(
 
 def _run(plan: Plan, cells: NDArray[np.intp], clock: Callable[[], float]) -> _Trial:
     """Some launches, and what they cost."""
-    with CASADI:
-        launches = plan.launches.starts(_points(plan, cells), plan.horizon)
+    launches = plan.launches.starts(_points(plan, cells), plan.horizon)
     begin = clock()
     middle: list[float] = []
-    done = outcomes(launches, plan.judging, lambda: middle.append(clock()))
+    done = outcomes(launches, plan.settings, lambda: middle.append(clock()))
     found, end = arrays(done, launches), clock()
     [parting] = middle or [begin]  # none ran on lanes
     strides = np.ceil(np.sort(done.steps) / STRIDE) * STRIDE

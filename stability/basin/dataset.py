@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
@@ -11,24 +10,18 @@ import numpy as np
 
 from ..base.axis import Axis
 from ..base.checks import flag
-from ..base.citation import cited
 from ..base.errors import listed
 from ..base.provenance import versions
 from ..base.quantities import Kind
-from ..base.types import Floats
 from ..base.version import __version__
-from ..bodies.contact_laws import Smooth
-from ..bodies.disk import Disk
-from ..bodies.families import FAMILIES, named_by
-from ..bodies.quantities import round_quantities
+from ..bodies.families import named_by
 from ..integrators.selection import HEYOKA
 from ..jobs.chunks import Arrays, Store, Variable
-from ..motion.result import CODES, Outcome, outcome_flags
+from ..motion.result import CODES, Outcome, Settings, outcome_flags
 from ..motion.starts import Starts
 from ..storage.zarr_folder import opened_store
-from ..systems.system import System
-from .launches import TILT, Launches
-from .outcomes import Judging, Outcomes, on_lanes
+from .launches import Launches
+from .outcomes import Outcomes, on_lanes
 
 if TYPE_CHECKING:
     import xarray
@@ -55,43 +48,49 @@ def variables(sample: Starts) -> tuple[Variable, ...]:
     -------
     tuple of Variable
     """
-    body = sample.law is not None
     second, names = sample.unit("time"), sample.settling.names
-    units = "1" if sample.dimensionless or not body else f"{Kind.ANGULAR_VELOCITY.si} "\
-        f"(theta: {Kind.ANGLE.si})"  # fmt: skip
-    known = (FAMILIES.get(n.split(" ")[0]) for n in names if body)
-    own = list(dict.fromkeys(one.at[0] for one in known if one is not None))
-    named = f"its {listed(own, 'or')}" if own else "the number that names it"
-    flags = outcome_flags(disk=body)
-    codes = np.arange(len(names) + 1, dtype=np.int8)
+    member, units = (sample.subject.member[n] for n in ("long_name", "units"))
+    flags = outcome_flags(sample.subject.outcomes)
     meanings = " ".join(["none", *(n.replace(" ", "_") for n in names)])
-    states = (("state", len(sample.model.states)),)
-    number = dict.fromkeys(("units",), "1")
+    codes = {"flag_values": list(range(len(names) + 1)), "flag_meanings": meanings}
+    flags["flag_values"] = flags["flag_values"].tolist()
+
+    def number(name: str, words: str, unit: str) -> Variable:
+        return Variable(name, "float64", np.nan, {"long_name": words, "units": unit})
+
     return (
-        Variable("outcome", "int8", MISSING, {
-            "long_name": "what became of the launch",
-            "flag_values": [int(v) for v in flags["flag_values"]],
-            "flag_meanings": flags["flag_meanings"]}),
-        Variable("end_time", "float64", np.nan, {
-            "long_name": "time of the event, of the proof of settling, or the last time",
-            "units": second}),
-        Variable("family", "int8", MISSING, {
-            "long_name": "family of the steady motion that is settled on",
-            "flag_values": codes.tolist(), "flag_meanings": meanings}),
-        Variable("member", "float64", np.nan, {
-            "long_name": f"steady motion that is settled on: {named}", "units": units}),
-        Variable("member_error", "float64", np.nan, {
-            "long_name": "error of member: a proved bound for the computed state, and the "
-            "estimated effect of the integration's error", "units": units}),
-        Variable("error", "float64", np.nan, {
-            "long_name": "estimated effect of the integration's error, dimensionless: on member "
-            "where settled, on the time of an event, on the final state where moving (the largest "
-            "over the states, each over 1 or its own size)"} | number),
+        Variable("outcome", "int8", MISSING, {"long_name": "what became of the launch"} | flags),
+        number("end_time", "time of the event, of the proof of settling, or the last time", second),
+        Variable(
+            "family",
+            "int8",
+            MISSING,
+            {"long_name": "family of the steady motion that is settled on"} | codes,
+        ),
+        number("member", f"steady motion that is settled on: {member}", units),
+        number(
+            "member_error",
+            "error of member: a proved bound for the computed state, and the estimated effect of "
+            "the integration's error",
+            units,
+        ),
+        number(
+            "error",
+            "estimated effect of the integration's error, dimensionless: on member where settled, "
+            "on the time of an event, on the final state where moving (the largest over the "
+            "states, each over 1 or its own size)",
+            "1",
+        ),
         Variable("steps", "int32", MISSING, {"long_name": "steps of the integrator"}),
-        Variable("start_state", "float64", np.nan, {
-            "long_name": "state at the start", "columns": " ".join(sample.model.states)}, states,
-            coordinate=True),
-    )  # fmt: skip
+        Variable(
+            "start_state",
+            "float64",
+            np.nan,
+            {"long_name": "state at the start", "columns": " ".join(sample.model.states)},
+            (("state", len(sample.model.states)),),
+            coordinate=True,
+        ),
+    )
 
 
 def arrays(found: Outcomes, launches: Starts) -> dict[str, Any]:
@@ -123,36 +122,25 @@ def arrays(found: Outcomes, launches: Starts) -> dict[str, Any]:
         "member_error": (found.member_error + off) * unit,
         "error": found.error,
         "steps": found.steps.astype(np.int32),
-        "start_state": given_states(launches),
+        "start_state": launches.states_in_units(launches.starts),
     }
 
 
-def given_states(launches: Starts) -> Floats:
-    """The states at the starts in the user's units, shape (N, s)."""
-    states = launches.starts.copy()
-    if launches.law is not None and not launches.dimensionless:
-        for column, name in enumerate(launches.model.states):
-            states[:, column] *= launches.size(launches.model.quantities[name].kind)
-    return states
-
-
-def blank(count: int, states: int) -> Arrays:
+def blank(arrays: tuple[Variable, ...], count: int) -> Arrays:
     """Arrays of launches that ended their worker: *unresolved*.
 
     Parameters
     ----------
+    arrays
+        Those of a result.
     count
         Number of launches.
-    states
-        Number of states of each.
     """
-    nan = np.full(count, np.nan)
+    known = {"outcome": CODES[Outcome.UNRESOLVED], "family": 0, "steps": 0}
     return {
-        "outcome": np.full(count, CODES[Outcome.UNRESOLVED], dtype=np.int8),
-        "end_time": nan, "family": np.zeros(count, dtype=np.int8), "member": nan,
-        "member_error": nan, "error": nan, "steps": np.zeros(count, dtype=np.int32),
-        "start_state": np.full((count, states), np.nan),
-    }  # fmt: skip
+        v.name: np.full((count, *(n for _, n in v.more)), known.get(v.name, v.fill), v.dtype)
+        for v in arrays
+    }
 
 
 def lost(kept: Store) -> tuple[int, ...]:
@@ -208,33 +196,21 @@ def coordinates(launches: Launches, sample: Starts, axes: tuple[Axis, ...]) -> d
         The axes of a map, the slowest first; none for a sample.
     """
     found: dict[str, Any] = {
-        a.name: (a.name, a.values, label(launches, sample, a.name)) for a in axes
+        a.name: (a.name, a.values, launches.label(sample, a.name)) for a in axes
     }
     for name, value in launches.held.items():
-        found[name] = ((), float(value), label(launches, sample, name))
+        found[name] = ((), float(value), launches.label(sample, name))
     return found
 
 
-def label(launches: Launches, sample: Starts, name: str) -> dict[str, str]:
-    """Name in words and units of a number that varies or is held."""
-    if name == TILT:
-        return {"long_name": "tilt from the steady motion", "units": Kind.ANGLE.si}
-    if isinstance(launches.thing, System):
-        return sample.model.attributes(name, dimensionless=True)
-    if name == launches.own and name not in sample.model.quantities:  # of no state of the angles
-        own = round_quantities("", Smooth, (), (name,))[name]
-        return own.attributes(dimensionless=sample.dimensionless)
-    return sample.model.attributes(name, dimensionless=sample.dimensionless)
-
-
 def attributes(
-    launches: Launches, sample: Starts, horizon: float, judging: Judging, more: Mapping[str, Any]
+    launches: Launches, sample: Starts, horizon: float, settings: Settings, more: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Provenance, without a date: two runs of one question give the same bytes.
 
     Parameters
     ----------
-    launches, sample, horizon, judging
+    launches, sample, horizon, settings
         What is launched, some of it, until when, and how.
     more
         Further attributes, such as the seed of a sample.
@@ -243,61 +219,44 @@ def attributes(
         "format": FORMAT,
         "title": f"outcomes of launches: {sample.model.title}",
         "horizon": horizon,
-        "tolerance": judging.tolerance,
-        "checked": int(judging.check),
-        "settle": judging.settle,
+        "tolerance": settings.tolerance,
+        "checked": int(settings.check),
+        "settle": settings.settle,
         "software": f"stability {__version__}",
         "versions": versions(LIBRARIES),
         "source": sample.model.source,
         "Conventions": "CF-1.11",
     }
-    if isinstance(launches.thing, System):
-        found["system"] = launches.thing.name
-    else:
-        assert launches.contact is not None
-        swept = set(launches.varied) | set(launches.held)
-        thing = launches.thing
-        numbers = thing.given if not isinstance(thing, Disk) else {
-            n: getattr(thing, n) for n in ("k", "mass", "radius", "gravity")}  # fmt: skip
-        fixed = {n: float(v) for n, v in {**numbers, **launches.contact.given}.items()
-                 if n not in swept and np.ndim(v) == 0}  # fmt: skip
-        found |= {
-            "body": "disk" if isinstance(thing, Disk) else thing.name,
-            "contact": launches.contact.name, "flat": judging.flat,
-            "dimensionless": int(sample.dimensionless),
-            "parameters": json.dumps(fixed, sort_keys=True),
-        }  # fmt: skip
-        if launches.family:
-            found["launched_near"] = launches.near
+    found |= launches.attributes(sample, settings.flat)
     return found | dict(more)
 
 
-def works(launches: Launches, sample: Starts, *, linear: bool) -> str:
+def works(sample: Starts, *, linear: bool) -> str:
     """Keys of the works to cite: the model, the integrator of the lanes, and the linear verdict.
 
     Parameters
     ----------
-    launches, sample
-        What is launched, and some of it.
+    sample
+        Some of the launches.
     linear
         Whether there is the linear verdict of the steady motions, whose changes are proved.
     """
-    return cited(
-        launches.contact.name if launches.contact is not None else None,
-        model=launches.contact is not None, eigenvalues=linear, proofs=linear,
-        methods=[HEYOKA] if on_lanes(sample) else (),
-    )  # fmt: skip
+    methods = [HEYOKA] if on_lanes(sample) else ()
+    return sample.subject.cited(eigenvalues=linear, proofs=linear, methods=methods)
 
 
 def question(
-    launches: Launches, sample: Starts, horizon: float, judging: Judging, more: Mapping[str, Any]
+    launches: Launches, sample: Starts, horizon: float, settings: Settings, more: Mapping[str, Any]
 ) -> dict[str, Any]:
     """Everything that the numbers depend on, for the fingerprint of a store."""
-    return attributes(launches, sample, horizon, judging, more) | {
-        "graph": str(sample.model.rhs), "varied": list(launches.varied),
-        "held": dict(launches.held), "flat": judging.flat, "most": judging.most,
+    return attributes(launches, sample, horizon, settings, more) | {
+        "graph": str(sample.model.rhs),
+        "varied": list(launches.varied),
+        "held": dict(launches.held),
+        "flat": settings.flat,
+        "most": settings.max_steps,
         "families": [f"{f.name} {f.held} {f.unknown}" for f in launches.families],
-    }  # fmt: skip
+    }
 
 
 def read_basins(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Dataset:

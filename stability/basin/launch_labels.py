@@ -13,15 +13,14 @@ import numpy as np
 
 from ..base.errors import ParameterError, shown
 from ..base.types import Floats
-from ..integrators.flow import CASADI
 from ..integrators.taylor import CORES
 from ..jobs.pipeline import check_run, ordered, shared, threads
 from ..motion.gather import moving
-from ..motion.result import BY_CODE
+from ..motion.result import BY_CODE, Settings
 from .dataset import works
 from .labels import Ints
 from .launches import Launches, prepare
-from .outcomes import Judging, judged_by, last_time, outcomes
+from .outcomes import last_time, outcomes
 
 FAMILIES = 64
 """Most families of one question: a label is the outcome's code times this, plus the family's."""
@@ -48,7 +47,7 @@ class LaunchLabels:
     """What is launched; columns of a call are the numbers that vary."""
     horizon: float
     """Last time."""
-    judging: Judging
+    settings: Settings
     """Settings of the runs."""
     executor: Executor | None = None
     """Executor of the runs; None for threads of this process."""
@@ -59,7 +58,7 @@ class LaunchLabels:
     def citation(self) -> str:
         """Keys of the works to cite, for `stability.citation`."""
         one = {name: np.ones(1) for name in self.launches.varied}
-        return works(self.launches, self.launches.starts(one, self.horizon), linear=False)
+        return works(self.launches.starts(one, self.horizon), linear=False)
 
     def __call__(self, points: Floats) -> Ints:
         """The labels of launches."""
@@ -89,9 +88,7 @@ class LaunchLabels:
     def of(self, points: Floats) -> Ints:
         """The labels of some launches, computed at once and here."""
         table = dict(zip(self.launches.varied, points.T, strict=True))
-        with CASADI:
-            launches = self.launches.starts(table, self.horizon)
-        found = outcomes(launches, self.judging)
+        found = outcomes(self.launches.starts(table, self.horizon), self.settings)
         return coded(found.outcome, found.family + 1)
 
     def words(self, label: int) -> str:
@@ -104,8 +101,7 @@ class LaunchLabels:
     def names(self) -> tuple[str, ...]:
         """Names of the families that launches may settle on."""
         point = {n: np.array([1.0]) for n in self.launches.varied}
-        with CASADI:
-            return self.launches.starts(point, self.horizon).settling.names
+        return self.launches.starts(point, self.horizon).settling.names
 
 
 def _labels(labels: Any, points: Floats) -> Ints:
@@ -142,8 +138,8 @@ def launch_labels(
     pole: Any = None,
     families: Any = (),
     body: Any = None,
-    tolerance: float = Judging.tolerance,
-    check: bool = Judging.check,
+    tolerance: float = Settings.tolerance,
+    check: bool = Settings.check,
     executor: Executor | None = None,
     workers: int | None = None,
     **parameters: Any,
@@ -189,5 +185,6 @@ def launch_labels(
     thing = moving(disk, body)
     asked = prepare(thing, contact, tuple(varied), held, family, families, parameters, theta, pole)
     check_run(workers, None, executor)
-    judging = judged_by(tolerance, check)
-    return LaunchLabels(asked, last_time(horizon), judging, executor, workers)
+    settings = Settings(tolerance=tolerance, check=check)
+    settings.refuse()
+    return LaunchLabels(asked, last_time(horizon), settings, executor, workers)

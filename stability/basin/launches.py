@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import math
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,12 +14,14 @@ import numpy as np
 from ..base.axis import Axis
 from ..base.checks import one_number
 from ..base.errors import NameUnknownError, ParameterError, listed, shown
+from ..base.quantities import Kind
 from ..base.types import Floats
-from ..bodies.contact_laws import MOTION_LAWS, Contact, law_given, law_missing
+from ..bodies.contact_laws import MOTION_LAWS, Contact, Smooth, law_given, law_missing
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES, at_name
 from ..bodies.launch import launch
 from ..bodies.newton_euler import STATES
+from ..bodies.quantities import round_quantities
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.families import place_of
 from ..bodies.round_body.shape import refuse_constants
@@ -29,58 +33,58 @@ from ..systems.system import System
 
 TILT = "tilt"
 """Name of the angle by which a launch near a steady motion leans from it."""
-SCALES = ("k", "mass", "radius", "gravity")
-"""Numbers of a disk by name."""
 
 
 @dataclass(frozen=True)
+class Steady:
+    """Steady motions near which launches start, for their linear verdict."""
+
+    family: str
+    """Name of the family."""
+    words: str
+    """The family and the law, in words."""
+    axis: Axis
+    """Axis of the number that names the members."""
+    call: Mapping[str, Any]
+    """What names the family in a call of `spectrum`."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Launches:
-    """Launches of one body or system: some numbers vary, all others have one value.
+    """Launches of one body or system: some numbers vary, all others have one value."""
 
-    A launch is given by the states at its start.  With `family` it is given by a steady motion, by
-    the tilt from it, and by states that differ from those of that motion.
-    """
-
-    thing: Disk | Body | System
-    """The body or system."""
-    contact: Contact | None
-    """The contact law, with any value for a number that varies; None for a system."""
     varied: tuple[str, ...]
     """Names of the numbers that vary."""
     held: Mapping[str, float]
     """Values of others by name."""
-    family: str = ""
-    """Family of the disk or body near which launches start; empty where the states are given."""
-    where: Mapping[str, Any] = field(default_factory=dict)
-    """`theta` or `pole` of that family, for a body that needs them."""
     families: tuple[Family, ...] = ()
-    """Families on which a user's system may settle."""
+    """Families on which a user's system may settle; a body has its own."""
 
     @property
-    def own(self) -> str:
-        """Name of the number that names members of `family`."""
-        return at_name(self.family)
-
-    @property
-    def near(self) -> str:
-        """The family near which launches start, in words; empty where the states are given."""
-        if not self.family or not isinstance(self.thing, Body):
-            return self.family
-        pole = self.where.get("pole")
-        at = place_of(self.thing, self.family, self.where.get("theta"), pole)
-        if FAMILIES[self.family].pole:
-            return f"{self.family} at theta = {'pi' if at else 0}"
-        return self.family if at in (None, math.pi / 2) else f"{self.family} at theta = {at:.6g}"
-
-    @property
+    @abstractmethod
     def names(self) -> tuple[str, ...]:
         """Names that may vary or be held."""
-        if isinstance(self.thing, System):
-            return (*self.thing.states, *self.thing.parameters)
-        own = SCALES if isinstance(self.thing, Disk) else tuple(self.thing.given)
-        law = tuple(self.contact.given) if self.contact is not None else ()
-        near = (self.own, TILT) if self.family else ()
-        return tuple(dict.fromkeys((*near, *STATES, *own, *law)))
+
+    @property
+    @abstractmethod
+    def needed(self) -> tuple[str, ...]:
+        """Names that must vary or be held."""
+
+    @abstractmethod
+    def gathered(self, given: Mapping[str, Floats], times: Sequence[float]) -> Starts:
+        """The launches with these numbers, shape (N,) each; bad starts are marked."""
+
+    @abstractmethod
+    def label(self, sample: Starts, name: str) -> dict[str, str]:
+        """Name in words and units of a number that varies or is held."""
+
+    @abstractmethod
+    def attributes(self, sample: Starts, flat: float) -> dict[str, Any]:
+        """What is launched, for the attributes of a dataset; `flat` as for `basins`."""
+
+    def steady(self, axes: Sequence[Axis]) -> Steady | None:  # noqa: ARG002
+        """The steady motions near which they start; None where no axis alone names them."""
+        return None
 
     def starts(self, points: Mapping[str, Floats], horizon: float) -> Starts:
         """The launches at some values of the numbers that vary.
@@ -101,22 +105,8 @@ class Launches:
         given = {n: np.full(count, v) for n, v in self.held.items()} | {
             n: np.asarray(v, dtype=float) for n, v in points.items()
         }
-        times = [0.0, horizon]
-        if isinstance(self.thing, System):
-            x, p = (
-                {n: given[n] for n in names} for names in (self.thing.states, self.thing.parameters)
-            )
-            return launches_of(self.thing, p or None, x, times, families=self.families, mark=True)
-        if isinstance(self.thing, Body):
-            thing: Disk | Body = self.body(given)
-        else:
-            thing = replace(self.thing, **{n: given[n] for n in SCALES if n in given})
-        return launches_of(thing, self._law(given), self._six(thing, given), times, mark=True)
-
-    def body(self, given: Mapping[str, Any]) -> Body:
-        """The body with those of some numbers that are its own."""
-        assert isinstance(self.thing, Body)
-        return _with(self.thing, {n: v for n, v in given.items() if n in self.thing.given})
+        with CASADI:  # calls from several threads take turns
+            return self.gathered(given, [0.0, horizon])
 
     def check_edges(self, axes: Sequence[Axis], horizon: float) -> None:
         """Refuse a map with launches that do not exist before any of them runs.
@@ -141,18 +131,108 @@ class Launches:
             sides = [a.values if a is along else a.values[[0, -1]] for a in axes]
             rows.append(np.stack([v.ravel() for v in np.meshgrid(*sides, indexing="ij")]))
         edges = np.concatenate(rows, axis=1)
-        with CASADI:
-            self.starts({a.name: edges[i] for i, a in enumerate(axes)}, horizon)
+        self.starts({a.name: edges[i] for i, a in enumerate(axes)}, horizon)
 
-    def _law(self, given: Mapping[str, Floats]) -> Contact:
-        assert self.contact is not None
-        mine = self.contact.given
-        if not set(mine) & set(given):
-            return self.contact
-        return type(self.contact)(**(mine | {n: given[n] for n in mine if n in given}))
+
+@dataclass(frozen=True, kw_only=True)
+class SystemLaunches(Launches):
+    """Launches of a user's system."""
+
+    system: System
+    """The system."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """States, then parameters."""
+        return (*self.system.states, *self.system.parameters)
+
+    needed = names
+
+    def gathered(self, given: Mapping[str, Floats], times: Sequence[float]) -> Starts:
+        """States and parameters by name."""
+        x, p = (
+            {n: given[n] for n in names} for names in (self.system.states, self.system.parameters)
+        )
+        return launches_of(self.system, p or None, x, times, families=self.families, mark=True)
+
+    def label(self, sample: Starts, name: str) -> dict[str, str]:
+        """As the system states them."""
+        return sample.model.attributes(name, dimensionless=True)
+
+    def attributes(self, sample: Starts, flat: float) -> dict[str, Any]:  # noqa: ARG002
+        """Its name."""
+        return {"system": self.system.name}
+
+
+@dataclass(frozen=True, kw_only=True)
+class BodyLaunches(Launches):
+    """Launches of a disk or body, by the states at their starts.
+
+    With `family` they are given by a steady motion, by the tilt from it, and by states that differ
+    from those of that motion.
+    """
+
+    body: Disk | Body
+    """The disk or body, with any value for a number that varies."""
+    contact: Contact
+    """The contact law, likewise."""
+    family: str = ""
+    """Family near which launches start; empty where the states are given."""
+    where: Mapping[str, Any] = field(default_factory=dict)
+    """`theta` or `pole` of that family, for a body that needs them."""
+
+    @property
+    def own(self) -> str:
+        """Name of the number that names members of `family`."""
+        return at_name(self.family)
+
+    @property
+    def near(self) -> str:
+        """The family near which launches start, in words; empty where the states are given."""
+        if not self.family or not isinstance(self.body, Body):
+            return self.family
+        pole = self.where.get("pole")
+        at = place_of(self.body, self.family, self.where.get("theta"), pole)
+        if FAMILIES[self.family].pole:
+            return f"{self.family} at theta = {'pi' if at else 0}"
+        return self.family if at in (None, math.pi / 2) else f"{self.family} at theta = {at:.6g}"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What names a member and the tilt from it, states, and numbers of the body and the law."""
+        near = (self.own, TILT) if self.family else ()
+        return tuple(dict.fromkeys((*near, *STATES, *self.body.given, *self.contact.given)))
+
+    @property
+    def needed(self) -> tuple[str, ...]:
+        """The number that names a member, or the inclination."""
+        return (self.own,) if self.family else ("theta",)
+
+    def having(self, given: Mapping[str, Any]) -> tuple[Disk | Body, Contact]:
+        """The body and the law with those of some numbers that are their own."""
+        body = self.body.having({n: v for n, v in given.items() if n in self.body.given})
+        law = self.contact.given
+        if set(law) & set(given):
+            return body, type(self.contact)(**(law | {n: given[n] for n in law if n in given}))
+        return body, self.contact
+
+    def steady(self, axes: Sequence[Axis]) -> Steady | None:
+        """Those of `family`, along the axis that names them."""
+        along = [a for a in axes if a.name == self.own]
+        others = {a.name for a in axes} - {self.own}
+        if not self.family or not along or not others <= {TILT, *STATES}:
+            return None
+        body, law = self.having(self.held)
+        call = {"body": body, "contact": law, **self.where}
+        return Steady(self.family, f"{self.near} under {law.name} contact", along[0], call)
+
+    def gathered(self, given: Mapping[str, Floats], times: Sequence[float]) -> Starts:
+        """The body and the law with their numbers, and the six states."""
+        body, law = self.having(given)
+        return launches_of(body, law, self._six(body, given), times, mark=True)
 
     def _six(self, body: Disk | Body, given: Mapping[str, Floats]) -> Floats:
-        """The six states of each launch of a disk or body."""
+        """The six states of each launch."""
         count = len(next(iter(given.values())))
         six = np.zeros((count, 6))
         if self.family:
@@ -165,12 +245,28 @@ class Launches:
                 six[:, column] = given[name]
         return six
 
+    def label(self, sample: Starts, name: str) -> dict[str, str]:
+        """As the body states them; tilt and the number of a member too."""
+        if name == TILT:
+            return {"long_name": "tilt from the steady motion", "units": Kind.ANGLE.si}
+        if name == self.own and name not in sample.model.quantities:  # of no state of the angles
+            own = round_quantities("", Smooth, (), (name,))[name]
+            return own.attributes(dimensionless=sample.dimensionless)
+        return sample.model.attributes(name, dimensionless=sample.dimensionless)
 
-def _with(body: Body, given: Mapping[str, Floats]) -> Body:
-    """A body with other numbers."""
-    shape = dict(body.shape) | {n: v for n, v in given.items() if n in body.shape}
-    others: dict[str, Any] = {n: v for n, v in given.items() if n not in body.shape}
-    return replace(body, shape=shape, **others)
+    def attributes(self, sample: Starts, flat: float) -> dict[str, Any]:
+        """Body, law, their fixed numbers, and the family nearby."""
+        swept = {*self.varied, *self.held}
+        numbers = {**self.body.given, **self.contact.given}
+        fixed = {n: float(v) for n, v in numbers.items() if n not in swept and np.ndim(v) == 0}
+        found = {
+            "body": sample.subject.attributes.get("body", "disk"),
+            "contact": self.contact.name,
+            "flat": flat,
+            "dimensionless": int(sample.dimensionless),
+            "parameters": json.dumps(fixed, sort_keys=True),
+        }
+        return found | ({"launched_near": self.near} if self.family else {})
 
 
 def prepare(
@@ -178,9 +274,9 @@ def prepare(
     contact: Any,
     varied: Sequence[str],
     held: Mapping[str, Any] | None,
-    family: str,
-    families: Any,
-    parameters: dict[str, Any],
+    family: str = "",
+    families: Any = (),
+    parameters: Mapping[str, Any] | None = None,
     theta: Any = None,
     pole: Any = None,
 ) -> Launches:
@@ -210,7 +306,8 @@ def prepare(
     StabilityError
         In one sentence, if a name is unknown, given twice or missing.
     """
-    held = _held(held)
+    known: dict[str, Any] = {"varied": tuple(varied), "held": _held(held)}
+    parameters = dict(parameters or {})
     if isinstance(thing, System):
         others = ("contact", contact), ("family", family or None), ("theta", theta), ("pole", pole)
         for name, value in others:
@@ -218,12 +315,12 @@ def prepare(
                 raise ParameterError(
                     f"{name} is {shown(value)}, which a system does not take; leave it out."
                 )
-        held |= _held(parameters)
-        found = Launches(thing, None, tuple(varied), held, families=_families(families))
+        known["held"] |= _held(parameters)
+        found: Launches = SystemLaunches(system=thing, families=_families(families), **known)
     else:
         if families is not None and not (isinstance(families, (tuple, list)) and not families):
             raise ParameterError("families belong to a stability.System; leave them out.")
-        contact = law_given(contact, parameters, motion=True, swept=(*varied, *held))
+        contact = law_given(contact, parameters, motion=True, swept=(*varied, *known["held"]))
         for name in parameters:
             raise ParameterError(
                 f"{shown(name)} is not an argument here; give it in held, or as an axis."
@@ -232,8 +329,9 @@ def prepare(
             raise law_missing(MOTION_LAWS)
         if not isinstance(contact, Contact) or not contact.name:
             raise NameUnknownError(f"contact is {shown(contact)}; give a contact law.")
-        near = _family(thing, family, theta, pole)
-        found = Launches(thing, contact, tuple(varied), held, *near)
+        near, where = _family(thing, family, theta, pole)
+        found = BodyLaunches(body=thing, contact=contact, family=near, where=where, **known)
+    refuse_constants(thing, (*found.varied, *found.held))
     _complete(found)
     return found
 
@@ -258,7 +356,8 @@ def _family(
 ) -> tuple[str, Mapping[str, Any]]:
     """The family near which launches start, and where it is."""
     where = {n: v for n, v in (("theta", theta), ("pole", pole)) if v is not None}
-    if family is None or (isinstance(family, str) and not family):
+    name = str("" if family is None else family)
+    if not name:
         if theta is not None:
             raise ParameterError(
                 "theta chooses where a family rolls; name the family, or give the state theta as "
@@ -269,20 +368,19 @@ def _family(
         return "", {}
     single = isinstance(thing, Body)  # whose members have formulas wherever one number names them
     lines = [n for n, one in FAMILIES.items() if (len(one.at) == 1 if single else one.line)]
-    if not isinstance(family, str) or family not in lines:
+    if name not in lines:
         raise NameUnknownError(f"family is {shown(family)}; give one of {', '.join(lines)}.")
     if isinstance(thing, Body):
-        place_of(thing, family, theta, pole)
+        place_of(thing, name, theta, pole)
     elif where:
         raise ParameterError(
             f"{next(iter(where))} belongs to a stability.Body; leave it out for a disk."
         )
-    return str(family), where
+    return name, where
 
 
 def _complete(found: Launches) -> None:
     """Refuse names that are unknown, given twice or missing."""
-    refuse_constants(found.thing, (*found.varied, *found.held))
     for name in (*found.varied, *found.held):
         if name not in found.names:
             raise NameUnknownError(
@@ -293,12 +391,6 @@ def _complete(found: Launches) -> None:
     ]
     if double:
         raise ParameterError(f"{double[0]} is given twice; give it as an axis or in held.")
-    if isinstance(found.thing, System):
-        needed = list(found.names)
-    elif found.family:
-        needed = [found.own]
-    else:
-        needed = ["theta"]
-    missing = [n for n in needed if n not in (*found.varied, *found.held)]
+    missing = [n for n in found.needed if n not in (*found.varied, *found.held)]
     if missing:
         raise ParameterError(f"{listed(missing)} has no value; give it in held, or as an axis.")

@@ -9,7 +9,7 @@ neighbours decides (`stability.motion.run`).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -18,9 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..algebra.program import Program
-from ..base.checks import flag, one_number
+from ..base.checks import one_number
 from ..base.errors import ParameterError
-from ..base.quantities import Kind
 from ..base.types import Floats
 from ..bodies.model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.flow import ASKING, Flow, flow_of
@@ -29,7 +28,7 @@ from ..motion.error_estimate import signs
 from ..motion.result import CODES, OF_END, Outcome, Settings
 from ..motion.run import TOGETHER, results
 from ..motion.starts import Starts
-from ..settling.settling import NONE, SETTLE, Settling
+from ..settling.settling import NONE, Settling, Watcher
 from .lanes import EVENT, FAILED, LASTED, PROVED, ends, lean_of
 
 LOOSER = 100.0
@@ -38,64 +37,6 @@ ROUNDING = 2.0**-53
 """Relative size of a rounding error."""
 PARTED = 0.01
 """Error of a steady motion or final state beyond which the two runs of a launch have parted."""
-
-
-@dataclass(frozen=True)
-class Judging:
-    """Settings of the runs."""
-
-    tolerance: float = 1e-9
-    """Error allowed in a step."""
-    check: bool = True
-    """Whether every launch is run again at a looser tolerance."""
-    settle: float = SETTLE
-    """Largest distance from a steady motion at which a proof of settling is tried."""
-    flat: float = 1e-6
-    """Angle that counts as flat [rad]."""
-    most: int = 1_000_000
-    """Steps after which a run gives up."""
-    seconds: float = 8.0
-    """Computing time after which a single run gives up [s]."""
-
-    @property
-    def single(self) -> Settings:
-        """Settings of a launch that is decided alone."""
-        return Settings(
-            "auto", self.tolerance, False, self.flat, self.settle, self.most, 1, True, self.seconds
-        )
-
-
-def judged_by(
-    tolerance: Any,
-    check: Any,
-    settle: Any = Judging.settle,
-    flat: Any = Judging.flat,
-    most: Any = Judging.most,
-    seconds: Any = Judging.seconds,
-) -> Judging:
-    """Settings from a user's values, refused in one sentence where they are out of range.
-
-    Parameters
-    ----------
-    tolerance, check, settle, flat, most, seconds
-        As the fields of `Judging`.
-
-    Raises
-    ------
-    ParameterError
-        If a value is out of range.
-    """
-    found = Judging(tolerance, flag("check", check), settle, flat, most, seconds)
-    single = found.single
-    single.refuse()
-    return replace(
-        found,
-        tolerance=single.tolerance,
-        settle=single.settle,
-        flat=single.flat,
-        most=single.max_steps,
-        seconds=single.max_seconds,
-    )
 
 
 def last_time(horizon: Any) -> float:
@@ -134,7 +75,7 @@ class Outcomes:
 
 
 def outcomes(
-    launches: Starts, judging: Judging, before_single: Callable[[], Any] = lambda: None
+    launches: Starts, settings: Settings, before_single: Callable[[], Any] = lambda: None
 ) -> Outcomes:
     """Judge every launch.
 
@@ -142,8 +83,8 @@ def outcomes(
     ----------
     launches
         Launches, gathered with marks; the last of their times is the horizon.
-    judging
-        Settings.
+    settings
+        Settings; `check` asks for a second run, at a looser tolerance.
     before_single
         Called when all lanes have come to their ends, before launches are decided one by one.
 
@@ -156,7 +97,8 @@ def outcomes(
     fit = np.ones(launches.count, dtype=bool)
     found = _blank(launches.count)
     flow = flow_of(launches.model)
-    for row, kind in _unfit(launches, judging).items():
+    ended = (launches.unfit or {}) | dict.fromkeys(launches.flat(settings.flat).tolist(), FLAT)
+    for row, kind in ended.items():
         fit[row] = False
         found.outcome[row] = CODES[OF_END.get(kind, Outcome.DOMAIN_END)]
         found.error[row] = 0.0
@@ -165,9 +107,9 @@ def outcomes(
         return found
     alone = rows
     if on_lanes(launches):
-        alone = _together(found, launches, rows, judging, flow)
+        alone = _together(found, launches, rows, settings, flow)
         before_single()
-    _singly(found, launches, alone, judging)
+    _singly(found, launches, alone, settings)
     return found
 
 
@@ -195,29 +137,20 @@ def _blank(count: int) -> Outcomes:
     )
 
 
-def _unfit(launches: Starts, judging: Judging) -> dict[int, str]:
-    """Launches that have ended before they begin."""
-    found = dict(launches.unfit or {})
-    if FLAT in launches.model.guards:
-        theta = launches.starts[:, 0]
-        low = np.minimum(theta, math.pi - theta) <= judging.flat * (1 + 1e-6)
-        found |= dict.fromkeys(np.flatnonzero(low).tolist(), FLAT)
-    return found
-
-
 def _together(
-    found: Outcomes, launches: Starts, rows: NDArray[np.intp], judging: Judging, flow: Flow
+    found: Outcomes, launches: Starts, rows: NDArray[np.intp], settings: Settings, flow: Flow
 ) -> NDArray[np.intp]:
     """Run launches on lanes, twice; those that the two runs leave open."""
-    starts, p, horizon = _numbers(launches, rows, flow, judging)
-    tolerance, settling = judging.tolerance, launches.settling
-    first = _judged(flow, starts, p, horizon, tolerance, judging, settling)
+    starts, p = flow.pack(launches.starts[rows]), launches.flow_p(settings.flat)[rows]
+    horizon = launches.times[-1] / launches.clock[rows]
+    tolerance, settling = settings.tolerance, launches.settling
+    first = _judged(flow, starts, p, horizon, tolerance, settings, settling)
     alone = first.outcome == CODES[Outcome.UNRESOLVED]
-    if judging.check:
+    if settings.check:
         loose = min(tolerance * LOOSER, 1e-2)
         states = launches.starts[rows]
         moved = flow.pack(states * (1 + tolerance * signs(states.shape[1])))
-        second = _judged(flow, moved, p, horizon, loose, judging, settling)
+        second = _judged(flow, moved, p, horizon, loose, settings, settling)
         same = (first.outcome == second.outcome) & (first.family == second.family)
         alone |= ~same
         first.error[:] = _differences(first, second)
@@ -242,17 +175,6 @@ def _decades(tolerance: float, loose: float) -> float:
     return max(1.0, math.log(tolerance / ROUNDING) / math.log(loose / tolerance))
 
 
-def _numbers(
-    launches: Starts, rows: NDArray[np.intp], flow: Flow, judging: Judging
-) -> tuple[Floats, Floats, Floats]:
-    """Y at the starts, parameters and last times of some launches."""
-    starts, p = flow.pack(launches.starts[rows]), launches.p[rows]
-    more = flow.p.numel() - p.shape[1]  # a disk's guards know the sine of the flat angle
-    p = np.column_stack([p, np.full((len(rows), more), math.sin(judging.flat))])
-    clock = np.broadcast_to(launches.size(Kind.TIME), (launches.count,))[rows]
-    return starts, p, launches.times[-1] / clock
-
-
 @dataclass(frozen=True, eq=False)
 class _Run(Outcomes):
     """Outcomes of one run with the states at its ends."""
@@ -267,13 +189,14 @@ def _judged(
     p: Floats,
     horizon: Floats,
     tolerance: float,
-    judging: Judging,
+    settings: Settings,
     settling: Settling,
 ) -> _Run:
     """One run of launches, and what its ends mean; rare ends count as unresolved."""
     lean = lean_of(flow)
-    watch = Watcher(settling, lean.report, flow.system.parameters, p, horizon, judging.settle)
-    done = ends(lean.flow, lean.pack(starts), p, horizon, tolerance, judging.most, watch)
+    own = p[:, : len(flow.system.parameters)]
+    watch = Watcher(settling, lean.report, own, horizon, settings.settle)
+    done = ends(lean.flow, lean.pack(starts), p, horizon, tolerance, settings.max_steps, watch)
     run = _Run(**vars(_blank(len(starts))), state=lean.whole(done.state))
     run.time[:], run.steps[:] = done.time, done.steps
     run.outcome[done.kind == FAILED] = CODES[Outcome.UNRESOLVED]
@@ -347,11 +270,11 @@ def _write(found: Outcomes, rows: NDArray[np.intp], run: Outcomes) -> None:
         getattr(found, name)[rows] = getattr(run, name)
 
 
-def _singly(found: Outcomes, launches: Starts, rows: NDArray[np.intp], judging: Judging) -> None:
+def _singly(found: Outcomes, launches: Starts, rows: NDArray[np.intp], settings: Settings) -> None:
     """Decide some launches one by one, with all their neighbours."""
     if not rows.size:
         return
-    some = results(subset(launches, rows), judging.single)
+    some = results(launches.some(rows), replace(settings, check=True, workers=1))
     for row, result in zip(rows, some, strict=True):
         found.outcome[row] = result.outcome.code
         found.time[row] = result.settled_at if result.outcome is Outcome.SETTLED else result.time
@@ -365,84 +288,3 @@ def _singly(found: Outcomes, launches: Starts, rows: NDArray[np.intp], judging: 
             near = result.near
             found.family[row] = launches.settling.names.index(near.family)
             found.member[row], found.member_error[row] = near.limit, near.error
-
-
-def subset(launches: Starts, rows: NDArray[np.intp]) -> Starts:
-    """Some of the launches.
-
-    Parameters
-    ----------
-    launches
-        All launches.
-    rows
-        Numbers of those that are kept.
-
-    Returns
-    -------
-    Starts
-    """
-
-    def some(value: Any) -> Any:
-        return value[rows] if np.ndim(value) else value
-
-    units = launches.units
-    own = {n: some(getattr(units, n)) for n in ("mass", "length", "gravity")}
-
-    return replace(
-        launches,
-        shape=(len(rows),),
-        starts=launches.starts[rows],
-        p=launches.p[rows],
-        given={n: some(v) for n, v in launches.given.items()},
-        units=replace(units, **own),
-        energies=launches.energies[rows],
-        unfit=None,
-    )
-
-
-class Watcher:
-    """Tries proofs of settling where a launch has come nearer since the last try.
-
-    Parameters
-    ----------
-    settling
-        Steady motions that the launches may settle on.
-    report
-        Function from the states that are shown to those that a motion reports.
-    parameters
-        Names of the system's parameters.
-    p
-        Their values, then others, shape (N, m).
-    horizon
-        Last time of each launch, at which it is tried in any case, shape (N,).
-    within
-        Largest distance at which a proof is tried.
-    """
-
-    def __init__(
-        self,
-        settling: Settling,
-        report: Callable[[Floats], Floats],
-        parameters: Sequence[str],
-        p: Floats,
-        horizon: Floats,
-        within: float,
-    ) -> None:
-        self.settling, self.report, self.horizon, self.within = settling, report, horizon, within
-        self.p = p[:, : len(parameters)]
-        count = len(p)
-        self.limit = np.full(count, within)
-        self.family = np.full(count, NONE, dtype=np.int8)
-        self.member, self.error = np.full(count, np.nan), np.full(count, np.nan)
-
-    def __call__(self, rows: NDArray[np.intp], states: Floats, times: Floats) -> NDArray[np.bool_]:
-        """Whether the outcome of each launch is proved."""
-        limit = np.where(times < self.horizon[rows], self.limit[rows], self.within)
-        found = self.settling.many(self.report(states), self.p[rows], limit)
-        proved = found.settled.proved
-        tried = found.distance <= limit
-        self.limit[rows[tried]] = (found.settled.nearer * found.distance)[tried]
-        mine = rows[proved]
-        self.family[mine], self.error[mine] = found.family[proved], found.settled.error[proved]
-        self.member[mine] = found.limit[proved]
-        return proved

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
@@ -174,6 +175,15 @@ class Disk(Record):
         (0.00567, 0.01213)
         """
         return cls(**REAL_DISKS[known("disk", name, REAL_DISKS)][0])
+
+    @property
+    def given(self) -> dict[str, Number]:
+        """Every number of the disk by name, as that of a body."""
+        return {n: getattr(self, n) for n in ("k", "mass", "radius", "gravity")}
+
+    def having(self, numbers: Mapping[str, Any]) -> Disk:
+        """The same disk with other values of some of its numbers, by name."""
+        return replace(self, **numbers)
 
     @property
     def units(self) -> Units:

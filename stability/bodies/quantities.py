@@ -107,7 +107,7 @@ _SHAPES = {
 
 
 def round_quantities(
-    body: str, law: type[Contact], shape: Collection[str], names: Collection[str]
+    body: str, law: type[Contact] | None, shape: Collection[str], names: Collection[str]
 ) -> Mapping[str, Quantity]:
     """Quantities of a body under a law.
 
@@ -116,7 +116,7 @@ def round_quantities(
     body
         Name of the body.
     law
-        Class of the law.
+        Class of the law; None for one that is not known.
     shape
         Numbers of the shape, by name; one that no named body has is called by its name.
     names

@@ -318,7 +318,7 @@ def _quantities(dataset: xarray.Dataset) -> Mapping[str, Quantity]:
     law = MOTION_LAWS.get(str(told["contact"]))
     known = dict(disk_quantities(law))
     body = str(told.get("body", "disk"))
-    if law is not None and body != "disk":
+    if body != "disk":
         own = {*json.loads(told.get("parameters", "{}")), *map(str, dataset.coords)}
         shape = own - set(known) - {*MOMENTS, *SCALES, *TURN}
         known |= round_quantities(body, law, sorted(shape), sorted({*own, *TURN}))

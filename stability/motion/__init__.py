@@ -1,8 +1,7 @@
 """Launches and their outcomes.
 
-Starts, runs with their neighbours, outcomes, the dataset with its observables.
+Starts with what moves, runs with their neighbours, outcomes, the dataset with its observables.
 May import `boundary`, `settling` and the floors below.
 To add an outcome: a member of `Outcome` in `result.py`, and its kind of end in `OF_END`.
-To add an observable of the disk: its expression in `series` of `bodies/thin_disk.py`,
-its name in `bodies/quantities.py`.
+To add an observable of a body: `series` in `bodies/round_body/models/`, `bodies/quantities.py`.
 """

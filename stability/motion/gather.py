@@ -2,25 +2,33 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
+import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..algebra.program import Program, entries
 from ..base.checks import broadcast, checked, rows
+from ..base.citation import cited
 from ..base.errors import DomainError, NameUnknownError, ParameterError, listed, shown
 from ..base.quantities import Units
 from ..base.types import Floats
 from ..bodies.disk import Disk
-from ..bodies.model import system_model
+from ..bodies.model import Model, system_model
 from ..bodies.round_body.body import Body
+from ..settling.settling import Nearest
 from ..settling.system_lines import system_settling
 from ..systems.family import Family
 from ..systems.sources.numeric import NumericSystem
 from ..systems.system import System
+from .result import OF_BODY, Outcome
 from .round_starts import gather_round
-from .starts import Starts, Unfit, counted, times_of
+from .starts import Starts, Subject, counted, nearest_families, place_in, times_of
 
 Moving = Disk | Body | System
 """What moves."""
@@ -61,15 +69,7 @@ def moving(first: Any, body: Any = None) -> Moving:
 
 
 def launches_of(
-    thing: Moving,
-    contact: Any,
-    start: Any,
-    times: ArrayLike,
-    *,
-    families: Any = (),
-    resistance: Any = None,
-    pose: bool = False,
-    mark: bool = False,
+    thing: Moving, contact: Any, start: Any, times: ArrayLike | None, **more: Any
 ) -> Starts:
     """The launches of a call, checked and dimensionless.
 
@@ -77,80 +77,62 @@ def launches_of(
     ----------
     thing
         What moves.
-    contact, start, times, families, resistance, pose
+    contact, start, times
         As for `simulate`.
-    mark
-        Whether a start that does not exist is marked, in place of an error.
+    **more
+        `numbers`, the parameters by name, `families`, `resistance` and `pose`, as for `simulate`;
+        and `mark`, whether a start that does not exist is marked, in place of an error.
 
     Raises
     ------
     StabilityError
         In one sentence, if something is not accepted.
     """
-    if isinstance(thing, System):
-        if resistance is not None:
-            raise ParameterError(
-                "resistance belongs to a disk or a body; put it into the equations of a system."
-            )
-        if pose:
-            raise ParameterError("pose is True, and only a disk has one; leave it out.")
-        return gather_system(thing, contact, start, times, families, mark=mark)
-    if not isinstance(families, Sequence) or families:
-        raise ParameterError("families belong to a stability.System; leave them out.")
-    return gather_round(thing, contact, start, times, resistance=resistance, pose=pose, mark=mark)
+    gather: Any = gather_system if isinstance(thing, System) else gather_round
+    found: Starts = gather(thing, contact, start, times, **more)
+    return found
 
 
 def gather_system(
     system: System,
     parameters: Any,
     start: Any,
-    times: ArrayLike,
-    families: Any = (),
+    times: ArrayLike | None,
     *,
+    numbers: Mapping[str, Any] | None = None,
+    families: Any = (),
+    resistance: Any = None,
+    pose: bool = False,
     mark: bool = False,
 ) -> Starts:
-    """Check the arguments of `simulate` for a user's system.
-
-    Parameters
-    ----------
-    system
-        The system.
-    parameters, start
-        Values by name, or arrays with the names along the last axis; None for no parameters.
-    times
-        As for `simulate`.
-    families
-        Families on which the system may settle.
-    mark
-        Whether a start at which the equations have no meaning is marked, in place of an error.
-
-    Returns
-    -------
-    Starts
-
-    Raises
-    ------
-    StabilityError
-        In one sentence, if something is not accepted.
-    """
+    """As `launches_of`, of a user's system; its parameters are a mapping, an array, or None."""
+    if resistance is not None:
+        raise ParameterError(
+            "resistance belongs to a disk or a body; put it into the equations of a system."
+        )
+    if pose:
+        raise ParameterError("pose is True, and only a disk has one; leave it out.")
+    if start is None:
+        raise ParameterError(
+            f"start is missing; give the states by name or in order: {', '.join(system.states)}."
+        )
+    if numbers and parameters is not None:
+        raise ParameterError(
+            f"{shown(next(iter(numbers)))} is given by name, and others in the second argument; "
+            "give all in one place."
+        )
     model = system_model(system)
-    p = _table("parameters", parameters, system.parameters)
+    p = _table("parameters", numbers or parameters, system.parameters)
     x = _table("start", start, system.states)
     when = times_of(times)
     shape = broadcast(start=x.shape[:-1], parameters=p.shape[:-1])
     count = counted(shape, when)
     starts = np.broadcast_to(x, (*shape, x.shape[-1])).reshape(count, -1).copy()
     values = np.broadcast_to(p, (*shape, p.shape[-1])).reshape(count, -1).copy()
-    unfit: Unfit = {}
-    try:
-        rates = system.rates(starts, values)
-    except DomainError:
-        if not mark:
-            _refuse(system, shape, starts, values)
-            raise
-        unfit = _unfit(system, starts, values)
-        fit = np.array([i not in unfit for i in range(count)])
-        rates = system.rates(starts[fit], values[fit]) if fit.any() else np.zeros(1)
+    rates, failed = _rates(system, starts, values)
+    if failed and not mark:
+        row, error = next(iter(failed.items()))
+        raise DomainError(f"start{place_in(shape, row)}: {error}")
     largest = max(np.abs(starts).max(initial=0.0), np.abs(rates).max(initial=0.0))
     if largest > LARGEST:
         raise ParameterError(
@@ -158,7 +140,7 @@ def gather_system(
             "which numbers are nearer to 1."
         )
     energies = np.zeros(count)
-    if model.accounted and not unfit:
+    if model.accounted and not failed:
         energies = np.asarray(system.observe(starts, values)["energy"]).reshape(count)
     given = {
         name: values[0, i] if not p.ndim > 1 else values[:, i]
@@ -175,29 +157,80 @@ def gather_system(
         True,
         energies,
         system_settling(_families(system, families, starts, values)),
-        unfit=unfit or None,
+        _subject(model),
+        unfit=dict.fromkeys(failed, OUTSIDE) or None,
     )
 
 
-def _unfit(system: System, starts: Floats, values: Floats) -> Unfit:
-    """Starts at which the equations have no meaning."""
-    found: Unfit = {}
-    for row, (x, p) in enumerate(zip(starts, values, strict=True)):
-        try:
-            system.rates(x, p)
-        except DomainError:
-            found[row] = OUTSIDE
-    return found
+def _rates(system: System, starts: Floats, values: Floats) -> tuple[Floats, dict[int, DomainError]]:
+    """Rates at the starts, and why the equations have no meaning at others."""
+    failed: dict[int, DomainError] = {}
+    try:
+        return system.rates(starts, values), failed
+    except DomainError:
+        for row, (x, p) in enumerate(zip(starts, values, strict=True)):
+            try:
+                system.rates(x, p)
+            except DomainError as error:
+                failed[row] = error
+    fit = np.array([row not in failed for row in range(len(starts))])
+    return system.rates(starts[fit], values[fit]) if fit.any() else np.zeros(1), failed
 
 
-def _refuse(system: System, shape: tuple[int, ...], starts: Floats, values: Floats) -> None:
-    """Say which start has no meaning."""
-    for row, (x, p) in enumerate(zip(starts, values, strict=True)):
-        try:
-            system.rates(x, p)
-        except DomainError as error:
-            where = f" {[int(j) for j in np.unravel_index(row, shape)]}" if shape else ""
-            raise DomainError(f"start{where}: {error}") from None
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _SystemSubject(Subject):
+    """A user's system, whose numbers are in its own units and whose energy may have any zero."""
+
+    def in_units(self, launches: Starts, series: dict[str, Floats]) -> dict[str, Floats]:
+        """As it is; an observable that has no value at a sample is refused."""
+        for name, values in series.items():
+            if not np.isfinite(values).all():
+                raise DomainError(
+                    f"{launches.model.system.name}: {name} has no value somewhere on the way; give "
+                    "the system a condition that ends the run before, or leave the observable out."
+                )
+        return series
+
+    def energy_scale(self, launches: Starts, y: Floats, series: Mapping[str, Floats]) -> Floats:
+        """The largest Σ |x ∂E/∂x| or energy lost."""
+        x = y[..., : len(launches.model.states)]
+        blocks = [entries(x), entries(launches.p[:, None, :])]
+        slopes = _energy_slopes(launches.model).arrays(blocks, x.shape[:-1])[0][..., 0]
+        share = np.abs(x * slopes).sum(axis=-1)
+        scale = np.maximum(share, np.abs(series["dissipated"])).max(axis=-1)
+        return np.where(scale > 0, scale, 1.0)
+
+    def nearest(self, launches: Starts, near: Sequence[Nearest], variable: Any) -> dict[str, Any]:
+        """Only where all launches have a member."""
+        if any(n.member is None for n in near):
+            return {}
+        found = nearest_families(near, variable, "distance from it, in units of the states")
+        states = launches.model.states
+        label = {"long_name": "states of the steady motion", "columns": " ".join(states)}
+        member = np.array([n.member for n in near]).reshape(*launches.shape, -1)
+        one = found["nearest_family"]
+        return found | {"nearest_member": type(one)((*one.dims, "state"), member, label)}
+
+
+@lru_cache(maxsize=64)
+def _energy_slopes(model: Model) -> Program:
+    """The gradient of the energy."""
+    system = model.system
+    slopes = ca.densify(ca.jacobian(model.series["energy"], system.x)).T
+    return Program(ca.Function("slopes", [system.x, system.p], [slopes]))
+
+
+def _subject(model: Model) -> _SystemSubject:
+    system = model.system
+    return _SystemSubject(
+        attributes={"system": system.name, "states": json.dumps(model.states)},
+        cited=cited,
+        outcomes=tuple(o for o in Outcome if o not in OF_BODY),
+        energy_error="largest |audit| over the largest sum of |x dE/dx| of the states, or the "
+        "energy lost",
+        member={"long_name": "the number that names it", "units": "1"},
+        numbers={n: model.attributes(n, dimensionless=True) for n in system.parameters},
+    )
 
 
 def _table(what: str, given: Any, names: tuple[str, ...]) -> Floats:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from concurrent.futures import Executor
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from ..bodies.model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.leg import UNRESOLVED, Path
 from ..integrators.selection import Choice
 from ..integrators.stick_slip import NON_UNIQUE, Transition
-from ..settling.settling import Nearest
+from ..settling.settling import SETTLE, Nearest
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,47 +127,44 @@ PATIENT = 1e7
 """Largest `max_seconds`."""
 
 
-def outcome_flags(*, disk: bool) -> dict[str, Any]:
-    """The attributes of the flags of outcomes: of a disk, or of a user's system.
+OF_BODY = (Outcome.FLAT, Outcome.LIFT_OFF, Outcome.NO_CONTACT, Outcome.NON_UNIQUE)
+"""Outcomes of a body on a plane alone."""
+
+
+def outcome_flags(outcomes: Iterable[Outcome]) -> dict[str, Any]:
+    """The attributes of the flags of outcomes.
 
     Parameters
     ----------
-    disk
-        Whether the motion is a disk's, which alone may fall flat or leave the plane.
+    outcomes
+        What may become of a launch.
 
     Returns
     -------
     dict
         `flag_values` and `flag_meanings`.
     """
-    codes, words = _flags(disk)
-    return {"flag_values": np.array(codes, dtype=np.int8), "flag_meanings": words}
-
-
-@cache
-def _flags(disk: bool) -> tuple[list[int], str]:  # noqa: FBT001
-    of_disk = (Outcome.FLAT, Outcome.LIFT_OFF, Outcome.NO_CONTACT, Outcome.NON_UNIQUE)
-    possible = {code: o for code, o in BY_CODE.items() if disk or o not in of_disk}
-    return list(possible), " ".join(o.word for o in possible.values())
+    codes, words = zip(*((o.code, o.word) for o in outcomes), strict=True)
+    return {"flag_values": np.array(codes, dtype=np.int8), "flag_meanings": " ".join(words)}
 
 
 @dataclass(frozen=True)
 class Settings:
     """Settings of a run; fields as the keywords of `simulate`."""
 
-    method: str
+    method: str = "auto"
     """Name of the integrator."""
-    tolerance: float
+    tolerance: float = 1e-9
     """Error allowed in a step."""
-    pose: bool
+    pose: bool = False
     """Whether y holds the pose."""
-    flat: float
+    flat: float = 1e-6
     """Angle that counts as flat [rad]."""
-    settle: float
+    settle: float = SETTLE
     """Largest distance that can count as settled."""
-    max_steps: int
+    max_steps: int = 1_000_000
     """Steps after which a run gives up."""
-    workers: int | None
+    workers: int | None = None
     """Number of threads; None for that of the cores."""
     check: bool = True
     """Whether each launch has neighbours, for its error."""

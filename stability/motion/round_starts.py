@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import casadi as ca
@@ -13,14 +13,24 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra.program import Program
-from ..base.checks import broadcast
-from ..base.errors import DomainError, NameUnknownError, ParameterError, if_degrees, shown
-from ..base.quantities import Units
+from ..base.checks import broadcast, checked
+from ..base.citation import cited
+from ..base.errors import (
+    DomainError,
+    NameUnknownError,
+    ParameterError,
+    if_degrees,
+    listed,
+    shown,
+)
+from ..base.quantities import Kind, Units
 from ..base.types import Floats
-from ..bodies.contact_laws import MOTION_LAWS, Contact, law_class, law_missing, spelled
+from ..bodies.contact_laws import MOTION_LAWS, Contact, law_class, law_missing, law_only, spelled
 from ..bodies.disk import Disk
-from ..bodies.model import FLAT, TAKEN, Dry, Model
-from ..bodies.quantities import PHYSICAL
+from ..bodies.families import named_by
+from ..bodies.model import FLAT, LIFT_OFF, NO_CONTACT, TAKEN, Dry, Model
+from ..bodies.newton_euler import STATES
+from ..bodies.quantities import PHYSICAL, SYSTEM
 from ..bodies.resistance import UNITS, Resistance, resistances
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.equations import Resistances
@@ -33,9 +43,10 @@ from ..bodies.thin_disk import disk_model
 from ..integrators.flow import flow_of
 from ..integrators.stick_slip import REST, continuations
 from ..settling.body_lines import body_settling, disk_settling
-from ..settling.settling import Settling
+from ..settling.settling import Nearest, Settling
 from ..systems.system import System
-from .starts import Starts, Unfit, counted, six_states, times_of, unfit_of
+from .result import Outcome
+from .starts import Starts, Subject, Unfit, counted, nearest_families, place_in, times_of
 
 FASTEST = 1e9
 """Largest dimensionless rate or slip of a start: beyond it forces are lost in rounding."""
@@ -72,34 +83,20 @@ class _Round:
 
 def gather_round(
     thing: Disk | Body,
-    contact: Contact,
+    contact: Any,
     start: Any,
-    times: ArrayLike,
+    times: ArrayLike | None,
     *,
+    numbers: Mapping[str, Any] | None = None,
+    families: Any = (),
     resistance: Any = None,
     pose: bool = False,
     mark: bool = False,
 ) -> Starts:
-    """Check the arguments of `simulate` for a disk or body and make them dimensionless.
-
-    Parameters
-    ----------
-    thing
-        The disk or body.
-    contact, start, times, resistance, pose
-        As for `simulate`.
-    mark
-        Whether a start without contact is marked, in place of an error.
-
-    Returns
-    -------
-    Starts
-
-    Raises
-    ------
-    StabilityError
-        In one sentence, if something is not accepted.
-    """
+    """As `stability.motion.gather.launches_of`, of a disk or body."""
+    contact = law_only(contact, dict(numbers or {}), motion=True)
+    if not isinstance(families, Sequence) or families:
+        raise ParameterError("families belong to a stability.System; leave them out.")
     accepted(contact)
     with np.errstate(all="ignore"):  # an overflow is refused by _check
         setting = _setting(thing, contact, resistance, pose=pose)
@@ -203,12 +200,55 @@ def _check_names(body: RoundShape, model: Model) -> None:
             )
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _BodySubject(Subject):
+    """A disk or another body, whose quantities have kinds."""
+
+    def in_units(self, launches: Starts, series: dict[str, Floats]) -> dict[str, Floats]:
+        series["kinetic"] = series["energy"] - series["potential"]
+        kinds = {n: q.kind for n, q in launches.model.quantities.items() if n in series}
+        if launches.dimensionless:
+            return {n: series[n] for n in kinds}
+        sizes = {kind: launches.size(kind)[..., None] for kind in set(kinds.values())}
+        return {n: series[n] * sizes[kind] for n, kind in kinds.items()}
+
+    def energy_scale(self, launches: Starts, *_: Any) -> Floats:
+        """The energy at the start, which is positive."""
+        return np.asarray(launches.energies * launches.size(Kind.ENERGY))
+
+    def nearest(self, launches: Starts, near: Sequence[Nearest], variable: Any) -> dict[str, Any]:
+        kinds = [named_by(n.family) for n in near]
+        sizes = {kind: np.broadcast_to(launches.size(kind), len(near)) for kind in set(kinds)}
+        which = enumerate(zip(near, kinds, strict=True))
+        at = np.array([n.at * sizes[kind][i] for i, (n, kind) in which])
+        words = "dimensionless distance from it"
+        return nearest_families(near, variable, words) | {"nearest_at": variable(at, **self.member)}
+
+
+def _subject(
+    name: str, law: type[Contact], settling: Settling, *, dimensionless: bool
+) -> _BodySubject:
+    numbers = list(dict.fromkeys(line.along[0] for line in settling.lines))
+    words = f"its {listed(numbers, 'or')}" if numbers else "the number that names it"
+    rate = f"{Kind.ANGULAR_VELOCITY.si} (theta: {Kind.ANGLE.si})"
+    body = {} if name.startswith(SYSTEM) else {"body": name.rpartition(", ")[0]}
+    return _BodySubject(
+        attributes=body | {"contact": law.name, "dimensionless": int(dimensionless)},
+        cited=partial(cited, law.name, model=True),
+        outcomes=tuple(Outcome),
+        energy_error="largest |audit| over the energy at the start",
+        member={"long_name": words, "units": "1" if dimensionless else rate},
+        settings=("flat",),
+        slips=True,
+    )
+
+
 def _gathered(
     setting: _Round,
     thing: Disk | Body,
     contact: Contact,
     start: Any,
-    times: ArrayLike,
+    times: ArrayLike | None,
     *,
     mark: bool,
 ) -> Starts:
@@ -253,9 +293,69 @@ def _gathered(
         thing.dimensionless,
         energies,
         setting.settling,
+        _subject(model.system.name, law, setting.settling, dimensionless=thing.dimensionless),
         law,
         unfit,
     )
+
+
+def six_states(start: Any, contact: Contact) -> Floats:
+    """The six states of a start as numbers, shape (…, 6)."""
+    if start is None:
+        raise ParameterError(
+            "start is missing; give the states by name or in order: theta at least."
+        )
+    if isinstance(start, Mapping):
+        unknown = [n for n in start if n not in STATES]
+        if unknown:
+            raise NameUnknownError(
+                f"start names {shown(unknown[0])}; known are {', '.join(STATES)}."
+            )
+        if "theta" not in start:
+            raise ParameterError("start does not name theta; give at least theta [rad].")
+        columns = [np.asarray(checked(f"start {n}", start.get(n, 0.0))) for n in STATES]
+        try:
+            six = np.stack(np.broadcast_arrays(*columns), axis=-1)
+        except ValueError:
+            raise ParameterError(
+                f"the states of start have shapes {[c.shape for c in columns]}; make them fit."
+            ) from None
+    else:
+        six = np.asarray(checked("start", start), dtype=float)
+        width = six.shape[-1] if six.ndim else 0
+        if width == 4 and not contact.slips:
+            six = np.concatenate([six, np.zeros((*six.shape[:-1], 2))], axis=-1)
+        elif width != 6:
+            raise ParameterError(
+                f"start has shape {six.shape}; its last axis must hold 6 values "
+                f"({', '.join(STATES)})."
+            )
+    if contact.holds and (six[..., 4:] != 0).any():
+        why = "follows from the other states" if contact.given else "is 0"
+        raise ParameterError(
+            f"slip_x, slip_y of start are {six[..., 4:].reshape(-1, 2).max(axis=0).tolist()}; the "
+            f"slip of the {contact.name} contact {why}, so leave them out or give 0."
+        )
+    return six
+
+
+def unfit_of(fit: Any, first: list[str], conditions: int) -> Unfit | None:
+    """The ends that starts without contact have had already.
+
+    Parameters
+    ----------
+    fit
+        Whether each condition and then the normal force is positive, shape (N, conditions + 1).
+    first
+        Ends that the first conditions mean; the others mean `NO_CONTACT`.
+    conditions
+        Number of conditions.
+    """
+    if fit.all():
+        return None
+    kinds = (first + [NO_CONTACT] * conditions)[:conditions] + [LIFT_OFF]
+    rows = np.flatnonzero(~fit.all(axis=1))
+    return {int(i): kinds[int(np.argmin(fit[i]))] for i in rows}
 
 
 @lru_cache(maxsize=64)
@@ -324,7 +424,7 @@ def _check(
     if not (mark or inside.all()):
         row = int(np.argmin(inside))
         raise DomainError(
-            f"start{_place(row, shape)}: theta is {theta[row]:g}; {setting.ends}"
+            f"start{place_in(shape, row)}: theta is {theta[row]:g}; {setting.ends}"
             f"{if_degrees(float(theta[row]))}."
         )
     own = flow_of(model).pack(starts)[:, : len(system.states)]
@@ -334,7 +434,7 @@ def _check(
     positive = seen[:, :-1] > 0
     if not (mark or positive.all()):
         row, column = (int(i) for i in np.argwhere(~positive)[0])
-        where, value = _place(row, shape), float(seen[row, column])
+        where, value = place_in(shape, row), float(seen[row, column])
         if column < len(system.conditions):
             raise DomainError(f"start{where}: {system.conditions[column].refusal(value)}")
         what = "disk" if isinstance(thing, Disk) else "body"
@@ -345,8 +445,3 @@ def _check(
     energies: Floats = seen[:, -1]
     fit = np.column_stack([inside, positive])
     return energies, unfit_of(fit, [FLAT], len(system.conditions) + 1)
-
-
-def _place(row: int, shape: tuple[int, ...]) -> str:
-    """Index of a launch, as text; nothing for a single one."""
-    return f" {[int(j) for j in np.unravel_index(row, shape)]}" if shape else ""

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from ..base.quantities import Kind
 from ..base.types import Floats
 from ..bodies.model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.flow import ASKING, Flow, flow_of
@@ -172,25 +171,25 @@ def _grown(
 
 
 def _legs(launches: Starts, settings: Settings) -> list[Leg]:
-    which = flow_of(launches.model)
-    # the disk's flow has one more parameter: the sine of the angle that counts as flat
-    more = [math.sin(settings.flat)] * (which.p.numel() - launches.p.shape[1])
-    turning, lead = list(launches.model.turning), launches.times[:1] != 0
+    which, turning = flow_of(launches.model), list(launches.model.turning)
+    lead = launches.times[:1] != 0
     times = np.concatenate([[0.0], launches.times]) if lead else launches.times
-    clock = launches.size(Kind.TIME)
     # launches of one time scale share their array of times
-    shared = times / float(clock) if clock.ndim == 0 else None
+    shared = times / launches.clock[0] if np.ndim(launches.units.time) == 0 else None
+    rows = zip(
+        launches.flow_p(settings.flat), which.pack(launches.starts), launches.clock, strict=True
+    )
     return [
         Leg(
             which,
-            np.append(p, more),
+            p,
             y,
-            times / float(clock[i]) if shared is None else shared,
+            times / clock if shared is None else shared,
             _finer(settings.tolerance, y[turning]),
             settings.max_steps,
             settings.max_seconds,
         )
-        for i, (p, y) in enumerate(zip(launches.p, which.pack(launches.starts), strict=True))
+        for p, y, clock in rows
     ]
 
 
@@ -303,9 +302,8 @@ def _judged(
     """
     paths, why = [], []
     for leg, (path, _) in zip(legs, ran, strict=True):
-        contact = launches.law is not None and dries is None
         moved = None
-        if path.end is not None and contact and path.end.kind != FLAT:
+        if path.end is not None and dries is None and path.end.kind != FLAT:
             moved = closer(leg, path)
         paths.append(moved[0] if moved else path)
         why.append(moved[1] if moved else "")
@@ -346,8 +344,8 @@ def _judge(  # noqa: PLR0913
         outcome, evidence = Outcome.MOVING, near.evidence
         if near.settled:
             outcome = Outcome.SETTLED
-            apart = launches.settling.distances(leg.flow.reported(path.states), p, near)
-            since = _since(leg, apart, settings.settle)
+            states = leg.flow.reported(path.states)
+            since = float(leg.times[launches.settling.since(states, p, near, settings.settle)])
     return Result(
         path,
         choice,
@@ -403,10 +401,3 @@ def _ending(leg: Leg, end: End) -> tuple[Outcome, str]:
     said = words.format(value=value) if outcome is Outcome.DOMAIN_END else f"{words} {value:.1e}"
     fall = f"at {-rate:.4g}" if math.isfinite(rate) else "without bound"
     return outcome, f"{said}, falling {fall}"
-
-
-def _since(leg: Leg, apart: Floats, within: float) -> float:
-    """The first sample from which the motion stayed within the distance of the family."""
-    outside = np.flatnonzero(apart > within)
-    first = 0 if outside.size == 0 else min(int(outside[-1]) + 1, len(leg.times) - 1)
-    return float(leg.times[first])

@@ -10,17 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.errors import ParameterError, shown, warned
-from ..bodies.contact_laws import law_only
+from ..base.errors import ParameterError, warned
 from ..bodies.disk import Disk
-from ..bodies.model import FLAT
 from ..bodies.resistance import Resistance
 from ..bodies.round_body.body import Body
 from ..integrators.flow import CASADI, flow_of
 from ..integrators.selection import check_flow, check_method
 from ..jobs.pipeline import check_run
 from ..settling.departure import departures
-from ..settling.settling import SETTLE
 from ..systems.family import Family
 from ..systems.system import System
 from .gather import launches_of, moving
@@ -32,9 +29,6 @@ if TYPE_CHECKING:
 
 from .run import results
 
-FLAT_ANGLE = 1e-6
-"""Angle that counts as flat where none is given [rad]."""
-
 
 def simulate(
     disk: Disk | Body | System | None = None,
@@ -45,13 +39,13 @@ def simulate(
     body: Body | Disk | None = None,
     resistance: Resistance | Sequence[Resistance] | None = None,
     families: Family | Sequence[Family] = (),
-    method: str = "auto",
-    tolerance: float = 1e-9,
+    method: str = Settings.method,
+    tolerance: float = Settings.tolerance,
     pose: bool = False,
-    flat: float = FLAT_ANGLE,
-    settle: float = SETTLE,
-    max_steps: int = 1_000_000,
-    max_seconds: float = 8.0,
+    flat: float = Settings.flat,
+    settle: float = Settings.settle,
+    max_steps: int = Settings.max_steps,
+    max_seconds: float = Settings.max_seconds,
     check: bool = True,
     workers: int | None = None,
     executor: Executor | None = None,
@@ -189,23 +183,20 @@ def simulate(
         executor,
     )
     settings.refuse()
-    if start is None:
-        states = ", ".join(disk.states) if isinstance(disk, System) else "theta at least"
-        raise ParameterError(f"start is missing; give the states by name or in order: {states}.")
-    if times is None:
-        raise ParameterError("times is missing; give a last time, or rising times.")
     thing = moving(disk, body)
-    own = isinstance(thing, System)
-    contact = _named(thing, contact, parameters)
-    if own and flat != FLAT_ANGLE:
-        raise ParameterError(f"flat is {flat:g}, and only a disk falls flat; leave it out.")
     with CASADI:  # calls from several threads take turns; a batch uses its own threads
         launches = launches_of(
-            thing, contact, start, times, families=families, resistance=resistance, pose=pose
+            thing,
+            contact,
+            start,
+            times,
+            numbers=parameters,
+            families=families,
+            resistance=resistance,
+            pose=pose,
         )
+        _check_flat(launches, settings)
         check_flow(settings.method, flow_of(launches.model))
-        if not own:
-            _not_flat(launches, settings)
         found = results(launches, settings, progress)
         found = _departed(launches, settings, found)
         dataset = assemble(launches, settings, found)
@@ -244,28 +235,16 @@ def _departed(launches: Starts, settings: Settings, found: list[Result]) -> list
     ]
 
 
-def _named(disk: Any, contact: Any, parameters: dict[str, Any]) -> Any:
-    """The contact law, or the parameters of a system, with those that are given by name."""
-    if not parameters:
-        return law_only(contact, {}, motion=True) if not isinstance(disk, System) else contact
-    if isinstance(disk, System):
-        if contact is not None:
-            raise ParameterError(
-                f"{shown(next(iter(parameters)))} is given by name, and others in the second "
-                "argument; give all in one place."
-            )
-        return parameters
-    return law_only(contact, parameters, motion=True)
-
-
-def _not_flat(launches: Starts, settings: Settings) -> None:
-    if FLAT not in launches.model.guards:
-        return
-    theta = launches.starts[:, 0]
-    # a start within rounding of the border cannot be distinguished from one on it
-    bad = np.flatnonzero(np.minimum(theta, np.pi - theta) <= settings.flat * (1 + 1e-6))
-    if bad.size:
+def _check_flat(launches: Starts, settings: Settings) -> None:
+    """Refuse a start that is flat, and an angle of flat for what never is."""
+    if "flat" not in launches.subject.settings and settings.flat != Settings.flat:
         raise ParameterError(
-            f"theta of start is {theta[bad[0]]:g}, flat within flat = {settings.flat:g} rad; start "
+            f"flat is {settings.flat:g}, and only a disk falls flat; leave it out."
+        )
+    bad = launches.flat(settings.flat)
+    if bad.size:
+        theta = launches.starts[bad[0], 0]
+        raise ParameterError(
+            f"theta of start is {theta:g}, flat within flat = {settings.flat:g} rad; start "
             "more upright, or give a smaller flat."
         )

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from abc import abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..base.checks import checked
-from ..base.errors import NameUnknownError, ParameterError, shown
+from ..base.errors import ParameterError
 from ..base.quantities import Kind, Units
 from ..base.types import Floats
 from ..bodies.contact_laws import Contact
-from ..bodies.model import LIFT_OFF, NO_CONTACT, Model
-from ..bodies.newton_euler import STATES
-from ..settling.settling import Settling
+from ..bodies.model import FLAT, Model
+from ..settling.settling import Nearest, Settling
+from .result import Outcome
 
 MOST_LAUNCHES, MOST_SAMPLES = 1_000_000, 20_000_000
 """Most launches of one call, and most samples (launches by times): all are held in memory."""
@@ -26,6 +28,43 @@ POINTS = 201
 
 Unfit = dict[int, str]
 """The end that a start has had already, by its number."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Subject:
+    """What moves, as the datasets of its motions tell of it.
+
+    Who checks the launches builds it, for a body or for a user's system; all others read it.
+    """
+
+    attributes: Mapping[str, Any]
+    """Attributes of a dataset that name it."""
+    cited: Callable[..., str]
+    """As `stability.base.citation.cited`, with the works on its model."""
+    outcomes: tuple[Outcome, ...]
+    """What may become of a launch."""
+    energy_error: str
+    """Definition of the error of its energy account."""
+    member: Mapping[str, str]
+    """Name in words and units of the number that names a steady motion."""
+    numbers: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    """Names in words and units of its parameters, where they have any."""
+    settings: tuple[str, ...] = ()
+    """Settings of a run that it has in addition to those of every motion."""
+    slips: bool = False
+    """Whether it slips, in a direction that events tell."""
+
+    @abstractmethod
+    def in_units(self, launches: Starts, series: dict[str, Floats]) -> dict[str, Floats]:
+        """Series, shape (launch, time), in the user's units, in the order of a dataset."""
+
+    @abstractmethod
+    def energy_scale(self, launches: Starts, y: Floats, series: Mapping[str, Floats]) -> Floats:
+        """The energy that the error of the account is over, shape (launch,), from y, (N, t, n)."""
+
+    @abstractmethod
+    def nearest(self, launches: Starts, near: Sequence[Nearest], variable: Any) -> dict[str, Any]:
+        """The nearest steady motions: family, distance, member; `variable` makes one of a list."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +91,8 @@ class Starts:
     """Energy at the start, shape (N,); 0 where none is counted."""
     settling: Settling
     """The steady motions that the launches may settle on."""
+    subject: Subject
+    """What moves."""
     law: type[Contact] | None = None
     """The contact law; None for a user's system."""
     unfit: Unfit | None = None
@@ -65,34 +106,73 @@ class Starts:
     @property
     def dry(self) -> bool:
         """Whether friction sticks."""
-        return self.law is not None and self.law.sticks
+        return self.model.dry is not None
 
     def size(self, kind: Kind) -> Any:
         """A dimensionless 1 of a kind in the user's units, shape (N,) or ()."""
         return np.asarray(self.units.size(kind))
+
+    @property
+    def clock(self) -> Floats:
+        """Unit of time of each launch, shape (N,)."""
+        return np.broadcast_to(self.size(Kind.TIME), (self.count,))
+
+    def flow_p(self, flat: float) -> Floats:
+        """Parameters of the flow: those of the system, then for a body the sine of `flat`."""
+        more = self.model.p.numel() - self.p.shape[1]
+        return np.column_stack([self.p, np.full((self.count, more), math.sin(flat))])
+
+    def flat(self, angle: float) -> NDArray[np.intp]:
+        """Launches that start flat within an angle, as far as bodies fall flat."""
+        if FLAT not in self.model.guards:
+            return np.zeros(0, dtype=np.intp)
+        theta = self.starts[:, 0]
+        # a start within rounding of the border cannot be distinguished from one on it
+        return np.flatnonzero(np.minimum(theta, np.pi - theta) <= angle * (1 + 1e-6))
+
+    def some(self, rows: NDArray[np.intp]) -> Starts:
+        """Some of the launches, which are all fit."""
+
+        def part(value: Any) -> Any:
+            return value[rows] if np.ndim(value) else value
+
+        scales = {n: part(getattr(self.units, n)) for n in ("mass", "length", "gravity")}
+        return replace(
+            self,
+            shape=(len(rows),),
+            starts=self.starts[rows],
+            p=self.p[rows],
+            given={n: part(v) for n, v in self.given.items()},
+            units=replace(self.units, **scales),
+            energies=self.energies[rows],
+            unfit=None,
+        )
+
+    def states_in_units(self, states: Floats, which: Any = slice(None)) -> Floats:
+        """States in the user's units, shape (m, s), of which row i is of launch `which[i]`."""
+        states = states.copy()
+        if not self.dimensionless:
+            for column, name in enumerate(self.model.states):
+                scale = self.size(self.model.quantities[name].kind)
+                states[:, column] *= scale[which] if scale.ndim else scale
+        return states
 
     def unit(self, name: str) -> str:
         """The unit of a series or of time, as in a file."""
         return self.model.attributes(name, dimensionless=self.dimensionless)["units"]
 
 
-def unfit_of(fit: Any, first: list[str], conditions: int) -> Unfit | None:
-    """The ends that starts without contact have had already.
+def nearest_families(near: Sequence[Nearest], variable: Any, words: str) -> dict[str, Any]:
+    """Families of the nearest steady motions, and the distances from them, in words."""
+    return {
+        "nearest_family": variable([n.family for n in near], long_name="nearest steady motion"),
+        "nearest_distance": variable([n.distance for n in near], units="1", long_name=words),
+    }
 
-    Parameters
-    ----------
-    fit
-        Whether each condition and then the normal force is positive, shape (N, conditions + 1).
-    first
-        Ends that the first conditions mean; the others mean `NO_CONTACT`.
-    conditions
-        Number of conditions.
-    """
-    if fit.all():
-        return None
-    kinds = (first + [NO_CONTACT] * conditions)[:conditions] + [LIFT_OFF]
-    rows = np.flatnonzero(~fit.all(axis=1))
-    return {int(i): kinds[int(np.argmin(fit[i]))] for i in rows}
+
+def place_in(shape: tuple[int, ...], row: int) -> str:
+    """Index of a launch, as text; nothing for a single one."""
+    return f" {[int(j) for j in np.unravel_index(row, shape)]}" if shape else ""
 
 
 def counted(shape: tuple[int, ...], when: Floats) -> int:
@@ -110,44 +190,10 @@ def counted(shape: tuple[int, ...], when: Floats) -> int:
     return count
 
 
-def six_states(start: Any, contact: Contact) -> Floats:
-    """The six states of a start as numbers, shape (…, 6)."""
-    if isinstance(start, Mapping):
-        unknown = [n for n in start if n not in STATES]
-        if unknown:
-            raise NameUnknownError(
-                f"start names {shown(unknown[0])}; known are {', '.join(STATES)}."
-            )
-        if "theta" not in start:
-            raise ParameterError("start does not name theta; give at least theta [rad].")
-        columns = [np.asarray(checked(f"start {n}", start.get(n, 0.0))) for n in STATES]
-        try:
-            six = np.stack(np.broadcast_arrays(*columns), axis=-1)
-        except ValueError:
-            raise ParameterError(
-                f"the states of start have shapes {[c.shape for c in columns]}; make them fit."
-            ) from None
-    else:
-        six = np.asarray(checked("start", start), dtype=float)
-        width = six.shape[-1] if six.ndim else 0
-        if width == 4 and not contact.slips:
-            six = np.concatenate([six, np.zeros((*six.shape[:-1], 2))], axis=-1)
-        elif width != 6:
-            raise ParameterError(
-                f"start has shape {six.shape}; its last axis must hold 6 values "
-                f"({', '.join(STATES)})."
-            )
-    if contact.holds and (six[..., 4:] != 0).any():
-        why = "follows from the other states" if contact.given else "is 0"
-        raise ParameterError(
-            f"slip_x, slip_y of start are {six[..., 4:].reshape(-1, 2).max(axis=0).tolist()}; the "
-            f"slip of the {contact.name} contact {why}, so leave them out or give 0."
-        )
-    return six
-
-
 def times_of(times: Any) -> Floats:
     """Times to report, rising from 0."""
+    if times is None:
+        raise ParameterError("times is missing; give a last time, or rising times.")
     when = np.asarray(checked("times", times), dtype=float)
     if when.ndim == 0:
         if when <= 0:

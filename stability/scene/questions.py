@@ -15,7 +15,7 @@ from ..base.types import Floats
 from ..bodies.round_body.pole_equations import AXIS
 from ..motion.error_estimate import signs
 from ..settling.fixed_axes import STATES
-from ..settling.settling import Nearest
+from ..settling.settling import Nearest, last_outside
 from .rungs.elements import chebyshev, coefficients
 from .rungs.track import Problem, Track
 
@@ -107,10 +107,9 @@ def settling_time(problem: Problem, track: Track) -> Found:
 
 def _last_outside(problem: Problem, track: Track, near: Nearest, apart: Floats) -> float | None:
     """The last time at which a distance is above `settle`; 0 for never, None for at the end."""
-    outside = np.flatnonzero(apart > problem.settle)
-    if not outside.size:
+    i = last_outside(apart, problem.settle)
+    if i < 0:
         return 0.0
-    i = int(outside[-1])
     if i + 1 >= len(apart):
         return None
     settling, p = problem.launches.settling, problem.p

@@ -70,16 +70,7 @@ def body_settling(
 
 def disk_settling(law: type[Contact], resistance: Resistances = ()) -> Settling:
     """The same for every disk; its second argument `p` has the inertia factor first."""
-    every: Any = law, resistance, _records(law)
-    return _of_disk(*every)
-
-
-@lru_cache(maxsize=16)
-def _of_disk(
-    law: type[Contact], resistance: Resistances, records: tuple[SteadyFamily, ...]
-) -> Settling:
-    every: Any = unit_disk(), law, law.symbols(), resistance, records
-    return _settling(*every)
+    return body_settling(unit_disk(), law, law.symbols(), resistance)
 
 
 def _records(law: type[Contact]) -> tuple[SteadyFamily, ...]:

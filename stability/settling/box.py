@@ -43,7 +43,7 @@ from ..algebra.kernels import double_balls
 from ..algebra.kernels.compiled import compiled
 from ..algebra.kernels.double_balls import UP
 from ..algebra.kernels.tape import LANES, Tape, recorded
-from ..algebra.number_types import Algebra, balls
+from ..algebra.number_types import Algebra, balls, precision
 from ..base.errors import StabilityError
 from ..base.types import Floats
 from . import box_kernel as kernel
@@ -89,6 +89,7 @@ class Attraction:
     """Half the diagonal of the box across the family."""
 
 
+@precision(BITS)
 def attraction(
     around: Surroundings, given: Sequence[float], y: Sequence[Any], e: Sequence[Any]
 ) -> Attraction | None:
@@ -108,18 +109,6 @@ def attraction(
     Attraction or None
         None where the test fails.
     """
-    from flint import ctx
-
-    before, ctx.prec = ctx.prec, BITS
-    try:
-        return _attraction(around, given, y, e)
-    finally:
-        ctx.prec = before
-
-
-def _attraction(
-    around: Surroundings, given: Sequence[float], y: Sequence[Any], e: Sequence[Any]
-) -> Attraction | None:
     m = around.across
     y1, e1 = [float(v.mid()) for v in y], np.array([float(v.mid()) for v in e])
     centre, slow = y1, np.zeros((len(y), m))

@@ -20,7 +20,7 @@ from ..algebra.kernels.double_balls import U
 from ..algebra.number_types import balls, numpy_algebra
 from ..algebra.program import Program
 from ..algebra.upright import UPRIGHT
-from ..base.errors import listing
+from ..base.errors import StabilityError, listing
 from ..base.quantities import rate_unit
 from ..base.types import Floats
 from ..bodies.contact_laws import Contact
@@ -28,7 +28,7 @@ from ..bodies.newton_euler import STATES as SIX
 from ..systems.family import Family
 from ..systems.system import System
 from .box import Balls
-from .surroundings import Surroundings, surroundings
+from .surroundings import NOT_PROVED, Surroundings, surroundings
 
 NUMPY = numpy_algebra()
 RIGHT_ANGLE = (np.pi / 2, U)
@@ -111,10 +111,17 @@ class Line:
         """Surroundings of the family, or the reason why nothing is proved about it."""
         if self.idle or self.reason:
             return self.idle or self.reason
+        if not self.across:
+            return "every state names a member, so that there is nothing to converge"
         member = {n: self.member[n] for n in self.across}
-        return surroundings(
-            self.system, self.guards, member, self.y, self.given, steady=self.steady
-        )
+        try:
+            return surroundings(
+                self.system, self.guards, member, self.y, self.given, steady=self.steady
+            )
+        except StabilityError as error:
+            return f"convergence to it is not proved: {str(error).rstrip('.')}"
+        except (TypeError, AttributeError):  # an exact π/2 has a sine and a cosine alone
+            return NOT_PROVED
 
     @cached_property
     def reading(self) -> ca.Function:

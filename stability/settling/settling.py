@@ -6,6 +6,8 @@ body, a disk and a system differ by their families alone (`line.py`).
 
 A tube belongs to a member that one number names, and all launches near it share it (`tube.py`).
 Where no tube is proved about a member, or none is known, a box about the state is tried (`box.py`).
+
+`Settling.many` is the definition, of one state and of many; launches, basins and scenes ask it.
 """
 
 from __future__ import annotations
@@ -31,6 +33,17 @@ SETTLE = 1e-3
 default of launches, basins and scenes.  No eye sees such a distance; its convergence is proved."""
 NONE = -1
 """Number of no family."""
+
+
+def is_close(distance: Floats, within: float | Floats) -> NDArray[np.bool_]:
+    """Whether distances from steady motions are so small that states there can have settled."""
+    return np.asarray(distance <= within)
+
+
+def last_outside(distance: Floats, within: float) -> int:
+    """The last of some samples whose distance is above the limit; -1 for none."""
+    outside = np.flatnonzero(distance > within)
+    return int(outside[-1]) if outside.size else -1
 
 
 def settled(  # noqa: PLR0913
@@ -162,6 +175,8 @@ class NearestMany:
     """Number of the nearest family among `names`, shape (launches,); `NONE` for none."""
     distance: Floats
     """Distances from the nearest members, shape (launches,)."""
+    close: NDArray[np.bool_]
+    """Which distances are within the limit, so that a proof was tried."""
     settled: Settled
     """Proofs; `limit` has as many columns as any family has states y that name a member."""
     near: tuple[Near, ...]
@@ -241,7 +256,7 @@ class Settling:
             np.fmin(row, one.distance, out=row)
         family, distance = apart.argmin(axis=0) - 1, apart.min(axis=0)
         whole = nothing(count, max((one.y.shape[1] for one in near), default=0))
-        close = distance <= within
+        close = is_close(distance, within)
         for number in set(family[close].tolist()) - {NONE}:
             line, one = self.lines[number], near[number]
             if not isinstance(around := line.around, Surroundings):
@@ -253,7 +268,7 @@ class Settling:
             whole.limit[some, : one.y.shape[1]] = found.limit
             for name in ("proved", "error", "rate", "reach", "nearer"):
                 getattr(whole, name)[some] = getattr(found, name)
-        return NearestMany(self.names, family, distance, whole, tuple(near), states, p)
+        return NearestMany(self.names, family, distance, close, whole, tuple(near), states, p)
 
     def closest(self, state: Floats, p: Floats) -> Nearest:
         """The steady motion nearest to a state; settling is not tested."""
@@ -286,7 +301,7 @@ class Settling:
         line, y, done = self.lines[number], found.near[number].y[i], bool(proof.proved[i])
         error, called = float(proof.error[i]), line.called(y, found.p[i])
         evidence = f"{distance:.3g} from {called}; "
-        if line.idle or distance > within:
+        if line.idle or not found.close[i]:
             idle = f"; {line.idle}" if line.idle and within >= 0 else ""
             evidence = f"nearest is {called}, {distance:.3g} away{idle}"
         elif done:
@@ -317,6 +332,11 @@ class Settling:
         p = np.broadcast_to(p, (len(states), np.shape(p)[-1]))
         return np.nan_to_num(line.near(self.read(states), p).distance, nan=np.inf)
 
+    def since(self, states: Floats, p: Floats, near: Nearest, within: float) -> int:
+        """The first of the samples of a settled motion from which it stays within the limit."""
+        last = last_outside(self.distances(states, p, near), within)
+        return min(last + 1, len(states) - 1)
+
     def read(self, states: Floats) -> Floats:
         """The states as the families name them."""
         return states
@@ -324,3 +344,47 @@ class Settling:
     def member(self, line: Line, states: Floats) -> Floats | None:  # noqa: ARG002
         """The states of a member, as launches are read, from those that the family names."""
         return states
+
+
+class Watcher:
+    """Tries proofs of settling where a launch has come nearer since the last try.
+
+    Parameters
+    ----------
+    settling
+        Steady motions that the launches may settle on.
+    report
+        Function from the states that are shown to those that a motion reports.
+    p
+        Parameters of the system, shape (N, m).
+    horizon
+        Last time of each launch, at which it is tried in any case, shape (N,).
+    within
+        Largest distance at which a proof is tried.
+    """
+
+    def __init__(
+        self,
+        settling: Settling,
+        report: Callable[[Floats], Floats],
+        p: Floats,
+        horizon: Floats,
+        within: float,
+    ) -> None:
+        self.settling, self.report, self.horizon, self.within = settling, report, horizon, within
+        self.p, count = p, len(p)
+        self.limit = np.full(count, within)
+        self.family = np.full(count, NONE, dtype=np.int8)
+        self.member, self.error = np.full(count, np.nan), np.full(count, np.nan)
+
+    def __call__(self, rows: NDArray[np.intp], states: Floats, times: Floats) -> NDArray[np.bool_]:
+        """Whether the outcome of each launch is proved."""
+        limit = np.where(times < self.horizon[rows], self.limit[rows], self.within)
+        found = self.settling.many(self.report(states), self.p[rows], limit)
+        proved = found.settled.proved
+        tried = found.close
+        self.limit[rows[tried]] = (found.settled.nearer * found.distance)[tried]
+        mine = rows[proved]
+        self.family[mine], self.error[mine] = found.family[proved], found.settled.error[proved]
+        self.member[mine] = found.limit[proved]
+        return proved

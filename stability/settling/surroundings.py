@@ -14,7 +14,6 @@ import casadi as ca
 
 from ..algebra.program import Program
 from ..algebra.upright import Upright
-from ..base.errors import StabilityError
 from ..systems.graph.constants import Constants
 from ..systems.system import System
 
@@ -120,26 +119,13 @@ def surroundings(
     -------
     Surroundings or str
         The reason is a sentence without its full stop.
+
+    Raises
+    ------
+    StabilityError, TypeError, AttributeError
+        If a graph has a function of which nothing is known: an exact π/2 has a sine and a cosine
+        alone.
     """
-    if not member:
-        return "every state names a member, so that there is nothing to converge"
-    try:
-        return _surroundings(system, guards, member, y, given, steady=steady)
-    except StabilityError as error:
-        return f"convergence to it is not proved: {str(error).rstrip('.')}"
-    except (TypeError, AttributeError):  # an exact π/2 has a sine and a cosine alone
-        return NOT_PROVED
-
-
-def _surroundings(
-    system: System,
-    guards: Sequence[ca.SX],
-    member: Mapping[str, Any],
-    y: ca.SX,
-    given: ca.SX,
-    *,
-    steady: bool,
-) -> Surroundings | str:
     constants, e = Constants(), ca.SX.sym("e", len(member))
     along = [n for n in system.states if n not in member]
     there: dict[str, Any] = dict(zip(along, ca.vertsplit(y) if along else [], strict=True))

@@ -21,7 +21,6 @@ Tubes belong to members on a grid, which all launches with the same numbers shar
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from itertools import accumulate, pairwise
 from typing import Any, NamedTuple
@@ -66,30 +65,35 @@ TOGETHER = 512
 """Tubes that are made together."""
 
 
-@dataclass(frozen=True, eq=False)
-class Tubes:
-    """Tubes about members; the first axis counts them."""
+class Tubes(NamedTuple):
+    """Tubes about members; the first axis counts them, or the launches near them."""
 
-    form: Form
-    """Their coordinates."""
-    p: Floats
-    """|P|, shape (N,)."""
-    n: Floats
-    """|N|."""
+    ell: Floats
+    """ℓ of their coordinates, as in `Form`."""
+    z: Floats
+    """Z."""
     q: Floats
-    """|q|."""
+    """q."""
     c: Floats
+    """c."""
+    p_size: Floats
+    """|P|, shape (N,)."""
+    n_size: Floats
+    """|N|."""
+    q_size: Floats
+    """|q|."""
+    c_size: Floats
     """|c|."""
     reach: Floats
     """Largest |u|; 0 where no tube is proved."""
     rate: Floats
     """β."""
+    half: Floats
+    """Half the diagonal of a box across the family that holds the tube."""
     inner: Floats
     """Largest |u| of the largest tube and of those within it, shape (N, 1 + inner)."""
     drift: Floats
     """D over |u| in each of these."""
-    half: Floats
-    """Half the diagonal of a box across the family that holds the tube."""
 
 
 def tubes(around: Surroundings, y: Floats, given: Floats) -> Tubes:
@@ -163,9 +167,8 @@ def _largest(made: Derivatives, form: Form, b: Bounds, y: Floats, given: Floats)
         inner.append(r)
         drifts.append(d)
     half = best * np.sqrt(np.square(b.rows).sum(1)) * WIDE
-    return Tubes(
-        form, b.p, b.n, b.q, b.c, reach, rate, np.stack(inner, 1), np.stack(drifts, 1), half
-    )
+    sizes = b.p, b.n, b.q, b.c, reach, rate, half
+    return Tubes(form.ell, form.z, form.q, form.c, *sizes, np.stack(inner, 1), np.stack(drifts, 1))
 
 
 def _tube(b: Bounds, r: Floats, third: Floats, along: Floats) -> tuple[Floats, Floats, Floats]:
@@ -264,7 +267,7 @@ def in_tube(around: Surroundings, y: Any, given: Floats, e: Any) -> InTube:
         return found
 
 
-def _told(own: _Row, centre: Floats, y: Any, e: Any) -> tuple[InTube, Floats]:
+def _told(own: Tubes, centre: Floats, y: Any, e: Any) -> tuple[InTube, Floats]:
     """What the tubes about centres say of launches, and W."""
     (at, r_at), (off, r_off) = y, e
     z = _times(own.z, off)
@@ -296,24 +299,6 @@ def _square(a: Floats, b: Floats) -> Floats:
     return out
 
 
-class _Row(NamedTuple):
-    """Tubes, launch by launch, as in `Tubes` and its `Form`."""
-
-    ell: Floats
-    z: Floats
-    q: Floats
-    c: Floats
-    p_size: Floats
-    n_size: Floats
-    q_size: Floats
-    c_size: Floats
-    reach: Floats
-    rate: Floats
-    half: Floats
-    inner: Floats
-    drift: Floats
-
-
 class _Kept:
     """Tubes of one family that were made before."""
 
@@ -326,7 +311,7 @@ class _Kept:
         first, _ = derivatives(self.around).first.run(np.vstack([y, given.T]))
         return slow_rows(first.T.reshape(-1, m + 1, m))
 
-    def rows(self, node: Floats, given: Floats) -> _Row:
+    def rows(self, node: Floats, given: Floats) -> Tubes:
         """The tubes about `node` steps, launch by launch."""
         asked = np.column_stack([node, given]) + 0.0  # -0 has other bytes than 0
         unique, mine = asked, np.zeros(1, int)
@@ -343,14 +328,15 @@ class _Kept:
             # other threads may replace the table meanwhile, so this one answers from its own
             known, others = known | made, self.known | made
             self.known = made if len(others) > MOST_NODES else others
-        return _row(np.array([known[k] for k in keys])[mine.ravel()], self.around.across)
+        return _read(np.array([known[k] for k in keys])[mine.ravel()], self.around.across)
 
     def _made(self, asked: Floats) -> dict[bytes, Floats]:
         made = dict[bytes, Floats]()
         for low in range(0, len(asked), TOGETHER):
             some = asked[low : low + TOGETHER]
-            found = _flat(tubes(self.around, some[:, 0] * STEP, some[:, 1:]))
-            made.update(zip((row.tobytes() for row in some), found, strict=True))
+            parts = tubes(self.around, some[:, 0] * STEP, some[:, 1:])
+            table = np.concatenate([v.reshape(len(some), -1) for v in parts], axis=1)
+            made.update(zip((row.tobytes() for row in some), table, strict=True))
         return made
 
 
@@ -359,30 +345,10 @@ def _kept(around: Surroundings) -> _Kept:
     return _Kept(around)
 
 
-def _flat(found: Tubes) -> Floats:
-    n, form = len(found.p), found.form
-    parts = [
-        form.ell,
-        form.z,
-        form.q,
-        form.c,
-        found.p,
-        found.n,
-        found.q,
-        found.c,
-        found.reach,
-        found.rate,
-        found.half,
-        found.inner,
-        found.drift,
-    ]
-    return np.concatenate([v.reshape(n, -1) for v in parts], axis=1)
-
-
-def _row(table: Floats, m: int) -> _Row:
+def _read(table: Floats, m: int) -> Tubes:
+    """Tubes from the rows of a table, in which each field is flat."""
     ends = accumulate([0, m, m * m, m * m, m, *[1] * 7, 1 + len(INNER), 1 + len(INNER)])
     ell, z, q, c, *sizes, inner, drift = (table[:, a:b] for a, b in pairwise(ends))
     shape = (-1, m, m)
-    flat = (v[:, 0] for v in sizes)
-    parts: list[Floats] = [ell, z.reshape(shape), q.reshape(shape), c, *flat, inner, drift]
-    return _Row(*parts)
+    parts = [ell, z.reshape(shape), q.reshape(shape), c, *(v[:, 0] for v in sizes), inner, drift]
+    return Tubes(*parts)

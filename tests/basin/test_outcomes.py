@@ -10,10 +10,10 @@ from scipy.integrate import solve_ivp
 import stability as st
 from stability.basin import outcomes as engine
 from stability.basin.launches import prepare
-from stability.basin.outcomes import Judging, Outcomes, outcomes
+from stability.basin.outcomes import Outcomes, outcomes
 from stability.integrators.leg import Leg
 from stability.integrators.taylor import _on_guard
-from stability.motion.result import BY_CODE, CODES, Outcome
+from stability.motion.result import BY_CODE, CODES, Outcome, Settings
 from stability.settling.settling import SETTLE
 
 STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
@@ -66,7 +66,7 @@ def test_outcomes_are_those_of_the_checked_single_run(
             single(found, some, rows, judging),
         ),
     )
-    found = outcomes(launches, Judging())
+    found = outcomes(launches, Settings())
     assert len(alone) <= count / 20  # these are compared with the route that decided them
     fit = np.array([i not in (launches.unfit or {}) for i in range(count)])
     run = st.simulate(st.Disk(k=DISKS[body]), st.Viscous(0.3), launches.starts[fit], horizon)
@@ -103,9 +103,9 @@ def test_outcomes_are_those_of_the_checked_single_run(
 
 def test_outcomes_do_not_depend_on_the_company() -> None:
     launches = launched("spinning", "phi_dot", 24, 8, 150.0)
-    whole = outcomes(launches, Judging())
+    whole = outcomes(launches, Settings())
     rows = np.random.default_rng(1).permutation(24)[:11]
-    some = outcomes(engine.subset(launches, rows), Judging())
+    some = outcomes(launches.some(rows), Settings())
     for name in Outcomes.__dataclass_fields__:
         np.testing.assert_array_equal(getattr(some, name), getattr(whole, name)[rows])
     assert (whole.outcome == CODES[Outcome.SETTLED]).sum() > 7
@@ -118,7 +118,7 @@ def test_a_start_without_contact_has_ended_already() -> None:
         "theta_dot": np.array([0.0, 3, 0, 0, 0]),
         "slip_x": np.array([0.0, 0, 0, 0, 5.0]),
     }
-    found = outcomes(asked.starts(points, 1.0), Judging())
+    found = outcomes(asked.starts(points, 1.0), Settings())
     words = [BY_CODE[c].word for c in found.outcome.tolist()]
     assert words == ["moving", "lift-off", "flat", "flat", "no-contact"]
     assert (found.time[1:] == 0).all() and found.time[0] == 1.0
@@ -126,7 +126,7 @@ def test_a_start_without_contact_has_ended_already() -> None:
 
 def test_what_the_two_runs_leave_open_is_decided_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     launches = launched("spinning", "phi_dot", 12, 3, 60.0)
-    usual = outcomes(launches, Judging())
+    usual = outcomes(launches, Settings())
     alone: list[int] = []
     single = engine._singly
 
@@ -146,7 +146,7 @@ def test_what_the_two_runs_leave_open_is_decided_alone(monkeypatch: pytest.Monke
 
     monkeypatch.setattr(engine, "_singly", counted)
     monkeypatch.setattr(engine, "_judged", other)
-    found = outcomes(launches, Judging())
+    found = outcomes(launches, Settings())
     assert calls == pytest.approx([1e-9, 1e-7]) and len(alone) == 2
     assert (found.outcome == usual.outcome).all()
 
@@ -194,7 +194,7 @@ def test_the_error_of_a_late_departure_reaches_down_to_rounding(
     points = {n: np.full(1, v) for n, v in zip("xysw", (1.0, 0.0, 2.0**-106, 0.0), strict=True)}
     runs, judged = [], engine._judged
     monkeypatch.setattr(engine, "_judged", lambda *a: runs.append(judged(*a)) or runs[-1])
-    found = outcomes(asked.starts(points, horizon), Judging())
+    found = outcomes(asked.starts(points, horizon), Settings())
     assert found.outcome[0] == CODES[Outcome.MOVING]
     first, second = (run.state[0] for run in runs)
     late = abs(first[3] - away(horizon))  # w, in closed form
@@ -214,11 +214,11 @@ def test_launches_whose_two_runs_part_are_decided_alone(monkeypatch: pytest.Monk
             single(found, some, rows, judging),
         ),
     )
-    usual = outcomes(launches, Judging())
+    usual = outcomes(launches, Settings())
     assert not alone
     worst = int(np.argmax(np.where(usual.outcome == 0, usual.error, 0.0)))
     monkeypatch.setattr(engine, "PARTED", 0.99 * usual.error[worst])
-    again = outcomes(launches, Judging())
+    again = outcomes(launches, Settings())
     assert worst in alone and (again.outcome == usual.outcome).all()
 
 
@@ -232,7 +232,7 @@ def test_a_systems_launches_settle_where_an_independent_integration_ends(
     asked = prepare(system, None, ("angle", "rate"), {"c": 0.3}, "", rests, {})
     rng = np.random.default_rng(seed)
     points = {"angle": rng.uniform(-3, 3, count), "rate": rng.uniform(-4, 4, count)}
-    found = outcomes(asked.starts(points, 2 * last), Judging())
+    found = outcomes(asked.starts(points, 2 * last), Settings())
     for row in range(count):
         end = solve_ivp(
             lambda _, y: [y[1], -np.sin(y[0]) - 0.3 * y[1]],
@@ -254,7 +254,7 @@ def test_laws_that_settle_on_nothing_give_the_outcomes_of_simulate(contact: Any)
     asked = prepare(st.Disk(), contact, ("phi_dot", "tilt"), {}, "spinning", (), {})
     points = {"phi_dot": np.array([0.5, 1.5, 2.5, 3.4]), "tilt": np.array([0.5, 0.3, 0.2, 0.5])}
     launches = asked.starts(points, 8.0)
-    found = outcomes(launches, Judging())
+    found = outcomes(launches, Settings())
     fit = np.array([i not in (launches.unfit or {}) for i in range(4)])
     run = st.simulate(st.Disk(), contact, launches.starts[fit], 8.0)
     assert (found.outcome[fit] == run.outcome.values).all()
@@ -265,7 +265,7 @@ def test_a_body_that_passes_its_pole_is_launched_too() -> None:
     asked = prepare(top, st.Viscous(0.3), ("theta", "phi_dot"), {}, "", (), {})
     points = {"theta": np.array([0.1, 0.5, 2.8]), "phi_dot": np.array([0.5, 2.0, 1.0])}
     launches = asked.starts(points, 20.0)
-    found = outcomes(launches, Judging())
+    found = outcomes(launches, Settings())
     run = st.simulate(top, st.Viscous(0.3), launches.starts, 20.0)
     assert (found.outcome == run.outcome.values).all()
 

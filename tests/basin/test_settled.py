@@ -10,7 +10,7 @@ from kane_disk import fixed_axes
 from scipy.integrate import solve_ivp
 
 import stability as st
-from stability.basin.outcomes import Judging
+from stability.motion.result import Settings
 from stability.scene.rungs.track import Problem
 from stability.settling.settling import SETTLE
 
@@ -20,7 +20,7 @@ STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
 def test_every_default_is_the_same() -> None:
     for function in (st.simulate, st.basins):
         assert inspect.signature(function).parameters["settle"].default == SETTLE
-    assert Judging.settle == Problem.settle == SETTLE
+    assert Settings.settle == Problem.settle == SETTLE
 
 
 def test_a_launch_that_has_settled_hardly_moves_on() -> None:

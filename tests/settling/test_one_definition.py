@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import stability as st
+from stability.settling import settling as definition
 from stability.settling.body_lines import body_settling, disk_settling
 from stability.settling.settling import Settling
 from stability.settling.system_lines import system_settling
@@ -127,3 +128,20 @@ def test_a_family_without_a_number_of_its_own_has_no_member_where_it_is_not_stea
     found = alike(system_settling((wrong, true)), x, np.zeros((2, 0)))
     assert (found.family == 1).all()
     assert found.settled.proved.all()
+
+
+@pytest.mark.parametrize("share", [1.0, 0.0])
+def test_launches_basins_and_scenes_ask_one_definition(
+    share: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where no distance counts as close, none of them settles."""
+    word = "settled" if share else "moving"
+    close = definition.is_close
+    monkeypatch.setattr(definition, "is_close", lambda far, within: close(far, share * within))
+    start, law, last = {"theta": 1.52, "phi_dot": 2.5}, st.Viscous(MU), 200.0
+    run = st.simulate(st.Disk(), law, start, last)
+    axes: Any = {"x": ("phi_dot", 2.5, 2.6, 2), "y": ("theta", 1.5, 1.52, 2)}
+    found = st.basins(st.Disk(), law, **axes, horizon=last)
+    scene = st.Scene(st.Disk(), law, start, last, quantities=("outcome",))
+    assert run.attrs["outcome"] == scene.answer().value == word
+    assert (found.outcome == st.Outcome[word.upper()].code).all()

@@ -91,10 +91,11 @@ def broken(family: str, turned: float = 1.0) -> int:
     """
     around, y, given = members(family)
     made, out = tubes(around, y, given), 0
+    form, _ = normal_form(derivatives(around), y, given)
     assert (made.reach > 0).all()
     rng = np.random.default_rng(2)
     for i in range(len(y)):
-        ell, z, p, n, q, c = (part[i] for part in made.form)
+        ell, z, p, n, q, c = (part[i] for part in form)
         p = p * turned
         zs = rng.normal(size=(3000, 5))
         zs *= (made.reach[i] * rng.uniform(0.2, 1, 3000) / np.linalg.norm(zs, axis=1))[:, None]
@@ -176,9 +177,9 @@ def test_tubes_reach_many_times_farther_than_boxes() -> None:
         around, y, given = members(family)
         y = np.array([at])
         made = tubes(around, y, given[:1])
-        z = np.linalg.inv(made.form.z[0])
+        z = np.linalg.inv(made.z[0])
         direction = z[:, int(np.argmin(np.abs(z).sum(0)))]
-        direction = direction / np.linalg.norm(made.form.z[0] @ direction)
+        direction = direction / np.linalg.norm(made.z[0] @ direction)
         low, high = 1e-6, 1.0
         for _ in range(24):
             middle = math.sqrt(low * high)

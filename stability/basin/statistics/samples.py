@@ -32,7 +32,23 @@ class Quantity(Protocol):
 
 
 @dataclass(frozen=True)
-class Uniform:
+class _Interval:
+    low: float
+    """Least value, in the quantity's unit."""
+    high: float
+    """Largest value."""
+
+    def __post_init__(self) -> None:
+        kind = type(self).__name__
+        low = one_number(f"the low end of {kind}", self.low)
+        high = one_number(f"the high end of {kind}", self.high)
+        if not low < high:
+            raise ParameterError(
+                f"{kind} runs from {low:g} to {high:g}; the low end must be below the high end."
+            )
+
+
+class Uniform(_Interval):
     """Even distribution between two values.
 
     Source: Philox 4x64-10 of Salmon, Moraes, Dror & Shaw 2011: tests/basin/test_samples.py.
@@ -45,21 +61,12 @@ class Uniform:
     array([1.5])
     """
 
-    low: float
-    """Least value, in the quantity's unit."""
-    high: float
-    """Largest value."""
-
-    def __post_init__(self) -> None:
-        _ordered(self, self.low, self.high)
-
     def at(self, share: Floats) -> Floats:
         """Quantiles at shares in (0, 1)."""
         return self.low + (self.high - self.low) * share
 
 
-@dataclass(frozen=True)
-class LogUniform:
+class LogUniform(_Interval):
     """Distribution whose logarithm is even, between two values above zero.
 
     Source: Philox 4x64-10 of Salmon, Moraes, Dror & Shaw 2011: tests/basin/test_samples.py.
@@ -72,14 +79,9 @@ class LogUniform:
     array([1.])
     """
 
-    low: float
-    """Least value, in the quantity's unit."""
-    high: float
-    """Largest value."""
-
     def __post_init__(self) -> None:
         positive("the low end of LogUniform", self.low, "it must be above zero")
-        _ordered(self, self.low, self.high)
+        super().__post_init__()
 
     def at(self, share: Floats) -> Floats:
         """Quantiles at shares in (0, 1)."""
@@ -352,16 +354,6 @@ def in_ball(shares: Floats) -> Floats:
     """
     size = shares.shape[1] - 1
     return np.asarray(on_sphere(shares[:, :-1]) * shares[:, -1:] ** (1 / size))
-
-
-def _ordered(owner: object, low: Any, high: Any) -> None:
-    """Refuse an interval whose ends are not in order."""
-    kind = type(owner).__name__
-    ends = one_number(f"the low end of {kind}", low), one_number(f"the high end of {kind}", high)
-    if not ends[0] < ends[1]:
-        raise ParameterError(
-            f"{kind} runs from {ends[0]:g} to {ends[1]:g}; the low end must be below the high end."
-        )
 
 
 def _named(quantities: Any) -> None:

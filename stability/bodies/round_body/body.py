@@ -209,6 +209,12 @@ class Body(RoundShape):
                 )
         return {n: checked(n, v) for n, v in self.shape.items()}
 
+    def having(self, numbers: Mapping[str, Any]) -> Body:
+        """The same body with other values of some of its numbers, by name."""
+        shape = {n: numbers.get(n, v) for n, v in self.shape.items()}
+        others: dict[str, Any] = {n: v for n, v in numbers.items() if n not in shape}
+        return replace(self, shape=shape, **others)
+
     def _within_limits(self, numbers: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
         """The limits, after a check that the numbers lie within them."""
         if not isinstance(self.limits, Mapping):
