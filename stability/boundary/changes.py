@@ -25,11 +25,11 @@ from ..spectra.arguments import swept
 from ..spectra.certificate import verdict as certified
 from ..spectra.labels import of_package
 from ..spectra.problem import Problem
+from ..spectra.verdict_routes import BITS
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
 from .algebraic.exact_search import algebraic
 from .brackets import (
-    BITS,
     AxisScan,
     Boundaries,
     BoundaryPoint,

@@ -76,6 +76,17 @@ def _hurwitz(p: Any) -> bool:
     return True
 
 
+def is_even(coefficients: Sequence[Any]) -> bool:
+    """Whether a polynomial has even powers alone.
+
+    Parameters
+    ----------
+    coefficients
+        Coefficients of any number type, lowest first; only an exact zero equals 0.
+    """
+    return len(coefficients) % 2 == 1 and all(c == 0 for c in coefficients[1::2])
+
+
 class Ground(NamedTuple):
     """A real field by what proofs need of it."""
 

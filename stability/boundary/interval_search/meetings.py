@@ -25,9 +25,10 @@ from flint import arb, arb_mat, arb_series
 
 from ...algebra.number_types import balls, precision
 from ...base.errors import NoMemberError, StabilityError
+from ...spectra.verdict_routes import BITS
 from ...systems.closed_form import ClosedForm
 from ...systems.structure.enclosure import ball_unknowns
-from ..brackets import BITS, AxisScan, Crossing
+from ..brackets import AxisScan, Crossing
 from .taylor import coefficient, product, quotient, series_algebra, span, terms
 
 SKEW = 1e7

@@ -23,8 +23,9 @@ from ...algebra.kernels.tape import Tape, recorded_series
 from ...algebra.number_types import Algebra, balls, precision
 from ...base.errors import NoMemberError, StabilityError
 from ...base.types import Floats
+from ...spectra.verdict_routes import BITS
 from ...systems.closed_form import ClosedForm, ImplicitForm
-from ..brackets import BITS, AxisScan, Crossing
+from ..brackets import AxisScan, Crossing
 from .meetings import FormulaMeetings, watched
 
 ORDER = 3
