@@ -26,7 +26,7 @@ from ..base.errors import NoMemberError, StabilityError, warned
 from ..base.types import Sentences
 from ..base.verdict import DECAYING, Verdict
 from ..spectra.problem import Problem, formulas_of
-from ..spectra.verdict_routes import BITS, Point, by_routh, decided, structural_zeros
+from ..spectra.verdict_routes import ALONE, ANYTHING, BITS, GRAPH, Point, by_routh, decided
 from ..systems.closed_form import ClosedForm, RepeatedBalls
 from ..systems.structure.enclosure import (
     ball_unknowns,
@@ -285,21 +285,10 @@ class LinePoint(Point):
     """A point of a line, whose polynomial comes from the line."""
 
     def __init__(self, line: AxisScan, value: float) -> None:
-        problem = line.problem
-        super().__init__(problem, line.fixed | {line.axis: value}, alone=True)
+        super().__init__(line.problem, line.fixed | {line.axis: value})
         self.line, self.value = line, value
-        self.known, self.by_graph = None, not problem.derived
-        self.quick = (BITS,) if self.by_graph else LADDER
-
-    @property
-    def zeros(self) -> int:
-        """Number of eigenvalues that are zero by structure."""
-        family = self.problem.family
-        return (
-            structural_zeros(self.member)
-            if self.by_graph and not certain(family)
-            else structure(family).zeros
-        )
+        self.has = {ALONE} if line.problem.derived else {ANYTHING, ALONE, GRAPH}
+        self.quick = LADDER if line.problem.derived else (BITS,)
 
     def coefficients(self, bits: int) -> Sequence[Any] | None:
         """The characteristic polynomial in balls."""
@@ -413,10 +402,7 @@ class AxisScan:
 
     def polynomial(self, value: float, bits: int = BITS) -> list[Any]:
         """The polynomial whose Hurwitz stability is the verdict."""
-        family = self.problem.family
-        return verdict_polynomial(
-            self.coefficients(value, bits), structure(family).zeros, self.even
-        )
+        return self._verdict_polynomial(self.coefficients(value, bits))
 
     def sign(self, value: float) -> int:
         """Proved verdict: 1 stable or neutral, -1 unstable, 0 on the boundary or undecided."""
@@ -473,8 +459,10 @@ class AxisScan:
 
     def _at(self, value: Any, bits: int) -> list[Any]:
         """The polynomial whose Hurwitz stability is the verdict, at a ball."""
-        zeros = structure(self.problem.family).zeros
-        return verdict_polynomial(self.enclosed(value, bits), zeros, self.even)
+        return self._verdict_polynomial(self.enclosed(value, bits))
+
+    def _verdict_polynomial(self, coefficients: Sequence[Any]) -> list[Any]:
+        return verdict_polynomial(coefficients, structure(self.problem.family).zeros, self.even)
 
     def _halved(self, low: Any, high: Any) -> bool:
         """Whether the constant term is not proved to differ from zero where the verdict changes."""

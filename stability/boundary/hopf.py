@@ -31,6 +31,7 @@ from flint import arb
 
 from ..algebra.exact.number_fields import NotExact
 from ..algebra.exact.roots import UnclearError
+from ..algebra.krawczyk import NotProvedError
 from ..algebra.number_types import precision, upper
 from ..base.axis import AxisLike
 from ..base.checks import checked, instance, whole_number
@@ -50,7 +51,6 @@ from ..systems.structure.structural_zeros import structure
 from ..systems.system import refuse_system
 from .brackets import BoundaryPoint, Crossing
 from .changes import MOST_SCAN, along
-from .krawczyk import NotProvedError
 from .lyapunov_coefficient import (
     Coefficients,
     Line,
@@ -90,11 +90,6 @@ class HopfKind(Sentences):
         "degenerate: the pair does not cross with speed, or does not move the motion along the "
         "line, within the error of the computation; higher orders decide"
     )
-
-    @property
-    def word(self) -> str:
-        """One lower-case word."""
-        return self.name.lower()
 
 
 @dataclass(frozen=True, eq=False)

@@ -194,18 +194,16 @@ def _ball_roots(coefficients: Sequence[Any], even: bool, *, last: bool) -> Balls
 
 def _member_roots(member: Member, zeros: int, unit: Any, *, last: bool) -> Balls | None:
     """As `_roots`, from the graph; at the last precision, clusters where roots coincide."""
-    found = _of_graph(member, zeros, last=last)
-    return found if found is None or unit == 1 else [root * arb(unit) for root in found]
-
-
-def _of_graph(member: Member, zeros: int, *, last: bool) -> Balls | None:
+    found: Balls | None
     if member.rational is not None:
-        return bounded_roots(fmpq_poly(member.rational[zeros:]))
-    polynomial = member.enclosed()[zeros:]
-    extra = next(i for i, c in enumerate(polynomial) if not c == 0)
-    rest = polynomial[extra:]
-    found = _ball_roots(rest, is_even(rest), last=last) if len(rest) > 1 else []
-    return None if found is None else [acb(0)] * extra + found
+        found = bounded_roots(fmpq_poly(member.rational[zeros:]))
+    else:
+        polynomial = member.enclosed()[zeros:]
+        extra = next(i for i, c in enumerate(polynomial) if not c == 0)
+        rest = polynomial[extra:]
+        found = _ball_roots(rest, is_even(rest), last=last) if len(rest) > 1 else []
+        found = None if found is None else [acb(0)] * extra + found
+    return found if found is None or unit == 1 else [root * arb(unit) for root in found]
 
 
 def _sharp(root: Any) -> bool:

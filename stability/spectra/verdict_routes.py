@@ -13,6 +13,7 @@ of its unknowns where balls leave a zero open.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
@@ -30,8 +31,7 @@ from ..algebra.exact.routh import (
     product,
     verdict_polynomial,
 )
-from ..algebra.number_types import MIXED, precision
-from ..algebra.polynomial import ExactPolynomial
+from ..algebra.number_types import MIXED, Algebra, precision
 from ..base.verdict import Verdict, best
 from ..systems.family import Family
 from ..systems.structure.identities import certain, symmetric
@@ -64,6 +64,13 @@ class Proof:
     """Whether the verdict holds at all members nearby too."""
 
 
+ANYTHING = "any point"
+ALONE = "a verdict that is asked for without its arithmetic, so that the quickest proof will do"
+POLYNOMIAL = "a known polynomial"
+GRAPH = "a member of a graph"
+"""What a route may need, and a point may have."""
+
+
 class Point:
     """A member whose verdict is asked for.
 
@@ -78,9 +85,11 @@ class Point:
     most
         For a user's family: the largest precision of balls.
     alone
-        Whether the verdict is asked for without the arithmetic of its proof, so that the quickest
-        proof comes first.
+        Whether the verdict is asked for without the arithmetic of its proof.
     """
+
+    quick: tuple[int, ...] = (BITS,)
+    """Precisions at which Routh's array is tried before all else."""
 
     def __init__(
         self,
@@ -91,21 +100,13 @@ class Point:
         *,
         alone: bool = False,
     ) -> None:
-        self.problem, self.values = problem, values
-        self.most = most or MOST_BITS
-        self.known: ExactPolynomial | None = problem.exact
-        """The known polynomial, from which a proof starts."""
-        self.by_graph = problem.exact is None
-        """Whether a proof may start from the graph."""
-        self.quick: tuple[int, ...] = (BITS,) if alone and self.by_graph else ()
-        """Precisions at which Routh's array is tried before all else."""
+        self.problem, self.values, self.most = problem, values, most or MOST_BITS
+        self.has = {ANYTHING, POLYNOMIAL} if problem.exact else {ANYTHING, GRAPH}
+        """What routes may need."""
+        if alone and problem.exact is None:
+            self.has.add(ALONE)
         if member is not None:
             self.member = member
-
-    @cached_property
-    def rationals(self) -> dict[str, Any]:
-        """The values as exact rationals."""
-        return self.problem.rationals(self.values)
 
     @cached_property
     def member(self) -> Member:
@@ -115,11 +116,9 @@ class Point:
     @cached_property
     def zeros(self) -> int:
         """Number of eigenvalues that are zero by structure, each proved zero."""
-        if self.known is not None:
-            return self.known.zeros
-        if certain(self.problem.family):
-            return structure(self.problem.family).zeros
-        return structural_zeros(self.member)
+        if GRAPH in self.has and not certain(self.problem.family):
+            return structural_zeros(self.member)
+        return structure(self.problem.family).zeros
 
     def coefficients(self, bits: int) -> Balls | None:
         """The characteristic polynomial in balls, no zero proved; None without a member."""
@@ -179,7 +178,7 @@ def proved(point: Point) -> Proof:
     proof = decided(point)
     if proof.verdict is not Verdict.STABLE:
         return proof
-    if point.known is not None and not point.problem.may_drift:
+    if POLYNOMIAL in point.has and not point.problem.may_drift:
         return proof
     power = zero_power(point.member, point.zeros)
     if power is None:
@@ -191,7 +190,7 @@ def decided(point: Point) -> Proof:
     """The verdict from the eigenvalues that are not zero by structure."""
     proof = first_proof(point, point.zeros)
     sure = proof.nearby or proof.verdict is Verdict.UNSTABLE or proof.bits == NOT_STEADY
-    if sure or not point.by_graph:
+    if sure or GRAPH not in point.has:
         return proof
     member, zeros = point.member, point.zeros
     ended = proof.verdict is Verdict.UNDECIDED and proof.bits == MOST_BITS
@@ -207,7 +206,7 @@ def decided(point: Point) -> Proof:
 def first_proof(point: Point, zeros: int) -> Proof:
     """The proof of the first route that has one, without a number of zero eigenvalues."""
     for route in ROUTES:
-        proof = route.attempt(point, zeros)
+        proof = route.attempt(point, zeros) if route.needs in point.has else None
         if proof is not None:
             return proof
     return Proof(Verdict.UNDECIDED, MOST_BITS)
@@ -223,7 +222,7 @@ class VerdictRoute:
     name: str
     """What it takes, in words."""
     needs: str
-    """What a point must have; elsewhere an attempt gives nothing."""
+    """What a point must have; others are not tried."""
     proves: str
     """Verdicts that it proves."""
     attempt: Callable[[Point, int], Proof | None]
@@ -235,60 +234,57 @@ class VerdictRoute:
 
 
 def _quick_array(point: Point, zeros: int) -> Proof | None:
-    if not point.quick or (point.by_graph and not certain(point.problem.family)):
+    family = point.problem.family
+    if GRAPH in point.has and not certain(family):
         return None
     for bits in point.quick:
         coefficients = point.coefficients(bits)
         with precision(bits):
-            verdict = by_routh(point.problem.family, coefficients, zeros)
+            verdict = by_routh(family, coefficients, zeros)
         if verdict is not None:
             return Proof(verdict, bits, nearby=True)
     return None
 
 
 def _signs_over_q(point: Point, _: int) -> Proof | None:
-    if point.known is None:
-        return None
-    try:
-        conditions = point.known.conditions(point.rationals, EXACT)
-    except NotExact:
-        return None
-    verdict = by_signs(conditions, even=point.problem.family.conservative)
-    return None if verdict is None else Proof(verdict, 0)
+    with suppress(NotExact):
+        verdict = by_signs(point.problem, _conditions(point, EXACT))
+        return None if verdict is None else Proof(verdict, 0)
+    return None
 
 
-def _known_over_q(point: Point, _: int) -> Proof | None:
-    if point.known is None:
-        return None
-    try:
-        factors = point.known.coefficients(point.rationals, EXACT)
-        return Proof(on_the_axis([fmpq_poly(factor) for factor in factors]), 0)
-    except NotExact:
-        return None
+def _polynomial_over_q(point: Point, _: int) -> Proof | None:
+    with suppress(NotExact):
+        return Proof(on_the_axis([fmpq_poly(c) for c in _factors(point, EXACT)]), 0)
+    return None
 
 
-def _known_in_balls(point: Point, _: int) -> Proof | None:
-    known, even = point.known, point.problem.family.conservative
-    if known is None:
-        return None
-
+def _polynomial_in_balls(point: Point, _: int) -> Proof | None:
     def verdict() -> Verdict | None:
-        conditions = known.conditions(point.rationals, MIXED)
+        conditions = _conditions(point, MIXED)
         if conditions is not None:
-            return by_signs(conditions, even=even)
-        return by_roots(product(known.coefficients(point.rationals, MIXED)))
+            return by_signs(point.problem, conditions)
+        return by_roots(product(_factors(point, MIXED)))
 
     return _raised(verdict, BITS, MOST_BITS)
 
 
+def _conditions(point: Point, algebra: Algebra) -> Sequence[tuple[str, Any]] | None:
+    assert point.problem.exact is not None
+    return point.problem.exact.conditions(point.problem.rationals(point.values), algebra)
+
+
+def _factors(point: Point, algebra: Algebra) -> Sequence[Sequence[Any]]:
+    assert point.problem.exact is not None
+    return point.problem.exact.coefficients(point.problem.rationals(point.values), algebra)
+
+
 def _not_steady(point: Point, _: int) -> Proof | None:
-    if not point.by_graph or point.member.steady:
-        return None
-    return Proof(Verdict.UNDECIDED, NOT_STEADY)
+    return None if point.member.steady else Proof(Verdict.UNDECIDED, NOT_STEADY)
 
 
 def _graph_over_q(point: Point, zeros: int) -> Proof | None:
-    coefficients = point.member.rational if point.by_graph else None
+    coefficients = point.member.rational
     if coefficients is None:
         return None
     if any(c != 0 for c in coefficients[:zeros]):  # these zeros are not proved
@@ -297,16 +293,14 @@ def _graph_over_q(point: Point, zeros: int) -> Proof | None:
 
 
 def _graph_in_balls(low: int, high: int, point: Point, zeros: int) -> Proof | None:
-    if not point.by_graph:
-        return None
     return _raised(lambda: by_roots(point.member.enclosed()[zeros:]), low, min(high, point.most))
 
 
-def _member_field(point: Point, zeros: int) -> Proof | None:
-    if not point.by_graph or point.most < FINE_BITS:
+def _field_of_unknowns(point: Point, zeros: int) -> Proof | None:
+    if point.most < FINE_BITS:
         return None
     verdict = exact_verdict(point.member, zeros)
-    return None if verdict is None else Proof(verdict, MEMBER_FIELD)
+    return None if verdict is None else Proof(verdict, FIELD)
 
 
 def _raised(attempt: Callable[[], Verdict | None], low: int, high: int) -> Proof | None:
@@ -321,60 +315,23 @@ def _raised(attempt: Callable[[], Verdict | None], low: int, high: int) -> Proof
     return None
 
 
-MEMBER_FIELD = -5
-OFF_BOUNDARIES = "every verdict off the boundaries"
-WHERE_SEEN = f"{OFF_BOUNDARIES}, and roots on the axis where balls show them"
-ON_AXIS = "every verdict, also with roots on the imaginary axis"
+INSIDE = "verdicts off the boundaries"
+SEEN = "verdicts off the boundaries, and with roots on the axis where balls show them"
+ALL = "every verdict"
+FIELD, FIELD_IN_WORDS = -5, "exact algebra modulo the member's equations"
+FIRST = partial(_graph_in_balls, BITS, FINE_BITS)
+LAST = partial(_graph_in_balls, 2 * FINE_BITS, MOST_BITS)
 
 ROUTES: list[VerdictRoute] = [
-    VerdictRoute(
-        "Routh's array of the graph in balls",
-        "a verdict asked for alone, and zeros by structure that every member has",
-        OFF_BOUNDARIES,
-        _quick_array,
-    ),
-    VerdictRoute(
-        "signs over Q",
-        "a known polynomial with conditions, and rational numbers",
-        OFF_BOUNDARIES,
-        _signs_over_q,
-    ),
-    VerdictRoute(
-        "known polynomial over Q",
-        "a known polynomial, and rational numbers",
-        ON_AXIS,
-        _known_over_q,
-    ),
-    VerdictRoute("known polynomial in balls", "a known polynomial", WHERE_SEEN, _known_in_balls),
-    VerdictRoute(
-        "a rate other than zero",
-        "a root of the equations that is no steady motion",
-        "that there is no verdict",
-        _not_steady,
-    ),
-    VerdictRoute(
-        "polynomial of the graph over Q", "a rational linearisation", ON_AXIS, _graph_over_q
-    ),
-    VerdictRoute(
-        "polynomial of the graph in balls",
-        "a member",
-        WHERE_SEEN,
-        partial(_graph_in_balls, BITS, FINE_BITS),
-    ),
-    VerdictRoute(
-        "field of the member's unknowns",
-        "equations that are algebraic, and time",
-        ON_AXIS,
-        _member_field,
-        MEMBER_FIELD,
-        "exact algebra modulo the member's equations",
-    ),
-    VerdictRoute(
-        "polynomial of the graph in more digits",
-        "a member",
-        WHERE_SEEN,
-        partial(_graph_in_balls, 2 * FINE_BITS, MOST_BITS),
-    ),
+    VerdictRoute("Routh's array of the graph in balls", ALONE, INSIDE, _quick_array),
+    VerdictRoute("signs of conditions over Q", POLYNOMIAL, INSIDE, _signs_over_q),
+    VerdictRoute("known polynomial over Q", POLYNOMIAL, ALL, _polynomial_over_q),
+    VerdictRoute("known polynomial in balls", POLYNOMIAL, SEEN, _polynomial_in_balls),
+    VerdictRoute("a rate that is not zero", GRAPH, "that there is no verdict", _not_steady),
+    VerdictRoute("polynomial of the graph over Q", GRAPH, ALL, _graph_over_q),
+    VerdictRoute("polynomial of the graph in balls", GRAPH, SEEN, FIRST),
+    VerdictRoute("field of the unknowns", GRAPH, ALL, _field_of_unknowns, FIELD, FIELD_IN_WORDS),
+    VerdictRoute("polynomial of the graph in more digits", GRAPH, SEEN, LAST),
 ]
 """All routes, in the order of trial."""
 
@@ -405,13 +362,14 @@ def by_routh(family: Family, coefficients: Balls | None, zeros: int) -> Verdict 
     return {1: best(even=even), -1: Verdict.UNSTABLE}.get(sign)
 
 
-def by_signs(conditions: Sequence[tuple[str, Any]] | None, *, even: bool) -> Verdict | None:
+def by_signs(problem: Problem, conditions: Sequence[tuple[str, Any]] | None) -> Verdict | None:
     """The verdict of conditions: all positive, or some negative."""
     if conditions is None:
         return None
     if any(v < 0 for _, v in conditions):
         return Verdict.UNSTABLE
-    return best(even=even) if all(v > 0 for _, v in conditions) else None
+    good = all(v > 0 for _, v in conditions)
+    return best(even=problem.family.conservative) if good else None
 
 
 def by_roots(polynomial: Balls) -> Verdict | None:

@@ -11,7 +11,14 @@ from stability.spectra import verdict_routes
 from stability.spectra.certificate import certify, verdict
 from stability.spectra.eigenvalues import REASONS
 from stability.spectra.problem import system_problem
-from stability.spectra.verdict_routes import ROUTES, Point, Proof, VerdictRoute
+from stability.spectra.verdict_routes import (
+    ANYTHING,
+    GRAPH,
+    ROUTES,
+    Point,
+    Proof,
+    VerdictRoute,
+)
 
 OMEGA = 0.5671432904097838
 """The root of c exp c = 1, rounded."""
@@ -39,7 +46,7 @@ def by_damping(asked: list[float]) -> VerdictRoute:
             damped = arb(c) * arb(c).exp() > 1
         return Proof(Verdict.STABLE if damped else Verdict.UNSTABLE, -77)
 
-    return VerdictRoute("damping", "this oscillator", "every verdict", attempt, -77, WORDS)
+    return VerdictRoute("damping", GRAPH, "every verdict", attempt, -77, WORDS)
 
 
 @pytest.fixture
@@ -89,7 +96,7 @@ def test_every_route_says_what_it_needs_and_proves() -> None:
 
 
 def test_a_route_that_proves_nothing_passes_on(monkeypatch: pytest.MonkeyPatch) -> None:
-    silent = VerdictRoute("silent", "anything", "nothing", lambda *_: None)
+    silent = VerdictRoute("silent", ANYTHING, "nothing", lambda *_: None)
     monkeypatch.setattr(verdict_routes, "ROUTES", [silent, *ROUTES])
     found = st.spectrum(oscillator(), at=0.5, certify=True)
     assert found.verdict is Verdict.UNSTABLE and "balls of 128 bits" in found.reason
