@@ -238,10 +238,6 @@ def heyoka() -> Any:
     motion would wait for SymPy as long as for everything else.  Here both functions import SymPy
     when they are first called.  Versions that are not in `TESTED` are imported plainly.
 
-    Returns
-    -------
-    module
-
     Raises
     ------
     ImportError
@@ -269,12 +265,7 @@ def heyoka() -> Any:
 
 @lru_cache(maxsize=1)
 def heyoka_algebra() -> Algebra:
-    """Expressions of heyoka.
-
-    Returns
-    -------
-    Algebra
-    """
+    """Expressions of heyoka."""
     hy = heyoka()
     hy.set_logger_level_critical()  # it logs to standard output, which is the user's
     names = ("sin", "cos", "tan", "sqrt", "exp", "log", "asin", "acos", "atan", "sinh", "cosh")

@@ -86,10 +86,6 @@ def start(a: Sequence[Array]) -> Factors:
     ----------
     a
         Monic coefficients a[0] … a[n-1], shapes (N,), finite.
-
-    Returns
-    -------
-    Factors
     """
     n, count = len(a), len(a[0])
     companion = np.zeros((count, n, n))
@@ -254,10 +250,6 @@ def enclose(a: Sequence[Array], error: Sequence[Array], factors: Factors) -> Roo
         Monic coefficients and bounds on their errors, lowest first.
     factors
         Approximate factors.
-
-    Returns
-    -------
-    Roots
     """
     n = len(a[0])
     blocks = [slice(first, first + BLOCK) for first in range(0, n, BLOCK)]

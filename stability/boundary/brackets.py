@@ -24,9 +24,9 @@ from ..algebra.number_types import MIXED, precision
 from ..algebra.polynomial import TabulatedPolynomial
 from ..base.errors import NoMemberError, StabilityError, warned
 from ..base.types import Sentences
-from ..base.verdict import DECAYING, Verdict, best
-from ..spectra.certificate import member_at, of_member, structural_zeros
+from ..base.verdict import DECAYING, Verdict
 from ..spectra.problem import Problem, formulas_of
+from ..spectra.verdict_routes import ALONE, ANYTHING, BITS, GRAPH, Point, by_routh, decided
 from ..systems.closed_form import ClosedForm, RepeatedBalls
 from ..systems.structure.enclosure import (
     ball_unknowns,
@@ -259,10 +259,9 @@ def bracket(
     return None
 
 
-BITS = 128
-"""Working precision of the first attempt."""
-MOST_BITS = 1024
-"""Precision at which a sign that is still open counts as zero."""
+LADDER = (128, 256, 512, 1024)
+"""Precisions of a sign, in turn; one that is still open then counts as zero."""
+MOST_BITS = LADDER[-1]
 FINE_BITS = 8192
 """Precision at which a bracket is halved further."""
 SHORT_WAY = 1e-15
@@ -280,6 +279,26 @@ HALVINGS = 256
 """Most halvings of a bracket in which a zero eigenvalue is not excluded.
 
 At the double next to an exact angle a term may be the fourth power of 2⁻⁵²."""
+
+
+class LinePoint(Point):
+    """A point of a line, whose polynomial comes from the line."""
+
+    def __init__(self, line: AxisScan, value: float) -> None:
+        super().__init__(line.problem, line.fixed | {line.axis: value})
+        self.line, self.value = line, value
+        self.has = {ALONE} if line.problem.derived else {ANYTHING, ALONE, GRAPH}
+        self.quick = LADDER if line.problem.derived else (BITS,)
+
+    def coefficients(self, bits: int) -> Sequence[Any] | None:
+        """The characteristic polynomial in balls."""
+        return self.line.coefficients(self.value, bits)
+
+    @property
+    def stays(self) -> bool:
+        """Whether all eigenvalues of a neutral member are on the axis; otherwise one crosses it."""
+        flags = self.member.flags
+        return all(flags[self.zeros + 1 :: 2]) and not flags[self.zeros]
 
 
 class AxisScan:
@@ -383,10 +402,7 @@ class AxisScan:
 
     def polynomial(self, value: float, bits: int = BITS) -> list[Any]:
         """The polynomial whose Hurwitz stability is the verdict."""
-        family = self.problem.family
-        return verdict_polynomial(
-            self.coefficients(value, bits), structure(family).zeros, self.even
-        )
+        return self._verdict_polynomial(self.coefficients(value, bits))
 
     def sign(self, value: float) -> int:
         """Proved verdict: 1 stable or neutral, -1 unstable, 0 on the boundary or undecided."""
@@ -409,35 +425,15 @@ class AxisScan:
             with precision(BITS):
                 dropped = self.coefficients(value, BITS)[: structure(family).zeros]
                 if all(c.contains(0) for c in dropped):
-                    sign = hurwitz_sign(self.polynomial(value, BITS))
-                    if sign:
-                        return self._word(sign)
+                    found = by_routh(family, self.coefficients(value, BITS), len(dropped))
+                    if found is not None:
+                        return found, self.even
         return self._proved(value)
 
     def _proved(self, value: float) -> tuple[Verdict, bool]:
-        own = not self.problem.derived
-        if own and not certain(self.problem.family):
-            return self._by_member(value)  # proves which zeros are structural
-        bits = BITS
-        while bits <= (BITS if own else MOST_BITS):
-            with precision(bits):
-                sign = hurwitz_sign(self.polynomial(value, bits))
-            if sign:
-                return self._word(sign)
-            bits *= 2
-        return self._by_member(value) if own else (Verdict.UNDECIDED, False)
-
-    def _word(self, sign: int) -> tuple[Verdict, bool]:
-        even = self.even
-        return (best(even=even) if sign > 0 else Verdict.UNSTABLE), even
-
-    def _by_member(self, value: float) -> tuple[Verdict, bool]:
-        """The verdict by every means of `certify`: over Q, in a number field, in balls."""
-        member = member_at(self.problem, self.fixed | {self.axis: value})
-        zeros = structural_zeros(member)
-        found, _ = of_member(member, zeros)
-        # if even, all eigenvalues are on the axis; otherwise one is just crossing it
-        return found, all(member.flags[zeros + 1 :: 2]) and not member.flags[zeros]
+        point = LinePoint(self, value)
+        proof = decided(point)
+        return proof.verdict, proof.nearby or (proof.verdict is Verdict.NEUTRAL and point.stays)
 
     def vanishing(self, value: float, width: float, otherwise: Crossing) -> Crossing:
         """What crosses within a proved bracket: a pair where no eigenvalue is zero in all of it.
@@ -463,8 +459,10 @@ class AxisScan:
 
     def _at(self, value: Any, bits: int) -> list[Any]:
         """The polynomial whose Hurwitz stability is the verdict, at a ball."""
-        zeros = structure(self.problem.family).zeros
-        return verdict_polynomial(self.enclosed(value, bits), zeros, self.even)
+        return self._verdict_polynomial(self.enclosed(value, bits))
+
+    def _verdict_polynomial(self, coefficients: Sequence[Any]) -> list[Any]:
+        return verdict_polynomial(coefficients, structure(self.problem.family).zeros, self.even)
 
     def _halved(self, low: Any, high: Any) -> bool:
         """Whether the constant term is not proved to differ from zero where the verdict changes."""

@@ -25,11 +25,11 @@ from ..spectra.axes import swept
 from ..spectra.certificate import verdict as certified
 from ..spectra.labels import of_package
 from ..spectra.problem import Problem
+from ..spectra.verdict_routes import BITS
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
 from .algebraic.exact_search import algebraic
 from .brackets import (
-    BITS,
     AxisScan,
     Boundaries,
     BoundaryPoint,
@@ -221,12 +221,7 @@ def _along(line: AxisScan, low: float, high: float, points: int, *, log: bool) -
 
 
 def located(line: AxisScan, found: Search) -> Boundaries:
-    """The changes of verdict among the marks of a search, each as a proved bracket.
-
-    Returns
-    -------
-    Boundaries
-    """
+    """The changes of verdict among the marks of a search, each as a proved bracket."""
     if line.problem.exact is None:
         structure(line.problem.family)  # refuses a family that is declared conservative and is not
     sign = _proof(line, found)

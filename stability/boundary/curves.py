@@ -74,10 +74,6 @@ def trace(
         Verdict flags and abscissas of the cells, shape (y, x).
     progress
         Called with (points done, points in all).
-
-    Returns
-    -------
-    Curves
     """
     from contourpy import LineType, contour_generator
 

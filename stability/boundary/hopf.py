@@ -31,6 +31,7 @@ from flint import arb
 
 from ..algebra.exact.number_fields import NotExact
 from ..algebra.exact.roots import UnclearError
+from ..algebra.krawczyk import NotProvedError
 from ..algebra.number_types import precision, upper
 from ..base.axis import Axis, AxisLike
 from ..base.checks import checked, whole_number
@@ -49,7 +50,6 @@ from ..systems.structure.linearity import linear
 from ..systems.structure.structural_zeros import structure
 from .brackets import BoundaryPoint, Crossing
 from .changes import MOST_SCAN, along
-from .krawczyk import NotProvedError
 from .lyapunov_coefficient import (
     Coefficients,
     Line,
@@ -89,11 +89,6 @@ class HopfKind(Sentences):
         "degenerate: the pair does not cross with speed, or does not move the motion along the "
         "line, within the error of the computation; higher orders decide"
     )
-
-    @property
-    def word(self) -> str:
-        """One lower-case word."""
-        return self.name.lower()
 
 
 @dataclass(frozen=True, eq=False)

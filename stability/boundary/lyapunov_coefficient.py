@@ -26,15 +26,16 @@ import numpy as np
 from flint import acb, acb_mat, arb, arb_mat
 
 from ..algebra.exact.routh import hurwitz_sign
+from ..algebra.krawczyk import NotProvedError, Values, polished, proved
 from ..algebra.number_types import balls, precision
 from ..algebra.program import Program
 from ..algebra.upright import Upright
 from ..base.errors import ParameterError, StabilityError
+from ..base.types import Floats
 from ..systems.equations import Equations
 from ..systems.family import Family
 from ..systems.graph.constants import Constants, exact_numbers
 from ..systems.structure.linearity import kept
-from .krawczyk import NotProvedError, Values, polished, proved
 
 Balls = list[Any]
 GUESS_BITS = 64
@@ -132,14 +133,17 @@ class Line:
         table |= {n: arb(v) for n, v in zip(family.unknown, found, strict=True)}
         return [table[n] for n in system.states], [table[n] for n in system.parameters]
 
+    def row(self, value: float) -> tuple[Floats, Floats, Floats]:
+        """Family parameters, unknowns and parameters of a member in double precision, one row."""
+        family = self.family
+        given = {n: float(arb(v).mid()) for n, v in self.fixed.items()} | {self.axis: value}
+        a = np.array([[given[n] for n in family.at]])
+        q = np.array([[given[n] for n in family.parameters]]).reshape(1, -1)
+        return a, family.solve(a, q), q
+
     def member(self, value: float) -> list[float]:
         """The unknowns of the family's member, in double precision; none where they are known."""
-        if not self.solved:
-            return []
-        given = {n: float(arb(v).mid()) for n, v in self.fixed.items()} | {self.axis: value}
-        a = np.array([[given[n] for n in self.family.at]])
-        q = np.array([[given[n] for n in self.family.parameters]]).reshape(1, -1)
-        return [float(v) for v in self.family.solve(a, q)[0]]
+        return [float(v) for v in self.row(value)[1][0]] if self.solved else []
 
     def first(self, x: Balls, p: Balls) -> tuple[Balls, list[Balls], Balls]:
         """Rates, Jacobian, and slope of the rates by the axis alone."""
@@ -284,13 +288,9 @@ def guess(
     NotProvedError
         If there is none.
     """
-    family = line.family
-    given = {n: float(arb(v).mid()) for n, v in line.fixed.items()} | {line.axis: value}
-    a = np.array([[given[n] for n in family.at]])
-    q = np.array([[given[n] for n in family.parameters]]).reshape(1, -1)
-    u = family.solve(a, q)
+    a, u, q = line.row(value)
     kept = line.d.kept
-    matrix = family.matrix(a, u, q)[0][np.ix_(kept, kept)]
+    matrix = line.family.matrix(a, u, q)[0][np.ix_(kept, kept)]
     if not np.isfinite(matrix).all():
         raise NotProvedError
     with precision(GUESS_BITS):
@@ -306,7 +306,7 @@ def guess(
         raise NotProvedError
     mode = np.array([complex(columns[i, best]) for i in range(len(values))])
     mode /= np.linalg.norm(mode)
-    unknowns = line.member(value)
+    unknowns = map(float, u[0]) if line.solved else ()
     return PairEquations(line, mode), [
         value,
         *unknowns,
@@ -318,13 +318,6 @@ def guess(
 
 def pair_near(line: Line, value: float, frequency: float | None = None) -> Pair:
     """The crossing pair near a value of the axis, proved at the working precision.
-
-    Parameters
-    ----------
-    line
-        The line.
-    value, frequency
-        As for `guess`.
 
     Raises
     ------

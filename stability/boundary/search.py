@@ -21,10 +21,11 @@ the roots by another route.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache, reduce
+from itertools import combinations
 from math import comb
 from operator import mul
 from typing import Any
@@ -32,6 +33,7 @@ from typing import Any
 import numpy as np
 from flint import acb, acb_poly, arb, arb_poly, fmpq, fmpq_poly, fmpz
 
+from ..algebra.exact.hurwitz_forms import by_power
 from ..algebra.exact.number_fields import EXACT, NotExact, characteristic, rational, rational_root
 from ..algebra.exact.rational_functions import (
     RING,
@@ -86,23 +88,24 @@ def frequency(polynomial: Sequence[Any], *, even: bool = False) -> float:
     # over Q, where roots of any multiplicity are isolated
     exact = [c.mid().fmpq() for c in map(arb, polynomial)]
     with precision(FREQUENCY_BITS):
-        if even:
-            return _meeting(fmpq_poly(exact[::2]))
-        roots = [r for r, _ in fmpq_poly(exact).numer().complex_roots() if r.imag != 0]
-        off = [(abs(float((r.real / r.imag).mid())), abs(float(r.imag.mid()))) for r in roots]
-    return min(off)[1] if off else 0.0
+        known = _meeting(fmpq_poly(exact[::2])) if even else _crossing(fmpq_poly(exact))
+        return min(known, default=(math.inf, 0.0))[1]
 
 
-def _meeting(squares: Any) -> float:
-    """√-y where two roots y of a polynomial are nearest to each other."""
-    roots = [r for r, count in squares.numer().complex_roots() for _ in range(count)]
-    best = (math.inf, 0.0)
-    for i, y in enumerate(roots):
-        for z in roots[:i]:
-            middle = float(((y + z) / 2).real.mid())
-            if middle < 0:
-                best = min(best, (float(abs(y - z).mid()) / -middle, math.sqrt(-middle)))
-    return best[1]
+def _crossing(polynomial: Any) -> Iterator[tuple[float, float]]:
+    """(distance from the imaginary axis over |Im λ|, |Im λ|) of each root that is not real."""
+    for root, _ in complex_roots(polynomial):
+        if root.imag != 0:
+            yield abs(float((root.real / root.imag).mid())), abs(float(root.imag.mid()))
+
+
+def _meeting(squares: Any) -> Iterator[tuple[float, float]]:
+    """(distance over size, √-y) of each two roots of a polynomial in λ² about some y < 0."""
+    roots = [root for root, count in complex_roots(squares) for _ in range(count)]
+    for y, z in combinations(roots, 2):
+        middle = float(((y + z) / 2).real.mid())
+        if middle < 0:
+            yield float(abs(z - y).mid()) / -middle, math.sqrt(-middle)
 
 
 MOST_WORK = 300_000
@@ -257,22 +260,12 @@ class Characteristic:
         x
             A rational value next to the root.
         """
-        best = (float("inf"), 0.0)
-        for even, rest in self.parts:
-            for root, _ in complex_roots(specialised(rest, x)):
-                if not root.imag == 0:
-                    off = abs(float(root.real / root.imag))
-                    best = min(best, (off, abs(float(root.imag))))
-            squares = [
-                root for root, count in complex_roots(specialised(even, x)) for _ in range(count)
-            ]
-            for i, y in enumerate(squares):
-                for z in squares[:i]:
-                    middle = float((y.real + z.real) / 2)
-                    off = float(abs(y - z).mid()) / max(abs(middle), 1e-300)
-                    if middle < 0:
-                        best = min(best, (off, (-middle) ** 0.5))
-        return best[1]
+        known = [
+            one
+            for even, rest in self.parts
+            for one in (*_crossing(specialised(rest, x)), *_meeting(specialised(even, x)))
+        ]
+        return min(known, default=(math.inf, 0.0))[1]
 
 
 def _parts(factor: Sequence[Any]) -> tuple[Any, Any]:
@@ -293,34 +286,21 @@ def _parts(factor: Sequence[Any]) -> tuple[Any, Any]:
 def _critical(even: Any, rest: Any) -> list[tuple[str, Any]]:
     """Polynomials that vanish where an eigenvalue meets the imaginary axis or infinity."""
     out: list[tuple[str, Any]] = []
-    degree = rest.degrees()[1]
-    if degree >= 1:
-        by_power = _by_power(rest)
-        out += [("static", by_power[0]), ("pole", by_power[degree])]
-    if degree >= 2:
-        parts = [RING.constant(0), RING.constant(0)]
-        for power, c in by_power.items():
-            parts[power % 2] = parts[power % 2] + c * RING.gens()[1] ** (power // 2)
-        out.append(("flutter", parts[0].resultant(parts[1], "s")))
-    degree = even.degrees()[1]
-    if degree >= 1:
-        by_power = _by_power(even)
-        out += [("static", by_power[0]), ("pole", by_power[degree])]
-    if degree >= 2:
+    zero = RING.constant(0)
+    for poly in (rest, even):
+        degree, by = poly.degrees()[1], by_power(poly, 1)
+        if degree >= 1:
+            out += [("static", by.get(0, zero)), ("pole", by[degree])]
+        if poly is rest and degree >= 2:
+            halves = [zero, zero]
+            for power, c in by.items():
+                halves[power % 2] = halves[power % 2] + c * RING.gens()[1] ** (power // 2)
+            out.append(("flutter", halves[0].resultant(halves[1], "s")))
+    if even.degrees()[1] >= 2:
         plain = even / even.gcd(even.derivative("s"))
         if plain.degrees()[1] >= 2:
             out.append(("flutter", plain.discriminant("s")))
     return [(kind, p) for kind, p in out if not p.is_constant()]
-
-
-def _by_power(p: Any) -> dict[int, Any]:
-    """Coefficients by powers of the second variable, elements of the ring in x alone."""
-    out: dict[int, dict[tuple[int, int], Any]] = {}
-    for (i, j), c in p.terms():
-        out.setdefault(int(j), {})[(int(i), 0)] = c
-    return {j: RING.from_dict(terms) for j, terms in out.items()} | (
-        {} if 0 in out else {0: RING.constant(0)}
-    )
 
 
 POSITIVE = ("k", "mu", "c", "mass", "radius", "gravity")
@@ -377,10 +357,6 @@ def search(
         Ends of the interval, both included; None for no end.
     bits
         Working precision of the first attempt.
-
-    Returns
-    -------
-    Search
 
     Raises
     ------
@@ -655,12 +631,7 @@ def _at(p: Any, x: Any, sine: Any) -> Any:
 
 
 def grows(coefficients: Sequence[Any]) -> bool:
-    """Whether a polynomial of balls is proved to have a zero right of the imaginary axis.
-
-    Parameters
-    ----------
-    coefficients
-        Balls, lowest first.
+    """Whether a polynomial of balls, lowest first, is proved to have a zero with Re > 0.
 
     Examples
     --------

@@ -16,6 +16,8 @@ from flint import arb, fmpq
 
 from ..algebra.exact.hurwitz_forms import Budget, by_power, hurwitz_determinants, subdiscriminants
 from ..algebra.exact.number_fields import NotExact
+from ..algebra.exact.rational_functions import univariate
+from ..algebra.exact.routh import is_even
 from ..algebra.exact.triangular import occurring, remainder
 from ..algebra.number_types import precision
 from ..algebra.polynomial import Polynomial
@@ -24,7 +26,7 @@ from ..systems.family import Family
 from ..systems.graph.smoothness import sloped
 from ..systems.structure.structural_zeros import sampled
 from .elimination import Reading, Whole, evaluate
-from .signs import Bounds, Domain, between, real_roots, univariate
+from .signs import Bounds, Domain, between, real_roots
 
 Poly = Any
 """An `fmpq_mpoly`."""
@@ -315,7 +317,7 @@ class Deduction:
     def _oriented(self, coefficients: Sequence[Poly], count: int) -> tuple[Any, bool, int]:
         lead = self.domain.sign(coefficients[-1])
         turned = -1 if lead.known < 0 and not lead.open else 1
-        even = len(coefficients) % 2 == 1 and all(c == 0 for c in coefficients[1::2])
+        even = is_even(coefficients)
         return tuple(c * turned for c in coefficients), even, count
 
     def polynomial(self, poly: Poly, together: Sequence[Poly] = ()) -> Polynomial:

@@ -17,7 +17,7 @@ import numpy as np
 from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx
 
 from ..algebra.exact.function_field import Expression
-from ..algebra.exact.hurwitz_forms import Budget, by_power, factors
+from ..algebra.exact.hurwitz_forms import Budget, coefficient_row, factors
 from ..algebra.exact.number_fields import EXACT, NotExact, characteristic, rational
 from ..algebra.exact.rational_functions import common_multiple, primitive
 from ..algebra.exact.triangular import RecordingField, Triangular, occurring
@@ -381,9 +381,7 @@ def _compact(
 
     rows = []
     for factor, count in found:
-        parts = by_power(moved(factor), len(order))
-        zero = ring.constant(0)
-        rows.append((tuple(parts.get(k, zero) for k in range(max(parts) + 1)), count))
+        rows.append((tuple(coefficient_row(moved(factor), len(order))), count))
     clean: list[Poly] = []
     for poly in map(moved, nonzero):
         clean += [f for f, _ in factors(poly)[1] if f not in clean]

@@ -24,6 +24,7 @@ import sympy
 from sympy.polys.matrices import DomainMatrix
 from sympy.polys.rings import PolyRing
 
+from ..algebra.exact.routh import hurwitz_matrix
 from ..base.errors import FileError, StabilityError
 from ..bodies.contact_laws import LAWS
 from ..bodies.disk_polynomials import digest
@@ -95,14 +96,9 @@ def determinant(polynomial: sympy.Poly, order: int) -> Expr:
     >>> [determinant(sympy.Poly(x**3 + a * x**2 + x + 1, x), i) for i in (1, 2, 3)]
     [a, a - 1, a - 1]
     """
-    a = polynomial.all_coeffs()
-
-    def entry(i: int, j: int) -> Expr:
-        place = 2 * (j + 1) - (i + 1)
-        return a[place] if 0 <= place < len(a) else sympy.Integer(0)
-
+    rows = hurwitz_matrix(polynomial.all_coeffs()[::-1], order, sympy.Integer(0))
     # over the ring of polynomials, not of expressions
-    matrix = DomainMatrix.from_Matrix(sympy.Matrix(order, order, entry))
+    matrix = DomainMatrix.from_Matrix(sympy.Matrix(rows))
     return factored(matrix.domain.to_sympy(matrix.det()))
 
 

@@ -14,9 +14,10 @@ from dataclasses import dataclass
 from itertools import combinations, product
 from typing import Any
 
-from flint import fmpq, fmpq_poly
+from flint import fmpq
 
 from ..algebra.exact.hurwitz_forms import by_power, factors
+from ..algebra.exact.rational_functions import univariate
 from ..algebra.exact.triangular import occurring
 from .elimination import text
 
@@ -73,20 +74,6 @@ def number_of(poly: Any) -> Any:
     if poly is None or poly == 0:
         return fmpq(0)
     return poly.leading_coefficient()
-
-
-def univariate(poly: Poly, index: int) -> Any:
-    """A polynomial in one variable as an `fmpq_poly`.
-
-    Parameters
-    ----------
-    poly
-        The polynomial; no other variable occurs.
-    index
-        Index of the variable.
-    """
-    parts = by_power(poly, index)
-    return fmpq_poly([number_of(parts.get(k)) for k in range(max(parts) + 1)])
 
 
 def real_roots(poly: Any) -> list[Any]:

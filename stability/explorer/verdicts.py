@@ -11,6 +11,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from ..algebra.exact.routh import expanded_determinant, hurwitz_matrix
 from ..algebra.number_types import Algebra
 from ..algebra.program import Program
 from ..algebra.running_error import TINY, UNIT, RunningError, Sized
@@ -18,7 +19,6 @@ from ..base.errors import NoMemberError, StabilityError
 from ..base.verdict import Verdict, best
 from ..bodies.disk_polynomials import PLAIN, DiskPolynomial, exact_polynomial
 from ..bodies.families import FAMILIES
-from ..boundary.interval_search.meetings import hurwitz
 from ..derivation.conditions import conditions
 from ..systems.closed_form import ImplicitForm
 from ..systems.family import Family
@@ -347,7 +347,7 @@ def _product(i: int, j: int, c: list[Any]) -> Any:
 
 
 def _determinant(order: int, c: list[Any]) -> Any:
-    value = hurwitz(c, order)
+    value = expanded_determinant(hurwitz_matrix(c, order, None))
     return c[-1] * value if order % 2 else value
 
 

@@ -22,9 +22,10 @@ from ..base.version import __version__
 from ..integrators.flow import CASADI
 from ..jobs.checkpoint import Chunk
 from ..jobs.pipeline import Counted, Keep, ordered, shared
-from ..spectra.certificate import BITS, verdict
+from ..spectra.certificate import verdict
 from ..spectra.deflation import drift_powers, drifting
 from ..spectra.problem import Problem
+from ..spectra.verdict_routes import BITS
 from ..systems.graph.smoothness import edged
 from .dataset import EXACT, GRAPH, LOOPS, OWN, SINGLE
 from .growth_rates import GrowthKernel, Room, steady_memory

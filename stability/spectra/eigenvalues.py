@@ -26,8 +26,6 @@ BY_ACCIDENT = -3
 """Value instead of bits, where an eigenvalue is zero and it is open whether by structure."""
 NO_PROOF_OF_ZERO = -4
 """Value instead of bits, where an eigenvalue seems to be zero by structure, without a proof."""
-BY_EQUATIONS = -5
-"""Value instead of bits, where the verdict is proved over the field of the member's unknowns."""
 NO_PROOF_OF_BLOCKS = -6
 """Value instead of bits, where it is open whether zero eigenvalues form a Jordan block."""
 REASONS = {
@@ -41,21 +39,6 @@ POOR = 8
 """Ratio of a residual to its rounding error above which vectors are refined."""
 SPARE = 2.0**-20
 """Share of a radius that the surplus of the counted roundings covers."""
-
-
-def in_words(bits: int) -> str:
-    """Arithmetic of a proof, in words.
-
-    Parameters
-    ----------
-    bits
-        Precision of the balls, 0 for rational arithmetic, or `BY_EQUATIONS`.
-    """
-    if bits == BY_EQUATIONS:
-        return "exact algebra modulo the member's equations"
-    if bits < 0:
-        return "no arithmetic"
-    return f"balls of {bits} bits" if bits else "rational arithmetic"
 
 
 # --- eigenvalues and their error ---

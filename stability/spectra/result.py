@@ -26,7 +26,7 @@ from ..systems.structure.linearity import linear
 from ..systems.structure.zero_blocks import most_power
 from .deflation import Place
 from .drawing import figure_of
-from .eigenvalues import REASONS, Eigenpairs, Modes, in_words, lift, mode_labels, track
+from .eigenvalues import REASONS, Eigenpairs, Modes, lift, mode_labels, track
 from .labels import axis_attributes, of_package, origin, rate_attributes, verdict_attributes
 
 if TYPE_CHECKING:
@@ -288,6 +288,8 @@ class Proof(Record):
 
     def sentence(self, index: tuple[int, ...], *, certified: bool) -> str:
         """Result of the proof of one point, in words."""
+        from .verdict_routes import in_words
+
         bits = int(self.bits[index])
         if bits in REASONS:
             return REASONS[bits]

@@ -242,7 +242,7 @@ class Rows:
         return [np.concatenate(parts) for parts in zip(*pieces, strict=True)]
 
     def _proved_zeros(self) -> Iterator[int]:
-        from .certificate import structural_zeros
+        from .verdict_routes import structural_zeros
 
         return (
             structural_zeros(self.member(row))
@@ -331,7 +331,7 @@ class Rows:
 
     def member(self, row: int) -> Member:
         """A member of a user's family in exact numbers, built once."""
-        from .certificate import member_at
+        from .verdict_routes import member_at
 
         if row not in self._members:
             values = self.values(row)

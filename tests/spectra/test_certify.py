@@ -302,7 +302,7 @@ def test_verdicts_of_polynomials_over_q_are_those_of_their_roots(
 
 
 def test_the_budget_ends_in_undecided_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    import stability.spectra.certificate as module
+    import stability.spectra.verdict_routes as module
 
     monkeypatch.setattr(module, "MOST_BITS", 64)
     found = st.spectrum("tumbling", at=1.0, contact=st.Viscous(0.6), certify=True)

@@ -14,7 +14,7 @@ import stability as st
 from stability.algebra.exact.number_fields import EXACT, rational
 from stability.algebra.number_types import Algebra
 from stability.bodies.disk_polynomials import DiskPolynomial
-from stability.spectra import certificate
+from stability.spectra import verdict_routes
 from stability.spectra.problem import Problem, disk_problem
 
 OWN = "from the family's polynomial"
@@ -64,8 +64,7 @@ def no_graph(monkeypatch: pytest.MonkeyPatch) -> None:
     def broken(*_: Any, **__: Any) -> Any:
         raise AssertionError("the proof comes from the graph")
 
-    monkeypatch.setattr(certificate, "member_at", broken)
-    monkeypatch.setattr(certificate, "of_member", broken)
+    monkeypatch.setattr(verdict_routes, "member_at", broken)
 
 
 TOP = {"A": 1.0, "C": 0.5, "m": 1.0}

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from .number_fields import NotExact
+from .routh import hurwitz_matrix
 
 Poly = Any
 """An `fmpq_mpoly`."""
@@ -88,15 +89,8 @@ def hurwitz_determinants(coefficients: Sequence[Poly], budget: Budget) -> list[P
 
     Source: E. H. Bareiss, Math. Comp. 22 (1968) 565-578.
     """
-    a = list(coefficients)[::-1]
-    n = len(a) - 1
-    zero = a[0] - a[0]
-
-    def entry(i: int, j: int) -> Poly:
-        place = 2 * (j + 1) - (i + 1)
-        return a[place] if 0 <= place <= n else zero
-
-    rows = [[entry(i, j) for j in range(n - 1)] for i in range(n - 1)]
+    lead = coefficients[-1]
+    rows = hurwitz_matrix(coefficients, len(coefficients) - 2, lead - lead)
     return _leading_minors(rows, budget)
 
 
@@ -147,11 +141,7 @@ def _leading_minors(rows: list[list[Poly]], budget: Budget) -> list[Poly]:
         if pivot == 0:
             rest = [_determinant([r[:n] for r in rows[:n]], budget) for n in range(k + 2, size + 1)]
             return out + rest
-        for i in range(k + 1, size):
-            for j in range(k + 1, size):
-                value = budget.product(work[i][j], pivot) - budget.product(work[i][k], work[k][j])
-                work[i][j] = value if previous is None else value / previous
-                budget.watch(work[i][j])
+        _eliminate(work, k, previous, budget)
         previous = pivot
     return out
 
@@ -166,14 +156,18 @@ def _determinant(rows: list[list[Poly]], budget: Budget) -> Poly:
             return work[k][k]
         if place != k:
             work[k], work[place], sign = work[place], work[k], -sign
-        for i in range(k + 1, size):
-            for j in range(k + 1, size):
-                value = budget.product(work[i][j], work[k][k])
-                value = value - budget.product(work[i][k], work[k][j])
-                work[i][j] = value if previous is None else value / previous
-                budget.watch(work[i][j])
+        _eliminate(work, k, previous, budget)
         previous = work[k][k]
     return work[-1][-1] * sign
+
+
+def _eliminate(work: list[list[Poly]], k: int, previous: Poly | None, budget: Budget) -> None:
+    """One step of Bareiss' elimination without fractions, in place."""
+    for row in work[k + 1 :]:
+        for j in range(k + 1, len(work)):
+            value = budget.product(row[j], work[k][k]) - budget.product(row[k], work[k][j])
+            row[j] = value if previous is None else value / previous
+            budget.watch(row[j])
 
 
 def by_power(poly: Poly, index: int) -> dict[int, Poly]:
@@ -199,6 +193,12 @@ def by_power(poly: Poly, index: int) -> dict[int, Poly]:
     return {power: ring.from_dict(terms) for power, terms in sorted(parts.items())}
 
 
+def coefficient_row(poly: Poly, index: int) -> list[Poly]:
+    """Coefficients by powers of one variable, lowest first, zeros written out."""
+    parts, zero = by_power(poly, index), poly.context().constant(0)
+    return [parts.get(power, zero) for power in range(max(parts, default=0) + 1)]
+
+
 def factors(poly: Poly, most: int = 2000) -> tuple[Any, list[tuple[Poly, int]]]:
     """A rational and the irreducible factors over Q, each primitive; unfactored where too large.
 
@@ -208,10 +208,6 @@ def factors(poly: Poly, most: int = 2000) -> tuple[Any, list[tuple[Poly, int]]]:
         A polynomial, not zero.
     most
         Number of terms beyond which the polynomial counts as one factor.
-
-    Returns
-    -------
-    constant, list of (factor, multiplicity)
     """
     if poly.is_constant():
         return poly.leading_coefficient(), []

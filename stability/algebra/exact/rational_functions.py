@@ -87,8 +87,15 @@ class Ratio(Element):
         return f"{self.top}" if self.bottom.is_one() else f"({self.top})/({self.bottom})"
 
 
-def univariate(p: Any) -> Any:
-    """A polynomial of the ring without s as an `fmpq_poly` in x.
+def univariate(p: Any, index: int = 0) -> Any:
+    """A polynomial in one variable of its ring as an `fmpq_poly`.
+
+    Parameters
+    ----------
+    p
+        The polynomial; no other variable occurs.
+    index
+        Index of the variable.
 
     Examples
     --------
@@ -96,10 +103,10 @@ def univariate(p: Any) -> Any:
     x^2 + (-2)
     """
     out: dict[int, Any] = {}
-    for (power, other), c in p.terms():
-        if other:
+    for powers, c in p.terms():
+        if any(power for i, power in enumerate(powers) if i != index):
             raise NotExact("a second variable is in it")
-        out[int(power)] = c
+        out[int(powers[index])] = c
     return fmpq_poly([out.get(i, 0) for i in range(max(out, default=-1) + 1)])
 
 

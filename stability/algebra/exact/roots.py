@@ -442,10 +442,7 @@ def specialised(p: Any, x: Any) -> Any:
     x
         Value of the axis, a rational.
     """
-    out: dict[int, Any] = {}
-    for (_, j), c in p.subs({"x": x}).terms():
-        out[int(j)] = c
-    return fmpq_poly([out.get(i, 0) for i in range(max(out, default=-1) + 1)])
+    return univariate(p.subs({"x": x}), 1)
 
 
 def sign_at(p: Any, x: Any, sine: Callable[[], Any] | None) -> int:

@@ -37,43 +37,29 @@ def on_the_axis(factors: Sequence[Any]) -> Verdict:
     for factor in factors:
         zeros, symmetric, rest = split(factor)
         neutral = neutral or zeros > 0 or symmetric.degree() > 0
-        if not _hurwitz(rest):
+        if not _hurwitz(RATIONALS, rest.coeffs()):
             return Verdict.UNSTABLE
-        if not _squares_negative(symmetric):
-            return Verdict.UNSTABLE
+        if symmetric.degree() > 0:
+            squares = fmpq_poly(symmetric.coeffs()[::2])
+            plain = squares / squares.gcd(squares.derivative())
+            if not _negative_roots(RATIONALS, plain.coeffs()):
+                return Verdict.UNSTABLE
     return Verdict.NEUTRAL if neutral else Verdict.STABLE
 
 
-def _squares_negative(symmetric: Any) -> bool:
-    """Whether all roots λ² of an even polynomial over Q are real and negative, by Routh's array.
+def _sign(number: Any) -> int:
+    return int(number > 0) - int(number < 0)
 
-    Source: Hermite-Biehler, for q(λ²) + λ q'(λ²) with q without multiple roots.
+
+def is_even(coefficients: Sequence[Any]) -> bool:
+    """Whether a polynomial has even powers alone.
+
+    Parameters
+    ----------
+    coefficients
+        Coefficients of any number type, lowest first; only an exact zero equals 0.
     """
-    if symmetric.degree() < 1:
-        return True
-    whole = fmpq_poly(symmetric.coeffs()[::2])
-    plain = whole / whole.gcd(whole.derivative())
-    slope = plain.derivative().coeffs()
-    mixed: list[Any] = []
-    for i, c in enumerate(plain.coeffs()):
-        mixed += [c, slope[i] if i < len(slope) else fmpq(0)]
-    return _hurwitz(fmpq_poly(mixed))
-
-
-def _hurwitz(p: Any) -> bool:
-    """Routh's array over Q: whether all roots lie in the open left half-plane."""
-    rows = list(reversed(p.coeffs()))
-    here, following = rows[::2], rows[1::2]
-    while following:
-        if following[0] / here[0] <= 0:
-            return False
-        ratio = here[0] / following[0]
-        padded = [*following[1:], fmpq(0)][: len(here) - 1]
-        here, following = (
-            following,
-            [x - ratio * y for x, y in zip(here[1:], padded, strict=True)],
-        )
-    return True
+    return len(coefficients) % 2 == 1 and all(c == 0 for c in coefficients[1::2])
 
 
 class Ground(NamedTuple):
@@ -83,6 +69,9 @@ class Ground(NamedTuple):
     """Proved sign of a number: 1, -1, or 0 where it is zero; `NotExact` where none is proved."""
     tidy: Callable[[Any], Any]
     """The number in a form that does not grow."""
+
+
+RATIONALS = Ground(_sign, lambda number: number)
 
 
 def on_the_axis_over(ground: Ground, coefficients: Sequence[Any]) -> Verdict:
@@ -116,13 +105,11 @@ def on_the_axis_over(ground: Ground, coefficients: Sequence[Any]) -> Verdict:
     even, odd = kept[zeros::2], _trimmed(ground, kept[zeros + 1 :: 2])
     common = _common(ground, _trimmed(ground, even), odd)
     parts = [_divided(ground, p, common)[0] for p in (even, odd)]
-    if not _hurwitz_over(ground, _mixed(*parts)):
+    if not _hurwitz(ground, _trimmed(ground, _mixed(*parts))):
         return Verdict.UNSTABLE
     if len(common) > 1:  # a polynomial in λ²
-        slope = [i * c for i, c in enumerate(common)][1:]
-        plain = _divided(ground, common, _common(ground, common, slope))[0]
-        slope = [i * c for i, c in enumerate(plain)][1:]
-        if not _hurwitz_over(ground, _mixed(plain, slope)):
+        plain = _divided(ground, common, _common(ground, common, _slope(common)))[0]
+        if not _negative_roots(ground, plain):
             return Verdict.UNSTABLE
     return Verdict.NEUTRAL if zeros or len(common) > 1 else Verdict.STABLE
 
@@ -159,18 +146,23 @@ def _common(ground: Ground, p: list[Any], q: list[Any]) -> list[Any]:
     return [ground.tidy(c / p[-1]) for c in p[:-1]] + [fmpq(1)]
 
 
-def _hurwitz_over(ground: Ground, p: Sequence[Any]) -> bool:
-    """As `_hurwitz`."""
-    rows = list(reversed(_trimmed(ground, p)))
-    here, following = rows[::2], rows[1::2]
-    while following:
-        if ground.sign(following[0]) * ground.sign(here[0]) <= 0:
-            return False
-        ratio = here[0] / following[0]
-        padded = [*following[1:], fmpq(0)][: len(here) - 1]
-        rest = [x - ratio * y for x, y in zip(here[1:], padded, strict=True)]
-        here, following = following, [ground.tidy(c) for c in rest]
-    return True
+def _slope(p: Sequence[Any]) -> list[Any]:
+    return [i * c for i, c in enumerate(p)][1:]
+
+
+def _negative_roots(ground: Ground, plain: Sequence[Any]) -> bool:
+    """Whether all roots of a polynomial without multiple roots are real and negative.
+
+    Source: Hermite-Biehler, for q(λ²) + λ q'(λ²).
+    """
+    return _hurwitz(ground, _trimmed(ground, _mixed(plain, _slope(plain))))
+
+
+def _hurwitz(ground: Ground, p: Sequence[Any]) -> bool:
+    """Whether all roots lie in the open left half-plane; the leading coefficient is not zero."""
+    column = routh(p, ground.tidy)
+    first = ground.sign(next(column))
+    return all(ground.sign(number) == first for number in column)
 
 
 ROUGH = 1e-6
@@ -214,10 +206,6 @@ def product(factors: Sequence[Sequence[Any]]) -> list[Any]:
     ----------
     factors
         Coefficients of each factor, lowest first; the last one is not zero.
-
-    Returns
-    -------
-    list of arb
     """
     out = [arb(1)]
     for factor in factors:
@@ -230,13 +218,17 @@ def product(factors: Sequence[Sequence[Any]]) -> list[Any]:
     return [c / out[-1] for c in out[:-1]] + [arb(1)]
 
 
-def routh(polynomial: Sequence[Any]) -> Iterator[Any]:
+def routh(
+    polynomial: Sequence[Any], tidy: Callable[[Any], Any] = lambda number: number
+) -> Iterator[Any]:
     """First column of Routh's array, over any number type: all positive for a Hurwitz polynomial.
 
     Parameters
     ----------
     polynomial
         Coefficients, lowest first, leading one positive.
+    tidy
+        Function that writes a number in a form that does not grow.
 
     Examples
     --------
@@ -250,7 +242,7 @@ def routh(polynomial: Sequence[Any]) -> Iterator[Any]:
         yield lower[0]
         ratio = upper[0] / lower[0]
         padded = [*lower[1:], *[0] * len(upper)]
-        following = [u - ratio * low for u, low in zip(upper[1:], padded, strict=False)]
+        following = [tidy(u - ratio * low) for u, low in zip(upper[1:], padded, strict=False)]
         upper, lower = lower, following
 
 
@@ -288,6 +280,63 @@ def hurwitz_sign(polynomial: Sequence[Any]) -> int:
     return 1
 
 
+def hurwitz_matrix(polynomial: Sequence[Any], size: int, zero: Any) -> list[list[Any]]:
+    """Rows of the matrix whose determinant is the Hurwitz determinant of one order.
+
+    Parameters
+    ----------
+    polynomial
+        Coefficients of any type, lowest first.
+    size
+        Order of the determinant.
+    zero
+        Entry beyond the coefficients.
+
+    Examples
+    --------
+    >>> hurwitz_matrix([1, 2, 3, 4], 3, 0)
+    [[3, 1, 0], [4, 2, 0], [0, 3, 1]]
+    """
+    high = list(reversed(polynomial))
+
+    def entry(i: int, j: int) -> Any:
+        index = 2 * (j + 1) - (i + 1)
+        return high[index] if 0 <= index < len(high) else zero
+
+    return [[entry(i, j) for j in range(size)] for i in range(size)]
+
+
+def expanded_determinant(rows: Sequence[Sequence[Any]]) -> Any:
+    """A determinant without divisions, by the minors of its last rows; for small matrices.
+
+    Parameters
+    ----------
+    rows
+        Numbers of any type; None for an entry that is zero by structure.
+
+    Examples
+    --------
+    >>> expanded_determinant(hurwitz_matrix([1, 2, 3, 4], 2, None))
+    2
+    """
+    known: dict[tuple[int, tuple[int, ...]], Any] = {}
+
+    def minor(row: int, columns: tuple[int, ...]) -> Any:
+        if not columns:
+            return 1
+        if (row, columns) not in known:
+            total: Any = 0
+            for place, j in enumerate(columns):
+                entry = rows[row][j]
+                if entry is not None:
+                    term = entry * minor(row + 1, columns[:place] + columns[place + 1 :])
+                    total = total - term if place % 2 else total + term
+            known[row, columns] = total
+        return known[row, columns]
+
+    return minor(0, tuple(range(len(rows))))
+
+
 def hurwitz_determinant(polynomial: Sequence[Any]) -> Any:
     """The Hurwitz determinant of order n - 1, which vanishes where a pair meets the imaginary axis.
 
@@ -306,11 +355,4 @@ def hurwitz_determinant(polynomial: Sequence[Any]) -> Any:
     degree = len(polynomial) - 1
     if degree < 2:
         return arb(1)
-    high = list(reversed(polynomial))
-
-    def entry(i: int, j: int) -> Any:
-        index = 2 * (j + 1) - (i + 1)
-        return high[index] if 0 <= index <= degree else arb(0)
-
-    size = degree - 1
-    return arb_mat(size, size, [entry(i, j) for i in range(size) for j in range(size)]).det()
+    return arb_mat(hurwitz_matrix(polynomial, degree - 1, arb(0))).det()

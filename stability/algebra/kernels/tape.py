@@ -211,10 +211,6 @@ def recorded(run: Callable[[list[Any], Algebra], Sequence[Any]], inputs: int) ->
     inputs
         Number of inputs.
 
-    Returns
-    -------
-    Tape
-
     Raises
     ------
     StabilityError

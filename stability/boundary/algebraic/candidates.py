@@ -25,6 +25,7 @@ from ...algebra.exact.hurwitz_forms import (
 from ...algebra.exact.number_fields import NotExact, rational
 from ...algebra.exact.rational_functions import RING
 from ...algebra.exact.roots import UnclearError, real_roots
+from ...algebra.exact.routh import is_even
 from ...algebra.exact.triangular import occurring, remainder
 from ...algebra.number_types import precision
 from .tower import Tower
@@ -77,7 +78,7 @@ def _critical(a: Sequence[Any], budget: Budget) -> list[tuple[str, Any]]:
     """Polynomials that vanish where a root of one factor meets the imaginary axis or infinity."""
     n = len(a) - 1
     found = [("static", a[0]), ("pole", a[n])]
-    even = n % 2 == 0 and all(c == 0 for c in a[1::2])
+    even = is_even(a)
     if even and n > 2:
         found.append(("flutter", subdiscriminants(a[::2], budget)[-1]))
     if not even and n > 1:

@@ -24,10 +24,10 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from ...algebra.exact.hurwitz_forms import Budget, by_power, factors
+from ...algebra.exact.hurwitz_forms import Budget, coefficient_row, factors
 from ...algebra.exact.number_fields import NotExact
 from ...algebra.exact.roots import UnclearError, isolated
-from ...algebra.exact.routh import hurwitz_sign, verdict_polynomial
+from ...algebra.exact.routh import hurwitz_sign, is_even, verdict_polynomial
 from ...algebra.exact.triangular import occurring
 from ...algebra.number_types import precision
 from ...base.errors import NoMemberError, StabilityError
@@ -70,17 +70,7 @@ class Look:
 
 
 class Branch:
-    """The family's members along a line.
-
-    Parameters
-    ----------
-    line
-        The line.
-    tower
-        Its variables.
-    budget
-        Limits of the work.
-    """
+    """The family's members along a line."""
 
     def __init__(self, line: AxisScan, tower: Tower, budget: Budget) -> None:
         self.line, self.tower, self.budget = line, tower, budget
@@ -89,13 +79,7 @@ class Branch:
     # --- at a number ---
 
     def look(self, value: float) -> Look:
-        """The verdict and the branch at a number.
-
-        Parameters
-        ----------
-        value
-            Value of the axis.
-        """
+        """The verdict and the branch at a number."""
         reason, label = OPEN, None
         for bits in LADDER:
             with precision(bits):
@@ -117,11 +101,6 @@ class Branch:
     def known(self, value: Any) -> Mapping[int, Any]:
         """Values of the polynomials' variables at a ball of the axis.
 
-        Parameters
-        ----------
-        value
-            The ball.
-
         Raises
         ------
         NoMemberError
@@ -142,15 +121,7 @@ class Branch:
         return {new: known[old] for new, old in enumerate(self.tower.whole.indices)}
 
     def sign(self, value: float, label: tuple[int, ...] | None) -> int:
-        """The proved verdict at a number, by the graph or the polynomials; 0 on another branch.
-
-        Parameters
-        ----------
-        value
-            Value of the axis.
-        label
-            The branch.
-        """
+        """The proved verdict at a number, by the graph or the polynomials; 0 on another branch."""
         found = self.look(value)
         if found.label != label:
             return 0
@@ -167,11 +138,8 @@ class Branch:
         for level in self.tower.levels:
             if level.own is None:
                 continue
-            parts = by_power(level.own, level.place)
-            balls = [
-                arb(evaluate(parts[k], known)) if k in parts else arb(0)
-                for k in range(max(parts) + 1)
-            ]
+            row = coefficient_row(level.own, level.place)
+            balls = [arb(evaluate(c, known)) for c in row]
             roots = None if balls[-1].contains(0) else isolated(balls, even=False)
             if roots is None:
                 return None
@@ -194,8 +162,7 @@ class Branch:
 
     def even(self, index: int) -> bool:
         """Whether a factor has even powers alone."""
-        a = self.tower.whole.factors[index][0]
-        return len(a) % 2 == 1 and all(c == 0 for c in a[1::2])
+        return is_even(self.tower.whole.factors[index][0])
 
     def _sign(self, known: Mapping[int, Any]) -> int:
         signs = []
@@ -322,9 +289,8 @@ class Branch:
             return None
         if len(rest) == 1:
             return False
-        even = len(rest) % 2 == 1 and all(c == 0 for c in rest[1::2])
         upright = [c / rest[-1] for c in rest[:-1]] + [arb(1)]
-        sign = hurwitz_sign(verdict_polynomial(upright, 0, even))
+        sign = hurwitz_sign(verdict_polynomial(upright, 0, is_even(rest)))
         return None if sign == 0 else sign < 0
 
     def _nothing(self, all_: Candidates, one: Candidate, poly: Any) -> bool:
@@ -376,10 +342,6 @@ def algebraic(line: AxisScan, low: float, high: float) -> Boundaries:
         The line.
     low, high
         Ends of the interval, both included.
-
-    Returns
-    -------
-    Boundaries
 
     Raises
     ------

@@ -371,10 +371,3 @@ class Tower:
         """Ball of the constant s at the working precision."""
         angle = arb(self.fixed.step)
         return {"circle": angle.cos, "hyperbola": angle.cosh, "exp": angle.exp}[self.fixed.kind]()
-
-    # --- members ---
-
-    def known(self, value: Any) -> Mapping[int, Any]:
-        """Values of the polynomials' variables at a value of the axis, as balls."""
-        found = self.along.at(value)
-        return {new: found[old] for new, old in enumerate(self.whole.indices)}

@@ -3,5 +3,5 @@
 `taylor` holds the arithmetic, `meetings` the functions that vanish where an eigenvalue meets the
 axis, and `pieces` the search, many pieces at once in double precision by `quick_pieces`.
 May import what `boundary` may, and its `brackets`.
-To add a function whose zeros count as meetings: a form in `Meetings.functions`.
+To add a function whose zeros count as meetings: a form in `GraphMeetings.functions`.
 """

@@ -16,6 +16,7 @@ divisions; tests/boundary/test_interval_search.py, test_formula_boundaries.py.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -23,12 +24,14 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat, arb_series
 
-from ...algebra.number_types import balls, precision
+from ...algebra.exact.routh import expanded_determinant, hurwitz_matrix
+from ...algebra.number_types import precision
 from ...base.errors import NoMemberError, StabilityError
+from ...spectra.verdict_routes import BITS
 from ...systems.closed_form import ClosedForm
-from ...systems.structure.enclosure import ball_unknowns
-from ..brackets import BITS, AxisScan, Crossing
-from .taylor import coefficient, product, quotient, series_algebra, span, terms
+from ...systems.structure.enclosure import positive_unknowns
+from ..brackets import AxisScan, Crossing
+from .taylor import coefficient, linearisation, product, quotient, series_algebra, span, terms
 
 SKEW = 1e7
 """Condition number of eigenvectors above which Schur vectors take their place."""
@@ -107,18 +110,8 @@ def polynomial(matrix: Sequence[Any], *, fold: bool) -> list[Form]:
 
 def determinant(poly: Sequence[Form], basis: Basis, *, fold: bool) -> Form:
     """A function with the zeros of the Hurwitz determinant of order n - 1."""
-    degree, top = len(poly) - 1, len(poly[0]) - 1
-    high = list(reversed(poly))
-
-    def entry(i: int, j: int, k: int) -> Any:
-        index = 2 * (j + 1) - (i + 1)
-        return high[index][k] if 0 <= index <= degree else arb(0)
-
-    size = degree - 1
-    table = [
-        arb_mat([[entry(i, j, k) for j in range(size)] for i in range(size)])
-        for k in range(top + 1)
-    ]
+    size = len(poly) - 2
+    table = [arb_mat(hurwitz_matrix(order, size, arb(0))) for order in zip(*poly, strict=True)]
     if not basis.turns:
         basis.turns.append(_turns(table[0]))
     left, right = basis.turns[0]
@@ -181,8 +174,94 @@ def middle_of(low: float, high: float) -> float:
     return low + (high - low) / 2
 
 
-class Meetings:
-    """The functions along a line.
+class Meetings(ABC):
+    """The functions along a line, and what a search over pieces asks of them."""
+
+    line: AxisScan
+    """The line."""
+    blocks: list[list[int]]
+    """States of each block of the linearisation."""
+    count: int
+    """Number of functions at most."""
+
+    def prepared(self, value: float) -> bool:  # noqa: ARG002
+        """Whether `root` need not follow the member from the family's known one."""
+        return True
+
+    def prepare(self, values: Sequence[float]) -> None:  # noqa: B027
+        """Double-precision unknowns at many points, followed all at once, for `root`."""
+
+    @abstractmethod
+    def root(self, value: float, bits: int = BITS) -> list[Any] | None:
+        """The unknowns of the member; None without a member."""
+
+    @abstractmethod
+    def piece(self, low: float, high: float) -> Any:
+        """Everything enclosed over a piece, at the working precision.
+
+        Raises
+        ------
+        NoMemberError
+            If no member is proved all along it.
+        NoValueError
+            If there is no finite enclosure.
+        """
+
+    def joined(self, piece: Any) -> bool:  # noqa: ARG002
+        """Whether the members at both ends lie on the branch of a piece."""
+        return True
+
+    @abstractmethod
+    def forms(self, piece: Any) -> list[Form]:
+        """The functions over a piece."""
+
+    @abstractmethod
+    def monotone(self, piece: Any, places: Sequence[int]) -> bool:
+        """Whether some functions are proved to be monotone over a piece."""
+
+    @abstractmethod
+    def values(self, value: float, bits: int, piece: Any) -> list[Any] | None:
+        """The functions at a point, perhaps in the bases of a piece; None without a member."""
+
+    def zeros_in(self, piece: Any) -> int | None:
+        """Number of zeros of all functions on a piece, each simple; None if this is not proved."""
+        open_ = [i for i, f in enumerate(self.forms(piece)) if not nonzero(span(f))]
+        if not open_:
+            return 0
+        if not self.monotone(piece, open_):
+            return None
+        ends = [self._signs(value, piece) for value in (piece.low, piece.high)]
+        signs = [(ends[0][i], ends[1][i]) for i in open_]
+        return None if any(0 in pair for pair in signs) else sum(a != b for a, b in signs)
+
+    def _signs(self, value: float, piece: Any = None) -> list[int]:
+        """Proved signs of the functions at a point; 0 where open."""
+        bits, out = BITS, [0]
+        while 0 in out and bits <= POINT_BITS:
+            found = self.values(value, bits, piece)
+            if found is None:
+                return [0] * self.count
+            out = [int(f > 0) - int(f < 0) for f in found]
+            bits *= 2
+        return out
+
+    def clear(self, value: float) -> bool:
+        """Whether no eigenvalue is on the imaginary axis at a point, proved."""
+        try:
+            return 0 not in self._signs(value)
+        except ArithmeticError:
+            return False
+
+
+def _around(low: float, high: float) -> tuple[Any, Any, Any]:
+    """Middle, half-width and ball of a piece; the ball may reach beyond one end."""
+    middle = arb(middle_of(low, high))
+    half = max(arb(high) - middle, middle - arb(low))
+    return middle, half, arb(middle, half.abs_upper())
+
+
+class GraphMeetings(Meetings):
+    """The functions of the graph's linearisation along a line.
 
     Parameters
     ----------
@@ -197,6 +276,7 @@ class Meetings:
         self.family = line.problem.family
         self.even = self.family.conservative
         self.blocks = self._split()
+        self.count = 2 * len(self.blocks)
         self._roots: dict[tuple[float, int], list[Any] | None] = {}
         self._rough: dict[float, list[float] | None] = {}
 
@@ -221,11 +301,11 @@ class Meetings:
         return a, q
 
     def prepared(self, value: float) -> bool:
-        """Whether `root` need not follow the member from the family's known one."""
+        """Whether it was followed with others."""
         return value in self._rough
 
     def prepare(self, values: Sequence[float]) -> None:
-        """Double-precision unknowns at many points, followed all at once, for `root`."""
+        """Follow the members at new points, all at once."""
         new = [v for v in dict.fromkeys(values) if v not in self._rough]
         if not new or self.family.anchor is None or self.family.closed:
             return
@@ -240,7 +320,7 @@ class Meetings:
             self._rough[value] = u.tolist() if good else None
 
     def root(self, value: float, bits: int = BITS) -> list[Any] | None:
-        """The unknowns of the member that the family's root-finder gives; None without a member."""
+        """The unknowns of the member that the root-finder gives, proved and kept."""
         key = value, bits
         if key not in self._roots:
             self.prepare([value])
@@ -255,65 +335,23 @@ class Meetings:
         return self._roots[key]
 
     def _unknowns(self, place: Any, near: Sequence[float] | None) -> list[Any]:
-        a, q = self._given(place)
-        found = ball_unknowns(self.family, a, q, near)
-        for name, ball in zip(self.family.unknown, found, strict=True):
-            if name in self.family.positive and not ball > 0:
-                raise NoMemberError(f"{self.family.name}: {name} is not proved to be positive.")
-        return found
+        return positive_unknowns(self.family, *self._given(place), near)
 
     def _matrices(self, place: Any, start: list[Any], count: int) -> list[Any]:
         """Taylor coefficients of the linearisation at a point, or at every point of a ball."""
         with terms(count):
             a, q = self._given(arb_series([place, 1]))
-            u = self._series(a, q, start, count)
-            entries = self.family.graph.matrix.run(series_algebra(), [a, u, q])[0]
-        size = len(self.family.system.states)
-        out = []
-        for k in range(count):
-            table = [[arb(0)] * size for _ in range(size)]
-            for (i, j), entry in zip(self.family.graph.matrix.places[0], entries, strict=True):
-                table[i][j] = coefficient(entry, k)
-            out.append(arb_mat(table))
-        return out
-
-    def _series(self, a: Any, q: Any, start: list[Any], count: int) -> list[Any]:
-        """The unknowns as power series, coefficient by coefficient (implicit function theorem)."""
-        family = self.family
-        if not family.unknown or family.closed or count == 1:
-            return start
-        plain = [[coefficient(v, 0) for v in some] for some in (a, q)]
-        _, stored = family.graph.residual.run(balls(), [plain[0], start, plain[1]])
-        slope = arb_mat(family.graph.place(stored))
-        found = [[u] for u in start]
-        for k in range(1, count):
-            u = [arb_series([*c, 0]) for c in found]
-            rates, _ = family.graph.residual.run(series_algebra(), [a, u, q])
-            right = arb_mat(len(start), 1, [-coefficient(r, k) for r in rates])
-            solved = slope.solve(right, algorithm="precond")
-            for i, c in enumerate(found):
-                c.append(solved[i, 0])
-        return [arb_series(c) for c in found]
+            return linearisation(self.family, a, q, start, count)
 
     # --- a piece ---
 
     def piece(self, low: float, high: float) -> Piece:
-        """Everything enclosed over a piece, at the working precision.
-
-        Raises
-        ------
-        NoMemberError
-            If no root is proved at the midpoint, or over the piece.
-        NoValueError
-            If the linearisation has no finite enclosure.
-        """
+        """Members and linearisations over a piece."""
         point = middle_of(low, high)
-        middle = arb(point)
-        half = max(arb(high) - middle, middle - arb(low))  # the form may reach beyond one end
+        middle, half, whole = _around(low, high)
         here = self.root(point)
         if here is None:
             raise NoMemberError(f"{self.family.name} has no member at {point}.")
-        whole = arb(middle, half.abs_upper())
         wide = arb(middle, (half * (1 + WIDER)).abs_upper())
         box = self._unknowns(wide, [float(v.mid()) for v in here])
         over = self._matrices(whole, box, MATRIX_ORDER + 1)
@@ -352,44 +390,31 @@ class Meetings:
                 out.append(determinant(poly, basis, fold=fold))
         return out
 
-    def zeros_in(self, piece: Piece) -> int | None:
-        """Number of zeros of all functions on a piece, each simple; None if this is not proved."""
-        values = self.functions(piece.matrices, piece.bases, fold=True)
-        open_ = [i for i, f in enumerate(values) if not nonzero(span(f))]
-        if not open_:
-            return 0
+    def forms(self, piece: Piece) -> list[Form]:
+        """Both functions of each block."""
+        return self.functions(piece.matrices, piece.bases, fold=True)
+
+    def monotone(self, piece: Piece, places: Sequence[int]) -> bool:
+        """By the slopes over all of the piece."""
         if not piece.slopes:
-            return None
-        slopes = self.functions(piece.slopes, piece.bases, fold=False)
-        if not all(nonzero(slopes[i][1]) for i in open_):
-            return None
-        return _changes(open_, *(self._signs(v, piece.bases) for v in (piece.low, piece.high)))
-
-    def _signs(self, value: float, bases: Sequence[Basis] | None) -> list[int]:
-        """Proved signs of the functions at a point; 0 where open."""
-        bits, out = BITS, [0]
-        while 0 in out and bits <= POINT_BITS:
-            root = self.root(value, bits)
-            if root is None:
-                return [0] * 2 * len(self.blocks)
-            with precision(bits):
-                matrix = self._matrices(arb(value), root, 1)
-                if not finite(matrix[0]):
-                    return [0] * 2 * len(self.blocks)
-                found = self.functions(matrix, bases or self._bases(matrix[0]), fold=True)
-                out = [int(f[0] > 0) - int(f[0] < 0) for f in found]
-            bits *= 2
-        return out
-
-    def clear(self, value: float) -> bool:
-        """Whether no eigenvalue is on the imaginary axis at a point, proved."""
-        try:
-            return 0 not in self._signs(value, None)
-        except ArithmeticError:
             return False
+        slopes = self.functions(piece.slopes, piece.bases, fold=False)
+        return all(nonzero(slopes[i][1]) for i in places)
+
+    def values(self, value: float, bits: int, piece: Piece | None) -> list[Any] | None:
+        """Both functions of each block."""
+        root = self.root(value, bits)
+        if root is None:
+            return None
+        with precision(bits):
+            matrix = self._matrices(arb(value), root, 1)
+            if not finite(matrix[0]):
+                return None
+            bases = piece.bases if piece else self._bases(matrix[0])
+            return [f[0] for f in self.functions(matrix, bases, fold=True)]
 
     def joined(self, piece: Piece) -> bool:
-        """Whether the family's own members at both ends lie on the branch of a piece."""
+        """Whether the members at both ends lie in the box of the piece."""
         if not self.family.unknown or self.family.closed:
             return True
         for value in (piece.low, piece.high):
@@ -399,12 +424,6 @@ class Meetings:
             ):
                 return False
         return True
-
-
-def _changes(places: Sequence[int], low: Sequence[int], high: Sequence[int]) -> int | None:
-    """Number of functions whose signs at two ends differ; None where one is open."""
-    signs = [(low[i], high[i]) for i in places]
-    return None if any(0 in pair for pair in signs) else sum(a != b for a, b in signs)
 
 
 FORMULA_ORDER = 6
@@ -419,50 +438,24 @@ class FormulaPiece:
     high: float
     forms: list[Form]
     """Functions as Taylor forms."""
-    slopes: list[Form]
-    """Their derivatives by t."""
 
 
-class FormulaMeetings:
-    """The functions along a line."""
+class FormulaMeetings(Meetings):
+    """The functions of a family's formulas along a line."""
 
     def __init__(self, line: AxisScan, formulas: ClosedForm) -> None:
         self.line, self.formulas = line, formulas
         self.blocks = [[0]]
-        self._known: dict[tuple[float, int], list[int]] = {}
-
-    # --- what a search asks of members: they are given by formulas ---
-
-    def prepared(self, value: float) -> bool:  # noqa: ARG002
-        """Nothing is prepared."""
-        return True
-
-    def prepare(self, values: Sequence[float]) -> None:
-        """Nothing is prepared."""
+        self.count = len(self.kinds)
+        self._known: dict[tuple[float, int], list[Any]] = {}
 
     def root(self, value: float, bits: int = BITS) -> list[Any] | None:
-        """An empty list where the formulas are those of a member, otherwise None."""
-        return None if self._at(value, bits) is None else []
-
-    def joined(self, piece: FormulaPiece) -> bool:  # noqa: ARG002
-        """Formulas have one branch."""
-        return True
-
-    # --- a piece ---
+        """An empty list where the formulas are those of a member."""
+        return None if self.values(value, bits, None) is None else []
 
     def piece(self, low: float, high: float) -> FormulaPiece:
-        """Functions over a piece, at the working precision.
-
-        Raises
-        ------
-        NoMemberError
-            If the formulas are not proved to be those of members all along it.
-        NoValueError
-            If they have no finite enclosure.
-        """
-        middle = arb(middle_of(low, high))
-        half = max(arb(high) - middle, middle - arb(low))
-        whole = arb(middle, half.abs_upper())
+        """The functions over a piece where its formulas are those of members."""
+        middle, half, whole = _around(low, high)
         inner, asked = self._series(middle)
         outer, numbers = self._series(whole)
 
@@ -477,9 +470,7 @@ class FormulaMeetings:
 
         if not all(span(form(a, b)) > 0 for a, b in zip(asked, numbers, strict=True)):
             raise NoMemberError(f"{self.line.problem.family.name} has no member there.")
-        forms = [form(a, b) for a, b in zip(inner, outer, strict=True)]
-        slopes = [[k * c for k, c in enumerate(f)][1:] for f in forms]
-        return FormulaPiece(low, high, forms, slopes)
+        return FormulaPiece(low, high, [form(a, b) for a, b in zip(inner, outer, strict=True)])
 
     def _series(self, place: Any) -> tuple[list[Any], list[Any]]:
         """Functions, and numbers that are positive at members, as series about a ball."""
@@ -504,27 +495,22 @@ class FormulaMeetings:
         own: list[Crossing | None] = [Crossing.STATIC, None]
         return own if self.formulas.even else [*own, Crossing.FLUTTER]
 
-    def zeros_in(self, piece: FormulaPiece) -> int | None:
-        """Number of zeros of all functions on a piece, each simple; None if this is not proved."""
-        open_ = [i for i, f in enumerate(piece.forms) if not nonzero(span(f))]
-        if not open_:
-            return 0
-        if not all(nonzero(span(piece.slopes[i])) for i in open_):
-            return None
-        return _changes(open_, self._signs(piece.low), self._signs(piece.high))
+    def forms(self, piece: FormulaPiece) -> list[Form]:
+        """The functions of the polynomial."""
+        return piece.forms
 
-    def _signs(self, value: float) -> list[int]:
-        """Proved signs of the functions at a point; 0 where open."""
-        bits, out = BITS, [0]
-        while 0 in out and bits <= POINT_BITS:
-            found = self._at(value, bits)
-            if found is None:
-                return [0]
-            out, bits = found, 2 * bits
-        return out
+    def monotone(self, piece: FormulaPiece, places: Sequence[int]) -> bool:
+        """By the derivatives of the forms."""
+        slopes = ([k * c for k, c in enumerate(piece.forms[i])][1:] for i in places)
+        return all(nonzero(span(slope)) for slope in slopes)
 
-    def _at(self, value: float, bits: int) -> list[int] | None:
-        """Signs at a point, at one precision; None without a member."""
+    def values(
+        self,
+        value: float,
+        bits: int,
+        piece: FormulaPiece | None,  # noqa: ARG002
+    ) -> list[Any] | None:
+        """The functions of the polynomial, kept."""
         key = value, bits
         if key not in self._known:
             with precision(bits):
@@ -532,13 +518,8 @@ class FormulaMeetings:
                 coefficients, _, positive = self.formulas(series_algebra(), a, q)
                 if not all(v > 0 for v in positive):
                     return None
-                found = self._functions(coefficients)
-                self._known[key] = [int(f > 0) - int(f < 0) for f in found]
+                self._known[key] = self._functions(coefficients)
         return self._known[key]
-
-    def clear(self, value: float) -> bool:
-        """Whether no eigenvalue is on the imaginary axis at a point, proved."""
-        return 0 not in self._signs(value)
 
 
 def watched(coefficients: Sequence[Any], *, even: bool) -> list[Any]:
@@ -553,46 +534,5 @@ def watched(coefficients: Sequence[Any], *, even: bool) -> list[Any]:
     """
     if even:
         return list(coefficients[::2])
-    return [coefficients[0], coefficients[-1], hurwitz(coefficients, len(coefficients) - 2)]
-
-
-def hurwitz(coefficients: Sequence[Any], size: int) -> Any:
-    """A Hurwitz determinant of a polynomial, without divisions.
-
-    Parameters
-    ----------
-    coefficients
-        By powers, lowest first, of any number type.
-    size
-        Order of the determinant.
-
-    Examples
-    --------
-    >>> hurwitz([1, 2, 3, 4], 2)
-    2
-    """
-    high = list(reversed(coefficients))
-
-    def entry(i: int, j: int) -> Any:
-        index = 2 * (j + 1) - (i + 1)
-        return high[index] if 0 <= index < len(high) else None
-
-    def minor(row: int, columns: tuple[int, ...]) -> Any:
-        if not columns:
-            return 1
-        total: Any = 0
-        for place, j in enumerate(columns):
-            one = entry(row, j)
-            if one is not None:
-                term = one * known(row + 1, columns[:place] + columns[place + 1 :])
-                total = total - term if place % 2 else total + term
-        return total
-
-    table: dict[Any, Any] = {}
-
-    def known(row: int, columns: tuple[int, ...]) -> Any:
-        if (row, columns) not in table:
-            table[row, columns] = minor(row, columns)
-        return table[row, columns]
-
-    return known(0, tuple(range(size)))
+    rows = hurwitz_matrix(coefficients, len(coefficients) - 2, None)
+    return [coefficients[0], coefficients[-1], expanded_determinant(rows)]

@@ -25,11 +25,11 @@ from ...algebra.number_types import balls, precision
 from ...base.errors import NoMemberError, StabilityError
 from ...base.types import Floats
 from ...base.verdict import DECAYING, Verdict
+from ...spectra.verdict_routes import BITS
 from ...systems.structure.enclosure import ball_unknowns
 from ...systems.structure.identities import certain
 from ...systems.structure.structural_zeros import structure
 from ..brackets import (
-    BITS,
     AxisScan,
     Boundaries,
     BoundaryPoint,
@@ -39,7 +39,7 @@ from ..brackets import (
     bracketed,
     refine,
 )
-from .meetings import FormulaMeetings, Meetings, NoValueError, middle_of
+from .meetings import FormulaMeetings, GraphMeetings, Meetings, NoValueError, middle_of
 from .quick_pieces import Quick, quick_pieces
 
 MOST_PIECES = 1200
@@ -117,10 +117,6 @@ def pieces(line: AxisScan, low: float, high: float, *, log: bool = False) -> Pie
         Ends of the interval.
     log
         Whether pieces are cut at equal ratios.
-
-    Returns
-    -------
-    Pieces
     """
     try:
         found = _meetings(line)
@@ -158,14 +154,14 @@ def _leaves(quick: Quick) -> list[Leaf]:
     return [*(Leaf(*ends, 0) for ends in quick.clear), *one]
 
 
-def _meetings(line: AxisScan) -> Meetings | FormulaMeetings | str:
+def _meetings(line: AxisScan) -> Meetings | str:
     family = line.problem.family
     if line.formulas is not None:
         return FormulaMeetings(line, line.formulas)
     zeros = structure(family).zeros
     if not line.problem.derived and not certain(family):
         return "the number of eigenvalues that are zero by structure is not proved for all members"
-    found = Meetings(line, zeros)
+    found = GraphMeetings(line, zeros)
     largest = max(map(len, found.blocks))
     if largest > MOST_STATES:
         return (
@@ -175,7 +171,7 @@ def _meetings(line: AxisScan) -> Meetings | FormulaMeetings | str:
     return found
 
 
-def _beyond(found: Meetings | FormulaMeetings, end: float, step: float) -> float:
+def _beyond(found: Meetings, end: float, step: float) -> float:
     """The end, or a number a little beyond where an eigenvalue is on the axis at the end itself."""
     if found.root(end) is None or found.clear(end):
         return end
@@ -189,7 +185,7 @@ class _Search:
     """Pieces in the order of their width, widest first."""
 
     def __init__(
-        self, found: Meetings | FormulaMeetings, low: float, high: float, least: float, *, log: bool
+        self, found: Meetings, low: float, high: float, least: float, *, log: bool
     ) -> None:
         self.found, self.low, self.high = found, low, high
         self.least, self.log = least, log
@@ -257,11 +253,10 @@ class _Search:
     def _examined(self, low: float, high: float) -> Leaf:
         try:
             with precision(BITS):
-                found: Any = self.found
-                piece = found.piece(low, high)
-                if not found.joined(piece):
+                piece = self.found.piece(low, high)
+                if not self.found.joined(piece):
                     return Leaf(low, high, None, BRANCH)
-                count = found.zeros_in(piece)
+                count = self.found.zeros_in(piece)
         except NoMemberError:
             return Leaf(low, high, None, NO_MEMBER)
         except (NoValueError, ZeroDivisionError, OverflowError):
@@ -297,10 +292,6 @@ def scanned(line: AxisScan, grid: Floats, why: str = "") -> Boundaries:
         Points of the scan, in increasing order.
     why
         Reason why the axis is scanned, for the statement.
-
-    Returns
-    -------
-    Boundaries
 
     Raises
     ------
@@ -398,10 +389,6 @@ def proved(line: AxisScan, grid: Floats, *, log: bool = False) -> Boundaries:
         Points of a scan for the pieces without proof; its ends are those of the interval.
     log
         Whether the points have equal ratios.
-
-    Returns
-    -------
-    Boundaries
     """
     low, high = float(grid[0]), float(grid[-1])
     found = pieces(line, low, high, log=log)

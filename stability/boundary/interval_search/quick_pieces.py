@@ -23,8 +23,9 @@ from ...algebra.kernels.tape import Tape, recorded_series
 from ...algebra.number_types import Algebra, balls, precision
 from ...base.errors import NoMemberError, StabilityError
 from ...base.types import Floats
+from ...spectra.verdict_routes import BITS
 from ...systems.closed_form import ClosedForm, ImplicitForm
-from ..brackets import BITS, AxisScan, Crossing
+from ..brackets import Crossing
 from .meetings import FormulaMeetings, watched
 
 ORDER = 3
@@ -260,8 +261,8 @@ class Rounds:
     def _polished(self, here: float, slope: float, which: int, low: float, high: float) -> float:
         """A zero to all digits of a double, by balls."""
         for _ in range(POLISHED):
-            exact = _exactly(self.found.line, self.found.formulas, here)
-            step = exact[which] / slope if exact is not None and slope else 0.0
+            exact = self.found.values(here, BITS, None)
+            step = float(arb(exact[which]).mid()) / slope if exact is not None and slope else 0.0
             if low <= here - step <= high:
                 here -= step
             if abs(step) <= CLOSE * abs(here):
@@ -275,16 +276,6 @@ def _joined(spans: Floats) -> tuple[Span, ...]:
     first = np.append(True, lows[1:] > highs[:-1])[: len(lows)]
     ends = highs[np.append(first[1:], True)[: len(lows)]]
     return tuple(zip(lows[first].tolist(), ends.tolist(), strict=True))
-
-
-def _exactly(line: AxisScan, formulas: ClosedForm, value: float) -> list[float] | None:
-    """The functions at a point, to all digits of a double; None without a member."""
-    with precision(BITS):
-        a, q = line.problem.balls(line.fixed | {line.axis: value})
-        coefficients, _, positive = formulas(balls(), a, q)
-        if not all(v > 0 for v in positive):
-            return None
-        return [float(arb(f).mid()) for f in watched(coefficients, even=formulas.even)]
 
 
 def _cut(lows: Floats, highs: Floats, *, log: bool) -> tuple[Floats, Floats]:

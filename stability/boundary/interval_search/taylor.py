@@ -15,10 +15,11 @@ from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any
 
-from flint import arb, arb_series, ctx
+from flint import arb, arb_mat, arb_series, ctx
 
-from ...algebra.number_types import UNARY, Algebra, ball_angle, ball_power
+from ...algebra.number_types import UNARY, Algebra, ball_angle, ball_power, balls
 from ...base.errors import StabilityError
+from ...systems.family import Family
 
 UNIT = arb(0, 1)
 """Every t of a piece."""
@@ -161,6 +162,57 @@ def series_algebra() -> Algebra:
     table |= {n: _by_slope(n, slope) for n, slope in SLOPES.items()} | {"atan2": _angle}
     table |= {"sinh": _hyperbolic("sinh", "cosh"), "cosh": _hyperbolic("cosh", "sinh")}
     return Algebra("series", arb, table | {"tanh": _tanh, "pow": _power, "fabs": _fabs})
+
+
+# --- a family ---
+
+
+def linearisation(
+    family: Family, a: Sequence[Any], q: Sequence[Any], start: Sequence[Any], count: int
+) -> list[Any]:
+    """Taylor coefficients of a linearisation; within `terms` only.
+
+    Parameters
+    ----------
+    family
+        The family.
+    a, q
+        Family parameters and parameters as series.
+    start
+        The unknowns at the constant terms, as balls.
+    count
+        Number of coefficients.
+    """
+    u = _unknowns(family, a, q, start, count)
+    entries = family.graph.matrix.run(series_algebra(), [a, u, q])[0]
+    size = len(family.system.states)
+    out = []
+    for k in range(count):
+        table = [[arb(0)] * size for _ in range(size)]
+        for (i, j), entry in zip(family.graph.matrix.places[0], entries, strict=True):
+            table[i][j] = coefficient(entry, k)
+        out.append(arb_mat(table))
+    return out
+
+
+def _unknowns(
+    family: Family, a: Sequence[Any], q: Sequence[Any], start: Sequence[Any], count: int
+) -> Sequence[Any]:
+    """The unknowns as power series, coefficient by coefficient (implicit function theorem)."""
+    if not family.unknown or family.closed or count == 1:
+        return start
+    plain = [[coefficient(v, 0) for v in some] for some in (a, q)]
+    _, stored = family.graph.residual.run(balls(), [plain[0], start, plain[1]])
+    slope = arb_mat(family.graph.place(stored))
+    found = [[u] for u in start]
+    for k in range(1, count):
+        u = [arb_series([*c, 0]) for c in found]
+        rates, _ = family.graph.residual.run(series_algebra(), [a, u, q])
+        right = arb_mat(len(found), 1, [-coefficient(r, k) for r in rates])
+        solved = slope.solve(right, algorithm="precond")
+        for i, c in enumerate(found):
+            c.append(solved[i, 0])
+    return [arb_series(c) for c in found]
 
 
 # --- forms ---

@@ -28,24 +28,25 @@ from itertools import combinations, combinations_with_replacement
 from typing import Any
 
 import numpy as np
-from flint import acb, arb, arb_poly
+from flint import acb, arb
 
-from ...algebra.exact.hurwitz_forms import Budget, by_power, factors
+from ...algebra.exact.hurwitz_forms import Budget, by_power, coefficient_row, factors
 from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, exact_upright, rational
+from ...algebra.exact.rational_functions import common_multiple
 from ...algebra.exact.roots import isolated as root_balls
 from ...algebra.exact.routh import hurwitz_sign
 from ...algebra.exact.triangular import occurring, remainder
+from ...algebra.krawczyk import NotProvedError, polished, tested
 from ...algebra.number_types import precision
 from ...algebra.upright import UPRIGHT, Upright
 from ...base.axis import Axis
 from ...base.errors import NoMemberError, StabilityError
 from ...derivation.elimination import Reading, evaluate
-from ...derivation.signs import real_roots, univariate
+from ...derivation.signs import real_roots
 from ...spectra.problem import Problem
 from ...systems.family import Family
 from ..brackets import Crossing
 from ..changes import along
-from ..krawczyk import NotProvedError, Values, polished, tested
 from ..lyapunov_coefficient import (
     Derivatives,
     Line,
@@ -59,8 +60,16 @@ from ..lyapunov_coefficient import (
     signed,
     without_pair,
 )
-from .plane_search import SEVERAL, Rectangle, box_of, meets
-from .planes import PLANE, ExactPlane, subresultant, value_of
+from .plane_search import (
+    EXACT_BITS,
+    SEVERAL,
+    Place,
+    PolynomialPair,
+    Rectangle,
+    judged_places,
+    meets,
+)
+from .planes import PLANE, ExactPlane, subresultant
 from .point_records import PointKind, UnresolvedBox
 
 Poly = Any
@@ -123,9 +132,7 @@ class OnsetForms:
         """Entries times a common denominator, and the denominator."""
         reading = self.reading
         values = {k: reading.triangular.value(reading.element(v)) for k, v in entries.items()}
-        common = self.field.one
-        for v in values.values():
-            common = common * (v.den / common.gcd(v.den))
+        common = common_multiple((v.den for v in values.values()), self.field.one)
         return {k: v.num * (common / v.den) for k, v in values.items() if v.num != 0}, common
 
     def _unit(self, index: int) -> list[Any]:
@@ -161,8 +168,7 @@ class OnsetForms:
 
     def _row(self, p: Poly) -> Column:
         """Coefficients by powers of μ."""
-        parts = by_power(p, self.reading.lam) if p != 0 else {}
-        return [parts.get(k, self.zero) for k in range(max(parts, default=0) + 1)]
+        return coefficient_row(p, self.reading.lam)
 
     @cached_property
     def _adjugate(self) -> list[dict[tuple[int, int], Poly]]:
@@ -541,33 +547,6 @@ def _refined(
     return None
 
 
-class PolynomialPair:
-    """Two polynomials without common factor, with their slopes as a system of equations."""
-
-    def __init__(self, f: Any, g: Any) -> None:
-        self.pair = f, g
-        self._rows = [(p, p.derivative("x"), p.derivative("y")) for p in self.pair]
-
-    def __call__(self, z: Values) -> tuple[Values, list[Values]]:
-        """Values and rows of slopes at (x, y)."""
-        found = [[value_of(p, *z) for p in row] for row in self._rows]
-        return [row[0] for row in found], [row[1:] for row in found]
-
-    @cached_property
-    def sides(self) -> list[Any]:
-        """Polynomials over Q whose roots hold x and y of every common zero: resultants."""
-        f, g = self.pair
-        return [univariate(f.resultant(g, name), i) for i, name in ((0, "y"), (1, "x"))]
-
-    def near(self, roots: Sequence[Sequence[Any]]) -> Iterator[tuple[Any, Any]]:
-        """Pairs of roots at which both polynomials may vanish."""
-        for x in roots[0]:
-            rows = [arb_poly(_collapsed(p, x)) for p in self.pair]
-            for y in roots[1]:
-                if all(_horner(row, y).contains(0) for row in rows):
-                    yield x, y
-
-
 def same_root(polys: tuple[Any, Any], image: Any, place: Any) -> bool:
     """Whether two real roots are one: that of the first polynomial in a ball, of the other one.
 
@@ -587,27 +566,7 @@ def same_root(polys: tuple[Any, Any], image: Any, place: Any) -> bool:
     )
 
 
-def _collapsed(p: Any, x: Any) -> list[Any]:
-    """Coefficients in y at a ball of x."""
-    powers = [arb(1)]
-    for _ in range(p.degrees()[0]):
-        powers.append(powers[-1] * x)
-    out = [arb(0)] * (p.degrees()[1] + 1)
-    for (i, j), c in p.to_dict().items():
-        out[int(j)] += powers[int(i)] * c
-    return out
-
-
-def _horner(row: Any, y: Any) -> Any:
-    total = arb(0)
-    for c in reversed(row.coeffs()):
-        total = total * y + c
-    return total
-
-
 KIND = PointKind.VANISHING
-BITS = (256, 1024)
-"""Precisions of the roots over Q, in turn."""
 MOST_TERMS = 20_000
 """Largest number of terms of a polynomial."""
 SECONDS = 20.0
@@ -761,7 +720,7 @@ class ExactSearch:
         found: list[Vanishing] = []
         several = not self.reading.triangular.alone
         left = [UnresolvedBox(KIND, *self.rectangle, SEVERAL)] if several else []
-        with precision(BITS[-1]):
+        with precision(EXACT_BITS[-1]):
             self.inner = tuple(self.plane.ends(i, *e) for i, e in enumerate(self.rectangle))
         for form in self.forms:
             judge = _Judge(self, form)
@@ -809,30 +768,18 @@ class ExactSearch:
                 f"more than {MOST_DEGREE}"
             )
         pair = PolynomialPair(f, g)
-        sides = pair.sides
         simple = one.count % 2 == 1 and other.count % 2 == 1
-        found: list[Vanishing] = []
-        left: list[UnresolvedBox] = []
-        for bits in BITS:
-            with precision(bits):
-                found, left = [], []
-                for x, y in pair.near([self._inside(s, i) for i, s in enumerate(sides)]):
-                    try:
-                        point = judge.judged(pair, (x, y), simple=simple)
-                    except NoMemberError:
-                        left.append(self._open((x, y), NO_MEMBER))
-                    except (NotProvedError, StabilityError, ArithmeticError):
-                        if not self._without_value(f, sides, (x, y)):
-                            left.append(self._open((x, y), OPEN))
-                    else:
-                        found += [] if point is None else [point]
-            if not left:
-                break
-        return found, whole + left
 
-    def _inside(self, side: Any, axis: int) -> list[Any]:
-        low, high = self.inner[axis]
-        return [r for r in map(arb, real_roots(side)) if not (r < low or r > high)]
+        def judged(place: Place) -> tuple[Vanishing | None, str]:
+            try:
+                return judge.judged(pair, place, simple=simple), ""
+            except NoMemberError:
+                return None, NO_MEMBER
+            except (NotProvedError, StabilityError, ArithmeticError):
+                return None, "" if self._without_value(f, pair.sides, place) else OPEN
+
+        found, left = judged_places(self.plane, KIND, self.rectangle, pair, judged)
+        return found, whole + left
 
     def _without_value(self, f: Any, sides: Sequence[Any], place: tuple[Any, Any]) -> bool:
         """Whether an eigenvalue is proved to vanish at a candidate on a boundary f = 0."""
@@ -847,10 +794,6 @@ class ExactSearch:
             if all(map(same_root, pairs, image, place)):
                 return True
         return False
-
-    def _open(self, place: tuple[Any, Any], reason: str) -> UnresolvedBox:
-        ends = [box_of(self.plane.back(i, v), self.rectangle[i]) for i, v in enumerate(place)]
-        return UnresolvedBox(KIND, ends[0], ends[1], reason)
 
 
 class _Judge:

@@ -7,17 +7,19 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
-from flint import arb, arb_mat
+from flint import arb, arb_mat, arb_poly
 
 from ...algebra.exact.hurwitz_forms import factors
+from ...algebra.exact.rational_functions import univariate
+from ...algebra.krawczyk import NotProvedError, Values, operator, polished, tested
 from ...algebra.number_types import precision
 from ...base.errors import NoMemberError, StabilityError
-from ...derivation.signs import real_roots, univariate
-from ..krawczyk import NotProvedError, Values, polished, tested
+from ...derivation.signs import real_roots
 from .planes import ExactPlane, GraphPlane, Nature, Slope, equations, nature, value_of
 from .point_records import PointKind, UnresolvedBox
 
@@ -120,10 +122,6 @@ def isolated(
     plane, kind, rectangle
         The polynomial, the kind, and the ends of x and y.
 
-    Returns
-    -------
-    found, unresolved
-
     Raises
     ------
     NotExact
@@ -146,15 +144,93 @@ def isolated(
         open_.append(whole)
     if f.is_constant() or g.is_constant():
         return [], open_
-    sides = [univariate(f.resultant(g, name), i) for i, name in ((0, "y"), (1, "x"))]
-    found: list[Found] = []
+
+    def judged(place: Place) -> tuple[Found | None, str]:
+        try:
+            image, box = tested(PlaneEquations(plane, kind), [v.mid() for v in place])
+            if not all(b.contains(v) for b, v in zip(box, place, strict=True)):
+                raise NotProvedError
+            point = concluded(plane, kind, *image)
+            x, y = (plane.back(i, v) for i, v in enumerate(image))
+            if not (x.is_finite() and y.is_finite()):
+                raise NotProvedError
+            if point is None or not plane.holds(x, y):
+                return None, ""
+            return replace(point, x=x, y=y), ""
+        except (NotProvedError, NoMemberError):
+            return None, SINGULAR
+
+    found, left = judged_places(plane, kind, rectangle, PolynomialPair(f, g), judged)
+    return found, open_ + left
+
+
+Place = tuple[Any, Any]
+"""Values of both variables, as balls."""
+
+
+class PolynomialPair:
+    """Two polynomials without common factor, with their slopes as a system of equations."""
+
+    def __init__(self, f: Any, g: Any) -> None:
+        self.pair = f, g
+        self._rows = [(p, p.derivative("x"), p.derivative("y")) for p in self.pair]
+
+    def __call__(self, z: Values) -> tuple[Values, list[Values]]:
+        """Values and rows of slopes at (x, y)."""
+        found = [[value_of(p, *z) for p in row] for row in self._rows]
+        return [row[0] for row in found], [row[1:] for row in found]
+
+    @cached_property
+    def sides(self) -> list[Any]:
+        """Polynomials over Q whose roots hold x and y of every common zero: resultants."""
+        f, g = self.pair
+        return [univariate(f.resultant(g, name), i) for i, name in ((0, "y"), (1, "x"))]
+
+    def near(self, roots: Sequence[Sequence[Any]]) -> Iterator[tuple[Any, Any]]:
+        """Pairs of roots at which both polynomials may vanish."""
+        for x in roots[0]:
+            rows = [arb_poly(_collapsed(p, x)) for p in self.pair]
+            for y in roots[1]:
+                if all(_horner(row, y).contains(0) for row in rows):
+                    yield x, y
+
+
+def judged_places(
+    plane: ExactPlane,
+    kind: PointKind,
+    rectangle: Rectangle,
+    pair: PolynomialPair,
+    judge: Callable[[Place], tuple[Any, str]],
+) -> tuple[list[Any], list[UnresolvedBox]]:
+    """What the common zeros of two polynomials are, at a precision that leaves none open if any.
+
+    Parameters
+    ----------
+    plane, kind, rectangle
+        As for `isolated`.
+    pair
+        The polynomials.
+    judge
+        Function from a place to what it is, or None, and the reason why that stays open, or empty.
+    """
+    found: list[Any] = []
+    left: list[UnresolvedBox] = []
+    with precision(EXACT_BITS[-1]):
+        inner = [plane.ends(i, *ends) for i, ends in enumerate(rectangle)]
     for bits in EXACT_BITS:
         with precision(bits):
-            roots = [_inside(r, ends) for r, ends in zip(sides, inner, strict=True)]
-            found, left = _pairs(plane, kind, (f, g), roots, rectangle)
+            found, left = [], []
+            roots = [_inside(side, ends) for side, ends in zip(pair.sides, inner, strict=True)]
+            for place in pair.near(roots):
+                point, reason = judge(place)
+                if reason:
+                    ends = [box_of(plane.back(i, v), rectangle[i]) for i, v in enumerate(place)]
+                    left.append(UnresolvedBox(kind, ends[0], ends[1], reason))
+                elif point is not None:
+                    found.append(point)
         if not left:
             break
-    return found, open_ + left
+    return found, left
 
 
 def _inside(p: Any, ends: tuple[Any, Any]) -> list[Any]:
@@ -163,36 +239,22 @@ def _inside(p: Any, ends: tuple[Any, Any]) -> list[Any]:
     return [r for r in roots if not (r < ends[0] or r > ends[1])]
 
 
-def _pairs(
-    plane: ExactPlane,
-    kind: PointKind,
-    fg: tuple[Any, Any],
-    roots: Sequence[Sequence[Any]],
-    rectangle: Rectangle,
-) -> tuple[list[Found], list[UnresolvedBox]]:
-    found: list[Found] = []
-    left: list[UnresolvedBox] = []
-    for x in roots[0]:
-        for y in roots[1]:
-            if any(not value_of(p, x, y).contains(0) for p in fg):
-                continue
-            try:
-                image, box = tested(PlaneEquations(plane, kind), [x.mid(), y.mid()])
-                if not all(b.contains(v) for b, v in zip(box, (x, y), strict=True)):
-                    raise NotProvedError
-                point = concluded(plane, kind, *image)
-                place = [plane.back(i, v) for i, v in enumerate(image)]
-                if not all(v.is_finite() for v in place):
-                    raise NotProvedError
-                if point is not None and not plane.holds(*place):
-                    continue
-            except (NotProvedError, NoMemberError):
-                ends = [box_of(plane.back(i, v), rectangle[i]) for i, v in enumerate((x, y))]
-                left.append(UnresolvedBox(kind, ends[0], ends[1], SINGULAR))
-                continue
-            if point is not None:
-                found.append(replace(point, x=place[0], y=place[1]))
-    return found, left
+def _collapsed(p: Any, x: Any) -> list[Any]:
+    """Coefficients in y at a ball of x."""
+    powers = [arb(1)]
+    for _ in range(p.degrees()[0]):
+        powers.append(powers[-1] * x)
+    out = [arb(0)] * (p.degrees()[1] + 1)
+    for (i, j), c in p.to_dict().items():
+        out[int(j)] += powers[int(i)] * c
+    return out
+
+
+def _horner(row: Any, y: Any) -> Any:
+    total = arb(0)
+    for c in reversed(row.coeffs()):
+        total = total * y + c
+    return total
 
 
 def box_of(ball: Any, whole: tuple[float, float]) -> tuple[float, float]:
@@ -327,10 +389,8 @@ class BoxSearch:
             inverse = arb_mat(slopes).mid().inv().mid()
         except ZeroDivisionError:
             return False
-        one = arb_mat(2, 2, [1, 0, 0, 1])
-        moved = inverse * arb_mat(2, 1, at)
-        step = (one - inverse * arb_mat(slopes)) * away
-        image = [m - moved[i, 0] + step[i, 0] for i, m in enumerate(middle)]
+        way = operator(inverse, arb_mat(slopes), away, inverse * arb_mat(2, 1, at))
+        image = [m + v for m, v in zip(middle, way.entries(), strict=True)]
         if any(not v.overlaps(t) for v, t in zip(image, tight, strict=True)):
             return True
         if not all(w.contains_interior(v) for w, v in zip(wide, image, strict=True)):

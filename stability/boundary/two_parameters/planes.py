@@ -18,20 +18,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from flint import Ordering, arb, arb_mat, arb_series, fmpq_mpoly_ctx
+from flint import Ordering, arb, arb_series, fmpq_mpoly_ctx
 
 from ...algebra.exact.hurwitz_forms import Budget
 from ...algebra.exact.number_fields import NotExact, rational
-from ...algebra.exact.routh import hurwitz_sign
+from ...algebra.exact.routh import expanded_determinant, hurwitz_sign
 from ...algebra.exact.triangular import occurring
-from ...algebra.number_types import balls
+from ...algebra.krawczyk import NotProvedError
 from ...derivation.elimination import Reading, Whole, whole
 from ...spectra.problem import Problem
 from ...systems.structure.enclosure import ball_unknowns
 from ...systems.structure.structural_zeros import structure
 from ..interval_search.meetings import polynomial
-from ..interval_search.taylor import coefficient, series_algebra, terms
-from ..krawczyk import NotProvedError
+from ..interval_search.taylor import linearisation, terms
 from .point_records import PointKind
 
 Poly = list[Any]
@@ -52,6 +51,8 @@ class Slope:
     def __add__(self, other: Any) -> Slope:
         o = _slope(other)
         return Slope(self.value + o.value, self.x + o.x, self.y + o.y)
+
+    __radd__ = __add__
 
     def __sub__(self, other: Any) -> Slope:
         o = _slope(other)
@@ -93,24 +94,6 @@ def bezout(f: Poly, g: Poly) -> list[Poly]:
     return rows
 
 
-def determinant(rows: Sequence[Sequence[Any]]) -> Any:
-    """Determinant without divisions, by minors of the first rows; for small matrices."""
-    minors: dict[int, Any] = {}
-    for number, row in enumerate(rows):
-        longer: dict[int, Any] = {}
-        for j, entry in enumerate(row):
-            for used, minor in minors.items() if number else ((0, None),):
-                if used >> j & 1:
-                    continue
-                term = entry if minor is None else minor * entry
-                swaps = bin(used >> (j + 1)).count("1")
-                key = used | 1 << j
-                term = (entry - entry) - term if swaps % 2 else term
-                longer[key] = longer[key] + term if key in longer else term
-        minors = longer
-    return minors[(1 << len(rows)) - 1]
-
-
 def subresultant(f: Poly, g: Poly, order: int) -> Poly:
     """Subresultant of an order as a polynomial, up to powers of the leading coefficient of `f`.
 
@@ -131,7 +114,10 @@ def subresultant(f: Poly, g: Poly, order: int) -> Poly:
         return list(f)
     rows = bezout(f, g)[order:]
     tail = list(range(order + 1, size))
-    return [determinant([[row[j] for j in (i, *tail)] for row in rows]) for i in range(order + 1)]
+    return [
+        expanded_determinant([[row[j] for j in (i, *tail)] for row in rows])
+        for i in range(order + 1)
+    ]
 
 
 def equations(kind: PointKind, p: Poly) -> list[Any] | None:
@@ -257,7 +243,8 @@ class GraphPlane:
         forms = []
         for series in ((arb_series([x, 1]), y), (x, arb_series([y, 1]))):
             with terms(2):
-                forms.append(polynomial(self._matrices(*series, start), fold=False)[self.zeros :])
+                matrices = linearisation(self.family, *self._given(*series), start, 2)
+                forms.append(polynomial(matrices, fold=False)[self.zeros :])
         return [Slope(c[0], c[1], d[1]) for c, d in zip(*forms, strict=True)]
 
     @property
@@ -281,29 +268,6 @@ class GraphPlane:
         if not family.unknown or family.closed:
             return here
         return ball_unknowns(family, *self._given(x, y), [float(v.mid()) for v in here])
-
-    def _matrices(self, x: Any, y: Any, start: list[Any]) -> list[Any]:
-        family = self.family
-        a, q = self._given(x, y)
-        u = list(start)
-        if family.unknown and not family.closed:
-            plain = [[coefficient(v, 0) for v in some] for some in (a, q)]
-            _, stored = family.graph.residual.run(balls(), [plain[0], start, plain[1]])
-            moved, _ = family.graph.residual.run(
-                series_algebra(), [a, [arb_series([v, 0]) for v in start], q]
-            )
-            right = arb_mat(len(start), 1, [-coefficient(r, 1) for r in moved])
-            turn = arb_mat(family.graph.place(stored)).solve(right)
-            u = [arb_series([v, turn[i, 0]]) for i, v in enumerate(start)]
-        entries = family.graph.matrix.run(series_algebra(), [a, u, q])[0]
-        size = len(family.system.states)
-        tables = []
-        for k in range(2):
-            table = [[arb(0)] * size for _ in range(size)]
-            for (i, j), entry in zip(family.graph.matrix.places[0], entries, strict=True):
-                table[i][j] = coefficient(entry, k)
-            tables.append(arb_mat(table))
-        return tables
 
 
 class ExactPlane:

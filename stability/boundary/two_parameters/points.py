@@ -132,10 +132,6 @@ def in_plane(problem: Problem, axes: tuple[Axis, Axis]) -> CodimensionTwo:
         Family with a value for every quantity but the axes.
     axes
         x and y.
-
-    Returns
-    -------
-    CodimensionTwo
     """
     _accept(problem)
     rectangle: Rectangle = ((axes[0].low, axes[0].high), (axes[1].low, axes[1].high))

@@ -24,14 +24,14 @@ from flint.utils.flint_exceptions import DomainError
 from ...algebra.exact.function_field import Expression
 from ...algebra.exact.hurwitz_forms import (
     Budget,
-    by_power,
+    coefficient_row,
     factors,
     hurwitz_determinants,
     subdiscriminants,
 )
 from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, exact_upright, rational
 from ...algebra.exact.rational_functions import common_multiple, primitive
-from ...algebra.exact.routh import on_the_axis
+from ...algebra.exact.routh import hurwitz_matrix, is_even, on_the_axis
 from ...algebra.exact.triangular import RecordingField, occurring
 from ...algebra.number_types import balls, precision
 from ...algebra.program import Program
@@ -121,15 +121,9 @@ def ball_determinants(coefficients: Sequence[BallPolynomial], budget: Budget) ->
     budget
         Limits of the work.
     """
-    a = list(coefficients)[::-1]
-    n = len(a) - 1
     out: list[Any] = []
-    for size in range(1, n):
-        rows = [
-            [a[k] if 0 <= (k := 2 * (j + 1) - (i + 1)) <= n else 0 for j in range(size)]
-            for i in range(size)
-        ]
-        found = characteristic(rows)[0] + BallPolynomial({})
+    for size in range(1, len(coefficients) - 1):
+        found = characteristic(hurwitz_matrix(coefficients, size, 0))[0] + BallPolynomial({})
         out.append(-found if size % 2 else found)
         budget.watch(out[-1])
     return out
@@ -468,7 +462,7 @@ class _Reading:
                     found.append((_coefficients(factor), count))
         if zeros != structure(self.family).zeros or not found:
             raise NotExact("zeros in addition to those by structure")
-        return tuple((row, _is_even(row), count) for row, count in found)
+        return tuple((row, is_even(row), count) for row, count in found)
 
     def _in_balls(self, matrix: list[list[Expression]]) -> Rows:
         """The polynomial with sines and roots of fixed numbers as narrow balls."""
@@ -576,14 +570,9 @@ def _asked(family: Family) -> Program | None:
 
 def _coefficients(poly: Poly) -> tuple[Poly, ...]:
     """Coefficients by powers of λ, with a positive leading one where that is a number."""
-    parts = by_power(poly, LAM)
-    row = [parts.get(k, RING.constant(0)) for k in range(max(parts) + 1)]
+    row = coefficient_row(poly, LAM)
     turn = -1 if row[-1].is_constant() and row[-1].leading_coefficient() < 0 else 1
     return tuple(c * turn for c in row)
-
-
-def _is_even(row: Sequence[Poly]) -> bool:
-    return len(row) % 2 == 1 and all(c == 0 for c in row[1::2])
 
 
 def _conditions(row: Sequence[Poly], even: bool, budget: Budget) -> list[tuple[Poly, ...]]:

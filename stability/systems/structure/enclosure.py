@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat, ctx
 
+from ...algebra.krawczyk import contained, operator
 from ...algebra.number_types import balls, precision
 from ...base.errors import NoMemberError, StabilityError, listing
 from ..family import Family
@@ -110,6 +111,17 @@ def ball_unknowns(
     return found
 
 
+def positive_unknowns(
+    family: Family, a: Sequence[Any], q: Sequence[Any], near: Sequence[float] | None = None
+) -> list[Any]:
+    """As `ball_unknowns`; one that must be positive, and is not proved to be, is refused."""
+    found = ball_unknowns(family, a, q, near)
+    for name, ball in zip(family.unknown, found, strict=True):
+        if name in family.positive and not ball > 0:
+            raise NoMemberError(f"{family.name}: {name} is not proved to be positive.")
+    return found
+
+
 Given = tuple[Sequence[Any], Sequence[Any]]
 """Family parameters and parameters as balls."""
 
@@ -171,35 +183,23 @@ def _krawczyk(
             return found
         shift = inverse * _residual(family, a, x, q)[0]
     for least in (0, 1):
-        start = [
-            3 * shift[i, 0].abs_upper() + (least + abs(x[i, 0])) * _small() for i in range(size)
-        ]
-        image = _contained(family, (a, q), x, shift, inverse, start)
-        if image is not None:
-            return [v + w for v, w in zip(x.entries(), image.entries(), strict=True)]
+        inside = contained(
+            lambda box: _residual(family, a, x + box, q)[1],
+            shift,
+            inverse,
+            _spread(x, shift, least),
+            INFLATIONS,
+        )
+        if inside is not None:
+            return [v + w for v, w in zip(x.entries(), inside[0].entries(), strict=True)]
     return None
 
 
-def _small() -> Any:
-    return arb(2) ** (16 - ctx.prec)
-
-
-def _contained(
-    family: Family, given: tuple[Any, Any], x: Any, shift: Any, inverse: Any, spread: list[Any]
-) -> Any | None:
-    """The image of a box about zero that is inside it: the way from x to the root; or None."""
-    size = x.nrows()
-    spread = [s.abs_upper() for s in spread]
-    for _ in range(INFLATIONS):
-        box = arb_mat(size, 1, [arb(0, s) for s in spread])
-        _, slope = _residual(family, given[0], x + box, given[1])
-        image = (_one(size) - inverse * slope) * box - shift
-        if all(box[i, 0].contains_interior(image[i, 0]) for i in range(size)):
-            return image
-        # an unknown's image may be wide only because the other unknowns are wide
-        moved = [(2 * image[i, 0]).abs_upper() for i in range(size)]
-        spread = [max(s, m) for s, m in zip(spread, moved, strict=True)]
-    return None
+def _spread(x: Any, shift: Any, least: int) -> list[Any]:
+    """Half-widths of the first box."""
+    small = arb(2) ** (16 - ctx.prec)
+    pairs = zip(x.entries(), shift.entries(), strict=True)
+    return [(3 * s.abs_upper() + (least + abs(v)) * small).abs_upper() for v, s in pairs]
 
 
 def _along_tangent(
@@ -220,23 +220,24 @@ def _along_tangent(
     line = x + turn * way
     _, slope, by_given = _moving(family, a, line, q)
     shift = inverse * here + (inverse * (slope * turn + by_given)) * way
-    start = [3 * shift[i, 0].abs_upper() + (1 + abs(x[i, 0])) * _small() for i in range(size)]
-    image = _contained(family, (a, q), line, shift, inverse, start)
-    if image is None:
+    inside = contained(
+        lambda box: _residual(family, a, line + box, q)[1],
+        shift,
+        inverse,
+        _spread(x, shift, 1),
+        INFLATIONS,
+    )
+    if inside is None:
         return None
-    hull = line + image
+    hull = line + inside[0]
     # the test says that one root is near the tangent; a regular slope, that one is in the hull
     _, slope = _residual(family, a, hull, q)
     box = arb_mat(size, 1, [arb(0, hull[i, 0].rad().abs_upper()) for i in range(size)])
-    left = (_one(size) - inverse * slope) * box
+    left = operator(inverse, slope, box, arb_mat(size, 1))
     if not all(box[i, 0].contains_interior(left[i, 0]) for i in range(size)):
         return None
     found: list[Any] = hull.entries()
     return found
-
-
-def _one(size: int) -> Any:
-    return arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
 
 
 def _moving(family: Family, a: Sequence[Any], x: Any, q: Sequence[Any]) -> tuple[Any, Any, Any]:

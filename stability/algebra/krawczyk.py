@@ -95,22 +95,55 @@ def tested(
         raise NotProvedError from None
     x = arb_mat(size, 1, rough)
     shift = inverse * arb_mat(size, 1, values)
-    one = arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
     small = arb(2) ** (24 - ctx.prec)
     spread = [(2 * abs(shift[i, 0]) + (1 + abs(x[i, 0])) * small).abs_upper() for i in range(size)]
     if least is not None:
         spread = [max(s, arb(v).abs_upper()) for s, v in zip(spread, least, strict=True)]
-    for _ in range(INFLATIONS):
-        box = [x[i, 0] + arb(0, spread[i]) for i in range(size)]
-        slope = arb_mat(system(box)[1])
-        step = (one - inverse * slope) * (arb_mat(size, 1, box) - x)
-        image = [x[i, 0] - shift[i, 0] + step[i, 0] for i in range(size)]
-        if all(b.contains_interior(v) for b, v in zip(box, image, strict=True)):
+
+    def slope(box: Any) -> Any:
+        return arb_mat(system((x + box).entries())[1])
+
+    found = contained(slope, shift, inverse, spread, INFLATIONS if least is None else 1)
+    if found is None:
+        raise NotProvedError
+    image, box = found
+    return (x + image).entries(), (x + box).entries()
+
+
+def contained(
+    slope: Callable[[Any], Any], shift: Any, inverse: Any, spread: Sequence[Any], most: int
+) -> tuple[Any, Any] | None:
+    """The image of a box about zero that lies inside it, and the box; None where none does.
+
+    Parameters
+    ----------
+    slope
+        Function from a box about zero to the slopes of the equations over it.
+    shift
+        An inverse of the slopes times the values at the middle.
+    inverse
+        This inverse, a matrix of exact numbers.
+    spread
+        Half-widths of the first box.
+    most
+        Most boxes; each next box is twice the last image.
+    """
+    size = inverse.nrows()
+    for _ in range(most):
+        box = arb_mat(size, 1, [arb(0, s) for s in spread])
+        image = operator(inverse, slope(box), box, shift)
+        if all(box[i, 0].contains_interior(image[i, 0]) for i in range(size)):
             return image, box
-        if least is not None:
-            raise NotProvedError
-        moved = [(2 * (v - x[i, 0])).abs_upper() for i, v in enumerate(image)]
+        # an unknown's image may be wide only because the other unknowns are wide
+        moved = [(2 * image[i, 0]).abs_upper() for i in range(size)]
         if not all(v.is_finite() for v in moved):
-            raise NotProvedError
+            return None
         spread = [max(s, m) for s, m in zip(spread, moved, strict=True)]
-    raise NotProvedError
+    return None
+
+
+def operator(inverse: Any, slope: Any, box: Any, shift: Any) -> Any:
+    """Krawczyk's image of a box about zero."""
+    size = inverse.nrows()
+    identity = arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
+    return (identity - inverse * slope) * box - shift
