@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.verdict import CODES, NO_MEMBER
+from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..base.version import __version__
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES
@@ -88,7 +88,8 @@ def _diagram_caption(
     y, x = (str(name) for name in dataset.verdict.dims)
     count = {v.word: int((dataset.verdict == c).sum()) for v, c in CODES.items()}
     verdicts = ", ".join(f"{n:,} {word}".replace(",", "\u00a0") for word, n in count.items() if n)
-    undecided = "" if count["undecided"] else "; none undecided"
+    word = Verdict.UNDECIDED.word
+    undecided = "" if count[word] else f"; none {word}"
     kinds = [CODE_KINDS[c] for c in np.unique(dataset.boundary_kind.values).tolist()]
     style = {
         Crossing.STATIC: "static (solid)",
@@ -125,14 +126,12 @@ def _diagram_caption(
 
 def _colours(dataset: Any, strips: Sequence[Any]) -> str:
     """The scale of the colours, and the hatching that the map or a strip has."""
-    from ..figures.shading import TEXTURES, linear_part
+    from ..figures.shading import hatching_words, linear_part
 
     power = f"{math.log10(linear_part(dataset.abscissa.values)[0]):.0f}"
     raised = power.translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
     codes = np.concatenate([dataset.verdict.values.ravel(), *(strip.codes for strip in strips)])
-    hatched = "".join(
-        f"; {way}: {v.word}" for v, (_, way) in TEXTURES.items() if (codes == CODES[v]).any()
-    )
+    hatched = "".join(f"; {words}" for words in hatching_words(codes))
     return f"linear below 10{raised} and logarithmic beyond{hatched}"
 
 

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..base.looks import LOOKS, cell_style
 from ..base.provenance import machine, today
 from ..storage.files import atomic_write
 from . import failures as catalogue
@@ -46,16 +47,6 @@ ANOTHER = {
     "path",
 }
 """More specific reasons: for a route and a word in the panel or the rival."""
-SIGNS = {
-    Mark.RIGHT: "✓",
-    Mark.DEGRADED: "≈",
-    Mark.UNDECIDED: "?",
-    Mark.REFUSED: "–",
-    Mark.WRONG: "✗",
-    Mark.CRASHED: "‼",
-    Mark.LATE: "…",
-}
-"""Sign of each mark, next to its colour."""
 STYLE = """
 :root { color-scheme: light; }
 body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; background: #fff; max-width: 72rem;
@@ -77,9 +68,6 @@ table { border-collapse: collapse; font-size: .8rem; } th, td { padding: .15rem 
 th { text-align: left; font-weight: 600; } tr { border-bottom: 1px solid #e4e4e4; }
 .scroll { overflow-x: auto; } .scroll th.turned { writing-mode: vertical-rl; rotate: 180deg;
   text-align: left; padding: .3rem .1rem; } td.mark { text-align: center; min-width: 1.4rem; }
-.right { background: #0072b2; color: #fff; } .degraded { background: #a6cfe8; }
-.undecided, .refused { background: #e6e6e6; } .wrong { background: #d55e00; color: #000; }
-.crashed { background: #000; color: #fff; } .late { background: #bbb; }
 .own { color: #b34700; } td.number { text-align: right; }
 details { margin: .8rem 0; } summary { cursor: pointer; }
 footer { margin-top: 3rem; border-top: 1px solid #ccc; font-size: .82rem; color: #444; }
@@ -106,7 +94,7 @@ def write(folder: Path, parts: Sequence[Part]) -> Path:
         '<html lang="en"><head><meta charset="utf-8">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
         "<title>stability: cost against error, and where methods fail</title>",
-        f"<style>{STYLE}</style></head><body>",
+        f"<style>{STYLE}{cell_style(mark.word for mark in Mark)}</style></head><body>",
         "<h1>Cost against error, and where methods fail</h1>",
         _lead(machine()),
         "<nav>" + "".join(f'<a href="#{p.name}">{TITLES[p.name]}</a>' for p in parts) + "</nav>",
@@ -299,8 +287,8 @@ def _verdict(found: Sequence[catalogue.Entry]) -> list[str]:
         rows = "; ".join(f"{e.case}, {e.method}: {e.mark.word if e.mark else ''}" for e in bad)
         lines.append(f"<p><strong>Misleading: {html.escape(rows)}.</strong></p>")
     legend = "".join(
-        f'<li><span class="{mark.word}">&nbsp;{SIGNS[mark]}&nbsp;</span> {mark.value}</li>'
-        for mark in Mark
+        f'<li><span class="{m.word}">&nbsp;{LOOKS[m.word].sign}&nbsp;</span> {m.value}</li>'
+        for m in Mark
     )
     return [*lines, f"<ul>{legend}</ul>"]
 
@@ -335,4 +323,5 @@ def _cell(entry: catalogue.Entry) -> str:
     if entry.mark is Mark.DEGRADED and entry.digits == entry.digits:
         digits = f"{entry.digits:.0f}"
     tip = html.escape(f"{entry.method}: {entry.mark.word}. {entry.note}", quote=True)
-    return f'<td class="mark {entry.mark.word}" title="{tip}">{digits or SIGNS[entry.mark]}</td>'
+    shown = digits or LOOKS[entry.mark.word].sign
+    return f'<td class="mark {entry.mark.word}" title="{tip}">{shown}</td>'

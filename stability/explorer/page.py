@@ -13,8 +13,11 @@ from typing import Any
 
 from ..base.axis import Axis
 from ..base.errors import NameUnknownError, ParameterError, StabilityError, listed, shown
+from ..base.looks import page_looks, page_style
+from ..base.verdict import Verdict
 from ..base.version import __version__
 from ..bodies.contact_laws import LAWS, Viscous, law_given
+from .certificates import LETTERS
 from .quantities import CURVES, PageUnits
 from .subject import Subject
 
@@ -115,6 +118,7 @@ def page_data(
             "laws": {law: LAW_NAMES[law] for law in laws if law},
             "says": {law: f"{says}; {WORDS[law]}." if law else f"{says}." for law in laws},
         },
+        "looks": {**page_looks(), "letters": {LETTERS[v.code]: v.word for v in Verdict}},
         "foot": foot(source, units) + more,
     }
 
@@ -175,7 +179,7 @@ def page(data: Mapping[str, Any], title: str) -> str:
     """One HTML file that needs no other file, no server and no network."""
     parts = {
         "TITLE": title.replace("&", "&amp;").replace("<", "&lt;"),
-        "STYLE": _read("style.css"),
+        "STYLE": style(),
         "DATA": json_in_html(shared(data)),
         "THREE": library().replace("</script", "<\\/script"),
         "SCRIPT": script().replace("</script", "<\\/script"),
@@ -189,9 +193,14 @@ def module(data: Mapping[str, Any]) -> str:
     return "\n".join([
         script(), f"const DATA = {json.dumps(shared(data))};",
         f"const THREE_TEXT = {json.dumps(library())};",
-        f"const STYLE_TEXT = {json.dumps(_read('style.css'))};",
+        f"const STYLE_TEXT = {json.dumps(style())};",
         "export default {render({el}) { return mountWidget(el, DATA, THREE_TEXT, STYLE_TEXT); }};",
     ])  # fmt: skip
+
+
+def style() -> str:
+    """The style sheet, with the colours and looks of verdicts."""
+    return f"{page_style()}\n{_read('style.css')}"
 
 
 @lru_cache(maxsize=1)

@@ -21,6 +21,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from ..base.errors import ParameterError
+from ..base.looks import LOOKS
 from ..base.quantities import Kind, Quantity, axis_label, in_latex, readable, unit_of
 from ..base.verdict import BY_CODE
 from ..bodies.contact_laws import MOTION_LAWS
@@ -43,8 +44,6 @@ TIGHT = 0.7
 """Part of a panel's height that is there once legend and labels have their room."""
 FINE = 600
 """Points of the strip where the places of its changes are known."""
-SHADE = {"stable": -0.35, "unstable": 0.5}
-"""Place of a verdict on the scale of growth rates, -1 to 1."""
 
 
 def plot_basins(
@@ -176,7 +175,7 @@ def linear_strip(dataset: xarray.Dataset, x: str) -> Strip | None:
     else:
         steps = np.flatnonzero(np.diff(codes))
         changes = (at[steps] + at[steps + 1]) / 2
-    shade = np.array([SHADE.get(BY_CODE[int(c)].word, 0.0) for c in codes])
+    shade = np.array([2 * LOOKS[BY_CODE[int(c)].word].shade - 1 for c in codes])
     return Strip("linear", at, shade, tuple(float(v) for v in changes), codes)
 
 

@@ -19,6 +19,7 @@ from matplotlib.textpath import TextPath
 from numpy.typing import NDArray
 
 from ..base.errors import ParameterError
+from ..base.looks import LOOKS, YELLOW
 from ..base.quantities import Quantity, axis_label, in_latex, read, unit_of
 from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..bodies.quantities import quantities_of
@@ -27,15 +28,24 @@ from ..boundary.curves import KINDS
 from ..boundary.two_parameters.point_records import CodimensionTwo, PointKind
 from ..maps.dataset import points_of
 from ..spectra.result import Spectrum
-from .shading import DIVERGING, TEXTURES, colour_bar, draw_strip, hatch, linear_part, norm_of, patch
+from .shading import (
+    DIVERGING,
+    colour_bar,
+    draw_strip,
+    hatch_verdicts,
+    hatching_words,
+    linear_part,
+    norm_of,
+    patch,
+)
 from .shading import Strip as Strip
 
 if TYPE_CHECKING:
     import xarray
 
 
-YELLOW, OCHRE, STRIP = "#f7d038", "#6b5900", 1.2
-"""Colours and least width [pt] of the strip that encloses the boundary of a certified map."""
+STRIP = 1.2
+"""Least width of the strip that encloses the boundary of a certified map [pt]."""
 LINES = {
     Crossing.STATIC: "-",
     Crossing.FLUTTER: (0, (4, 1.6)),
@@ -204,8 +214,7 @@ def caption(dataset: xarray.Dataset, points: CodimensionTwo | None = None) -> st
     missing = int((codes == NO_MEMBER).sum())
     cells = ", ".join(f"{n} {word}" for word, n in words.items() if n)
     none = f", {missing} without a member" * bool(missing)
-    hatched = "; ".join(f"{way}: {v.word}" for v, (_, way) in TEXTURES.items() if words[v.word])
-    texture = f"; {hatched}" * bool(hatched)
+    texture = "".join(f"; {hatched}" for hatched in hatching_words(codes))
     title = str(dataset.attrs["family"])
     blank = "  Blank: no member, since no steady motion of the family is reached there." * bool(
         missing
@@ -253,9 +262,7 @@ def _colour(axes: Axes, dataset: xarray.Dataset) -> Any:
     for name, scale in ((_x(dataset), axes.set_xscale), (_y(dataset), axes.set_yscale)):
         if _is_log(dataset, name):
             scale("log")
-    # the verdict shows without colour too
-    for verdict, (texture, _) in TEXTURES.items():
-        hatch(axes, x.values, y.values, dataset.verdict.values == CODES[verdict], texture)
+    hatch_verdicts(axes, x.values, y.values, dataset.verdict.values)
     if missing.any():  # left blank within a thin line, so that white is not taken for a colour
         axes.contour(x, y, missing.astype(float), levels=[0.5], colors="#777777", linewidths=0.6)
         axes.set_facecolor("white")
@@ -274,14 +281,20 @@ def _boxes(axes: Axes, dataset: xarray.Dataset) -> None:
     (x0, x1), (y0, y1) = (e.T for e in ends)
     corners = np.stack([np.stack([x0, x1, x1, x0], 1), np.stack([y0, y0, y1, y1], 1)], axis=-1)
     strip = dataset.box_verdict.values == CODES[Verdict.UNDECIDED]
-    dark: dict[str, Any] = {"facecolors": YELLOW, "edgecolors": OCHRE, "linewidths": STRIP + 0.8}
+    inside, edge = _undecided_box()
+    dark: dict[str, Any] = {"facecolors": inside, "edgecolors": edge, "linewidths": STRIP + 0.8}
     looks: tuple[dict[str, Any], ...] = (
         {"facecolors": "none", "edgecolors": "white", "linewidths": 0.4},
         dark,
-        dark | {"edgecolors": YELLOW, "linewidths": STRIP},
+        dark | {"edgecolors": inside, "linewidths": STRIP},
     )
     for where, look, z in zip((~strip, strip, strip), looks, (2.0, 2.1, 2.2), strict=True):
         axes.add_collection(PolyCollection(corners[where], zorder=z, **look), autolim=False)
+
+
+def _undecided_box() -> tuple[str, str]:
+    """Colours of the inside and the edge of a box in which nothing is proved."""
+    return LOOKS[Verdict.UNDECIDED.word].box or ("none", "black")
 
 
 def _curves(axes: Axes, dataset: xarray.Dataset) -> None:
@@ -318,8 +331,9 @@ def _handles(axes: Axes, dataset: xarray.Dataset, nameless: set[Verdict]) -> lis
     """Entries of the legend: boundaries, points, boxes, and verdicts whose region has no word."""
     handles, _ = axes.get_legend_handles_labels()
     if "box_verdict" in dataset:
+        inside, edge = _undecided_box()
         handles.append(
-            Patch(facecolor=YELLOW, edgecolor=OCHRE, linewidth=0.4, label="strip that encloses it")
+            Patch(facecolor=inside, edgecolor=edge, linewidth=0.4, label="strip that encloses it")
         )
         handles.append(
             Patch(facecolor=DIVERGING(0.2), edgecolor="white", linewidth=0.8, label="proved box")
@@ -379,7 +393,7 @@ def _region_names(axes: Axes, dataset: xarray.Dataset) -> set[Verdict]:
     halo = [withStroke(linewidth=2.2, foreground="white")]
     names = {code: v.word for v, code in CODES.items()}
     named = set()
-    for code, word in (names | {NO_MEMBER: "no member"}).items():
+    for code, word in (names | {NO_MEMBER: LOOKS["absent"].word}).items():
         where = codes == code
         if where.sum() < 0.03 * codes.size:
             continue
@@ -410,7 +424,7 @@ def _region_names(axes: Axes, dataset: xarray.Dataset) -> set[Verdict]:
             fontsize=small() + 1.5,
         )
         named |= {v for v in Verdict if v.word == word}
-    present = {v for v in TEXTURES if (codes == CODES[v]).any()}
+    present = {v for v in Verdict if LOOKS[v.word].pattern and (codes == CODES[v]).any()}
     return present - named
 
 
@@ -460,7 +474,7 @@ def _mark_points(axes: Axes, found: CodimensionTwo, known: tuple[str, str]) -> N
             color="black",
             markersize=4.5,
             zorder=6,
-            markerfacecolor="#f7d038" if filled else "none",
+            markerfacecolor=YELLOW if filled else "none",
             markeredgewidth=0.9,
             label=None if p.kind in seen else LABELS[p.kind],
             path_effects=halo,

@@ -23,6 +23,7 @@ from ..basin.statistics.fractions import LEVEL, wilson
 from ..basin.statistics.samples import LogUniform
 from ..bodies.families import at_name
 from ..motion.result import Outcome
+from .shading import hatched_patch
 
 if TYPE_CHECKING:
     import xarray
@@ -93,13 +94,7 @@ class Fate:
     @property
     def patch(self) -> Patch:
         """The entry of the legend."""
-        return Patch(
-            facecolor=self.ramp(0.5),
-            edgecolor=matplotlib.rcParams["hatch.color"],
-            linewidth=0.3,
-            hatch=self.texture and self.texture + self.texture[:2],
-            label=self.label,
-        )
+        return hatched_patch(self.ramp(0.5), self.texture, self.label)
 
 
 def fates(dataset: xarray.Dataset) -> list[Fate]:

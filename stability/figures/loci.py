@@ -19,6 +19,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ..base.checks import instance
 from ..base.errors import ParameterError
+from ..base.looks import BLUE, GREEN, LIGHT, PURPLE, SKY, VERMILION
 from ..base.quantities import axis_label, in_latex
 from ..base.types import Complexes, Floats
 from ..base.verdict import BY_CODE
@@ -36,8 +37,7 @@ from .modes import (
 )
 from .modes import swept as swept
 
-MODE_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#000000")
-"""Okabe & Ito's colours, safe for colour-blind readers."""
+MODE_COLOURS = (BLUE, VERMILION, GREEN, PURPLE, SKY, "#000000")
 DASHES: tuple[Any, ...] = ("-", (0, (3, 1.5)), (0, (1, 1)), (0, (4, 1.2, 1, 1.2)))
 """Lines of one mode: the second and later ones show only where a pair splits."""
 SHARE = 0.22
@@ -45,11 +45,13 @@ SHARE = 0.22
 PLAIN = 0.03
 """Least rate over the largest one that a linear scale shows apart from zero."""
 LOOKS: dict[int, tuple[str, str, dict[str, Any]]] = {
-    1: ("growing", "#b34700", {"marker": "^", "mfc": "#d55e00", "ms": 5.0}),
+    1: ("growing", "#b34700", {"marker": "^", "mfc": VERMILION, "ms": 5.0}),
     0: ("near the axis", "#303030", {"marker": "D", "mfc": "white", "ms": 4.0}),
-    -1: ("decaying", "#0072b2", {"marker": "o", "mfc": "#0072b2", "ms": 4.2}),
+    -1: ("decaying", BLUE, {"marker": "o", "mfc": BLUE, "ms": 4.2}),
 }
 """Word, colour and marker by the sign of the real part, where the error disc leaves no doubt."""
+SOME_GROWTH = LIGHT.ramp[3]
+"""Colour of the side of growth."""
 HALO = [withStroke(linewidth=2, foreground="white")]
 Groups = list[tuple[int, ...]]
 
@@ -203,11 +205,11 @@ def _growth(
                 label=None if position else f"{index + 1}: {names[index]}",
             )
     _asinh_scale(axes, "y", values.real, linear_width(values.real, radius))
-    axes.axhspan(0, axes.get_ylim()[1], facecolor="#fdebdc", zorder=0)
+    axes.axhspan(0, axes.get_ylim()[1], facecolor=SOME_GROWTH, zorder=0)
     zero = float(axes.transAxes.inverted().transform(axes.transData.transform((at[0], 0.0)))[1])
     for word, height, colour in (
         ("growth", (1 + zero) / 2, "#7f2704"),
-        ("decay", zero / 2, "#08306b"),
+        ("decay", zero / 2, LIGHT.ramp[0]),
     ):
         axes.text(
             1.015,
@@ -348,7 +350,7 @@ def _eigenvalues(axes: Axes, spectrum: Spectrum) -> list[Line2D]:
     if not row.imag.any():
         axes.set_yticks([0.0])
     _growth_scale(axes, row.real, np.abs(row.real[signs != 0]))
-    axes.axvspan(0, axes.get_xlim()[1], facecolor="#fdebdc", zorder=0)
+    axes.axvspan(0, axes.get_xlim()[1], facecolor=SOME_GROWTH, zorder=0)
     axes.axhline(0, color="0.6", linewidth=0.5, zorder=1)
     axes.axvline(0, color="0.3", linewidth=0.8, zorder=1)
     entries, marks = [], []

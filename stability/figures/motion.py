@@ -21,6 +21,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from ..base.errors import ParameterError, shown
+from ..base.looks import BLUE, PURPLE, SKY, VERMILION
 from ..base.quantities import Kind, Quantity, in_latex, readable, unit_of
 from ..bodies.families import FAMILIES
 from ..bodies.newton_euler import STATES
@@ -38,7 +39,7 @@ NARROW = 5.0
 """Width below which the parts stand one below the other [in]."""
 ENERGIES = ("potential", "kinetic", "dissipated")
 POSE = ("contact_x", "contact_y", "centre_x", "centre_y")
-FILLS = (("#56B4E9", ""), ("#F0E442", "////"), ("#CC79A7", "...."))
+FILLS = ((SKY, ""), ("#F0E442", "////"), (PURPLE, "...."))
 """Colour and hatching of each of `ENERGIES`."""
 # the palest end of the map would be lost on white paper
 TIME_MAP = ListedColormap(matplotlib.colormaps["viridis"](np.linspace(0, 0.92, 256)))
@@ -392,8 +393,8 @@ def _layers_of_energy(upper: Axes, motion: SingleRun) -> None:
 
 # distinct in every common colour vision; in grey, by the dashes
 STROKES: tuple[dict[str, Any], ...] = (
-    {"color": "#0072B2", "linestyle": "-", "linewidth": 1.0},
-    {"color": "#D55E00", "linestyle": (0, (4, 1.4)), "linewidth": 1.0},
+    {"color": BLUE, "linestyle": "-", "linewidth": 1.0},
+    {"color": VERMILION, "linestyle": (0, (4, 1.4)), "linewidth": 1.0},
     {"color": "#000000", "linestyle": (0, (4, 1.2, 1, 1.2)), "linewidth": 0.9},
 )
 MOST_PANELS = 8

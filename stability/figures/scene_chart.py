@@ -17,6 +17,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullFormatter, NullLocator
 
 from ..base.errors import ParameterError, shown
+from ..base.looks import BLUE, GREEN, PURPLE, VERMILION
 from ..bodies.quantities import SYSTEM, quantities_of
 from .letters import SMALL, Letter, letters
 
@@ -34,13 +35,13 @@ LOWEST = 1e-16
 NEAR = 0.1
 """Least distance of two words at the right of the panel, over its height."""
 LOOKS: dict[str, dict[str, Any]] = {
-    "closed form": {"marker": "o", "color": "#0072B2", "ms": 5},
-    "reduced model": {"marker": "p", "color": "#CC79A7", "ms": 5.6},
-    "creep": {"marker": "^", "color": "#009E73", "ms": 5.4},
+    "closed form": {"marker": "o", "color": BLUE, "ms": 5},
+    "reduced model": {"marker": "p", "color": PURPLE, "ms": 5.6},
+    "creep": {"marker": "^", "color": GREEN, "ms": 5.4},
     "full model": {"marker": "s", "color": "#000000", "ms": 4.8},
-    "other law": {"marker": "D", "color": "#D55E00", "ms": 4.4, "mfc": "white"},
+    "other law": {"marker": "D", "color": VERMILION, "ms": 4.4, "mfc": "white"},
 }
-"""Shape and colour of each kind of model, colours of Okabe and Ito."""
+"""Shape and colour of each kind of model."""
 MARK = 5.4
 """Half the size of a mark with its ring, for the labels [pt]."""
 RING: dict[str, Any] = {"marker": "o", "ms": 9.8, "mfc": "none", "mec": "#000000", "mew": 1.0}

@@ -16,21 +16,11 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from ..base.verdict import CODES, Verdict
+from ..base.looks import LIGHT, LOOKS
+from ..base.verdict import BY_CODE, CODES, Verdict
 
-# Decay is blue, growth vermilion: distinct in every common colour vision.  In grey growth never
-# gets as dark as decay, and its hatching is dark on every shade of it.
-DIVERGING = LinearSegmentedColormap.from_list(
-    "decay-growth", ["#08306b", "#4292c6", "#deebf7", "#fdebdc", "#f2a072", "#c8521c"]
-)
+DIVERGING = LinearSegmentedColormap.from_list("decay-growth", LIGHT.ramp)
 """Colours of the abscissa."""
-TEXTURES = {
-    Verdict.UNSTABLE: ("////", "slanted lines"),
-    Verdict.NEUTRAL: ("....", "dots"),
-    Verdict.UNDECIDED: ("xxxx", "crosses"),
-    Verdict.DRIFTING: ("----", "level lines"),
-}
-"""Hatching of each verdict, and its name; stable cells have none."""
 FINEST = 600
 """Most cells along an axis whose edges the hatching follows exactly."""
 NEAR_ZERO = 0.02
@@ -102,15 +92,55 @@ def _edges(centres: NDArray[Any]) -> NDArray[Any]:
 
 def patch(verdict: Verdict) -> Patch:
     """The entry of a verdict in a legend: its colour and hatching."""
-    shade = {Verdict.STABLE: 0.3, Verdict.UNSTABLE: 0.8}.get(verdict, 0.5)
-    texture = TEXTURES.get(verdict, ("", ""))[0]
+    look = LOOKS[verdict.word]
+    return hatched_patch(DIVERGING(look.shade), look.hatching, verdict.word)
+
+
+def hatched_patch(colour: Any, texture: str, label: str) -> Patch:
+    """An entry of a legend, hatched a little more densely than its regions."""
     return Patch(
-        facecolor=DIVERGING(shade),
+        facecolor=colour,
         edgecolor=matplotlib.rcParams["hatch.color"],
         linewidth=0.3,
         hatch=texture and texture + texture[:2],
-        label=verdict.word,
+        label=label,
     )
+
+
+def hatch_verdicts(
+    axes: Axes, x: NDArray[Any], y: NDArray[Any], codes: NDArray[Any]
+) -> set[Verdict]:
+    """Hatch the cells of each verdict, so that it shows without colour too.
+
+    Parameters
+    ----------
+    axes, x, y
+        As for `hatch`.
+    codes
+        Verdicts as flag values, shape (len(y), len(x)).
+
+    Returns
+    -------
+    set of Verdict
+        Those that are hatched.
+    """
+    hatched = {v for v in Verdict if LOOKS[v.word].pattern and (codes == CODES[v]).any()}
+    for verdict in Verdict:
+        if verdict in hatched:
+            hatch(axes, x, y, codes == CODES[verdict], LOOKS[verdict.word].hatching)
+    return hatched
+
+
+def hatching_words(codes: NDArray[Any]) -> list[str]:
+    """What each hatching of some verdicts means, for a caption.
+
+    Examples
+    --------
+    >>> hatching_words(np.array([1, 2, 3]))
+    ['slanted lines: unstable', 'dots: neutral']
+    """
+    present = {BY_CODE[c].word for c in np.unique(codes).tolist() if c in BY_CODE}
+    return [f"{look.pattern}: {w}" for w, look in LOOKS.items() if look.pattern and w in present]
 
 
 def colour_bar(figure: Any, mesh: Any, axes: Any, label: str, *, hatched: bool) -> None:
@@ -148,7 +178,8 @@ def colour_bar(figure: Any, mesh: Any, axes: Any, label: str, *, hatched: bool) 
     bar.ax.minorticks_off()
     if hatched:
         ends = np.array([norm.linthresh / 3, norm.vmax])
-        hatch(bar.ax, np.array([0.0, 1.0]), ends, np.ones((2, 2), dtype=bool), "////")
+        texture = LOOKS[Verdict.UNSTABLE.word].hatching
+        hatch(bar.ax, np.array([0.0, 1.0]), ends, np.ones((2, 2), dtype=bool), texture)
 
 
 HALO = [withStroke(linewidth=1.8, foreground="white")]
@@ -191,9 +222,7 @@ def draw_strip(axes: Axes, strip: Strip, norm: Any) -> set[Verdict]:
     axes.pcolormesh(
         strip.x, [0.25, 0.75], values, cmap=DIVERGING, norm=norm, shading="nearest", rasterized=True
     )
-    for verdict, (texture, _) in TEXTURES.items():
-        where = np.tile(strip.codes == CODES[verdict], (2, 1))
-        hatch(axes, strip.x, np.array([0.0, 1.0]), where, texture)
+    hatch_verdicts(axes, strip.x, np.array([0.0, 1.0]), np.tile(strip.codes, (2, 1)))
     for threshold in strip.thresholds:
         axes.axvline(threshold, color="black", linewidth=1.3)
     axes.set_ylim(0, 1)
@@ -207,9 +236,8 @@ def _zones(strip: Strip) -> list[tuple[Verdict, float, float]]:
     """Verdict and ends of each zone."""
     cuts = np.flatnonzero(np.diff(strip.codes)) + 1
     ends = [0, *cuts.tolist(), len(strip.codes)]
-    by_code = {code: verdict for verdict, code in CODES.items()}
     return [
-        (by_code[int(strip.codes[i])], float(strip.x[i]), float(strip.x[min(j, len(strip.x) - 1)]))
+        (BY_CODE[int(strip.codes[i])], float(strip.x[i]), float(strip.x[min(j, len(strip.x) - 1)]))
         for i, j in zip(ends[:-1], ends[1:], strict=True)
     ]
 
