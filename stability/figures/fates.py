@@ -5,7 +5,7 @@ A map has a cell for each launch, a random sample a mark.
 
 from __future__ import annotations
 
-from .canvas import figure_style  # isort: skip  # noqa: F401  # before Matplotlib
+from .styled_figure import entry  # isort: skip
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -279,17 +279,14 @@ def draw_sample(
 
 def _entry(fate: Fate, share: str, outline: Any) -> Line2D:
     mark = MARKS[fate.way][0]
-    bare = mark in "x_"
-    return Line2D(
-        [],
-        [],
+    return entry(
+        f"{fate.label}, {share}",
         linestyle="none",
         marker=mark,
         markersize=4.5,
-        label=f"{fate.label}, {share}",
         markerfacecolor=fate.ramp(0.5),
         markeredgecolor=outline,
-        markeredgewidth=2 * EDGE if bare else EDGE,
+        markeredgewidth=2 * EDGE if mark in "x_" else EDGE,
     )
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from .styled_figure import drawing, fixed, key, note, panels  # isort: skip
-from .styled_figure import settle, signed_ticks, small, ticks_along  # isort: skip
+from .styled_figure import drawing, entry, fixed, key, note, panels, points  # isort: skip
+from .styled_figure import settle, signed_ticks, ticks_along, write  # isort: skip
 
 import math
 from collections.abc import Sequence
@@ -14,7 +14,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
 from ..base.checks import instance
@@ -52,7 +51,8 @@ LOOKS: dict[int, tuple[str, str, dict[str, Any]]] = {
 """Word, colour and marker by the sign of the real part, where the error disc leaves no doubt."""
 SOME_GROWTH = LIGHT.ramp[3]
 """Colour of the side of growth."""
-HALO = [withStroke(linewidth=2, foreground="white")]
+HALO = 2.0
+"""White edge of words [pt]."""
 Groups = list[tuple[int, ...]]
 
 
@@ -211,17 +211,8 @@ def _growth(
         ("growth", (1 + zero) / 2, "#7f2704"),
         ("decay", zero / 2, LIGHT.ramp[0]),
     ):
-        axes.text(
-            1.015,
-            height,
-            word,
-            transform=axes.transAxes,
-            rotation=90,
-            ha="left",
-            va="center",
-            fontsize=small(),
-            color=colour,
-        )
+        look = {"ha": "left", "rotation": 90, "color": colour}
+        write(axes, 1.015, height, word, transform=axes.transAxes, **look)
     found = crossings(at, values.real, radius, known)
     if found:
         axes.plot(
@@ -247,17 +238,8 @@ def _frequencies(axes: Axes, at: Floats, values: Complexes, groups: Groups) -> N
     """Draw the frequencies where eigenvalues are complex; say so where none is."""
     every = np.abs(values.imag)
     if not every.any():
-        axes.text(
-            0.5,
-            0.5,
-            "no oscillation: every eigenvalue is real",
-            ha="center",
-            va="center",
-            transform=axes.transAxes,
-            fontsize=small(),
-            path_effects=HALO,
-            zorder=5,
-        )
+        words = "no oscillation: every eigenvalue is real"
+        write(axes, 0.5, 0.5, words, edge=HALO, transform=axes.transAxes, zorder=5)
         axes.set_yticks([])
         return
     shown = np.ma.masked_equal(every, 0.0)
@@ -270,7 +252,7 @@ def _frequencies(axes: Axes, at: Floats, values: Complexes, groups: Groups) -> N
 
 def _numbers(axes: Axes, at: Floats, values: Floats, groups: Groups) -> None:
     """Write the number of each mode on its curve, where it is farthest from the other curves."""
-    points = 72 / axes.get_figure(root=True).dpi  # type: ignore[union-attr]
+    point = points(axes)
 
     def place(column: int) -> Floats:  # along the curve [pt], NaN outside the panel
         pairs = np.column_stack([at, values[:, column]])
@@ -279,7 +261,7 @@ def _numbers(axes: Axes, at: Floats, values: Floats, groups: Groups) -> None:
         (x0, y0), (x1, y1) = axes.bbox.min, axes.bbox.max
         x, y = np.nan_to_num(spots).T
         inside &= (x0 + 3 < x) & (x < x1 - 3) & (y0 + 3 < y) & (y < y1 - 3)
-        return np.where(inside[:, None], spots, np.nan) * points
+        return np.where(inside[:, None], spots, np.nan) * point
 
     curves = [[place(c) for c in columns] for columns in groups]
     written: list[Floats] = []
@@ -297,18 +279,8 @@ def _numbers(axes: Axes, at: Floats, values: Floats, groups: Groups) -> None:
         clear = [_clearance(spot, others, written) for spot in tries]
         best = tries[int(np.argmax(clear))]
         written.append(best)
-        x, y = axes.transData.inverted().transform(best / points)
-        axes.text(
-            x,
-            y,
-            str(index + 1),
-            color=_colour(index),
-            ha="center",
-            va="center",
-            fontsize=small(),
-            path_effects=HALO,
-            zorder=4,
-        )
+        x, y = axes.transData.inverted().transform(best / point)
+        write(axes, x, y, str(index + 1), edge=HALO, color=_colour(index), zorder=4)
 
 
 def _clearance(spot: Floats, others: list[Floats], written: list[Floats]) -> float:
@@ -373,27 +345,17 @@ def _eigenvalues(axes: Axes, spectrum: Spectrum) -> list[Line2D]:
             zorder=2,
         )
         axes.plot(where.real, where.imag, zorder=3, **look)
-        entries.append(Line2D([], [], label=f"{number}: {word}, {name}", **look))
+        entries.append(entry(f"{number}: {word}, {name}", **look))
         marks += [Letter(v.real, v.imag, str(number), colour) for v in where]
     if spectrum.structural_zeros:
         zeros = int(spectrum.structural_zeros)
         look = {"marker": "+", "mec": "black", "ms": 6.0, "mew": 0.9, "ls": ""}
         label = f"{zeros} zero{'s' * (zeros > 1)} by structure"
         axes.plot([0.0], [0.0], zorder=2.5, **look)
-        entries.append(Line2D([], [], label=label, **look))
+        entries.append(entry(label, **look))
     for word, side, place in (("growth", "right", 0.985), ("decay", "left", 0.015)):
-        axes.text(
-            place,
-            0.02,
-            word,
-            transform=axes.transAxes,
-            ha=side,
-            va="bottom",
-            fontsize=small(),
-            color="0.25",
-            path_effects=HALO,
-            zorder=4,
-        )
+        look = {"ha": side, "va": "bottom", "color": "0.25", "zorder": 4}
+        write(axes, place, 0.02, word, edge=HALO, transform=axes.transAxes, **look)
     letters(axes, marks, 2.6)
     return entries
 
@@ -425,9 +387,9 @@ def _asinh_scale(axes: Axes, along: str, real: Floats, linear: float) -> None:
     ]
     low, high = (linear * float(np.sinh(end)) for end in ends)
     getattr(axes, f"set_{along}lim")(-low, high)
-    box, dpi = axes.get_window_extent(), axes.get_figure(root=True).dpi  # type: ignore[union-attr]
+    box = axes.get_window_extent()
     long, letters_ = (box.height, 1.35) if along == "y" else (box.width, 3.6)
-    unit = long * 72 / dpi / sum(ends)
+    unit = long * points(axes) / sum(ends)
     gap = letters_ * matplotlib.rcParams["ytick.labelsize"]
     ticks = signed_ticks(lambda v: unit * place(v), -low, high, linear, gap)
     getattr(axes, f"set_{along}ticks")(*ticks)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from .canvas import COLUMN  # isort: skip
-from .styled_figure import checked_size, drawing, fixed, key, note, small, spacing  # isort: skip
+from .styled_figure import checked_size, drawing, entry, fixed, key  # isort: skip
+from .styled_figure import note, small, spacing, write  # isort: skip
 
 import json
 from collections.abc import Callable, Mapping
@@ -335,36 +336,20 @@ def _draw_paths(page: Any, motion: SingleRun) -> None:
 
 def _keys(sticks: bool, first: str) -> list[Any]:
     """Entries of the legend: each path with the mark of its end, and what is hollow."""
-    ink: dict[str, Any] = {"color": "#303030"}
     (square, large), (ring, little) = ENDS["contact"], ENDS["centre"]
-    marked: dict[str, Any] = {"marker": square, "markersize": large, "markevery": [1]}
+    path: dict[str, Any] = {"linewidth": 1.8, "color": "#303030"}
+    ends = {"marker": square, "markersize": large, "markevery": [1]}
+    centre = path | {"marker": ring, "markersize": little, "markevery": [1], "linewidth": 0.8}
+    alone = {"ls": "", "marker": square, "markersize": large, "color": "black"}
     name = "contact, sliding" if sticks else "contact point"
-    slides = Line2D([0, 1], [0, 0], linewidth=1.8, label=name, **marked, **ink)
-    stuck = Line2D([], [], linewidth=1.8, dashes=(1.7, 1), label="contact, sticking", **ink)
-    centre = Line2D(
-        [0, 1],
-        [0, 0],
-        linewidth=0.8,
-        label="centre",
-        marker=ring,
-        markersize=little,
-        markevery=[1],
-        **ink,
-    )
-    begin = Line2D(
-        [],
-        [],
-        ls="",
-        marker=square,
-        markersize=large,
-        color="black",
-        markerfacecolor="none",
-        label=f"{first} (hollow)",
-    )
-    end = Line2D(
-        [], [], ls="", marker=square, markersize=large, color="black", label="end (filled)"
-    )
-    return [slides, *([stuck] if sticks else []), centre, begin, end]
+    stuck = [entry("contact, sticking", dashes=(1.7, 1), **path)] if sticks else []
+    return [
+        Line2D([0, 1], [0, 0], label=name, **path, **ends),
+        *stuck,
+        Line2D([0, 1], [0, 0], label="centre", **centre),
+        entry(f"{first} (hollow)", markerfacecolor="none", **alone),
+        entry("end (filled)", **alone),
+    ]
 
 
 def _draw_energy(page: Any, motion: SingleRun) -> None:
@@ -492,16 +477,8 @@ def words(axes: Axes, motion: SingleRun) -> None:
     for t, word in marks[-1:] + marks[:-1]:
         if all(abs(t - other) > room for other in free):
             free.append(t)
-            axes.text(
-                t,
-                1.03,
-                word,
-                rotation=90,
-                fontsize=small(),
-                ha="center",
-                va="bottom",
-                transform=axes.get_xaxis_transform(),
-            )
+            across = axes.get_xaxis_transform()
+            write(axes, t, 1.03, word, rotation=90, va="bottom", transform=across)
 
 
 def lines_of_energy(axes: Axes, motion: SingleRun) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .canvas import COLUMN, STYLE, figure_style  # isort: skip
-from .styled_figure import StyledFigure, broken, fixed, wide  # isort: skip
+from .styled_figure import StyledFigure, broken, entry, fixed, wide  # isort: skip
 
 import json
 from collections.abc import Sequence
@@ -290,11 +290,9 @@ def _handles(dataset: xarray.Dataset) -> list[Any]:
     finite = np.isfinite(dataset.true_error.values)
     there = set(dataset.kind.values[finite].tolist())
     found: list[Any] = [
-        Line2D([], [], linestyle="", label=kind, mew=1.0, **look)
-        for kind, look in LOOKS.items()
-        if kind in there
+        entry(kind, linestyle="", mew=1.0, **look) for kind, look in LOOKS.items() if kind in there
     ]
-    found.append(Line2D([], [], linestyle="", label="chosen for the answer", **RING | {"ms": 7.5}))
+    found.append(entry("chosen for the answer", linestyle="", **RING | {"ms": 7.5}))
     found.append(Line2D([0], [0], label="to the time of the whole answer", **WHOLE))
     if np.isfinite(dataset.spread):
         found.append(Patch(facecolor=BAND, alpha=0.28, label="below the spread of the inputs"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .styled_figure import StyledFigure, signed_ticks, small, wide  # isort: skip
+from .styled_figure import StyledFigure, halo, points, signed_ticks, small, wide  # isort: skip
 
 import math
 from dataclasses import dataclass
@@ -13,7 +13,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, SymLogNorm
 from matplotlib.patches import Patch
-from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from ..base.looks import LIGHT, LOOKS
@@ -167,7 +166,7 @@ def colour_bar(figure: Any, mesh: Any, axes: Any, label: str, *, hatched: bool) 
     panel = np.ravel(axes)[0]
     length: float = panel.get_figure(root=True).get_figheight() * 72 * 0.7
     if not own:  # a layout has yet to take room from it
-        length = panel.get_window_extent().height * 72 / figure.dpi * 0.6
+        length = panel.get_window_extent().height * points(panel) * 0.6
 
     def place(value: float) -> float:
         return float(norm(value)) * length
@@ -180,9 +179,6 @@ def colour_bar(figure: Any, mesh: Any, axes: Any, label: str, *, hatched: bool) 
         ends = np.array([norm.linthresh / 3, norm.vmax])
         texture = LOOKS[Verdict.UNSTABLE.word].hatching
         hatch(bar.ax, np.array([0.0, 1.0]), ends, np.ones((2, 2), dtype=bool), texture)
-
-
-HALO = [withStroke(linewidth=1.8, foreground="white")]
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,7 +241,7 @@ def _zones(strip: Strip) -> list[tuple[Verdict, float, float]]:
 def _words(axes: Axes, strip: Strip) -> set[Verdict]:
     zones, size = _zones(strip), small()
     low, high = axes.get_xlim()
-    room = axes.get_window_extent().width * 72 / axes.get_figure(root=True).dpi  # type: ignore[union-attr]
+    room = axes.get_window_extent().width * points(axes)
 
     def need(verdict: Verdict) -> float:  # width of a word and its halo along the axis
         return (wide(verdict.word) + 4) / room * (high - low)
@@ -253,15 +249,9 @@ def _words(axes: Axes, strip: Strip) -> set[Verdict]:
     begins = [begin for _, begin, _ in zones]  # where the free room of each zone begins
     ends = [end for _, _, end in zones]
     said: set[Verdict] = set()
-    style: dict[str, Any] = {"va": "center", "fontsize": size, "path_effects": HALO}
-    arrow = {
-        "arrowstyle": "-|>",
-        "linewidth": 0.6,
-        "color": "black",
-        "shrinkA": 0,
-        "shrinkB": 0,
-        "mutation_scale": 5,
-    }
+    style: dict[str, Any] = {"va": "center", "fontsize": size, "path_effects": halo(1.8)}
+    arrow: dict[str, Any] = {"arrowstyle": "-|>", "linewidth": 0.6, "color": "black"}
+    arrow |= {"shrinkA": 0, "shrinkB": 0, "mutation_scale": 5}
     lead = 9 / room * (high - low)
     for i, (verdict, begin, end) in enumerate(zones):
         if need(verdict) <= end - begin:
