@@ -14,13 +14,14 @@ from typing import Any
 
 import numpy as np
 
-from ..base.verdict import CODES, NO_MEMBER
+from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..base.version import __version__
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES
 from ..boundary.brackets import Crossing
 from ..boundary.curves import KINDS
 from ..spectra.labels import LIBRARIES
+from ..storage.html import figure, head
 
 BODIES: dict[str, tuple[Callable[[], Disk], str, str]] = {
     "disk": (Disk.uniform, "uniform disk", "k = 1/4"),
@@ -88,7 +89,8 @@ def _diagram_caption(
     y, x = (str(name) for name in dataset.verdict.dims)
     count = {v.word: int((dataset.verdict == c).sum()) for v, c in CODES.items()}
     verdicts = ", ".join(f"{n:,} {word}".replace(",", "\u00a0") for word, n in count.items() if n)
-    undecided = "" if count["undecided"] else "; none undecided"
+    word = Verdict.UNDECIDED.word
+    undecided = "" if count[word] else f"; none {word}"
     kinds = [CODE_KINDS[c] for c in np.unique(dataset.boundary_kind.values).tolist()]
     style = {
         Crossing.STATIC: "static (solid)",
@@ -125,41 +127,27 @@ def _diagram_caption(
 
 def _colours(dataset: Any, strips: Sequence[Any]) -> str:
     """The scale of the colours, and the hatching that the map or a strip has."""
-    from ..figures.shading import TEXTURES, linear_part
+    from ..figures.shading import hatching_words, linear_part
 
     power = f"{math.log10(linear_part(dataset.abscissa.values)[0]):.0f}"
     raised = power.translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
     codes = np.concatenate([dataset.verdict.values.ravel(), *(strip.codes for strip in strips)])
-    hatched = "".join(
-        f"; {way}: {v.word}" for v, (_, way) in TEXTURES.items() if (codes == CODES[v]).any()
-    )
+    hatched = "".join(f"; {words}" for words in hatching_words(codes))
     return f"linear below 10{raised} and logarithmic beyond{hatched}"
 
 
 _STYLE = """
-:root { color-scheme: light; }
-body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; background: #fff; max-width: 76rem;
-       margin: 0 auto; padding: 1.5rem; }
-h1 { font-size: 1.6rem; margin: 0 0 .5rem; } h2 { margin: 2.2rem 0 .3rem; font-size: 1.25rem; }
+h2 { margin: 2.2rem 0 .3rem; font-size: 1.25rem; }
 nav > * { margin-right: 1rem; } p.lead { max-width: 46rem; }
 .row { display: grid; grid-template-columns: repeat(auto-fit, minmax(20rem, 1fr)); gap: 1.5rem;
        margin-bottom: 1.8rem; }
 .pairs { grid-template-columns: repeat(auto-fill, minmax(min(28rem, 100%), 1fr)); }
-nav + .row { margin-top: 1.5rem; } figure { margin: 0; } figure img { width: 100%; height: auto; }
-figcaption { font-size: .82rem; color: #333; } figcaption .files { white-space: nowrap; }
-footer { margin-top: 3rem; border-top: 1px solid #ccc; font-size: .82rem; color: #444; }
+nav + .row { margin-top: 1.5rem; }
 """
 
 
 def _head(title: str) -> list[str]:
-    return [
-        "<!doctype html>",
-        '<html lang="en"><head><meta charset="utf-8">',
-        '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        f"<title>{title}</title><style>{_STYLE}</style>",
-        "</head><body>",
-        f"<h1>{title}</h1>",
-    ]
+    return head(title, _STYLE)
 
 
 def _html(pages: list[Page], ends: Sequence[Picture], resolution: int, draft: bool) -> str:
@@ -217,15 +205,9 @@ def _foot(command: str) -> str:
 
 
 def _figure(picture: Picture, diagram: bool, draft: bool = False) -> str:
-    kinds = ("png",) if draft else ("png", "pdf")
-    files = [f'<a href="{picture.stem}.{s}">{s.upper()}</a>' for s in kinds]
-    if diagram:
-        files.append(f'<a href="{picture.stem}.nc">NetCDF</a>')
-    return (
-        f'<figure><img src="{picture.stem}.png" alt="{html.escape(picture.alternative)}" '
-        f'loading="lazy"><figcaption>{html.escape(picture.caption)} '
-        f'<span class="files">{" · ".join(files)}</span></figcaption></figure>'
-    )
+    files = {"png": "PNG"} if draft else {"png": "PNG", "pdf": "PDF"}
+    files |= {"nc": "NetCDF"} if diagram else {}
+    return figure(picture.stem, picture.caption, picture.alternative, files)
 
 
 def summary(page: Path) -> dict[str, Any]:

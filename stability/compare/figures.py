@@ -24,8 +24,11 @@ from matplotlib.textpath import TextPath
 from matplotlib.ticker import FixedLocator, NullLocator
 from numpy.typing import NDArray
 
+from ..base.looks import BLUE, GREEN, VERMILION
+from ..base.looks import LOOKS as VERDICT_LOOKS
 from ..figures.letters import SMALL, Letter, letters
 from .cost import places
+from .marks import Mark
 from .motion import chart as motion_chart
 from .motion.cases import NO_ANSWER
 from .spectrum import chart as spectrum_chart
@@ -35,7 +38,7 @@ if TYPE_CHECKING:
 
 WIDTH = COLUMN
 """Width of a figure: a journal column, which is also readable on a phone [in]."""
-OWN, PEOPLE, FRONT, PALE = "#D55E00", "#0072B2", "#009E73", "#b4b4b4"
+OWN, PEOPLE, FRONT, PALE = VERMILION, BLUE, GREEN, "#b4b4b4"
 """Colours of the package's routes, of those people use, of the front, and of all others."""
 LEFT, RIGHT, BETWEEN = 0.46, 0.09, 0.12
 """Margins next to and between panels [in]."""
@@ -540,16 +543,6 @@ def _edge_words(edge: str) -> str:
 # --- shares of right and wrong answers, a row for each method ---
 
 
-MARKS: dict[str, tuple[str, str]] = {
-    "right": ("#2b6ca3", ""),
-    "degraded": ("#b9d6ec", ""),
-    "undecided": ("#e2e2e2", "....."),
-    "refused": ("#f4f4f4", "-----"),
-    "wrong": ("#D55E00", "xxxxx"),
-    "crashed": ("black", ""),
-    "late": ("#b0b0b0", "//////"),
-}
-"""Colour and hatching of each mark."""
 LINE, APART = 0.125, 0.45
 """Height of a row [in], and the gap between people's methods and the package's [rows]."""
 KEY = 0.16
@@ -639,7 +632,7 @@ def _share_cell(axes: Axes, x: float, y: float, shares: Any, marks: Sequence[str
     start = x - 0.46
     for word, share in zip(marks, np.nan_to_num(shares), strict=True):
         if share > 0:
-            colour, hatch = MARKS[word]
+            colour, hatch = VERDICT_LOOKS[word].cell
             axes.add_patch(
                 Rectangle(
                     (start, y - 0.41),
@@ -660,7 +653,10 @@ def _share_cell(axes: Axes, x: float, y: float, shares: Any, marks: Sequence[str
 
 
 def _key(figure: Figure, marks: Sequence[str], blank: str, top: float) -> None:
-    shown = [Patch(facecolor=MARKS[w][0], hatch=MARKS[w][1], label=w, linewidth=0) for w in marks]
+    shown = []
+    for word in marks:
+        colour, hatch = VERDICT_LOOKS[word].cell
+        shown.append(Patch(facecolor=colour, hatch=hatch, label=word, linewidth=0))
     if blank:
         shown.append(Patch(facecolor="none", edgecolor="#909090", linewidth=0.4, label=blank))
     legend(figure, top, shown, 4)
@@ -756,7 +752,7 @@ def failure_figure(
     groups
         (heading, number of cases).
     shares
-        Shares of each of `MARKS`, shape (methods, groups, marks); they add up to less than 1 where
+        Shares of each `Mark`, shape (methods, groups, marks); they add up to less than 1 where
         a method is not asked.
 
     Returns
@@ -765,7 +761,8 @@ def failure_figure(
         A journal column wide.
     """
     heads = [f"{words} ({count})" for words, count in groups]
-    return _shares_figure(methods, own, heads, shares, marks=tuple(MARKS), blank="not asked")
+    marks = tuple(mark.word for mark in Mark)
+    return _shares_figure(methods, own, heads, shares, marks=marks, blank="not asked")
 
 
 # --- work against precision of motions, and what a first call costs ---

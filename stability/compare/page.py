@@ -8,8 +8,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..base.looks import LOOKS, cell_style
 from ..base.provenance import machine, today
 from ..storage.files import atomic_write
+from ..storage.html import figure, head
 from . import failures as catalogue
 from .marks import Mark
 from .motion import chart as motion_chart
@@ -19,10 +21,12 @@ from .spectrum import chart as spectrum_chart
 from .spectrum.routes import ROUTES
 
 if TYPE_CHECKING:
-    from .plan import Part, Plate, Standing
+    from .plan import Part, Standing
 
 
 PAGE = "index.html"
+TITLE = "stability: cost against error, and where methods fail"
+HEADING = "Cost against error, and where methods fail"
 TITLES = {
     "spectrum": "Spectra: time against error",
     "motion": "Motions: work against precision",
@@ -46,27 +50,13 @@ ANOTHER = {
     "path",
 }
 """More specific reasons: for a route and a word in the panel or the rival."""
-SIGNS = {
-    Mark.RIGHT: "✓",
-    Mark.DEGRADED: "≈",
-    Mark.UNDECIDED: "?",
-    Mark.REFUSED: "–",
-    Mark.WRONG: "✗",
-    Mark.CRASHED: "‼",
-    Mark.LATE: "…",
-}
-"""Sign of each mark, next to its colour."""
 STYLE = """
-:root { color-scheme: light; }
-body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; background: #fff; max-width: 72rem;
-       margin: 0 auto; padding: 1.5rem; }
-h1 { font-size: 1.6rem; margin: 0 0 .5rem; } h2 { margin: 2.4rem 0 .3rem; font-size: 1.3rem; }
+h2 { margin: 2.4rem 0 .3rem; font-size: 1.3rem; }
 h3 { margin: 1.4rem 0 .2rem; font-size: 1rem; }
 p, ul { max-width: 48rem; } nav a { margin-right: 1rem; }
 .figures { columns: 25rem 2; column-gap: 2.5rem; }
 figure { margin: 0 0 1.5rem; break-inside: avoid; }
-figure img { width: 100%; height: auto; display: block; }
-figcaption { font-size: .85rem; color: #333; max-width: 34rem; margin-top: .4rem; }
+figcaption { max-width: 34rem; margin-top: .4rem; }
 dl { font-size: .85rem; margin: .5rem 0; max-width: 48rem; } dd { margin: 0 0 .25rem 1rem; }
 dt { font-weight: 600; } code, h1, p, li, dd { overflow-wrap: anywhere; }
 @media (min-width: 40rem) { dl.methods { display: grid; grid-template-columns: max-content 1fr; }
@@ -77,12 +67,8 @@ table { border-collapse: collapse; font-size: .8rem; } th, td { padding: .15rem 
 th { text-align: left; font-weight: 600; } tr { border-bottom: 1px solid #e4e4e4; }
 .scroll { overflow-x: auto; } .scroll th.turned { writing-mode: vertical-rl; rotate: 180deg;
   text-align: left; padding: .3rem .1rem; } td.mark { text-align: center; min-width: 1.4rem; }
-.right { background: #0072b2; color: #fff; } .degraded { background: #a6cfe8; }
-.undecided, .refused { background: #e6e6e6; } .wrong { background: #d55e00; color: #000; }
-.crashed { background: #000; color: #fff; } .late { background: #bbb; }
 .own { color: #b34700; } td.number { text-align: right; }
 details { margin: .8rem 0; } summary { cursor: pointer; }
-footer { margin-top: 3rem; border-top: 1px solid #ccc; font-size: .82rem; color: #444; }
 """
 
 
@@ -102,12 +88,7 @@ def write(folder: Path, parts: Sequence[Part]) -> Path:
         `index.html` in the folder.
     """
     body = [
-        "<!doctype html>",
-        '<html lang="en"><head><meta charset="utf-8">',
-        '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        "<title>stability: cost against error, and where methods fail</title>",
-        f"<style>{STYLE}</style></head><body>",
-        "<h1>Cost against error, and where methods fail</h1>",
+        *head(TITLE, STYLE + cell_style(mark.word for mark in Mark), HEADING),
         _lead(machine()),
         "<nav>" + "".join(f'<a href="#{p.name}">{TITLES[p.name]}</a>' for p in parts) + "</nav>",
     ]
@@ -157,21 +138,12 @@ def _section(one: Part) -> list[str]:
     if not one.plates and one.name != "scenes":
         found.append("<p>No cell of this part has ended, so no figure is drawn.</p>")
     found.append('<div class="figures">')
-    found += [_figure(plate) for plate in one.plates]
+    files = {"png": "PNG", "pdf": "PDF"}
+    found += [figure(p.stem, p.caption, p.caption[:90], files) for p in one.plates]
     found += ["</div>", *_methods(one)]
     if one.name == "failures":
         found += _tables(one.chart)
     return found + places
-
-
-def _figure(plate: Plate) -> str:
-    """A figure with its caption."""
-    links = " · ".join(f'<a href="{plate.stem}.{s}">{s.upper()}</a>' for s in ("png", "pdf"))
-    alt = html.escape(plate.caption[:90])
-    return (
-        f'<figure><img src="{plate.stem}.png" alt="{alt}" loading="lazy">'
-        f"<figcaption>{html.escape(plate.caption)} {links}</figcaption></figure>"
-    )
 
 
 def _methods(one: Part) -> list[str]:
@@ -299,8 +271,8 @@ def _verdict(found: Sequence[catalogue.Entry]) -> list[str]:
         rows = "; ".join(f"{e.case}, {e.method}: {e.mark.word if e.mark else ''}" for e in bad)
         lines.append(f"<p><strong>Misleading: {html.escape(rows)}.</strong></p>")
     legend = "".join(
-        f'<li><span class="{mark.word}">&nbsp;{SIGNS[mark]}&nbsp;</span> {mark.value}</li>'
-        for mark in Mark
+        f'<li><span class="{m.word}">&nbsp;{LOOKS[m.word].sign}&nbsp;</span> {m.value}</li>'
+        for m in Mark
     )
     return [*lines, f"<ul>{legend}</ul>"]
 
@@ -335,4 +307,5 @@ def _cell(entry: catalogue.Entry) -> str:
     if entry.mark is Mark.DEGRADED and entry.digits == entry.digits:
         digits = f"{entry.digits:.0f}"
     tip = html.escape(f"{entry.method}: {entry.mark.word}. {entry.note}", quote=True)
-    return f'<td class="mark {entry.mark.word}" title="{tip}">{digits or SIGNS[entry.mark]}</td>'
+    shown = digits or LOOKS[entry.mark.word].sign
+    return f'<td class="mark {entry.mark.word}" title="{tip}">{shown}</td>'

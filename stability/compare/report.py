@@ -24,6 +24,7 @@ from ..storage.targets import check_folder, path_text, place, refusing
 from ..storage.text import csv_text
 from . import failures as catalogue
 from . import scenes
+from .marks import Mark
 from .motion import chart as motion_chart
 from .plan import FAILURES, MOTION, PARTS, SCENES, SPECTRUM, asked, done, planned
 from .spectrum import chart as spectrum_chart
@@ -319,7 +320,7 @@ def _failures(cells: Mapping[str, Cell]) -> Part:
 
 
 def _failure_figure(found: Sequence[catalogue.Entry], name: str) -> Figure:
-    from .figures import MARKS, failure_figure
+    from .figures import failure_figure
 
     mine = [e for e in found if e.part == name]
     methods = list(dict.fromkeys(e.method for e in mine))
@@ -327,8 +328,9 @@ def _failure_figure(found: Sequence[catalogue.Entry], name: str) -> Figure:
     for e in mine:
         groups.setdefault(e.group, set()).add(e.case)
     counts = Counter((e.method, e.group, e.mark.word) for e in mine if e.mark)
+    marks = [mark.word for mark in Mark]
     share = np.array([
-        [[counts[m, g, word] / len(groups[g]) for word in MARKS] for g in groups] for m in methods
+        [[counts[m, g, word] / len(groups[g]) for word in marks] for g in groups] for m in methods
     ])  # fmt: skip
     own = [method in catalogue.own_methods() for method in methods]
     return failure_figure(methods, own, [(g, len(c)) for g, c in groups.items()], share)

@@ -1,6 +1,6 @@
 """Diagrams alive in a browser.
 
-`explore.py` holds the public function.  `disk_page.py`, `body_page.py` and `own_page.py` say which
+`explore.py` holds the public function.  `round_page.py` and `system_page.py` say which
 families a page has; each is a `Subject` (`subject.py`): a `Family` with its numbers.  Its formulas
 (`formulas.py`, `verdicts.py`) become JavaScript and shader source (`source.py`); `page.py` joins
 `script/` and data into one file.  May import `atlas`, `compare` and the floors below.

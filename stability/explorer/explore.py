@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ..base.checks import flag
+from ..base.checks import flag, instance
 from ..base.errors import ParameterError
 from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
@@ -15,10 +15,9 @@ from ..bodies.round_body.body import Body
 from ..storage.files import atomic_write
 from ..storage.targets import check_suffix, check_target
 from ..systems.family import Family
-from .body_page import body_page
-from .disk_page import disk_page
-from .own_page import own_page
-from .page import axis, page
+from .page import axis_of, page, widget
+from .round_page import round_page
+from .system_page import system_page
 
 ENDINGS = (".html",)
 """Endings of the file."""
@@ -30,7 +29,7 @@ def explore(
     at: float | None = None,
     contact: Contact | type[Contact] | str | None = None,
     disk: Disk | None = None,
-    body: Body | None = None,
+    body: Body | Disk | None = None,
     x: Any = None,
     y: Any = None,
     positive: Sequence[str] = (),
@@ -63,7 +62,8 @@ def explore(
         page shows SI units (rad/s, 1/s, s/m, s, J, N), and a switch to dimensionless ones.
     body
         A `Body` in place of the disk, whose numbers become sliders: rolling, spinning, tumbling
-        and, where it is smooth at a pole, vertical spin.  Its units are those of a disk.
+        and, where it is smooth at a pole, vertical spin.  Its units are those of a disk.  A `Disk`
+        here is the same as there.
     x, y
         Axes at first as (name, low, high), or (name, low, high, "log").
     positive
@@ -109,32 +109,35 @@ def explore(
     if out is not None:
         check_suffix(out, ENDINGS)
         check_target(out, overwrite=overwrite)
-    axes = axis(x, "x"), axis(y, "y")
-    if pole is not None and body is None:
-        raise ParameterError("pole belongs to vertical spin of a body; leave it out.")
-    if theta is not None and body is None:
-        raise ParameterError("theta belongs to rolling of a body; leave it out.")
+    axes = axis_of(x, "x"), axis_of(y, "y")
     if isinstance(family, Family):
-        for name, given in (("contact", contact), ("disk", disk), ("body", body)):
-            if given is not None:
+        others = {"contact": contact, "disk": disk, "body": body, "pole": pole, "theta": theta}
+        for name, value in others.items():
+            if value is not None:
                 raise ParameterError(
-                    f"{name} belongs to the disk; leave it out for your own family."
+                    f"{name} belongs to a disk or body; leave it out for your own family."
                 )
-        data = own_page(family, at, axes, positive, parameters, certify=certify)
-        title = f"{family.name} of {family.system.name}"
-    elif body is not None:
-        if disk is not None or not isinstance(body, Body):
-            raise ParameterError("give one stability.Body as body, and no disk.")
-        where = {"pole": pole, "theta": theta}
-        data = body_page(family, at, contact, body, axes, parameters, certify=certify, **where)
-        title = f"{family} of a body"
+        contents = system_page(family, at, axes, positive, parameters, certify=certify)
     else:
-        data = disk_page(family, at, contact, disk, axes, parameters, certify=certify)
-        title = "Steady motions of a disk"
+        moving = _body(disk, body)
+        where = {"pole": pole, "theta": theta}
+        contents = round_page(
+            moving, family, at, contact, axes, parameters, certify=certify, **where
+        )
+    data = contents.data(axes)
     if out is None:
-        from .page import widget
-
         return widget(data)
     with atomic_write(out, overwrite=overwrite) as draft:
-        draft.write_text(page(data, title), encoding="utf-8")
+        draft.write_text(page(data, contents.title), encoding="utf-8")
     return Path(out)
+
+
+def _body(disk: Any, body: Any) -> Disk | Body:
+    """The body of a call; the uniform disk where none is given."""
+    if disk is not None and body is not None:
+        raise ParameterError("body and disk are both given; give one of them.")
+    if body is None:
+        return instance("disk", Disk() if disk is None else disk, Disk, "give a stability.Disk")
+    remedy = "give a stability.Body or a stability.Disk"
+    moving: Disk | Body = instance("body", body, (Disk, Body), remedy)  # type: ignore[arg-type]
+    return moving

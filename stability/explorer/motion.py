@@ -37,7 +37,7 @@ def launch_model(body: RoundShape, law: str) -> Model:
     """The model of a body under a law that `simulate` integrates."""
     kind = LAWS[law]
     make = pole_model if through_poles(body) else round_model
-    return make(body, kind, tuple(p.name for p in kind.parameters), pose=True)
+    return make(body, kind, kind.symbols(), pose=True)
 
 
 def motion_of(model: Model, *, solid: bool) -> dict[str, Any]:

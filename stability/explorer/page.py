@@ -6,6 +6,7 @@ import json
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
 from posixpath import dirname, join, normpath
@@ -13,8 +14,10 @@ from typing import Any
 
 from ..base.axis import Axis
 from ..base.errors import NameUnknownError, ParameterError, StabilityError, listed, shown
+from ..base.looks import page_looks, page_style
+from ..base.verdict import Verdict
 from ..base.version import __version__
-from ..bodies.contact_laws import LAWS, Viscous, law_given
+from .certificates import LETTERS
 from .quantities import CURVES, PageUnits
 from .subject import Subject
 
@@ -25,8 +28,6 @@ LAW_NAMES = {
     "rough": "Rough",
 }
 """Words on the buttons."""
-FRICTION = 0.02, 3.0, 0.3
-"""Range of a coefficient of friction on the page, dimensionless, and its value at first."""
 WORDS = {
     "smooth": "no friction",
     "viscous": "viscous friction, −μ\u00a0N\u00a0v",
@@ -42,81 +43,72 @@ PROOFS = (
 """What the words on a page say of numbers and verdicts."""
 
 
-def page_data(
-    subjects: Sequence[Subject],
-    start: Subject,
-    given: Mapping[str, Any],
-    axes: Sequence[Any],
-    *,
-    motions: Mapping[str, Any],
-    certificates: Mapping[str, list[Any]],
-    source: str,
-    families: Mapping[str, str],
-    says: str,
-    units: PageUnits | None = None,
-    stated: Mapping[str, str] | None = None,
-    more: str = "",
-) -> dict[str, Any]:
-    """Data of a page.
+@dataclass(frozen=True)
+class Contents:
+    """What a page holds; of the disk, of a body and of a user's system it differs by data."""
 
-    Parameters
-    ----------
-    subjects, start
-        Every subject, and the one at first.
-    given
-        Values of its quantities, where they are not those that it has by itself.
-    axes
-        The two axes, or None for each.
-    motions
-        Equations of launches by `Subject.model`.
-    certificates
-        Proved rectangles by the key of a subject.
-    source
-        What the page computes from, in words.
-    families
-        Word on each family's button.
-    says
-        What moves, in words.
-    units
-        Units of a body; None for a system of one's own.
-    stated
-        Units that such a system states, by the names of times, rates and curves.
-    more
-        Further sentences of the last line.
-    """
-    values = {n: q.checked(given.get(n, q.value)) for n, q in start.called.items()}
-    for axis_ in axes:
-        if axis_ is not None and axis_.name not in values:
-            raise NameUnknownError(
-                f"axis is {shown(axis_.name)}; give {listed(list(values), 'or')}."
-            )
-    sizes = {n: units.sizes[q.kind] if units else 1.0 for n, q in start.called.items()}
-    laws = dict.fromkeys(s.law for s in subjects)
-    return {
-        "format": 1,
-        "version": __version__,
-        "subjects": [s.record for s in subjects],
-        "start": {
-            "subject": start.key,
-            "values": values,
-            "axes": [
-                a and [a.name, a.low / sizes[a.name], a.high / sizes[a.name], *["log"] * a.log]
-                for a in axes
-            ],
-        },
-        "units": {n: kind.words for n, kind in CURVES.items()} if stated is None else stated,
-        "si": units.told() if units else {},
-        "kinds": {n: k.name for n, k in CURVES.items()},
-        "solid": bool(start.body),
-        "motions": motions,
-        "certificates": certificates,
-        "names": {
-            "families": families,
-            "laws": {law: LAW_NAMES[law] for law in laws if law},
-            "says": {law: f"{says}; {WORDS[law]}." if law else f"{says}." for law in laws},
-        },
-        "foot": foot(source, units) + more,
-    }
+    title: str
+    """Title of the page."""
+    subjects: Sequence[Subject]
+    """Every family under its laws."""
+    start: Subject
+    """The one at first."""
+    motions: Mapping[str, Any]
+    """Equations of launches by `Subject.model`."""
+    certificates: Mapping[str, list[Any]]
+    """Proved rectangles by the key of a subject."""
+    families: Mapping[str, str]
+    """Word on each family's button."""
+    says: str
+    """What moves, in words."""
+    computed_from: str
+    """What the page computes from, in words."""
+    units: PageUnits | None = None
+    """Units of a body; None for a user's system."""
+    stated: Mapping[str, str] | None = None
+    """Units that such a system states, by the names of times, rates and curves."""
+    more: str = ""
+    """Further sentences of the last line."""
+
+    def data(self, axes: Sequence[Axis | None]) -> dict[str, Any]:
+        """The data of the page; it begins with these axes, or its own for None."""
+        start, units, stated = self.start, self.units, self.stated
+        values = {n: q.value for n, q in start.called.items()}
+        for axis in axes:
+            if axis is not None and axis.name not in values:
+                raise NameUnknownError(
+                    f"axis is {shown(axis.name)}; give {listed(list(values), 'or')}."
+                )
+        sizes = {n: units.sizes[q.kind] if units else 1.0 for n, q in start.called.items()}
+        laws = dict.fromkeys(s.law for s in self.subjects)
+        return {
+            "format": 1,
+            "version": __version__,
+            "subjects": [s.record for s in self.subjects],
+            "start": {
+                "subject": start.key,
+                "values": values,
+                "axes": [
+                    a and [a.name, a.low / sizes[a.name], a.high / sizes[a.name], *["log"] * a.log]
+                    for a in axes
+                ],
+            },
+            "units": {n: kind.words for n, kind in CURVES.items()} if stated is None else stated,
+            "si": units.told() if units else {},
+            "kinds": {n: k.name for n, k in CURVES.items()},
+            "solid": bool(start.body),
+            "motions": self.motions,
+            "certificates": self.certificates,
+            "names": {
+                "families": self.families,
+                "laws": {law: LAW_NAMES[law] for law in laws if law},
+                "says": {
+                    law: f"{self.says}; {WORDS[law]}." if law else f"{self.says}." for law in laws
+                },
+            },
+            "looks": {**page_looks(), "letters": {LETTERS[v.code]: v.word for v in Verdict}},
+            "foot": foot(self.computed_from, units) + self.more,
+        }
 
 
 def foot(source: str, units: PageUnits | None = None) -> str:
@@ -131,7 +123,7 @@ def foot(source: str, units: PageUnits | None = None) -> str:
     return f"{words}, without dimension (m = R = g = 1), and shows SI units for {units.body}."
 
 
-def axis(given: Any, which: str) -> Axis | None:
+def axis_of(given: Any, which: str) -> Axis | None:
     """An axis from (name, low, high) and perhaps "log", as of a map without its count."""
     if given is None:
         return None
@@ -140,27 +132,6 @@ def axis(given: Any, which: str) -> Axis | None:
             f"{which} is {shown(given)}; give (name, low, high) or (name, low, high, 'log')."
         )
     return Axis.of((*given[:3], 2, *given[3:]), which)
-
-
-def law_of(contact: Any, numbers: dict[str, Any], units: PageUnits) -> tuple[str, dict[str, Any]]:
-    """Name of the law and its dimensionless number."""
-    if not numbers and contact is None:
-        return Viscous.name, {}
-    if not numbers and isinstance(contact, str) and contact in LAWS:
-        return contact, {}
-    if not numbers and isinstance(contact, type) and contact in LAWS.values():
-        return str(vars(contact)["name"]), {}
-    law = law_given(contact, numbers)
-    if numbers:
-        raise NameUnknownError(
-            f"{next(iter(numbers))} is no number of the page; give at, a contact law and its mu, "
-            "and disk=stability.Disk(k=...)."
-        )
-    if LAWS.get(getattr(law, "name", "")) is not type(law):
-        raise NameUnknownError(
-            f"contact is {shown(contact)}; the page draws {listed(list(LAWS), 'or')}."
-        )
-    return law.name, law.arguments(law.given, units.units)
 
 
 ENTRY = "explorer.js"
@@ -175,7 +146,7 @@ def page(data: Mapping[str, Any], title: str) -> str:
     """One HTML file that needs no other file, no server and no network."""
     parts = {
         "TITLE": title.replace("&", "&amp;").replace("<", "&lt;"),
-        "STYLE": _read("style.css"),
+        "STYLE": style(),
         "DATA": json_in_html(shared(data)),
         "THREE": library().replace("</script", "<\\/script"),
         "SCRIPT": script().replace("</script", "<\\/script"),
@@ -189,9 +160,14 @@ def module(data: Mapping[str, Any]) -> str:
     return "\n".join([
         script(), f"const DATA = {json.dumps(shared(data))};",
         f"const THREE_TEXT = {json.dumps(library())};",
-        f"const STYLE_TEXT = {json.dumps(_read('style.css'))};",
+        f"const STYLE_TEXT = {json.dumps(style())};",
         "export default {render({el}) { return mountWidget(el, DATA, THREE_TEXT, STYLE_TEXT); }};",
     ])  # fmt: skip
+
+
+def style() -> str:
+    """The style sheet, with the colours and looks of verdicts."""
+    return f"{page_style()}\n{_read('style.css')}"
 
 
 @lru_cache(maxsize=1)

@@ -10,8 +10,6 @@ from ..base.checks import checked
 from ..base.errors import ParameterError, shown
 from ..base.quantities import Kind, Units, readable
 from ..base.quantities import Quantity as Known
-from ..bodies.disk import Disk
-from ..bodies.round_body.body import Body
 
 
 @dataclass(frozen=True)
@@ -81,6 +79,10 @@ class Quantity:
             )
         return number
 
+    def at(self, value: Any) -> Quantity:
+        """The quantity with another number at first, or an error that says which it may have."""
+        return replace(self, value=self.checked(value))
+
 
 CURVES = {
     "time": Kind.TIME,
@@ -99,6 +101,27 @@ class PageUnits:
     """The body's units, each one number."""
     length: str
     """What the length is called in calls: radius or length."""
+
+    @classmethod
+    def of(cls, body: Any, length: str) -> PageUnits:
+        """Units of a disk, or of a body, by the name of its length.
+
+        Raises
+        ------
+        ParameterError
+            If one of them is an array.
+
+        Examples
+        --------
+        >>> import stability as st
+        >>> PageUnits.of(st.Disk(radius=0.1, gravity=10.0), "radius").sizes[Kind.TIME]
+        0.1
+        """
+        names = ("mass", length, "gravity")
+        for name in names:
+            if not isinstance(checked(name, getattr(body, name)), float):
+                raise ParameterError(f"{name} is an array; a page needs one number.")
+        return cls(Units(*(getattr(body, name) for name in names)), length)
 
     @property
     def dimensionless(self) -> bool:
@@ -128,29 +151,3 @@ class PageUnits:
         given = {"mass": one.mass, self.length: one.length, "gravity": one.gravity}
         sizes = {k.name: [v, readable(k.si)] for k, v in self.sizes.items() if k.words}
         return {"given": given, "body": self.body, "sizes": sizes}
-
-
-def units_of(body: Disk | Body) -> PageUnits:
-    """Units of a disk, or of a body.
-
-    Raises
-    ------
-    ParameterError
-        If one of them is an array.
-
-    Examples
-    --------
-    >>> units_of(Disk(radius=0.1, gravity=10.0)).sizes[Kind.TIME]
-    0.1
-    """
-    length = "radius" if isinstance(body, Disk) else "length"
-    given = {n: getattr(body, n) for n in ("mass", length, "gravity")}
-    for name, value in given.items():
-        if not isinstance(checked(name, value), float):
-            raise ParameterError(f"{name} is an array; a page needs one number.")
-    return PageUnits(Units(given["mass"], given[length], given["gravity"]), length)
-
-
-def without_scales(body: Body) -> Body:
-    """The same shape with m = R = g = 1."""
-    return body if body.dimensionless else replace(body, mass=1.0, gravity=1.0, length=1.0)

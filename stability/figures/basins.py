@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from .styled_figure import drawing, fixed, key, note, settle, small, ticks_along, wide  # isort: skip
+from .styled_figure import drawing, entry, fixed, halo, key, label_axes, note  # isort: skip
+from .styled_figure import points, settle, small, wide, with_strips  # isort: skip
 
 import json
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-import matplotlib.patheffects
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
@@ -21,6 +21,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from ..base.errors import ParameterError
+from ..base.looks import LOOKS
 from ..base.quantities import Kind, Quantity, axis_label, in_latex, readable, unit_of
 from ..base.verdict import BY_CODE
 from ..bodies.contact_laws import MOTION_LAWS
@@ -29,6 +30,7 @@ from ..bodies.quantities import disk_quantities, round_quantities
 from ..bodies.round_body.pole_equations import TURN
 from ..bodies.round_body.shape import MOMENTS, SCALES
 from .fates import Fate, draw_sample, fates, is_sample, kinds, plane_of, sample_caption, told_below
+from .modes import even_in_logarithm
 from .shading import Strip, draw_strip, hatch
 
 if TYPE_CHECKING:
@@ -43,8 +45,6 @@ TIGHT = 0.7
 """Part of a panel's height that is there once legend and labels have their room."""
 FINE = 600
 """Points of the strip where the places of its changes are known."""
-SHADE = {"stable": -0.35, "unstable": 0.5}
-"""Place of a verdict on the scale of growth rates, -1 to 1."""
 
 
 def plot_basins(
@@ -109,19 +109,20 @@ def plot_basins(
     with drawing(
         ax, width, fontsize, lambda wide: min(0.98 * wide, 2.0 + 0.4 * wide) + more
     ) as figure:
-        above, main = (None, ax) if ax is not None else _panels(figure, strip)
+        rows = [ax] if ax is not None else with_strips(figure, above=strip is not None)
+        main = rows[-1]
         if is_sample(dataset):
             entries: list[Any] = draw_sample(main, dataset, present, x, y)
         else:
             _colour(main, dataset, present, x, y)
             draw_borders(main, dataset, kinds(dataset), x, y)
             entries = [f.patch for f in present] + draw_sensitive(main, dataset, x, y)
-        _labels(main, above, dataset, x, y)
+        label_axes(main, rows, label(dataset, x), label(dataset, y))
         _scales(figure, main, dataset, present)
         settle(figure)
-        if strip is not None and above is not None:
-            draw_strip(above, strip, Normalize(-1, 1))
-        key(main if above is None else above, entries, title)
+        if strip is not None:
+            draw_strip(rows[0], strip, Normalize(-1, 1))
+        key(rows[0], entries, title)
         note(main, fixed_numbers(dataset) + told_below(dataset))
     return figure
 
@@ -146,15 +147,6 @@ def _axes_of(dataset: Any, x: str = "", y: str = "") -> tuple[str, str]:
     return names[1], names[0]
 
 
-def _panels(figure: Figure, strip: Strip | None) -> tuple[Axes | None, Axes]:
-    if strip is None:
-        return None, figure.subplots()
-    above, main = figure.subplots(
-        2, 1, sharex=True, gridspec_kw={"height_ratios": [0.075, 1.0], "hspace": 0.05}
-    )
-    return above, main
-
-
 def linear_strip(dataset: xarray.Dataset, x: str) -> Strip | None:
     """The linear verdict along the x axis, as a strip; None where the dataset has none.
 
@@ -176,7 +168,7 @@ def linear_strip(dataset: xarray.Dataset, x: str) -> Strip | None:
     else:
         steps = np.flatnonzero(np.diff(codes))
         changes = (at[steps] + at[steps + 1]) / 2
-    shade = np.array([SHADE.get(BY_CODE[int(c)].word, 0.0) for c in codes])
+    shade = np.array([2 * LOOKS[BY_CODE[int(c)].word].shade - 1 for c in codes])
     return Strip("linear", at, shade, tuple(float(v) for v in changes), codes)
 
 
@@ -190,7 +182,7 @@ def _colour(axes: Axes, dataset: xarray.Dataset, present: list[Fate], x: str, y:
         (across, axes.set_xscale, axes.set_xlim),
         (along, axes.set_yscale, axes.set_ylim),
     ):
-        if even_ratios(values):
+        if even_in_logarithm(values):
             scale("log")
         limits(float(values[0]), float(values[-1]))
     for fate in present:
@@ -198,20 +190,11 @@ def _colour(axes: Axes, dataset: xarray.Dataset, present: list[Fate], x: str, y:
             hatch(axes, across, along, fate.where, fate.texture)
 
 
-def _labels(main: Axes, above: Axes | None, dataset: xarray.Dataset, x: str, y: str) -> None:
-    main.set_xlabel(label(dataset, x))
-    main.set_ylabel(label(dataset, y))
-    if main.get_xscale() != "log":
-        main.xaxis.set_major_locator(ticks_along(main))
-    if above is not None:
-        above.tick_params(axis="x", labelbottom=False)
-
-
 def _scales(figure: Figure, main: Axes, dataset: xarray.Dataset, present: list[Fate]) -> None:
     """A scale of lightness for each family whose members differ, one above the other."""
     shown = [f for f in present if f.spread]
     share = 1 / max(len(shown), 1)
-    room = TIGHT * main.get_window_extent().height * 72 / figure.dpi * share
+    room = TIGHT * main.get_window_extent().height * points(main) * share
     for i, fate in enumerate(shown):
         panel = main.inset_axes((1.03, 1 - (i + 0.94) * share, 0.035, 0.88 * share))
         assert fate.members is not None
@@ -294,20 +277,6 @@ def _strip_words(dataset: xarray.Dataset, x: str) -> str:
 
 def _check_words(told: Mapping[str, Any]) -> str:
     return ", and once more at a looser one to estimate its error" * bool(told.get("checked"))
-
-
-def even_ratios(values: Any) -> bool:
-    """Whether values are on a logarithmic axis.
-
-    Examples
-    --------
-    >>> even_ratios(np.geomspace(0.1, 10, 5)), even_ratios(np.linspace(0.1, 10, 5))
-    (True, False)
-    """
-    if len(values) < 3 or values[0] * values[-1] <= 0 or (values == 0).any():
-        return False
-    ratios = values[1:] / values[:-1]
-    return bool(np.ptp(ratios) < 1e-9 * abs(ratios[0] - 1))
 
 
 def _quantities(dataset: xarray.Dataset) -> Mapping[str, Quantity]:
@@ -419,10 +388,9 @@ def draw_sensitive(axes: Axes, dataset: xarray.Dataset, x: str, y: str) -> list[
     if not marked.any():
         return []
     across, along = (dataset[f"border_block_{n}"].values[marked] for n in (x, y))
-    halo = [matplotlib.patheffects.withStroke(linewidth=2.2, foreground="white")]
-    lines = LineCollection(outline(across, along), zorder=4, path_effects=halo, **LOOK)
+    lines = LineCollection(outline(across, along), zorder=4, path_effects=halo(2.2), **LOOK)
     axes.add_collection(lines, autolim=False)
-    return [Line2D([], [], label="sensitive", **LOOK)]
+    return [entry("sensitive", **LOOK)]
 
 
 def _marked(dataset: xarray.Dataset, flag: int) -> np.ndarray[Any, np.dtype[np.bool_]]:
@@ -448,20 +416,24 @@ def outline(across: Any, along: Any) -> list[list[Point]]:
     found: list[list[Point]] = []
     for way, (sides_at, free) in enumerate(((across, along), (along, across))):
         sides = Counter(
-            (float(f), float(low), float(high))
-            for at, (low, high) in zip(sides_at, free, strict=True)
-            for f in at
+            (float(place), float(low), float(high))
+            for places, (low, high) in zip(sides_at, free, strict=True)
+            for place in places
         )
-        joined: list[list[float]] = []
-        for place, low, high in sorted(s for s, count in sides.items() if count == 1):
-            if joined and joined[-1][0] == place and joined[-1][2] == low:
-                joined[-1][2] = high
-            else:
-                joined.append([place, low, high])
-        for place, low, high in joined:
-            ends = [(place, low), (place, high)]
-            found.append(ends if way == 0 else [(b, a) for a, b in ends])
+        found += _joined((side for side, count in sides.items() if count == 1), turned=way == 1)
     return found
+
+
+def _joined(sides: Iterable[tuple[float, float, float]], *, turned: bool) -> list[list[Point]]:
+    """Sides (place, low, high) as lines, those in one line joined; turned ones are level."""
+    joined: list[list[float]] = []
+    for place, low, high in sorted(sides):
+        if joined and joined[-1][0] == place and joined[-1][2] == low:
+            joined[-1][2] = high
+        else:
+            joined.append([place, low, high])
+    lines = [[(place, low), (place, high)] for place, low, high in joined]
+    return [[(b, a) for a, b in line] for line in lines] if turned else lines
 
 
 def sensitive_words(dataset: xarray.Dataset) -> str:
@@ -574,24 +546,10 @@ def cell_edges(
     []
     """
     across, along = edges_of(x), edges_of(y)
-    found = []
-    for column in range(len(x) - 1):
-        for first, last in _runs(_differ(kinds[:, column], kinds[:, column + 1])):
-            at = float(across[column + 1])
-            found.append([(at, float(along[first])), (at, float(along[last]))])
-    for row in range(len(y) - 1):
-        for first, last in _runs(_differ(kinds[row], kinds[row + 1])):
-            at = float(along[row + 1])
-            found.append([(float(across[first]), at), (float(across[last]), at)])
+    found: list[list[Point]] = []
+    for way, (grid, at, free) in enumerate(((kinds, across, along), (kinds.T, along, across))):
+        first, second = grid[:, :-1], grid[:, 1:]
+        rows, columns = np.nonzero((first != second) & (first >= 0) & (second >= 0))
+        ends = (at[columns + 1], free[rows], free[rows + 1])
+        found += _joined(zip(*(v.tolist() for v in ends), strict=True), turned=way == 1)
     return found
-
-
-def _differ(one: NDArray[Any], other: NDArray[Any]) -> NDArray[np.bool_]:
-    """Where two fates differ and both are known."""
-    return np.asarray((one != other) & (one >= 0) & (other >= 0))
-
-
-def _runs(where: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """First and last edge of each run of cells."""
-    change = np.flatnonzero(np.diff(np.concatenate([[False], where, [False]]).astype(np.int8)))
-    return list(zip(change[::2].tolist(), change[1::2].tolist(), strict=True))

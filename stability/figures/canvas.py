@@ -16,6 +16,8 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..base.looks import LIGHT
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -60,7 +62,7 @@ def styled(fontsize: float = BASE) -> dict[Any, Any]:
         "xtick.major.width": 0.6,
         "ytick.major.width": 0.6,
         "hatch.linewidth": 0.35,
-        "hatch.color": "#2b1000",
+        "hatch.color": LIGHT.hatch,
         "savefig.dpi": DOTS,
         "pdf.fonttype": 42,
         "ps.fonttype": 42,

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from .styled_figure import drawing, fixed, key, note, settle, small, ticks_along  # isort: skip
+from .styled_figure import drawing, fixed, halo, key, label_axes, note, points  # isort: skip
+from .styled_figure import settle, small, with_strips, write  # isort: skip
 
 import json
 import re
@@ -14,11 +15,11 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from matplotlib.patheffects import withStroke
 from matplotlib.textpath import TextPath
 from numpy.typing import NDArray
 
 from ..base.errors import ParameterError
+from ..base.looks import LOOKS, YELLOW
 from ..base.quantities import Quantity, axis_label, in_latex, read, unit_of
 from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..bodies.quantities import quantities_of
@@ -27,15 +28,24 @@ from ..boundary.curves import KINDS
 from ..boundary.two_parameters.point_records import CodimensionTwo, PointKind
 from ..maps.dataset import points_of
 from ..spectra.result import Spectrum
-from .shading import DIVERGING, TEXTURES, colour_bar, draw_strip, hatch, linear_part, norm_of, patch
+from .shading import (
+    DIVERGING,
+    colour_bar,
+    draw_strip,
+    hatch_verdicts,
+    hatching_words,
+    linear_part,
+    norm_of,
+    patch,
+)
 from .shading import Strip as Strip
 
 if TYPE_CHECKING:
     import xarray
 
 
-YELLOW, OCHRE, STRIP = "#f7d038", "#6b5900", 1.2
-"""Colours and least width [pt] of the strip that encloses the boundary of a certified map."""
+STRIP = 1.2
+"""Least width of the strip that encloses the boundary of a certified map [pt]."""
 LINES = {
     Crossing.STATIC: "-",
     Crossing.FLUTTER: (0, (4, 1.6)),
@@ -107,10 +117,13 @@ def plot_map(
     if ax is not None and (above or below):
         raise ParameterError("above and below need a figure of their own; leave out ax.")
     with drawing(ax, width, fontsize, lambda wide: min(0.98 * wide, 2.05 + 0.38 * wide)) as figure:
-        rows = [ax] if ax is not None else _rows(figure, above, below)
+        strips_at = {"above": above is not None, "below": below is not None}
+        rows = [ax] if ax is not None else with_strips(figure, **strips_at)
         main = rows[1 if above else 0]
         mesh = _colour(main, dataset)
-        _axis_labels(main, rows, dataset)
+        across = dataset[_x(dataset)]
+        main.set_xlim(float(across[0]), float(across[-1]))
+        label_axes(main, rows, *(_label(dataset, n) for n in (_x(dataset), _y(dataset))))
         strips = [(s, p) for s, p in ((above, rows[0]), (below, rows[-1])) if s is not None]
         _bar(figure, rows, mesh, dataset, [s for s, _ in strips])
         marked = points_of(dataset) if points is None else points
@@ -123,19 +136,6 @@ def plot_map(
         key(rows[0], _handles(main, dataset, nameless), title)
         note(rows[-1], _fixed(dataset))
     return figure
-
-
-def _rows(figure: Figure, above: Strip | None, below: Strip | None) -> list[Axes]:
-    """Panels of a figure, from the top."""
-    heights = [s for s, strip in ((0.075, above), (1.0, True), (0.075, below)) if strip]
-    panels = figure.subplots(
-        len(heights),
-        1,
-        sharex=True,
-        squeeze=False,
-        gridspec_kw={"height_ratios": heights, "hspace": 0.05},
-    )
-    return [row[0] for row in panels]
 
 
 def _bar(
@@ -204,8 +204,7 @@ def caption(dataset: xarray.Dataset, points: CodimensionTwo | None = None) -> st
     missing = int((codes == NO_MEMBER).sum())
     cells = ", ".join(f"{n} {word}" for word, n in words.items() if n)
     none = f", {missing} without a member" * bool(missing)
-    hatched = "; ".join(f"{way}: {v.word}" for v, (_, way) in TEXTURES.items() if words[v.word])
-    texture = f"; {hatched}" * bool(hatched)
+    texture = "".join(f"; {hatched}" for hatched in hatching_words(codes))
     title = str(dataset.attrs["family"])
     blank = "  Blank: no member, since no steady motion of the family is reached there." * bool(
         missing
@@ -253,9 +252,7 @@ def _colour(axes: Axes, dataset: xarray.Dataset) -> Any:
     for name, scale in ((_x(dataset), axes.set_xscale), (_y(dataset), axes.set_yscale)):
         if _is_log(dataset, name):
             scale("log")
-    # the verdict shows without colour too
-    for verdict, (texture, _) in TEXTURES.items():
-        hatch(axes, x.values, y.values, dataset.verdict.values == CODES[verdict], texture)
+    hatch_verdicts(axes, x.values, y.values, dataset.verdict.values)
     if missing.any():  # left blank within a thin line, so that white is not taken for a colour
         axes.contour(x, y, missing.astype(float), levels=[0.5], colors="#777777", linewidths=0.6)
         axes.set_facecolor("white")
@@ -274,14 +271,20 @@ def _boxes(axes: Axes, dataset: xarray.Dataset) -> None:
     (x0, x1), (y0, y1) = (e.T for e in ends)
     corners = np.stack([np.stack([x0, x1, x1, x0], 1), np.stack([y0, y0, y1, y1], 1)], axis=-1)
     strip = dataset.box_verdict.values == CODES[Verdict.UNDECIDED]
-    dark: dict[str, Any] = {"facecolors": YELLOW, "edgecolors": OCHRE, "linewidths": STRIP + 0.8}
+    inside, edge = _undecided_box()
+    dark: dict[str, Any] = {"facecolors": inside, "edgecolors": edge, "linewidths": STRIP + 0.8}
     looks: tuple[dict[str, Any], ...] = (
         {"facecolors": "none", "edgecolors": "white", "linewidths": 0.4},
         dark,
-        dark | {"edgecolors": YELLOW, "linewidths": STRIP},
+        dark | {"edgecolors": inside, "linewidths": STRIP},
     )
     for where, look, z in zip((~strip, strip, strip), looks, (2.0, 2.1, 2.2), strict=True):
         axes.add_collection(PolyCollection(corners[where], zorder=z, **look), autolim=False)
+
+
+def _undecided_box() -> tuple[str, str]:
+    """Colours of the inside and the edge of a box in which nothing is proved."""
+    return LOOKS[Verdict.UNDECIDED.word].box or ("none", "black")
 
 
 def _curves(axes: Axes, dataset: xarray.Dataset) -> None:
@@ -294,7 +297,7 @@ def _curves(axes: Axes, dataset: xarray.Dataset) -> None:
     seen: set[Crossing] = set()
     # on a certified map the line is thin, so that the strip shows on both its sides
     boxed = "box_verdict" in dataset
-    halo = [] if boxed else [withStroke(linewidth=2.6, foreground="white")]
+    edge = [] if boxed else halo(2.6)
     kind = _without_single_points(kind, curve)
     for start, stop in _runs(kind, curve):
         crossing = by_code[int(kind[start])]
@@ -306,7 +309,7 @@ def _curves(axes: Axes, dataset: xarray.Dataset) -> None:
             color="black",
             linestyle=LINES[crossing],
             label=None if crossing in seen else f"{label} boundary",
-            path_effects=halo,
+            path_effects=edge,
             solid_capstyle="butt",
             linewidth=0.5 if boxed else 1.3,
             zorder=3,
@@ -318,8 +321,9 @@ def _handles(axes: Axes, dataset: xarray.Dataset, nameless: set[Verdict]) -> lis
     """Entries of the legend: boundaries, points, boxes, and verdicts whose region has no word."""
     handles, _ = axes.get_legend_handles_labels()
     if "box_verdict" in dataset:
+        inside, edge = _undecided_box()
         handles.append(
-            Patch(facecolor=YELLOW, edgecolor=OCHRE, linewidth=0.4, label="strip that encloses it")
+            Patch(facecolor=inside, edgecolor=edge, linewidth=0.4, label="strip that encloses it")
         )
         handles.append(
             Patch(facecolor=DIVERGING(0.2), edgecolor="white", linewidth=0.8, label="proved box")
@@ -360,26 +364,14 @@ def _quantities(dataset: xarray.Dataset) -> Mapping[str, Quantity]:
     return quantities_of(str(dataset.attrs.get("system", "")))
 
 
-def _axis_labels(main: Axes, rows: list[Axes], dataset: xarray.Dataset) -> None:
-    """Labels, limits and ticks; those of the x axis are under the lowest panel."""
-    rows[-1].set_xlabel(_label(dataset, _x(dataset)))
-    main.set_ylabel(_label(dataset, _y(dataset)))
-    main.set_xlim(float(dataset[_x(dataset)][0]), float(dataset[_x(dataset)][-1]))
-    if not _is_log(dataset, _x(dataset)):
-        main.xaxis.set_major_locator(ticks_along(main))
-    for panel in rows[:-1]:
-        panel.tick_params(axis="x", labelbottom=False)
-
-
 def _region_names(axes: Axes, dataset: xarray.Dataset) -> set[Verdict]:
     """Write each verdict into its region, far from its edge; the textures without a word."""
     from scipy.ndimage import distance_transform_edt
 
     codes = dataset.verdict.values
-    halo = [withStroke(linewidth=2.2, foreground="white")]
     names = {code: v.word for v, code in CODES.items()}
     named = set()
-    for code, word in (names | {NO_MEMBER: "no member"}).items():
+    for code, word in (names | {NO_MEMBER: LOOKS["absent"].word}).items():
         where = codes == code
         if where.sum() < 0.03 * codes.size:
             continue
@@ -399,28 +391,18 @@ def _region_names(axes: Axes, dataset: xarray.Dataset) -> set[Verdict]:
         i, j = int(rows[nearest]), int(columns[nearest])
         x = float(dataset[_x(dataset)][min(max(j - 1, 0) // fine[1], codes.shape[1] - 1)])
         y = float(dataset[_y(dataset)][min(max(i - 1, 0) // fine[0], codes.shape[0] - 1)])
-        axes.text(
-            x,
-            y,
-            word,
-            ha="center",
-            va="center",
-            path_effects=halo,
-            zorder=5,
-            fontsize=small() + 1.5,
-        )
+        write(axes, x, y, word, edge=2.2, zorder=5, fontsize=small() + 1.5)
         named |= {v for v in Verdict if v.word == word}
-    present = {v for v in TEXTURES if (codes == CODES[v]).any()}
+    present = {v for v in Verdict if LOOKS[v.word].pattern and (codes == CODES[v]).any()}
     return present - named
 
 
 def _extent(axes: Axes, word: str) -> tuple[float, float]:
     """Height and width of a word with its halo, over those of the panel."""
     box = axes.get_window_extent()
-    points = 72 / axes.get_figure(root=True).dpi  # type: ignore[union-attr]
     size = small() + 1.5
     width = TextPath((0, 0), word, size=size).get_extents().width
-    return (1.3 * size + 3) / (box.height * points), (width + 7) / (box.width * points)
+    return (1.3 * size + 3) / box.height / points(axes), (width + 7) / box.width / points(axes)
 
 
 MARKERS = {
@@ -448,7 +430,6 @@ def _mark_points(axes: Axes, found: CodimensionTwo, known: tuple[str, str]) -> N
             "of the same two axes."
         )
     swapped = names != known
-    halo = [withStroke(linewidth=2.2, foreground="white")]
     seen: set[PointKind] = set()
     for p in found:
         x, y = (p.y, p.x) if swapped else (p.x, p.y)
@@ -460,10 +441,10 @@ def _mark_points(axes: Axes, found: CodimensionTwo, known: tuple[str, str]) -> N
             color="black",
             markersize=4.5,
             zorder=6,
-            markerfacecolor="#f7d038" if filled else "none",
+            markerfacecolor=YELLOW if filled else "none",
             markeredgewidth=0.9,
             label=None if p.kind in seen else LABELS[p.kind],
-            path_effects=halo,
+            path_effects=halo(2.2),
             clip_on=False,
         )
         seen.add(p.kind)

@@ -5,7 +5,7 @@ A map has a cell for each launch, a random sample a mark.
 
 from __future__ import annotations
 
-from .canvas import figure_style  # isort: skip  # noqa: F401  # before Matplotlib
+from .styled_figure import entry  # isort: skip
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -23,6 +23,7 @@ from ..basin.statistics.fractions import LEVEL, wilson
 from ..basin.statistics.samples import LogUniform
 from ..bodies.families import at_name
 from ..motion.result import Outcome
+from .shading import hatched_patch
 
 if TYPE_CHECKING:
     import xarray
@@ -93,13 +94,7 @@ class Fate:
     @property
     def patch(self) -> Patch:
         """The entry of the legend."""
-        return Patch(
-            facecolor=self.ramp(0.5),
-            edgecolor=matplotlib.rcParams["hatch.color"],
-            linewidth=0.3,
-            hatch=self.texture and self.texture + self.texture[:2],
-            label=self.label,
-        )
+        return hatched_patch(self.ramp(0.5), self.texture, self.label)
 
 
 def fates(dataset: xarray.Dataset) -> list[Fate]:
@@ -284,17 +279,14 @@ def draw_sample(
 
 def _entry(fate: Fate, share: str, outline: Any) -> Line2D:
     mark = MARKS[fate.way][0]
-    bare = mark in "x_"
-    return Line2D(
-        [],
-        [],
+    return entry(
+        f"{fate.label}, {share}",
         linestyle="none",
         marker=mark,
         markersize=4.5,
-        label=f"{fate.label}, {share}",
         markerfacecolor=fate.ramp(0.5),
         markeredgecolor=outline,
-        markeredgewidth=2 * EDGE if bare else EDGE,
+        markeredgewidth=2 * EDGE if mark in "x_" else EDGE,
     )
 
 

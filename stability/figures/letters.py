@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from .canvas import STYLE, figure_style  # isort: skip
+from .styled_figure import halo, points  # isort: skip
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,15 +12,11 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
-from matplotlib.patheffects import withStroke
 from matplotlib.textpath import TextPath
 from numpy.typing import NDArray
 
 SMALL = 6.0
 """Size of the smallest text [pt]."""
-
-HALO = [withStroke(linewidth=1.2, foreground="white")]
-"""Keeps a letter readable on a line."""
 
 MARK = 1.7
 """Half the size of a marker next to which a letter stands [pt]."""
@@ -56,7 +53,7 @@ def letters(axes: Axes, marks: Sequence[Letter], size: float = MARK) -> None:
     """
     if not marks:
         return
-    scale = 72 / axes.get_figure(root=True).dpi  # type: ignore[union-attr]
+    scale = points(axes)
     at = axes.transData.transform([(m.x, m.y) for m in marks]) * scale
     half = np.array([_half(m.text) for m in marks])
     room = np.array([axes.bbox.p0, axes.bbox.p1]) * scale
@@ -88,7 +85,7 @@ def letters(axes: Axes, marks: Sequence[Letter], size: float = MARK) -> None:
             color=_dark(mark.colour),
             ha="center",
             va="center",
-            path_effects=HALO,
+            path_effects=halo(1.2),
             arrowprops=arrow,
             zorder=6,
         )

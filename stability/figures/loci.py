@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from .styled_figure import drawing, fixed, key, note, panels  # isort: skip
-from .styled_figure import settle, signed_ticks, small, ticks_along  # isort: skip
+from .styled_figure import drawing, entry, fixed, key, note, panels, points  # isort: skip
+from .styled_figure import settle, signed_ticks, ticks_along, write  # isort: skip
 
 import math
 from collections.abc import Sequence
@@ -14,11 +14,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
 from ..base.checks import instance
 from ..base.errors import ParameterError
+from ..base.looks import BLUE, GREEN, LIGHT, PURPLE, SKY, VERMILION
 from ..base.quantities import axis_label, in_latex
 from ..base.types import Complexes, Floats
 from ..base.verdict import BY_CODE
@@ -36,8 +36,7 @@ from .modes import (
 )
 from .modes import swept as swept
 
-MODE_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#000000")
-"""Okabe & Ito's colours, safe for colour-blind readers."""
+MODE_COLOURS = (BLUE, VERMILION, GREEN, PURPLE, SKY, "#000000")
 DASHES: tuple[Any, ...] = ("-", (0, (3, 1.5)), (0, (1, 1)), (0, (4, 1.2, 1, 1.2)))
 """Lines of one mode: the second and later ones show only where a pair splits."""
 SHARE = 0.22
@@ -45,12 +44,15 @@ SHARE = 0.22
 PLAIN = 0.03
 """Least rate over the largest one that a linear scale shows apart from zero."""
 LOOKS: dict[int, tuple[str, str, dict[str, Any]]] = {
-    1: ("growing", "#b34700", {"marker": "^", "mfc": "#d55e00", "ms": 5.0}),
+    1: ("growing", "#b34700", {"marker": "^", "mfc": VERMILION, "ms": 5.0}),
     0: ("near the axis", "#303030", {"marker": "D", "mfc": "white", "ms": 4.0}),
-    -1: ("decaying", "#0072b2", {"marker": "o", "mfc": "#0072b2", "ms": 4.2}),
+    -1: ("decaying", BLUE, {"marker": "o", "mfc": BLUE, "ms": 4.2}),
 }
 """Word, colour and marker by the sign of the real part, where the error disc leaves no doubt."""
-HALO = [withStroke(linewidth=2, foreground="white")]
+SOME_GROWTH = LIGHT.ramp[3]
+"""Colour of the side of growth."""
+HALO = 2.0
+"""White edge of words [pt]."""
 Groups = list[tuple[int, ...]]
 
 
@@ -203,23 +205,14 @@ def _growth(
                 label=None if position else f"{index + 1}: {names[index]}",
             )
     _asinh_scale(axes, "y", values.real, linear_width(values.real, radius))
-    axes.axhspan(0, axes.get_ylim()[1], facecolor="#fdebdc", zorder=0)
+    axes.axhspan(0, axes.get_ylim()[1], facecolor=SOME_GROWTH, zorder=0)
     zero = float(axes.transAxes.inverted().transform(axes.transData.transform((at[0], 0.0)))[1])
     for word, height, colour in (
         ("growth", (1 + zero) / 2, "#7f2704"),
-        ("decay", zero / 2, "#08306b"),
+        ("decay", zero / 2, LIGHT.ramp[0]),
     ):
-        axes.text(
-            1.015,
-            height,
-            word,
-            transform=axes.transAxes,
-            rotation=90,
-            ha="left",
-            va="center",
-            fontsize=small(),
-            color=colour,
-        )
+        look = {"ha": "left", "rotation": 90, "color": colour}
+        write(axes, 1.015, height, word, transform=axes.transAxes, **look)
     found = crossings(at, values.real, radius, known)
     if found:
         axes.plot(
@@ -245,17 +238,8 @@ def _frequencies(axes: Axes, at: Floats, values: Complexes, groups: Groups) -> N
     """Draw the frequencies where eigenvalues are complex; say so where none is."""
     every = np.abs(values.imag)
     if not every.any():
-        axes.text(
-            0.5,
-            0.5,
-            "no oscillation: every eigenvalue is real",
-            ha="center",
-            va="center",
-            transform=axes.transAxes,
-            fontsize=small(),
-            path_effects=HALO,
-            zorder=5,
-        )
+        words = "no oscillation: every eigenvalue is real"
+        write(axes, 0.5, 0.5, words, edge=HALO, transform=axes.transAxes, zorder=5)
         axes.set_yticks([])
         return
     shown = np.ma.masked_equal(every, 0.0)
@@ -268,7 +252,7 @@ def _frequencies(axes: Axes, at: Floats, values: Complexes, groups: Groups) -> N
 
 def _numbers(axes: Axes, at: Floats, values: Floats, groups: Groups) -> None:
     """Write the number of each mode on its curve, where it is farthest from the other curves."""
-    points = 72 / axes.get_figure(root=True).dpi  # type: ignore[union-attr]
+    point = points(axes)
 
     def place(column: int) -> Floats:  # along the curve [pt], NaN outside the panel
         pairs = np.column_stack([at, values[:, column]])
@@ -277,7 +261,7 @@ def _numbers(axes: Axes, at: Floats, values: Floats, groups: Groups) -> None:
         (x0, y0), (x1, y1) = axes.bbox.min, axes.bbox.max
         x, y = np.nan_to_num(spots).T
         inside &= (x0 + 3 < x) & (x < x1 - 3) & (y0 + 3 < y) & (y < y1 - 3)
-        return np.where(inside[:, None], spots, np.nan) * points
+        return np.where(inside[:, None], spots, np.nan) * point
 
     curves = [[place(c) for c in columns] for columns in groups]
     written: list[Floats] = []
@@ -295,18 +279,8 @@ def _numbers(axes: Axes, at: Floats, values: Floats, groups: Groups) -> None:
         clear = [_clearance(spot, others, written) for spot in tries]
         best = tries[int(np.argmax(clear))]
         written.append(best)
-        x, y = axes.transData.inverted().transform(best / points)
-        axes.text(
-            x,
-            y,
-            str(index + 1),
-            color=_colour(index),
-            ha="center",
-            va="center",
-            fontsize=small(),
-            path_effects=HALO,
-            zorder=4,
-        )
+        x, y = axes.transData.inverted().transform(best / point)
+        write(axes, x, y, str(index + 1), edge=HALO, color=_colour(index), zorder=4)
 
 
 def _clearance(spot: Floats, others: list[Floats], written: list[Floats]) -> float:
@@ -348,7 +322,7 @@ def _eigenvalues(axes: Axes, spectrum: Spectrum) -> list[Line2D]:
     if not row.imag.any():
         axes.set_yticks([0.0])
     _growth_scale(axes, row.real, np.abs(row.real[signs != 0]))
-    axes.axvspan(0, axes.get_xlim()[1], facecolor="#fdebdc", zorder=0)
+    axes.axvspan(0, axes.get_xlim()[1], facecolor=SOME_GROWTH, zorder=0)
     axes.axhline(0, color="0.6", linewidth=0.5, zorder=1)
     axes.axvline(0, color="0.3", linewidth=0.8, zorder=1)
     entries, marks = [], []
@@ -371,27 +345,17 @@ def _eigenvalues(axes: Axes, spectrum: Spectrum) -> list[Line2D]:
             zorder=2,
         )
         axes.plot(where.real, where.imag, zorder=3, **look)
-        entries.append(Line2D([], [], label=f"{number}: {word}, {name}", **look))
+        entries.append(entry(f"{number}: {word}, {name}", **look))
         marks += [Letter(v.real, v.imag, str(number), colour) for v in where]
     if spectrum.structural_zeros:
         zeros = int(spectrum.structural_zeros)
         look = {"marker": "+", "mec": "black", "ms": 6.0, "mew": 0.9, "ls": ""}
         label = f"{zeros} zero{'s' * (zeros > 1)} by structure"
         axes.plot([0.0], [0.0], zorder=2.5, **look)
-        entries.append(Line2D([], [], label=label, **look))
+        entries.append(entry(label, **look))
     for word, side, place in (("growth", "right", 0.985), ("decay", "left", 0.015)):
-        axes.text(
-            place,
-            0.02,
-            word,
-            transform=axes.transAxes,
-            ha=side,
-            va="bottom",
-            fontsize=small(),
-            color="0.25",
-            path_effects=HALO,
-            zorder=4,
-        )
+        look = {"ha": side, "va": "bottom", "color": "0.25", "zorder": 4}
+        write(axes, place, 0.02, word, edge=HALO, transform=axes.transAxes, **look)
     letters(axes, marks, 2.6)
     return entries
 
@@ -423,9 +387,9 @@ def _asinh_scale(axes: Axes, along: str, real: Floats, linear: float) -> None:
     ]
     low, high = (linear * float(np.sinh(end)) for end in ends)
     getattr(axes, f"set_{along}lim")(-low, high)
-    box, dpi = axes.get_window_extent(), axes.get_figure(root=True).dpi  # type: ignore[union-attr]
+    box = axes.get_window_extent()
     long, letters_ = (box.height, 1.35) if along == "y" else (box.width, 3.6)
-    unit = long * 72 / dpi / sum(ends)
+    unit = long * points(axes) / sum(ends)
     gap = letters_ * matplotlib.rcParams["ytick.labelsize"]
     ticks = signed_ticks(lambda v: unit * place(v), -low, high, linear, gap)
     getattr(axes, f"set_{along}ticks")(*ticks)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from .canvas import COLUMN  # isort: skip
-from .styled_figure import checked_size, drawing, fixed, key, note, small, spacing  # isort: skip
+from .styled_figure import checked_size, drawing, entry, fixed, key  # isort: skip
+from .styled_figure import note, small, spacing, write  # isort: skip
 
 import json
 from collections.abc import Callable, Mapping
@@ -21,6 +22,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from ..base.errors import ParameterError, shown
+from ..base.looks import BLUE, PURPLE, SKY, VERMILION
 from ..base.quantities import Kind, Quantity, in_latex, readable, unit_of
 from ..bodies.families import FAMILIES
 from ..bodies.newton_euler import STATES
@@ -38,20 +40,21 @@ NARROW = 5.0
 """Width below which the parts stand one below the other [in]."""
 ENERGIES = ("potential", "kinetic", "dissipated")
 POSE = ("contact_x", "contact_y", "centre_x", "centre_y")
-FILLS = (("#56B4E9", ""), ("#F0E442", "////"), ("#CC79A7", "...."))
+FILLS = ((SKY, ""), ("#F0E442", "////"), (PURPLE, "...."))
 """Colour and hatching of each of `ENERGIES`."""
 # the palest end of the map would be lost on white paper
 TIME_MAP = ListedColormap(matplotlib.colormaps["viridis"](np.linspace(0, 0.92, 256)))
-PANELS = (
-    ("inclination", ("theta",)),
-    ("rates", ("theta_dot", "phi_dot", "omega3")),
-    ("slip", ("slip_x", "slip_y")),
-    ("normal force", ("normal_force",)),
+WORDS = ("inclination", "rates", "slip", "normal force")
+SERIES = (
+    ("theta",),
+    ("theta_dot", "phi_dot", "omega3"),
+    ("slip_x", "slip_y"),
+    ("normal_force",),
 )
-"""Word and series of each panel over time."""
+"""Word and series of each panel over time, of a disk's motion."""
 ENDS = {"contact": ("s", 6.0), "centre": ("o", 3.4)}
 """Shape and size of the marks at the ends of each path, hollow at the start, filled at the end."""
-COUNTS = {"states": len(PANELS), "paths": 1, "energy": 2}
+COUNTS = {"states": len(SERIES), "paths": 1, "energy": 2}
 """Number of axes that each part of the figure of a disk's motion takes."""
 
 
@@ -116,7 +119,7 @@ def plot_motion(
     usual = COLUMN if stacked or len(parts) == 1 else PAGE
     tall = sum(_heights(parts, names, stacked=stacked)) * (wide / usual) ** 0.5
     draw: dict[str, Callable[[Any, SingleRun], None]] = {
-        "states": partial(draw_system, names=names) if names else _draw_states,
+        "states": partial(_draw_states, names=names),
         "paths": _draw_paths,
         "energy": _draw_energy,
     }
@@ -183,29 +186,65 @@ def _energies(dataset: Any) -> tuple[str, ...]:
     return ("energy", "dissipated") if system_states(dataset) else ENERGIES
 
 
-def _draw_states(page: Any, motion: SingleRun) -> None:
-    panels = page.subplots(len(PANELS), 1, sharex=True)
+def _draw_states(page: Any, motion: SingleRun, names: tuple[str, ...]) -> None:
+    """Draw the states of a disk, or those of a user's system by name, in panels over time."""
     data, times = motion.data, motion.times
-    for axes, (word, names) in zip(panels, PANELS, strict=True):
-        for name, stroke in zip(names, STROKES, strict=False):
-            axes.plot(times, data[name].values, label=QUANTITIES[name].typeset, **stroke)
-        symbol = QUANTITIES[names[0]].typeset if len(names) == 1 else ""
-        axes.set_ylabel(f"{word}\n{symbol} {unit(data, names[0])}".replace("\n ", "\n"))
+    groups, labels = _groups(data, names)
+    panels = np.atleast_1d(page.subplots(len(groups), 1, sharex=True))
+    steady = _settled_on(data, names)
+    for axes, (word, group) in zip(panels, groups, strict=True):
+        for i, name in enumerate(group):
+            stroke = STROKES[i % len(STROKES)]
+            axes.plot(times, data[name].values, label=labels[name], **stroke)
+        for name in group if not names or len(group) == 1 else ():
+            if name in steady:
+                axes.axhline(
+                    steady[name], label="steady", color="black", linestyle=":", linewidth=1.0
+                )
+        symbol = labels[group[0]] if len(group) == 1 and not names else ""
+        lines = [word, f"{symbol} {unit(data, group[0])}".strip()]
+        axes.set_ylabel("\n".join(line for line in lines if line))
         axes.yaxis.set_major_locator(MaxNLocator(5))
         for start, stop in motion.sticking:
-            axes.axvspan(
-                start,
-                stop,
-                facecolor="#e4e4e4",
-                edgecolor="#9a9a9a",
-                hatch="////",
-                linewidth=0,
-                zorder=0,
-            )
+            axes.axvspan(start, stop, zorder=0, **STUCK)
         for t, _ in motion.events:
-            axes.axvline(t, color="#404040", linewidth=0.5, zorder=1)
-    panels[0].axhline(np.pi / 2, color="#404040", linestyle="--", linewidth=0.7, zorder=1)
-    panels[0].annotate(
+            axes.axvline(t, color=GREY, linewidth=0.5, zorder=1)
+        if len(axes.get_legend_handles_labels()[0]) > 1:
+            legend(axes)
+    if not names:
+        _mark_upright(panels[0])
+        panels[3].axhline(0, color=GREY, linewidth=0.7, zorder=1)
+    words(panels[0], motion)
+    panels[-1].set_xlim(times[0], times[-1])
+    time = "time" if names else "time $t$"
+    panels[-1].set_xlabel(f"{time}  {unit(data, 'time')}")
+    page.align_ylabels()
+
+
+def _groups(
+    data: xarray.Dataset, names: tuple[str, ...]
+) -> tuple[list[tuple[str, tuple[str, ...]]], dict[str, str]]:
+    """Word and series of each panel, and the label of each series.
+
+    Many states of a user's system share panels by unit.  A state whose unit comes after the first
+    `MOST_PANELS` units is not drawn.
+    """
+    if not names:
+        labels = {name: QUANTITIES[name].typeset for group in SERIES for name in group}
+        return list(zip(WORDS, SERIES, strict=True)), labels
+    groups: list[tuple[str, ...]] = [(name,) for name in names]
+    if len(names) > MOST_PANELS:
+        units = list(dict.fromkeys(unit(data, n) for n in names))[:MOST_PANELS]
+        groups = [tuple(n for n in names if unit(data, n) == u) for u in units]
+    plain = {name: name.replace("$", r"\$") for name in names}
+    titles = [plain[g[0]].replace("_", " ") if len(g) == 1 else "" for g in groups]
+    return list(zip(titles, groups, strict=True)), plain
+
+
+def _mark_upright(axes: Axes) -> None:
+    """Draw a line at π/2, and keep the axis from shrinking to rounding errors."""
+    axes.axhline(np.pi / 2, color=GREY, linestyle="--", linewidth=0.7, zorder=1)
+    axes.annotate(
         r"$\pi/2$",
         (1.01, np.pi / 2),
         xycoords=("axes fraction", "data"),
@@ -213,35 +252,26 @@ def _draw_states(page: Any, motion: SingleRun) -> None:
         fontsize=small(),
         annotation_clip=False,
     )
-    low, high = panels[0].get_ylim()
-    panels[0].set_ylim(min(low, high - 0.02), max(high, low + 0.02))  # not down to rounding errors
-    panels[0].ticklabel_format(useOffset=False)
-    panels[3].axhline(0, color="#404040", linewidth=0.7, zorder=1)
-    _steady(panels, data)
-    for axes in panels[1:3]:
-        legend(axes)
-    words(panels[0], motion)
-    panels[-1].set_xlim(times[0], times[-1])
-    panels[-1].set_xlabel(f"time $t$  {unit(data, 'time')}")
-    page.align_ylabels()
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, high - 0.02), max(high, low + 0.02))
+    axes.ticklabel_format(useOffset=False)
 
 
-def _steady(panels: list[Axes], data: xarray.Dataset) -> None:
-    """Draw dotted lines at the steady motion on which the run settled."""
-    if "nearest_at" not in data or BY_CODE[int(data.outcome)] is not Outcome.SETTLED:
-        return
-    family, at = FAMILIES.get(str(data.nearest_family.values)), float(data.nearest_at)
+def _settled_on(data: xarray.Dataset, names: tuple[str, ...]) -> dict[str, float]:
+    """The steady motion on which a run settled, by name of state; empty for another outcome."""
+    if BY_CODE[int(data.outcome)] is not Outcome.SETTLED:
+        return {}
+    if names:
+        member = data.nearest_member.values if "nearest_member" in data else ()
+        return dict(zip(names, map(float, member), strict=False))
+    family = FAMILIES.get(str(data.nearest_family.values)) if "nearest_at" in data else None
     if family is None:  # a file from elsewhere may name an unknown family
-        return
+        return {}
     rate = np.sqrt(float(data.gravity) / length_of(data))
     turned = np.copysign(rate, data.phi_dot.values[-1])
-    member = family.member(np, at, float(data.k), turned)
+    states = family.member(np, float(data.nearest_at), float(data.k), turned)
     shown = [*family.at, *(family.disk_unknown if family.solution else ())]
-    for axes, (_, names) in zip(panels, PANELS, strict=True):
-        for name in (n for n in names if n in shown):
-            axes.axhline(member[name], label="steady", color="black", linestyle=":", linewidth=1.0)
-            if axes is panels[0]:
-                legend(axes)
+    return {name: float(states[name]) for name in shown}
 
 
 def _draw_paths(page: Any, motion: SingleRun) -> None:
@@ -306,36 +336,20 @@ def _draw_paths(page: Any, motion: SingleRun) -> None:
 
 def _keys(sticks: bool, first: str) -> list[Any]:
     """Entries of the legend: each path with the mark of its end, and what is hollow."""
-    ink: dict[str, Any] = {"color": "#303030"}
     (square, large), (ring, little) = ENDS["contact"], ENDS["centre"]
-    marked: dict[str, Any] = {"marker": square, "markersize": large, "markevery": [1]}
+    path: dict[str, Any] = {"linewidth": 1.8, "color": "#303030"}
+    ends = {"marker": square, "markersize": large, "markevery": [1]}
+    centre = path | {"marker": ring, "markersize": little, "markevery": [1], "linewidth": 0.8}
+    alone = {"ls": "", "marker": square, "markersize": large, "color": "black"}
     name = "contact, sliding" if sticks else "contact point"
-    slides = Line2D([0, 1], [0, 0], linewidth=1.8, label=name, **marked, **ink)
-    stuck = Line2D([], [], linewidth=1.8, dashes=(1.7, 1), label="contact, sticking", **ink)
-    centre = Line2D(
-        [0, 1],
-        [0, 0],
-        linewidth=0.8,
-        label="centre",
-        marker=ring,
-        markersize=little,
-        markevery=[1],
-        **ink,
-    )
-    begin = Line2D(
-        [],
-        [],
-        ls="",
-        marker=square,
-        markersize=large,
-        color="black",
-        markerfacecolor="none",
-        label=f"{first} (hollow)",
-    )
-    end = Line2D(
-        [], [], ls="", marker=square, markersize=large, color="black", label="end (filled)"
-    )
-    return [slides, *([stuck] if sticks else []), centre, begin, end]
+    stuck = [entry("contact, sticking", dashes=(1.7, 1), **path)] if sticks else []
+    return [
+        Line2D([0, 1], [0, 0], label=name, **path, **ends),
+        *stuck,
+        Line2D([0, 1], [0, 0], label="centre", **centre),
+        entry(f"{first} (hollow)", markerfacecolor="none", **alone),
+        entry("end (filled)", **alone),
+    ]
 
 
 def _draw_energy(page: Any, motion: SingleRun) -> None:
@@ -392,10 +406,19 @@ def _layers_of_energy(upper: Axes, motion: SingleRun) -> None:
 
 # distinct in every common colour vision; in grey, by the dashes
 STROKES: tuple[dict[str, Any], ...] = (
-    {"color": "#0072B2", "linestyle": "-", "linewidth": 1.0},
-    {"color": "#D55E00", "linestyle": (0, (4, 1.4)), "linewidth": 1.0},
+    {"color": BLUE, "linestyle": "-", "linewidth": 1.0},
+    {"color": VERMILION, "linestyle": (0, (4, 1.4)), "linewidth": 1.0},
     {"color": "#000000", "linestyle": (0, (4, 1.2, 1, 1.2)), "linewidth": 0.9},
 )
+GREY = "#404040"
+"""Colour of lines across a panel."""
+STUCK: dict[str, Any] = {
+    "facecolor": "#e4e4e4",
+    "edgecolor": "#9a9a9a",
+    "hatch": "////",
+    "linewidth": 0,
+}
+"""Look of a span of sticking."""
 MOST_PANELS = 8
 """Most panels of a user's system."""
 
@@ -454,59 +477,8 @@ def words(axes: Axes, motion: SingleRun) -> None:
     for t, word in marks[-1:] + marks[:-1]:
         if all(abs(t - other) > room for other in free):
             free.append(t)
-            axes.text(
-                t,
-                1.03,
-                word,
-                rotation=90,
-                fontsize=small(),
-                ha="center",
-                va="bottom",
-                transform=axes.get_xaxis_transform(),
-            )
-
-
-def draw_system(page: Any, motion: SingleRun, names: tuple[str, ...]) -> None:
-    """Draw the states of a user's system; many states share panels by unit.
-
-    A state whose unit comes after the first `MOST_PANELS` units is not drawn.
-    """
-    data, times = motion.data, motion.times
-    groups: list[tuple[str, ...]] = [(n,) for n in names]
-    if len(names) > MOST_PANELS:
-        units = list(dict.fromkeys(unit(data, n) for n in names))[:MOST_PANELS]
-        groups = [tuple(n for n in names if unit(data, n) == u) for u in units]
-    panels = np.atleast_1d(page.subplots(len(groups), 1, sharex=True))
-    for axes, group in zip(panels, groups, strict=True):
-        for i, name in enumerate(group):
-            axes.plot(
-                times,
-                data[name].values,
-                label=name.replace("$", r"\$"),
-                **STROKES[i % len(STROKES)],
-            )
-        word = group[0].replace("_", " ").replace("$", r"\$") if len(group) == 1 else ""
-        axes.set_ylabel(f"{word}\n{unit(data, group[0])}".strip("\n"))
-        axes.yaxis.set_major_locator(MaxNLocator(5))
-        for t, _ in motion.events:
-            axes.axvline(t, color="#404040", linewidth=0.5, zorder=1)
-        if len(group) > 1:
-            legend(axes)
-    if "nearest_member" in data and BY_CODE[int(data.outcome)] is Outcome.SETTLED:
-        _dotted(dict(zip(groups, panels, strict=True)), names, data.nearest_member.values)
-    words(panels[0], motion)
-    panels[-1].set_xlim(times[0], times[-1])
-    panels[-1].set_xlabel(f"time  {unit(data, 'time')}")
-    page.align_ylabels()
-
-
-def _dotted(panels: dict[tuple[str, ...], Axes], names: tuple[str, ...], member: Any) -> None:
-    """Draw dotted lines at the steady motion on which the run settled."""
-    for group, axes in panels.items():
-        if len(group) == 1:
-            at = float(member[names.index(group[0])])
-            axes.axhline(at, color="black", linestyle=":", linewidth=1.0, label="steady")
-            legend(axes)
+            across = axes.get_xaxis_transform()
+            write(axes, t, 1.03, word, rotation=90, va="bottom", transform=across)
 
 
 def lines_of_energy(axes: Axes, motion: SingleRun) -> None:
@@ -546,29 +518,42 @@ def caption(dataset: xarray.Dataset) -> str:
     >>> caption(run).split("  ")[1].split(",")[0]
     'Outcome: flat'
     """
-    if names := system_states(dataset):
-        return _of_system(dataset, names)
-    needed = (*STATES, "outcome", "evidence", "end_time", "energy_error", "method")
-    motion = one_launch(dataset, needed)
+    names = system_states(dataset)
+    needed = ("outcome", "evidence", "end_time", "method")
+    motion = one_launch(dataset, (*(names or STATES), *needed, *["energy_error"] * (not names)))
     data, plain = motion.data, bool(dataset.attrs.get("dimensionless", 0))
-    law = str(dataset.attrs.get("contact", ""))
-    second = f" {Kind.TIME.label(dimensionless=plain)}"
-    given = [
-        f"{q.symbol} = {float(data[name]):.4g}{'' if plain else q.kind.suffix}"
-        for name, q in _quantities(dataset).items()
-        if name in data.coords and not data[name].ndim
-    ]
-    units = {n: "" if plain else f" {readable(data[n].attrs['units'])}" for n in STATES}
-    start = [f"{name} = {float(data[name][0]):.4g}{units[name]}" for name in STATES]
+    start = ", ".join(_number(data, name, bare=plain and not names) for name in names or STATES)
+    audit = ""
+    if "energy_error" in data:
+        whole = "energy" if names else "initial energy"
+        audit = f"; the energy audit closes to {float(data.energy_error):.1g} of the {whole}"
+    if names:
+        given = ", ".join(_number(data, n) for n in json.loads(data.attrs.get("parameters", "{}")))
+        moving = f"{data.attrs['system']}{f' ({given})' if given else ''}"
+        second = "" if (word := data.time.attrs["units"]) == "1" else f" {word}"
+    else:
+        numbers = [
+            f"{q.symbol} = {float(data[name]):.4g}{'' if plain else q.kind.suffix}"
+            for name, q in _quantities(dataset).items()
+            if name in data.coords and not data[name].ndim
+        ]
+        numbers += ["dimensionless"] * plain
+        law = str(dataset.attrs.get("contact", ""))
+        moving = f"{_body_of(dataset)} with {law} contact ({', '.join(numbers)})"
+        second = f" {Kind.TIME.label(dimensionless=plain)}"
     return (
-        f"Motion of {_body_of(dataset)} with {law} contact "
-        f"({', '.join(given)}{', dimensionless' if plain else ''}) from {', '.join(start)} at time "
-        f"{motion.times[0]:.4g} to {motion.times[-1]:.4g}{second}, by {data.method.item()} at "
-        f"tolerance {tolerance_of(dataset):.3g}; the energy audit closes to "
-        f"{float(data.energy_error):.1g} of the initial energy.  "
-        f"Outcome: {BY_CODE[int(data.outcome)].word}, at time {float(data.end_time):.4g}{second} "
-        f"({data.evidence.item()})."
+        f"Motion of {moving} from {start} at time {motion.times[0]:.4g} to "
+        f"{motion.times[-1]:.4g}{second}, by {data.method.item()} at tolerance "
+        f"{tolerance_of(dataset):.3g}{audit}.  Outcome: {BY_CODE[int(data.outcome)].word}, at "
+        f"time {float(data.end_time):.4g}{second} ({data.evidence.item()})."
     )
+
+
+def _number(data: xarray.Dataset, name: str, *, bare: bool = False) -> str:
+    """A parameter, or a state at the first sample, with its unit."""
+    word = "1" if bare else str(data[name].attrs.get("units", "1"))
+    number = f"{name} = {float(data[name].values.flat[0]):.4g}"
+    return number if word == "1" else f"{number} {readable(word)}"
 
 
 def _body_of(dataset: xarray.Dataset) -> str:
@@ -592,30 +577,6 @@ def _quantities(dataset: xarray.Dataset) -> Mapping[str, Quantity]:
     if not dataset.attrs.get("dimensionless", 0):
         own |= {"length": Quantity("length", "L", "length", Kind.LENGTH)}
     return own | dict(known)
-
-
-def _of_system(dataset: xarray.Dataset, names: tuple[str, ...]) -> str:
-    """The caption of a user's system."""
-    motion = one_launch(dataset, names)
-    data = motion.data
-
-    def value(name: str) -> str:
-        unit = str(data[name].attrs.get("units", "1"))
-        number = f"{name} = {float(data[name].values.flat[0]):.4g}"
-        return number if unit == "1" else f"{number} {readable(unit)}"
-
-    second = f" {u}" if (u := data.time.attrs["units"]) != "1" else ""
-    given = ", ".join(value(n) for n in json.loads(dataset.attrs.get("parameters", "{}")))
-    account = ""
-    if "energy_error" in data:
-        account = f"; the energy audit closes to {float(data.energy_error):.1g} of the energy"
-    return (
-        f"Motion of {dataset.attrs['system']}{f' ({given})' if given else ''} from "
-        f"{', '.join(map(value, names))} at time {motion.times[0]:.4g} to "
-        f"{motion.times[-1]:.4g}{second}, by {data.method.item()} at tolerance "
-        f"{tolerance_of(dataset):.3g}{account}.  Outcome: {BY_CODE[int(data.outcome)].word}, at "
-        f"time {float(data.end_time):.4g}{second} ({data.evidence.item()})."
-    )
 
 
 def tolerance_of(dataset: xarray.Dataset) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .canvas import COLUMN, STYLE, figure_style  # isort: skip
-from .styled_figure import drawing, spacing  # isort: skip
+from .styled_figure import drawing, entry, spacing  # isort: skip
 
 from typing import TYPE_CHECKING, Any
 
@@ -129,16 +129,9 @@ def _words(axes: Axes, x: Any, y: Any, first: Any) -> None:
 
 
 def _keys(dataset: xarray.Dataset) -> list[Line2D]:
-    return [
-        Line2D(
-            [],
-            [],
-            color=CURVE,
-            ls=LINES[i % len(LINES)],
-            label=rf"$\theta_0$ = {angle:g}°, {_speed(speed)}",
-        )
-        for i, (angle, speed) in enumerate(_starts(dataset))
-    ]
+    starts = [(rf"$\theta_0$ = {angle:g}°", _speed(speed)) for angle, speed in _starts(dataset)]
+    looks = [{"color": CURVE, "ls": LINES[i % len(LINES)]} for i in range(len(starts))]
+    return [entry(", ".join(words), **look) for words, look in zip(starts, looks, strict=True)]
 
 
 def _speed(speed: float) -> str:

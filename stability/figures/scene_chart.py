@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .canvas import COLUMN, STYLE, figure_style  # isort: skip
-from .styled_figure import StyledFigure, broken, fixed, wide  # isort: skip
+from .styled_figure import StyledFigure, broken, entry, fixed, wide  # isort: skip
 
 import json
 from collections.abc import Sequence
@@ -17,6 +17,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullFormatter, NullLocator
 
 from ..base.errors import ParameterError, shown
+from ..base.looks import BLUE, GREEN, PURPLE, VERMILION
 from ..bodies.quantities import SYSTEM, quantities_of
 from .letters import SMALL, Letter, letters
 
@@ -34,13 +35,13 @@ LOWEST = 1e-16
 NEAR = 0.1
 """Least distance of two words at the right of the panel, over its height."""
 LOOKS: dict[str, dict[str, Any]] = {
-    "closed form": {"marker": "o", "color": "#0072B2", "ms": 5},
-    "reduced model": {"marker": "p", "color": "#CC79A7", "ms": 5.6},
-    "creep": {"marker": "^", "color": "#009E73", "ms": 5.4},
+    "closed form": {"marker": "o", "color": BLUE, "ms": 5},
+    "reduced model": {"marker": "p", "color": PURPLE, "ms": 5.6},
+    "creep": {"marker": "^", "color": GREEN, "ms": 5.4},
     "full model": {"marker": "s", "color": "#000000", "ms": 4.8},
-    "other law": {"marker": "D", "color": "#D55E00", "ms": 4.4, "mfc": "white"},
+    "other law": {"marker": "D", "color": VERMILION, "ms": 4.4, "mfc": "white"},
 }
-"""Shape and colour of each kind of model, colours of Okabe and Ito."""
+"""Shape and colour of each kind of model."""
 MARK = 5.4
 """Half the size of a mark with its ring, for the labels [pt]."""
 RING: dict[str, Any] = {"marker": "o", "ms": 9.8, "mfc": "none", "mec": "#000000", "mew": 1.0}
@@ -289,11 +290,9 @@ def _handles(dataset: xarray.Dataset) -> list[Any]:
     finite = np.isfinite(dataset.true_error.values)
     there = set(dataset.kind.values[finite].tolist())
     found: list[Any] = [
-        Line2D([], [], linestyle="", label=kind, mew=1.0, **look)
-        for kind, look in LOOKS.items()
-        if kind in there
+        entry(kind, linestyle="", mew=1.0, **look) for kind, look in LOOKS.items() if kind in there
     ]
-    found.append(Line2D([], [], linestyle="", label="chosen for the answer", **RING | {"ms": 7.5}))
+    found.append(entry("chosen for the answer", linestyle="", **RING | {"ms": 7.5}))
     found.append(Line2D([0], [0], label="to the time of the whole answer", **WHOLE))
     if np.isfinite(dataset.spread):
         found.append(Patch(facecolor=BAND, alpha=0.28, label="below the spread of the inputs"))

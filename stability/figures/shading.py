@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .styled_figure import StyledFigure, signed_ticks, small, wide  # isort: skip
+from .styled_figure import StyledFigure, halo, points, signed_ticks, small, wide  # isort: skip
 
 import math
 from dataclasses import dataclass
@@ -13,24 +13,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, SymLogNorm
 from matplotlib.patches import Patch
-from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from ..base.verdict import CODES, Verdict
+from ..base.looks import LIGHT, LOOKS
+from ..base.verdict import BY_CODE, CODES, Verdict
 
-# Decay is blue, growth vermilion: distinct in every common colour vision.  In grey growth never
-# gets as dark as decay, and its hatching is dark on every shade of it.
-DIVERGING = LinearSegmentedColormap.from_list(
-    "decay-growth", ["#08306b", "#4292c6", "#deebf7", "#fdebdc", "#f2a072", "#c8521c"]
-)
+DIVERGING = LinearSegmentedColormap.from_list("decay-growth", LIGHT.ramp)
 """Colours of the abscissa."""
-TEXTURES = {
-    Verdict.UNSTABLE: ("////", "slanted lines"),
-    Verdict.NEUTRAL: ("....", "dots"),
-    Verdict.UNDECIDED: ("xxxx", "crosses"),
-    Verdict.DRIFTING: ("----", "level lines"),
-}
-"""Hatching of each verdict, and its name; stable cells have none."""
 FINEST = 600
 """Most cells along an axis whose edges the hatching follows exactly."""
 NEAR_ZERO = 0.02
@@ -102,15 +91,55 @@ def _edges(centres: NDArray[Any]) -> NDArray[Any]:
 
 def patch(verdict: Verdict) -> Patch:
     """The entry of a verdict in a legend: its colour and hatching."""
-    shade = {Verdict.STABLE: 0.3, Verdict.UNSTABLE: 0.8}.get(verdict, 0.5)
-    texture = TEXTURES.get(verdict, ("", ""))[0]
+    look = LOOKS[verdict.word]
+    return hatched_patch(DIVERGING(look.shade), look.hatching, verdict.word)
+
+
+def hatched_patch(colour: Any, texture: str, label: str) -> Patch:
+    """An entry of a legend, hatched a little more densely than its regions."""
     return Patch(
-        facecolor=DIVERGING(shade),
+        facecolor=colour,
         edgecolor=matplotlib.rcParams["hatch.color"],
         linewidth=0.3,
         hatch=texture and texture + texture[:2],
-        label=verdict.word,
+        label=label,
     )
+
+
+def hatch_verdicts(
+    axes: Axes, x: NDArray[Any], y: NDArray[Any], codes: NDArray[Any]
+) -> set[Verdict]:
+    """Hatch the cells of each verdict, so that it shows without colour too.
+
+    Parameters
+    ----------
+    axes, x, y
+        As for `hatch`.
+    codes
+        Verdicts as flag values, shape (len(y), len(x)).
+
+    Returns
+    -------
+    set of Verdict
+        Those that are hatched.
+    """
+    hatched = {v for v in Verdict if LOOKS[v.word].pattern and (codes == CODES[v]).any()}
+    for verdict in Verdict:
+        if verdict in hatched:
+            hatch(axes, x, y, codes == CODES[verdict], LOOKS[verdict.word].hatching)
+    return hatched
+
+
+def hatching_words(codes: NDArray[Any]) -> list[str]:
+    """What each hatching of some verdicts means, for a caption.
+
+    Examples
+    --------
+    >>> hatching_words(np.array([1, 2, 3]))
+    ['slanted lines: unstable', 'dots: neutral']
+    """
+    present = {BY_CODE[c].word for c in np.unique(codes).tolist() if c in BY_CODE}
+    return [f"{look.pattern}: {w}" for w, look in LOOKS.items() if look.pattern and w in present]
 
 
 def colour_bar(figure: Any, mesh: Any, axes: Any, label: str, *, hatched: bool) -> None:
@@ -137,7 +166,7 @@ def colour_bar(figure: Any, mesh: Any, axes: Any, label: str, *, hatched: bool) 
     panel = np.ravel(axes)[0]
     length: float = panel.get_figure(root=True).get_figheight() * 72 * 0.7
     if not own:  # a layout has yet to take room from it
-        length = panel.get_window_extent().height * 72 / figure.dpi * 0.6
+        length = panel.get_window_extent().height * points(panel) * 0.6
 
     def place(value: float) -> float:
         return float(norm(value)) * length
@@ -148,10 +177,8 @@ def colour_bar(figure: Any, mesh: Any, axes: Any, label: str, *, hatched: bool) 
     bar.ax.minorticks_off()
     if hatched:
         ends = np.array([norm.linthresh / 3, norm.vmax])
-        hatch(bar.ax, np.array([0.0, 1.0]), ends, np.ones((2, 2), dtype=bool), "////")
-
-
-HALO = [withStroke(linewidth=1.8, foreground="white")]
+        texture = LOOKS[Verdict.UNSTABLE.word].hatching
+        hatch(bar.ax, np.array([0.0, 1.0]), ends, np.ones((2, 2), dtype=bool), texture)
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,9 +218,7 @@ def draw_strip(axes: Axes, strip: Strip, norm: Any) -> set[Verdict]:
     axes.pcolormesh(
         strip.x, [0.25, 0.75], values, cmap=DIVERGING, norm=norm, shading="nearest", rasterized=True
     )
-    for verdict, (texture, _) in TEXTURES.items():
-        where = np.tile(strip.codes == CODES[verdict], (2, 1))
-        hatch(axes, strip.x, np.array([0.0, 1.0]), where, texture)
+    hatch_verdicts(axes, strip.x, np.array([0.0, 1.0]), np.tile(strip.codes, (2, 1)))
     for threshold in strip.thresholds:
         axes.axvline(threshold, color="black", linewidth=1.3)
     axes.set_ylim(0, 1)
@@ -207,9 +232,8 @@ def _zones(strip: Strip) -> list[tuple[Verdict, float, float]]:
     """Verdict and ends of each zone."""
     cuts = np.flatnonzero(np.diff(strip.codes)) + 1
     ends = [0, *cuts.tolist(), len(strip.codes)]
-    by_code = {code: verdict for verdict, code in CODES.items()}
     return [
-        (by_code[int(strip.codes[i])], float(strip.x[i]), float(strip.x[min(j, len(strip.x) - 1)]))
+        (BY_CODE[int(strip.codes[i])], float(strip.x[i]), float(strip.x[min(j, len(strip.x) - 1)]))
         for i, j in zip(ends[:-1], ends[1:], strict=True)
     ]
 
@@ -217,7 +241,7 @@ def _zones(strip: Strip) -> list[tuple[Verdict, float, float]]:
 def _words(axes: Axes, strip: Strip) -> set[Verdict]:
     zones, size = _zones(strip), small()
     low, high = axes.get_xlim()
-    room = axes.get_window_extent().width * 72 / axes.get_figure(root=True).dpi  # type: ignore[union-attr]
+    room = axes.get_window_extent().width * points(axes)
 
     def need(verdict: Verdict) -> float:  # width of a word and its halo along the axis
         return (wide(verdict.word) + 4) / room * (high - low)
@@ -225,15 +249,9 @@ def _words(axes: Axes, strip: Strip) -> set[Verdict]:
     begins = [begin for _, begin, _ in zones]  # where the free room of each zone begins
     ends = [end for _, _, end in zones]
     said: set[Verdict] = set()
-    style: dict[str, Any] = {"va": "center", "fontsize": size, "path_effects": HALO}
-    arrow = {
-        "arrowstyle": "-|>",
-        "linewidth": 0.6,
-        "color": "black",
-        "shrinkA": 0,
-        "shrinkB": 0,
-        "mutation_scale": 5,
-    }
+    style: dict[str, Any] = {"va": "center", "fontsize": size, "path_effects": halo(1.8)}
+    arrow: dict[str, Any] = {"arrowstyle": "-|>", "linewidth": 0.6, "color": "black"}
+    arrow |= {"shrinkA": 0, "shrinkB": 0, "mutation_scale": 5}
     lead = 9 / room * (high - low)
     for i, (verdict, begin, end) in enumerate(zones):
         if need(verdict) <= end - begin:

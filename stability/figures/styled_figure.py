@@ -17,7 +17,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cbook import is_math_text
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
-from matplotlib.legend import Legend
+from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
 from matplotlib.textpath import text_to_path
 from matplotlib.ticker import MaxNLocator
 
@@ -142,6 +143,28 @@ def panels(ax: Any) -> list[Axes]:
     return list(found)
 
 
+STRIP = 0.075
+"""Height of a strip next to a panel, over that of the panel."""
+
+
+def with_strips(figure: Figure, *, above: bool = False, below: bool = False) -> list[Axes]:
+    """Panels from the top: the main one, with the strips next to it."""
+    heights = [STRIP] * above + [1.0] + [STRIP] * below
+    grid = {"height_ratios": heights, "hspace": 0.05}
+    found = figure.subplots(len(heights), 1, sharex=True, squeeze=False, gridspec_kw=grid)
+    return [row[0] for row in found]
+
+
+def label_axes(main: Axes, rows: Sequence[Axes], x: str, y: str) -> None:
+    """Labels and ticks of a panel; those of its x axis are under the lowest row."""
+    rows[-1].set_xlabel(x)
+    main.set_ylabel(y)
+    if main.get_xscale() != "log":
+        main.xaxis.set_major_locator(ticks_along(main))
+    for panel in rows[:-1]:
+        panel.tick_params(axis="x", labelbottom=False)
+
+
 def ticks_along(axes: Axes) -> MaxNLocator:
     """Ticks of an x axis: six at most, and on a user's axes as many as find their room."""
     own = isinstance(axes.get_figure(root=True), StyledFigure)
@@ -233,7 +256,7 @@ def key(
     """
     pad = 3.0
     if handles:
-        room = axes.get_window_extent().width * 72 / axes.get_figure(root=True).dpi  # type: ignore[union-attr]
+        room = axes.get_window_extent().width * points(axes)
         # a swatch takes 2.7 sizes, and the gap between columns 1.2
         widest = max(wide(str(h.get_label())) for h in handles) + 3.9 * small()
         # a panel of the package's figures has margins; that of a user has neighbours
@@ -253,20 +276,36 @@ def key(
             labelspacing=0.3,
             **options,
         )
-        pad += _height(legend)
+        pad += float(legend.get_window_extent().height) * points(axes)
     if title:
         axes.set_title(title, pad=pad)
+
+
+def halo(width: float) -> list[Any]:
+    """A white edge that keeps a line or a word readable on colours and other lines."""
+    return [withStroke(linewidth=width, foreground="white")]
+
+
+def write(axes: Axes, x: float, y: float, word: str, *, edge: float = 0.0, **look: Any) -> Any:
+    """Write a small word, centred on its place, perhaps with a white edge [pt]."""
+    usual = {"ha": "center", "va": "center", "fontsize": small()}
+    return axes.text(x, y, word, path_effects=halo(edge) if edge else None, **usual | look)
+
+
+def entry(label: str, **look: Any) -> Line2D:
+    """An entry of a legend: a line or a mark."""
+    return Line2D([], [], label=label, **look)
+
+
+def points(axes: Axes) -> float:
+    """Size of a pixel [pt]."""
+    return float(72 / axes.get_figure(root=True).dpi)  # type: ignore[union-attr]
 
 
 def wide(text: str) -> float:
     """Width of a line of small text [pt]."""
     font = FontProperties(size=small())
     return float(text_to_path.get_text_width_height_descent(text, font, is_math_text(text))[0])
-
-
-def _height(legend: Legend) -> float:
-    """Height of a legend [pt]."""
-    return float(legend.get_window_extent().height * 72 / legend.get_figure(root=True).dpi)  # type: ignore[union-attr]
 
 
 def note(axes: Axes, text: str) -> None:
@@ -282,7 +321,7 @@ def note(axes: Axes, text: str) -> None:
     if not text:
         return
     figure: Any = axes.get_figure(root=True)
-    own, inch = isinstance(figure, StyledFigure), 72 / figure.dpi
+    own, inch = isinstance(figure, StyledFigure), points(axes)
     # the axes of a user may have neighbours
     room = (figure.bbox.width if own else axes.get_window_extent().width) * inch - 8
     lines = broken(text, lambda line: wide(line) <= room)

@@ -15,11 +15,11 @@ import xarray
 from figure_audit import faults, seen
 from matplotlib.figure import Figure
 
+from stability.base.looks import LOOKS as VERDICT_LOOKS
 from stability.compare import failures as catalogue
 from stability.compare import page, report
 from stability.compare.figures import (
     LOOKS,
-    MARKS,
     OWN,
     PALE,
     PEOPLE,
@@ -171,7 +171,9 @@ def test_every_method_is_known_by_its_shape_and_every_mark_by_its_shade() -> Non
     """So that nothing is lost in grey or with a deficiency of colour vision."""
     shapes = [(look["marker"], look.get("mfc", "")) for look in LOOKS.values()]
     assert len(set(shapes)) == len(shapes)
-    for (one, hatch), (other, another) in combinations(MARKS.values(), 2):
+    for (one, hatch), (other, another) in combinations(
+        [VERDICT_LOOKS[m.word].cell for m in Mark], 2
+    ):
         if hatch == another:
             a, b = seen(one), seen(other)
             assert all(np.linalg.norm(a[kind] - b[kind]) > 20 for kind in a), (one, other)

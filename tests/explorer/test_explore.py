@@ -120,7 +120,12 @@ def test_routh_counts_what_the_roots_say() -> None:
         ({"at": [1.0, 2.0]}, "one number"),
         ({"x": ("foo", 1, 2)}, "foo"),
         ({"x": ("at", 2, 1)}, "x"),
-        ({"body": st.Disk()}, "Body"),
+        ({"body": 0.3}, "stability.Body"),
+        ({"body": st.Torus(0.2), "disk": st.Disk()}, "body and disk are both given"),
+        (
+            {"body": st.Torus(0.2), "contact": "linear-viscous", "c": 0.1},
+            "draws smooth, viscous or rough",
+        ),
         ({"body": st.Torus(0.2), "family": "vertical"}, "not smooth at theta = 0"),
         ({"body": st.Torus(0.2), "family": "circling"}, "circling"),
         ({"body": st.Torus(0.2), "family": "rolling", "pole": 0}, "pole"),
@@ -134,6 +139,14 @@ def test_a_bad_argument_is_one_sentence(given: dict[str, Any], said: str, tmp_pa
     with pytest.raises(st.StabilityError) as error:
         st.explore(out=target, **given)
     assert said in str(error.value) and not target.exists()
+
+
+def test_a_disk_may_be_given_as_the_body(tmp_path: Path) -> None:
+    paths = [
+        st.explore(certify=False, out=tmp_path / f"{name}.html", **{name: st.Disk(k=0.4)})
+        for name in ("disk", "body")
+    ]
+    assert paths[0].read_text() == paths[1].read_text()
 
 
 def test_a_bad_family_or_file_is_one_sentence(tmp_path: Path) -> None:

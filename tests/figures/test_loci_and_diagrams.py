@@ -12,10 +12,11 @@ from matplotlib.figure import Figure
 
 import stability as st
 from stability.base.errors import ParameterError
+from stability.base.looks import LOOKS
 from stability.figures.diagram import caption
 from stability.figures.loci import swept
 from stability.figures.modes import mode_groups
-from stability.figures.shading import TEXTURES, Strip
+from stability.figures.shading import Strip
 
 UNITS = {"lean": "rad", "lean_rate": "rad/s", "k": "1/s2", "c": "1/s", "x y": "mm"}
 
@@ -187,8 +188,9 @@ def test_hatching_follows_the_verdict_and_not_the_sign(crossed: Any) -> None:
     codes[6:], codes[3], codes[4], codes[5] = 2, 5, 0, 3
     moved["verdict"][:] = codes
     found = hatched(st.plot_map(moved))
-    assert set(found) == {hatch for hatch, _ in TEXTURES.values()}
-    by_code = {v.code: found[hatch] for v, (hatch, _) in TEXTURES.items()}
+    textured = {v: LOOKS[v.word].hatching for v in st.Verdict if LOOKS[v.word].hatching}
+    assert set(found) == {*textured.values()}
+    by_code = {v.code: found[hatch] for v, hatch in textured.items()}
     for i, c in enumerate(moved.c.values[:-1]):
         for code, drawn in by_code.items():
             assert inside(drawn, 1.5, c + 1e-3) == (codes[i, 0] == code), (i, code)

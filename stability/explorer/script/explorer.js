@@ -20,10 +20,12 @@ import {View} from "./parts/view.js";
 let mounted = 0;
 
 /** What depends on the browser: colours, motion, drawing. */
-function browserLook() {
+function browserLook(root, {tones}) {
   const number = mounted++;
   return {
     dark: isDark,
+    tones: () => (isDark() ? tones.dark : tones.light),
+    colour: (name) => getComputedStyle(root).getPropertyValue(`--${name}`).trim(),
     still: () => window.matchMedia("(prefers-reduced-motion: reduce)").matches,
     raster: (canvas) => new Raster(canvas),
     id: (name) => `stability-${name}-${number}`,
@@ -35,7 +37,7 @@ function browserLook() {
  * `link` is what the address says of the view, or null where there is no address.
  */
 export function mount(root, data, library, link = null) {
-  const view = new View(data, link || ""), look = browserLook();
+  const view = new View(data, link || ""), look = browserLook(root, data.looks);
   const diagram = new Diagram(view, look), controls = new Controls(view, data.names);
   const point = new PointPanel(view), plane = new EigenvaluePlane(view), conditions = new Conditions(view);
   const states = new StateTable(view), motion = new MotionPanel(view, look), exports = new ExportMenu(view, diagram, link !== null);

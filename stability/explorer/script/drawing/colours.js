@@ -1,19 +1,4 @@
-// Colours of growth rates: decay blue, growth vermilion, distinct in every common colour vision.
-
-const LIGHT = {
-  ramp: ["#08306b", "#4292c6", "#deebf7", "#fdebdc", "#f2a072", "#c8521c"],
-  hatch: "#2b1000", line: "#000000", halo: "#ffffff", ink: "#1d2125", quiet: "#5c646c",
-  rule: "#d9dde1", page: "#ffffff", panel: "#f5f6f7", mark: "#0072b2",
-};
-const DARK = {
-  ramp: ["#b9dcff", "#4a93cf", "#16314c", "#3a2114", "#c8602a", "#ffc7a1"],
-  hatch: "#ffe6d5", line: "#ffffff", halo: "#101316", ink: "#e6e9ec", quiet: "#a2abb3",
-  rule: "#353c43", page: "#16191c", panel: "#1f2428", mark: "#5fb1e0",
-};
-
-export function palette(dark) {
-  return dark ? DARK : LIGHT;
-}
+// Colours of growth rates, from the table of looks that Python writes into the data.
 
 export function isDark() {
   return window.matchMedia("(prefers-color-scheme: dark)").matches;

@@ -2,6 +2,7 @@
 // Where WebGL2 is missing, the same picture is computed in double precision, more coarsely.
 
 import {rgb, shade} from "./colours.js";
+import {covers, patternNumber} from "./patterns.js";
 import {Fineness} from "./redrawn.js";
 import {UNPACKED, VERTEX, subjectShader} from "./raster_shader.js";
 
@@ -105,7 +106,7 @@ export class Raster {
   common(set, subject, colours, pixel, size) {
     set("size", "2f", ...size);
     set("pixel", "1f", pixel);
-    set("pattern", "1i", subject.pattern);
+    set("patterns", "2i", ...subject.patterns.map(patternNumber));
     set("ramp", "3fv", colours.ramp.flatMap(rgb));
     set("hatch", "3fv", rgb(colours.hatch));
     this.gl.drawArrays(this.gl.TRIANGLES, 0, 3);
@@ -155,7 +156,7 @@ export class Raster {
   compute(subject, values, x, y, scale, colours) {
     const {width, height} = this.canvas, image = this.pen.createImageData(width, height);
     const step = Math.max(1, Math.round(width / COLUMNS)), at = {...values};
-    const hatch = rgb(colours.hatch);
+    const hatch = rgb(colours.hatch), [grows, persists] = subject.patterns;
     for (let j = 0; j < height; j += step) {
       for (let i = 0; i < width; i += step) {
         at[x.name] = x.value((i + step / 2) / width);
@@ -165,7 +166,7 @@ export class Raster {
         const base = shade(colours.ramp, there ? scale.place(subject.growth(q)) : 0.5);
         for (let b = j; b < Math.min(height, j + step); b++) {
           for (let a = i; a < Math.min(width, i + step); a++) {
-            const line = unstable ? (a + b) % 8 === 0 : subject.pattern && b % 8 === 0 && (subject.pattern === 2 || a % 8 === 0);
+            const line = covers(unstable ? grows : persists, a, b);
             const c = line ? base.map((v, n) => 0.45 * v + 0.55 * hatch[n]) : base;
             image.data.set([...c.map((v) => 255 * v), there ? 255 : 0], 4 * (b * width + a));
           }

@@ -1,6 +1,8 @@
 // Shader source around the formulas that Python printed: the whole picture at once, or growth rates
 // on a coarse grid and a picture from these, while something moves and drawing is slow.
 
+import {COVER} from "./patterns.js";
+
 export const VERTEX = `#version 300 es
 in vec2 corner;
 void main() { gl_Position = vec4(corner, 0.0, 1.0); }`;
@@ -9,24 +11,15 @@ const HEAD = `#version 300 es
 precision highp float;
 uniform vec2 size;
 uniform float pixel;
-uniform int pattern;
+uniform ivec2 patterns; // of the unstable side, and of the other one
 uniform vec3 ramp[6], hatch;
 out vec4 colour;
+${COVER}
 vec3 painted(float place, bool unstable, vec2 p) {
   float at = clamp(place, 0.0, 0.999999) * 5.0;
   int i = int(at);
   vec3 c = mix(ramp[i], ramp[i + 1], at - float(i));
-  float cover = 0.0;
-  if (unstable) {
-    float d = abs(mod(p.x - p.y, 7.0) - 3.5) * 0.7071;
-    cover = 0.62 * (1.0 - smoothstep(0.15, 0.15 + 1.0 / pixel, d));
-  } else if (pattern == 1) {
-    float r = length(mod(p + vec2(3.5 * mod(floor(p.y / 6.0), 2.0), 0.0), vec2(7.0, 6.0)) - 3.0);
-    cover = 0.55 * (1.0 - smoothstep(0.5, 0.5 + 1.0 / pixel, r));
-  } else if (pattern == 2) {
-    cover = 0.62 * (1.0 - smoothstep(0.15, 0.15 + 1.0 / pixel, abs(mod(p.y, 7.0) - 3.5)));
-  }
-  return mix(c, hatch, cover);
+  return mix(c, hatch, cover(unstable ? patterns.x : patterns.y, p));
 }
 `;
 

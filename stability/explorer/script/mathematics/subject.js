@@ -4,8 +4,6 @@ import {Members} from "./members.js";
 import {eigenvector, polynomialRoots} from "./roots.js";
 
 const compiled = new Map();
-/** How the side that is not unstable is hatched, by its verdict. */
-const PATTERNS = [["stable", ""], ["neutral", "; dotted: neutral"], ["drifting", "; level lines: drifting"]];
 
 /** A function from the source that Python printed; each text is compiled once. */
 export function fromSource(text) {
@@ -14,13 +12,16 @@ export function fromSource(text) {
 }
 
 export class Subject {
-  constructor(record) {
+  /** `verdicts` says of each verdict how it looks. */
+  constructor(record, verdicts) {
     Object.assign(this, record);
     this.names = this.quantities.map((q) => q.name);
     this.quantity = Object.fromEntries(this.quantities.map((q) => [q.name, q]));
     this.wholeEven = this.good === "neutral";
-    this.pattern = Math.max(0, PATTERNS.findIndex(([word]) => word === this.good));
-    this.hatching = `Hatched: unstable${PATTERNS[this.pattern][1]}.`;
+    const sides = ["unstable", this.good].map((verdict) => verdicts[verdict]);
+    this.patterns = sides.map(({pattern}) => pattern);
+    this.hatching = sides.filter(({pattern}) => pattern).map(({pattern, word}) => `${pattern}: ${word}`).join("; ").concat(".")
+      .replace(/^./, (letter) => letter.toUpperCase());
     this.unknown = this.solver ? this.solver.names : [];
   }
 
@@ -134,27 +135,26 @@ export class Subject {
   }
 }
 
-/** The verdict that is proved on a rectangle around a point, where the file carries it. */
-export function certified(certificates, values) {
+/** The verdict that is proved on a rectangle around a point, where the file carries it; `letters` says which letter means which. */
+export function certified(certificates, values, letters) {
   for (const one of certificates || []) {
     if (Object.entries(one.held).some(([name, value]) => values[name] !== value)) continue;
     const place = one.axes.map(([name, low, high]) => (values[name] - low) / (high - low));
     if (place.some((u) => !(u >= 0 && u <= 1))) continue;
-    return around(one, place);
+    return around(one, place, letters);
   }
   return null;
 }
 
-const WORDS = {S: "stable", U: "unstable", N: "neutral", D: "drifting", "?": "undecided"};
 const EDGE = 1e-12; // rounding of a place, of the whole axis: a point this near to an edge has two sides
 
 /** What is proved around a place: on an edge of rectangles, what all of them prove. */
-function around(one, [u, v]) {
+function around(one, [u, v], letters) {
   const inside = (w) => Math.min(1 - EDGE, Math.max(EDGE, w));
   const found = [];
   for (const a of [-EDGE, EDGE]) for (const b of [-EDGE, EDGE]) found.push(inTree(one, [inside(u + a), inside(v + b)]));
   const same = found.every((f) => f.letter === found[0].letter);
-  return {verdict: same ? WORDS[found[0].letter] : "undecided", ends: found[0].ends};
+  return {verdict: same ? letters[found[0].letter] : "undecided", ends: found[0].ends};
 }
 
 function inTree(one, place) {

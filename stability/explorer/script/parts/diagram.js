@@ -1,7 +1,7 @@
 // The stability diagram: coloured plane, boundary curves, axes, and the point under the hand.
 
 import {boundaryCurves} from "../mathematics/boundaries.js";
-import {palette, rateScale} from "../drawing/colours.js";
+import {rateScale} from "../drawing/colours.js";
 import {clamp, element, shape, text} from "../drawing/elements.js";
 import {Fineness, Renewal, boxOf, onceAFrame, part, show, symbolPart} from "../drawing/redrawn.js";
 import {axisTicks} from "../drawing/scales.js";
@@ -93,7 +93,7 @@ export class Diagram {
 
   /** Growth rates in colour, and boundary curves. */
   fill(x, y, width, height) {
-    const {view} = this, {subject} = view, {most, whole} = this.looked(x, y), colours = palette(this.look.dark());
+    const {view} = this, {subject} = view, {most, whole} = this.looked(x, y), colours = this.look.tones();
     this.scale = rateScale(most);
     subject.hurry(view.moving && whole); // round a cusp the next member may lie on another branch
     this.colour(x, y, width, height, colours);

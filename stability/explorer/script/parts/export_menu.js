@@ -68,10 +68,10 @@ export class ExportMenu {
     set(picture, {href: canvas.toDataURL("image/png"), x: place.left - box.left, y: place.top - box.top,
       width: place.width, height: place.height, preserveAspectRatio: "none"});
     set(legend, {x: box.width, y: 0, width: side.width, height: box.height});
-    const high = box.height + HEAD, style = getComputedStyle(stage), colour = (name, usual) => style.getPropertyValue(name).trim() || usual;
+    const high = box.height + HEAD, style = getComputedStyle(stage);
     set(copy, {xmlns: NS, width: wide, height: high, viewBox: `0 ${-HEAD} ${wide} ${high}`});
     const page = document.createElementNS(NS, "rect");
-    set(page, {y: -HEAD, width: "100%", height: "100%", fill: colour("--page", "#ffffff")});
+    set(page, {y: -HEAD, width: "100%", height: "100%", fill: style.getPropertyValue("--page").trim()});
     const lines = this.heading().map((words, i) => {
       const line = document.createElementNS(NS, "text");
       set(line, {x: 10, y: 17 * (i + 1) - HEAD, fill: style.color, "font-family": style.fontFamily, "font-size": i ? 11 : 13});

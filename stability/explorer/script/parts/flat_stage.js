@@ -1,6 +1,5 @@
 // The disk, or a body by circles and stripes, on its plane without WebGL: outlines in perspective.
 
-import {palette} from "../drawing/colours.js";
 import {TurnedView, placed} from "./turned_view.js";
 
 const POINTS = 72, GRID = 6, THIN = 0.93, CIRCLES = 7, STRIPES = 8;
@@ -27,29 +26,29 @@ export class FlatStage extends TurnedView {
     if (!box.width || !box.height) return;
     this.canvas.width = Math.round(dense * box.width);
     this.canvas.height = Math.round(dense * box.height);
-    const {pen} = this, parts = placed(pose), colours = palette(this.style.dark());
+    const {pen} = this, parts = placed(pose), rule = this.style.colour("rule");
     pen.setTransform(dense, 0, 0, dense, 0, 0);
     pen.clearRect(0, 0, box.width, box.height);
     this.aim(parts.centre, box);
     const [x, y] = this.target.map(Math.round);
     for (let i = -GRID; i <= GRID; i++) {
-      this.line([[x + i, y - GRID, 0], [x + i, y + GRID, 0]], colours.rule, 1);
-      this.line([[x - GRID, y + i, 0], [x + GRID, y + i, 0]], colours.rule, 1);
+      this.line([[x + i, y - GRID, 0], [x + i, y + GRID, 0]], rule, 1);
+      this.line([[x - GRID, y + i, 0], [x + GRID, y + i, 0]], rule, 1);
     }
-    this.line(path.slice(-2000), "#d55e00", 1.5);
-    if (this.rows) this.body(parts, colours); else this.disk(parts);
+    this.line(path.slice(-2000), this.style.colour("mark"), 1.5);
+    if (this.rows) this.body(parts); else this.disk(parts);
   }
 
   /** Circles and stripes of a surface of revolution. */
-  body({axis, mark, side, centre}, colours) {
+  body({axis, mark, side, centre}) {
     const at = ([r, z], a) => centre.map((v, n) => v + z * axis[n] + r * (Math.cos(a) * mark[n] + Math.sin(a) * side[n]));
-    const last = this.rows.length - 1, line = this.style.dark() ? "#2b8fca" : "#0072b2";
+    const last = this.rows.length - 1, line = this.style.colour("face"), first = this.style.colour("blue");
     for (let i = 1; i < CIRCLES; i++) {
       const row = this.rows[Math.round((i * last) / CIRCLES)];
       this.line(Array.from({length: POINTS + 1}, (_, j) => at(row, (2 * Math.PI * j) / POINTS)), line, 1.5);
     }
     for (let j = 0; j < STRIPES; j++) {
-      this.line(this.rows.map((row) => at(row, (2 * Math.PI * j) / STRIPES)), j ? line : colours.mark, j ? 1.2 : 4);
+      this.line(this.rows.map((row) => at(row, (2 * Math.PI * j) / STRIPES)), j ? line : first, j ? 1.2 : 4);
     }
   }
 
@@ -61,11 +60,11 @@ export class FlatStage extends TurnedView {
     });
     pen.beginPath();
     for (const loop of this.inner > 0 ? [ring(1), ring(this.inner)] : [ring(1)]) { this.trace(loop); pen.closePath(); }
-    pen.fillStyle = this.style.dark() ? "#2b8fca" : "#0072b2";
+    pen.fillStyle = this.style.colour("face");
     pen.fill("evenodd");
-    Object.assign(pen, {strokeStyle: this.style.dark() ? "#8cc6ea" : "#00436a", lineWidth: 2}).stroke();
+    Object.assign(pen, {strokeStyle: this.style.colour("edge"), lineWidth: 2}).stroke();
     const rim = parts.centre.map((c, n) => c + parts.mark[n]), near = parts.centre.map((c, n) => c + this.inner * parts.mark[n]);
-    this.line([near, rim], "#d55e00", 4);
+    this.line([near, rim], this.style.colour("mark"), 4);
   }
 
   aim(centre, box) {

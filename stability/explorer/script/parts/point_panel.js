@@ -14,7 +14,6 @@ const SENTENCES = {
 };
 const UNREACHED = "The page reaches no member here: the family ends on the way, or its root-finder fails. Python says which.";
 const ANOTHER = "The page finds no member here: none exists, or its search meets another inclination than the one that is meant. Python says which.";
-const SIGNS = {stable: "✓", unstable: "↗", neutral: "○", drifting: "→", undecided: "?", absent: "–"};
 
 export class PointPanel {
   constructor(view) {
@@ -33,8 +32,9 @@ export class PointPanel {
 
   draw() {
     const {view} = this, {subject, state} = view, q = view.point(), {verdict, rows} = subject.judge(q);
+    const {sign, word} = view.data.looks.verdicts[verdict];
     this.badge.className = `badge ${verdict}`;
-    this.badge.replaceChildren(element("span", {"aria-hidden": "true"}, SIGNS[verdict]), ` ${verdict === "absent" ? "no member" : verdict}`);
+    this.badge.replaceChildren(element("span", {"aria-hidden": "true"}, sign), ` ${word}`);
     const at = subject.quantities.map((one) => [symbol(one.symbol), ` = ${text(state.values[one.name] * view.shown(one).size, 5)}`]);
     this.place.replaceChildren("at ", ...at.flatMap((parts, i) => (i ? [", ", ...parts] : parts)));
     const solved = subject.solved(q);

@@ -1,6 +1,5 @@
 // The disk or a body of revolution in three dimensions on its plane, with the path of its contact point.
 
-import {palette} from "../drawing/colours.js";
 import {TurnedView, placed} from "./turned_view.js";
 
 const THIN = 0.93; // largest inner radius that is drawn
@@ -55,15 +54,12 @@ export class Stage extends TurnedView {
   }
 
   recolour() {
-    const dark = this.style.dark(), colours = palette(dark), T = this.three;
-    this.colour.face.color.set(dark ? "#2b8fca" : "#0072b2");
-    this.colour.edge.color.set(dark ? "#8cc6ea" : "#00436a");
-    this.colour.mark.color.set(dark ? "#f08a3c" : "#d55e00");
-    this.colour.spoke.color.set("#e6f2f9");
-    this.colour.grid.color.set(dark ? "#4a535c" : "#b4bbc2");
-    this.colour.trail.color.set(dark ? "#f08a3c" : "#d55e00");
-    this.colour.shade.opacity = dark ? 0.45 : 0.16;
-    this.scene.fog = new T.Fog(colours.page, 7, 15);
+    const {style} = this, T = this.three;
+    for (const name of ["face", "edge", "mark", "spoke"]) this.colour[name].color.set(style.colour(name));
+    this.colour.grid.color.set(style.colour("ground"));
+    this.colour.trail.color.set(style.colour("mark"));
+    this.colour.shade.opacity = style.dark() ? 0.45 : 0.16;
+    this.scene.fog = new T.Fog(style.colour("page"), 7, 15);
   }
 
   /** Draw another body: the disk with inertia factor k, or a surface by rows of its meridian. */

@@ -14,7 +14,7 @@ export function ranged([low, high], spacing) {
 export class View {
   constructor(data, link = "") {
     this.data = data;
-    this.subjects = new Map(data.subjects.map((s) => [s.key, new Subject(s)]));
+    this.subjects = new Map(data.subjects.map((s) => [s.key, new Subject(s, data.looks.verdicts)]));
     this.listeners = [];
     this.moving = true; // the first picture, or a hand moves the point or the axes: pictures may be coarser
     this.state = this.initial(data.start.subject, data.start.values || {});
@@ -125,7 +125,7 @@ export class View {
   }
 
   certificate() {
-    return certified(this.data.certificates[this.state.subject], this.state.values);
+    return certified(this.data.certificates[this.state.subject], this.state.values, this.data.looks.letters);
   }
 
   /** The state as the text of a link. */

@@ -8,6 +8,7 @@ from typing import Any
 
 import casadi as ca
 
+from ..base.axis import Axis
 from ..base.checks import known
 from ..base.errors import ParameterError, StabilityError, absent, shown
 from ..base.quantities import readable, time_unit
@@ -17,7 +18,7 @@ from ..systems.structure.structural_zeros import steady_where, structure
 from ..systems.system import System
 from .certificates import own_certificates
 from .motion import motion_of
-from .page import page_data
+from .page import Contents
 from .quantities import Quantity
 from .subject import Subject
 from .verdicts import derived_formulas
@@ -29,17 +30,17 @@ DECIMALS = (
 """What the reader of a page learns of numbers that are not exact."""
 
 
-def own_page(
+def system_page(
     family: Family,
     at: Any,
-    axes: Sequence[Any],
+    axes: Sequence[Axis | None],
     positive: Sequence[str],
     parameters: Mapping[str, Any],
     *,
     certify: bool,
-) -> dict[str, Any]:
-    """Data of the page of one family of a user's system."""
-    family, values, zeros = _without_inputs(family, _given_values(family, at, parameters))
+) -> Contents:
+    """The page of one family of a user's system."""
+    family, values, zeros = _without_inputs(family, _values(family, at, parameters))
     names = [*family.at, *family.parameters]
     if len(names) < 2:
         raise ParameterError(
@@ -52,7 +53,6 @@ def own_page(
     quantities = {
         n: _quantity(family, n, values[n], ranges.get(n), positive=n in positive) for n in names
     }
-    values = {n: q.checked(values[n]) for n, q in quantities.items()}
     formulas = derived_formulas(family, quantities, positive)
     if not isinstance(family.system, System):
         raise StabilityError(f"{family.name}: the page needs a family of a stability.System.")
@@ -72,23 +72,23 @@ def own_page(
             "given": family.system.parameters,
             "zeros": zeros,
             "system": family.system.name,
-            "numbers": formulas.numbers,
         },
     )
     if formulas.solver:  # an error says why there is no member to start from
-        family.member([values[n] for n in family.at], [values[n] for n in family.parameters])
+        family.member(
+            *([quantities[n].value for n in part] for part in (family.at, family.parameters))
+        )
     where = f" where {', '.join(f'{n} = 0' for n in zeros)}" if zeros else ""
-    return page_data(
-        [subject],
-        subject,
-        values,
-        axes,
-        stated=_own_units(family),
+    return Contents(
+        title=f"{family.name} of {family.system.name}",
+        subjects=[subject],
+        start=subject,
         motions={subject.model: motion_of(system_model(family.system), solid=False)},
-        certificates={subject.key: own_certificates(subject) if certify else []},
+        certificates={subject.key: own_certificates(subject)} if certify else {},
         families={},
         says="A family of a user's system, its conditions derived exactly by the package",
-        source=f"conditions that were derived exactly from the system's equations{where}",
+        computed_from=f"conditions that were derived exactly from the system's equations{where}",
+        stated=_units(family),
         more=DECIMALS if formulas.numbers else "",
     )
 
@@ -98,18 +98,14 @@ def _quantity(
 ) -> Quantity:
     unit = family.system.units.get(name, "1")
     around = (0.0, 2 * value) if value > 0 else (2 * value, 0.0) if value < 0 else (-1.0, 1.0)
+    low, high = ends or around
+    least = 0.0 if positive else None
     return Quantity(
-        name,
-        name,
-        "",
-        "" if unit == "1" else readable(unit),
-        *(ends or around),
-        value,
-        0.0 if positive else None,
-    )
+        name, name, "", "" if unit == "1" else readable(unit), low, high, value, least
+    ).at(value)
 
 
-def _own_units(family: Family) -> dict[str, str]:
+def _units(family: Family) -> dict[str, str]:
     """Units of times, rates and observables of a system; empty where it states none."""
     units = family.system.units
     time = time_unit(units)
@@ -117,7 +113,7 @@ def _own_units(family: Family) -> dict[str, str]:
     return known_ | ({} if time == "1" else {"time": time, "growth rate": f"1/{time}"})
 
 
-def _given_values(family: Family, at: Any, parameters: Mapping[str, Any]) -> dict[str, float]:
+def _values(family: Family, at: Any, parameters: Mapping[str, Any]) -> dict[str, float]:
     """Every quantity of a family as a number, or an error that names what is missing."""
     names = (*family.at, *family.parameters)
     for name in parameters:

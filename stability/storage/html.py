@@ -1,0 +1,45 @@
+"""Pages of HTML: a head with the common style, and a figure with its caption and files."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Mapping
+
+STYLE = """
+:root { color-scheme: light; }
+body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; background: #fff; max-width: 76rem;
+       margin: 0 auto; padding: 1.5rem; }
+h1 { font-size: 1.6rem; margin: 0 0 .5rem; }
+figure { margin: 0; } figure img { width: 100%; height: auto; display: block; }
+figcaption { font-size: .85rem; color: #333; } figcaption .files { white-space: nowrap; }
+footer { margin-top: 3rem; border-top: 1px solid #ccc; font-size: .82rem; color: #444; }
+"""
+"""Rules of every page; those of one page come after them."""
+
+
+def head(title: str, style: str, heading: str = "") -> list[str]:
+    """The first lines of a page: its title, its own rules of style, and its heading.
+
+    Examples
+    --------
+    >>> head("A page", "p { margin: 0; }")[-1]
+    '<h1>A page</h1>'
+    """
+    return [
+        "<!doctype html>",
+        '<html lang="en"><head><meta charset="utf-8">',
+        '<meta name="viewport" content="width=device-width, initial-scale=1">',
+        f"<title>{title}</title><style>{STYLE}{style}</style>",
+        "</head><body>",
+        f"<h1>{heading or title}</h1>",
+    ]
+
+
+def figure(stem: str, caption: str, alternative: str, files: Mapping[str, str]) -> str:
+    """A figure with its caption, and links to its files: words by their endings."""
+    links = " · ".join(f'<a href="{stem}.{ending}">{word}</a>' for ending, word in files.items())
+    return (
+        f'<figure><img src="{stem}.png" alt="{html.escape(alternative)}" loading="lazy">'
+        f'<figcaption>{html.escape(caption)} <span class="files">{links}</span></figcaption>'
+        "</figure>"
+    )
