@@ -29,8 +29,8 @@ from ..bodies.round_body.body import Body
 from ..bodies.round_body.inclinations import tumbling_ranges
 from ..bodies.round_body.shapes.named import EccentricSphere, Spheroid, ThickDisk, Torus
 from ..bodies.round_body.shapes.profile import Egg
-from ..jobs.following import processes
 from ..jobs.pipeline import Counted, check_run, here, ordered, resumable
+from ..jobs.processes import processes
 from ..maps.stability_map import stability_map
 from ..storage.files import atomic_write
 from ..storage.targets import path_text, refusing
@@ -269,7 +269,7 @@ def draw(key: str, name: str, kind: str, folder: str, resolution: int) -> Diagra
     resolution
         Points along the horizontal axis.
     """
-    from ..maps.netcdf import write_map
+    from ..maps.files import write_map
 
     shown, (family, pole) = BODIES[key], family_of(name)
     law = PLANES.get(name, kind if kind in LAWS else "viscous")

@@ -23,8 +23,8 @@ from ..bodies.contact_laws import Rough, Smooth, Viscous
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES
 from ..bodies.quantities import QUANTITIES
-from ..jobs.following import processes
 from ..jobs.pipeline import Counted, check_run, here, ordered
+from ..jobs.processes import processes
 from ..storage.files import postponed, record
 from ..storage.litter import clear, temporary
 from ..storage.targets import check_folder, path_text, place, refusing
@@ -251,7 +251,7 @@ def _diagram(
     from ..boundary.changes import boundaries
     from ..figures.diagram import plot_map
     from ..figures.shading import Strip
-    from ..maps.netcdf import write_map
+    from ..maps.files import write_map
     from ..maps.stability_map import stability_map
     from ..spectra.spectrum import spectrum
 
@@ -437,8 +437,7 @@ def _basin_diagram(folder: Path, body: str, family: str, resolution: int) -> tup
     from ..basin.basins import basins
     from ..bodies.contact_laws import Viscous
     from ..figures.basins import basins_caption, plot_basins
-    from ..storage.files import atomic_write
-    from ..storage.netcdf import packed
+    from ..storage.datasets import write_dataset
 
     make, name, inertia = BODIES[body]
     along, across = launches_along(resolution)
@@ -452,8 +451,7 @@ def _basin_diagram(folder: Path, body: str, family: str, resolution: int) -> tup
         workers=1,
     )
     stem = f"basins-{family}-{body}"
-    with atomic_write(folder / f"{stem}.nc", overwrite=True) as draft:
-        draft.write_bytes(packed(dataset))
+    write_dataset(dataset, folder / f"{stem}.nc", overwrite=True)
     figure = plot_basins(dataset, title=f"launches near {family}: {name}")
     caption = f"{name[:1].upper()}{name[1:]} ({inertia}), μ = {MU:g} /√(gR).  "
     caption += basins_caption(dataset).replace("  ", " ")

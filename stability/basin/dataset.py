@@ -22,10 +22,11 @@ from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES, named_by
 from ..bodies.quantities import round_quantities
 from ..integrators.selection import HEYOKA
-from ..jobs.chunks import Arrays, Store, Variable
 from ..motion.result import CODES, Outcome, outcome_flags
 from ..motion.starts import Starts
-from ..storage.zarr_folder import opened_store
+from ..storage.chunks import Arrays, Store, Variable
+from ..storage.datasets import read_dataset
+from ..storage.formats import ZARR
 from ..systems.system import System
 from .launches import TILT, Launches
 from .outcomes import Judging, Outcomes, on_lanes
@@ -334,4 +335,5 @@ def read_basins(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.D
     ...     st.read_basins(Path(folder) / "a.zarr").outcome.shape
     (2, 2)
     """
-    return opened_store(path, FORMAT, "a store of launches", lazy=flag("lazy", lazy))
+    lazy = flag("lazy", lazy)
+    return read_dataset(path, FORMAT, "a store of launches", lazy=lazy, usual=ZARR)

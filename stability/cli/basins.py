@@ -155,10 +155,9 @@ def run(options: argparse.Namespace) -> None:
 def _planned(options: argparse.Namespace) -> tuple[Plan, Path, Path | None]:
     """The plan and the targets, checked before anything is computed."""
     from ..basin.basins import MOST_LEVELS, planned
-    from ..jobs.zarr_store import check_store
-    from ..storage.targets import check_suffix
+    from ..storage.datasets import dataset_target
 
-    out = check_store(check_suffix(options.out, (".zarr",), "--out"))
+    out = dataset_target(options.out, "chunks", option="--out")
     picture = None if options.plot is None else _picture(options.plot, options.force)
     if picture is not None and options.more:
         raise ParameterError("--plot draws a map of two axes or a sample; leave it out.")

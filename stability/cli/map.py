@@ -21,11 +21,11 @@ def _map(options: argparse.Namespace) -> None:
         _stream(options, x, y)
         return
     with progress_bar("cells") as progress:
-        from ..jobs.checkpoint import remove_parts
         from ..jobs.pipeline import resumable
         from ..maps.dataset import points_of
         from ..maps.stability_map import stability_map
         from ..storage.files import named
+        from ..storage.pieces import remove_parts
         from ..storage.targets import path_text
         from ..tables.beyond_linear import point_records, point_text
 
@@ -76,21 +76,25 @@ def _map(options: argparse.Namespace) -> None:
         print(point_text(str(dataset.attrs["family"]), found))
 
 
-def _stored(options: argparse.Namespace) -> bool:
-    """Whether the map goes to a Zarr folder."""
-    from ..storage.targets import STORES, place
+def _ways(options: argparse.Namespace) -> tuple[str, str]:
+    """The ways to write a map, one of which its format needs."""
+    return ("rows" if options.verdict_only else "write"), "chunks"
 
-    return place(options.out).suffix.lower() in STORES
+
+def _stored(options: argparse.Namespace) -> bool:
+    """Whether the map goes to a folder of chunks."""
+    from ..storage.datasets import format_to_write
+
+    return format_to_write(options.out, *_ways(options), option="--out").folder
 
 
 def _targets(options: argparse.Namespace) -> list[Path]:
     """The map and the figure to write, checked before anything is computed."""
-    from ..storage.targets import DATASETS, NETCDF, STORES, check_folder, check_suffix, check_target
+    from ..storage.datasets import dataset_target
 
-    endings = (*(NETCDF if options.verdict_only else DATASETS), *STORES)
-    out = check_suffix(options.out, endings, "--out")
-    stored = _stored(options)
-    targets = [check_folder(out) if stored else check_target(out, overwrite=options.force)]
+    targets = [
+        dataset_target(options.out, *_ways(options), overwrite=options.force, option="--out")
+    ]
     if options.plot is not None:
         targets.append(_picture(options.plot, options.force))
         if targets[0].resolve() == targets[1].resolve():
@@ -99,7 +103,7 @@ def _targets(options: argparse.Namespace) -> list[Path]:
 
 
 def _write(options: argparse.Namespace, dataset: Any, targets: list[Path]) -> None:
-    from ..maps.netcdf import write_map
+    from ..maps.files import write_map
     from ..storage.files import atomic_write, together
 
     with together():
@@ -111,7 +115,7 @@ def _write(options: argparse.Namespace, dataset: Any, targets: list[Path]) -> No
 
 def _stream(options: argparse.Namespace, x: Any, y: Any) -> None:
     with progress_bar("cells") as progress:
-        from ..maps.netcdf import read_map
+        from ..maps.files import read_map
         from ..maps.stream import stream_map
         from ..storage.targets import path_text
 

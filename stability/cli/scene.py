@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..base.errors import ParameterError
 from ..storage.text import json_text
-from .options import overwriting
+from .options import _picture, overwriting
 from .terminal import progress_bar, waiting
 
 if TYPE_CHECKING:
@@ -127,21 +127,23 @@ def _refuse(options: argparse.Namespace, scene: Scene) -> None:
 
 def _targets(options: argparse.Namespace) -> dict[str, Path]:
     """The files to write, checked before anything is computed."""
-    from ..storage.targets import DATASETS, PICTURES, check_suffix, check_target
+    from ..storage.datasets import dataset_target
 
-    return {
-        name: check_target(check_suffix(path, kinds, f"--{name}"), overwrite=options.force)
-        for name, kinds in (("out", DATASETS), ("plot", PICTURES))
-        if (path := getattr(options, name)) is not None
-    }
+    targets = {}
+    if options.out is not None:
+        targets["out"] = dataset_target(
+            options.out, "write", overwrite=options.force, option="--out"
+        )
+    if options.plot is not None:
+        targets["plot"] = _picture(options.plot, options.force)
+    return targets
 
 
 def _write(options: argparse.Namespace, answer: Answer, target: Path, name: str) -> None:
     """Write the motion; those under several laws along the dimension `law`."""
     import xarray
 
-    from ..storage.files import atomic_write
-    from ..storage.netcdf import packed
+    from ..storage.datasets import write_dataset
 
     parts = {n: a.path for n, a in _parts(answer).items() if a.path is not None}
     if not parts:
@@ -155,8 +157,7 @@ def _write(options: argparse.Namespace, answer: Answer, target: Path, name: str)
         dataset.attrs["model"] = ", ".join(answer.parts[n].model for n in parts)
     else:
         [dataset] = parts.values()
-    with atomic_write(target, overwrite=options.force) as draft:
-        draft.write_bytes(packed(dataset))
+    write_dataset(dataset, target, overwrite=options.force)
 
 
 def _parts(answer: Answer) -> dict[str, Answer]:

@@ -116,7 +116,7 @@ def run(options: argparse.Namespace) -> None:
     with together():
         _draw(options, dataset, targets, thing)
         if options.out is not None:
-            from ..motion.netcdf import write_motion
+            from ..motion.files import write_motion
 
             write_motion(dataset, targets["out"], overwrite=options.force)
     _report(options, dataset, thing, targets)
@@ -183,15 +183,18 @@ def _times(options: argparse.Namespace) -> Any:
 
 def _targets(options: argparse.Namespace) -> dict[str, Path]:
     """The files to write, checked before anything is computed."""
-    from ..storage.targets import DATASETS, FILMS, PICTURES, check_suffix, check_target
+    from ..storage.datasets import dataset_target
+    from ..storage.targets import FILMS, PICTURES, check_suffix, check_target
 
-    kinds = {"out": DATASETS, "plot": PICTURES, "film": FILMS}
     targets: dict[str, Path] = {}
-    for name in ("out", "plot", "film"):
-        path = getattr(options, name)
+    for name, endings in (("out", ()), ("plot", PICTURES), ("film", FILMS)):
+        path, option = getattr(options, name), f"--{name}"
         if path is None:
             continue
-        target = check_target(check_suffix(path, kinds[name], f"--{name}"), overwrite=options.force)
+        if name == "out":
+            target = dataset_target(path, "write", overwrite=options.force, option=option)
+        else:
+            target = check_target(check_suffix(path, endings, option), overwrite=options.force)
         if target.resolve() in [t.resolve() for t in targets.values()]:
             raise ParameterError(
                 f"--{name} is {shown(path)}, which another file has; give two names."

@@ -18,8 +18,8 @@ from ..base.checks import flag
 from ..base.errors import FileError
 from ..jobs.measured_cells import JOURNAL, Cell, Journal, is_journal, run
 from ..jobs.pipeline import check_run, resumable
+from ..storage.datasets import write_dataset
 from ..storage.files import atomic_write, together
-from ..storage.netcdf import packed
 from ..storage.targets import check_folder, path_text, place, refusing
 from ..storage.text import csv_text
 from . import failures as catalogue
@@ -365,8 +365,7 @@ def _write(folder: Path, one: Part, cells: Mapping[str, Cell]) -> None:
         with atomic_write(folder / name, overwrite=True) as draft:
             draft.write_text(text, encoding="utf-8")
     if one.name in (SPECTRUM, MOTION):
-        with atomic_write(folder / f"{one.name}.nc", overwrite=True) as draft:
-            draft.write_bytes(packed(one.chart))
+        write_dataset(one.chart, folder / f"{one.name}.nc", overwrite=True)
 
 
 def _texts(one: Part, cells: Mapping[str, Cell]) -> dict[str, str]:

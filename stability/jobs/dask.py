@@ -26,8 +26,8 @@ from ..base.errors import NameUnknownError, ParameterError, StabilityError, one_
 from ..base.main_module import check_main
 from ..base.types import Progress
 from ..storage.files import ignoring_signals
-from .following import follow, processes
 from .pipeline import check_run
+from .processes import follow, processes
 
 T = TypeVar("T")
 PROCESSES = ("processes", "dask", "local")

@@ -15,8 +15,8 @@ import numpy as np
 from ..base.checks import whole_number
 from ..base.errors import StabilityError
 from ..base.types import Progress
+from ..storage.chunks import Arrays, Block, Store, Writer
 from ..storage.targets import path_text
-from .chunks import Arrays, Block, Store, Writer
 from .pipeline import ENDED, Counted, Pool, check_run, here, ordered, resumable, threads
 
 TRIES = 2
@@ -110,7 +110,7 @@ def fill(
 
     Examples
     --------
-    >>> from .chunks import Layout, Memory, Variable
+    >>> from ..storage.chunks import Layout, Memory, Variable
     >>> store = Memory(Layout(("x",), (5,), (2,)), (Variable("outcome", "int8", -1),))
     >>> def work(block, part):
     ...     return {"outcome": np.full(part.stop - part.start, block[0], dtype=np.int8)}

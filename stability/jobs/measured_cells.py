@@ -34,8 +34,8 @@ from ..storage.files import atomic_write, postponed
 from ..storage.litter import clear
 from ..storage.targets import path_text, refusing
 from ..storage.text import marked, unmarked
-from .following import Lanes, WorkerEnded
 from .pipeline import Counted, Keep, resumable
+from .processes import Lanes, WorkerEnded
 
 START = 120.0
 """Time in which a process must start [s]."""

@@ -35,7 +35,7 @@ from ..base.errors import ParameterError, StabilityError, one_line
 from ..base.types import Progress
 from ..storage.files import postponed
 from ..storage.targets import path_text
-from .following import follow_starter, worker_ended
+from .processes import follow_starter, worker_ended
 
 K = TypeVar("K")
 T = TypeVar("T")

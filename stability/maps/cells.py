@@ -20,11 +20,11 @@ from ..base.types import Floats, Progress
 from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..base.version import __version__
 from ..integrators.flow import CASADI
-from ..jobs.checkpoint import Chunk
 from ..jobs.pipeline import Counted, Keep, ordered, shared
 from ..spectra.certificate import BITS, verdict
 from ..spectra.deflation import drift_powers, drifting
 from ..spectra.problem import Problem
+from ..storage.pieces import Chunk
 from ..systems.graph.smoothness import edged
 from .dataset import EXACT, GRAPH, LOOPS, OWN, SINGLE
 from .growth_rates import GrowthKernel, Room, steady_memory

@@ -9,16 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from ..base.errors import FileError, listed, one_line, shown
+from .formats import FORMATS
 from .litter import clear
 
 LONGEST = 120
 """Largest number of characters of a path in a message."""
-NETCDF = (".nc", ".nc4", ".netcdf", ".h5", ".hdf5")
-"""Endings of a NetCDF-4 file."""
-STORES = (".zarr",)
-"""Endings of a folder of chunks."""
-DATASETS = NETCDF
-"""Endings of a file of a map or a motion, the usual one first."""
 PICTURES = (".png", ".pdf", ".svg")
 """Endings of a figure."""
 FILMS = (".gif", ".mp4", ".html")
@@ -103,7 +98,7 @@ def refusing(path: Any, what: str = "written") -> Iterator[None]:
 
 
 def check_suffix(path: Any, endings: Sequence[str], option: str = "") -> Path:
-    """A path with an ending that fits the content; NetCDF files may also have no ending.
+    """A path with an ending that fits the content.
 
     Parameters
     ----------
@@ -125,12 +120,11 @@ def check_suffix(path: Any, endings: Sequence[str], option: str = "") -> Path:
 
     Examples
     --------
-    >>> check_suffix("map.nc", NETCDF).name
-    'map.nc'
+    >>> check_suffix("map.png", PICTURES).name
+    'map.png'
     """
     found = place(path)
-    suffix = found.suffix.lower()
-    if suffix in endings or (not suffix and endings[0] in NETCDF):
+    if found.suffix.lower() in endings:
         return found
     subject = f"{option} is {shown(str(path))}" if option else path_text(path)
     raise FileError(f"{subject}; the name must end in {listed(endings, 'or')}.")
@@ -217,7 +211,8 @@ def check_folder(path: str | os.PathLike[str], taken: str = "") -> Path:
         there = target.is_dir()
         if target.exists() and not there:
             raise FileError(f"{path_text(target)} is a file; give the name of a folder.")
-        if not there and target.suffix.lower() in (*NETCDF, *DATASETS, *PICTURES, *FILMS, *OTHER):
+        files = [ending for f in FORMATS if not f.folder for ending in f.endings]
+        if not there and target.suffix.lower() in (*files, *PICTURES, *FILMS, *OTHER):
             raise FileError(f"{path_text(target)} is named like a file; give the name of a folder.")
         if there:
             clear(target, always=True)

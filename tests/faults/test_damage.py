@@ -17,9 +17,9 @@ from damage import BOMBS, bomb, damage
 
 import stability as st
 from stability.jobs import measured_cells as journal
-from stability.jobs.checkpoint import Checkpoint
 from stability.jobs.measured_cells import DONE, Cell, Journal
 from stability.storage.checksum import ATTRIBUTE, LENGTH, seal
+from stability.storage.pieces import Checkpoint
 
 SEED = int(os.environ.get("STABILITY_SEED", "20261121"))
 SLOWEST = 20.0

@@ -16,10 +16,10 @@ import zarr
 from chunk_work import ATTRS, COORDS, LAYOUT, VARIABLES, store, tree, undisturbed, values
 
 import stability as st
-from stability.jobs.chunks import Layout, Memory, Variable
-from stability.jobs.zarr_store import ZarrStore, file_name
+from stability.storage.chunks import Layout, Memory, Variable
 from stability.storage.files import atomic_write
 from stability.storage.zarr_folder import FORMAT
+from stability.storage.zarr_store import ZarrStore, file_name
 
 ALL = values(np.arange(90))
 TOOLS = Path(chunk_work.__file__).parent
@@ -134,7 +134,7 @@ def test_a_chunk_is_there_exactly_if_its_record_is(
     for limit in range(4):
         written.clear()
         with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
-            patch.setattr("stability.jobs.zarr_store.atomic_write", stopped)
+            patch.setattr("stability.storage.zarr_store.atomic_write", stopped)
             kept.write((1, 1), chunk((1, 1)))
         assert len(written) == limit
         assert (1, 1) in store(tmp_path / "a.zarr").missing()
@@ -297,7 +297,7 @@ def test_the_bytes_of_a_chunk_are_on_the_disk_before_it_has_its_name(
 HALF = """
 import os, signal, sys
 from pathlib import Path
-import chunk_work, stability.jobs.zarr_store as zarr_store
+import chunk_work, stability.storage.zarr_store as zarr_store
 wait = {"file": "write_bytes", "folder": "rename"}[sys.argv[1]]
 kept = chunk_work.store(Path("a.zarr")) if wait == "write_bytes" else None
 whole = getattr(Path, wait)

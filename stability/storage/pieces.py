@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import FileError, shown
-from ..storage.checksum import sealed, unsealed
-from ..storage.files import atomic_write
-from ..storage.litter import clear
-from ..storage.targets import check_folder, path_text, place, refusing
+from .checksum import sealed, unsealed
+from .files import atomic_write
+from .litter import clear
+from .targets import check_folder, path_text, place, refusing
 
 Chunk = dict[str, NDArray[Any]]
 

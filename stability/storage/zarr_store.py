@@ -22,10 +22,11 @@ from numpy.typing import NDArray
 
 from ..base.checks import flag
 from ..base.errors import FileError, StabilityError, warned
-from ..storage.files import atomic_write
-from ..storage.litter import clear, temporary
-from ..storage.targets import check_folder, path_text, refusing
-from ..storage.zarr_folder import (
+from .chunks import Arrays, Block, Layout, Variable, check_chunk
+from .files import atomic_write
+from .litter import clear, temporary
+from .targets import check_folder, path_text, refusing
+from .zarr_folder import (
     HEAD,
     MARKER,
     MISSING,
@@ -42,7 +43,6 @@ from ..storage.zarr_folder import (
     same_question,
     sealed_head,
 )
-from .chunks import Arrays, Block, Layout, Variable, check_chunk
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -295,32 +295,6 @@ class ZarrStore:
         with refusing(self.folder):
             self.folder.rename(old)
             shutil.rmtree(old)
-
-
-def check_store(path: str | PathLike[str]) -> Path:
-    """Check that a folder can hold a store, by one that is made and removed next to it.
-
-    Parameters
-    ----------
-    path
-        The folder.
-
-    Returns
-    -------
-    Path
-
-    Raises
-    ------
-    FileError
-        If it holds other files, or nothing can be written there.
-    """
-    target = check_folder(path)
-    if _head_of(target) is None:
-        draft = target.parent / temporary(target.suffix)
-        with refusing(target):
-            draft.mkdir()
-            draft.rmdir()
-    return target
 
 
 def _head_of(folder: Path) -> dict[str, Any] | None:
