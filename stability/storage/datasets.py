@@ -59,7 +59,10 @@ def dataset_target(
     if not found.folder:
         return check_target(path, overwrite=overwrite)
     target = check_folder(path)
-    if not target.is_dir():
+    if target.is_dir():
+        if found.check is not None:
+            found.check(target)
+    else:
         draft = target.parent / temporary(target.suffix)
         with refusing(target):
             draft.mkdir()

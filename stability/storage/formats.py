@@ -32,6 +32,8 @@ class Format:
     """Writes an array row by row: a context manager like `netcdf.rows`."""
     chunks: Callable[..., Any] | None = None
     """A `Store` of chunks that workers fill, made like `ZarrStore`."""
+    check: Callable[[Any], object] | None = None
+    """Refuses a folder that holds something else, which is not even replaced."""
     package: str = ""
     """Package that it needs beyond those of every installation."""
     extra: str = ""
@@ -72,6 +74,7 @@ ZARR = Format(
     (".zarr",),
     read=_deferred("zarr_folder", "opened_store"),
     chunks=_deferred("zarr_store", "ZarrStore"),
+    check=_deferred("zarr_store", "head_of"),
     package="zarr",
     extra="scale",
 )

@@ -206,7 +206,7 @@ class ZarrStore:
             attrs or {},
             question or {},
         )
-        head = _head_of(self.folder)
+        head = head_of(self.folder)
         if head is not None and not same_question(head, asked):
             if not overwrite:
                 raise FileError(
@@ -283,7 +283,7 @@ class ZarrStore:
                         self.folder.rmdir()
                     draft.rename(self.folder)
                 except OSError:  # another run has made it meanwhile
-                    head = _head_of(self.folder)
+                    head = head_of(self.folder)
                     if head is None or not same_question(head, asked):
                         raise
         finally:
@@ -297,7 +297,7 @@ class ZarrStore:
             shutil.rmtree(old)
 
 
-def _head_of(folder: Path) -> dict[str, Any] | None:
+def head_of(folder: Path) -> dict[str, Any] | None:
     """Attributes of a store that is there; None where there is no folder, or an empty one."""
     path = folder / HEAD
     with refusing(folder, "used"):
