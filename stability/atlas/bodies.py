@@ -7,19 +7,17 @@ so that the same call goes on after an interruption.
 from __future__ import annotations
 
 import html
-import json
 import math
 import os
 import shutil
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
-from contextlib import closing, suppress
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ..base.checks import whole_number
+from ..base.checks import flag, whole_number
 from ..base.errors import FileError, NoMemberError
 from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..base.version import __version__
@@ -29,12 +27,11 @@ from ..bodies.round_body.body import Body
 from ..bodies.round_body.inclinations import tumbling_ranges
 from ..bodies.round_body.shapes.named import EccentricSphere, Spheroid, ThickDisk, Torus
 from ..bodies.round_body.shapes.profile import Egg
-from ..jobs.pipeline import Counted, check_run, here, ordered, resumable
-from ..jobs.processes import processes
+from ..jobs.pipeline import Counted, check_run, resumable
 from ..maps.stability_map import stability_map
-from ..storage.files import atomic_write
-from ..storage.targets import path_text, refusing
-from .build import FINEST, folder_for, move
+from ..storage.pieces import Records, is_records
+from ..storage.targets import check_folder, path_text, refusing
+from .build import FINEST, figures, move
 from .page import FRICTION, Picture, _diagram_caption, _figure, _foot, _head, drawn
 
 RESOLUTION = 96
@@ -457,30 +454,22 @@ def atlas_of_bodies(
     """
     resolution = whole_number("resolution", resolution, 8, FINEST)
     check_run(workers, progress, executor)
-    target = folder_for(out, overwrite=overwrite)
+    target = check_folder(out, empty=not flag("overwrite", overwrite))
     jobs, absent = _jobs()
-    keep = _Figures(target, resolution)
+    keep = _figures(target, resolution)
     counted = Counted(progress, len(jobs))
-    counted.add(0)
-    count = min(workers or os.cpu_count() or 1, len(jobs))
-    with (
-        resumable(keep.folder, counted, said="figures are kept in"),
-        closing(
-            ordered(
-                jobs,
-                lambda job: partial(draw, *job, str(keep.folder), resolution),
-                executor=executor,
-                workers=count,
-                own=here if workers == 1 else processes,
-                keep=keep,
-                progress=counted,
-            )
-        ) as results,
-    ):
-        found = dict(results)
+    with resumable(keep.folder, counted, said="figures are kept in"):
+        found = figures(
+            jobs,
+            lambda job: partial(draw, *job, str(keep.folder), resolution),
+            counted,
+            workers,
+            executor,
+            keep,
+        )
     for name, text in pages(BODIES, found, absent, resolution).items():
         (keep.folder / name).write_text(text, encoding="utf-8")
-    keep.release()
+    keep.path.unlink()
     move(keep.folder, target)
     shutil.rmtree(keep.folder, ignore_errors=True)
     return target / "index.html"
@@ -500,45 +489,19 @@ def _jobs() -> tuple[list[Key], dict[tuple[str, str], str]]:
     return jobs, absent
 
 
-class _Figures:
+def _figures(target: Path, resolution: int) -> Records[Key, Diagram]:
     """Finished figures in a folder next to the target, until the atlas is complete."""
+    folder = target.with_name(f"{target.name}.parts")
+    journal = folder / "atlas.jsonl"
+    with refusing(folder, "used"):
+        if folder.exists() and any(folder.iterdir()) and not is_records(journal):
+            raise FileError(f"{path_text(folder)} holds other files; move it aside.")
 
-    NOTE = "atlas.json"
+    def read(record: dict[str, Any]) -> Diagram:
+        diagram = Diagram(Picture(**record["picture"]), record["figure"] is True)
+        suffixes = ("png", "pdf", "nc") if diagram.figure else ("nc",)
+        if not all((folder / f"{diagram.picture.stem}.{s}").is_file() for s in suffixes):
+            raise ValueError
+        return diagram
 
-    def __init__(self, target: Path, resolution: int) -> None:
-        self.folder = target.with_name(f"{target.name}.parts")
-        self._label = [__version__, resolution]
-        with refusing(self.folder, "used"):
-            self.folder.mkdir(parents=True, exist_ok=True)
-            if any(self.folder.iterdir()) and not (self.folder / self.NOTE).is_file():
-                raise FileError(f"{path_text(self.folder)} holds other files; move it aside.")
-            (self.folder / self.NOTE).write_text("figures of an unfinished atlas\n")
-
-    def done(self, key: Key) -> bool:
-        """Whether a figure is there."""
-        return self.get(key) is not None
-
-    def get(self, key: Key) -> Diagram | None:
-        """A finished figure; None where it is missing, or of another atlas."""
-        with suppress(OSError, ValueError, KeyError, TypeError):
-            found = json.loads(self._path(key).read_text(encoding="utf-8"))
-            diagram = Diagram(Picture(**found["picture"]), found["figure"] is True)
-            kinds_ = ("png", "pdf", "nc") if diagram.figure else ("nc",)
-            files = [self.folder / f"{diagram.picture.stem}.{s}" for s in kinds_]
-            if found["label"] == self._label and all(f.is_file() for f in files):
-                return diagram
-        return None
-
-    def add(self, key: Key, value: Diagram) -> None:
-        """State that a figure is finished."""
-        with atomic_write(self._path(key), overwrite=True, result=False) as draft:
-            text = json.dumps({"label": self._label} | asdict(value))
-            draft.write_text(text, encoding="utf-8")
-
-    def release(self) -> None:
-        """Remove what is no part of the atlas."""
-        for path in [*self.folder.glob("*.part.json"), self.folder / self.NOTE]:
-            path.unlink()
-
-    def _path(self, key: Key) -> Path:
-        return self.folder / f"{'-'.join(key)}.part.json"
+    return Records(journal, f"{__version__} {resolution}", read, "-".join)

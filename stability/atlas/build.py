@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import closing
+from contextlib import closing, contextmanager
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -27,7 +27,8 @@ from ..jobs.pipeline import Counted, check_run, here, ordered
 from ..jobs.processes import processes
 from ..storage.files import postponed, record
 from ..storage.litter import clear, temporary
-from ..storage.targets import check_folder, path_text, place, refusing
+from ..storage.pieces import Pieces
+from ..storage.targets import check_folder, path_text, refusing
 from ..storage.text import csv_text
 from .page import (
     BODIES,
@@ -43,6 +44,8 @@ from .page import (
     drawn,
 )
 
+T = TypeVar("T")
+Job = TypeVar("Job")
 FINEST = 4000
 """Most points along the axis of a family."""
 COLUMNS = (
@@ -128,7 +131,7 @@ def atlas(
     draft = resolution < DRAFT if draft is None else flag("draft", draft)
     frictions = () if draft else LOCUS_FRICTION
     check_run(workers, progress, executor)
-    target = folder_for(out, overwrite=overwrite)
+    target = check_folder(out, empty=not flag("overwrite", overwrite))
     with _temporary_folder(target) as folder:
         pairs = [(body, family) for body in BODIES for family in drawn()]
         # the loci first, since each is soon done; then the diagrams, the longest first
@@ -137,19 +140,13 @@ def atlas(
         longest = sorted(pairs, key=lambda pair: not FAMILIES[pair[1]].by_angle)
         jobs += [(*pair, None) for pair in longest]
         counted = Counted(progress, len(jobs))
-        counted.add(0)
-        count = min(workers or os.cpu_count() or 1, len(jobs))
-        with closing(
-            ordered(
-                jobs,
-                lambda job: partial(_job, job, str(folder), resolution, draft),
-                executor=executor,
-                workers=count,
-                own=here if workers == 1 else processes,
-                progress=counted,
-            )
-        ) as results:
-            found = dict(results)
+        found = figures(
+            jobs,
+            lambda job: partial(_job, job, str(folder), resolution, draft),
+            counted,
+            workers,
+            executor,
+        )
         pages = [_page(*pair, found, frictions) for pair in pairs]
         text = csv_text(COLUMNS, [row for page in pages for row in page.rows])
         (folder / "boundaries.csv").write_text(text, "utf-8")
@@ -159,22 +156,52 @@ def atlas(
     return target / "index.html"
 
 
-class _temporary_folder:  # noqa: N801  # a context manager that reads as a word
+def figures(
+    jobs: Sequence[Job],
+    task: Callable[[Job], Callable[[], T]],
+    counted: Counted,
+    workers: int | None,
+    executor: Executor | None,
+    keep: Pieces[Job, T] | None = None,
+) -> dict[Job, T]:
+    """Draw the figures of an atlas, each job in a process.
+
+    Parameters
+    ----------
+    jobs, task, keep
+        As for `stability.jobs.pipeline.ordered`.
+    counted
+        Count of the jobs.
+    workers, executor
+        As for `atlas`.
+    """
+    counted.add(0)
+    with closing(
+        ordered(
+            jobs,
+            task,
+            executor=executor,
+            workers=min(workers or os.cpu_count() or 1, len(jobs)),
+            own=here if workers == 1 else processes,
+            keep=keep,
+            progress=counted,
+        )
+    ) as results:
+        return dict(results)
+
+
+@contextmanager
+def _temporary_folder(target: Path) -> Iterator[Path]:
     """A temporary folder next to the target, removed afterwards in every case."""
-
-    def __init__(self, target: Path) -> None:
-        self.target = target
-
-    def __enter__(self) -> Path:
-        with refusing(self.target):
-            parent = Path(os.path.realpath(self.target)).parent
-            clear(parent, always=True)
-            self.folder = parent / temporary()
-            self.folder.mkdir(0o700)
-        return self.folder
-
-    def __exit__(self, *_: object) -> None:
-        shutil.rmtree(self.folder, ignore_errors=True)
+    with refusing(target):
+        parent = Path(os.path.realpath(target)).parent
+        clear(parent, always=True)
+        folder = parent / temporary()
+        folder.mkdir(0o700)
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def move(folder: Path, target: Path) -> None:
@@ -197,23 +224,6 @@ def move(folder: Path, target: Path) -> None:
             for path in sorted(folder.iterdir(), key=lambda p: p.name == "index.html"):
                 path.replace(target / path.name)  # the page last: it links to the others
         record(target)
-
-
-def folder_for(out: str | os.PathLike[str], *, overwrite: bool) -> Path:
-    """The folder of an atlas, or a refusal where it holds files that may not be replaced.
-
-    Parameters
-    ----------
-    out
-        Folder as the user gave it.
-    overwrite
-        Whether files in an existing folder may be replaced.
-    """
-    taken = (
-        f"{path_text(out)} exists and is not empty; choose another, or replace its files with "
-        "--overwrite (overwrite=True)."
-    )
-    return check_folder(place(out), "" if overwrite else taken)
 
 
 # --- one job ---

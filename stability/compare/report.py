@@ -16,10 +16,11 @@ import numpy as np
 
 from ..base.checks import flag
 from ..base.errors import FileError
-from ..jobs.measured_cells import JOURNAL, Cell, Journal, is_journal, run
+from ..jobs.measured_cells import JOURNAL, Cell, Journal, run
 from ..jobs.pipeline import check_run, resumable
 from ..storage.datasets import write_dataset
 from ..storage.files import atomic_write, together
+from ..storage.pieces import is_records
 from ..storage.targets import check_folder, path_text, place, refusing
 from ..storage.text import csv_text
 from . import failures as catalogue
@@ -124,10 +125,10 @@ def report(
         missing = resumable(folder, said="every cell is kept in", then="have what is missing drawn")
         with missing, together():
             others = {name: tasks() for name, tasks in PARTS.items() if name not in plan}
-            plan |= {n: groups for n, groups in others.items() if done(groups, journal.cells)}
+            plan |= {n: groups for n, groups in others.items() if done(groups, journal.pieces)}
             ready = []
             for name in (n for n in PARTS if n in plan):
-                mine = asked(plan[name], journal.cells)
+                mine = asked(plan[name], journal.pieces)
                 ready.append(one := part(name, mine))
                 if name in wanted or not all((folder / file).exists() for file in one.data):
                     _write(folder, one, mine)
@@ -144,12 +145,8 @@ def report(
 def _folder(out: Any, overwrite: bool) -> Path:
     target = place(out)
     with refusing(target, "used"):
-        ours = is_journal(target / JOURNAL)
-    taken = (
-        f"{path_text(target)} holds other files; choose another folder, or use "
-        "--overwrite (overwrite=True)."
-    )
-    check_folder(target, "" if ours or overwrite else taken)
+        ours = is_records(target / JOURNAL)
+    check_folder(target, empty=not (ours or overwrite))
     if (target / "index.html").is_dir():
         raise FileError(
             f"{path_text(target / 'index.html')} is a folder in the way; move it aside."

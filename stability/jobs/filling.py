@@ -18,6 +18,7 @@ from ..base.types import Progress
 from ..storage.chunks import Arrays, Block, Store, Writer
 from ..storage.targets import path_text
 from .pipeline import ENDED, Counted, Pool, check_run, here, ordered, resumable, threads
+from .processes import worker_ended
 
 TRIES = 2
 """Times that a chunk may lose its worker before it is divided."""
@@ -256,7 +257,9 @@ class _Filling:
         with closing(self._results([None], lambda _: task, 1, 1)) as results:
             return next(iter(results))[1]  # type: ignore[no-any-return]
 
-    def _lose(self, _: Any) -> None:
+    def _lose(self, _: Any, error: Exception) -> None:
+        if not worker_ended(error):
+            raise error
         self.ended += 1
         if self.ended > MOST_ENDED:
             raise StabilityError(

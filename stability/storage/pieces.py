@@ -1,4 +1,7 @@
-"""Checkpoints: a folder with the finished pieces of a job, until the job is done."""
+"""Finished pieces of a job by key, each there whole or not at all, so that the job can go on.
+
+Arrays have a file each (`Checkpoint`); records are lines of one file (`Records`).
+"""
 
 from __future__ import annotations
 
@@ -8,9 +11,10 @@ import json
 import zipfile
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import asdict
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +24,111 @@ from .checksum import sealed, unsealed
 from .files import atomic_write
 from .litter import clear
 from .targets import check_folder, path_text, place, refusing
+from .text import marked, unmarked
 
+T = TypeVar("T")
+Key = TypeVar("Key", contravariant=True)
 Chunk = dict[str, NDArray[Any]]
+MARK = "fingerprint"
+"""The first word of a file of records."""
+
+
+class Pieces(Protocol[Key, T]):
+    """Finished pieces in a folder, by key."""
+
+    folder: Path
+    """Folder of the pieces."""
+
+    def done(self, key: Key) -> bool:
+        """Whether a piece is there; it may still be damaged."""
+
+    def get(self, key: Key) -> T | None:
+        """A finished piece; None where it is missing or damaged."""
+
+    def add(self, key: Key, value: T) -> None:
+        """Write a finished piece at once."""
+
+
+class Records(Generic[Key, T]):
+    """Finished dataclasses as lines of a file, those of another question left out.
+
+    Parameters
+    ----------
+    path
+        The file; its folder is created if it is missing.
+    question
+        What the pieces depend on.
+    read
+        A piece from its record; a ValueError or TypeError if it is none.
+    name
+        Text of a key.
+
+    Raises
+    ------
+    FileError
+        If the folder cannot be used, or the file is another.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        question: str,
+        read: Callable[[dict[str, Any]], T],
+        name: Callable[[Key], str] = str,
+    ) -> None:
+        self.folder, self.path, self._name = path.parent, path, name
+        self.pieces: dict[str, T] = {}
+        head = json.dumps({MARK: question})
+        with refusing(path, "used"):
+            self.folder.mkdir(parents=True, exist_ok=True)
+            clear(self.folder, always=True)
+            there = path.is_symlink() or path.exists()
+            if there and not is_records(path):
+                raise FileError(
+                    f"{path_text(path)} is not a journal of ours; choose another folder."
+                )
+            text = path.read_text(encoding="utf-8", errors="replace") if there else ""
+            first, *lines = text.splitlines() or [""]
+            kept = [f"{head}\n"]
+            for line in lines if first == head else []:
+                body, _, digest = line.rpartition("\t")
+                if digest != _digest(body):  # cut short or damaged: the piece is done again
+                    continue
+                with suppress(ValueError, TypeError, LookupError, RecursionError):
+                    record = json.loads(body, object_hook=unmarked)
+                    self.pieces[str(record["key"])] = read(record)
+                    kept.append(f"{line}\n")
+            if text != "".join(kept):  # a line is cut short, or pieces are no longer valid
+                with atomic_write(path, overwrite=True, result=False) as draft:
+                    draft.write_text("".join(kept), encoding="utf-8")
+
+    def done(self, key: Key) -> bool:
+        """Whether a piece is there."""
+        return self._name(key) in self.pieces
+
+    def get(self, key: Key) -> T | None:
+        """A finished piece, or None."""
+        return self.pieces.get(self._name(key))
+
+    def add(self, key: Key, value: T) -> None:
+        """Write a finished piece at once."""
+        record = {"key": self._name(key)} | asdict(value)  # type: ignore[call-overload]
+        body = json.dumps(marked(record), allow_nan=False)
+        self.pieces[self._name(key)] = value
+        with refusing(self.path), self.path.open("a", encoding="utf-8") as handle:
+            handle.write(f"{body}\t{_digest(body)}\n")
+
+
+def _digest(body: str) -> str:
+    return hashlib.sha256(body.encode()).hexdigest()[:16]
+
+
+def is_records(path: Path) -> bool:
+    """Whether a file is one of `Records`."""
+    if path.is_symlink() or not path.is_file():
+        return False
+    with path.open("rb") as handle:
+        return handle.read(len(MARK) + 2) == f'{{"{MARK}'.encode()
 
 
 class Checkpoint:

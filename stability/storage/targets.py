@@ -182,15 +182,15 @@ def check_target(path: str | os.PathLike[str], *, overwrite: bool = False) -> Pa
     return target
 
 
-def check_folder(path: str | os.PathLike[str], taken: str = "") -> Path:
+def check_folder(path: str | os.PathLike[str], *, empty: bool = False) -> Path:
     """Check that a folder can be created or written into; nothing is created, litter is removed.
 
     Parameters
     ----------
     path
         The folder.
-    taken
-        Error message for a folder that is not empty; empty where such a folder is accepted.
+    empty
+        Whether a folder with files is refused.
 
     Returns
     -------
@@ -199,7 +199,8 @@ def check_folder(path: str | os.PathLike[str], taken: str = "") -> Path:
     Raises
     ------
     FileError
-        If it is a file or named like one, is taken, or its place is missing or not writable.
+        If it is a file or named like one, holds files where none may be, or its place is missing
+        or not writable.
     """
     target = place(path)
     with refusing(target):
@@ -216,8 +217,11 @@ def check_folder(path: str | os.PathLike[str], taken: str = "") -> Path:
             raise FileError(f"{path_text(target)} is named like a file; give the name of a folder.")
         if there:
             clear(target, always=True)
-        if taken and there and any(target.iterdir()):
-            raise FileError(taken)
+        if empty and there and any(target.iterdir()):
+            raise FileError(
+                f"{path_text(target)} is not empty and holds other files; choose another folder, "
+                "or use --overwrite (overwrite=True)."
+            )
         if not target.parent.is_dir():
             raise FileError(
                 f"the folder {path_text(target.parent)} does not exist; create it first."

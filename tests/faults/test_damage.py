@@ -111,9 +111,9 @@ def _journal(folder: Path) -> Sample:
 
     def read(path: Path) -> Any:
         shutil.copy(path, folder / "report0" / "cells.jsonl")
-        return Journal(folder / "report0").cells
+        return Journal(folder / "report0").pieces
 
-    whole = [dict(j.cells) for j in kept]
+    whole = [dict(j.pieces) for j in kept]
     return Sample(
         *(j.path.read_bytes() for j in kept),
         ".jsonl",
