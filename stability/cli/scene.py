@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..base.errors import ParameterError
 from ..storage.text import json_text
-from .options import _picture, overwriting
+from .options import overwriting, targets
 from .terminal import progress_bar, waiting
 
 if TYPE_CHECKING:
@@ -78,25 +78,25 @@ def run(options: argparse.Namespace) -> None:
         scene = Scene(**given)
         names = tuple(scene.quantities)
         _refuse(options, scene)
-        targets, asked = _targets(options), scene
-        if "out" in targets and "path" not in names:
+        files, asked = targets(options, "write"), scene
+        if "out" in files and "path" not in names:
             scene = replace(scene, quantities=(*names, "path"))
         answer = scene.verify() if options.verify else scene.answer(only=options.only)
     with together():
-        if "out" in targets:
-            _write(options, answer, targets["out"], getattr(scene.disk, "name", "thin disk"))
-        if "plot" in targets:
+        if "out" in files:
+            _write(options, answer, files["out"], getattr(scene.disk, "name", "thin disk"))
+        if "plot" in files:
             with progress_bar("models") as progress:
-                asked.plot(targets["plot"], overwrite=options.force, progress=progress)
+                asked.plot(files["plot"], overwrite=options.force, progress=progress)
     if options.json:
         print(json_text(_record(title, scene, answer, names, options)))
         return
     for line in _lines(title, scene, answer, names):
         print(line)
-    if targets:
+    if files:
         from ..storage.targets import path_text
 
-        print("\n" + "\n".join(f"wrote {path_text(path)}" for path in targets.values()))
+        print("\n" + "\n".join(f"wrote {path_text(path)}" for path in files.values()))
 
 
 def _refuse(options: argparse.Namespace, scene: Scene) -> None:
@@ -123,20 +123,6 @@ def _refuse(options: argparse.Namespace, scene: Scene) -> None:
         )
     if options.only is not None and set(scene.quantities) <= set(QUESTIONS):
         known("--only", options.only, (STEADY, LINEARISED, SECOND, "creep", scene.contact.name))
-
-
-def _targets(options: argparse.Namespace) -> dict[str, Path]:
-    """The files to write, checked before anything is computed."""
-    from ..storage.datasets import dataset_target
-
-    targets = {}
-    if options.out is not None:
-        targets["out"] = dataset_target(
-            options.out, "write", overwrite=options.force, option="--out"
-        )
-    if options.plot is not None:
-        targets["plot"] = _picture(options.plot, options.force)
-    return targets
 
 
 def _write(options: argparse.Namespace, answer: Answer, target: Path, name: str) -> None:

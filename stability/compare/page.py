@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..base.provenance import machine, today
-from ..storage.files import atomic_write
+from ..storage.files import write_file
 from . import failures as catalogue
 from .marks import Mark
 from .motion import chart as motion_chart
@@ -115,8 +115,7 @@ def write(folder: Path, parts: Sequence[Part]) -> Path:
         body += [f'<h2 id="{one.name}">{TITLES[one.name]}</h2>', *_section(one)]
     body.append(_footer(machine()))
     target = folder / PAGE
-    with atomic_write(target, overwrite=True) as draft:
-        draft.write_text("\n".join(body) + "\n", encoding="utf-8")
+    write_file(target, "\n".join(body) + "\n", overwrite=True)
     return target
 
 

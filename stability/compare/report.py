@@ -19,7 +19,7 @@ from ..base.errors import FileError
 from ..jobs.measured_cells import JOURNAL, Cell, Journal, run
 from ..jobs.pipeline import check_run, resumable
 from ..storage.datasets import write_dataset
-from ..storage.files import atomic_write, together
+from ..storage.files import atomic_write, together, write_file
 from ..storage.pieces import is_records
 from ..storage.targets import check_folder, path_text, place, refusing
 from ..storage.text import csv_text
@@ -359,8 +359,7 @@ def _write(folder: Path, one: Part, cells: Mapping[str, Cell]) -> None:
             with atomic_write(folder / f"{plate.stem}{suffix}", overwrite=True) as draft:
                 canvas.save_figure(figure, draft)
     for name, text in _texts(one, cells).items():
-        with atomic_write(folder / name, overwrite=True) as draft:
-            draft.write_text(text, encoding="utf-8")
+        write_file(folder / name, text, overwrite=True)
     if one.name in (SPECTRUM, MOTION):
         write_dataset(one.chart, folder / f"{one.name}.nc", overwrite=True)
 

@@ -12,7 +12,7 @@ from ..base.errors import ParameterError
 from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
-from ..storage.files import atomic_write
+from ..storage.files import write_file
 from ..storage.targets import check_suffix, check_target
 from ..systems.family import Family
 from .body_page import body_page
@@ -135,6 +135,5 @@ def explore(
         from .page import widget
 
         return widget(data)
-    with atomic_write(out, overwrite=overwrite) as draft:
-        draft.write_text(page(data, title), encoding="utf-8")
+    write_file(out, page(data, title), overwrite=overwrite)
     return Path(out)

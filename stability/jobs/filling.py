@@ -187,11 +187,11 @@ class _Chunk:
 
     def __call__(self) -> _Done:
         begin = time.perf_counter()
-        if self.writer is not None and self.writer.there(self.block):  # of another run
+        if self.writer is not None and self.writer.done(self.block):  # of another run
             return _Done(0.0, None)
         arrays = self.work(self.block, slice(0, self.cells))
         if self.writer is not None:
-            self.writer.write(self.block, arrays)
+            self.writer.add(self.block, arrays)
         return _Done(time.perf_counter() - begin, arrays if self.writer is None else None)
 
 
@@ -300,7 +300,7 @@ class _Filling:
 
     def _finish(self, block: Block, done: _Done) -> None:
         if done.arrays is not None:
-            self.store.write(block, done.arrays)
+            self.store.add(block, done.arrays)
         self.seconds.append(done.seconds)
         self.count.add(self.store.layout.count(block))
 

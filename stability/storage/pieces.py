@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from ..base.errors import FileError, shown
 from .checksum import sealed, unsealed
-from .files import atomic_write
+from .files import write_file
 from .litter import clear
 from .targets import check_folder, path_text, place, refusing
 from .text import marked, unmarked
@@ -99,8 +99,7 @@ class Records(Generic[Key, T]):
                     self.pieces[str(record["key"])] = read(record)
                     kept.append(f"{line}\n")
             if text != "".join(kept):  # a line is cut short, or pieces are no longer valid
-                with atomic_write(path, overwrite=True, result=False) as draft:
-                    draft.write_text("".join(kept), encoding="utf-8")
+                write_file(path, "".join(kept), overwrite=True, result=False)
 
     def done(self, key: Key) -> bool:
         """Whether a piece is there."""
@@ -176,8 +175,7 @@ class Checkpoint:
             elif any(self.folder.iterdir()):
                 raise FileError(f"{words} holds other files; choose another.")
             else:
-                with atomic_write(note, result=False) as draft:
-                    draft.write_text(wanted, encoding="utf-8")
+                write_file(note, wanted, result=False)
 
     def done(self, key: int) -> bool:
         """Whether a chunk is there; it may still be damaged.
@@ -225,8 +223,8 @@ class Checkpoint:
         """
         content = io.BytesIO()
         np.savez(content, allow_pickle=False, **value)
-        with atomic_write(self._path(key), overwrite=True, result=False) as draft:
-            draft.write_bytes(sealed(content.getbuffer(), f"{self.label} {key}"))
+        whole = sealed(content.getbuffer(), f"{self.label} {key}")
+        write_file(self._path(key), whole, overwrite=True, result=False)
 
     def _path(self, key: int) -> Path:
         return self.folder / f"{key}.npz"

@@ -88,7 +88,7 @@ def test_only_what_is_missing_is_computed(tmp_path: Path) -> None:
     log = tmp_path / "log"
     kept, told = store(tmp_path / "a.zarr"), []
     for block in LAYOUT.blocks()[::2]:
-        kept.write(block, values(np.arange(90).reshape(9, 10)[LAYOUT.slices(block)].ravel()))
+        kept.add(block, values(np.arange(90).reshape(9, 10)[LAYOUT.slices(block)].ravel()))
     stored = 90 - sum(map(LAYOUT.count, kept.missing()))
     found = fill(
         kept, Logged(str(log)), blank=blank, own=here, progress=lambda *pair: told.append(pair)
