@@ -98,36 +98,32 @@ BODIES: dict[str, Shown] = {
         lambda: Torus(0.2),
         "tube",
         (0.02, 0.9),
-        "A solid ring of uniform "
-        "density. Tube: radius b of the tube over R, the radius of the circle of its "
-        "centres.",
+        "A solid ring of uniform density. Tube: radius b of the tube over R, the radius of the "
+        "circle of its centres.",
     ),
     "oblate": Shown(
         "oblate spheroid",
         lambda: Spheroid(0.5),
         "aspect",
         (0.05, 0.95),
-        "A solid "
-        "spheroid of uniform density. Aspect: half length a of the axis over R, the "
-        "radius of the equator.",
+        "A solid spheroid of uniform density. Aspect: half length a of the axis over R, the radius "
+        "of the equator.",
     ),
     "prolate": Shown(
         "prolate spheroid",
         lambda: Spheroid(1.5),
         "aspect",
         (1.05, 3.0),
-        "A solid "
-        "spheroid of uniform density. Aspect: half length a of the axis over R, the "
-        "radius of the equator.",
+        "A solid spheroid of uniform density. Aspect: half length a of the axis over R, the radius "
+        "of the equator.",
     ),
     "eccentric": Shown(
         "eccentric sphere",
         lambda: EccentricSphere(0.2),
         "offset",
         (0.02, 0.9),
-        "A uniform ball with a point of mass on its surface, a tippe top without "
-        "its stem. Offset: distance e of the centre of mass from the centre, over "
-        "the radius R.",
+        "A uniform ball with a point of mass on its surface, a tippe top without its stem. Offset: "
+        "distance e of the centre of mass from the centre, over the radius R.",
         ("centre of mass below", "centre of mass above"),
     ),
     "thick": Shown(
@@ -135,8 +131,7 @@ BODIES: dict[str, Shown] = {
         lambda: ThickDisk(0.3),
         "thickness",
         (0.05, 1.5),
-        "A uniform "
-        "cylinder that rolls on the rim of its lower face. Thickness: t over the radius "
+        "A uniform cylinder that rolls on the rim of its lower face. Thickness: t over the radius "
         "R.",
     ),
     "egg": Shown(
@@ -144,10 +139,10 @@ BODIES: dict[str, Shown] = {
         lambda: Egg(0.2),
         "axial",
         (0.25, 0.6),
-        "A solid egg of uniform density, "
-        "r = sin u (1 + taper cos u), z = −aspect cos u. Axial: moment of inertia about "
-        "the axis, over mR², as other distributions of mass have it with the same centre "
-        "of mass and the same moment across; the shape is the same in all diagrams.",
+        "A solid egg of uniform density, r = sin u (1 + taper cos u), z = −aspect cos u. Axial: "
+        "moment of inertia about the axis, over mR², as other distributions of mass have it with "
+        "the same centre of mass and the same moment across; the shape is the same in all "
+        "diagrams.",
         ("blunt end below", "sharp end below"),
     ),
 }
@@ -165,37 +160,17 @@ class Diagram:
 
 
 def kinds(shown: Shown, name: str) -> tuple[str, ...]:
-    """The diagrams of a family of a body.
-
-    Parameters
-    ----------
-    shown
-        The body.
-    name
-        Name of the family, with the pole of vertical spin.
-    """
+    """The diagrams of a family of a body, by the last word of a `Key`."""
     return ("plane",) if name in PLANES else ("mu", shown.own, *LAWS)
 
 
 def names(shown: Shown) -> list[str]:
-    """Families of a body, with vertical spin on both ends where these differ.
-
-    Parameters
-    ----------
-    shown
-        The body.
-    """
+    """Families of a body, with vertical spin on both ends where these differ."""
     return [*drawn(), *list(POLES)[: max(1, len(shown.ends))], *PLANES]
 
 
 def absence(shown: Shown, name: str) -> str:
-    """A sentence if a body has no such family; empty if it has.
-
-    Parameters
-    ----------
-    shown, name
-        As for `kinds`.
-    """
+    """A sentence if a body has no such family; empty if it has."""
     body, (family, pole) = shown.make(), family_of(name)
     try:
         body.family(family, LAWS.get(PLANES.get(name, ""), Viscous), pole=pole)
@@ -207,24 +182,12 @@ def absence(shown: Shown, name: str) -> str:
 
 
 def family_of(name: str) -> tuple[str, Any]:
-    """The family of a diagram, and the pole of vertical spin.
-
-    Parameters
-    ----------
-    name
-        As for `kinds`.
-    """
+    """The family of a diagram, and the pole of vertical spin."""
     return ("vertical", POLES[name]) if name in POLES else (name, None)
 
 
 def spoken(family: str) -> str:
-    """A family in a sentence.
-
-    Parameters
-    ----------
-    family
-        Its name.
-    """
+    """A family in a sentence."""
     return "vertical spin" if family == "vertical" else family
 
 
@@ -255,17 +218,7 @@ def _up(shown: Shown, kind: str, rows: int) -> tuple[Any, ...]:
 
 
 def draw(key: str, name: str, kind: str, folder: str, resolution: int) -> Diagram:
-    """One diagram: its map as NetCDF, and its figure.
-
-    Parameters
-    ----------
-    key, name, kind
-        The diagram, a `Key`.
-    folder
-        Where its files go.
-    resolution
-        Points along the horizontal axis.
-    """
+    """One diagram in a folder: its map as NetCDF, and its figure; `resolution` points across."""
     from ..maps.files import write_map
 
     shown, (family, pole) = BODIES[key], family_of(name)
@@ -333,19 +286,7 @@ def pages(
     absent: Mapping[tuple[str, str], str],
     resolution: int,
 ) -> dict[str, str]:
-    """The text of every page by its file name.
-
-    Parameters
-    ----------
-    bodies
-        The bodies by key.
-    found
-        The diagrams.
-    absent
-        A sentence for each family that a body does not have, by the keys of both.
-    resolution
-        Points along the axis of the family.
-    """
+    """The text of every page by its file name; a sentence for each family that is absent."""
     foot = _foot(f"stability atlas --bodies --resolution {resolution}")
     texts = {"index.html": _index(bodies, found)}
     texts |= {f"{key}.html": _page(key, bodies, found, absent) for key in bodies}

@@ -276,7 +276,8 @@ def _diagram(
         workers=1,
     )
     write_map(dataset, here / f"{stem}.nc", overwrite=True)
-    rows = _curve_rows(body, disk, family, dataset)
+    quantity = FAMILIES[family].at[0]
+    rows = _curve_rows((body, disk.k, family, "viscous"), quantity, dataset)
     strips, limits = [], []
     for law in (Rough(), Smooth()):
         points = boundaries(family, axis=("at", low, high, 301), disk=disk, contact=law)
@@ -284,21 +285,9 @@ def _diagram(
         found = spectrum(family, at=at, disk=disk, contact=law)
         changes = tuple(p.value for p in points)
         strips.append(Strip(law.name, at, found.abscissa, changes, found.codes))
+        start = (body, disk.k, family, law.name)
         rows += [
-            (
-                body,
-                disk.k,
-                family,
-                law.name,
-                i,
-                FAMILIES[family].at[0],
-                p.value,
-                "",
-                p.crossing.word,
-                p.frequency,
-                p.error,
-                "at",
-            )
+            (*start, i, quantity, p.value, "", p.crossing.word, p.frequency, p.error, "at")
             for i, p in enumerate(points)
         ]
         where = ", ".join(f"{p.value:.6g}" for p in points)
@@ -384,34 +373,16 @@ def zeros_of_rates(spectra: Any) -> list[float]:
     return [v for v in crossings(at, values.real, radius, found) if v in found]
 
 
-def _curve_rows(body: str, disk: Disk, family: str, dataset: Any) -> list[tuple[Any, ...]]:
-    names = (
-        "boundary_curve",
-        "boundary_at",
-        "boundary_mu",
-        "boundary_kind",
-        "boundary_frequency",
-        "boundary_error",
-        "boundary_axis",
-    )
-    columns = [dataset[n].values.tolist() for n in names]
-    return [
-        (
-            body,
-            disk.k,
-            family,
-            "viscous",
-            curve,
-            FAMILIES[family].at[0],
-            at,
-            mu,
-            CODE_KINDS[kind].word,
-            frequency,
-            error,
-            ("at", "mu")[axis],
-        )
-        for curve, at, mu, kind, frequency, error, axis in zip(*columns, strict=True)
-    ]
+def _curve_rows(start: tuple[Any, ...], quantity: str, dataset: Any) -> list[tuple[Any, ...]]:
+    """Rows of the boundary curves of a map, after the words and numbers that all of them share."""
+    names = ("curve", "at", "mu", "kind", "frequency", "error", "axis")
+    columns = [dataset[f"boundary_{name}"].values.tolist() for name in names]
+    rows = []
+    for curve, at, mu, kind, frequency, error, axis in zip(*columns, strict=True):
+        crossing = CODE_KINDS[kind].word
+        along = ("at", "mu")[axis]
+        rows.append((*start, curve, quantity, at, mu, crossing, frequency, error, along))
+    return rows
 
 
 def launches_along(resolution: int) -> tuple[int, int]:
