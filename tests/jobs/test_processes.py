@@ -4,6 +4,7 @@ import os
 import time
 from concurrent.futures import BrokenExecutor
 from functools import partial
+from typing import Any
 
 import pytest
 
@@ -15,7 +16,7 @@ LONG = 60.0
 @pytest.fixture(scope="module")
 def killed() -> tuple[object, ...]:
     """What became of a group with a piece that is late and one that ends its process."""
-    works = [
+    works: list[tuple[Any, float]] = [
         (os.getpid, LONG),
         (os.getpid, LONG),
         (partial(time.sleep, 600), 0.2),
@@ -50,7 +51,8 @@ def test_a_limit_of_one_piece_is_none_of_another() -> None:
 
 def test_pieces_that_wait_are_cancelled_and_those_that_run_are_killed() -> None:
     pool = Lanes(1)
-    running, waiting = pool.submit_group([(partial(time.sleep, 600), LONG), (os.getpid, LONG)])
+    works: list[tuple[Any, float]] = [(partial(time.sleep, 600), LONG), (os.getpid, LONG)]
+    running, waiting = pool.submit_group(works)
     other = pool.submit(os.getpid)
     while not running.running():
         time.sleep(0.01)

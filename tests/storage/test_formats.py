@@ -45,7 +45,7 @@ def plain(attrs: Any) -> dict[str, Any]:
     return {str(n): v.tolist() if hasattr(v, "tolist") else v for n, v in attrs.items()}
 
 
-def read_lines(path: Path, form: str, what: str, *, lazy: bool) -> xarray.Dataset:
+def read_lines(path: Path, form: str | None, what: str, *, lazy: bool) -> xarray.Dataset:
     """The dataset of a file of lines."""
     assert isinstance(lazy, bool)
     attrs, *variables = (
