@@ -26,11 +26,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 import stability as st
-from stability.jobs.chunks import Layout, Variable
 from stability.jobs.dask import engine
 from stability.jobs.filling import AHEAD, fill
 from stability.jobs.pipeline import here
-from stability.jobs.zarr_store import ZarrStore
+from stability.storage.chunks import Layout, Variable
+from stability.storage.zarr_store import ZarrStore
 
 RECORD = Path(__file__).resolve().parents[1] / "docs" / "scaling.json"
 ENGINES = ("processes", "dask")

@@ -46,7 +46,7 @@ _HOME = {
     "boundary.brackets": ("BoundaryPoint", "Crossing", "Boundaries", "Unresolved"),
     "maps.stability_map": ("stability_map",),
     "boundary.changes": ("boundaries",),
-    "maps.netcdf": ("read_map", "write_map"),
+    "maps.files": ("read_map", "write_map"),
     "maps.stream": ("stream_map",),
     "algebra.polynomial": ("Exact", "ExactPolynomial"),
     "bodies.disk_polynomials": ("exact_polynomial",),
@@ -71,7 +71,7 @@ _HOME = {
     "figures.loci": ("plot_locus",),
     "figures.motion": ("plot_motion",),
     "motion.result": ("Outcome",),
-    "motion.netcdf": ("read_motion", "write_motion"),
+    "motion.files": ("read_motion", "write_motion"),
     "basin.basins": ("basins",),
     "basin.dataset": ("read_basins",),
     "basin.launch_labels": ("launch_labels",),
@@ -182,12 +182,12 @@ if TYPE_CHECKING:
     from .figures.loci import plot_locus as plot_locus
     from .figures.motion import plot_motion as plot_motion
     from .figures.retrograde import plot_retrograde as plot_retrograde
-    from .maps.netcdf import read_map as read_map
-    from .maps.netcdf import write_map as write_map
+    from .maps.files import read_map as read_map
+    from .maps.files import write_map as write_map
     from .maps.stability_map import stability_map as stability_map
     from .maps.stream import stream_map as stream_map
-    from .motion.netcdf import read_motion as read_motion
-    from .motion.netcdf import write_motion as write_motion
+    from .motion.files import read_motion as read_motion
+    from .motion.files import write_motion as write_motion
     from .motion.result import Outcome as Outcome
     from .motion.simulate import simulate as simulate
     from .scene.answer import Answer as Answer

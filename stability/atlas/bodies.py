@@ -7,19 +7,17 @@ so that the same call goes on after an interruption.
 from __future__ import annotations
 
 import html
-import json
 import math
 import os
 import shutil
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
-from contextlib import closing, suppress
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from ..base.checks import whole_number
+from ..base.checks import flag, whole_number
 from ..base.errors import FileError, NoMemberError
 from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..base.version import __version__
@@ -29,12 +27,11 @@ from ..bodies.round_body.body import Body
 from ..bodies.round_body.inclinations import tumbling_ranges
 from ..bodies.round_body.shapes.named import EccentricSphere, Spheroid, ThickDisk, Torus
 from ..bodies.round_body.shapes.profile import Egg
-from ..jobs.following import processes
-from ..jobs.pipeline import Counted, check_run, here, ordered, resumable
+from ..jobs.pipeline import Counted, check_run, resumable
 from ..maps.stability_map import stability_map
-from ..storage.files import atomic_write
-from ..storage.targets import path_text, refusing
-from .build import FINEST, folder_for, move
+from ..storage.pieces import Records, is_records
+from ..storage.targets import check_folder, path_text, refusing
+from .build import FINEST, figures, move
 from .page import FRICTION, Picture, _diagram_caption, _figure, _foot, _head, drawn
 
 RESOLUTION = 96
@@ -101,36 +98,32 @@ BODIES: dict[str, Shown] = {
         lambda: Torus(0.2),
         "tube",
         (0.02, 0.9),
-        "A solid ring of uniform "
-        "density. Tube: radius b of the tube over R, the radius of the circle of its "
-        "centres.",
+        "A solid ring of uniform density. Tube: radius b of the tube over R, the radius of the "
+        "circle of its centres.",
     ),
     "oblate": Shown(
         "oblate spheroid",
         lambda: Spheroid(0.5),
         "aspect",
         (0.05, 0.95),
-        "A solid "
-        "spheroid of uniform density. Aspect: half length a of the axis over R, the "
-        "radius of the equator.",
+        "A solid spheroid of uniform density. Aspect: half length a of the axis over R, the radius "
+        "of the equator.",
     ),
     "prolate": Shown(
         "prolate spheroid",
         lambda: Spheroid(1.5),
         "aspect",
         (1.05, 3.0),
-        "A solid "
-        "spheroid of uniform density. Aspect: half length a of the axis over R, the "
-        "radius of the equator.",
+        "A solid spheroid of uniform density. Aspect: half length a of the axis over R, the radius "
+        "of the equator.",
     ),
     "eccentric": Shown(
         "eccentric sphere",
         lambda: EccentricSphere(0.2),
         "offset",
         (0.02, 0.9),
-        "A uniform ball with a point of mass on its surface, a tippe top without "
-        "its stem. Offset: distance e of the centre of mass from the centre, over "
-        "the radius R.",
+        "A uniform ball with a point of mass on its surface, a tippe top without its stem. Offset: "
+        "distance e of the centre of mass from the centre, over the radius R.",
         ("centre of mass below", "centre of mass above"),
     ),
     "thick": Shown(
@@ -138,8 +131,7 @@ BODIES: dict[str, Shown] = {
         lambda: ThickDisk(0.3),
         "thickness",
         (0.05, 1.5),
-        "A uniform "
-        "cylinder that rolls on the rim of its lower face. Thickness: t over the radius "
+        "A uniform cylinder that rolls on the rim of its lower face. Thickness: t over the radius "
         "R.",
     ),
     "egg": Shown(
@@ -147,10 +139,10 @@ BODIES: dict[str, Shown] = {
         lambda: Egg(0.2),
         "axial",
         (0.25, 0.6),
-        "A solid egg of uniform density, "
-        "r = sin u (1 + taper cos u), z = −aspect cos u. Axial: moment of inertia about "
-        "the axis, over mR², as other distributions of mass have it with the same centre "
-        "of mass and the same moment across; the shape is the same in all diagrams.",
+        "A solid egg of uniform density, r = sin u (1 + taper cos u), z = −aspect cos u. Axial: "
+        "moment of inertia about the axis, over mR², as other distributions of mass have it with "
+        "the same centre of mass and the same moment across; the shape is the same in all "
+        "diagrams.",
         ("blunt end below", "sharp end below"),
     ),
 }
@@ -168,37 +160,17 @@ class Diagram:
 
 
 def kinds(shown: Shown, name: str) -> tuple[str, ...]:
-    """The diagrams of a family of a body.
-
-    Parameters
-    ----------
-    shown
-        The body.
-    name
-        Name of the family, with the pole of vertical spin.
-    """
+    """The diagrams of a family of a body, by the last word of a `Key`."""
     return ("plane",) if name in PLANES else ("mu", shown.own, *LAWS)
 
 
 def names(shown: Shown) -> list[str]:
-    """Families of a body, with vertical spin on both ends where these differ.
-
-    Parameters
-    ----------
-    shown
-        The body.
-    """
+    """Families of a body, with vertical spin on both ends where these differ."""
     return [*drawn(), *list(POLES)[: max(1, len(shown.ends))], *PLANES]
 
 
 def absence(shown: Shown, name: str) -> str:
-    """A sentence if a body has no such family; empty if it has.
-
-    Parameters
-    ----------
-    shown, name
-        As for `kinds`.
-    """
+    """A sentence if a body has no such family; empty if it has."""
     body, (family, pole) = shown.make(), family_of(name)
     try:
         body.family(family, LAWS.get(PLANES.get(name, ""), Viscous), pole=pole)
@@ -210,24 +182,12 @@ def absence(shown: Shown, name: str) -> str:
 
 
 def family_of(name: str) -> tuple[str, Any]:
-    """The family of a diagram, and the pole of vertical spin.
-
-    Parameters
-    ----------
-    name
-        As for `kinds`.
-    """
+    """The family of a diagram, and the pole of vertical spin."""
     return ("vertical", POLES[name]) if name in POLES else (name, None)
 
 
 def spoken(family: str) -> str:
-    """A family in a sentence.
-
-    Parameters
-    ----------
-    family
-        Its name.
-    """
+    """A family in a sentence."""
     return "vertical spin" if family == "vertical" else family
 
 
@@ -258,18 +218,8 @@ def _up(shown: Shown, kind: str, rows: int) -> tuple[Any, ...]:
 
 
 def draw(key: str, name: str, kind: str, folder: str, resolution: int) -> Diagram:
-    """One diagram: its map as NetCDF, and its figure.
-
-    Parameters
-    ----------
-    key, name, kind
-        The diagram, a `Key`.
-    folder
-        Where its files go.
-    resolution
-        Points along the horizontal axis.
-    """
-    from ..maps.netcdf import write_map
+    """One diagram in a folder: its map as NetCDF, and its figure; `resolution` points across."""
+    from ..maps.files import write_map
 
     shown, (family, pole) = BODIES[key], family_of(name)
     law = PLANES.get(name, kind if kind in LAWS else "viscous")
@@ -336,19 +286,7 @@ def pages(
     absent: Mapping[tuple[str, str], str],
     resolution: int,
 ) -> dict[str, str]:
-    """The text of every page by its file name.
-
-    Parameters
-    ----------
-    bodies
-        The bodies by key.
-    found
-        The diagrams.
-    absent
-        A sentence for each family that a body does not have, by the keys of both.
-    resolution
-        Points along the axis of the family.
-    """
+    """The text of every page by its file name; a sentence for each family that is absent."""
     foot = _foot(f"stability atlas --bodies --resolution {resolution}")
     texts = {"index.html": _index(bodies, found)}
     texts |= {f"{key}.html": _page(key, bodies, found, absent) for key in bodies}
@@ -457,30 +395,22 @@ def atlas_of_bodies(
     """
     resolution = whole_number("resolution", resolution, 8, FINEST)
     check_run(workers, progress, executor)
-    target = folder_for(out, overwrite=overwrite)
+    target = check_folder(out, empty=not flag("overwrite", overwrite))
     jobs, absent = _jobs()
-    keep = _Figures(target, resolution)
+    keep = _figures(target, resolution)
     counted = Counted(progress, len(jobs))
-    counted.add(0)
-    count = min(workers or os.cpu_count() or 1, len(jobs))
-    with (
-        resumable(keep.folder, counted, said="figures are kept in"),
-        closing(
-            ordered(
-                jobs,
-                lambda job: partial(draw, *job, str(keep.folder), resolution),
-                executor=executor,
-                workers=count,
-                own=here if workers == 1 else processes,
-                keep=keep,
-                progress=counted,
-            )
-        ) as results,
-    ):
-        found = dict(results)
+    with resumable(keep.folder, counted, said="figures are kept in"):
+        found = figures(
+            jobs,
+            lambda job: partial(draw, *job, str(keep.folder), resolution),
+            counted,
+            workers,
+            executor,
+            keep,
+        )
     for name, text in pages(BODIES, found, absent, resolution).items():
         (keep.folder / name).write_text(text, encoding="utf-8")
-    keep.release()
+    keep.path.unlink()
     move(keep.folder, target)
     shutil.rmtree(keep.folder, ignore_errors=True)
     return target / "index.html"
@@ -500,45 +430,19 @@ def _jobs() -> tuple[list[Key], dict[tuple[str, str], str]]:
     return jobs, absent
 
 
-class _Figures:
+def _figures(target: Path, resolution: int) -> Records[Key, Diagram]:
     """Finished figures in a folder next to the target, until the atlas is complete."""
+    folder = target.with_name(f"{target.name}.parts")
+    journal = folder / "atlas.jsonl"
+    with refusing(folder, "used"):
+        if folder.exists() and any(folder.iterdir()) and not is_records(journal):
+            raise FileError(f"{path_text(folder)} holds other files; move it aside.")
 
-    NOTE = "atlas.json"
+    def read(record: dict[str, Any]) -> Diagram:
+        diagram = Diagram(Picture(**record["picture"]), record["figure"] is True)
+        suffixes = ("png", "pdf", "nc") if diagram.figure else ("nc",)
+        if not all((folder / f"{diagram.picture.stem}.{s}").is_file() for s in suffixes):
+            raise ValueError
+        return diagram
 
-    def __init__(self, target: Path, resolution: int) -> None:
-        self.folder = target.with_name(f"{target.name}.parts")
-        self._label = [__version__, resolution]
-        with refusing(self.folder, "used"):
-            self.folder.mkdir(parents=True, exist_ok=True)
-            if any(self.folder.iterdir()) and not (self.folder / self.NOTE).is_file():
-                raise FileError(f"{path_text(self.folder)} holds other files; move it aside.")
-            (self.folder / self.NOTE).write_text("figures of an unfinished atlas\n")
-
-    def done(self, key: Key) -> bool:
-        """Whether a figure is there."""
-        return self.get(key) is not None
-
-    def get(self, key: Key) -> Diagram | None:
-        """A finished figure; None where it is missing, or of another atlas."""
-        with suppress(OSError, ValueError, KeyError, TypeError):
-            found = json.loads(self._path(key).read_text(encoding="utf-8"))
-            diagram = Diagram(Picture(**found["picture"]), found["figure"] is True)
-            kinds_ = ("png", "pdf", "nc") if diagram.figure else ("nc",)
-            files = [self.folder / f"{diagram.picture.stem}.{s}" for s in kinds_]
-            if found["label"] == self._label and all(f.is_file() for f in files):
-                return diagram
-        return None
-
-    def add(self, key: Key, value: Diagram) -> None:
-        """State that a figure is finished."""
-        with atomic_write(self._path(key), overwrite=True, result=False) as draft:
-            text = json.dumps({"label": self._label} | asdict(value))
-            draft.write_text(text, encoding="utf-8")
-
-    def release(self) -> None:
-        """Remove what is no part of the atlas."""
-        for path in [*self.folder.glob("*.part.json"), self.folder / self.NOTE]:
-            path.unlink()
-
-    def _path(self, key: Key) -> Path:
-        return self.folder / f"{'-'.join(key)}.part.json"
+    return Records(journal, f"{__version__} {resolution}", read, "-".join)

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import closing
+from contextlib import closing, contextmanager
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -23,11 +23,12 @@ from ..bodies.contact_laws import Rough, Smooth, Viscous
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES
 from ..bodies.quantities import QUANTITIES
-from ..jobs.following import processes
 from ..jobs.pipeline import Counted, check_run, here, ordered
+from ..jobs.processes import processes
 from ..storage.files import postponed, record
 from ..storage.litter import clear, temporary
-from ..storage.targets import check_folder, path_text, place, refusing
+from ..storage.pieces import Pieces
+from ..storage.targets import check_folder, path_text, refusing
 from ..storage.text import csv_text
 from .page import (
     BODIES,
@@ -43,6 +44,8 @@ from .page import (
     drawn,
 )
 
+T = TypeVar("T")
+Job = TypeVar("Job")
 FINEST = 4000
 """Most points along the axis of a family."""
 COLUMNS = (
@@ -128,7 +131,7 @@ def atlas(
     draft = resolution < DRAFT if draft is None else flag("draft", draft)
     frictions = () if draft else LOCUS_FRICTION
     check_run(workers, progress, executor)
-    target = folder_for(out, overwrite=overwrite)
+    target = check_folder(out, empty=not flag("overwrite", overwrite))
     with _temporary_folder(target) as folder:
         pairs = [(body, family) for body in BODIES for family in drawn()]
         # the loci first, since each is soon done; then the diagrams, the longest first
@@ -137,19 +140,13 @@ def atlas(
         longest = sorted(pairs, key=lambda pair: not FAMILIES[pair[1]].by_angle)
         jobs += [(*pair, None) for pair in longest]
         counted = Counted(progress, len(jobs))
-        counted.add(0)
-        count = min(workers or os.cpu_count() or 1, len(jobs))
-        with closing(
-            ordered(
-                jobs,
-                lambda job: partial(_job, job, str(folder), resolution, draft),
-                executor=executor,
-                workers=count,
-                own=here if workers == 1 else processes,
-                progress=counted,
-            )
-        ) as results:
-            found = dict(results)
+        found = figures(
+            jobs,
+            lambda job: partial(_job, job, str(folder), resolution, draft),
+            counted,
+            workers,
+            executor,
+        )
         pages = [_page(*pair, found, frictions) for pair in pairs]
         text = csv_text(COLUMNS, [row for page in pages for row in page.rows])
         (folder / "boundaries.csv").write_text(text, "utf-8")
@@ -159,22 +156,52 @@ def atlas(
     return target / "index.html"
 
 
-class _temporary_folder:  # noqa: N801  # a context manager that reads as a word
+def figures(
+    jobs: Sequence[Job],
+    task: Callable[[Job], Callable[[], T]],
+    counted: Counted,
+    workers: int | None,
+    executor: Executor | None,
+    keep: Pieces[Job, T] | None = None,
+) -> dict[Job, T]:
+    """Draw the figures of an atlas, each job in a process.
+
+    Parameters
+    ----------
+    jobs, task, keep
+        As for `stability.jobs.pipeline.ordered`.
+    counted
+        Count of the jobs.
+    workers, executor
+        As for `atlas`.
+    """
+    counted.add(0)
+    with closing(
+        ordered(
+            jobs,
+            task,
+            executor=executor,
+            workers=min(workers or os.cpu_count() or 1, len(jobs)),
+            own=here if workers == 1 else processes,
+            keep=keep,
+            progress=counted,
+        )
+    ) as results:
+        return dict(results)
+
+
+@contextmanager
+def _temporary_folder(target: Path) -> Iterator[Path]:
     """A temporary folder next to the target, removed afterwards in every case."""
-
-    def __init__(self, target: Path) -> None:
-        self.target = target
-
-    def __enter__(self) -> Path:
-        with refusing(self.target):
-            parent = Path(os.path.realpath(self.target)).parent
-            clear(parent, always=True)
-            self.folder = parent / temporary()
-            self.folder.mkdir(0o700)
-        return self.folder
-
-    def __exit__(self, *_: object) -> None:
-        shutil.rmtree(self.folder, ignore_errors=True)
+    with refusing(target):
+        parent = Path(os.path.realpath(target)).parent
+        clear(parent, always=True)
+        folder = parent / temporary()
+        folder.mkdir(0o700)
+    try:
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def move(folder: Path, target: Path) -> None:
@@ -197,23 +224,6 @@ def move(folder: Path, target: Path) -> None:
             for path in sorted(folder.iterdir(), key=lambda p: p.name == "index.html"):
                 path.replace(target / path.name)  # the page last: it links to the others
         record(target)
-
-
-def folder_for(out: str | os.PathLike[str], *, overwrite: bool) -> Path:
-    """The folder of an atlas, or a refusal where it holds files that may not be replaced.
-
-    Parameters
-    ----------
-    out
-        Folder as the user gave it.
-    overwrite
-        Whether files in an existing folder may be replaced.
-    """
-    taken = (
-        f"{path_text(out)} exists and is not empty; choose another, or replace its files with "
-        "--overwrite (overwrite=True)."
-    )
-    return check_folder(place(out), "" if overwrite else taken)
 
 
 # --- one job ---
@@ -251,7 +261,7 @@ def _diagram(
     from ..boundary.changes import boundaries
     from ..figures.diagram import plot_map
     from ..figures.shading import Strip
-    from ..maps.netcdf import write_map
+    from ..maps.files import write_map
     from ..maps.stability_map import stability_map
     from ..spectra.spectrum import spectrum
 
@@ -266,7 +276,8 @@ def _diagram(
         workers=1,
     )
     write_map(dataset, here / f"{stem}.nc", overwrite=True)
-    rows = _curve_rows(body, disk, family, dataset)
+    quantity = FAMILIES[family].at[0]
+    rows = _curve_rows((body, disk.k, family, "viscous"), quantity, dataset)
     strips, limits = [], []
     for law in (Rough(), Smooth()):
         points = boundaries(family, axis=("at", low, high, 301), disk=disk, contact=law)
@@ -274,21 +285,9 @@ def _diagram(
         found = spectrum(family, at=at, disk=disk, contact=law)
         changes = tuple(p.value for p in points)
         strips.append(Strip(law.name, at, found.abscissa, changes, found.codes))
+        start = (body, disk.k, family, law.name)
         rows += [
-            (
-                body,
-                disk.k,
-                family,
-                law.name,
-                i,
-                FAMILIES[family].at[0],
-                p.value,
-                "",
-                p.crossing.word,
-                p.frequency,
-                p.error,
-                "at",
-            )
+            (*start, i, quantity, p.value, "", p.crossing.word, p.frequency, p.error, "at")
             for i, p in enumerate(points)
         ]
         where = ", ".join(f"{p.value:.6g}" for p in points)
@@ -374,34 +373,16 @@ def zeros_of_rates(spectra: Any) -> list[float]:
     return [v for v in crossings(at, values.real, radius, found) if v in found]
 
 
-def _curve_rows(body: str, disk: Disk, family: str, dataset: Any) -> list[tuple[Any, ...]]:
-    names = (
-        "boundary_curve",
-        "boundary_at",
-        "boundary_mu",
-        "boundary_kind",
-        "boundary_frequency",
-        "boundary_error",
-        "boundary_axis",
-    )
-    columns = [dataset[n].values.tolist() for n in names]
-    return [
-        (
-            body,
-            disk.k,
-            family,
-            "viscous",
-            curve,
-            FAMILIES[family].at[0],
-            at,
-            mu,
-            CODE_KINDS[kind].word,
-            frequency,
-            error,
-            ("at", "mu")[axis],
-        )
-        for curve, at, mu, kind, frequency, error, axis in zip(*columns, strict=True)
-    ]
+def _curve_rows(start: tuple[Any, ...], quantity: str, dataset: Any) -> list[tuple[Any, ...]]:
+    """Rows of the boundary curves of a map, after the words and numbers that all of them share."""
+    names = ("curve", "at", "mu", "kind", "frequency", "error", "axis")
+    columns = [dataset[f"boundary_{name}"].values.tolist() for name in names]
+    rows = []
+    for curve, at, mu, kind, frequency, error, axis in zip(*columns, strict=True):
+        crossing = CODE_KINDS[kind].word
+        along = ("at", "mu")[axis]
+        rows.append((*start, curve, quantity, at, mu, crossing, frequency, error, along))
+    return rows
 
 
 def launches_along(resolution: int) -> tuple[int, int]:
@@ -437,8 +418,7 @@ def _basin_diagram(folder: Path, body: str, family: str, resolution: int) -> tup
     from ..basin.basins import basins
     from ..bodies.contact_laws import Viscous
     from ..figures.basins import basins_caption, plot_basins
-    from ..storage.files import atomic_write
-    from ..storage.netcdf import packed
+    from ..storage.datasets import write_dataset
 
     make, name, inertia = BODIES[body]
     along, across = launches_along(resolution)
@@ -452,8 +432,7 @@ def _basin_diagram(folder: Path, body: str, family: str, resolution: int) -> tup
         workers=1,
     )
     stem = f"basins-{family}-{body}"
-    with atomic_write(folder / f"{stem}.nc", overwrite=True) as draft:
-        draft.write_bytes(packed(dataset))
+    write_dataset(dataset, folder / f"{stem}.nc", overwrite=True)
     figure = plot_basins(dataset, title=f"launches near {family}: {name}")
     caption = f"{name[:1].upper()}{name[1:]} ({inertia}), μ = {MU:g} /√(gR).  "
     caption += basins_caption(dataset).replace("  ", " ")

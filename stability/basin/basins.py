@@ -26,15 +26,16 @@ from ..bodies.disk import Disk
 from ..bodies.families import at_name
 from ..bodies.round_body.body import Body
 from ..boundary.changes import boundaries
-from ..jobs.chunks import Arrays, Block, Layout, Memory, Store, Variable, even_chunk
 from ..jobs.dask import check_pool, pool_of
 from ..jobs.filling import fill, kept_on_stop
 from ..jobs.pipeline import Counted, shared
-from ..jobs.zarr_store import ZarrStore
 from ..motion.gather import moving
 from ..motion.result import Settings
 from ..motion.starts import Starts
 from ..spectra.spectrum import spectrum
+from ..storage.chunks import Arrays, Block, Layout, Memory, Store, Variable, even_chunk
+from ..storage.formats import ZARR, format_named
+from ..storage.targets import place
 from ..systems.family import Family
 from ..systems.system import System
 from .dataset import (
@@ -426,7 +427,9 @@ def store_of(plan: Plan, store: Any = None, overwrite: bool = False) -> Store:
         return Memory(plan.layout, plan.arrays, coords, told)
     about = question(plan.launches, some, plan.horizon, plan.settings, more)
     about["axes"] = [[a.name, a.low, a.high, a.count, a.log] for a in plan.axes]
-    return ZarrStore(store, plan.layout, plan.arrays, coords, told, about, overwrite=overwrite)
+    chunks: Any = format_named(place(store), ZARR, "chunks").chunks
+    kept: Store = chunks(store, plan.layout, plan.arrays, coords, told, about, overwrite=overwrite)
+    return kept
 
 
 def _linear_verdict(launches: Launches, axes: tuple[Axis, ...]) -> dict[str, Any]:

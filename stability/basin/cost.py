@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from ..base.types import Floats
-from ..jobs.chunks import Arrays, Block
+from ..storage.chunks import Arrays, Block
 from .basins import Plan
 from .dataset import arrays
 from .lanes import STRIDE, lanes_of_batch
@@ -240,7 +240,7 @@ def _spread(shape: tuple[int, ...]) -> NDArray[np.intp]:
 
 def _compressed(found: Arrays) -> float:
     """Bytes of a launch in a store."""
-    from ..jobs.zarr_store import LEVEL
+    from ..storage.zarr_store import LEVEL
 
     number = len(next(iter(found.values())))
     plain = {n: np.ascontiguousarray(v).tobytes() for n, v in found.items()}

@@ -16,10 +16,11 @@ from ..base.quantities import Kind
 from ..base.version import __version__
 from ..bodies.families import named_by
 from ..integrators.selection import HEYOKA
-from ..jobs.chunks import Arrays, Store, Variable
 from ..motion.result import CODES, Outcome, Settings, outcome_flags
 from ..motion.starts import Starts
-from ..storage.zarr_folder import opened_store
+from ..storage.chunks import Arrays, Store, Variable
+from ..storage.datasets import read_dataset
+from ..storage.formats import ZARR
 from .launches import Launches
 from .outcomes import Outcomes, on_lanes
 
@@ -293,4 +294,5 @@ def read_basins(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.D
     ...     st.read_basins(Path(folder) / "a.zarr").outcome.shape
     (2, 2)
     """
-    return opened_store(path, FORMAT, "a store of launches", lazy=flag("lazy", lazy))
+    lazy = flag("lazy", lazy)
+    return read_dataset(path, FORMAT, "a store of launches", lazy=lazy, usual=ZARR)

@@ -16,12 +16,12 @@ import numpy as np
 from ..base.axis import Axis
 from ..base.errors import ParameterError
 from ..base.types import Floats, Progress
-from ..jobs.chunks import Arrays, Block, Layout, Memory, Store, Variable
 from ..jobs.filling import fill
 from ..jobs.pipeline import shared
-from ..jobs.zarr_store import ZarrStore
 from ..motion.result import CODES, Outcome
+from ..storage.chunks import Arrays, Block, Layout, Memory, Store, Variable
 from ..storage.targets import refusing
+from ..storage.zarr_store import ZarrStore
 from .borders import Borders, between, borders
 from .labels import Ints
 from .launch_labels import FAMILIES, LaunchLabels, coded

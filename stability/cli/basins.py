@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ..base.checks import whole_number
 from ..base.errors import FileError, NameUnknownError, ParameterError, absent, listed, shown
 from ..storage.text import json_text
-from .options import _axis, _picture, number, overwriting, scheduling, step_error
+from .options import _axis, number, overwriting, scheduling, step_error, targets
 from .subject import add_subject, moving, refuse_of_body, where_of
 from .terminal import progress_bar, say
 
@@ -155,11 +155,9 @@ def run(options: argparse.Namespace) -> None:
 def _planned(options: argparse.Namespace) -> tuple[Plan, Path, Path | None]:
     """The plan and the targets, checked before anything is computed."""
     from ..basin.basins import MOST_LEVELS, planned
-    from ..jobs.zarr_store import check_store
-    from ..storage.targets import check_suffix
 
-    out = check_store(check_suffix(options.out, (".zarr",), "--out"))
-    picture = None if options.plot is None else _picture(options.plot, options.force)
+    files = targets(options, "chunks")
+    picture = files.get("plot")
     if picture is not None and options.more:
         raise ParameterError("--plot draws a map of two axes or a sample; leave it out.")
     whole_number("levels", options.levels, 0, MOST_LEVELS)
@@ -176,7 +174,7 @@ def _planned(options: argparse.Namespace) -> tuple[Plan, Path, Path | None]:
         chunk=options.chunk,
         **given,
     )
-    return plan, out, picture
+    return plan, files["out"], picture
 
 
 def _cost(plan: Plan, out: Path, options: argparse.Namespace) -> Cost:

@@ -32,17 +32,14 @@ def _of_file(path: str) -> Citation:
     from ..basin.dataset import FORMAT as BASINS
     from ..motion.dataset import FORMAT as MOTION
     from ..spectra.labels import FORMAT as MAP
-    from ..storage.netcdf import opened
-    from ..storage.targets import place
-    from ..storage.zarr_folder import opened_store
+    from ..storage.datasets import read_dataset
 
-    read = opened_store if place(path).suffix.lower() == ".zarr" else opened
     forms = {MAP: "a map", MOTION: "a motion", BASINS: "launches"}
     *others, last = forms
     for form in others:
-        with suppress(FileError), read(path, form, forms[form], lazy=True) as dataset:
+        with suppress(FileError), read_dataset(path, form, forms[form], lazy=True) as dataset:
             return citation(dataset)
-    with read(path, last, "a map, a motion or launches", lazy=True) as dataset:
+    with read_dataset(path, last, "a map, a motion or launches", lazy=True) as dataset:
         return citation(dataset)
 
 

@@ -124,7 +124,7 @@ def summary(folder: Path, plan: Mapping[str, Sequence[Sequence[Task]]]) -> dict[
     from ..compare.scenes import choice
     from ..jobs.measured_cells import Journal
 
-    cells = Journal(folder).cells
+    cells = Journal(folder).pieces
     out: dict[str, Any] = {"page": str(folder / "index.html"), "machine": machine()}
     for name, groups in plan.items():
         one = part(name, asked(groups, cells))

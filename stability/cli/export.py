@@ -91,7 +91,7 @@ def _numbers(options: argparse.Namespace, family: Any) -> dict[str, Any]:
 
 def _latex(options: argparse.Namespace) -> dict[str, Any]:
     from ..export.latex import latex
-    from ..storage.files import atomic_write
+    from ..storage.files import write_file
     from ..storage.targets import check_suffix, check_target
 
     target = check_target(check_suffix(options.out, (".tex",), "--out"), overwrite=options.force)
@@ -101,8 +101,7 @@ def _latex(options: argparse.Namespace) -> dict[str, Any]:
         positive = tuple(n for n in POSITIVE if n in family.parameters)
     given = _numbers(options, family)
     text = latex(family, positive=positive, **dict[str, Any](given))
-    with atomic_write(target, overwrite=options.force) as draft:
-        draft.write_text(text, "utf-8")
+    write_file(target, text, overwrite=options.force)
     return {"out": str(target)}
 
 

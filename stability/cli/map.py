@@ -8,7 +8,7 @@ from typing import Any
 
 from ..base.errors import ParameterError, shown
 from ..storage.text import json_text
-from .options import _axis, _picture
+from .options import _axis, targets
 from .subject import members
 from .terminal import progress_bar, waiting
 
@@ -21,16 +21,16 @@ def _map(options: argparse.Namespace) -> None:
         _stream(options, x, y)
         return
     with progress_bar("cells") as progress:
-        from ..jobs.checkpoint import remove_parts
         from ..jobs.pipeline import resumable
         from ..maps.dataset import points_of
         from ..maps.stability_map import stability_map
         from ..storage.files import named
+        from ..storage.pieces import remove_parts
         from ..storage.targets import path_text
         from ..tables.beyond_linear import point_records, point_text
 
         subject = members(options, {axis[0]: axis for axis in (x, y)})
-        targets = _targets(options)
+        files = targets(options, *_ways(options))
         try:
             dataset = stability_map(
                 subject.family, x=x, y=y, certify=options.certify, levels=options.levels,
@@ -38,9 +38,9 @@ def _map(options: argparse.Namespace) -> None:
                 checkpoint=options.checkpoint, executor=options.scheduler,
                 workers=options.workers, **subject.arguments,
             )  # fmt: skip
-            _write(options, dataset, targets)
+            _write(options, dataset, files)
         except KeyboardInterrupt:
-            if options.checkpoint is None or targets[0] in named():
+            if options.checkpoint is None or files["out"] in named():
                 raise
             with resumable(options.checkpoint):
                 raise
@@ -50,8 +50,8 @@ def _map(options: argparse.Namespace) -> None:
 
     counts = {v.word: int((dataset.verdict == c).sum()) for v, c in CODES.items()}
     record: dict[str, Any] = {
-        "out": str(targets[0]),
-        "plot": str(targets[1]) if options.plot else None,
+        "out": str(files["out"]),
+        "plot": str(files["plot"]) if options.plot else None,
         **subject.who,
         "parameters": subject.beyond((x[0], y[0])),
         "verdicts": counts,
@@ -70,53 +70,43 @@ def _map(options: argparse.Namespace) -> None:
         return
     cells = ", ".join(f"{n} {word}" for word, n in counts.items() if n)
     proved = f"; {dataset.attrs['box_comment']}" if options.certify else ""
-    wrote = " and ".join(map(path_text, targets))
+    wrote = " and ".join(map(path_text, files.values()))
     print(f"{wrote}: {cells}; {record['boundary_points']} boundary points" + proved)
     if found is not None:
         print(point_text(str(dataset.attrs["family"]), found))
 
 
+def _ways(options: argparse.Namespace) -> tuple[str, str]:
+    """The ways to write a map, one of which its format needs."""
+    return ("rows" if options.verdict_only else "write"), "chunks"
+
+
 def _stored(options: argparse.Namespace) -> bool:
-    """Whether the map goes to a Zarr folder."""
-    from ..storage.targets import STORES, place
+    """Whether the map goes to a folder of chunks."""
+    from ..storage.datasets import format_to_write
 
-    return place(options.out).suffix.lower() in STORES
-
-
-def _targets(options: argparse.Namespace) -> list[Path]:
-    """The map and the figure to write, checked before anything is computed."""
-    from ..storage.targets import DATASETS, NETCDF, STORES, check_folder, check_suffix, check_target
-
-    endings = (*(NETCDF if options.verdict_only else DATASETS), *STORES)
-    out = check_suffix(options.out, endings, "--out")
-    stored = _stored(options)
-    targets = [check_folder(out) if stored else check_target(out, overwrite=options.force)]
-    if options.plot is not None:
-        targets.append(_picture(options.plot, options.force))
-        if targets[0].resolve() == targets[1].resolve():
-            raise ParameterError(f"--out and --plot are both {shown(options.out)}; give two files.")
-    return targets
+    return format_to_write(options.out, *_ways(options), option="--out").folder
 
 
-def _write(options: argparse.Namespace, dataset: Any, targets: list[Path]) -> None:
-    from ..maps.netcdf import write_map
+def _write(options: argparse.Namespace, dataset: Any, files: dict[str, Path]) -> None:
+    from ..maps.files import write_map
     from ..storage.files import atomic_write, together
 
     with together():
         if options.plot:
-            with atomic_write(targets[1], overwrite=options.force) as picture:
+            with atomic_write(files["plot"], overwrite=options.force) as picture:
                 _draw(dataset, picture)
-        write_map(dataset, targets[0], overwrite=options.force)
+        write_map(dataset, files["out"], overwrite=options.force)
 
 
 def _stream(options: argparse.Namespace, x: Any, y: Any) -> None:
     with progress_bar("cells") as progress:
-        from ..maps.netcdf import read_map
+        from ..maps.files import read_map
         from ..maps.stream import stream_map
         from ..storage.targets import path_text
 
         subject = members(options, {axis[0]: axis for axis in (x, y)})
-        _targets(options)
+        targets(options, *_ways(options))
         for name in ("plot", "points", "certify", "modes", "checkpoint"):
             if getattr(options, name):
                 raise ParameterError(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import re
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, NoReturn
 
 from ..base.errors import ParameterError, meant, shown
@@ -135,7 +136,31 @@ def _axis(text: str, which: str) -> Any:
     return (name, *ends, points, *rest)
 
 
-def _picture(path: str, force: bool) -> Any:
-    from ..storage.targets import PICTURES, check_suffix, check_target
+def targets(options: argparse.Namespace, *ways: str) -> dict[str, Path]:
+    """The files that a command writes by `--out`, `--plot` and `--film`, checked at first.
 
-    return check_target(check_suffix(path, PICTURES, "--plot"), overwrite=force)
+    Parameters
+    ----------
+    options
+        Parsed options.
+    *ways
+        Ways to write the dataset, one of which its format needs: see `formats_for`.
+    """
+    from ..storage.datasets import dataset_target
+    from ..storage.targets import FILMS, PICTURES, check_suffix, check_target
+
+    found: dict[str, Path] = {}
+    for name, endings in (("out", ()), ("plot", PICTURES), ("film", FILMS)):
+        path, option = getattr(options, name, None), f"--{name}"
+        if path is None:
+            continue
+        if name == "out":
+            target = dataset_target(path, *ways, overwrite=options.force, option=option)
+        else:
+            target = check_target(check_suffix(path, endings, option), overwrite=options.force)
+        if target.resolve() in [t.resolve() for t in found.values()]:
+            raise ParameterError(
+                f"{option} is {shown(path)}, which another file has; give two names."
+            )
+        found[name] = target
+    return found

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..base.errors import ParameterError
 from ..storage.text import json_text
-from .options import overwriting
+from .options import overwriting, targets
 from .terminal import progress_bar, waiting
 
 if TYPE_CHECKING:
@@ -78,25 +78,25 @@ def run(options: argparse.Namespace) -> None:
         scene = Scene(**given)
         names = tuple(scene.quantities)
         _refuse(options, scene)
-        targets, asked = _targets(options), scene
-        if "out" in targets and "path" not in names:
+        files, asked = targets(options, "write"), scene
+        if "out" in files and "path" not in names:
             scene = replace(scene, quantities=(*names, "path"))
         answer = scene.verify() if options.verify else scene.answer(only=options.only)
     with together():
-        if "out" in targets:
-            _write(options, answer, targets["out"], getattr(scene.disk, "name", "thin disk"))
-        if "plot" in targets:
+        if "out" in files:
+            _write(options, answer, files["out"], getattr(scene.disk, "name", "thin disk"))
+        if "plot" in files:
             with progress_bar("models") as progress:
-                asked.plot(targets["plot"], overwrite=options.force, progress=progress)
+                asked.plot(files["plot"], overwrite=options.force, progress=progress)
     if options.json:
         print(json_text(_record(title, scene, answer, names, options)))
         return
     for line in _lines(title, scene, answer, names):
         print(line)
-    if targets:
+    if files:
         from ..storage.targets import path_text
 
-        print("\n" + "\n".join(f"wrote {path_text(path)}" for path in targets.values()))
+        print("\n" + "\n".join(f"wrote {path_text(path)}" for path in files.values()))
 
 
 def _refuse(options: argparse.Namespace, scene: Scene) -> None:
@@ -125,23 +125,11 @@ def _refuse(options: argparse.Namespace, scene: Scene) -> None:
         known("--only", options.only, (STEADY, LINEARISED, SECOND, "creep", scene.contact.name))
 
 
-def _targets(options: argparse.Namespace) -> dict[str, Path]:
-    """The files to write, checked before anything is computed."""
-    from ..storage.targets import DATASETS, PICTURES, check_suffix, check_target
-
-    return {
-        name: check_target(check_suffix(path, kinds, f"--{name}"), overwrite=options.force)
-        for name, kinds in (("out", DATASETS), ("plot", PICTURES))
-        if (path := getattr(options, name)) is not None
-    }
-
-
 def _write(options: argparse.Namespace, answer: Answer, target: Path, name: str) -> None:
     """Write the motion; those under several laws along the dimension `law`."""
     import xarray
 
-    from ..storage.files import atomic_write
-    from ..storage.netcdf import packed
+    from ..storage.datasets import write_dataset
 
     parts = {n: a.path for n, a in _parts(answer).items() if a.path is not None}
     if not parts:
@@ -155,8 +143,7 @@ def _write(options: argparse.Namespace, answer: Answer, target: Path, name: str)
         dataset.attrs["model"] = ", ".join(answer.parts[n].model for n in parts)
     else:
         [dataset] = parts.values()
-    with atomic_write(target, overwrite=options.force) as draft:
-        draft.write_bytes(packed(dataset))
+    write_dataset(dataset, target, overwrite=options.force)
 
 
 def _parts(answer: Answer) -> dict[str, Answer]:

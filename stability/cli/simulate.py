@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ..base.errors import ParameterError, absent, shown
+from ..base.errors import ParameterError, absent
 from ..base.quantities import Kind
 from ..storage.text import json_text
-from .options import overwriting, step_error
+from .options import overwriting, step_error, targets
 from .subject import (
     add_subject,
     body_numbers,
@@ -98,7 +98,7 @@ def run(options: argparse.Namespace) -> None:
     from ..storage.files import together
 
     _check(options)
-    targets = _targets(options)
+    files = targets(options, "write")
     with waiting("integrating"):
         launch = moving(options)
         thing = launch["disk"] if options.system is None else None
@@ -114,12 +114,12 @@ def run(options: argparse.Namespace) -> None:
             **launch,
         )
     with together():
-        _draw(options, dataset, targets, thing)
+        _draw(options, dataset, files, thing)
         if options.out is not None:
-            from ..motion.netcdf import write_motion
+            from ..motion.files import write_motion
 
-            write_motion(dataset, targets["out"], overwrite=options.force)
-    _report(options, dataset, thing, targets)
+            write_motion(dataset, files["out"], overwrite=options.force)
+    _report(options, dataset, thing, files)
 
 
 def _option(name: str) -> str:
@@ -181,40 +181,21 @@ def _times(options: argparse.Namespace) -> Any:
     return np.linspace(0.0, options.time, options.points)
 
 
-def _targets(options: argparse.Namespace) -> dict[str, Path]:
-    """The files to write, checked before anything is computed."""
-    from ..storage.targets import DATASETS, FILMS, PICTURES, check_suffix, check_target
-
-    kinds = {"out": DATASETS, "plot": PICTURES, "film": FILMS}
-    targets: dict[str, Path] = {}
-    for name in ("out", "plot", "film"):
-        path = getattr(options, name)
-        if path is None:
-            continue
-        target = check_target(check_suffix(path, kinds[name], f"--{name}"), overwrite=options.force)
-        if target.resolve() in [t.resolve() for t in targets.values()]:
-            raise ParameterError(
-                f"--{name} is {shown(path)}, which another file has; give two names."
-            )
-        targets[name] = target
-    return targets
-
-
-def _draw(options: argparse.Namespace, dataset: Any, targets: dict[str, Path], thing: Any) -> None:
+def _draw(options: argparse.Namespace, dataset: Any, files: dict[str, Path], thing: Any) -> None:
     from ..storage.files import atomic_write
 
-    if "plot" in targets:
-        with waiting("drawing"), atomic_write(targets["plot"], overwrite=options.force) as draft:
+    if "plot" in files:
+        with waiting("drawing"), atomic_write(files["plot"], overwrite=options.force) as draft:
             from ..figures.canvas import save_figure
             from ..figures.motion import plot_motion
 
             save_figure(plot_motion(dataset), draft)
-    if "film" in targets:
+    if "film" in files:
         with progress_bar("frames") as progress:
             from ..figures.animate import animate
 
             body = None if options.body is None else thing
-            animate(dataset, targets["film"], overwrite=options.force, progress=progress, body=body)
+            animate(dataset, files["film"], overwrite=options.force, progress=progress, body=body)
 
 
 def _errors(dataset: Any) -> dict[str, float | None]:
@@ -224,7 +205,7 @@ def _errors(dataset: Any) -> dict[str, float | None]:
     return {n: float(dataset[n]) for n in ("final_error", "end_time_error")}
 
 
-def _report(options: argparse.Namespace, dataset: Any, disk: Any, targets: dict[str, Path]) -> None:
+def _report(options: argparse.Namespace, dataset: Any, disk: Any, files: dict[str, Path]) -> None:
     from ..motion.result import BY_CODE
     from ..storage.targets import path_text
 
@@ -249,7 +230,7 @@ def _report(options: argparse.Namespace, dataset: Any, disk: Any, targets: dict[
         "steps": int(dataset.steps),
         **_units(dataset, disk),
         "citation": dataset.attrs["citation"],
-        "files": {name: str(path) for name, path in targets.items()},
+        "files": {name: str(path) for name, path in files.items()},
     }
     if options.json:
         print(json_text(record))
@@ -268,7 +249,7 @@ def _report(options: argparse.Namespace, dataset: Any, disk: Any, targets: dict[
         of = "the initial energy" if disk is not None else "the size of its terms"
         print(f"energy    audited to {record['energy_error']:.1e} of {of}")
     print(f"method    {record['method']}, {record['steps']} steps: {record['method_reason']}")
-    for path in targets.values():
+    for path in files.values():
         print(f"wrote     {path_text(path)}")
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..base.looks import LOOKS, cell_style
 from ..base.provenance import machine, today
-from ..storage.files import atomic_write
+from ..storage.files import write_file
 from ..storage.html import figure, head
 from . import failures as catalogue
 from .marks import Mark
@@ -96,8 +96,7 @@ def write(folder: Path, parts: Sequence[Part]) -> Path:
         body += [f'<h2 id="{one.name}">{TITLES[one.name]}</h2>', *_section(one)]
     body.append(_footer(machine()))
     target = folder / PAGE
-    with atomic_write(target, overwrite=True) as draft:
-        draft.write_text("\n".join(body) + "\n", encoding="utf-8")
+    write_file(target, "\n".join(body) + "\n", overwrite=True)
     return target
 
 

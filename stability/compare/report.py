@@ -16,10 +16,11 @@ import numpy as np
 
 from ..base.checks import flag
 from ..base.errors import FileError
-from ..jobs.measured_cells import JOURNAL, Cell, Journal, is_journal, run
+from ..jobs.measured_cells import JOURNAL, Cell, Journal, run
 from ..jobs.pipeline import check_run, resumable
-from ..storage.files import atomic_write, together
-from ..storage.netcdf import packed
+from ..storage.datasets import write_dataset
+from ..storage.files import atomic_write, together, write_file
+from ..storage.pieces import is_records
 from ..storage.targets import check_folder, path_text, place, refusing
 from ..storage.text import csv_text
 from . import failures as catalogue
@@ -125,10 +126,10 @@ def report(
         missing = resumable(folder, said="every cell is kept in", then="have what is missing drawn")
         with missing, together():
             others = {name: tasks() for name, tasks in PARTS.items() if name not in plan}
-            plan |= {n: groups for n, groups in others.items() if done(groups, journal.cells)}
+            plan |= {n: groups for n, groups in others.items() if done(groups, journal.pieces)}
             ready = []
             for name in (n for n in PARTS if n in plan):
-                mine = asked(plan[name], journal.cells)
+                mine = asked(plan[name], journal.pieces)
                 ready.append(one := part(name, mine))
                 if name in wanted or not all((folder / file).exists() for file in one.data):
                     _write(folder, one, mine)
@@ -145,12 +146,8 @@ def report(
 def _folder(out: Any, overwrite: bool) -> Path:
     target = place(out)
     with refusing(target, "used"):
-        ours = is_journal(target / JOURNAL)
-    taken = (
-        f"{path_text(target)} holds other files; choose another folder, or use "
-        "--overwrite (overwrite=True)."
-    )
-    check_folder(target, "" if ours or overwrite else taken)
+        ours = is_records(target / JOURNAL)
+    check_folder(target, empty=not (ours or overwrite))
     if (target / "index.html").is_dir():
         raise FileError(
             f"{path_text(target / 'index.html')} is a folder in the way; move it aside."
@@ -364,11 +361,9 @@ def _write(folder: Path, one: Part, cells: Mapping[str, Cell]) -> None:
             with atomic_write(folder / f"{plate.stem}{suffix}", overwrite=True) as draft:
                 canvas.save_figure(figure, draft)
     for name, text in _texts(one, cells).items():
-        with atomic_write(folder / name, overwrite=True) as draft:
-            draft.write_text(text, encoding="utf-8")
+        write_file(folder / name, text, overwrite=True)
     if one.name in (SPECTRUM, MOTION):
-        with atomic_write(folder / f"{one.name}.nc", overwrite=True) as draft:
-            draft.write_bytes(packed(one.chart))
+        write_dataset(one.chart, folder / f"{one.name}.nc", overwrite=True)
 
 
 def _texts(one: Part, cells: Mapping[str, Cell]) -> dict[str, str]:

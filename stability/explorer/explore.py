@@ -12,7 +12,7 @@ from ..base.errors import ParameterError
 from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
-from ..storage.files import atomic_write
+from ..storage.files import write_file
 from ..storage.targets import check_suffix, check_target
 from ..systems.family import Family
 from .page import axis_of, page, widget
@@ -127,8 +127,7 @@ def explore(
     data = contents.data(axes)
     if out is None:
         return widget(data)
-    with atomic_write(out, overwrite=overwrite) as draft:
-        draft.write_text(page(data, contents.title), encoding="utf-8")
+    write_file(out, page(data, contents.title), overwrite=overwrite)
     return Path(out)
 
 

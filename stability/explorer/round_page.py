@@ -26,7 +26,7 @@ from ..bodies.round_body.pole_equations import smooth_at
 from ..bodies.round_body.shape import RoundShape, refuse_constants
 from ..bodies.round_body.shapes import named
 from ..bodies.round_body.thin import unit_disk
-from ..bodies.thin_disk import disk_family
+from ..bodies.subject import disk_family
 from ..spectra.axes import swept
 from ..spectra.problem import Problem
 from ..systems.family import Family

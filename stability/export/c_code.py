@@ -13,8 +13,8 @@ import numpy as np
 
 from ..base.errors import DomainError, FileError, ParameterError, shown
 from ..base.types import Floats, Record
-from ..storage.files import atomic_write
-from ..storage.targets import check_target, path_text, place, refusing
+from ..storage.files import together, write_file
+from ..storage.targets import path_text, place, refusing
 from ..systems.equations import Equations
 from ..systems.family import Family
 from ..systems.sources.numeric import NumericSystem
@@ -277,7 +277,7 @@ def _points(function: ca.Function, points: int) -> tuple[Floats, Floats]:
 
 
 def write_folder(out: str | Path, files: Mapping[str, str], *, overwrite: bool) -> Path:
-    """Write texts into a folder, which is made if needed.
+    """Write texts into a folder, which is made if needed; all of them or none.
 
     Parameters
     ----------
@@ -301,13 +301,9 @@ def write_folder(out: str | Path, files: Mapping[str, str], *, overwrite: bool) 
     folder = place(out)
     if folder.exists() and not folder.is_dir():
         raise FileError(f"{path_text(folder)} is a file; give a folder.")
-    for name in files:  # before anything is written
-        if (folder / name).exists() and not overwrite:
-            raise FileError(f"{path_text(folder / name)} exists; allow overwriting, or move it.")
     with refusing(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    for name, text in files.items():
-        target = check_target(folder / name, overwrite=overwrite)
-        with atomic_write(target, overwrite=overwrite) as draft:
-            draft.write_text(text, "utf-8")
+    with together():
+        for name, text in files.items():
+            write_file(folder / name, text, overwrite=overwrite)
     return folder

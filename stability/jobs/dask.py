@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import logging
-import multiprocessing
 import os
 import socket
 import threading
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import (
+    BrokenExecutor,
     CancelledError,
     Executor,
     Future,
@@ -25,9 +25,8 @@ from ..base.checks import MOST_WORKERS, whole_number
 from ..base.errors import NameUnknownError, ParameterError, StabilityError, one_line, shown
 from ..base.main_module import check_main
 from ..base.types import Progress
-from ..storage.files import ignoring_signals
-from .following import follow, processes
 from .pipeline import check_run
+from .processes import Lanes, processes
 
 T = TypeVar("T")
 PROCESSES = ("processes", "dask", "local")
@@ -296,29 +295,23 @@ class _Workers:
     """
 
     def __init__(self, address: str, count: int) -> None:
-        self._address, self._count = address, count
-        self._processes: list[Any] = []
+        self._address, self._pool = address, Lanes(count)
+        self._lives = [self._pool.submit(_serve, address) for _ in range(count)]
 
     def revive(self) -> None:
-        """Start what is missing, in a thread that outlives them: see `following`."""
-        self._processes = [p for p in self._processes if p.is_alive()]
-        context = multiprocessing.get_context("spawn")
-        while len(self._processes) < self._count:
-            process = context.Process(target=_serve, args=(self._address, os.getpid()))
-            with ignoring_signals():
-                process.start()
-            self._processes.append(process)
+        """Start what has ended."""
+        for i, life in enumerate(self._lives):
+            if life.done():
+                with suppress(BrokenExecutor):
+                    self._lives[i] = self._pool.submit(_serve, self._address)
 
     def stop(self) -> None:
         """End them at once: they need no clean-up."""
-        for process in self._processes:
-            process.kill()
-            process.join()
+        self._pool.kill()
 
 
-def _serve(address: str, parent: int) -> None:
+def _serve(address: str) -> None:
     """The life of a worker."""
-    follow(parent)
     import asyncio
 
     distributed = _library()

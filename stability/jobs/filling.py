@@ -15,9 +15,10 @@ import numpy as np
 from ..base.checks import whole_number
 from ..base.errors import StabilityError
 from ..base.types import Progress
+from ..storage.chunks import Arrays, Block, Store, Writer
 from ..storage.targets import path_text
-from .chunks import Arrays, Block, Store, Writer
 from .pipeline import ENDED, Counted, Pool, check_run, here, ordered, resumable, threads
+from .processes import worker_ended
 
 TRIES = 2
 """Times that a chunk may lose its worker before it is divided."""
@@ -110,7 +111,7 @@ def fill(
 
     Examples
     --------
-    >>> from .chunks import Layout, Memory, Variable
+    >>> from ..storage.chunks import Layout, Memory, Variable
     >>> store = Memory(Layout(("x",), (5,), (2,)), (Variable("outcome", "int8", -1),))
     >>> def work(block, part):
     ...     return {"outcome": np.full(part.stop - part.start, block[0], dtype=np.int8)}
@@ -186,11 +187,11 @@ class _Chunk:
 
     def __call__(self) -> _Done:
         begin = time.perf_counter()
-        if self.writer is not None and self.writer.there(self.block):  # of another run
+        if self.writer is not None and self.writer.done(self.block):  # of another run
             return _Done(0.0, None)
         arrays = self.work(self.block, slice(0, self.cells))
         if self.writer is not None:
-            self.writer.write(self.block, arrays)
+            self.writer.add(self.block, arrays)
         return _Done(time.perf_counter() - begin, arrays if self.writer is None else None)
 
 
@@ -256,7 +257,9 @@ class _Filling:
         with closing(self._results([None], lambda _: task, 1, 1)) as results:
             return next(iter(results))[1]  # type: ignore[no-any-return]
 
-    def _lose(self, _: Any) -> None:
+    def _lose(self, _: Any, error: Exception) -> None:
+        if not worker_ended(error):
+            raise error
         self.ended += 1
         if self.ended > MOST_ENDED:
             raise StabilityError(
@@ -297,7 +300,7 @@ class _Filling:
 
     def _finish(self, block: Block, done: _Done) -> None:
         if done.arrays is not None:
-            self.store.write(block, done.arrays)
+            self.store.add(block, done.arrays)
         self.seconds.append(done.seconds)
         self.count.add(self.store.layout.count(block))
 

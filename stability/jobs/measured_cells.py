@@ -5,46 +5,43 @@ task raises, exceeds its time limit or ends its process, its cell records that. 
 group continues, after a time limit or a dead process in another process.  Finished cells are lines
 of a journal in the folder of the comparison, so that a stopped run continues where it was.
 
-No `concurrent.futures.Executor` can end a task that hangs in a library (`Future.cancel` stops no
-running work).  So each group has an executor of its own, with one process, and that executor is
-killed at the limit.
+A task that hangs in a library ends only with its process (`Future.cancel` stops no running work),
+which `Lanes` kill at the limit.
 """
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import json
 import multiprocessing
 import os
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, Future
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
-from queue import Empty, SimpleQueue
 from typing import Any
 
-from ..base.errors import FileError, StabilityError
+from ..base.errors import StabilityError
 from ..base.main_module import check_main
 from ..base.provenance import machine
 from ..base.types import Progress
-from ..storage.files import atomic_write, postponed
-from ..storage.litter import clear
-from ..storage.targets import path_text, refusing
-from ..storage.text import marked, unmarked
-from .following import Lanes, WorkerEnded
-from .pipeline import Counted, Keep, resumable
+from ..storage.files import postponed
+from ..storage.pieces import Pieces, Records
+from .pipeline import Counted, ordered, resumable
+from .processes import WorkerEnded, WorkerLate, processes
 
 START = 120.0
 """Time in which a process must start [s]."""
-LOOK = 0.5
-"""Time between two looks at the limits of time [s]."""
+NOT_STARTED = (
+    "the processes that do the work cannot start; in a script, make the call under "
+    "`if __name__ == '__main__':`."
+)
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """Variables set to 1 in the processes: several threads do not help with small matrices."""
-MARK = "fingerprint"
-"""The first word of a journal."""
 DONE, REFUSED, CRASHED, LATE = "done", "refused", "crashed", "time-out"
 """Ways in which a cell can end."""
 ENDS = (DONE, REFUSED, CRASHED, LATE)
@@ -80,7 +77,7 @@ class Task:
 
 def run(
     groups: Sequence[Sequence[Task]],
-    keep: Keep[str, Cell],
+    keep: Pieces[str, Cell],
     *,
     workers: int = 1,
     progress: Progress | None = None,
@@ -108,102 +105,64 @@ def run(
     KeyboardInterrupt
         On Ctrl-C, with a sentence on where the finished cells are.
     """
-    lanes_at_most = min(workers, os.cpu_count() or 1)
     keys = [task.key for group in groups for task in group]
-    counted = Counted(progress, len(keys))
     waiting = [[t for t in group if not keep.done(t.key)] for group in groups]
-    waiting = [group for group in waiting if group]
-    lanes: list[_Lane] = []
-    ended: SimpleQueue[Any] = SimpleQueue()
-    with resumable(keep.folder, counted), _single_threads():
-        try:
-            counted.add(len(keys) - sum(len(group) for group in waiting))
-            while waiting or lanes:
-                while waiting and len(lanes) < lanes_at_most:
-                    lanes.append(_Lane(waiting.pop(0), ended))
-                with contextlib.suppress(Empty):
-                    ended.get(timeout=LOOK)
-                for lane in list(lanes):
-                    cell = lane.outcome()
-                    if cell is None:
-                        continue
-                    keep.add(cell.key, cell)
-                    counted.add(1)
-                    if not lane.left:
-                        lane.pool.kill()
-                        lanes.remove(lane)
-        finally:
-            for lane in lanes:
-                lane.pool.kill()
+    tasks = {task.key: task for group in waiting for task in group}
+    counted = Counted(progress, len(keys))
+    with resumable(keep.folder, counted):
+        counted.add(len(keys) - len(tasks))
+        if tasks:
+            _measure([group for group in waiting if group], tasks, keep, workers, counted)
     return {key: found for key in keys if (found := keep.get(key)) is not None}
 
 
-class _Lane:
-    """A process that works through a group."""
+def _measure(
+    groups: Sequence[Sequence[Task]],
+    tasks: Mapping[str, Task],
+    keep: Pieces[str, Cell],
+    workers: int,
+    counted: Counted,
+) -> None:
+    """Compute cells: a process for each group, which a cell loses at its limit of time."""
 
-    def __init__(self, tasks: Sequence[Task], ended: SimpleQueue[Any]) -> None:
-        self.left, self._ended = list(tasks), ended
-        self._start()
+    def lost(key: str, error: Exception) -> Cell:
+        limit = tasks[key].limit
+        if isinstance(error, WorkerLate):
+            return Cell(key, LATE, None, f"no answer in {limit:g} s", limit)
+        if isinstance(error, WorkerEnded):
+            return Cell(key, CRASHED, None, f"its process {error}", error.seconds)
+        if isinstance(error, BrokenExecutor):
+            raise error
+        return Cell(key, CRASHED, None, str(error), 0.0)  # an answer that cannot be sent
 
-    def _start(self) -> None:
-        self.pool = Lanes(1, _context())
-        try:
-            started: SimpleQueue[Any] = SimpleQueue()
-            self._sent(started, int)
-            started.get(timeout=START).result()
-        except (Empty, BrokenExecutor):
-            self.pool.kill()
-            raise StabilityError(
-                "the processes that do the work cannot start; in a script, make the call under "
-                "`if __name__ == '__main__':`."
-            ) from None
-        except KeyboardInterrupt:
-            self.pool.kill()
-            raise
-        self._next()
-
-    def _sent(self, ended: SimpleQueue[Any], work: Callable[..., Any], *given: Any) -> Future[Any]:
+    number = min(workers, os.cpu_count() or 1)
+    futures: dict[str, Future[Cell]] = {}
+    with (
+        _single_threads(),
+        processes(number, _context(), fresh=True, patience=START) as pool,
+    ):
         with postponed():
-            future = self.pool.submit(work, *given)
-            future.add_done_callback(ended.put)
-        return future
-
-    def _next(self) -> None:
-        task = self.left[0]
-        self.since = time.monotonic()  # the process has started
-        self.deadline = self.since + 1.5 * task.limit + 10.0
-        self.future = self._sent(self._ended, _answer, task.function, task.arguments, task.limit)
-
-    def outcome(self) -> Cell | None:
-        """The cell that has just ended, or None."""
-        task = self.left[0]
-        if self.future.done():
-            found = self._cell(task)
-        elif time.monotonic() > self.deadline:
-            found = Cell(task.key, LATE, None, f"no answer in {task.limit:g} s", task.limit)
-        else:
-            return None
-        self.left.pop(0)
-        if found.status == LATE or self.future.exception() is not None:
-            self.pool.kill()
-            if self.left:
-                self._start()
-        elif self.left:
-            self._next()
-        return found
-
-    def _cell(self, task: Task) -> Cell:
-        """The cell of a task whose process has answered or ended."""
-        try:
-            return Cell(task.key, *self.future.result())
-        except WorkerEnded as error:
-            why = f"its process {error}"
-        except Exception as error:  # an answer that cannot be sent
-            why = str(error)
-        return Cell(task.key, CRASHED, None, why, time.monotonic() - self.since)
+            for group in groups:
+                pieces = [(partial(_answer, t), 1.5 * t.limit + 10.0) for t in group]
+                sent = pool.submit_group(pieces)
+                futures |= {t.key: future for t, future in zip(group, sent, strict=True)}
+        cells = ordered(
+            futures,
+            futures.__getitem__,
+            executor=pool,
+            keep=keep,
+            progress=counted,
+            ahead=len(futures) + 1,
+            in_order=False,
+            lost=lost,
+            broken=NOT_STARTED,
+        )
+        with closing(cells):
+            for _ in cells:
+                pass
 
 
-@contextlib.contextmanager
+@contextmanager
 def _single_threads() -> Iterator[None]:
     before = {name: os.environ.get(name) for name in THREADS}
     os.environ |= dict.fromkeys(THREADS, "1")
@@ -246,9 +205,7 @@ class Late(BaseException):
     """Raised in a task at its time limit; a task with part of an answer may catch it."""
 
 
-def _answer(
-    function: Callable[..., Any], arguments: tuple[Any, ...], limit: float
-) -> tuple[str, Any, str, float]:
+def _answer(task: Task) -> Cell:
     """How a task ends, in a process of its group."""
     import signal
     import warnings
@@ -265,18 +222,18 @@ def _answer(
     start = time.perf_counter()
     try:
         if timer:
-            signal.setitimer(signal.ITIMER_REAL, limit)
-        answer: tuple[str, Any, str] = (DONE, function(*arguments), "")
+            signal.setitimer(signal.ITIMER_REAL, task.limit)
+        answer: tuple[str, Any, str] = (DONE, task.function(*task.arguments), "")
     except StabilityError as error:
         answer = (REFUSED, None, str(error))
     except Late:
-        answer = (LATE, None, f"no answer in {limit:g} s")
+        answer = (LATE, None, f"no answer in {task.limit:g} s")
     except Exception as error:
         answer = (CRASHED, None, f"{type(error).__name__}: {error}"[:300])
     finally:
         if timer:
             signal.setitimer(signal.ITIMER_REAL, 0)
-    return (*answer, time.perf_counter() - start)
+    return Cell(task.key, *answer, time.perf_counter() - start)
 
 
 @dataclass(frozen=True)
@@ -295,7 +252,7 @@ class Cell:
     """Time of the task [s], without the start of its process."""
 
 
-class Journal:
+class Journal(Records[str, Cell]):
     """Finished cells in a file of a folder.
 
     Parameters
@@ -310,81 +267,14 @@ class Journal:
     """
 
     def __init__(self, folder: Path) -> None:
-        self.folder, self.path = folder, folder / JOURNAL
-        self.cells: dict[str, Cell] = {}
-        head = json.dumps({MARK: fingerprint()})
-        try:
-            folder.mkdir(exist_ok=True)
-            clear(folder, always=True)
-            there = self.path.is_symlink() or self.path.exists()
-            if there and not is_journal(self.path):
-                raise FileError(
-                    f"{path_text(self.path)} is not a journal of ours; choose another folder."
-                )
-            text = self.path.read_text(encoding="utf-8", errors="replace") if there else ""
-            lines = text.splitlines()
-            if lines and lines[0] == head:  # otherwise sources, versions or machine have changed
-                self._read(lines[1:])
-            kept = "".join(_line(cell) for cell in self.cells.values())
-            if text != f"{head}\n{kept}":  # a line is cut short, or cells are no longer valid
-                with atomic_write(self.path, overwrite=True, result=False) as draft:
-                    draft.write_text(f"{head}\n{kept}", encoding="utf-8")
-        except OSError as error:
-            raise FileError(
-                f"{path_text(self.path)} cannot be used: {error.strerror or error}."
-            ) from None
-
-    def _read(self, lines: list[str]) -> None:
-        for line in lines:
-            body, _, digest = line.rpartition("\t")
-            if digest != _digest(body):  # cut short or damaged: the cell is computed again
-                continue
-            with contextlib.suppress(ValueError, TypeError, RecursionError):
-                cell = Cell(**json.loads(body, object_hook=unmarked))
-                if isinstance(cell.key, str) and cell.status in ENDS:
-                    self.cells[cell.key] = cell
-
-    def done(self, key: str) -> bool:
-        """Whether a cell has ended."""
-        return key in self.cells
-
-    def get(self, key: str) -> Cell | None:
-        """A cell that has ended, or None."""
-        return self.cells.get(key)
-
-    def add(self, key: str, value: Cell) -> None:
-        """Write a cell at once."""
-        self.cells[key] = value
-        with refusing(self.path), self.path.open("a", encoding="utf-8") as handle:
-            handle.write(_line(value))
+        super().__init__(folder / JOURNAL, fingerprint(), _cell)
 
 
-def _line(cell: Cell) -> str:
-    """A cell as JSON, a tab, and the beginning of the checksum of the JSON."""
-    body = json.dumps(marked(vars(cell)), allow_nan=False)
-    return f"{body}\t{_digest(body)}\n"
-
-
-def _digest(body: str) -> str:
-    return hashlib.sha256(body.encode()).hexdigest()[:16]
-
-
-def is_journal(path: Path) -> bool:
-    """Whether a file is a journal of a comparison.
-
-    Parameters
-    ----------
-    path
-        The file, which may be missing.
-
-    Returns
-    -------
-    bool
-    """
-    if path.is_symlink() or not path.is_file():
-        return False
-    with path.open("rb") as handle:
-        return handle.read(len(MARK) + 2) == f'{{"{MARK}'.encode()
+def _cell(record: dict[str, Any]) -> Cell:
+    cell = Cell(**record)
+    if not isinstance(cell.key, str) or cell.status not in ENDS:
+        raise ValueError
+    return cell
 
 
 def fingerprint() -> str:

@@ -26,20 +26,19 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext, supp
 from dataclasses import dataclass, field
 from functools import partial
 from os import PathLike
-from pathlib import Path
 from queue import Empty, SimpleQueue
-from typing import Any, Generic, Protocol, TypeVar, cast
+from typing import Any, Generic, TypeVar, cast
 
 from ..base.checks import MOST_WORKERS, callback, instance, whole_number
 from ..base.errors import ParameterError, StabilityError, one_line
 from ..base.types import Progress
 from ..storage.files import postponed
+from ..storage.pieces import Pieces
 from ..storage.targets import path_text
-from .following import follow_starter, worker_ended
+from .processes import follow_starter
 
 K = TypeVar("K")
 T = TypeVar("T")
-Key = TypeVar("Key", contravariant=True)
 Pool = Callable[[int], AbstractContextManager[Executor | None]]
 """Starts a number of workers; gives None where this thread does the work."""
 
@@ -56,22 +55,6 @@ MOST_COPIES = 8
 SHORT = 120
 """Largest number of characters of an error in a message."""
 _THREAD = threading.local()
-
-
-class Keep(Protocol[Key, T]):
-    """Store of the finished pieces of a job in a folder, by key."""
-
-    folder: Path
-    """Folder of the pieces."""
-
-    def done(self, key: Key) -> bool:
-        """Whether a piece is there; it may still be damaged."""
-
-    def get(self, key: Key) -> T | None:
-        """A finished piece; None where it is missing or damaged."""
-
-    def add(self, key: Key, value: T) -> None:
-        """Write a finished piece at once."""
 
 
 class Counted:
@@ -170,17 +153,17 @@ def here(workers: int) -> AbstractContextManager[None]:  # noqa: ARG001
 
 def ordered(
     keys: Iterable[K],
-    task: Callable[[K], Callable[[], T]],
+    task: Callable[[K], Callable[[], T] | Future[T]],
     *,
     executor: Executor | None = None,
     workers: int = 1,
     own: Pool = threads,
-    keep: Keep[K, T] | None = None,
+    keep: Pieces[K, T] | None = None,
     progress: Counted | None = None,
     size: Callable[[K], int] = lambda _: 1,
     ahead: int = AHEAD,
     in_order: bool = True,
-    lost: Callable[[K], T] | None = None,
+    lost: Callable[[K, Exception], T] | None = None,
     broken: str = ENDED,
 ) -> Generator[tuple[K, T], None, None]:
     """Do pieces of work, a limited number at once, and yield their results in order.
@@ -190,8 +173,9 @@ def ordered(
     keys
         Names of the pieces, in order.
     task
-        Makes the work of a piece in this thread when its turn comes: a function without arguments.
-        For processes it must be picklable.  Data that all pieces need are best `shared`.
+        Makes the work of a piece in this thread when its turn comes: a function without arguments,
+        or the future of work that was sent before.  For processes it must be picklable.  Data that
+        all pieces need are best `shared`.
     executor
         Any executor of the protocol of `concurrent.futures`; it is not shut down.
     workers
@@ -209,8 +193,8 @@ def ordered(
     in_order
         Whether results come in the order of the keys; as soon as they are there otherwise.
     lost
-        Result for a piece whose worker ended, by its key, from an executor that replaces such a
-        worker.  The error ends the work when left out.
+        Result for a piece that failed, by its key and error, such as that of a worker that ended
+        and is replaced; or raises it.  The error ends the work when left out.
     broken
         Sentence for a worker that ended where that ends the work.
 
@@ -240,9 +224,9 @@ def ordered(
             for key in keys:
                 work.begin(key)
                 if work.flight == most:
-                    yield work.following()
+                    yield work.take()
             while work.flight:
-                yield work.following()
+                yield work.take()
         except BrokenExecutor:
             raise StabilityError(broken) from None
         except CancelledError:
@@ -262,12 +246,12 @@ class _Work(Generic[K, T]):
     def __init__(
         self,
         pool: Executor | None,
-        task: Callable[[K], Callable[[], T]],
-        keep: Keep[K, T] | None,
+        task: Callable[[K], Callable[[], T] | Future[T]],
+        keep: Pieces[K, T] | None,
         progress: Counted | None,
         size: Callable[[K], int],
         in_order: bool,
-        lost: Callable[[K], T] | None,
+        lost: Callable[[K, Exception], T] | None,
     ) -> None:
         self.pool, self.task, self.keep = pool, task, keep
         self.progress, self.size = progress, size
@@ -285,17 +269,18 @@ class _Work(Generic[K, T]):
         if self.in_order:
             self.queue.append(piece)
         if kept is not None:
-            self._told(piece, kept)
-        elif self.pool is None:
-            self._finished(piece, self.task(key)())
-        else:
-            work = _Piece(self.task(key), os.getpid())
-            with postponed():
-                future = _sent(self.pool, work)
-                self.unfinished[future] = piece
-                future.add_done_callback(self.ended.put)
+            self._arrived(piece, kept)
+            return
+        work = self.task(key)
+        if self.pool is None and not isinstance(work, Future):
+            self._finished(piece, work())
+            return
+        with postponed():
+            future = work if isinstance(work, Future) else _sent(self.pool, work)
+            self.unfinished[future] = piece
+            future.add_done_callback(self.ended.put)
 
-    def following(self) -> tuple[K, T]:
+    def take(self) -> tuple[K, T]:
         """Wait for the next piece, and return its key and result."""
         while not (self.queue and self.queue[0][1]):
             self._wait()
@@ -313,17 +298,17 @@ class _Work(Generic[K, T]):
         try:
             result = future.result()
         except Exception as error:
-            if self.lost is None or not worker_ended(error):
+            if self.lost is None:
                 raise
-            result = self.lost(piece[0])
+            result = self.lost(piece[0], error)
         self._finished(piece, result)
 
     def _finished(self, piece: tuple[K, list[T]], result: T) -> None:
         if self.keep is not None:
             self.keep.add(piece[0], result)
-        self._told(piece, result)
+        self._arrived(piece, result)
 
-    def _told(self, piece: tuple[K, list[T]], result: T) -> None:
+    def _arrived(self, piece: tuple[K, list[T]], result: T) -> None:
         piece[1].append(result)
         if not self.in_order:
             self.queue.append(piece)
@@ -331,9 +316,10 @@ class _Work(Generic[K, T]):
             self.progress.add(self.size(piece[0]))
 
 
-def _sent(pool: Executor, work: Callable[[], T]) -> Future[T]:
+def _sent(pool: Any, work: Callable[[], T]) -> Future[T]:
     try:
-        return pool.submit(work)
+        future: Future[T] = pool.submit(_Piece(work, os.getpid()))
+        return future
     except BrokenExecutor:
         raise
     except RuntimeError as error:

@@ -20,12 +20,12 @@ from ..base.types import Floats, Progress
 from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..base.version import __version__
 from ..integrators.flow import CASADI
-from ..jobs.checkpoint import Chunk
-from ..jobs.pipeline import Counted, Keep, ordered, shared
+from ..jobs.pipeline import Counted, ordered, shared
 from ..spectra.certificate import verdict
 from ..spectra.deflation import drift_powers, drifting
 from ..spectra.problem import Problem
 from ..spectra.verdict_routes import BITS
+from ..storage.pieces import Chunk, Pieces
 from ..systems.graph.smoothness import edged
 from .dataset import EXACT, GRAPH, LOOPS, OWN, SINGLE
 from .growth_rates import GrowthKernel, Room, steady_memory
@@ -174,7 +174,7 @@ class Cells:
         self,
         workers: int,
         progress: Progress | None,
-        keep: Keep[int, Chunk] | None = None,
+        keep: Pieces[int, Chunk] | None = None,
         executor: Executor | None = None,
     ) -> None:
         """Compute the chunks: members here, since CasADi is not shared; spectra by workers.

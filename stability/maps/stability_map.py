@@ -15,8 +15,8 @@ from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..boundary.curves import trace
-from ..jobs.checkpoint import Checkpoint
 from ..spectra.axes import swept
+from ..storage.pieces import Checkpoint
 from ..systems.family import Family
 from .cells import Cells
 from .verdicts import MOST_LEVELS, prove_boxes

@@ -7,13 +7,11 @@ Zarr folder workers write whole chunks, of verdicts or of growth rates.
 from __future__ import annotations
 
 import hashlib
-import io
-import math
 import os
 import shutil
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
-from contextlib import closing, contextmanager
+from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -32,25 +30,16 @@ from ..base.verdict import CODES, Verdict
 from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
-from ..jobs.chunks import Arrays, Block, Layout, Variable
 from ..jobs.dask import check_pool, pool_of
-from ..jobs.filling import fill
+from ..jobs.filling import Blank, Work, fill
 from ..jobs.pipeline import Counted, ordered, shared
-from ..jobs.zarr_store import ZarrStore
 from ..spectra.axes import swept
 from ..spectra.labels import axis_attributes
 from ..spectra.problem import Problem
-from ..storage.checksum import ATTRIBUTE, STATEMENT, seal
-from ..storage.files import atomic_write, postponed
-from ..storage.targets import (
-    NETCDF,
-    STORES,
-    check_folder,
-    check_suffix,
-    check_target,
-    path_text,
-    place,
-)
+from ..storage.chunks import Arrays, Block, Layout, Store, Variable
+from ..storage.datasets import dataset_target, format_to_write
+from ..storage.formats import formats_for
+from ..storage.targets import path_text, place
 from ..systems.family import Family
 from .cells import Cells
 from .dataset import cell_attributes, provenance
@@ -131,232 +120,14 @@ def band(judge: Callable[[], Judge], xs: Floats, ys: Floats) -> tuple[Codes, int
     return codes, left
 
 
-def write_verdicts(
-    target: Path,
-    judge: Judge,
-    problem: Problem,
-    axes: tuple[Axis, Axis],
-    layout: Layout,
-    *,
-    executor: Executor | None,
-    workers: int,
-    progress: Progress | None,
-    overwrite: bool,
-) -> None:
-    """Write a NetCDF file with its checksum.
-
-    Parameters
-    ----------
-    target
-        The file.
-    judge
-        What gives the verdicts.
-    problem, axes
-        Family with values in the user's units; x and y.
-    layout
-        Chunks of the file; a band is a row of them.
-    executor, workers, progress, overwrite
-        As for `stream_map`.
-    """
-    with atomic_write(target, overwrite=overwrite) as draft:
-        with _Sink(draft) as sink:
-            # an exception within HDF5's calls of the sink, even Ctrl-C, would end the process
-            file = None
-            try:
-                with postponed():
-                    file, variable = _created(sink, problem, axes, layout)
-                left = _fill(
-                    variable, sink, judge, axes, layout.chunk[0], workers, progress, executor
-                )
-                total = math.prod(g.count for g in axes)
-                with postponed():
-                    file.attrs["method"] = f"{METHOD} ({left} of {total} cells there)"
-                    file.attrs[ATTRIBUTE] = STATEMENT
-            finally:
-                if file is not None:
-                    with postponed():
-                        file.close()
-            sink.check()
-        seal(draft)
-
-
-def _fill(
-    variable: Any,
-    sink: _Sink,
-    verdicts: Judge,
-    axes: tuple[Axis, Axis],
-    step: int,
-    workers: int,
-    progress: Progress | None,
-    executor: Executor | None,
-) -> int:
-    """Write the bands in order; return the number of cells that went to exact arithmetic."""
-    xs, ys = axes[0].values, axes[1].values
-    left, judge, total = 0, shared(verdicts, executor), math.prod(g.count for g in axes)
-
-    def task(first: int) -> Callable[[], tuple[Codes, int]]:
-        return partial(band, judge, xs, ys[first : first + step])
-
-    with closing(
-        ordered(
-            range(0, len(ys), step),
-            task,
-            executor=executor,
-            workers=workers,
-            progress=Counted(progress, total),
-            size=lambda first: min(step, len(ys) - first) * len(xs),
-        )
-    ) as results:
-        for first, (codes, open_cells) in results:
-            with postponed():
-                variable[first : first + len(codes), :] = codes
-            sink.check()
-            left += open_cells
-    return left
-
-
-class _Sink(io.RawIOBase):
-    """A file for HDF5 that never fails: `check` raises the first error afterwards.
-
-    HDF5 ends the process when it closes a file that it could not write.
-    """
-
-    def __init__(self, path: Path) -> None:
-        self._file = path.open("r+b", buffering=0)
-        self._error: OSError | None = None
-
-    def check(self) -> None:
-        """Raise the first error, if there is one."""
-        if self._error is not None:
-            raise self._error
-
-    def readable(self) -> bool:
-        return True
-
-    def writable(self) -> bool:
-        return True
-
-    def seekable(self) -> bool:
-        return True
-
-    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        return self._file.seek(offset, whence)
-
-    def tell(self) -> int:
-        return self._file.tell()
-
-    def truncate(self, size: int | None = None) -> int:
-        with self._kept():
-            self._file.truncate(size)
-        return size or 0
-
-    def readinto(self, buffer: Any) -> int:
-        view = memoryview(buffer).cast("B")
-        got = self._file.readinto(view) or 0
-        view[got:] = bytes(len(view) - got)  # zeros for bytes that could not be written
-        return len(view)
-
-    def write(self, data: Any) -> int:
-        view = memoryview(data).cast("B")
-        count = len(view)
-        with self._kept():
-            while len(view) and self._error is None:
-                view = view[self._file.write(view) or 0 :]
-        return count
-
-    def close(self) -> None:
-        with self._kept():
-            self._file.close()
-        super().close()
-
-    @contextmanager
-    def _kept(self) -> Iterator[None]:
-        try:
-            yield
-        except OSError as error:
-            self._error = self._error or error
-
-
-def _created(
-    path: _Sink, problem: Problem, axes: tuple[Axis, Axis], layout: Layout
-) -> tuple[Any, Any]:
-    import h5netcdf
-
-    file = h5netcdf.File(path, "w")
-    file.dimensions = {g.name: g.count for g in axes}
-    for grid in axes:
-        for name in filter(None, (grid.name, grid.alias)):
-            coordinate = file.create_variable(name, (grid.name,), float, data=grid.values)
-            coordinate.attrs.update(axis_attributes(problem, grid.name))
-    second = [g.alias for g in axes if g.alias]
-    verdict = file.create_variable(
-        "verdict",
-        (axes[1].name, axes[0].name),
-        np.int8,
-        chunks=layout.chunk,
-        compression="gzip",
-        compression_opts=1,
-    )
-    verdict.attrs.update(flags() | ({"coordinates": " ".join(second)} if second else {}))
-    file.attrs.update(provenance(problem, axes, METHOD))
-    return file, verdict
-
-
 RATES = {"abscissa": "abscissa", "abscissa_error": "error", "frequency": "frequency"}
 """Arrays of growth rates: the name in a dataset, and that in a chunk of `Cells`."""
 GROWN = 25
 """Bytes of a cell with its growth rates, not compressed; one of a verdict alone."""
 
 
-def verdict_store(
-    folder: Path, problem: Problem, axes: tuple[Axis, Axis], layout: Layout, *, overwrite: bool
-) -> ZarrStore:
-    """The store of a map of verdicts.
-
-    Parameters
-    ----------
-    folder, layout, overwrite
-        As for `ZarrStore`.
-    problem, axes
-        Family with values in the user's units; x and y.
-    """
-    arrays = (Variable("verdict", "int8", -1, flags()),)
-    return _store(folder, problem, axes, layout, arrays, METHOD, {}, overwrite)
-
-
-def growth_store(folder: Path, cells: Cells, layout: Layout, *, overwrite: bool) -> ZarrStore:
-    """The store of a map of verdicts and growth rates."""
-    attributes = cell_attributes(cells.problem, missing=not cells.exact)
-    arrays = (
-        Variable("verdict", "int8", -1, attributes["verdict"]),
-        *(Variable(name, "float64", np.nan, attributes[name]) for name in RATES),
-    )
-    question = {"growth rates": True, "solver of eigenvalues": name_of(cells.solver)}
-    return _store(
-        folder, cells.problem, cells.axes, layout, arrays, cells.method, question, overwrite
-    )
-
-
-def _store(
-    folder: Path,
-    problem: Problem,
-    axes: tuple[Axis, Axis],
-    layout: Layout,
-    arrays: tuple[Variable, ...],
-    method: str,
-    more: Mapping[str, Any],
-    overwrite: bool,
-) -> ZarrStore:
-    """The store of a map; equal maps have equal files, so it holds no date."""
-    coords = {
-        name: (grid.name, grid.values, axis_attributes(problem, grid.name))
-        for grid in axes
-        for name in filter(None, (grid.name, grid.alias))
-    }
-    attrs = {n: v for n, v in provenance(problem, axes, method).items() if n != "created"}
-    graph = hashlib.sha256(str(problem.family.system.rhs).encode()).hexdigest()
-    question = {"equations": graph, "anchor": repr(problem.family.anchor), **more}
-    return ZarrStore(folder, layout, arrays, coords, attrs, question, overwrite=overwrite)
+VERDICT = Variable("verdict", "int8", -1, flags())
+"""The array of verdicts alone."""
 
 
 @dataclass(frozen=True)
@@ -410,6 +181,35 @@ def no_rates(count: int) -> Arrays:
         "abscissa_error": bound,
         "frequency": missing,
     }
+
+
+def _coords(problem: Problem, axes: tuple[Axis, Axis]) -> dict[str, Any]:
+    return {
+        name: (grid.name, grid.values, axis_attributes(problem, grid.name))
+        for grid in axes
+        for name in filter(None, (grid.name, grid.alias))
+    }
+
+
+def _store(
+    target: Path,
+    problem: Problem,
+    axes: tuple[Axis, Axis],
+    layout: Layout,
+    arrays: tuple[Variable, ...],
+    method: str,
+    more: Mapping[str, Any],
+    overwrite: bool,
+) -> Store:
+    """The store of a map; equal maps have equal files, so it holds no date."""
+    attrs = {n: v for n, v in provenance(problem, axes, method).items() if n != "created"}
+    graph = hashlib.sha256(str(problem.family.system.rhs).encode()).hexdigest()
+    question = {"equations": graph, "anchor": repr(problem.family.anchor), **more}
+    chunks: Any = format_to_write(target, "chunks").chunks
+    store: Store = chunks(
+        target, layout, arrays, _coords(problem, axes), attrs, question, overwrite=overwrite
+    )
+    return store
 
 
 BAND = 2**20
@@ -536,13 +336,13 @@ class _How:
 
 def _target(out: str | os.PathLike[str], growth: bool, overwrite: bool) -> Path:
     """The file or folder to write."""
-    if growth and place(out).suffix.lower() not in STORES:
+    folders = [ending for f in formats_for("chunks") for ending in f.endings]
+    if growth and place(out).suffix.lower() not in folders:
         raise FileError(
             f"{path_text(out)} cannot hold streamed growth rates; give a folder whose name ends in "
-            f"{listed(STORES, 'or')}, or leave growth out."
+            f"{listed(folders, 'or')}, or leave growth out."
         )
-    stored = check_suffix(out, (*NETCDF, *STORES)).suffix.lower() in STORES
-    return check_folder(out) if stored else check_target(out, overwrite=overwrite)
+    return dataset_target(out, "rows", "chunks", overwrite=overwrite)
 
 
 def _check_room(target: Path, size: int) -> None:
@@ -567,41 +367,69 @@ def _judge(
 ) -> None:
     """Verdicts alone, to a file or a folder."""
     layout = _layout(axes, BAND)
-    if target.suffix.lower() not in STORES:
-        write_verdicts(
-            target,
-            judge,
-            problem,
-            axes,
-            layout,
-            executor=how.executor,
-            workers=how.workers,
-            progress=how.progress,
-            overwrite=how.overwrite,
-        )
+    rows = format_to_write(target, "rows", "chunks").rows
+    if rows is not None:
+        _write_rows(rows, target, judge, problem, axes, layout, how)
         return
-    store = verdict_store(target, problem, axes, layout, overwrite=how.overwrite)
-    work = VerdictChunk(shared(judge, how.executor), axes, layout)
-    fill(
-        store,
-        work,
-        blank=no_verdicts,
-        executor=how.executor,
-        workers=how.workers,
-        progress=how.progress,
-    )
+    store = _store(target, problem, axes, layout, (VERDICT,), METHOD, {}, how.overwrite)
+    _fill(store, VerdictChunk(shared(judge, how.executor), axes, layout), no_verdicts, how)
+
+
+def _write_rows(
+    rows: Any,
+    target: Path,
+    verdicts: Judge,
+    problem: Problem,
+    axes: tuple[Axis, Axis],
+    layout: Layout,
+    how: _How,
+) -> None:
+    """Verdicts band by band, in order, to a file."""
+    xs, ys, step = axes[0].values, axes[1].values, layout.chunk[0]
+    judge, open_cells = shared(verdicts, how.executor), 0
+
+    def task(first: int) -> Callable[[], tuple[Codes, int]]:
+        return partial(band, judge, xs, ys[first : first + step])
+
+    coords, attrs = _coords(problem, axes), provenance(problem, axes, METHOD)
+    with (
+        rows(target, layout, (VERDICT,), coords, attrs, overwrite=how.overwrite) as file,
+        closing(
+            ordered(
+                range(0, len(ys), step),
+                task,
+                executor=how.executor,
+                workers=how.workers,
+                progress=Counted(how.progress, layout.total),
+                size=lambda first: min(step, len(ys) - first) * len(xs),
+            )
+        ) as bands,
+    ):
+        for first, (codes, left) in bands:
+            file.add(first, {VERDICT.name: codes})
+            open_cells += left
+        file.note({"method": f"{METHOD} ({open_cells} of {layout.total} cells there)"})
 
 
 def _grow(target: Path, problem: Problem, axes: tuple[Axis, Axis], how: _How) -> None:
     """Verdicts and growth rates, to a folder."""
     cells = Cells(problem, axes, False, whole=False)
     layout = _layout(axes, cells.band)
-    store = growth_store(target, cells, layout, overwrite=how.overwrite)
-    work = GrowthChunk(shared(cells, how.executor), layout)
+    attributes = cell_attributes(problem, missing=not cells.exact)
+    arrays = (
+        Variable("verdict", "int8", -1, attributes["verdict"]),
+        *(Variable(name, "float64", np.nan, attributes[name]) for name in RATES),
+    )
+    question = {"growth rates": True, "solver of eigenvalues": name_of(cells.solver)}
+    store = _store(target, problem, axes, layout, arrays, cells.method, question, how.overwrite)
+    _fill(store, GrowthChunk(shared(cells, how.executor), layout), no_rates, how)
+
+
+def _fill(store: Store, work: Work, blank: Blank, how: _How) -> None:
     fill(
         store,
         work,
-        blank=no_rates,
+        blank=blank,
         executor=how.executor,
         workers=how.workers,
         progress=how.progress,

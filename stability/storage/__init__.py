@@ -1,7 +1,10 @@
-"""Files that are whole, or not there.
+"""Files and folders that are whole, or not there.
 
-Checksums, NetCDF, JSON, CSV, names of files to write.  May import `base` only.
-To add a format: a module like `netcdf.py` with a function from dataset to bytes (and back, where
-the format is read), and its endings in `DATASETS` or `PICTURES` of `targets.py`.  Each file is
-written through `atomic_write` of `files.py`.
+Datasets in the format of their ending, finished pieces of work, stores of chunks; checksums, JSON,
+CSV, names of files to write.  May import `base` only.
+To add a format of datasets: a module like `netcdf.py`, and its record in `FORMATS` of `formats.py`.
+To add one of figures: its ending in `PICTURES` of `targets.py`.
+To add a store of finished pieces: the functions of `pieces.Pieces`; of chunks: those of
+`chunks.Store`.
+Each file is written through `atomic_write` of `files.py`.
 """

@@ -11,15 +11,11 @@ from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ..base.errors import FileError
 from .litter import clear, temporary
 from .targets import check_target, path_text, refusing
-
-if TYPE_CHECKING:
-    pass
-
 
 STOPS = tuple(getattr(signal, n) for n in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, n))
 """Signals that ask a command to stop."""
@@ -161,6 +157,27 @@ def atomic_write(
         if group is None or ready not in group:
             with suppress(FileNotFoundError):
                 ready.temporary.unlink()
+
+
+def write_file(path: str | os.PathLike[str], content: str | bytes, **options: Any) -> None:
+    """Write a text or bytes whole or not at all.
+
+    Parameters
+    ----------
+    path
+        The file to write.
+    content
+        What it holds; a text as UTF-8.
+    **options
+        As for `atomic_write`.
+
+    Raises
+    ------
+    FileError
+        If the target cannot be written.
+    """
+    with atomic_write(path, **options) as draft:
+        draft.write_bytes(content.encode() if isinstance(content, str) else content)
 
 
 @contextmanager

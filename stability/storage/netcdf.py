@@ -1,4 +1,4 @@
-"""NetCDF files of the package: packed with a checksum, and opened after a check of both.
+"""NetCDF files with a checksum: written whole or row by row, and checked when they are opened.
 
 A file without a checksum is first read by another process, limited in time and memory: HDF5 follows
 the links of a damaged file for ever, and allocates what the file declares.
@@ -6,24 +6,27 @@ the links of a damaged file for ever, and allocates what the file declares.
 
 from __future__ import annotations
 
+import io
 import os
 import signal
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from ..base.errors import FileError
-from .checksum import ATTRIBUTE, STATEMENT, intact, sealed
+from .checksum import ATTRIBUTE, STATEMENT, intact, seal, sealed
+from .chunks import Arrays, Layout, Variable
+from .files import atomic_write, postponed
 from .targets import path_text, place, refusing
 
 if TYPE_CHECKING:
     import xarray
 
 
-ENGINE = "h5netcdf"
+ENGINE: Final = "h5netcdf"
 DEFLATE = 1100
 """Most bytes that one byte of a compressed chunk can hold (zlib: 1032), with room for headers."""
 SMALL = 2**22
@@ -40,24 +43,14 @@ LONGEST = 300
 """Largest number of characters of the process's sentence in a message."""
 
 
-def packed(dataset: xarray.Dataset, compress: Mapping[str, Any] | None = None) -> bytes:
-    """A dataset as the bytes of a NetCDF-4 file with a checksum as its last line.
+def write(dataset: xarray.Dataset, path: Path) -> None:
+    """Write a dataset of real variables to NetCDF-4 with a checksum as its last line.
 
     HDF5 and the NetCDF library ignore what follows the end that the file states.
-
-    Parameters
-    ----------
-    dataset
-        Real variables only.
-    compress
-        Encoding by variable.
-
-    Returns
-    -------
-    bytes
     """
     marked = dataset.assign_attrs({ATTRIBUTE: STATEMENT})
-    return sealed(marked.to_netcdf(engine="h5netcdf", encoding=dict(compress or {})))
+    # into memory first: a disk that fills up while HDF5 writes to it ends the process
+    path.write_bytes(sealed(marked.to_netcdf(engine=ENGINE)))
 
 
 def loaded(source: Path, form: str, what: str, *, lazy: bool) -> xarray.Dataset:
@@ -66,7 +59,7 @@ def loaded(source: Path, form: str, what: str, *, lazy: bool) -> xarray.Dataset:
     Parameters
     ----------
     source, form, what, lazy
-        As for `stability.storage.netcdf.opened`.
+        As for `opened`.
 
     Returns
     -------
@@ -82,9 +75,9 @@ def loaded(source: Path, form: str, what: str, *, lazy: bool) -> xarray.Dataset:
     try:
         check_sizes(source, lazy=lazy)
         file = xarray.open_dataset(source, engine=ENGINE)
-        marker = "outcome" if what == "a motion" else "verdict"
         try:
-            if str(file.attrs.get("format")) != form or marker not in file.variables:
+            markers = {"outcome", "verdict"} & set(file.variables)
+            if str(file.attrs.get("format")) != form or not markers:
                 raise FileError(
                     f"{path_text(source)} is a NetCDF file but not {what} written by stability."
                 )
@@ -352,3 +345,166 @@ def _bound(seconds: int, memory: int) -> None:
         has = pages * resource.getpagesize()
         _, hard = resource.getrlimit(resource.RLIMIT_AS)
         resource.setrlimit(resource.RLIMIT_AS, (has + memory, hard))
+
+
+# --- row by row ---
+
+
+class Rows:
+    """A NetCDF file that is written row by row.
+
+    Parameters
+    ----------
+    file
+        The file of h5netcdf.
+    sink
+        Where its bytes go.
+    """
+
+    def __init__(self, file: Any, sink: _Sink) -> None:
+        self._file, self._sink = file, sink
+
+    def add(self, first: int, arrays: Arrays) -> None:
+        """Write whole rows from the row `first` on, by the names of their arrays."""
+        # an exception within HDF5's calls of the sink, even Ctrl-C, would end the process
+        with postponed():
+            for name, values in arrays.items():
+                self._file[name][first : first + len(values), :] = values
+        self._sink.check()
+
+    def note(self, attrs: Mapping[str, Any]) -> None:
+        """Set attributes of the file."""
+        with postponed():
+            self._file.attrs.update(attrs)
+
+
+@contextmanager
+def rows(
+    path: Path,
+    layout: Layout,
+    variables: tuple[Variable, ...],
+    coords: Mapping[str, Any],
+    attrs: Mapping[str, Any],
+    *,
+    overwrite: bool = False,
+) -> Iterator[Rows]:
+    """Write a file row by row; it has its name, and a checksum, when all is there.
+
+    Parameters
+    ----------
+    path
+        The file.
+    layout, variables, coords, attrs
+        As for `stability.storage.zarr_store.ZarrStore`; the layout of two axes is that of chunks
+        in the file.
+    overwrite
+        Whether an existing file may be replaced.
+    """
+    with atomic_write(path, overwrite=overwrite) as draft:
+        with _Sink(draft) as sink:
+            file = None
+            try:
+                with postponed():
+                    file = _created(sink, layout, variables, coords, attrs)
+                written = Rows(file, sink)
+                yield written
+                written.note({ATTRIBUTE: STATEMENT})
+            finally:
+                if file is not None:
+                    with postponed():
+                        file.close()
+            sink.check()
+        seal(draft)
+
+
+def _created(
+    sink: _Sink,
+    layout: Layout,
+    variables: tuple[Variable, ...],
+    coords: Mapping[str, Any],
+    attrs: Mapping[str, Any],
+) -> Any:
+    """A file with its coordinates and attributes, and empty arrays."""
+    import h5netcdf
+
+    file = h5netcdf.File(sink, "w")
+    file.dimensions = {axis: len(values) for axis, values, _ in coords.values()}
+    for name, (axis, values, attributes) in coords.items():
+        file.create_variable(name, (axis,), float, data=values).attrs.update(attributes)
+    second = [name for name in coords if name not in layout.dims]
+    for variable in variables:
+        array = file.create_variable(
+            variable.name,
+            layout.dims,
+            variable.dtype,
+            chunks=layout.chunk,
+            compression="gzip",
+            compression_opts=1,
+        )
+        array.attrs.update(variable.attrs)
+        if second:
+            array.attrs["coordinates"] = " ".join(second)
+    file.attrs.update(attrs)
+    return file
+
+
+class _Sink(io.RawIOBase):
+    """A file for HDF5 that never fails: `check` raises the first error afterwards.
+
+    HDF5 ends the process when it closes a file that it could not write.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._file = path.open("r+b", buffering=0)
+        self._error: OSError | None = None
+
+    def check(self) -> None:
+        """Raise the first error, if there is one."""
+        if self._error is not None:
+            raise self._error
+
+    def readable(self) -> bool:
+        return True
+
+    def writable(self) -> bool:
+        return True
+
+    def seekable(self) -> bool:
+        return True
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        return self._file.seek(offset, whence)
+
+    def tell(self) -> int:
+        return self._file.tell()
+
+    def truncate(self, size: int | None = None) -> int:
+        with self._kept():
+            self._file.truncate(size)
+        return size or 0
+
+    def readinto(self, buffer: Any) -> int:
+        view = memoryview(buffer).cast("B")
+        got = self._file.readinto(view) or 0
+        view[got:] = bytes(len(view) - got)  # zeros for bytes that could not be written
+        return len(view)
+
+    def write(self, data: Any) -> int:
+        view = memoryview(data).cast("B")
+        count = len(view)
+        with self._kept():
+            while len(view) and self._error is None:
+                view = view[self._file.write(view) or 0 :]
+        return count
+
+    def close(self) -> None:
+        with self._kept():
+            self._file.close()
+        super().close()
+
+    @contextmanager
+    def _kept(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            self._error = self._error or error

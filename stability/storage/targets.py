@@ -9,16 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from ..base.errors import FileError, listed, one_line, shown
+from .formats import FORMATS
 from .litter import clear
 
 LONGEST = 120
 """Largest number of characters of a path in a message."""
-NETCDF = (".nc", ".nc4", ".netcdf", ".h5", ".hdf5")
-"""Endings of a NetCDF-4 file."""
-STORES = (".zarr",)
-"""Endings of a folder of chunks."""
-DATASETS = NETCDF
-"""Endings of a file of a map or a motion, the usual one first."""
 PICTURES = (".png", ".pdf", ".svg")
 """Endings of a figure."""
 FILMS = (".gif", ".mp4", ".html")
@@ -103,7 +98,7 @@ def refusing(path: Any, what: str = "written") -> Iterator[None]:
 
 
 def check_suffix(path: Any, endings: Sequence[str], option: str = "") -> Path:
-    """A path with an ending that fits the content; NetCDF files may also have no ending.
+    """A path with an ending that fits the content.
 
     Parameters
     ----------
@@ -125,12 +120,11 @@ def check_suffix(path: Any, endings: Sequence[str], option: str = "") -> Path:
 
     Examples
     --------
-    >>> check_suffix("map.nc", NETCDF).name
-    'map.nc'
+    >>> check_suffix("map.png", PICTURES).name
+    'map.png'
     """
     found = place(path)
-    suffix = found.suffix.lower()
-    if suffix in endings or (not suffix and endings[0] in NETCDF):
+    if found.suffix.lower() in endings:
         return found
     subject = f"{option} is {shown(str(path))}" if option else path_text(path)
     raise FileError(f"{subject}; the name must end in {listed(endings, 'or')}.")
@@ -188,15 +182,15 @@ def check_target(path: str | os.PathLike[str], *, overwrite: bool = False) -> Pa
     return target
 
 
-def check_folder(path: str | os.PathLike[str], taken: str = "") -> Path:
+def check_folder(path: str | os.PathLike[str], *, empty: bool = False) -> Path:
     """Check that a folder can be created or written into; nothing is created, litter is removed.
 
     Parameters
     ----------
     path
         The folder.
-    taken
-        Error message for a folder that is not empty; empty where such a folder is accepted.
+    empty
+        Whether a folder with files is refused.
 
     Returns
     -------
@@ -205,7 +199,8 @@ def check_folder(path: str | os.PathLike[str], taken: str = "") -> Path:
     Raises
     ------
     FileError
-        If it is a file or named like one, is taken, or its place is missing or not writable.
+        If it is a file or named like one, holds files where none may be, or its place is missing
+        or not writable.
     """
     target = place(path)
     with refusing(target):
@@ -217,12 +212,16 @@ def check_folder(path: str | os.PathLike[str], taken: str = "") -> Path:
         there = target.is_dir()
         if target.exists() and not there:
             raise FileError(f"{path_text(target)} is a file; give the name of a folder.")
-        if not there and target.suffix.lower() in (*NETCDF, *DATASETS, *PICTURES, *FILMS, *OTHER):
+        files = [ending for f in FORMATS if not f.folder for ending in f.endings]
+        if not there and target.suffix.lower() in (*files, *PICTURES, *FILMS, *OTHER):
             raise FileError(f"{path_text(target)} is named like a file; give the name of a folder.")
         if there:
             clear(target, always=True)
-        if taken and there and any(target.iterdir()):
-            raise FileError(taken)
+        if empty and there and any(target.iterdir()):
+            raise FileError(
+                f"{path_text(target)} is not empty and holds other files; choose another folder, "
+                "or use --overwrite (overwrite=True)."
+            )
         if not target.parent.is_dir():
             raise FileError(
                 f"the folder {path_text(target.parent)} does not exist; create it first."

@@ -349,7 +349,7 @@ def asked_of(
     arrays
         Name, type, fill value, attributes and further axes of each array.
     coords, attrs, question
-        As for `stability.jobs.zarr_store.ZarrStore`.
+        As for `stability.storage.zarr_store.ZarrStore`.
 
     Returns
     -------

@@ -15,7 +15,7 @@ from typing import Any
 
 from ..base.quantities import Kind, Quantity, readable
 from ..base.types import Record, Sentences
-from ..storage.files import atomic_write
+from ..storage.files import write_file
 from ..storage.targets import check_suffix, check_target
 from ..storage.text import csv_text, json_text
 from .letters import escaped, number, prose, unit
@@ -716,6 +716,5 @@ class Table(Record):
         """
         target = check_target(check_suffix(path, tuple(FORMS)), overwrite=overwrite)
         text = self.printed(FORMS[target.suffix.lower()])
-        with atomic_write(target, overwrite=overwrite) as draft:
-            draft.write_text(text.rstrip("\n") + "\n", "utf-8")
+        write_file(target, text.rstrip("\n") + "\n", overwrite=overwrite)
         return target

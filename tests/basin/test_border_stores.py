@@ -106,7 +106,7 @@ def test_while_borders_are_replaced_the_store_is_a_map_without_them(
     whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The write fails at each file in turn: what is there is always whole."""
-    import stability.jobs.zarr_store as module
+    import stability.storage.zarr_store as module
 
     out, write = tmp_path / "a.zarr", module._write
     st.basins(**MAP, levels=2, store=out)
@@ -187,7 +187,7 @@ def test_a_refinement_that_stops_at_a_write_is_resumed_to_the_same_bytes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """In one process; a killed one is a long test."""
-    import stability.jobs.zarr_store as module
+    import stability.storage.zarr_store as module
 
     class Stopped(BaseException):
         pass

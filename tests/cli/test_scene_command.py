@@ -320,7 +320,7 @@ def test_a_file_is_whole_or_not_there(
         raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as patch:
-        patch.setattr("stability.storage.netcdf.packed", full)
+        patch.setattr("stability.storage.netcdf.write", full)
         assert "No space left on device" in refused(capsys, "scene", path, "--out", str(target))
     assert not target.exists()
     target.write_text("mine")

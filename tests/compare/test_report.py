@@ -92,7 +92,7 @@ def test_a_line_cut_short_costs_that_cell_and_no_other(tmp_path: Path) -> None:
         "two": True,
         "three": False,
     }
-    assert set(Journal(tmp_path / "a").cells) == {"one", "two", "three"}
+    assert set(Journal(tmp_path / "a").pieces) == {"one", "two", "three"}
 
 
 def test_a_journal_that_is_none_of_ours_is_left_alone(tmp_path: Path) -> None:
@@ -136,7 +136,7 @@ def test_a_script_without_a_guard_gets_a_sentence(tmp_path: Path) -> None:
     )
     assert done.returncode == 1
     assert "put that line under `if __name__ == '__main__':`" in done.stderr
-    assert not Journal(tmp_path / "d").cells
+    assert not Journal(tmp_path / "d").pieces
 
 
 @pytest.mark.parametrize(
@@ -498,7 +498,7 @@ def test_an_interrupted_report_is_gone_on_with(tmp_path: Path) -> None:
     _, said = process.communicate(timeout=300)
     assert process.returncode == 130
     assert "finished cells are kept in" in said and "Traceback" not in said
-    cells = Journal(tmp_path / "r").cells
+    cells = Journal(tmp_path / "r").pieces
     assert len(cells) >= 2
     assert all(c.status == DONE for c in cells.values())
     assert [p.name for p in (tmp_path / "r").iterdir()] == [journal.JOURNAL]

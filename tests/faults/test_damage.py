@@ -17,9 +17,9 @@ from damage import BOMBS, bomb, damage
 
 import stability as st
 from stability.jobs import measured_cells as journal
-from stability.jobs.checkpoint import Checkpoint
 from stability.jobs.measured_cells import DONE, Cell, Journal
 from stability.storage.checksum import ATTRIBUTE, LENGTH, seal
+from stability.storage.pieces import Checkpoint
 
 SEED = int(os.environ.get("STABILITY_SEED", "20261121"))
 SLOWEST = 20.0
@@ -111,9 +111,9 @@ def _journal(folder: Path) -> Sample:
 
     def read(path: Path) -> Any:
         shutil.copy(path, folder / "report0" / "cells.jsonl")
-        return Journal(folder / "report0").cells
+        return Journal(folder / "report0").pieces
 
-    whole = [dict(j.cells) for j in kept]
+    whole = [dict(j.pieces) for j in kept]
     return Sample(
         *(j.path.read_bytes() for j in kept),
         ".jsonl",

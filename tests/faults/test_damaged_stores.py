@@ -27,7 +27,7 @@ def filled(path: Path) -> Any:
     kept = chunk_work.store(path)
     for block in kept.missing():
         cells = np.arange(LAYOUT.total).reshape(LAYOUT.shape)[LAYOUT.slices(block)].ravel()
-        kept.write(block, values(cells))
+        kept.add(block, values(cells))
     return kept
 
 

@@ -94,7 +94,7 @@ def test_a_worker_ends_with_its_parent(system: str, tmp_path: Path) -> None:
     child = (
         "import os, sys, time\n"
         f"sys.platform = {system!r}\n"
-        "from stability.jobs.following import follow\n"
+        "from stability.jobs.processes import follow\n"
         "follow(int(sys.argv[1]))\n"
         "open(sys.argv[2], 'w').write(str(os.getpid()))\n"
         "time.sleep(600)"
@@ -123,7 +123,7 @@ def test_a_signal_to_the_group_leaves_the_helper_of_multiprocessing_alone(number
     code = (
         "import os, time\n"
         "from multiprocessing.resource_tracker import _resource_tracker as helper\n"
-        "from stability.jobs.following import processes\n"
+        "from stability.jobs.processes import processes\n"
         "with processes(1) as pool:\n"
         "    pool.submit(abs, -2).result()\n"
         "    first = helper._pid\n"

@@ -37,11 +37,11 @@ from executors import Distributed
 from kills import MARK, alive, soon
 
 import stability as st
-from stability.jobs.chunks import Layout, Memory
 from stability.jobs.dask import engine
 from stability.jobs.filling import fill
-from stability.jobs.following import processes
 from stability.jobs.pipeline import here, threads
+from stability.jobs.processes import processes
+from stability.storage.chunks import Layout, Memory
 
 SEED = int(os.environ.get("STABILITY_SEED", "20261123"))
 LINUX = pytest.mark.skipif(sys.platform != "linux", reason="looks for processes in /proc")
@@ -88,7 +88,7 @@ def test_only_what_is_missing_is_computed(tmp_path: Path) -> None:
     log = tmp_path / "log"
     kept, told = store(tmp_path / "a.zarr"), []
     for block in LAYOUT.blocks()[::2]:
-        kept.write(block, values(np.arange(90).reshape(9, 10)[LAYOUT.slices(block)].ravel()))
+        kept.add(block, values(np.arange(90).reshape(9, 10)[LAYOUT.slices(block)].ravel()))
     stored = 90 - sum(map(LAYOUT.count, kept.missing()))
     found = fill(
         kept, Logged(str(log)), blank=blank, own=here, progress=lambda *pair: told.append(pair)
@@ -177,7 +177,7 @@ HALF = """
 import multiprocessing, os, signal
 from pathlib import Path
 import chunk_work as c
-from stability.jobs.zarr_store import ChunkFiles
+from stability.storage.zarr_store import ChunkFiles
 
 def write(self, block, arrays):
     if block == (2, 1) and multiprocessing.parent_process() is not None:

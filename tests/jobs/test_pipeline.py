@@ -18,8 +18,8 @@ from executors import Distributed, die, square
 from kills import soon
 
 import stability as st
-from stability.jobs.following import processes
 from stability.jobs.pipeline import AHEAD, Counted, here, ordered, threads
+from stability.jobs.processes import processes
 
 
 class Kept(dict[int, int]):

@@ -16,10 +16,10 @@ import zarr
 from chunk_work import ATTRS, COORDS, LAYOUT, VARIABLES, store, tree, undisturbed, values
 
 import stability as st
-from stability.jobs.chunks import Layout, Memory, Variable
-from stability.jobs.zarr_store import ZarrStore, file_name
-from stability.storage.files import atomic_write
+from stability.storage.chunks import Layout, Memory, Variable
+from stability.storage.files import write_file
 from stability.storage.zarr_folder import FORMAT
+from stability.storage.zarr_store import ZarrStore, file_name
 
 ALL = values(np.arange(90))
 TOOLS = Path(chunk_work.__file__).parent
@@ -35,7 +35,7 @@ def chunk(block: tuple[int, ...]) -> dict[str, np.ndarray[Any, Any]]:
 
 def fill_all(into: Any, blocks: list[tuple[int, ...]]) -> Any:
     for block in blocks:
-        into.write(block, chunk(block))
+        into.add(block, chunk(block))
     return into
 
 
@@ -100,7 +100,7 @@ def test_memory_and_zarr_hold_the_same_and_xarray_reads_it(tmp_path: Path) -> No
 def test_a_file_for_each_variable_of_each_chunk_by_the_format(tmp_path: Path) -> None:
     kept = store(tmp_path / "a.zarr")
     before = set(tree(tmp_path))
-    kept.write((4, 2), chunk((4, 2)))
+    kept.add((4, 2), chunk((4, 2)))
     new = set(tree(tmp_path)) - before
     assert new == {
         f"a.zarr/{n}" for n in ("outcome/c.4.2", "outcome/whole.4.2", "time/c.4.2", "last/c.4.2.0")
@@ -125,20 +125,20 @@ def test_a_chunk_is_there_exactly_if_its_record_is(
 ) -> None:
     kept, written = store(tmp_path / "a.zarr"), []
 
-    def stopped(path: Path, **how: Any) -> Any:
+    def stopped(path: Path, content: bytes, **how: Any) -> None:
         if len(written) == limit:
             raise KeyboardInterrupt
         written.append(path)
-        return atomic_write(path, **how)
+        write_file(path, content, **how)
 
     for limit in range(4):
         written.clear()
         with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
-            patch.setattr("stability.jobs.zarr_store.atomic_write", stopped)
-            kept.write((1, 1), chunk((1, 1)))
+            patch.setattr("stability.storage.zarr_store.write_file", stopped)
+            kept.add((1, 1), chunk((1, 1)))
         assert len(written) == limit
         assert (1, 1) in store(tmp_path / "a.zarr").missing()
-    kept.write((1, 1), chunk((1, 1)))
+    kept.add((1, 1), chunk((1, 1)))
     assert (1, 1) not in store(tmp_path / "a.zarr").missing()
 
 
@@ -153,7 +153,7 @@ def test_a_chunk_with_one_wrong_bit_is_not_read_and_made_again(tmp_path: Path) -
         kept.dataset().time.load()
     with pytest.warns(st.StabilityWarning, match=r"chunk 1.1 of time is damaged, and is computed"):
         assert kept.missing() == [(1, 1)]
-    kept.write((1, 1), chunk((1, 1)))
+    kept.add((1, 1), chunk((1, 1)))
     assert tree(tmp_path / "a.zarr") == undisturbed(tmp_path / "b.zarr")
 
 
@@ -177,7 +177,7 @@ def test_a_chunk_that_does_not_fit_is_refused_whole(
     before = tree(tmp_path)
     for into in (kept, Memory(LAYOUT, VARIABLES)):
         with pytest.raises(st.StabilityError, match=words):
-            into.write((0, 0), chunk((0, 0)) | change)
+            into.add((0, 0), chunk((0, 0)) | change)
         assert len(into.missing()) == 15
     assert tree(tmp_path) == before
 
@@ -200,7 +200,7 @@ def test_a_chunk_that_does_not_fit_is_refused_whole(
 def test_a_store_of_another_question_is_refused_and_named(
     change: Any, words: str, tmp_path: Path
 ) -> None:
-    store(tmp_path / "a.zarr").write((0, 0), chunk((0, 0)))
+    store(tmp_path / "a.zarr").add((0, 0), chunk((0, 0)))
     before = tree(tmp_path)
     with pytest.raises(st.StabilityError, match=words) as caught:
         store(tmp_path / "a.zarr", **change)
@@ -283,7 +283,7 @@ def test_the_bytes_of_a_chunk_are_on_the_disk_before_it_has_its_name(
 
     monkeypatch.setattr(os, "fsync", flushing)
     monkeypatch.setattr(Path, "replace", renaming)
-    kept.write((0, 0), chunk((0, 0)))
+    kept.add((0, 0), chunk((0, 0)))
     assert [what for what, _, _ in seen[1::2]] == ["time", "last", "outcome", "outcome"]
     assert [what for what, _, _ in seen[::2]] == ["flushed"] * 4
     assert [rest for _, *rest in seen[::2]] == [rest for _, *rest in seen[1::2]]
@@ -297,7 +297,7 @@ def test_the_bytes_of_a_chunk_are_on_the_disk_before_it_has_its_name(
 HALF = """
 import os, signal, sys
 from pathlib import Path
-import chunk_work, stability.jobs.zarr_store as zarr_store
+import chunk_work, stability.storage.zarr_store as zarr_store
 wait = {"file": "write_bytes", "folder": "rename"}[sys.argv[1]]
 kept = chunk_work.store(Path("a.zarr")) if wait == "write_bytes" else None
 whole = getattr(Path, wait)
@@ -309,7 +309,7 @@ setattr(Path, wait, killed)
 if kept is None:
     chunk_work.store(Path("a.zarr"))
 import numpy as np
-kept.write((0, 0), chunk_work.values(np.array([0, 1, 2, 3, 10, 11, 12, 13])))
+kept.add((0, 0), chunk_work.values(np.array([0, 1, 2, 3, 10, 11, 12, 13])))
 """
 
 
@@ -374,7 +374,7 @@ def test_two_runs_that_make_one_store_make_the_same(tmp_path: Path) -> None:
     class Late(ZarrStore):
         def _create(self, files: Any, asked: Any) -> None:
             made.append(store(tmp_path / "a.zarr"))
-            made[0].write((0, 0), chunk((0, 0)))
+            made[0].add((0, 0), chunk((0, 0)))
             super()._create(files, asked)
 
     late = Late(

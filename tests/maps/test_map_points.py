@@ -19,7 +19,7 @@ import stability as st
 from stability.cli.commands import main
 from stability.figures.diagram import caption
 from stability.maps.dataset import points_of
-from stability.maps.netcdf import read_map, write_map
+from stability.maps.files import read_map, write_map
 
 matplotlib.use("Agg")
 

@@ -12,7 +12,7 @@ import stability as st
 from stability.base.axis import Axis
 from stability.base.verdict import CODES, Verdict
 from stability.boundary.curves import KINDS
-from stability.maps.netcdf import read_map, write_map
+from stability.maps.files import read_map, write_map
 
 AXES = {"rolling": (0.2, 3.0), "spinning": (0.5, 5.0), "tumbling": (0.05, 1.55)}
 

@@ -11,7 +11,7 @@ from executors import Distributed
 
 import stability as st
 from stability.cli import main
-from stability.jobs.following import processes
+from stability.jobs.processes import processes
 
 AXES: dict[str, Any] = {"x": ("at", 0.05, 1.5, 40), "y": ("mu", 0.1, 5, 30)}
 MAP = ("map", "tumbling", "--x", "at:0.05:1.5:40", "--y", "mu:0.1:5:30", "--verdict-only")

@@ -13,7 +13,6 @@ import stability as st
 from stability.bodies.newton_euler import STATES
 from stability.integrators import taylor
 from stability.motion import dataset as trajectory
-from stability.motion.netcdf import is_finite
 from stability.motion.result import BY_CODE, Outcome
 
 LAUNCH = st.launch("rolling", at=1.2)
@@ -48,7 +47,10 @@ def test_every_law_comes_back_whole_from_a_file(
         run = run[FEW]
     back = st.read_motion(st.write_motion(run, tmp_path / "run.nc"))
     assert back.identical(run)
-    assert is_finite(back)
+    for name, variable in back.variables.items():
+        # errors are infinite where the final state is unknown
+        if variable.dtype.kind == "f" and name not in ("final_error", "end_time_error"):
+            assert np.isfinite(variable.values).all(), name
     for name, variable in run.data_vars.items():
         if "time" in variable.dims and name != "mode":
             assert variable.attrs["units"]

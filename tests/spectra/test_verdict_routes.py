@@ -7,10 +7,11 @@ from flint import arb
 import stability as st
 from stability.algebra.number_types import precision
 from stability.base.verdict import Verdict
+from stability.bodies.subject import subject_of
 from stability.spectra import verdict_routes
 from stability.spectra.certificate import certify, verdict
 from stability.spectra.eigenvalues import REASONS
-from stability.spectra.problem import system_problem
+from stability.spectra.problem import problem_of
 from stability.spectra.verdict_routes import (
     ANYTHING,
     GRAPH,
@@ -61,7 +62,7 @@ def test_a_certificate_comes_from_the_first_route_with_a_proof(asked: list[float
     found = st.spectrum(oscillator(), at=0.5, certify=True)
     assert found.verdict is Verdict.UNSTABLE and f"proved in {WORDS}" in found.reason
     assert asked == [0.5]
-    problem = system_problem(oscillator(), 0.8, {})
+    problem = problem_of(subject_of(oscillator(), at=0.8))
     certificate = certify(problem, problem.values)
     assert (certificate.verdict, certificate.how) == (Verdict.STABLE, WORDS)
     # the disk has no use for it
@@ -70,7 +71,7 @@ def test_a_certificate_comes_from_the_first_route_with_a_proof(asked: list[float
 
 
 def test_open_cells_and_boundaries_read_the_same_list(asked: list[float]) -> None:
-    problem = system_problem(oscillator(), 0.9, {})
+    problem = problem_of(subject_of(oscillator(), at=0.9))
     assert verdict(problem, problem.values) is Verdict.STABLE
     assert asked == [0.9]
     [edge] = st.boundaries(oscillator(), axis=("c", 0.1, 2.0, 9))
@@ -79,7 +80,7 @@ def test_open_cells_and_boundaries_read_the_same_list(asked: list[float]) -> Non
 
 
 def test_its_verdicts_are_those_of_the_package() -> None:
-    problem = system_problem(oscillator(), None, {})
+    problem = problem_of(subject_of(oscillator()))
     asked: list[float] = []
     route = by_damping(asked)
     for c in (0.1, OMEGA - 1e-15, OMEGA + 1e-15, 2.0):

@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stability.jobs.chunks import Layout, Variable
 from stability.jobs.dask import engine
 from stability.jobs.filling import Filled, fill
-from stability.jobs.zarr_store import ZarrStore
+from stability.storage.chunks import Layout, Variable
+from stability.storage.zarr_store import ZarrStore
 
 LAYOUT = Layout(("y", "x"), (9, 10), (2, 4))
 """Fifteen chunks; those at two edges are smaller."""

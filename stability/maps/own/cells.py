@@ -24,10 +24,10 @@ from ...base.axis import Axis
 from ...base.errors import DomainError
 from ...base.types import Floats
 from ...base.verdict import CODES, NO_MEMBER, Verdict
-from ...jobs.checkpoint import Chunk
 from ...spectra.deflation import Reduced, deflate
 from ...spectra.eigenvalues import decide, eigenvalues
 from ...spectra.problem import Problem, formulas_of
+from ...storage.pieces import Chunk
 from ...systems.closed_form import ClosedForm, ImplicitForm
 from ...systems.structure.identities import certain, symmetric
 from ...systems.structure.structural_zeros import structure

@@ -1,15 +1,13 @@
-"""Motions as NetCDF files; outcome and finiteness of a motion."""
+"""Motions in files."""
 
 from __future__ import annotations
 
-import math
 import os
-from pathlib import Path as FilePath
+from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from ..base.errors import FileError
+from ..storage.datasets import read_dataset, write_dataset
 from .dataset import FORMAT
 
 if TYPE_CHECKING:
@@ -18,15 +16,15 @@ if TYPE_CHECKING:
 
 def write_motion(
     dataset: xarray.Dataset, path: str | os.PathLike[str], *, overwrite: bool = False
-) -> FilePath:
-    """Write a motion to NetCDF-4 with a checksum.
+) -> Path:
+    """Write a motion to a file, usually NetCDF-4.
 
     Parameters
     ----------
     dataset
         Dataset from `simulate`.
     path
-        File to write.
+        File to write, in the format of its ending; `.nc` or none is NetCDF.
     overwrite
         Whether an existing file may be replaced.
 
@@ -54,16 +52,9 @@ def write_motion(
     """
     import xarray
 
-    from ..storage.files import atomic_write
-    from ..storage.netcdf import packed
-    from ..storage.targets import DATASETS, check_suffix
-
     if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != FORMAT:
         raise FileError(f"dataset is {type(dataset).__name__}; give what simulate returns.")
-    check_suffix(path, DATASETS)
-    with atomic_write(path, overwrite=overwrite) as draft:
-        draft.write_bytes(packed(dataset))
-    return FilePath(path)
+    return write_dataset(dataset, path, overwrite=overwrite)
 
 
 def read_motion(path: str | os.PathLike[str]) -> xarray.Dataset:
@@ -96,27 +87,4 @@ def read_motion(path: str | os.PathLike[str]) -> xarray.Dataset:
     ...     st.read_motion(st.write_motion(run, Path(folder) / "run.nc")).identical(run)
     True
     """
-    from ..storage.netcdf import opened
-
-    return opened(path, FORMAT, "a motion")
-
-
-def is_finite(dataset: xarray.Dataset) -> bool:
-    """Whether every number of a motion is finite, which `simulate` promises.
-
-    Estimates of errors are left out: they are infinite where the final state is unknown.
-
-    Parameters
-    ----------
-    dataset
-        Dataset from `simulate`.
-
-    Returns
-    -------
-    bool
-    """
-    return all(
-        bool(np.isfinite(v.values).all())
-        for name, v in dataset.variables.items()
-        if v.dtype.kind == "f" and name not in ("final_error", "end_time_error")
-    ) and math.isfinite(float(dataset.attrs["tolerance"]))
+    return read_dataset(path, FORMAT, "a motion")

@@ -22,10 +22,11 @@ from numpy.typing import NDArray
 
 from ..base.checks import flag
 from ..base.errors import FileError, StabilityError, warned
-from ..storage.files import atomic_write
-from ..storage.litter import clear, temporary
-from ..storage.targets import check_folder, path_text, refusing
-from ..storage.zarr_folder import (
+from .chunks import Arrays, Block, Layout, Variable, check_chunk
+from .files import write_file
+from .litter import clear, temporary
+from .targets import check_folder, path_text, refusing
+from .zarr_folder import (
     HEAD,
     MARKER,
     MISSING,
@@ -42,7 +43,6 @@ from ..storage.zarr_folder import (
     same_question,
     sealed_head,
 )
-from .chunks import Arrays, Block, Layout, Variable, check_chunk
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -69,11 +69,11 @@ class ChunkFiles:
     seals: Seals
     """Records of the chunks."""
 
-    def there(self, block: Block) -> bool:
+    def done(self, block: Block) -> bool:
         """Whether a chunk is there, and whole."""
         return self.seals.damaged(block) == []
 
-    def write(self, block: Block, arrays: Arrays) -> None:
+    def add(self, block: Block, arrays: Arrays) -> None:
         """Write the files of a chunk, its record last; each has its name when it is whole."""
         whole = check_chunk(self.variables, arrays, self.layout.count(block))
         marker, *others = self.variables
@@ -115,8 +115,7 @@ def _write(path: Path, content: bytes) -> None:
     """Write a file whole or not at all."""
     with _resumable(path):
         path.parent.mkdir(parents=True, exist_ok=True)
-        with atomic_write(path, overwrite=True, result=False, durable=True) as draft:
-            draft.write_bytes(content)
+        write_file(path, content, overwrite=True, result=False, durable=True)
 
 
 def file_name(variable: Variable, block: Block) -> str:
@@ -171,7 +170,7 @@ class ZarrStore:
     ...     layout = Layout(("x",), (3,), (2,))
     ...     parts = (layout, (Variable("outcome", "int8", -1),), {"x": [0.1, 0.2, 0.3]})
     ...     store = ZarrStore(Path(folder) / "a.zarr", *parts)
-    ...     store.write((1,), {"outcome": np.array([5], dtype=np.int8)})
+    ...     store.add((1,), {"outcome": np.array([5], dtype=np.int8)})
     ...     again = ZarrStore(Path(folder) / "a.zarr", *parts)
     ...     again.missing(), again.dataset().outcome.values.tolist()
     ([(0,)], [-1, -1, 5])
@@ -206,7 +205,7 @@ class ZarrStore:
             attrs or {},
             question or {},
         )
-        head = _head_of(self.folder)
+        head = head_of(self.folder)
         if head is not None and not same_question(head, asked):
             if not overwrite:
                 raise FileError(
@@ -242,9 +241,9 @@ class ZarrStore:
         """Name the damaged files, which are made again."""
         warned(f"{path_text(self.folder)}: {named(bad)} is damaged, and is {how} again.")
 
-    def write(self, block: Block, arrays: Arrays) -> None:
+    def add(self, block: Block, arrays: Arrays) -> None:
         """Add a whole chunk, the marker last."""
-        self.writer.write(block, arrays)
+        self.writer.add(block, arrays)
 
     def attach(self, frame: xarray.Dataset) -> None:
         """Add whole arrays on axes of their own, in place of those that were attached before.
@@ -283,7 +282,7 @@ class ZarrStore:
                         self.folder.rmdir()
                     draft.rename(self.folder)
                 except OSError:  # another run has made it meanwhile
-                    head = _head_of(self.folder)
+                    head = head_of(self.folder)
                     if head is None or not same_question(head, asked):
                         raise
         finally:
@@ -297,33 +296,7 @@ class ZarrStore:
             shutil.rmtree(old)
 
 
-def check_store(path: str | PathLike[str]) -> Path:
-    """Check that a folder can hold a store, by one that is made and removed next to it.
-
-    Parameters
-    ----------
-    path
-        The folder.
-
-    Returns
-    -------
-    Path
-
-    Raises
-    ------
-    FileError
-        If it holds other files, or nothing can be written there.
-    """
-    target = check_folder(path)
-    if _head_of(target) is None:
-        draft = target.parent / temporary(target.suffix)
-        with refusing(target):
-            draft.mkdir()
-            draft.rmdir()
-    return target
-
-
-def _head_of(folder: Path) -> dict[str, Any] | None:
+def head_of(folder: Path) -> dict[str, Any] | None:
     """Attributes of a store that is there; None where there is no folder, or an empty one."""
     path = folder / HEAD
     with refusing(folder, "used"):

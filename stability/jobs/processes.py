@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 import multiprocessing
 import os
 import pickle
@@ -12,11 +13,12 @@ import threading
 import time
 import traceback
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, field
+from functools import cache, partial
+from itertools import chain
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import BaseContext
 from multiprocessing.reduction import ForkingPickler
@@ -79,6 +81,13 @@ def _outlived(starter: Any) -> None:
 class WorkerEnded(BrokenExecutor):
     """The worker of a piece of work ended before the work did; others are not concerned."""
 
+    seconds = 0.0
+    """Time since the piece was sent [s]."""
+
+
+class WorkerLate(WorkerEnded):
+    """The worker was ended at the limit of time of its piece."""
+
 
 def worker_ended(error: BaseException) -> bool:
     """Whether an error says that a worker ended, while its executor takes more work.
@@ -98,18 +107,49 @@ def worker_ended(error: BaseException) -> bool:
     )
 
 
+@dataclass(frozen=True)
+class _Sent:
+    """A piece that was given to an executor of processes."""
+
+    content: bytes
+    """Function and arguments."""
+    limit: float
+    """Time after which its process is ended [s]."""
+    future: Future[Any] = field(default_factory=Future)
+    """What waits for it."""
+
+
+_Group = deque[_Sent]
+"""Pieces that one process does in order."""
+
+
 @dataclass
 class _Lane:
-    """A process and the piece that it does; one thread alone uses it."""
+    """A process and the group that it does; one thread alone uses it."""
 
     process: Any
     """The process."""
     pipe: Connection
     """Pieces to it, answers from it."""
+    deadline: float
+    """Time at which it must have started, or answered."""
     ready: bool = False
     """Whether the process has started."""
-    future: Future[Any] | None = None
-    """What waits for the piece; None where there is none."""
+    group: _Group = field(default_factory=deque)
+    """The piece that it does, and those that it does afterwards."""
+    since: float = 0.0
+    """Time at which it got its piece."""
+
+    def begin(self) -> None:
+        """Send the next piece of the group that is not cancelled."""
+        while self.group and not self.group[0].future.set_running_or_notify_cancel():
+            self.group.popleft()
+        self.since = time.monotonic()
+        self.deadline = math.inf
+        if self.group:
+            self.deadline = self.since + self.group[0].limit
+            with suppress(OSError):  # it has ended, as its answer will show
+                self.pipe.send_bytes(self.group[0].content)
 
     def answer(self) -> tuple[bool, Any] | None:
         """Whether the piece has a result, and the result or error; None if the process ended."""
@@ -140,13 +180,24 @@ class Lanes(Executor):
         Number of processes.
     context
         How `multiprocessing` starts them; by `spawn` when left out.
+    fresh
+        Whether each group of pieces gets a process of its own, which ends with the group.
+    patience
+        Time in which a process must start [s].
     """
 
-    def __init__(self, workers: int, context: BaseContext | None = None) -> None:
-        self._workers = workers
+    def __init__(
+        self,
+        workers: int,
+        context: BaseContext | None = None,
+        *,
+        fresh: bool = False,
+        patience: float = math.inf,
+    ) -> None:
+        self._workers, self._fresh, self._patience = workers, fresh, patience
         self._context: Any = context or multiprocessing.get_context("spawn")
         self._lock = threading.Lock()
-        self._waiting: deque[tuple[Future[Any], bytes]] = deque()
+        self._waiting: deque[_Group] = deque()
         self._heard, self._bell = self._context.Pipe(duplex=False)
         self._closed = self._broken = self._killed = False
         self._failures = 0
@@ -156,27 +207,39 @@ class Lanes(Executor):
 
     def submit(self, fn: Callable[..., T], /, *args: Any, **kwargs: Any) -> Future[T]:
         """Send a piece, as for any executor."""
-        future: Future[T] = Future()
-        try:
-            piece = bytes(ForkingPickler.dumps((fn, args, kwargs)))
-        except Exception as error:
-            future.set_exception(error)
-            return future
+        [future] = self.submit_group([(partial(fn, *args, **kwargs), math.inf)])
+        return future
+
+    def submit_group(self, pieces: Iterable[tuple[Callable[[], T], float]]) -> list[Future[T]]:
+        """Send pieces that one process does in order, each with its limit of time [s].
+
+        A process that ends, or is ended at a limit, fails its piece; another one does the rest.
+        """
+        futures: list[Future[T]] = []
+        group: _Group = deque()
+        for work, limit in pieces:
+            try:
+                group.append(_Sent(bytes(ForkingPickler.dumps(work)), limit))
+                futures.append(group[-1].future)
+            except Exception as error:
+                futures.append(Future())
+                futures[-1].set_exception(error)
         with self._lock:
             if self._closed:
                 raise RuntimeError("cannot schedule new futures after shutdown")
             if self._broken:
                 raise BrokenExecutor(NOT_STARTED)
-            self._waiting.append((future, piece))
+            if group:
+                self._waiting.append(group)
             self._bell.send_bytes(b".")
-        return future
+        return futures
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """End the processes when the pieces are done, as for any executor."""
         with self._lock:
             if cancel_futures:
-                for future, _ in self._waiting:
-                    future.cancel()
+                for sent in chain.from_iterable(self._waiting):
+                    sent.future.cancel()
                 self._waiting.clear()
             if not self._closed:
                 self._closed = True
@@ -195,33 +258,41 @@ class Lanes(Executor):
                 self._send()
                 pipes: list[Any] = [lane.pipe for lane in self._lanes]
                 ends = [lane.process.sentinel for lane in self._lanes]
-                ready = set(wait([self._heard, *pipes, *ends]))
+                ready = set(wait([self._heard, *pipes, *ends], self._until_deadline()))
                 if self._heard in ready:
                     self._heard.recv_bytes()
                 for lane, end in zip(list(self._lanes), ends, strict=True):
                     if lane.pipe in ready or end in ready:
                         self._hear(lane)
+                    elif lane.deadline <= time.monotonic():
+                        self._replace(lane, WorkerLate("ended at its limit of time"))
         finally:  # also where the system starts no process or has no memory
             for lane in self._lanes:
                 lane.stop()
-                if lane.future is not None:
-                    lane.future.set_exception(BrokenExecutor("the work was stopped"))
+                if lane.group:
+                    lane.group.popleft().future.set_exception(
+                        BrokenExecutor("the work was stopped")
+                    )
+                    self._waiting.append(lane.group)
             self._fail()
 
     def _idle(self) -> bool:
-        return all(lane.future is None for lane in self._lanes)
+        return not any(lane.group for lane in self._lanes)
+
+    def _until_deadline(self) -> float | None:
+        """Time until the next limit; None without one."""
+        first = min((lane.deadline for lane in self._lanes), default=math.inf)
+        return None if math.isinf(first) else max(0.0, first - time.monotonic())
 
     def _send(self) -> None:
-        """Give waiting pieces to idle processes, and start those that are needed."""
-        free = [lane for lane in self._lanes if lane.ready and lane.future is None]
+        """Give waiting groups to idle processes, and start those that are needed."""
+        free = [lane for lane in self._lanes if lane.ready and not lane.group]
         with self._lock:
             while self._waiting and free:
-                future, piece = self._waiting.popleft()
-                if future.set_running_or_notify_cancel():
-                    lane = free.pop()
-                    lane.future = future
-                    with suppress(OSError):  # it has ended, as its answer will show
-                        lane.pipe.send_bytes(piece)
+                free[-1].group = self._waiting.popleft()
+                free[-1].begin()
+                if free[-1].group:
+                    free.pop()
             wanted = len(self._waiting)
         starting = sum(not lane.ready for lane in self._lanes)
         for _ in range(min(wanted - starting, self._workers - len(self._lanes))):
@@ -235,43 +306,51 @@ class Lanes(Executor):
         with ignoring_signals():
             process.start()
         theirs.close()
-        self._lanes.append(_Lane(process, pipe))
+        self._lanes.append(_Lane(process, pipe, time.monotonic() + self._patience))
 
     def _hear(self, lane: _Lane) -> None:
         """Take the answer of a process, or replace it."""
         answer = lane.answer()
-        if answer is not None and not lane.ready:
-            lane.ready, self._failures = True, 0
-            return
-        future, lane.future = lane.future, None
         if answer is None:
-            lane.stop()
-            self._lanes.remove(lane)
-            if not lane.ready:
-                self._not_started()
-            elif future is not None:
-                future.set_exception(WorkerEnded(f"ended with code {lane.process.exitcode}"))
-        elif future is not None:
+            self._replace(lane, WorkerEnded())
+        elif not lane.ready:
+            lane.ready, lane.deadline, self._failures = True, math.inf, 0
+        else:
             done, value = answer
+            future = lane.group.popleft().future
             if done:
                 future.set_result(value)
             else:
                 future.set_exception(value)
+            lane.begin()
+            if self._fresh and not lane.group:
+                lane.stop()
+                self._lanes.remove(lane)
 
-    def _not_started(self) -> None:
-        """Give up where no process starts."""
-        self._failures += 1
-        if self._failures >= STARTS:
-            self._fail()
+    def _replace(self, lane: _Lane, error: WorkerEnded) -> None:
+        """Stop a process that ended or is late, and fail its piece; the rest of its group waits."""
+        lane.stop()
+        self._lanes.remove(lane)
+        if not lane.ready:
+            self._failures += STARTS if isinstance(error, WorkerLate) else 1
+            if self._failures >= STARTS:
+                self._fail()
+        elif lane.group:
+            error.args = error.args or (f"ended with code {lane.process.exitcode}",)
+            error.seconds = time.monotonic() - lane.since
+            lane.group.popleft().future.set_exception(error)
+            if lane.group:
+                with self._lock:
+                    self._waiting.appendleft(lane.group)
 
     def _fail(self) -> None:
         """Take no more pieces; those that wait fail."""
         with self._lock:
             self._broken = True
             waiting, self._waiting = self._waiting, deque()
-        for future, _ in waiting:
-            if future.set_running_or_notify_cancel():
-                future.set_exception(BrokenExecutor(NOT_STARTED))
+        for sent in chain.from_iterable(waiting):
+            if sent.future.set_running_or_notify_cancel():
+                sent.future.set_exception(BrokenExecutor(NOT_STARTED))
 
 
 def _serve_pieces(pipe: Connection, parent: int | None) -> None:
@@ -284,8 +363,7 @@ def _serve_pieces(pipe: Connection, parent: int | None) -> None:
         except (EOFError, OSError):
             return
         try:
-            function, args, kwargs = pickle.loads(piece)
-            answer: tuple[bool, Any] = (True, function(*args, **kwargs))
+            answer: tuple[bool, Any] = (True, pickle.loads(piece)())
         except BaseException as error:
             error.add_note("".join(traceback.format_exception(error)))
             answer = (False, error)
@@ -300,15 +378,21 @@ def _serve_pieces(pipe: Connection, parent: int | None) -> None:
 
 
 @contextmanager
-def processes(workers: int) -> Iterator[Executor]:
+def processes(
+    workers: int,
+    context: BaseContext | None = None,
+    *,
+    fresh: bool = False,
+    patience: float = math.inf,
+) -> Iterator[Lanes]:
     """Processes of this package, killed where the work fails: they need no clean-up.
 
     Parameters
     ----------
-    workers
-        Number of processes.
+    workers, context, fresh, patience
+        As for `Lanes`.
     """
-    pool = Lanes(workers)
+    pool = Lanes(workers, context, fresh=fresh, patience=patience)
     try:
         yield pool
         pool.shutdown()

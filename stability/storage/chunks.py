@@ -208,10 +208,10 @@ def check_chunk(variables: tuple[Variable, ...], arrays: Arrays, cells: int) -> 
 class Writer(Protocol):
     """What a worker writes chunks with; picklable."""
 
-    def there(self, block: Block) -> bool:
+    def done(self, block: Block) -> bool:
         """Whether a chunk is there."""
 
-    def write(self, block: Block, arrays: Arrays) -> None:
+    def add(self, block: Block, arrays: Arrays) -> None:
         """Write a whole chunk, the marker last."""
 
     def clean(self) -> None:
@@ -240,7 +240,7 @@ class Store(Protocol):
     def missing(self) -> list[Block]:
         """Chunks that are not there, in row-major order."""
 
-    def write(self, block: Block, arrays: Arrays) -> None:
+    def add(self, block: Block, arrays: Arrays) -> None:
         """Add a whole chunk, the marker last."""
 
     def attach(self, frame: xarray.Dataset) -> None:
@@ -267,7 +267,7 @@ class Memory:
     Examples
     --------
     >>> store = Memory(Layout(("x",), (3,), (2,)), (Variable("outcome", "int8", -1),))
-    >>> store.write((0,), {"outcome": np.array([5, 6], dtype=np.int8)})
+    >>> store.add((0,), {"outcome": np.array([5, 6], dtype=np.int8)})
     >>> store.missing(), store.dataset().outcome.values.tolist()
     ([(1,)], [5, 6, -1])
     """
@@ -295,7 +295,7 @@ class Memory:
         """Chunks that are not there, in row-major order."""
         return [block for block in self.layout.blocks() if block not in self._there]
 
-    def write(self, block: Block, arrays: Arrays) -> None:
+    def add(self, block: Block, arrays: Arrays) -> None:
         """Add a whole chunk."""
         sizes = self.layout.sizes(block)
         whole = check_chunk(self.variables, arrays, math.prod(sizes))

@@ -1,4 +1,4 @@
-"""Maps as NetCDF files."""
+"""Maps in files and folders."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..base.errors import FileError
 from ..spectra.labels import FORMAT
-from ..storage.files import atomic_write
-from ..storage.targets import DATASETS, STORES, check_suffix, place
+from ..storage.datasets import read_dataset, write_dataset
 
 if TYPE_CHECKING:
     import xarray
@@ -17,21 +16,19 @@ if TYPE_CHECKING:
 
 MISSING = 15 * 2.0**119
 """Fill value of missing numbers in a file, NetCDF's own default."""
-PARTS = "complex_part"
-"""Dimension that holds the real and imaginary part of complex data in a file."""
 
 
 def write_map(
     dataset: xarray.Dataset, path: str | os.PathLike[str], *, overwrite: bool = False
 ) -> Path:
-    """Write a map to NetCDF-4 with a checksum; complex variables keep their names.
+    """Write a map to a file, usually NetCDF-4; complex variables keep their names.
 
     Parameters
     ----------
     dataset
         From `stability_map`, or from `Spectrum.to_xarray`.
     path
-        File to write; `.nc` or another ending of NetCDF.
+        File to write, in the format of its ending; `.nc` or none is NetCDF.
     overwrite
         Whether an existing file may be replaced.
 
@@ -60,30 +57,22 @@ def write_map(
     import numpy as np
     import xarray
 
-    from ..storage.netcdf import packed
-
     if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != FORMAT:
         raise FileError(
             f"dataset is {type(dataset).__name__}; give what stability_map returns, or "
             "Spectrum.to_xarray."
         )
-    check_suffix(path, DATASETS)
-    encoded: xarray.Dataset = dataset.copy()
-    for name, variable in dataset.variables.items():
-        if np.iscomplexobj(variable.values):
-            parts = np.stack([variable.values.real, variable.values.imag], axis=-1)
-            attributes = dict(variable.attrs) | {"complex": "real and imaginary part, last axis"}
-            encoded[name] = xarray.Variable((*variable.dims, PARTS), parts, attributes)
-    compress: dict[Any, dict[str, Any]] = {
-        str(n): {"zlib": True, "complevel": 4} for n, v in encoded.data_vars.items() if v.ndim > 1
-    }
-    for n, v in encoded.data_vars.items():  # cells of a map without a member
-        if v.dtype.kind == "f" and np.isnan(v.values).any():
-            compress.setdefault(str(n), {})["_FillValue"] = MISSING
-    # into memory first: a disk that fills up while HDF5 writes to it ends the process
-    with atomic_write(path, overwrite=overwrite) as draft:
-        draft.write_bytes(packed(encoded, compress))
-    return Path(path)
+    encoded = dataset.copy()
+    for name in dataset.data_vars:
+        variable = encoded.variables[name]
+        two_axes = variable.ndim + (variable.dtype.kind == "c") > 1
+        encoding: dict[str, Any] = {"zlib": True, "complevel": 4} if two_axes else {}
+        # cells of a map without a member
+        if variable.dtype.kind in "fc" and np.isnan(variable.values).any():
+            encoding["_FillValue"] = MISSING
+        if encoding:
+            variable.encoding = encoding
+    return write_dataset(encoded, path, overwrite=overwrite)
 
 
 def read_map(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Dataset:
@@ -120,18 +109,4 @@ def read_map(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Data
     ...     st.read_map(st.write_map(m, Path(folder) / "map.nc")).identical(m)
     True
     """
-    import xarray
-
-    from ..storage.netcdf import opened
-
-    if place(path).suffix.lower() in STORES:
-        from ..storage.zarr_folder import opened_store
-
-        return opened_store(path, FORMAT, "a map", lazy=lazy)
-    dataset = opened(path, FORMAT, "a map", lazy=lazy)
-    for name, variable in list(dataset.variables.items()):
-        if PARTS in variable.dims:
-            values = variable.values[..., 0] + 1j * variable.values[..., 1]
-            attributes = {k: v for k, v in variable.attrs.items() if k != "complex"}
-            dataset[name] = xarray.Variable(variable.dims[:-1], values, attributes)
-    return dataset
+    return read_dataset(path, FORMAT, "a map", lazy=lazy)

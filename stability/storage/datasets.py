@@ -1,0 +1,151 @@
+"""Datasets in files and folders, each in the format that the ending of its name says."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..base.errors import FileError
+from .files import atomic_write
+from .formats import FORMATS, NETCDF, Format, format_named, formats_for
+from .litter import temporary
+from .targets import check_folder, check_suffix, check_target, path_text, place, refusing
+
+if TYPE_CHECKING:
+    import xarray
+
+PARTS = "complex_part"
+"""Dimension that holds the real and imaginary part of complex data in a file."""
+
+
+def format_to_write(path: str | os.PathLike[str], *ways: str, option: str = "") -> Format:
+    """The format of a dataset's name, which is refused where no such format writes in these ways.
+
+    Parameters
+    ----------
+    path
+        The file or folder.
+    *ways
+        As for `formats_for`; one of them is enough.
+    option
+        Name of the path's option on the command line, or empty.
+
+    Examples
+    --------
+    >>> format_to_write("map.nc", "write").name, format_to_write("map.zarr", "chunks").name
+    ('NetCDF', 'a Zarr store')
+    """
+    accepted = formats_for(*ways)
+    if place(path).suffix or FORMATS[0] not in accepted:
+        check_suffix(path, [ending for f in accepted for ending in f.endings], option)
+    return format_named(path, FORMATS[0], *ways)
+
+
+def dataset_target(
+    path: str | os.PathLike[str], *ways: str, overwrite: bool = False, option: str = ""
+) -> Path:
+    """Check that a dataset can be written, before anything is computed.
+
+    Parameters
+    ----------
+    path, *ways, option
+        As for `format_to_write`.
+    overwrite
+        Whether an existing file may be replaced.
+    """
+    found = format_to_write(path, *ways, option=option)
+    found.check_installed()
+    if not found.folder:
+        return check_target(path, overwrite=overwrite)
+    target = check_folder(path)
+    if target.is_dir():
+        if found.check is not None:
+            found.check(target)
+    else:
+        draft = target.parent / temporary(target.suffix)
+        with refusing(target):
+            draft.mkdir()
+            draft.rmdir()
+    return target
+
+
+def write_dataset(
+    dataset: xarray.Dataset, path: str | os.PathLike[str], *, overwrite: bool = False
+) -> Path:
+    """Write a dataset whole; complex arrays as two real parts.
+
+    Parameters
+    ----------
+    dataset
+        The dataset.
+    path
+        File to write.
+    overwrite
+        Whether an existing file may be replaced.
+
+    Raises
+    ------
+    FileError
+        If it cannot be written; nothing is left half-written.
+    """
+    import numpy as np
+    import xarray
+
+    found = format_to_write(path, "write")
+    found.check_installed()
+    assert found.write is not None
+    encoded = dataset.copy()
+    for name, variable in dataset.variables.items():
+        if variable.dtype.kind == "c":
+            parts = np.stack([variable.values.real, variable.values.imag], axis=-1)
+            attributes = dict(variable.attrs) | {"complex": "real and imaginary part, last axis"}
+            dims = (*variable.dims, PARTS)
+            encoded[name] = xarray.Variable(dims, parts, attributes, variable.encoding)
+    with atomic_write(path, overwrite=overwrite) as draft:
+        found.write(encoded, draft)
+    return Path(path)
+
+
+def read_dataset(
+    path: str | os.PathLike[str],
+    form: str,
+    what: str,
+    *,
+    lazy: bool = False,
+    usual: Format = NETCDF,
+) -> xarray.Dataset:
+    """Read a dataset of this package.
+
+    Parameters
+    ----------
+    path
+        File or folder.
+    form
+        Required value of the attribute `format`.
+    what
+        Expected content, in words.
+    lazy
+        Whether to leave the data in the file until it is used.
+    usual
+        Format of a name with another ending.
+
+    Raises
+    ------
+    FileError
+        If there is no such file, or it is damaged, or holds something else.
+    """
+    import xarray
+
+    found = format_named(place(path), usual)
+    found.check_installed()
+    dataset: xarray.Dataset = found.read(path, form, what, lazy=lazy)
+    if dataset.attrs.get("format") != form:
+        dataset.close()
+        raise FileError(f"{path_text(path)} is not {what} of this package.")
+    for name, variable in list(dataset.variables.items()):
+        if PARTS in variable.dims:
+            values = variable.values[..., 0] + 1j * variable.values[..., 1]
+            attributes = {k: v for k, v in variable.attrs.items() if k != "complex"}
+            dataset[name] = xarray.Variable(variable.dims[:-1], values, attributes)
+    return dataset
