@@ -176,6 +176,7 @@ def gather_system(
         energies,
         system_settling(_families(system, families, starts, values)),
         unfit=unfit or None,
+        name=system.name,
     )
 
 

@@ -255,6 +255,7 @@ def _gathered(
         setting.settling,
         law,
         unfit,
+        law.name,
     )
 
 

@@ -13,12 +13,10 @@ import numpy as np
 
 from ..base.errors import ParameterError, StabilityError, shown
 from ..base.provenance import machine, today
+from ..base.quantities import Units
 from ..base.version import __version__
 from ..bodies.contact_laws import Contact, Coulomb, LinearViscous, Rough, Smooth, Viscous
-from ..bodies.disk import Disk
-from ..systems.system import System
 from .answer import states_in_units
-from .inputs import in_words, known_to, laws_of
 from .ladder import Climbed, climb, full_name
 from .linear import LINEAR
 from .rungs.creep import applies
@@ -69,13 +67,13 @@ class Row:
     """Why it has no error, or an infinite one."""
 
 
-def other_laws(disk: Disk, truth: Contact) -> dict[str, Contact]:
+def other_laws(units: Units, truth: Contact) -> dict[str, Contact]:
     """The laws of the package that may serve as models of another, by name.
 
     Parameters
     ----------
-    disk
-        The disk.
+    units
+        The units of the body.
     truth
         The law that is taken for the truth.
 
@@ -87,10 +85,10 @@ def other_laws(disk: Disk, truth: Contact) -> dict[str, Contact]:
 
     Examples
     --------
-    >>> list(other_laws(Disk(), Viscous(300.0)))
+    >>> list(other_laws(Units(), Viscous(300.0)))
     ['smooth', 'linear-viscous', 'rough', 'coulomb, mu = 0.3']
     """
-    speed, weight = (float(np.ravel(v)[0]) for v in (disk.speed, disk.force))
+    speed, weight = (float(np.ravel(v)[0]) for v in (units.speed, units.force))
     mu, word = STIFF / speed, f", mu = {STIFF / speed:.3g}"
     if isinstance(truth, Viscous | LinearViscous):
         given, word = truth.given, ""
@@ -151,7 +149,8 @@ def chart(
     scene, laws = _one(scene, laws)
     if scene.quantities[0] in LINEAR:
         raise ParameterError("a linear question has no chart; ask for a quantity of the motion.")
-    problem, others = scene._problem(scene.contact), _others(scene, laws)
+    problem = scene._problem(scene.contact)
+    others = _others(scene, problem, laws)
     if progress is not None and not callable(progress):
         raise ParameterError(f"progress is {shown(progress)}; give a function of (done, total).")
     _, truth = truth_of(problem)
@@ -172,23 +171,23 @@ def chart(
 
 def _one(scene: Any, laws: Any) -> tuple[Any, Any]:
     """A scene of one law, the first of several, and the laws to hold against it."""
-    (_, truth), *rest = laws_of(scene.disk, scene.contact).items()
+    (_, truth), *rest = scene.subject.laws.items()
     if not rest:
         return scene, laws
     bare = replace(scene, contact=truth, uncertain={}, weights={})
-    widths = known_to(scene.disk, truth, scene.uncertain)
+    widths = scene.subject.known(scene.uncertain, truth)
     return replace(bare, uncertain=widths), dict(rest) if laws is None else laws
 
 
-def _others(scene: Any, laws: Any) -> dict[str, Contact]:
+def _others(scene: Any, problem: Problem, laws: Any) -> dict[str, Contact]:
     """The other laws, checked."""
     if laws is None:
-        return other_laws(scene.disk, scene.contact) if isinstance(scene.disk, Disk) else {}
+        return other_laws(problem.launches.units, scene.contact) if problem.touches else {}
     if not isinstance(laws, Mapping):
         raise ParameterError(
             f'laws is {shown(laws)}; give contact laws by name, such as {{"rough": Rough()}}.'
         )
-    if laws and isinstance(scene.disk, System):
+    if laws and not problem.touches:
         raise ParameterError("laws belong to a disk or a body; leave them out for a system.")
     for name, law in laws.items():
         if not isinstance(name, str) or not isinstance(law, Contact):
@@ -335,6 +334,9 @@ def _law(scene: Any, problem: Problem, truth: Track, name: str, law: Contact) ->
     except StabilityError as error:
         yield Row(title, KINDS[4], why=str(error).rstrip("."))
         return
+    if other.launches.model.states != problem.launches.model.states:
+        yield Row(title, KINDS[4], why="its motion has other states than that of the truth")
+        return
     other = replace(other, times=problem.times)
     yield _row(scene, other, truth, KINDS[4], full_name(other), name=title)
 
@@ -416,7 +418,9 @@ def _attributes(scene: Any, problem: Problem, answer: Any) -> dict[str, Any]:
         "horizon": scene.horizon,
         "time_unit": launches.unit("time"),
         "quantities": ", ".join(scene.quantities),
-        "uncertain": ", ".join(in_words(n, v, launches) for n, v in scene.uncertain.items()),
+        "uncertain": ", ".join(
+            scene.subject.width_in_words(n, v) for n, v in scene.uncertain.items()
+        ),
         "parameters": json.dumps(given),
         "start": json.dumps({n: float(v) for n, v in states}),
         "sentence": answer.sentence,

@@ -22,7 +22,7 @@ from ..integrators.selection import HEYOKA, TURN, TURN_POWER, explicit
 from .questions import QUESTIONS, UNKNOWN, Found, relative_error
 from .rungs.creep import MOST_ORDERS, applies
 from .rungs.creeping import Work, creeping, name_of
-from .rungs.drifting import DRIFT, ROLLING, drifting
+from .rungs.drifting import DRIFT, ROLLING, drifting, thin
 from .rungs.full import COARSEST, FINEST, STIFF, full
 from .rungs.near_steady import CLOSED_FORMS, LINEARISED, near_steady
 from .rungs.reduced import ReducedModel, reduced
@@ -167,8 +167,7 @@ def rungs_of(problem: Problem, models: Sequence[ReducedModel]) -> tuple[str, ...
 
 def full_name(problem: Problem) -> str:
     """Name of the full model of a problem: that of its law, or of the user's system."""
-    law = problem.launches.law
-    return law.name if law is not None else problem.flow.system.name
+    return problem.launches.name
 
 
 def price_of_full(problem: Problem, length: float | None = None) -> float:
@@ -333,7 +332,7 @@ def _drift(ladder: _Ladder) -> None:
             return
         near = problem.near
         hopeless = near.distance**2 > DRIFTS * problem.tolerance
-        least = EXPENSIVE if problem.thin else BODY_COST * EXPENSIVE
+        least = EXPENSIVE if thin(problem) else BODY_COST * EXPENSIVE
         if near.family != ROLLING or hopeless or price_of_full(problem) < least:
             return
     with np.errstate(all="ignore"):
@@ -351,7 +350,7 @@ def _own(ladder: _Ladder, model: ReducedModel) -> None:
 def _creep(ladder: _Ladder) -> None:
     """The rough disk and creep, which are one run."""
     problem = ladder.problem
-    if problem.launches.law is None or not ladder.asked("creep", *ORDERS):
+    if not problem.touches or not ladder.asked("creep", *ORDERS):
         return
     whole, began = price_of_full(problem), time.perf_counter()
     states = problem.own - len(problem.launches.model.sliding)

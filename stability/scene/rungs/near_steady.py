@@ -293,7 +293,7 @@ def near_steady(
     near = problem.near
     if near.member is None:
         why = "no steady motion is known near the start"
-        if problem.launches.law is None:
+        if not problem.touches:
             named = problem.launches.settling.lines
             why += f": {near.evidence}" if named else "; name some with families="
         elif near.family:
