@@ -21,7 +21,7 @@ from ..bodies.contact_laws import Smooth
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES, named_by
 from ..bodies.quantities import round_quantities
-from ..integrators.selection import HEYOKA
+from ..integrators.selection import HEYOKA, works_of
 from ..jobs.chunks import Arrays, Store, Variable
 from ..motion.result import CODES, Outcome, outcome_flags
 from ..motion.starts import Starts
@@ -285,7 +285,7 @@ def works(launches: Launches, sample: Starts, *, linear: bool) -> str:
     return cited(
         launches.contact.name if launches.contact is not None else None,
         model=launches.contact is not None, eigenvalues=linear, proofs=linear,
-        methods=[HEYOKA] if on_lanes(sample) else (),
+        methods=works_of([HEYOKA] if on_lanes(sample) else ()),
     )  # fmt: skip
 
 

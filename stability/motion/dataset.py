@@ -25,6 +25,7 @@ from ..bodies.families import named_by
 from ..bodies.model import POSE, POSE_UNIT, Model
 from ..bodies.quantities import SYSTEM
 from ..integrators.flow import flow_of
+from ..integrators.selection import works_of
 from ..integrators.stick_slip import REST, SLIDING, STICKING
 from .result import Outcome, outcome_flags
 from .starts import Starts
@@ -380,7 +381,7 @@ def _provenance(launches: Starts, settings: Settings, results: list[Result]) -> 
         "citation": cited(
             launches.law.name if launches.law else None,
             model=launches.law is not None,
-            methods=used,
+            methods=works_of(used),
         ),
         "software": f"stability {__version__}",
         "versions": _versions(),

@@ -18,7 +18,7 @@ import numpy as np
 from ..base.checks import known
 from ..base.types import Record
 from ..integrators.flow import Flow
-from ..integrators.selection import HEYOKA, TURN, TURN_POWER, explicit
+from ..integrators.selection import HEYOKA, METHODS, TURN_POWER, explicit
 from .questions import QUESTIONS, UNKNOWN, Found, relative_error
 from .rungs.creep import MOST_ORDERS, applies
 from .rungs.creeping import Work, creeping, name_of
@@ -187,7 +187,7 @@ def price_of_full(problem: Problem, length: float | None = None) -> float:
         decay = length * PER_RATE * 3 * problem.friction
         # an implicit method takes over where it costs as much as an explicit one
         asked = max(FINEST, min(COARSEST, STIFF * problem.tolerance))
-        turn = turns * PER_RATE * TURN[name] * (asked / 1e-6) ** -TURN_POWER
+        turn = turns * PER_RATE * METHODS[name].turn * (asked / 1e-6) ** -TURN_POWER
         stiff = IMPLICIT + RUNS * turn * STEP[name]
         return BASE + float(min(RUNS * max(steps, decay) * STEP[name], stiff))
     return BASE + RUNS * steps * STEP[name]

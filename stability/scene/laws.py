@@ -12,6 +12,7 @@ import numpy as np
 from ..base.citation import cited, joined
 from ..base.quantities import Kind
 from ..base.types import Floats
+from ..integrators.selection import works_of as integrators_cited
 from .answer import Answer
 from .inputs import Subject
 from .rungs.track import Problem, Track, relative
@@ -163,7 +164,7 @@ def works_of(subject: Subject, answer: Answer) -> str:
     return cited(
         "creep-1" if answer.model.startswith("creep") else law,
         model=subject.touches,
-        methods=answer.motion[1].methods if answer.motion else (),
+        methods=integrators_cited(answer.motion[1].methods if answer.motion else ()),
         eigenvalues=answer.model == "double precision",
         proofs=answer.model in ("certified", "exact roots"),
     )

@@ -21,6 +21,7 @@ CHANGES = (
     "source of systems",
     "family",
     "integrator",
+    "question of a scene",
     "route to a verdict",
     "figure",
     "table",
