@@ -209,6 +209,11 @@ def supported(value: float, error: float, most: int = 9) -> str:
     return f"{value:.{min(count, most)}g}" if count > 0 else f"{value:.{max(0, -place)}f}"
 
 
+def single(values: Mapping[str, Any]) -> Any:
+    """The value of the one quantity that was asked for; by name where there are several."""
+    return next(iter(values.values())) if len(values) == 1 else values
+
+
 def _measures(problem: Problem, names: Iterable[str]) -> dict[str, tuple[str, float]]:
     """The unit and the size of 1 of each state, and of each number that was asked for."""
     launches, found = problem.launches, {}
@@ -259,11 +264,10 @@ def tell(problem: Problem, found: Climbed, horizon: float) -> Answer:
     until = horizon if track.finish is None else float(track.finish.time) * clock
     if not found.share <= 1:
         until = min(until, kept_until(problem, track) * clock)
-    one = len(values) == 1
     return Answer(
-        next(iter(values.values())) if one else values,
+        single(values),
         found.model,
-        next(iter(errors.values())) if one else errors,
+        single(errors),
         found.rungs,
         until,
         _sentence(problem, found, until),

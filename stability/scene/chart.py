@@ -20,11 +20,10 @@ from .answer import states_in_units
 from .ladder import Climbed, climb, full_name
 from .linear import LINEAR
 from .rungs.creep import applies
-from .rungs.drifting import DRIFT, drifting
+from .rungs.drifting import DRIFT
 from .rungs.full import truth_of
-from .rungs.near_steady import near_steady
-from .rungs.reduced import reduced
-from .rungs.track import Problem, Refused, Track, relative
+from .rungs.near_steady import CLOSED_FORMS, LINEARISED
+from .rungs.track import Problem, Track, relative
 
 if TYPE_CHECKING:
     import xarray
@@ -231,7 +230,8 @@ def _row(
     found = call()
     first = time.perf_counter() - began
     if found.track is None:
-        return Row(name or only, kind, why=found.rungs[-1].why)
+        refused = found.rungs[-1]
+        return Row(name or only, kind, refused.dimension, why=refused.why)
     rung = next(r for r in found.rungs if r.name == found.model)
     error, why = true_error(found.track, truth)
     estimate = math.nan if name else found.track.error  # of the states, as the true error
@@ -268,30 +268,17 @@ def true_error(mine: Track, truth: Track) -> tuple[float, str]:
 
 
 def _closed(scene: Any, problem: Problem, truth: Track) -> Iterator[Row]:
-    """The closed forms near a steady motion."""
-    kind = KINDS[0]
-    if problem.launches.dry:
-        yield Row("linearised", kind, why="dry friction has no linear motion")
-        return
-    with np.errstate(all="ignore"):
-        tracks = near_steady(problem, always=True)
-    if isinstance(drift := drifting(problem), Track):
-        tracks[DRIFT] = drift
-    for name, track in tracks.items():
-        if isinstance(track, Refused):
-            yield Row(name, kind, why=track.why)
-        else:
-            yield _row(scene, problem, truth, kind, name)
+    """The closed forms near a steady motion, and the drift where there is one."""
+    for name in (LINEARISED,) if problem.launches.dry else (*CLOSED_FORMS, DRIFT):
+        row = _row(scene, problem, truth, KINDS[0], name)
+        if name != DRIFT or row.call is not None:
+            yield row
 
 
 def _own(scene: Any, problem: Problem, truth: Track) -> Iterator[Row]:
     """The reduced models of a user's system."""
     for model in scene.models:
-        track = reduced(problem, model)
-        if isinstance(track, Refused):
-            yield Row(model.name, KINDS[1], len(model.system.states), why=track.why)
-        else:
-            yield _row(scene, problem, truth, KINDS[1], model.name)
+        yield _row(scene, problem, truth, KINDS[1], model.name)
 
 
 def _creep(scene: Any, problem: Problem, truth: Track) -> Iterator[Row]:
@@ -301,8 +288,8 @@ def _creep(scene: Any, problem: Problem, truth: Track) -> Iterator[Row]:
         return
     found = climb(problem, scene.quantities, (), "creep")
     sizes = {r.name: r.estimate * problem.tolerance for r in found.rungs}
-    if "creep" in sizes:
-        yield Row("creep", kind, 4, why=next(r.why for r in found.rungs if r.name == "creep"))
+    if found.track is None:
+        yield Row("creep", kind, found.rungs[-1].dimension, why=found.rungs[-1].why)
         return
     done = {found.model}
     for size in (e for n, e in sizes.items() if n != found.model and e <= LOOSEST):

@@ -268,31 +268,18 @@ class _Ladder:
     ) -> None:
         """Record a rung, and take it if it is fine enough."""
         if isinstance(told, Refused):
-            self.rungs.append(
-                Rung(
-                    name,
-                    dimension,
-                    _since(began),
-                    price,
-                    math.inf,
-                    False,
-                    told.why,
-                    told.indicators,
-                )
-            )
-            return
-        found, share = shares(self.problem, told, self.names)
-        fine = share <= 1 or self.only is not None
-        why = "asked for" if self.only else "the cheapest whose error is below the tolerance"
-        if not fine:
-            why = (
-                f"its error is {share:.3g} times the tolerance" if share < math.inf else "not known"
-            )
-        self.rungs.append(
-            Rung(name, dimension, _since(began), price, share, fine, why, told.indicators)
-        )
-        if fine:
-            self.taken = name, told, found, share
+            share, fine, why = math.inf, False, told.why
+        else:
+            found, share = shares(self.problem, told, self.names)
+            fine = share <= 1 or self.only is not None
+            why = "asked for" if self.only else "the cheapest whose error is below the tolerance"
+            if not fine:
+                many = f"its error is {share:.3g} times the tolerance"
+                why = many if share < math.inf else "not known"
+            if fine:
+                self.taken = name, told, found, share
+        cost = _since(began)
+        self.rungs.append(Rung(name, dimension, cost, price, share, fine, why, told.indicators))
 
 
 def _since(began: float) -> float:

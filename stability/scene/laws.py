@@ -13,7 +13,7 @@ from ..base.citation import cited, joined
 from ..base.quantities import Kind
 from ..base.types import Floats
 from ..integrators.selection import works_of as integrators_cited
-from .answer import Answer
+from .answer import Answer, single
 from .inputs import Subject
 from .rungs.track import Problem, Track, relative
 from .uncertain import apart as distance
@@ -121,8 +121,7 @@ def _asked(answer: Answer, quantities: Sequence[str]) -> Any:
     """The value of what was asked for, without the path where it was not."""
     if not isinstance(answer.value, dict) or "path" in quantities:
         return answer.value
-    values = {n: v for n, v in answer.value.items() if n != "path"}
-    return next(iter(values.values())) if len(values) == 1 else values
+    return single({n: v for n, v in answer.value.items() if n != "path"})
 
 
 def _parted(one: Answer, other: Answer, tolerance: float) -> tuple[float | None, float]:

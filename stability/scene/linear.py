@@ -15,7 +15,7 @@ from ..base.verdict import Verdict
 from ..bodies.families import named_by
 from ..boundary.changes import boundaries
 from ..spectra.spectrum import spectrum
-from .answer import Answer
+from .answer import Answer, single
 from .inputs import Subject, unit_of
 from .ladder import Rung
 from .questions import QUESTIONS, Found, Question, relative_error
@@ -146,12 +146,11 @@ def about_nearest(
         said.append(f"{name}: {reason}" if len(names) > 1 else reason)
     values = {n: q.value for n, q in quantities.items()}
     errors = {n: relative_error(q, sizes.get(n, 1.0)) for n, q in quantities.items()}
-    one = len(values) == 1
     where = f"{near.family} at {member.at:.6g}, {near.distance:.2g} away"
     return Answer(
-        next(iter(values.values())) if one else values,
+        single(values),
         ", ".join(dict.fromkeys(taken)),
-        next(iter(errors.values())) if one else errors,
+        single(errors),
         tuple(rungs),
         horizon,
         f"{where}: {'; '.join(said)}.",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import InitVar, dataclass, field, replace
 from importlib import import_module
 from typing import Any
@@ -18,7 +18,7 @@ from ..base.types import Record
 from ..motion.gather import moving
 from ..storage.files import atomic_write
 from ..storage.targets import PICTURES, check_suffix, check_target
-from .answer import Answer, held_against, tell
+from .answer import Answer, held_against, single, tell
 from .inputs import Subject, launched, setting, subject_of, weights_of
 from .ladder import Climbed, climb
 from .laws import compare, works_of
@@ -246,29 +246,30 @@ class Scene(Record):
         StabilityError
             In one sentence, if something is not accepted.
         """
-        laws, began = self.subject.laws, time.perf_counter()
+        began, laws = time.perf_counter(), list(self.subject.laws.values())
         if len(laws) > 1:
-            found = self._compared(laws, only, verify=False)
-        else:
-            found = self._answered(next(iter(laws.values())), only)
-        works = works_of(self.subject, found)
+            return self._finished(self._compared(lambda alone: alone.answer(only=only)), began)
+        return self._finished(self._answered(laws[0], only), began)
+
+    def _finished(self, answer: Answer, began: float) -> Answer:
+        """An answer with its question, its works and its cost."""
         return replace(
-            found, setting=self._setting(), citation=works, cost=time.perf_counter() - began
+            answer,
+            setting=setting(self.subject, self.start, self.horizon, self.tolerance),
+            citation=works_of(self.subject, answer),
+            cost=time.perf_counter() - began,
         )
 
-    def _setting(self) -> tuple[str, ...]:
-        return setting(self.subject, self.start, self.horizon, self.tolerance)
-
-    def _compared(self, laws: Mapping[str, Any], only: str | None, *, verify: bool) -> Answer:
+    def _compared(self, answer: Callable[[Scene], Answer]) -> Answer:
         """The answers under several laws."""
         names = self.quantities
         if names[0] not in LINEAR:
             names = tuple(dict.fromkeys((*names, "path")))
         parts = {}
-        for name, law in laws.items():
+        for name, law in self.subject.laws.items():
             widths = self.subject.known(self.uncertain, law)
-            one = replace(self, contact=law, quantities=names, uncertain=widths, weights={})
-            parts[name] = one.verify() if verify else one.answer(only=only)
+            alone = replace(self, contact=law, quantities=names, uncertain=widths, weights={})
+            parts[name] = answer(alone)
         return compare(parts, self.quantities, self.horizon, self.tolerance, self.weights)
 
     def _answered(self, law: Any, only: str | None) -> Answer:
@@ -314,23 +315,20 @@ class Scene(Record):
             With `true_error`: the difference of the values, over 1 or their size, by quantity where
             several were asked for; None for a linear question, whose rungs prove their errors.
         """
-        laws, began = self.subject.laws, time.perf_counter()
-        if len(laws) > 1:
-            told = self._compared(laws, None, verify=True)
-            errors: Any = {n: part.true_error for n, part in told.parts.items()}
-            seconds = time.perf_counter() - began
-            told = replace(told, citation=works_of(self.subject, told))
-            return replace(told, true_error=errors, setting=self._setting(), cost=seconds)
-        told = self.answer()
-        if told.motion is None:
-            return told
-        problem, track = told.motion
+        if len(self.subject.laws) > 1:
+            began = time.perf_counter()
+            answer = self._finished(self._compared(Scene.verify), began)
+            return replace(answer, true_error={n: a.true_error for n, a in answer.parts.items()})
+        answer = self.answer()
+        if answer.motion is None:
+            return answer
+        problem, track = answer.motion
         if track.finish is not None and track.finish.kind in UNKNOWN:  # no finer run knows more
-            lost = dict.fromkeys(self.quantities, math.inf)
-            return replace(told, true_error=lost if len(lost) > 1 else math.inf)
-        truth = truth_of(problem)
-        errors = {n: held_against(n, (problem, track), truth) for n in self.quantities}
-        return replace(told, true_error=errors if len(errors) > 1 else errors[self.quantities[0]])
+            errors = dict.fromkeys(self.quantities, math.inf)
+        else:
+            truth = truth_of(problem)
+            errors = {n: held_against(n, answer.motion, truth) for n in self.quantities}
+        return replace(answer, true_error=single(errors))
 
     def plot(self, path: Any = None, *, overwrite: bool = False, **options: Any) -> Any:
         """Draw cost against true error of every model of the scene.
