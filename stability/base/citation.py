@@ -106,16 +106,6 @@ WORKS = _read()
 
 MODEL = "stability, przybylska2016"
 """What is cited without a computation: the package, and the paper of its first model."""
-METHODS = {
-    "heyoka": ("heyoka",),
-    "dop853": ("scipy", "hairer1993"),
-    "lsoda": ("scipy", "petzold1983"),
-    "radau": ("scipy", "hairer1996"),
-    "bdf": ("scipy", "shampine1997"),
-    "cvodes": ("sundials",),
-    "idas": ("sundials",),
-}
-"""Works of each integrator."""
 DISK = "disk, "
 """Start of the names of the disk's systems; the name of the law follows."""
 LAWS = {
@@ -148,7 +138,7 @@ def cited(
         Whether the body is the thin disk, or a body of revolution: frames, signs and viscous
         friction of both are from a paper.
     methods
-        Names of the integrators that ran.
+        Keys of the works on the integrators that ran.
     eigenvalues
         Whether LAPACK computed eigenvalues.
     proofs
@@ -166,7 +156,7 @@ def cited(
     --------
     >>> cited("viscous", model=True, methods=["heyoka"])
     'stability, przybylska2016, casadi, heyoka'
-    >>> cited(methods=["radau", "dop853"])
+    >>> cited(methods=["scipy", "hairer1996", "scipy", "hairer1993"])
     'stability, casadi, scipy, hairer1996, hairer1993'
     >>> cited(system="disk, coulomb"), cited(system="pendulum")
     ('stability, przybylska2016, lesaux2005, casadi', 'stability, casadi')
@@ -180,8 +170,7 @@ def cited(
     keys += ["casadi"]
     keys += ["lapack"] * eigenvalues
     keys += ["arb"] * proofs
-    for method in methods:
-        keys += METHODS.get(method, ())
+    keys += methods
     found = ", ".join(dict.fromkeys(keys))
     if (into := _INTO.get()) is not None:
         into.append(found)

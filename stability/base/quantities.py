@@ -8,31 +8,40 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from enum import Enum
-from typing import Any
+from typing import Any, Self
 
 from .errors import ParameterError, shown
 
 
 class Kind(Enum):
-    """SI unit of a kind, and in words its unit where a mass m, a length R and gravity g are 1."""
+    """SI unit of a kind; its unit where m, R and g are 1, in words; and the size of that 1."""
 
-    NUMBER = "1", ""
-    ANGLE = "rad", ""
-    ANGULAR_VELOCITY = "rad/s", "√(g/R)"
-    GROWTH_RATE = "1/s", "√(g/R)"
-    VELOCITY = "m/s", "√(gR)"
-    ACCELERATION = "m/s2", "g"
-    LENGTH = "m", "R"
-    TIME = "s", "√(R/g)"
-    MASS = "kg", "m"
-    FORCE = "N", "m g"
-    ENERGY = "J", "m g R"
-    POWER = "W", "m g √(gR)"
-    INVERSE_VELOCITY = "s/m", "1/√(gR)"
-    DRAG = "kg/s", "m √(g/R)"
+    si: str
+    words: str
+    size: Callable[[Units], Any]
 
-    def __init__(self, si: str, words: str) -> None:
-        self.si, self.words = si, words  # no words where the number is the same in both systems
+    NUMBER = "1", "", lambda _units: 1.0
+    ANGLE = "rad", "", lambda _units: 1.0
+    ANGULAR_VELOCITY = "rad/s", "√(g/R)", lambda units: units.rate
+    GROWTH_RATE = "1/s", "√(g/R)", lambda units: units.rate
+    VELOCITY = "m/s", "√(gR)", lambda units: units.speed
+    ACCELERATION = "m/s2", "g", lambda units: units.gravity
+    LENGTH = "m", "R", lambda units: units.length
+    TIME = "s", "√(R/g)", lambda units: units.time
+    MASS = "kg", "m", lambda units: units.mass
+    FORCE = "N", "m g", lambda units: units.force
+    ENERGY = "J", "m g R", lambda units: units.energy
+    POWER = "W", "m g √(gR)", lambda units: units.force * units.speed
+    INVERSE_VELOCITY = "s/m", "1/√(gR)", lambda units: 1 / units.speed
+    DRAG = "kg/s", "m √(g/R)", lambda units: units.mass * units.rate
+
+    def __new__(cls, si: str, words: str, size: Callable[[Units], Any]) -> Self:
+        """A kind, whose value is its SI unit: so it has a pickle."""
+        kind = object.__new__(cls)
+        kind._value_ = kind.si = si
+        kind.words = words  # none where the number is the same in both systems
+        kind.size = size
+        return kind
 
     def unit(self, *, dimensionless: bool) -> str:
         """The unit in a file, where a number without dimension has the unit 1."""
@@ -98,43 +107,24 @@ class Units:
         Parameters
         ----------
         kind
-            Any kind; a new one needs an entry in `_SIZES`.
+            Any kind.
 
         Raises
         ------
         ParameterError
-            If the kind has no entry: no number is taken for one without a unit by mistake.
+            If it is no kind: no number is taken for one without a unit by mistake.
 
         Examples
         --------
         >>> Units(mass=2.0, length=0.1, gravity=10.0).size(Kind.VELOCITY)
         1.0
         """
-        if not isinstance(kind, Kind) or kind not in _SIZES:
+        if not isinstance(kind, Kind):
             raise ParameterError(
                 f"the kind of a quantity is {shown(kind)}, of which no size in the units of a body "
-                f"is known; give one of {', '.join(k.name for k in _SIZES)}."
+                f"is known; give one of {', '.join(k.name for k in Kind)}."
             )
-        return _SIZES[kind](self)
-
-
-_SIZES: dict[Kind, Callable[[Units], Any]] = {
-    Kind.NUMBER: lambda _: 1.0,
-    Kind.ANGLE: lambda _: 1.0,
-    Kind.ANGULAR_VELOCITY: lambda u: u.rate,
-    Kind.GROWTH_RATE: lambda u: u.rate,
-    Kind.VELOCITY: lambda u: u.speed,
-    Kind.ACCELERATION: lambda u: u.gravity,
-    Kind.LENGTH: lambda u: u.length,
-    Kind.TIME: lambda u: u.time,
-    Kind.MASS: lambda u: u.mass,
-    Kind.FORCE: lambda u: u.force,
-    Kind.ENERGY: lambda u: u.energy,
-    Kind.POWER: lambda u: u.force * u.speed,
-    Kind.INVERSE_VELOCITY: lambda u: 1 / u.speed,
-    Kind.DRAG: lambda u: u.mass * u.rate,
-}
-"""Size of a dimensionless 1 of each kind: the one place where a kind meets the units of a body."""
+        return kind.size(self)
 
 
 @dataclass(frozen=True)

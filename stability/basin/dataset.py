@@ -15,7 +15,7 @@ from ..base.provenance import versions
 from ..base.quantities import Kind
 from ..base.version import __version__
 from ..bodies.families import named_by
-from ..integrators.selection import HEYOKA
+from ..integrators.selection import HEYOKA, works_of
 from ..motion.result import CODES, Outcome, Settings, outcome_flags
 from ..motion.starts import Starts
 from ..storage.chunks import Arrays, Store, Variable
@@ -242,7 +242,7 @@ def works(sample: Starts, *, linear: bool) -> str:
     linear
         Whether there is the linear verdict of the steady motions, whose changes are proved.
     """
-    methods = [HEYOKA] if on_lanes(sample) else ()
+    methods = works_of([HEYOKA] if on_lanes(sample) else ())
     return sample.subject.cited(eigenvalues=linear, proofs=linear, methods=methods)
 
 

@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from ..scene.answer import Answer
     from ..scene.scene import Scene
 
-NONE = {"settling_time": "has not settled", "lift_off_time": "does not lift off"}
-"""What a quantity without a value means."""
 SPREAD = ("inputs", "moves", "outcomes", "contrary", "size", "wasted", "routes", "enough")
 """What is told of how inputs that are known roughly move an answer."""
 GAP = 2
@@ -282,6 +280,8 @@ def _cells(
     answer: Answer, name: str, names: tuple[str, ...], units: Mapping[str, str], digits: int
 ) -> dict[str, str]:
     """The rows of a quantity in the column of one answer."""
+    from ..scene.linear import EVERY
+
     if answer.model == "none":
         return {name: "-"}
     every = names if "path" in names or answer.path is None else (*names, "path")
@@ -296,7 +296,7 @@ def _cells(
         unit = f" [{units[name]}]" if name in units else ""
         cells[f"{name}{unit}"] = answer.number(name, value, name, digits)
     else:
-        cells[name] = value or NONE.get(name, "none")
+        cells[name] = value or EVERY[name].none
     for label, errors in (("error", answer.estimate), ("true error", answer.true_error)):
         if errors is not None:
             size = _by_name(errors, every)[name]

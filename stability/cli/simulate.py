@@ -10,6 +10,7 @@ from typing import Any
 
 from ..base.errors import ParameterError, absent
 from ..base.quantities import Kind
+from ..integrators.registry import PLACES
 from ..storage.text import json_text
 from .options import overwriting, step_error, targets
 from .subject import (
@@ -64,9 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser, words: Sequence[str] | None =
     parser.add_argument(
         "--points", type=int, default=None, metavar="N", help="samples from 0 to T (default 201)"
     )
-    parser.add_argument(
-        "--method", default="auto", help="auto, heyoka, dop853, lsoda, radau, bdf, cvodes, idas"
-    )
+    parser.add_argument("--method", default="auto", help=", ".join(("auto", *PLACES)))
     step_error(parser)
     parser.add_argument(
         "--max-seconds",

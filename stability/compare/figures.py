@@ -803,7 +803,8 @@ LOOKS: dict[str, dict[str, Any]] = {
     "smooth-model": {"color": "#9c6b24", "marker": "d"},
     "regularised": {"color": "#4d3b1f", "marker": "D", "mfc": "white"},
 }
-"""Line and marker of every driver."""
+"""Line and marker of the drivers; `OTHER` is that of one without its own."""
+OTHER: dict[str, Any] = {"color": "#6a6a6a", "marker": "*"}
 PLAIN: dict[str, Any] = {"ls": "-", "lw": 0.8, "ms": 2.4, "mew": 0.6, "zorder": 4}
 """What their looks have in common."""
 
@@ -845,7 +846,8 @@ def motion_figure(chart: xarray.Dataset, metric: str = "path") -> Figure:
     low, high = span(chart.seconds.values)
     with figure_style(STYLE):
         told = {which: _told(chart, which, metric) for which in scenes}
-        everywhere = [n for n in LOOKS if any(n in names for names in told.values())]
+        names = {name for names in told.values() for name in names}
+        everywhere = [n for n in (*LOOKS, *sorted(names - set(LOOKS))) if n in names]
         handles = _driver_handles(everywhere)
         figure, panels = page(len(scenes), 1.0, 0.3 + 0.13 * -(-len(handles) // 3))
         for axes, which in zip(panels, scenes, strict=True):
@@ -886,7 +888,7 @@ def _draw_drivers(axes: Axes, found: dict[str, list[tuple[float, float]]], told:
         times, errors = np.array(rows).T
         errors = np.clip(errors, 2 * LOWEST, HIGHEST / 2)
         if name in told:
-            axes.plot(times, errors, **(PLAIN | LOOKS[name]))
+            axes.plot(times, errors, **(PLAIN | LOOKS.get(name, OTHER)))
         else:
             axes.plot(times, errors, color=PALE, lw=0.6, marker=".", ms=1.6, zorder=2)
 
@@ -914,7 +916,7 @@ def _silent(here: xarray.Dataset) -> str:
 
 def _driver_handles(names: list[str]) -> list[Any]:
     return [
-        *(handle(SHORT.get(name, name), **(PLAIN | LOOKS[name])) for name in names),
+        *(handle(SHORT.get(name, name), **(PLAIN | LOOKS.get(name, OTHER))) for name in names),
         handle("others", ls="-", color=PALE, lw=0.8, marker=".", ms=1.6),
         front_handle(),
     ]

@@ -2,6 +2,6 @@
 
 A `Leg` is a flow, a start, times and a tolerance; a `Path` is the states at these times.
 May import `bodies` and the floors below.
-To add an integrator: a function from `Leg` to `Path` in its own module, and its name in
-`METHODS` and `FINEST` of `selection.py`.
+To add an integrator: its `Integrator` in `INTEGRATORS` of its own module, and its name in `PLACES`
+of `registry.py`.
 """

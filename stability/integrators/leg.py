@@ -213,8 +213,41 @@ def lost(method: str, state: Floats) -> str:
     )
 
 
-Integrate = Callable[[Leg], Path]
-"""An integrator: a leg in, a path out."""
+@dataclass(frozen=True)
+class Integrator:
+    """An integrator: how it runs a leg, and all that the rest of the package knows of it.
+
+    Examples
+    --------
+    >>> still = Integrator("still", "stays where it is", lambda leg: Path(leg.start[None], None, 0))
+    >>> still.finest, still.refuses(None)
+    (1e-12, '')
+    """
+
+    name: str
+    """Its name, as `method` of `simulate`."""
+    about: str
+    """What it is, in a few words."""
+    run: Callable[[Leg], Path]
+    """A leg in, a path out."""
+    finest: float = 1e-12
+    """Smallest tolerance that it passes to its library."""
+    works: tuple[str, ...] = ()
+    """Keys of the works to cite, in `base/works.json`."""
+    finer: float = 1e-1
+    """The finer neighbour's tolerance over that of a launch, by which its error is estimated."""
+    turn: float = 0.0
+    """Of an explicit method that `auto` may take: the stiffness, at a tolerance of 1e-6, above
+    which it costs more than an implicit one; 0 for any other."""
+    available: Callable[[], bool] = lambda: True
+    """Whether its library is installed, the extra of the package that has its name."""
+    refuses: Callable[[Any], str] = lambda _flow: ""
+    """Function of a flow: the end of a sentence on why it cannot integrate that; empty where it
+    can."""
+
+    def __call__(self, leg: Leg) -> Path:
+        """Run a leg."""
+        return self.run(leg)
 
 
 def guard_at(flow: Flow, p: Floats, state: Floats) -> str:

@@ -232,7 +232,7 @@ def _stretched(leg: Leg, which: Flow, start: Floats, times: Floats) -> Path:
     """A motion in stretched time, sampled at plain times up to the last of them."""
     span = np.array([0.0, STRETCHED])
     run = Leg(which, leg.p, start, span, FINEST, leg.max_steps, leg.seconds)
-    return integrate_scipy(run, method="lsoda", clock=times)
+    return integrate_scipy(run, solver="LSODA", clock=times)
 
 
 def _extended(path: Path, found: Path, end: End) -> Path:

@@ -5,25 +5,22 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
+from inspect import signature
 from typing import Any
 
 import numpy as np
 
 from ..base.types import Floats
 from .flow import Evaluator
-from .leg import HALVINGS, LOWEST, UNRESOLVED, Budget, End, Leg, Path, lost, too_many
+from .leg import HALVINGS, LOWEST, UNRESOLVED, Budget, End, Integrator, Leg, Path, lost, too_many
 
 FINEST = 100 * np.finfo(float).eps
 """Smallest relative tolerance that SciPy accepts."""
-NAMES = {"dop853": "DOP853", "lsoda": "LSODA", "radau": "Radau", "bdf": "BDF"}
-"""SciPy's class by the name of the method."""
 ULPS = 4 * np.finfo(float).eps
 """Relative accuracy to which an event is located."""
 LARGEST = 1e120
 """Entries of a state up to which the norms of SciPy's step control are finite."""
-STIFF = ("lsoda", "radau", "bdf")
-"""Methods that use the Jacobian, by automatic differentiation."""
 LOOKS = 1.0
 """Looks at the guards per radian of the fastest turn; a longer step has looks within."""
 MOST_LOOKS = 1000
@@ -36,8 +33,17 @@ GAUSS = np.array([0.5 - 3**0.5 / 6, 0.5 + 3**0.5 / 6])
 """Points of Gauss in a step of length one."""
 
 
+@cache
+def _solver(name: str) -> tuple[Any, bool]:
+    """A class of SciPy, and whether it takes a Jacobian."""
+    from scipy import integrate
+
+    solver = getattr(integrate, name)
+    return solver, "jac" in signature(solver).parameters
+
+
 def integrate(
-    leg: Leg, *, method: str, clock: Floats | None = None, trail: Trail | None = None
+    leg: Leg, *, solver: str, clock: Floats | None = None, trail: Trail | None = None
 ) -> Path:
     """Run one leg with a SciPy solver and locate the first guard that reaches zero.
 
@@ -49,8 +55,8 @@ def integrate(
     ----------
     leg
         Leg to run.
-    method
-        A key of `NAMES`.
+    solver
+        Name of SciPy's class; one that takes a Jacobian gets it by automatic differentiation.
     clock
         Values of the last state variable, which must rise, at which to sample in place of times.
         The run ends when all of them are reached, and the path begins at the first of them.
@@ -61,11 +67,10 @@ def integrate(
     -------
     Path
     """
-    from scipy import integrate as scipy_integrate
-
+    kind, implicit = _solver(solver)
     run = Evaluator(leg.flow, leg.p)
     options: dict[str, Any] = {"rtol": max(leg.tolerance, FINEST), "atol": leg.absolute}
-    if method in STIFF:
+    if implicit:
         options["jac"] = run.jacobian
     samples, budget = _Samples(leg, clock), Budget(leg.seconds)
     steps, last = 0, float(leg.times[-1])
@@ -73,35 +78,33 @@ def integrate(
         return Path(leg.start[None], None, 0)
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")  # the solver's status reports a failure
-        solver = getattr(scipy_integrate, NAMES[method])(
-            run.rates, float(leg.times[0]), leg.start, last, **options
-        )
+        running = kind(run.rates, float(leg.times[0]), leg.start, last, **options)
         good, time = leg.start.copy(), float(leg.times[0])
         before = run.watch(leg.start)
         if trail is not None:
             trail.append((time, good, np.tile(good[:, None], 2)))
-        while solver.status == "running" and not samples.done:
+        while running.status == "running" and not samples.done:
             try:
                 if steps < leg.max_steps:
-                    solver.step()
+                    running.step()
             except (ValueError, np.linalg.LinAlgError):  # a Jacobian that is not finite
-                end = End(UNRESOLVED, time, good, lost(method, good))
+                end = End(UNRESOLVED, time, good, lost(solver.lower(), good))
                 return Path(samples.kept, end, steps)
             steps += 1
             ended = steps > leg.max_steps or budget.spent
-            if ended or solver.status == "failed" or not np.abs(solver.y).max() < LARGEST:
+            if ended or running.status == "failed" or not np.abs(running.y).max() < LARGEST:
                 many = budget.message if budget.spent else too_many(leg.max_steps)
-                why = many if ended else lost(method, good)
+                why = many if ended else lost(solver.lower(), good)
                 return Path(samples.kept, End(UNRESOLVED, time, good, why), steps - ended)
-            after = run.watch(solver.y)
-            found = _first_zero(solver, run, before, after)
-            samples.take(solver, None if found is None else found[0])
+            after = run.watch(running.y)
+            found = _first_zero(running, run, before, after)
+            samples.take(running, None if found is None else found[0])
             if found is not None:
-                end = End(found[1], found[0], solver.dense_output()(found[0]))
+                end = End(found[1], found[0], running.dense_output()(found[0]))
                 return Path(samples.kept, end, steps)
-            before, good, time = after, solver.y.copy(), float(solver.t)
+            before, good, time = after, running.y.copy(), float(running.t)
             if trail is not None:
-                inner = solver.dense_output()(solver.t_old + (time - solver.t_old) * GAUSS)
+                inner = running.dense_output()(running.t_old + (time - running.t_old) * GAUSS)
                 trail.append((time, good, inner))
     return Path(samples.kept, None, steps)
 
@@ -223,7 +226,29 @@ def _locate(guard: Callable[[float], float], low: float, high: float) -> float |
     return float(brentq(guard, left, right, xtol=xtol, rtol=ULPS, maxiter=HALVINGS))
 
 
-METHODS: dict[str, Callable[[Leg], Path]] = {
-    name: partial(integrate, method=name) for name in NAMES
-}
-"""The SciPy routes by name."""
+def of_scipy(
+    name: str, solver: str, about: str, work: str = "", *, turn: float = 0.0
+) -> Integrator:
+    """A method of SciPy as an integrator.
+
+    Parameters
+    ----------
+    name, about, turn
+        As for `Integrator`.
+    solver
+        Name of its class in `scipy.integrate`.
+    work
+        Key of the work on the method, beyond that on SciPy.
+    """
+    run = partial(integrate, solver=solver)
+    works = ("scipy", work) if work else ("scipy",)
+    return Integrator(name, about, run, FINEST, works, turn=turn)
+
+
+INTEGRATORS = (
+    of_scipy("dop853", "DOP853", "explicit Runge-Kutta, order 8", "hairer1993", turn=190.0),
+    of_scipy("lsoda", "LSODA", "multistep, switches at stiffness", "petzold1983"),
+    of_scipy("radau", "Radau", "implicit Runge-Kutta, order 5", "hairer1996"),
+    of_scipy("bdf", "BDF", "implicit multistep, in SciPy", "shampine1997"),
+)
+"""The SciPy routes."""

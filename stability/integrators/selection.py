@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor
 from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import partial
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -17,29 +18,27 @@ from ..base.checks import known
 from ..base.errors import ParameterError
 from ..base.types import Floats, Progress
 from ..jobs.pipeline import Counted, here, ordered, shared
-from . import scipy_methods as stepping
-from . import sundials, taylor
+from . import taylor
 from .flow import ASKING, Evaluator, Flow
-from .leg import UNRESOLVED, Budget, End, Integrate, Leg, Path
+from .leg import UNRESOLVED, Budget, End, Integrator, Leg, Path
+from .registry import PLACES
 
 HEYOKA = "heyoka"
-METHODS: dict[str, Integrate] = {
-    HEYOKA: taylor.integrate,
-    **stepping.METHODS,
-    **sundials.METHODS,
-}
-"""Every integrator by name; heyoka is optional."""
-FINEST = {
-    HEYOKA: taylor.FINEST,
-    **dict.fromkeys(stepping.METHODS, stepping.FINEST),
-    **dict.fromkeys(sundials.METHODS, sundials.FINEST),
-}
-"""Smallest tolerance that each integrator passes to its library."""
-TURN, TURN_POWER = {HEYOKA: 500.0, "dop853": 190.0}, 0.12
-"""An explicit method costs more where stiffness exceeds TURN (tolerance / 1e-6)^-TURN_POWER.  Costs
+
+
+def _integrators() -> dict[str, Integrator]:
+    modules = [import_module(f".{place}", __package__) for place in dict.fromkeys(PLACES.values())]
+    every = {one.name: one for module in modules for one in module.INTEGRATORS}
+    return {name: every[name] for name in PLACES}
+
+
+METHODS = _integrators()
+"""Every integrator by name."""
+TURN_POWER = 0.12
+"""An explicit method costs more where stiffness exceeds turn (tolerance / 1e-6)^-TURN_POWER.  Costs
 are for equal errors at the end: at one tolerance Taylor's error is far below that of CVODES."""
 PATIENCE = 4.0
-"""Steps of an explicit method per TURN and unit of time after which `auto` calls a leg stiff."""
+"""Steps of an explicit method per turn and unit of time after which `auto` calls a leg stiff."""
 SHARE = 4
 """Part of the allowed steps, as one over it, after which a leg of `auto` is looked at again."""
 FEW = 10
@@ -87,9 +86,9 @@ def check_method(method: str) -> str:
     known("method", method, ("auto", *METHODS))
     if method == "auto":
         return "auto"
-    if method == HEYOKA and not taylor.available():
+    if not METHODS[method].available():
         raise ParameterError(
-            "method is 'heyoka', which is not installed; install stability[heyoka], or take "
+            f"method is {method!r}, which is not installed; install stability[{method}], or take "
             "another method."
         )
     return method
@@ -110,13 +109,24 @@ def check_flow(method: str, flow: Flow) -> None:
     ParameterError
         If the integrator cannot read the flow.
     """
-    if method == "idas" and flow.system.mass is None:
-        raise ParameterError(
-            f"method is 'idas', which integrates mass · u = forcing, and {flow.system.name} has no "
-            "mass matrix; take cvodes, or System.from_mass_matrix."
-        )
-    if method == HEYOKA and (why := taylor.unread(flow)):
-        raise ParameterError(f"method is 'heyoka', but {why.rstrip('.')}; take another method.")
+    if method != "auto" and (why := METHODS[method].refuses(flow)):
+        raise ParameterError(f"method is {method!r}, {why}.")
+
+
+def works_of(methods: Iterable[str]) -> list[str]:
+    """Keys of the works on integrators, for `stability.base.citation.cited`.
+
+    Parameters
+    ----------
+    methods
+        Names of integrators.
+
+    Examples
+    --------
+    >>> works_of(["heyoka", "dop853"])
+    ['heyoka', 'scipy', 'hairer1993']
+    """
+    return [key for method in methods for key in METHODS[method].works]
 
 
 def stiffness(legs: Sequence[Leg], enough: Floats | float = 0.0) -> Floats:
@@ -231,7 +241,7 @@ def _choice(leg: Leg, turn: float, stiff: float) -> Choice:
 
 
 def _turn(leg: Leg) -> float:
-    return float(TURN[explicit(leg.flow)] * (leg.tolerance / 1e-6) ** -TURN_POWER)
+    return float(METHODS[explicit(leg.flow)].turn * (leg.tolerance / 1e-6) ** -TURN_POWER)
 
 
 def _share(leg: Leg) -> int:

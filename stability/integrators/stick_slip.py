@@ -285,7 +285,7 @@ class _Dry:
         self.onset = 0.0
         if path is None or path.end is None:
             leg = self._polar_leg(path.states[-1] if path else state, np.array([0.0, STRETCHED]))
-            path = integrate_scipy(leg, method="lsoda", clock=self.times[len(self.rows) :])
+            path = integrate_scipy(leg, solver="LSODA", clock=self.times[len(self.rows) :])
             self.steps += path.steps
             for row in path.states:
                 self._sample(self._cartesian(row), SLIDING)

@@ -8,7 +8,6 @@ guard falls, or where the library gave up, is run again in small pieces.
 from __future__ import annotations
 
 import io
-from collections.abc import Callable
 from contextlib import redirect_stderr
 from functools import lru_cache, partial
 from typing import Any
@@ -18,7 +17,7 @@ import numpy as np
 
 from ..base.types import Floats
 from .flow import Flow
-from .leg import HALVINGS, LOWEST, UNRESOLVED, Budget, End, Leg, Path, lost, too_many
+from .leg import HALVINGS, LOWEST, UNRESOLVED, Budget, End, Integrator, Leg, Path, lost, too_many
 
 FILL, FILL_OWN = 200, 2000
 """Least number of intervals at which the guards are checked: of a body, of a user's system."""
@@ -280,7 +279,33 @@ def _locate(leg: Leg, plugin: str, span: Floats, start: Floats) -> End | None:
     return End(name, when, state)
 
 
-METHODS: dict[str, Callable[[Leg], Path]] = {
-    name: partial(integrate, plugin=name) for name in ("cvodes", "idas")
-}
-"""The CasADi routes by name."""
+def _without_mass(flow: Flow) -> str:
+    """Why IDAS cannot integrate a flow."""
+    if flow.system.mass is not None:
+        return ""
+    return (
+        f"which integrates mass · u = forcing, and {flow.system.name} has no mass matrix; take "
+        "cvodes, or System.from_mass_matrix"
+    )
+
+
+INTEGRATORS = (
+    Integrator(
+        "cvodes",
+        "implicit multistep, in SUNDIALS",
+        partial(integrate, plugin="cvodes"),
+        FINEST,
+        ("sundials",),
+        finer=1e-2,  # the errors at two neighbouring decades can be equal by chance
+    ),
+    Integrator(
+        "idas",
+        "implicit multistep for differential-algebraic equations, in SUNDIALS",
+        partial(integrate, plugin="idas"),
+        FINEST,
+        ("sundials",),
+        finer=1e-2,
+        refuses=_without_mass,
+    ),
+)
+"""The CasADi routes."""

@@ -24,7 +24,7 @@ from ..base.types import Floats
 from ..bodies.model import NO_CONTACT
 from ..jobs.pipeline import Counted, here, ordered, shared, threads
 from .flow import ASKING, Flow
-from .leg import UNRESOLVED, Budget, End, Leg, Path, guard_at, lost, too_many
+from .leg import UNRESOLVED, Budget, End, Integrator, Leg, Path, guard_at, lost, too_many
 
 CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 """Default number of threads for batches."""
@@ -426,3 +426,25 @@ def _read(
             continue
         paths.append(_sound(leg, Path(mine, end, int(steps))))
     return paths
+
+
+def _refuses(flow: Flow) -> str:
+    """Why heyoka cannot integrate a flow, as the end of a sentence."""
+    why = unread(flow)
+    return f"but {why.rstrip('.')}; take another method" if why else ""
+
+
+INTEGRATORS = (
+    Integrator(
+        "heyoka",
+        "Taylor series in compiled code",
+        integrate,
+        FINEST,
+        ("heyoka",),
+        finer=1e-2,  # its cost hardly rises
+        turn=500.0,
+        available=lambda: available(),  # read when asked
+        refuses=_refuses,
+    ),
+)
+"""The one integrator of heyoka, which is optional."""

@@ -21,6 +21,7 @@ from ..base.types import Floats
 from ..base.version import __version__
 from ..bodies.model import POSE, POSE_UNIT, Model
 from ..integrators.flow import flow_of
+from ..integrators.selection import works_of
 from ..integrators.stick_slip import REST, SLIDING, STICKING
 from .result import Outcome, outcome_flags
 from .starts import Starts
@@ -306,7 +307,7 @@ def _provenance(launches: Starts, settings: Settings, results: list[Result]) -> 
         **{n: getattr(settings, n) for n in subject.settings},
         "settle": settings.settle,
         "max_steps": settings.max_steps,
-        "citation": subject.cited(methods=used),
+        "citation": subject.cited(methods=works_of(used)),
         "software": f"stability {__version__}",
         "versions": _versions(),
         "source": launches.model.source,

@@ -36,20 +36,13 @@ import numpy as np
 from ..base.types import Floats
 from ..integrators.flow import Flow
 from ..integrators.scipy_methods import GAUSS, Trail
-from ..integrators.selection import TURN
+from ..integrators.selection import METHODS
 from .result import ErrorEstimate, Outcome
 
 if TYPE_CHECKING:
     from .result import Result
 
 
-FINER = {"heyoka": 1e-2, "cvodes": 1e-2, "idas": 1e-2}
-"""The finer neighbour's tolerance over that of the launch, by method; other methods have `FINE`.
-
-Heyoka's cost hardly rises; the errors of CVODES at two neighbouring decades can be equal by chance.
-"""
-FINE = 1e-1
-"""The same ratio for a method whose cost rises faster as the tolerance falls."""
 COARSE = 1e-2
 """The neighbours' tolerance over that of a launch that is itself coarse."""
 LOOSER = 1e3
@@ -138,7 +131,7 @@ def between(method: str) -> int:
     >>> between("heyoka"), between("cvodes")
     (1, 16)
     """
-    return 1 if method in TURN else 16
+    return 1 if METHODS[method].turn else 16
 
 
 def estimate_errors(
@@ -224,7 +217,7 @@ def _of_fine(ones: Sequence[Result], limits: Floats, rerun: Rerun) -> list[Error
     every = range(len(ones))
     asked = np.array([r.tolerance for r in ones])
     own, loose = np.maximum(asked, ROUNDING), np.minimum(LOOSER * asked, LOOSEST)
-    tight = np.maximum(asked * [FINER.get(r.choice.method, FINE) for r in ones], limits)
+    tight = np.maximum(asked * [METHODS[r.choice.method].finer for r in ones], limits)
     # without a finer neighbour, the distance of a looser one is above the launch's own error
     tight = np.where(tight < asked / 2, tight, 10 * asked)
     finer = rerun(every, tight, own)

@@ -159,6 +159,7 @@ def gather_system(
         system_settling(_families(system, families, starts, values)),
         _subject(model),
         unfit=dict.fromkeys(failed, OUTSIDE) or None,
+        name=system.name,
     )
 
 

@@ -296,6 +296,7 @@ def _gathered(
         _subject(model.system.name, law, setting.settling, dimensionless=thing.dimensionless),
         law,
         unfit,
+        law.name,
     )
 
 

@@ -19,7 +19,7 @@ from ..integrators.leg import UNRESOLVED, End, Leg, Path
 from ..integrators.painleve import OPEN_END, closer
 from ..integrators.scipy_methods import Trail
 from ..integrators.scipy_methods import integrate as integrate_by_steps
-from ..integrators.selection import FINEST, TURN, Choice, explicit, run
+from ..integrators.selection import METHODS, Choice, explicit, run
 from ..integrators.stick_slip import SLIDING, DryPath
 from ..integrators.stick_slip import integrate as integrate_dry
 from ..integrators.taylor import CORES
@@ -118,7 +118,7 @@ def _checked(
             finer.setdefault(i, result)
         return results
 
-    judged = estimate_errors(found, [FINEST[r.choice.method] for r in found], rerun)
+    judged = estimate_errors(found, [METHODS[r.choice.method].finest for r in found], rerun)
     if not launches.dry:
         for i, result in finer.items():
             doubt, leg = judged[i], replace(compared[i], seconds=left[i])
@@ -141,7 +141,7 @@ def _grown(
     neighbour lets errors grow far beyond the estimate, a run by LSODA decides: its steps show how
     the Jacobian changes, and its tolerance is small against the growth.
     """
-    explicit = one.choice.method in TURN
+    explicit = METHODS[one.choice.method].turn > 0
     steps = math.exp(min(one.path.steps / LONG_STEPS, 700.0)) if explicit else 1.0
     shown = max(HIDDEN * doubt.final_error / one.tolerance, steps)
     if shown >= LARGEST:
@@ -158,7 +158,7 @@ def _grown(
             fine = max(min(fine, one.tolerance / 10), FINE_ENOUGH)
             shadow = replace(leg, times=leg.times[[0, -1]], tolerance=fine)
             trail: Trail = []
-            path = integrate_by_steps(shadow, method="lsoda", trail=trail)
+            path = integrate_by_steps(shadow, solver="LSODA", trail=trail)
             grown = growth_along(leg.flow, leg.p, trail)
             choice = Choice("lsoda", "its steps show how errors grow")
             [other] = _judged([shadow], [(path, choice)], launches, settings, own=False)
@@ -215,7 +215,7 @@ def _doubted(result: Result, doubt: ErrorEstimate | None) -> Result:
 
 def _unbounded(result: Result, doubt: ErrorEstimate) -> str:
     """What is known of a final state whose error has no bound, and what to ask instead."""
-    finer = bool(result.tolerance > FINEST[result.choice.method])  # SciPy's is of NumPy
+    finer = bool(result.tolerance > METHODS[result.choice.method].finest)  # SciPy's is of NumPy
     why = f"runs within the tolerance {result.tolerance:g} of it part after {doubt.together:.0%} "
     why += "of its time"
     if doubt.growth > 1:
@@ -358,7 +358,7 @@ def _judge(  # noqa: PLR0913
         dry.mode if dry else SLIDING,
         tuple(dry.transitions) if dry else (),
         evidence + ("" if launches.dimensionless else " (dimensionless numbers)"),
-        max(leg.tolerance, FINEST[choice.method]),
+        max(leg.tolerance, METHODS[choice.method].finest),
         leg.flow.compared,
     )
 

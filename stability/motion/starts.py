@@ -97,6 +97,8 @@ class Starts:
     """The contact law; None for a user's system."""
     unfit: Unfit | None = None
     """Which starts are no launches, as marked by `gather`; None where all were checked."""
+    name: str = ""
+    """What the full model is called: its contact law, or the user's system."""
 
     @property
     def count(self) -> int:

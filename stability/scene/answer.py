@@ -18,7 +18,7 @@ from ..motion.result import Outcome
 if TYPE_CHECKING:
     import xarray
 
-from .inputs import label, unit_of
+from .inputs import about, label, unit_of
 from .ladder import Climbed, Rung
 from .questions import QUESTIONS, UNKNOWN, Found, relative_error
 from .rungs.full import kept_until
@@ -209,6 +209,11 @@ def supported(value: float, error: float, most: int = 9) -> str:
     return f"{value:.{min(count, most)}g}" if count > 0 else f"{value:.{max(0, -place)}f}"
 
 
+def single(values: Mapping[str, Any]) -> Any:
+    """The value of the one quantity that was asked for; by name where there are several."""
+    return next(iter(values.values())) if len(values) == 1 else values
+
+
 def _measures(problem: Problem, names: Iterable[str]) -> dict[str, tuple[str, float]]:
     """The unit and the size of 1 of each state, and of each number that was asked for."""
     launches, found = problem.launches, {}
@@ -216,7 +221,7 @@ def _measures(problem: Problem, names: Iterable[str]) -> dict[str, tuple[str, fl
     states = launches.model.states if {"final", "path"} & set(names) else ()
     sizes = states_in_units(problem, np.ones((1, len(launches.model.states))))[0]
     for name, size in zip(states, sizes.tolist(), strict=False):
-        found[name] = label(launches.model, name, dimensionless=launches.dimensionless), size
+        found[name] = label(about(launches, name)), size
     for name, kind in kinds.items():
         if kind is not None:
             found[name] = unit_of(launches, kind), float(launches.size(kind))
@@ -259,11 +264,10 @@ def tell(problem: Problem, found: Climbed, horizon: float) -> Answer:
     until = horizon if track.finish is None else float(track.finish.time) * clock
     if not found.share <= 1:
         until = min(until, kept_until(problem, track) * clock)
-    one = len(values) == 1
     return Answer(
-        next(iter(values.values())) if one else values,
+        single(values),
         found.model,
-        next(iter(errors.values())) if one else errors,
+        single(errors),
         found.rungs,
         until,
         _sentence(problem, found, until),
@@ -352,20 +356,14 @@ def in_units(problem: Problem, name: str, found: Found) -> Any:
 
 
 def states_in_units(problem: Problem, states: Floats) -> Floats:
-    """States in the user's units, shape (m, s).
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    states
-        Dimensionless states, shape (m, s).
-    """
+    """Dimensionless states, shape (m, s), in the user's units."""
     launches, model = problem.launches, problem.launches.model
-    if launches.law is None:
+    if launches.dimensionless:
         return states
-    found: Floats = states * [float(launches.size(model.quantities[n].kind)) for n in model.states]
-    return found
+    in_units: Floats = states * [
+        float(launches.size(model.quantities[n].kind)) for n in model.states
+    ]
+    return in_units
 
 
 def dataset(problem: Problem, track: Track, model: str) -> xarray.Dataset:
@@ -390,12 +388,11 @@ def dataset(problem: Problem, track: Track, model: str) -> xarray.Dataset:
     launches = problem.launches
     clock = float(launches.size(Kind.TIME))
 
-    def about(name: str) -> dict[str, str]:
-        return launches.model.attributes(name, dimensionless=launches.dimensionless)
-
     states = states_in_units(problem, track.states)
     names = launches.model.states
-    variables: dict[str, Any] = {n: ("time", states[:, i], about(n)) for i, n in enumerate(names)}
+    variables: dict[str, Any] = {
+        n: ("time", states[:, i], about(launches, n)) for i, n in enumerate(names)
+    }
     variables["error"] = (
         "time",
         track.errors,
@@ -406,7 +403,7 @@ def dataset(problem: Problem, track: Track, model: str) -> xarray.Dataset:
     )
     return xarray.Dataset(
         variables,
-        {"time": ("time", track.times * clock, about("time"))},
+        {"time": ("time", track.times * clock, about(launches, "time"))},
         {
             "title": f"{launches.model.title}, by the model {model}",
             "model": model,

@@ -13,20 +13,17 @@ import numpy as np
 
 from ..base.errors import ParameterError, StabilityError, shown
 from ..base.provenance import machine, today
+from ..base.quantities import Units
 from ..base.version import __version__
 from ..bodies.contact_laws import Contact, Coulomb, LinearViscous, Rough, Smooth, Viscous
-from ..bodies.disk import Disk
-from ..systems.system import System
 from .answer import states_in_units
-from .inputs import in_words, known_to, laws_of
 from .ladder import Climbed, climb, full_name
 from .linear import LINEAR
 from .rungs.creep import applies
-from .rungs.drifting import DRIFT, drifting
+from .rungs.drifting import DRIFT
 from .rungs.full import truth_of
-from .rungs.near_steady import near_steady
-from .rungs.reduced import reduced
-from .rungs.track import Problem, Refused, Track, relative
+from .rungs.near_steady import CLOSED_FORMS, LINEARISED
+from .rungs.track import Problem, Track, relative
 
 if TYPE_CHECKING:
     import xarray
@@ -69,13 +66,13 @@ class Row:
     """Why it has no error, or an infinite one."""
 
 
-def other_laws(disk: Disk, truth: Contact) -> dict[str, Contact]:
+def other_laws(units: Units, truth: Contact) -> dict[str, Contact]:
     """The laws of the package that may serve as models of another, by name.
 
     Parameters
     ----------
-    disk
-        The disk.
+    units
+        The units of the body.
     truth
         The law that is taken for the truth.
 
@@ -87,10 +84,10 @@ def other_laws(disk: Disk, truth: Contact) -> dict[str, Contact]:
 
     Examples
     --------
-    >>> list(other_laws(Disk(), Viscous(300.0)))
+    >>> list(other_laws(Units(), Viscous(300.0)))
     ['smooth', 'linear-viscous', 'rough', 'coulomb, mu = 0.3']
     """
-    speed, weight = (float(np.ravel(v)[0]) for v in (disk.speed, disk.force))
+    speed, weight = (float(np.ravel(v)[0]) for v in (units.speed, units.force))
     mu, word = STIFF / speed, f", mu = {STIFF / speed:.3g}"
     if isinstance(truth, Viscous | LinearViscous):
         given, word = truth.given, ""
@@ -151,7 +148,8 @@ def chart(
     scene, laws = _one(scene, laws)
     if scene.quantities[0] in LINEAR:
         raise ParameterError("a linear question has no chart; ask for a quantity of the motion.")
-    problem, others = scene._problem(scene.contact), _others(scene, laws)
+    problem = scene._problem(scene.contact)
+    others = _others(scene, problem, laws)
     if progress is not None and not callable(progress):
         raise ParameterError(f"progress is {shown(progress)}; give a function of (done, total).")
     _, truth = truth_of(problem)
@@ -172,23 +170,23 @@ def chart(
 
 def _one(scene: Any, laws: Any) -> tuple[Any, Any]:
     """A scene of one law, the first of several, and the laws to hold against it."""
-    (_, truth), *rest = laws_of(scene.disk, scene.contact).items()
+    (_, truth), *rest = scene.subject.laws.items()
     if not rest:
         return scene, laws
     bare = replace(scene, contact=truth, uncertain={}, weights={})
-    widths = known_to(scene.disk, truth, scene.uncertain)
+    widths = scene.subject.known(scene.uncertain, truth)
     return replace(bare, uncertain=widths), dict(rest) if laws is None else laws
 
 
-def _others(scene: Any, laws: Any) -> dict[str, Contact]:
+def _others(scene: Any, problem: Problem, laws: Any) -> dict[str, Contact]:
     """The other laws, checked."""
     if laws is None:
-        return other_laws(scene.disk, scene.contact) if isinstance(scene.disk, Disk) else {}
+        return other_laws(problem.launches.units, scene.contact) if problem.touches else {}
     if not isinstance(laws, Mapping):
         raise ParameterError(
             f'laws is {shown(laws)}; give contact laws by name, such as {{"rough": Rough()}}.'
         )
-    if laws and isinstance(scene.disk, System):
+    if laws and not problem.touches:
         raise ParameterError("laws belong to a disk or a body; leave them out for a system.")
     for name, law in laws.items():
         if not isinstance(name, str) or not isinstance(law, Contact):
@@ -232,7 +230,8 @@ def _row(
     found = call()
     first = time.perf_counter() - began
     if found.track is None:
-        return Row(name or only, kind, why=found.rungs[-1].why)
+        refused = found.rungs[-1]
+        return Row(name or only, kind, refused.dimension, why=refused.why)
     rung = next(r for r in found.rungs if r.name == found.model)
     error, why = true_error(found.track, truth)
     estimate = math.nan if name else found.track.error  # of the states, as the true error
@@ -269,30 +268,17 @@ def true_error(mine: Track, truth: Track) -> tuple[float, str]:
 
 
 def _closed(scene: Any, problem: Problem, truth: Track) -> Iterator[Row]:
-    """The closed forms near a steady motion."""
-    kind = KINDS[0]
-    if problem.launches.dry:
-        yield Row("linearised", kind, why="dry friction has no linear motion")
-        return
-    with np.errstate(all="ignore"):
-        tracks = near_steady(problem, always=True)
-    if isinstance(drift := drifting(problem), Track):
-        tracks[DRIFT] = drift
-    for name, track in tracks.items():
-        if isinstance(track, Refused):
-            yield Row(name, kind, why=track.why)
-        else:
-            yield _row(scene, problem, truth, kind, name)
+    """The closed forms near a steady motion, and the drift where there is one."""
+    for name in (LINEARISED,) if problem.launches.dry else (*CLOSED_FORMS, DRIFT):
+        row = _row(scene, problem, truth, KINDS[0], name)
+        if name != DRIFT or row.call is not None:
+            yield row
 
 
 def _own(scene: Any, problem: Problem, truth: Track) -> Iterator[Row]:
     """The reduced models of a user's system."""
     for model in scene.models:
-        track = reduced(problem, model)
-        if isinstance(track, Refused):
-            yield Row(model.name, KINDS[1], len(model.system.states), why=track.why)
-        else:
-            yield _row(scene, problem, truth, KINDS[1], model.name)
+        yield _row(scene, problem, truth, KINDS[1], model.name)
 
 
 def _creep(scene: Any, problem: Problem, truth: Track) -> Iterator[Row]:
@@ -302,8 +288,8 @@ def _creep(scene: Any, problem: Problem, truth: Track) -> Iterator[Row]:
         return
     found = climb(problem, scene.quantities, (), "creep")
     sizes = {r.name: r.estimate * problem.tolerance for r in found.rungs}
-    if "creep" in sizes:
-        yield Row("creep", kind, 4, why=next(r.why for r in found.rungs if r.name == "creep"))
+    if found.track is None:
+        yield Row("creep", kind, found.rungs[-1].dimension, why=found.rungs[-1].why)
         return
     done = {found.model}
     for size in (e for n, e in sizes.items() if n != found.model and e <= LOOSEST):
@@ -334,6 +320,9 @@ def _law(scene: Any, problem: Problem, truth: Track, name: str, law: Contact) ->
         other = replace(scene, contact=law, uncertain={})._problem(law)
     except StabilityError as error:
         yield Row(title, KINDS[4], why=str(error).rstrip("."))
+        return
+    if other.launches.model.states != problem.launches.model.states:
+        yield Row(title, KINDS[4], why="its motion has other states than that of the truth")
         return
     other = replace(other, times=problem.times)
     yield _row(scene, other, truth, KINDS[4], full_name(other), name=title)
@@ -416,7 +405,9 @@ def _attributes(scene: Any, problem: Problem, answer: Any) -> dict[str, Any]:
         "horizon": scene.horizon,
         "time_unit": launches.unit("time"),
         "quantities": ", ".join(scene.quantities),
-        "uncertain": ", ".join(in_words(n, v, launches) for n, v in scene.uncertain.items()),
+        "uncertain": ", ".join(
+            scene.subject.width_in_words(n, v) for n, v in scene.uncertain.items()
+        ),
         "parameters": json.dumps(given),
         "start": json.dumps({n: float(v) for n, v in states}),
         "sentence": answer.sentence,

@@ -1,24 +1,26 @@
-"""Inputs of a scene: the launch as numbers, and the launch with some inputs changed."""
+"""The subject of a scene, resolved once; the launch as numbers, also with some inputs changed."""
 
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
 import numpy as np
 
 from ..base.checks import one_number
-from ..base.errors import ParameterError, shown
+from ..base.errors import ParameterError, listed, shown
 from ..base.quantities import Kind, readable
 from ..bodies.contact_laws import Contact, law_only
 from ..bodies.disk import Disk
-from ..bodies.model import Model, system_model
+from ..bodies.model import system_model
 from ..bodies.newton_euler import STATES
+from ..bodies.quantities import QUANTITIES
 from ..bodies.round_body.body import Body
-from ..bodies.round_body.shape import SCALES
-from ..bodies.thin_disk import disk_model
+from ..bodies.round_body.shape import SCALES, RoundShape
+from ..bodies.round_body.thin import thin_body
 from ..integrators.flow import flow_of
 from ..motion.gather import launches_of
 from ..motion.round_starts import accepted
@@ -27,74 +29,222 @@ from ..settling.fixed_axes import FixedSettling, fixed_model, fixed_states
 from ..systems.system import System
 
 
-def law_in(disk: Any, contact: Any, mu: float | None) -> Any:
-    """The law of a scene; anything else than a word or a class is returned as it is.
+@dataclass(frozen=True, eq=False)
+class Subject(ABC):
+    """What a scene is about: everything in which a body and a user's system differ."""
+
+    moving: Any
+    """The disk, another body, or the system."""
+    contact: Any
+    """The law, laws by name, or the parameters of a system."""
+    laws: Mapping[str, Any]
+    """Laws by name; a single one, and the parameters of a system, under an empty name."""
+    states: tuple[str, ...]
+    """Names of the states of a start."""
+    needed: str
+    """States that a start must name, in words."""
+    rungs: tuple[str, ...] = ()
+    """Names of rungs that no reduced model may have."""
+    between: tuple[float, float] = (0.0, math.pi)
+    """Open interval of θ in which a body has steady motions [rad]."""
+
+    touches: ClassVar[bool]
+    """Whether it touches a plane, so that its contact, tilt and linear motion can be asked for."""
+
+    @abstractmethod
+    def inputs(self, *laws: Any) -> tuple[str, ...]:
+        """Names of the inputs that may be uncertain, under some of its laws; all if left out."""
+
+    @abstractmethod
+    def changed(self, law: Any, start: Any, moved: Mapping[str, float]) -> tuple[Any, Any, Any]:
+        """What moves, its law and its start, with some inputs changed."""
+
+    @abstractmethod
+    def in_words(self) -> list[str]:
+        """What moves and its laws, a line each."""
+
+    @abstractmethod
+    def attributes(self, name: str) -> dict[str, str]:
+        """Name in words and units of a state or of the time."""
+
+    @abstractmethod
+    def refuse(self, **options: Any) -> None:
+        """Refuse `models` or `families` that do not belong to it."""
+
+    def known(self, widths: Mapping[str, float], law: Any) -> dict[str, float]:
+        """The half-widths of those uncertain inputs that one law has."""
+        inputs = self.inputs(law)
+        return {n: w for n, w in widths.items() if n in inputs}
+
+    def width_in_words(self, name: str, width: float) -> str:
+        """An uncertain input with its half-width, relative for a parameter, and its unit."""
+        if name not in self.states:
+            return f"{name} ± {100 * width:g} %"
+        unit = self.attributes(name)["units"]
+        return f"{name} ± {width:g}" + ("" if unit == "1" else f" {readable(unit)}")
+
+    def with_unit(self, name: str, value: Any) -> str:
+        """A state or a parameter with its value and unit."""
+        return f"{name} = {_digits(value)} {label(self.attributes(name))}".strip()
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BodySubject(Subject):
+    """A disk or another body on a plane, under one contact law or several."""
+
+    numbers: Mapping[str, Any]
+    """Numbers of its shape and its moments by name."""
+    shape: Mapping[str, Any]
+    """Those of them that are the field `shape` of a body."""
+    name: str
+    """What it is called."""
+    length: tuple[str, str]
+    """Name of its unit of length, and the letter of that."""
+
+    touches = True
+
+    def inputs(self, *laws: Any) -> tuple[str, ...]:
+        """States, numbers of the body, and parameters of the laws."""
+        own = [n for law in laws or self.laws.values() for n in law.given]
+        return tuple(dict.fromkeys((*self.states, *self.numbers, *own)))
+
+    def changed(self, law: Any, start: Any, moved: Mapping[str, float]) -> tuple[Any, Any, Any]:
+        """The body, its law and its start: parameters change by a share, states by a number."""
+        numbers = {n: v * (1 + moved[n]) for n, v in self.numbers.items() if n in moved}
+        if self.shape:
+            numbers["shape"] = {n: numbers.pop(n, v) for n, v in self.shape.items()}
+        coefficients = {n: v * (1 + moved.get(n, 0.0)) for n, v in law.given.items()}
+        start = _moved(start, self.states, moved)
+        return replace(self.moving, **numbers), type(law)(**coefficients), start
+
+    def in_words(self) -> list[str]:
+        """The body with its numbers, and its laws."""
+        size, letter = self.length
+        sizes = (("mass", Kind.MASS), (size, Kind.LENGTH), ("gravity", Kind.ACCELERATION))
+        about = f"m = {letter} = g = 1, without units"
+        if not self.moving.dimensionless:
+            about = ", ".join(
+                f"{n} = {_digits(getattr(self.moving, n))}{kind.suffix}" for n, kind in sizes
+            )
+        shape = (f"{n} = {_digits(v)}" for n, v in self.numbers.items())
+        laws = (self._law(name, law) for name, law in self.laws.items())
+        return [", ".join([f"{self.name}: {about}", *shape]), "; ".join(laws)]
+
+    def _law(self, name: str, law: Contact) -> str:
+        """A law with its parameters."""
+        words = {k.si: k.label(dimensionless=self.moving.dimensionless) for k in Kind}
+        units = {q.name: words.get(q.unit, q.unit) for q in law.parameters}
+        parameters = [
+            f"{n} = {_digits(v)} {'' if units.get(n) == '1' else units.get(n, '')}".strip()
+            for n, v in law.given.items()
+        ]
+        own = f"law {name}: {law.name}" if name and name != law.name else f"law {law.name}"
+        return ", ".join([own, *parameters])
+
+    def attributes(self, name: str) -> dict[str, str]:
+        """Name in words and units of a state or of the time."""
+        return QUANTITIES[name].attributes(dimensionless=self.moving.dimensionless)
+
+    def refuse(self, **options: Any) -> None:
+        """Refuse what belongs to a user's system."""
+        for word, value in options.items():
+            if not (value is None or (isinstance(value, (tuple, list)) and not value)):
+                raise ParameterError(
+                    f"{word} belong to a stability.System; leave them out for a disk."
+                )
+
+
+@dataclass(frozen=True, eq=False)
+class SystemSubject(Subject):
+    """A user's system with its parameters."""
+
+    touches = False
+
+    def inputs(self, *laws: Any) -> tuple[str, ...]:  # noqa: ARG002
+        """States and parameters."""
+        return (*self.states, *self.moving.parameters)
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """Its parameters by name."""
+        return {} if self.contact is None else _named(self.contact, self.moving.parameters)
+
+    def changed(self, law: Any, start: Any, moved: Mapping[str, float]) -> tuple[Any, Any, Any]:  # noqa: ARG002
+        """The system, its parameters and its start: parameters change by a share."""
+        parameters = {n: v * (1 + moved.get(n, 0.0)) for n, v in self.parameters.items()}
+        return self.moving, parameters, _moved(start, self.states, moved)
+
+    def in_words(self) -> list[str]:
+        """The system with its parameters."""
+        parameters = ", ".join(self.with_unit(n, v) for n, v in self.parameters.items())
+        return [f"system {self.moving.name}" + (f": {parameters}" if parameters else "")]
+
+    def attributes(self, name: str) -> dict[str, str]:
+        """Name in words and units of a state, a parameter or the time."""
+        return system_model(self.moving).attributes(name, dimensionless=True)
+
+    def refuse(self, **options: Any) -> None:
+        """Refuse nothing: reduced models and families are those of a system."""
+
+
+def subject_of(moving: Disk | Body | System, contact: Any, mu: float | None = None) -> Subject:
+    """The subject of a scene.
 
     Parameters
     ----------
-    disk, contact, mu
+    moving
+        The disk, another body, or a system.
+    contact, mu
         As for `Scene`.
 
     Raises
     ------
     ParameterError
-        If a number belongs to no law, or a law lacks its own.
+        If a number belongs to no law, a law lacks its own, or a body has no law that it can have.
     """
-    if isinstance(disk, (Disk, Body)):
-        return law_only(contact, {} if mu is None else {"mu": mu}, motion=True)
-    if mu is not None:
-        raise ParameterError("mu belongs to the disk; give a system's parameters in contact.")
-    return contact
+    if isinstance(moving, System):
+        if mu is not None:
+            raise ParameterError("mu belongs to the disk; give a system's parameters in contact.")
+        names = moving.states
+        laws, needed = {"": contact}, listed(list(names))
+        return SystemSubject(moving, contact, laws, names, needed, rungs=(moving.name,))
+    contact = law_only(contact, {} if mu is None else {"mu": mu}, motion=True)
+    body: RoundShape = thin_body(moving) if isinstance(moving, Disk) else moving
+    thin = body is not moving
+    return BodySubject(
+        moving,
+        contact,
+        _laws(contact),
+        STATES,
+        "theta at least",
+        between=body.between,
+        numbers={n: v for n, v in body.given.items() if n not in SCALES},
+        shape={} if thin else body.shape,
+        name=body.name,
+        length=("radius", "R") if thin else ("length", "length"),
+    )
 
 
-def laws_of(disk: Any, contact: Any) -> dict[str, Any]:
-    """The contact laws of a scene by name; one without a name, or the parameters of a system.
-
-    Parameters
-    ----------
-    disk
-        The disk or a system.
-    contact
-        A law, laws by name, or parameters of a system.
-
-    Raises
-    ------
-    ParameterError
-        If a disk or body has no law, something that is no law, or a law that it does not have.
-    """
-    if isinstance(disk, System):
-        return {"": contact}
-    found = dict(contact) if isinstance(contact, Mapping) else {"": contact}
-    for name in found if isinstance(contact, Mapping) else ():
+def _laws(contact: Any) -> dict[str, Contact]:
+    """The contact laws of a body by name; one without a name."""
+    laws = dict(contact) if isinstance(contact, Mapping) else {"": contact}
+    for name in laws if isinstance(contact, Mapping) else ():
         if not (isinstance(name, str) and name.strip() and name.isprintable()):
             raise ParameterError(f"contact names a law {shown(name)}; give each law a word.")
-    for law in found.values():
+    for law in laws.values():
         if not isinstance(law, Contact):
             raise ParameterError(
                 f"contact is {shown(law)}; give a contact law, such as Viscous(0.3), or laws by "
                 "name."
             )
-        if isinstance(disk, Body):
-            accepted(law)
-    if not found:
+        accepted(law)
+    if not laws:
         raise ParameterError("contact holds no law; give one at least.")
-    return found
+    return laws
 
 
 def weights_of(laws: Mapping[str, Any], weights: Any) -> dict[str, float]:
-    """Weights of several laws, which add up to 1.
-
-    Parameters
-    ----------
-    laws
-        The laws by name.
-    weights
-        Weights by name, or an empty mapping for equal ones.
-
-    Returns
-    -------
-    dict
-        Empty for one law.
+    """Weights of several laws, which add up to 1; empty for one law.
 
     Raises
     ------
@@ -114,208 +264,74 @@ def weights_of(laws: Mapping[str, Any], weights: Any) -> dict[str, float]:
             f"weights names {', '.join(map(str, weights))}; the laws have {names}: give one for "
             "each."
         )
-    found = {n: one_number(f"weight of {n}", weights.get(n, 1.0)) for n in laws}
-    for name, value in found.items():
+    shares = {n: one_number(f"weight of {n}", weights.get(n, 1.0)) for n in laws}
+    for name, value in shares.items():
         if not 0 < value < math.inf:
             raise ParameterError(f"weight of {name} is {value:g}; give a number above 0.")
-    total = sum(found.values())
-    return {n: v / total for n, v in found.items()} if len(laws) > 1 else {}
+    total = sum(shares.values())
+    return {n: v / total for n, v in shares.items()} if len(laws) > 1 else {}
 
 
-def names_of(disk: Any, laws: Mapping[str, Any]) -> tuple[str, ...]:
-    """Names of the inputs that may be uncertain: states, and parameters of body and laws.
-
-    Parameters
-    ----------
-    disk
-        The disk or a system.
-    laws
-        The laws by name.
-    """
-    if isinstance(disk, System):
-        return (*disk.states, *disk.parameters)
-    own = [n for law in laws.values() for n in law.given]
-    shape = ["k"] if isinstance(disk, Disk) else [n for n in disk.given if n not in SCALES]
-    return tuple(dict.fromkeys((*STATES, *shape, *own)))
-
-
-def known_to(disk: Any, law: Any, widths: Mapping[str, float]) -> dict[str, float]:
-    """The half-widths of those uncertain inputs that one law has.
-
-    Parameters
-    ----------
-    disk, law
-        The disk or a system, and one law.
-    widths
-        Half-widths by name.
-    """
-    inputs = names_of(disk, {"": law})
-    return {n: w for n, w in widths.items() if n in inputs}
-
-
-def in_words(name: str, width: float, launches: Starts) -> str:
-    """An uncertain input with its half-width and unit.
-
-    Parameters
-    ----------
-    name, width
-        The input and its half-width, relative for a parameter.
-    launches
-        The launch, for the units.
-    """
-    if name not in (*launches.model.states, *(STATES if launches.law else ())):
-        return f"{name} ± {100 * width:g} %"
-    unit = launches.unit(name)
-    return f"{name} ± {width:g}" + ("" if unit == "1" else f" {readable(unit)}")
-
-
-def label(model: Model, name: str, *, dimensionless: bool) -> str:
-    """The unit of a state, a parameter or the time, for a reader; empty for a number without one.
-
-    Parameters
-    ----------
-    model
-        The model.
-    name
-        Name of the state or parameter, or `time`.
-    dimensionless
-        Whether the body's units are all 1.
-    """
-    found = model.attributes(name, dimensionless=dimensionless)
-    unit = found.get("unit_in_words", found["units"])
+def label(attributes: Mapping[str, str]) -> str:
+    """The unit of a labelled array for a reader; empty for a number without one."""
+    unit = attributes.get("unit_in_words", attributes["units"])
     return "" if unit == "1" else readable(unit)
 
 
-def unit_of(launches: Starts, kind: Kind) -> str:
-    """The unit of a kind for a reader; a user's system states that of time alone.
+def about(launches: Starts, name: str) -> dict[str, str]:
+    """Name in words and units of a state or of the time, as in a dataset."""
+    return launches.model.attributes(name, dimensionless=launches.dimensionless)
 
-    Parameters
-    ----------
-    launches
-        The launch.
-    kind
-        Kind of a number that was asked for.
-    """
-    if launches.law is None:
-        return label(launches.model, "time", dimensionless=True) if kind is Kind.TIME else ""
+
+def unit_of(launches: Starts, kind: Kind) -> str:
+    """The unit of a kind for a reader; a user's system is asked for numbers in that of time."""
+    if kind is Kind.TIME:
+        return label(about(launches, "time"))
     unit = kind.label(dimensionless=launches.dimensionless)
     return "" if unit == "1" else readable(unit)
 
 
-def setting(disk: Any, laws: Mapping[str, Any], start: Any, *asked: float) -> tuple[str, ...]:
-    """The question of a scene in three lines, with units: the body and its law, start, horizon.
-
-    Parameters
-    ----------
-    disk, start
-        As for `Scene`.
-    laws
-        The laws by name, or the parameters of a system under an empty name.
-    *asked
-        Horizon and tolerance.
-    """
-    if isinstance(disk, System):
-        model, plain = system_model(disk), True
-        p = _named({} if laws[""] is None else laws[""], disk.parameters)
-        told = [f"{n} = {_told(v)} {label(model, n, dimensionless=True)}" for n, v in p.items()]
-        body = [f"system {disk.name}" + (f": {_listed(told)}" if told else "")]
-    else:
-        model, plain = disk_model(type(next(iter(laws.values())))), disk.dimensionless
-        thin = isinstance(disk, Disk)
-        size, name, letter = ("radius", "disk", "R") if thin else ("length", disk.name, "length")
-        sizes = (("mass", Kind.MASS), (size, Kind.LENGTH), ("gravity", Kind.ACCELERATION))
-        told = [f"{n} = {_told(getattr(disk, n))}{kind.suffix}" for n, kind in sizes]
-        about = f"m = {letter} = g = 1, without units" if plain else _listed(told)
-        shape = {"k": disk.k} if thin else {n: disk.given[n] for n in names_of(disk, {})[6:]}
-        body = [_listed([f"{name}: {about}", *(f"{n} = {_told(v)}" for n, v in shape.items())])]
-        body += ["; ".join(_of_law(name, law, plain=plain) for name, law in laws.items())]
-    states = _named(start, model.states)
-    moved = [
-        f"{n} = {_told(v)} {label(model, n, dimensionless=plain)}"
-        for n, v in states.items()
-        if np.any(v)
-    ]
-    rest = [] if len(moved) == len(model.states) else ["all others 0" if moved else "all states 0"]
-    unit = label(model, "time", dimensionless=plain)
-    last = f"horizon {asked[0]:.9g} {unit}".strip()
-    return *body, f"start: {_listed([*moved, *rest])}; {last}; tolerance {asked[1]:g}"
+def setting(subject: Subject, start: Any, horizon: float, tolerance: float) -> tuple[str, ...]:
+    """The question of a scene in some lines, with units: what moves, its laws, start, horizon."""
+    states = _named(start, subject.states)
+    moved = [subject.with_unit(n, v) for n, v in states.items() if np.any(v)]
+    if len(moved) < len(subject.states):
+        moved.append("all others 0" if moved else "all states 0")
+    last = f"horizon {horizon:.9g} {label(subject.attributes('time'))}".strip()
+    return *subject.in_words(), f"start: {', '.join(moved)}; {last}; tolerance {tolerance:g}"
 
 
-def _of_law(name: str, law: Contact, *, plain: bool) -> str:
-    """A law with its parameters."""
-    words = {k.si: k.label(dimensionless=plain) for k in Kind}
-    units = {q.name: words.get(q.unit, q.unit) for q in law.parameters}
-    told = [
-        f"{n} = {_told(v)} {'' if units.get(n) == '1' else units.get(n, '')}"
-        for n, v in law.given.items()
-    ]
-    own = f"law {name}: {law.name}" if name and name != law.name else f"law {law.name}"
-    return ", ".join([own, *(t.strip() for t in told)])
-
-
-def _listed(told: Sequence[str]) -> str:
-    return ", ".join(t.strip() for t in told)
-
-
-def _told(value: Any) -> str:
+def _digits(value: Any) -> str:
     """A number, also one in an array."""
-    known = np.ravel(value)
-    return f"{float(known[0]):.9g}" if known.size == 1 else shown(value)
+    numbers = np.ravel(value)
+    return f"{float(numbers[0]):.9g}" if numbers.size == 1 else shown(value)
 
 
 def launched(
-    disk: Any,
-    contact: Any,
+    subject: Subject,
+    law: Any,
     start: Any,
     horizon: float,
     families: Any,
     moved: Mapping[str, float],
 ) -> Starts:
-    """The launch of a scene, dimensionless, with some inputs changed.
+    """The launch of a scene under one law, dimensionless, with some inputs changed.
 
-    Parameters
-    ----------
-    disk, contact, start, horizon, families
-        As for `Scene`, with one law.
-    moved
-        Changes by name: added to states, relative for parameters.
-
-    Returns
-    -------
-    Starts
-        One launch.
+    States change by a number, parameters by a share of their value.
     """
-    given, first = contact, start
-    if isinstance(disk, System):
-        if moved and contact is not None:
-            p = _named(contact, disk.parameters)
-            given = {n: v * (1 + moved.get(n, 0.0)) for n, v in p.items()}
-        first = _moved(start, disk.states, moved) if moved else start
-    elif moved:
-        numbers = {n: v * (1 + moved.get(n, 0.0)) for n, v in contact.given.items()}
-        disk, given = _changed(disk, moved), type(contact)(**numbers)
-        first = _moved(start, STATES, moved)
-    found = launches_of(disk, given, first, horizon, families=families or ())
-    found = _along_fixed_axes(found)
-    if found.count != 1:
+    moving = subject.moving
+    if moved:
+        moving, law, start = subject.changed(law, start, moved)
+    launches = _along_fixed_axes(launches_of(moving, law, start, horizon, families=families or ()))
+    if launches.count != 1:
         raise ParameterError(
-            f"the scene has {found.count} launches; give one, and a scene for each."
+            f"the scene has {launches.count} launches; give one, and a scene for each."
         )
-    return found
-
-
-def _changed(disk: Disk | Body, moved: Mapping[str, float]) -> Disk | Body:
-    """The disk or body with some of its numbers changed."""
-    own: dict[str, Any] = {"k": disk.k} if isinstance(disk, Disk) else disk.given
-    found: dict[str, Any] = {n: v * (1 + moved[n]) for n, v in own.items() if n in moved}
-    if isinstance(disk, Body):
-        shape = {n: found.pop(n, v) for n, v in disk.shape.items()}
-        return replace(disk, shape=shape, **found)
-    return replace(disk, **found)
+    return launches
 
 
 def _along_fixed_axes(launches: Starts) -> Starts:
-    """The launch of a body that is smooth at a pole, told along fixed axes."""
+    """The launch of a body that is smooth at a pole, by its states along fixed axes."""
     model = launches.model
     if model.chart is None:
         return launches
@@ -334,6 +350,6 @@ def _named(given: Any, names: Sequence[str]) -> dict[str, Any]:
 
 def _moved(start: Any, names: Sequence[str], moved: Mapping[str, float]) -> dict[str, Any]:
     """States by name, with changes added; a state that is left out is 0."""
-    found = _named(start, names)
+    states = _named(start, names)
     changed = {n: moved[n] for n in names if n in moved}
-    return found | {n: found.get(n, 0.0) + by for n, by in changed.items()}
+    return states | {n: states.get(n, 0.0) + by for n, by in changed.items()}

@@ -18,11 +18,11 @@ import numpy as np
 from ..base.checks import known
 from ..base.types import Record
 from ..integrators.flow import Flow
-from ..integrators.selection import HEYOKA, TURN, TURN_POWER, explicit
+from ..integrators.selection import HEYOKA, METHODS, TURN_POWER, explicit
 from .questions import QUESTIONS, UNKNOWN, Found, relative_error
 from .rungs.creep import MOST_ORDERS, applies
 from .rungs.creeping import Work, creeping, name_of
-from .rungs.drifting import DRIFT, ROLLING, drifting
+from .rungs.drifting import DRIFT, ROLLING, drifting, thin
 from .rungs.full import COARSEST, FINEST, STIFF, full
 from .rungs.near_steady import CLOSED_FORMS, LINEARISED, near_steady
 from .rungs.reduced import ReducedModel, reduced
@@ -167,8 +167,7 @@ def rungs_of(problem: Problem, models: Sequence[ReducedModel]) -> tuple[str, ...
 
 def full_name(problem: Problem) -> str:
     """Name of the full model of a problem: that of its law, or of the user's system."""
-    law = problem.launches.law
-    return law.name if law is not None else problem.flow.system.name
+    return problem.launches.name
 
 
 def price_of_full(problem: Problem, length: float | None = None) -> float:
@@ -188,7 +187,7 @@ def price_of_full(problem: Problem, length: float | None = None) -> float:
         decay = length * PER_RATE * 3 * problem.friction
         # an implicit method takes over where it costs as much as an explicit one
         asked = max(FINEST, min(COARSEST, STIFF * problem.tolerance))
-        turn = turns * PER_RATE * TURN[name] * (asked / 1e-6) ** -TURN_POWER
+        turn = turns * PER_RATE * METHODS[name].turn * (asked / 1e-6) ** -TURN_POWER
         stiff = IMPLICIT + RUNS * turn * STEP[name]
         return BASE + float(min(RUNS * max(steps, decay) * STEP[name], stiff))
     return BASE + RUNS * steps * STEP[name]
@@ -269,31 +268,18 @@ class _Ladder:
     ) -> None:
         """Record a rung, and take it if it is fine enough."""
         if isinstance(told, Refused):
-            self.rungs.append(
-                Rung(
-                    name,
-                    dimension,
-                    _since(began),
-                    price,
-                    math.inf,
-                    False,
-                    told.why,
-                    told.indicators,
-                )
-            )
-            return
-        found, share = shares(self.problem, told, self.names)
-        fine = share <= 1 or self.only is not None
-        why = "asked for" if self.only else "the cheapest whose error is below the tolerance"
-        if not fine:
-            why = (
-                f"its error is {share:.3g} times the tolerance" if share < math.inf else "not known"
-            )
-        self.rungs.append(
-            Rung(name, dimension, _since(began), price, share, fine, why, told.indicators)
-        )
-        if fine:
-            self.taken = name, told, found, share
+            share, fine, why = math.inf, False, told.why
+        else:
+            found, share = shares(self.problem, told, self.names)
+            fine = share <= 1 or self.only is not None
+            why = "asked for" if self.only else "the cheapest whose error is below the tolerance"
+            if not fine:
+                many = f"its error is {share:.3g} times the tolerance"
+                why = many if share < math.inf else "not known"
+            if fine:
+                self.taken = name, told, found, share
+        cost = _since(began)
+        self.rungs.append(Rung(name, dimension, cost, price, share, fine, why, told.indicators))
 
 
 def _since(began: float) -> float:
@@ -333,7 +319,7 @@ def _drift(ladder: _Ladder) -> None:
             return
         near = problem.near
         hopeless = near.distance**2 > DRIFTS * problem.tolerance
-        least = EXPENSIVE if problem.thin else BODY_COST * EXPENSIVE
+        least = EXPENSIVE if thin(problem) else BODY_COST * EXPENSIVE
         if near.family != ROLLING or hopeless or price_of_full(problem) < least:
             return
     with np.errstate(all="ignore"):
@@ -351,7 +337,7 @@ def _own(ladder: _Ladder, model: ReducedModel) -> None:
 def _creep(ladder: _Ladder) -> None:
     """The rough disk and creep, which are one run."""
     problem = ladder.problem
-    if problem.launches.law is None or not ladder.asked("creep", *ORDERS):
+    if not problem.touches or not ladder.asked("creep", *ORDERS):
         return
     whole, began = price_of_full(problem), time.perf_counter()
     states = problem.own - len(problem.launches.model.sliding)

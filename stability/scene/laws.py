@@ -12,10 +12,10 @@ import numpy as np
 from ..base.citation import cited, joined
 from ..base.quantities import Kind
 from ..base.types import Floats
-from ..bodies.disk import Disk
-from ..bodies.round_body.body import Body
-from .answer import Answer
-from .rungs.track import relative
+from ..integrators.selection import works_of as integrators_cited
+from .answer import Answer, single
+from .inputs import Subject
+from .rungs.track import Problem, Track, relative
 from .uncertain import apart as distance
 
 SHOWN = 5
@@ -121,8 +121,7 @@ def _asked(answer: Answer, quantities: Sequence[str]) -> Any:
     """The value of what was asked for, without the path where it was not."""
     if not isinstance(answer.value, dict) or "path" in quantities:
         return answer.value
-    values = {n: v for n, v in answer.value.items() if n != "path"}
-    return next(iter(values.values())) if len(values) == 1 else values
+    return single({n: v for n, v in answer.value.items() if n != "path"})
 
 
 def _parted(one: Answer, other: Answer, tolerance: float) -> tuple[float | None, float]:
@@ -131,7 +130,10 @@ def _parted(one: Answer, other: Answer, tolerance: float) -> tuple[float | None,
     The time is None where they never do.  Two motions that end at different times part at the
     earlier end.
     """
-    (s, a), (t, b) = _states(one), _states(other)
+    assert one.motion is not None
+    assert other.motion is not None
+    alike = one.motion[0].launches.model.states == other.motion[0].launches.model.states
+    (s, a), (t, b) = (_states(*motion, angles=not alike) for motion in (one.motion, other.motion))
     both = min(len(a), len(b))
     same = np.isclose(s[:both], t[:both], rtol=1e-9, atol=0)
     both = int(np.argmin(same)) if not same.all() else both
@@ -144,36 +146,24 @@ def _parted(one: Answer, other: Answer, tolerance: float) -> tuple[float | None,
     return None, float(far[-1])
 
 
-def _states(answer: Answer) -> tuple[Floats, Floats]:
-    """Times in the user's unit, and the dimensionless states that all laws share: no slip."""
-    assert answer.motion is not None
-    problem, track = answer.motion
-    return track.times * float(problem.launches.size(Kind.TIME)), track.states[:, :-2]
+def _states(problem: Problem, track: Track, *, angles: bool) -> tuple[Floats, Floats]:
+    """Times in the user's unit, and the dimensionless states that all laws share: no slip.
 
-
-def works_of(thing: Any, laws: Mapping[str, Any], answer: Answer) -> str:
-    """Keys of the works to cite: of the model, and of the rung that answered.
-
-    Parameters
-    ----------
-    thing
-        The disk, body or system.
-    laws
-        The contact laws by name.
-    answer
-        The answer.
-
-    Returns
-    -------
-    str
+    `angles` says whether a motion along fixed axes is told in the angles, as under another law.
     """
+    states = problem.launches.settling.read(track.states) if angles else track.states
+    return track.times * float(problem.launches.size(Kind.TIME)), states[:, :-2]
+
+
+def works_of(subject: Subject, answer: Answer) -> str:
+    """Keys of the works to cite: of the model, and of the rung that answered."""
     if answer.parts:
         return joined(part.citation for part in answer.parts.values())
-    law = getattr(next(iter(laws.values()), None), "name", None)
+    law = getattr(next(iter(subject.laws.values()), None), "name", None)
     return cited(
         "creep-1" if answer.model.startswith("creep") else law,
-        model=isinstance(thing, (Disk, Body)),
-        methods=answer.motion[1].methods if answer.motion else (),
+        model=subject.touches,
+        methods=integrators_cited(answer.motion[1].methods if answer.motion else ()),
         eigenvalues=answer.model == "double precision",
         proofs=answer.model in ("certified", "exact roots"),
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections import ChainMap
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -11,14 +12,13 @@ from typing import Any
 from ..base.errors import ParameterError
 from ..base.quantities import Kind
 from ..base.verdict import Verdict
-from ..bodies.disk import Disk
 from ..bodies.families import named_by
 from ..boundary.changes import boundaries
 from ..spectra.spectrum import spectrum
-from .answer import Answer
-from .inputs import unit_of
+from .answer import Answer, single
+from .inputs import Subject, unit_of
 from .ladder import Rung
-from .questions import Found, relative_error
+from .questions import QUESTIONS, Found, Question, relative_error
 from .rungs.track import Problem
 
 DOUBLE, CERTIFIED, EXACT = "double precision", "certified", "exact roots"
@@ -40,20 +40,6 @@ class Member:
     """Body and contact law, or parameters by name."""
     between: tuple[float, float] = (0.0, math.pi)
     """Open interval of θ in which the body has members [rad]."""
-
-
-@dataclass(frozen=True, eq=False)
-class Told:
-    """Answer to a linear question."""
-
-    model: str
-    """Name of the rung that was taken."""
-    found: dict[str, Found]
-    """Each quantity."""
-    rungs: tuple[Rung, ...]
-    """All rungs, in order."""
-    sentence: str
-    """The reason for the verdict, in words."""
 
 
 def _verdict(member: Member, certify: bool) -> tuple[Found, str]:  # noqa: FBT001
@@ -82,112 +68,118 @@ def _boundary(member: Member, certify: bool) -> tuple[Found, str]:  # noqa: FBT0
     return Found(float(near.value), float(near.error)), f"{near.crossing.value}; {found.how}"
 
 
-LINEAR: dict[str, tuple[Callable[[Member, bool], tuple[Found, str]], tuple[str, ...]]] = {
-    "verdict": (_verdict, (DOUBLE, CERTIFIED)),
-    "growth_rate": (_growth_rate, (DOUBLE, CERTIFIED)),
-    "boundary": (_boundary, (EXACT,)),
-}
-"""Every linear quantity: the function that finds it, and its rungs, cheapest first."""
+@dataclass(frozen=True)
+class LinearQuestion:
+    """One quantity of a steady motion that a scene may ask for."""
+
+    name: str
+    """Its name, in `quantities` of a scene and of its file."""
+    find: Callable[[Member, bool], tuple[Found, str]]
+    """Function of (member, whether to certify) that finds it, with its reason in words."""
+    rungs: tuple[str, ...]
+    """Routes to it, cheapest first."""
+    about: str
+    """What it is, in words."""
+    kind: Callable[[str], Kind | None] = lambda _family: None
+    """Its kind at a member of a family; None for words."""
+    of_body: bool = True
+    """Whether only a body has it: a scene knows no spectrum of a user's system."""
+    none: str = "none"
+    """What it means where there is no value."""
+
+
+_EVERY = (
+    LinearQuestion("verdict", _verdict, (DOUBLE, CERTIFIED), "whether the motion is stable"),
+    LinearQuestion(
+        "growth_rate",
+        _growth_rate,
+        (DOUBLE, CERTIFIED),
+        "largest real part of an eigenvalue",
+        lambda _family: Kind.GROWTH_RATE,
+    ),
+    LinearQuestion(
+        "boundary",
+        _boundary,
+        (EXACT,),
+        "nearest value of the number that names the motion at which the verdict changes",
+        named_by,
+    ),
+)
+LINEAR = {q.name: q for q in _EVERY}
+"""Every quantity of a steady motion by name."""
+EVERY: Mapping[str, Question | LinearQuestion] = ChainMap(LINEAR, QUESTIONS)  # type: ignore[arg-type]
+"""Every question by name, those of a motion first."""
 
 
 def about_nearest(
     problem: Problem,
-    disk: Any,
+    subject: Subject,
     law: Any,
     names: tuple[str, ...],
-    tolerance: float,
     horizon: float,
     only: str | None,
 ) -> Answer:
     """The answer to linear questions about the steady motion nearest to the start.
 
-    Parameters
-    ----------
-    problem
-        The problem.
-    disk, law
-        The disk or body, and its contact law.
-    names, tolerance, only
-        As for `answer`.
-    horizon
-        Horizon of the scene.
+    `only` is the name of the one rung to run, or None for the choice; `horizon` is that of the
+    scene, in the user's unit.
     """
     near = problem.launches.settling.closest(problem.start, problem.p)
     if not math.isfinite(near.distance):
         raise ParameterError(f"{near.evidence}: a linear question needs a steady motion.")
     launches = problem.launches
-    kinds = {"growth_rate": Kind.GROWTH_RATE, "boundary": named_by(near.family)}
+    kinds = {n: kind for n in names if (kind := LINEAR[n].kind(near.family)) is not None}
     sizes = {n: float(launches.size(kind)) for n, kind in kinds.items()}
-    thin = isinstance(disk, Disk)
-    arguments: dict[str, Any] = {"disk" if thin else "body": disk, "contact": law}
-    arguments |= next(v.call for v in launches.settling.lines if v.name == near.family)
-    between = (0.0, math.pi) if thin else disk.between
-    family = arguments.pop("family")
-    member = Member(family, near.at * sizes["boundary"], arguments, between)
-    told = answer(member, names, tolerance, only, sizes)
-    values = {n: f.value for n, f in told.found.items()}
-    errors = {n: relative_error(f, sizes.get(n, 1.0)) for n, f in told.found.items()}
-    one = len(values) == 1
-    sentence = f"{near.family} at {member.at:.6g}, {near.distance:.2g} away: {told.sentence}."
+    at = near.at * float(launches.size(named_by(near.family)))
+    call = next(v.call for v in launches.settling.lines if v.name == near.family)
+    arguments = {"body": subject.moving, "contact": law} | dict(call)
+    member = Member(arguments.pop("family"), at, arguments, subject.between)
+    quantities: dict[str, Found] = {}
+    rungs: list[Rung] = []
+    taken, said = [], []
+    for name in names:
+        climbed, (quantities[name], reason) = _climb(
+            member, name, problem.tolerance, sizes.get(name, 1.0), only
+        )
+        rungs += climbed
+        taken.append(next(r.name for r in climbed if r.chosen))
+        said.append(f"{name}: {reason}" if len(names) > 1 else reason)
+    values = {n: q.value for n, q in quantities.items()}
+    errors = {n: relative_error(q, sizes.get(n, 1.0)) for n, q in quantities.items()}
+    where = f"{near.family} at {member.at:.6g}, {near.distance:.2g} away"
     return Answer(
-        next(iter(values.values())) if one else values,
-        told.model,
-        next(iter(errors.values())) if one else errors,
-        told.rungs,
+        single(values),
+        ", ".join(dict.fromkeys(taken)),
+        single(errors),
+        tuple(rungs),
         horizon,
-        sentence,
-        tolerance,
-        measures={n: (unit_of(launches, kinds[n]), sizes[n]) for n in names if n in kinds},
+        f"{where}: {'; '.join(said)}.",
+        problem.tolerance,
+        measures={n: (unit_of(launches, kind), sizes[n]) for n, kind in kinds.items()},
     )
 
 
-def answer(
-    member: Member,
-    names: tuple[str, ...],
-    tolerance: float,
-    only: str | None,
-    sizes: Mapping[str, float],
-) -> Told:
-    """The answer to linear questions about one steady motion.
-
-    Parameters
-    ----------
-    member
-        The steady motion.
-    names
-        Keys of `LINEAR`.
-    tolerance
-        Error allowed in a growth rate or a boundary, over 1 or its size.
-    only
-        Name of the one rung to run; None for the choice.
-    sizes
-        A dimensionless 1 of each number in the user's units.
-
-    Returns
-    -------
-    Told
-    """
-    rungs, found, taken, said = [], {}, [], []
-    for name in names:
-        find, order = LINEAR[name]
-        if only is not None and only not in order:
-            raise ParameterError(f"only is {only!r}; the rungs of {name} are {', '.join(order)}.")
-        done = False
-        for rung in order if only is None else (only,):
-            if done:
-                rungs.append(Rung(rung, 0, 0.0, 0.0, math.inf, False, f"{name}: not needed"))
-                continue
-            began = time.perf_counter()
-            one, why = find(member, rung == CERTIFIED)
-            share = relative_error(one, sizes.get(name, 1.0)) / tolerance
-            done = share <= 1 or rung == order[-1] or only is not None
-            cost = time.perf_counter() - began
-            reason = (
-                f"{name}: {'fine enough' if share <= 1 else 'not decided within the tolerance'}"
-            )
-            rungs.append(Rung(rung, 0, cost, 0.0, share, done, reason))
-            if done:
-                found[name] = one
-                taken.append(rung)
-                said.append(f"{name}: {why}" if len(names) > 1 else why)
-    return Told(", ".join(dict.fromkeys(taken)), found, tuple(rungs), "; ".join(said))
+def _climb(
+    member: Member, name: str, tolerance: float, unit: float, only: str | None
+) -> tuple[list[Rung], tuple[Found, str]]:
+    """The rungs of one question up to the first that is fine enough, and what that has found."""
+    order = LINEAR[name].rungs
+    if only is not None and only not in order:
+        raise ParameterError(f"only is {only!r}; the rungs of {name} are {', '.join(order)}.")
+    rungs: list[Rung] = []
+    answer: tuple[Found, str] | None = None
+    for rung in order if only is None else (only,):
+        if answer is not None:
+            rungs.append(Rung(rung, 0, 0.0, 0.0, math.inf, False, f"{name}: not needed"))
+            continue
+        began = time.perf_counter()
+        quantity, why = LINEAR[name].find(member, rung == CERTIFIED)
+        share = relative_error(quantity, unit) / tolerance
+        fine = "fine enough" if share <= 1 else "not decided within the tolerance"
+        done = share <= 1 or rung == order[-1] or only is not None
+        cost = time.perf_counter() - began
+        rungs.append(Rung(rung, 0, cost, 0.0, share, done, f"{name}: {fine}"))
+        if done:
+            answer = quantity, why
+    assert answer is not None
+    return rungs, answer

@@ -194,10 +194,10 @@ def _rise(states: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Question:
-    """One quantity that a scene may ask for."""
+    """One quantity of a motion that a scene may ask for."""
 
     name: str
-    """Its name."""
+    """Its name, in `quantities` of a scene and of its file."""
     find: Callable[[Problem, Track], Found]
     """Function that finds it."""
     kind: Kind | None
@@ -206,36 +206,41 @@ class Question:
     """Whether it needs samples all along the motion."""
     about: str
     """What it is, in words."""
-    of_disk: bool = False
-    """Whether only a disk has it."""
+    touching: bool = False
+    """Whether only a body on a plane has it."""
+    none: str = "none"
+    """What it means where the motion has no value."""
+
+    @property
+    def of_body(self) -> bool:
+        """Whether only a body has it: a user's system states no unit but that of time."""
+        return self.touching or self.kind not in (None, Kind.TIME)
 
 
-QUESTIONS = {
-    q.name: q
-    for q in (
-        Question("final", final, None, False, "the states at the horizon or at an earlier end"),
-        Question("path", path, None, False, "the motion at all times"),
-        Question("outcome", outcome, None, False, "what has become of the launch"),
-        Question(
-            "settling_time",
-            settling_time,
-            Kind.TIME,
-            True,
-            "time from which it stays near a steady motion",
-        ),
-        Question(
-            "lift_off_time",
-            lift_off_time,
-            Kind.TIME,
-            False,
-            "time at which the normal force reaches zero",
-            True,
-        ),
-        Question(
-            "largest_tilt", largest_tilt, Kind.ANGLE, True, "largest |π/2 - θ| on the way", True
-        ),
-    )
-}
+_EVERY = (
+    Question("final", final, None, False, "the states at the horizon or at an earlier end"),
+    Question("path", path, None, False, "the motion at all times"),
+    Question("outcome", outcome, None, False, "what has become of the launch"),
+    Question(
+        "settling_time",
+        settling_time,
+        Kind.TIME,
+        True,
+        "time from which it stays near a steady motion",
+        none="has not settled",
+    ),
+    Question(
+        "lift_off_time",
+        lift_off_time,
+        Kind.TIME,
+        False,
+        "time at which the normal force reaches zero",
+        touching=True,
+        none="does not lift off",
+    ),
+    Question("largest_tilt", largest_tilt, Kind.ANGLE, True, "largest |π/2 - θ| on the way"),
+)
+QUESTIONS = {q.name: q for q in _EVERY}
 """Every quantity of a motion by name."""
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import InitVar, dataclass, field, replace
 from importlib import import_module
 from typing import Any
@@ -15,25 +15,14 @@ import numpy as np
 from ..base.checks import flag, known, one_number
 from ..base.errors import DomainError, NameUnknownError, ParameterError, listed, shown
 from ..base.types import Record
-from ..bodies.newton_euler import STATES
 from ..motion.gather import moving
 from ..storage.files import atomic_write
 from ..storage.targets import PICTURES, check_suffix, check_target
-from ..systems.system import System
-from .answer import Answer, held_against, tell
-from .inputs import (
-    in_words,
-    known_to,
-    launched,
-    law_in,
-    laws_of,
-    names_of,
-    setting,
-    weights_of,
-)
+from .answer import Answer, held_against, single, tell
+from .inputs import Subject, launched, setting, subject_of, weights_of
 from .ladder import Climbed, climb
 from .laws import compare, works_of
-from .linear import LINEAR, about_nearest
+from .linear import EVERY, LINEAR, about_nearest
 from .questions import QUESTIONS, UNKNOWN
 from .rungs.full import truth_of
 from .rungs.near_steady import CLOSED_FORMS
@@ -125,13 +114,16 @@ class Scene(Record):
     """Reduced models of a user's system."""
     families: Any = ()
     """Families of a user's system."""
+    subject: Subject = field(init=False, repr=False, compare=False)
+    """What moves, and its laws, resolved once."""
     mu: InitVar[float | None] = None
     body: InitVar[Any] = None
 
     def __post_init__(self, mu: float | None, body: Any) -> None:
-        object.__setattr__(self, "disk", moving(self.disk, body))
-        object.__setattr__(self, "contact", law_in(self.disk, self.contact, mu))
-        laws = laws_of(self.disk, self.contact)
+        subject = subject_of(moving(self.disk, body), self.contact, mu)
+        object.__setattr__(self, "subject", subject)
+        object.__setattr__(self, "disk", subject.moving)
+        object.__setattr__(self, "contact", subject.contact)
         tolerance = one_number("tolerance", self.tolerance)
         if not TIGHTEST <= tolerance <= LOOSEST:
             accepted = f"give one from {TIGHTEST:g} to {LOOSEST:g}"
@@ -140,19 +132,14 @@ class Scene(Record):
         if not 0 < horizon < math.inf:
             raise ParameterError(f"horizon is {horizon:g}; give a last time above 0.")
         if self.start is None:
-            needed = (
-                f"{listed(list(self.disk.states))}"
-                if isinstance(self.disk, System)
-                else ("theta at least")
-            )
-            raise ParameterError(f"start is missing; give the states by name, {needed}.")
+            raise ParameterError(f"start is missing; give the states by name, {subject.needed}.")
         for name, value in (
             ("tolerance", tolerance),
             ("horizon", horizon),
             ("quantities", self._asked()),
-            ("weights", weights_of(laws, self.weights)),
+            ("weights", weights_of(subject.laws, self.weights)),
             ("raise_tolerance", flag("raise_tolerance", self.raise_tolerance)),
-            ("uncertain", self._widths(names_of(self.disk, laws))),
+            ("uncertain", self._widths(subject.inputs())),
             ("models", self._reduced()),
         ):
             object.__setattr__(self, name, value)
@@ -161,16 +148,12 @@ class Scene(Record):
         """Names of the quantities, checked."""
         given = self.quantities
         names = (given,) if isinstance(given, str) else given
-        own = isinstance(self.disk, System)
-        every = [
-            *(n for n, q in QUESTIONS.items() if not (own and q.of_disk)),
-            *(() if own else LINEAR),
-        ]
+        every = [n for n, q in EVERY.items() if self.subject.touches or not q.of_body]
         if not isinstance(names, Sequence) or not len(names):
             what = shown(given) if not isinstance(names, Sequence) else "empty"
             raise ParameterError(f"quantities is {what}; known are {', '.join(every)}.")
         for name in names:
-            if not isinstance(name, str) or name not in (*QUESTIONS, *LINEAR):
+            if not isinstance(name, str) or name not in EVERY:
                 known("quantities", name, every)
         linear = [n for n in names if n in LINEAR]
         if linear and len(linear) < len(names):
@@ -178,17 +161,16 @@ class Scene(Record):
                 f"quantities is {listed(names)}, of a motion and of its linear part; ask for one "
                 "kind in one scene."
             )
-        for name in names if own else ():
-            if name in LINEAR or QUESTIONS[name].of_disk:
+        for name in names:
+            if name not in every:
                 raise ParameterError(
                     f"quantities names {name}, which only a disk has; for a user's system ask for "
-                    f"{listed([n for n, q in QUESTIONS.items() if not q.of_disk], 'or')}."
+                    f"{listed(every, 'or')}."
                 )
         return tuple(names)
 
     def _widths(self, inputs: Sequence[str]) -> dict[str, float]:
         """Half-widths of the uncertain inputs, checked."""
-        states = self.disk.states if isinstance(self.disk, System) else STATES
         if not isinstance(self.uncertain, Mapping):
             example = {inputs[-1]: 0.2, inputs[0]: 1e-3}
             raise ParameterError(
@@ -204,7 +186,7 @@ class Scene(Record):
             size = one_number(f"uncertain {name}", width)
             if not 0 < size < math.inf:
                 raise ParameterError(f"uncertain {name} is {size:g}; give a half-width above 0.")
-            if size >= 1 and name not in states:
+            if size >= 1 and name not in self.subject.states:
                 raise ParameterError(
                     f"uncertain {name} is {size:g}, which means {100 * size:g} %; give a share of "
                     "its value below 1, such as 0.2."
@@ -219,13 +201,8 @@ class Scene(Record):
             raise ParameterError(
                 f"models is {shown(self.models)}; give a list of stability.ReducedModel."
             )
-        if not isinstance(self.disk, System):
-            for word, value in (("models", given), ("families", self.families)):
-                if not (value is None or (isinstance(value, (tuple, list)) and not value)):
-                    raise ParameterError(
-                        f"{word} belong to a stability.System; leave them out for a disk."
-                    )
-        names = [*(m.name for m in given), *CLOSED_FORMS, getattr(self.disk, "name", "")]
+        self.subject.refuse(models=given, families=self.families)
+        names = [*(m.name for m in given), *CLOSED_FORMS, *self.subject.rungs]
         double = [n for n in names if names.count(n) > 1]
         if double:
             raise ParameterError(f"two rungs are called {double[0]!r}; give each its own name.")
@@ -233,7 +210,7 @@ class Scene(Record):
 
     def _problem(self, law: Any, moved: Mapping[str, float] | None = None) -> Problem:
         """The dimensionless problem under one law, with some inputs changed."""
-        launches = launched(self.disk, law, self.start, self.horizon, self.families, moved or {})
+        launches = launched(self.subject, law, self.start, self.horizon, self.families, moved or {})
         last = self.horizon / float(launches.units.time)
         bare = Problem(launches, self.tolerance, np.array([0.0, last]))
         count = POINTS if "path" in self.quantities else 2
@@ -269,29 +246,30 @@ class Scene(Record):
         StabilityError
             In one sentence, if something is not accepted.
         """
-        laws, began = laws_of(self.disk, self.contact), time.perf_counter()
+        began, laws = time.perf_counter(), list(self.subject.laws.values())
         if len(laws) > 1:
-            found = self._compared(laws, only, verify=False)
-        else:
-            found = self._answered(next(iter(laws.values())), only)
-        works = works_of(self.disk, laws, found)
+            return self._finished(self._compared(lambda alone: alone.answer(only=only)), began)
+        return self._finished(self._answered(laws[0], only), began)
+
+    def _finished(self, answer: Answer, began: float) -> Answer:
+        """An answer with its question, its works and its cost."""
         return replace(
-            found, setting=self._setting(laws), citation=works, cost=time.perf_counter() - began
+            answer,
+            setting=setting(self.subject, self.start, self.horizon, self.tolerance),
+            citation=works_of(self.subject, answer),
+            cost=time.perf_counter() - began,
         )
 
-    def _setting(self, laws: Mapping[str, Any]) -> tuple[str, ...]:
-        return setting(self.disk, laws, self.start, self.horizon, self.tolerance)
-
-    def _compared(self, laws: Mapping[str, Any], only: str | None, *, verify: bool) -> Answer:
+    def _compared(self, answer: Callable[[Scene], Answer]) -> Answer:
         """The answers under several laws."""
         names = self.quantities
         if names[0] not in LINEAR:
             names = tuple(dict.fromkeys((*names, "path")))
         parts = {}
-        for name, law in laws.items():
-            widths = known_to(self.disk, law, self.uncertain)
-            one = replace(self, contact=law, quantities=names, uncertain=widths, weights={})
-            parts[name] = one.verify() if verify else one.answer(only=only)
+        for name, law in self.subject.laws.items():
+            widths = self.subject.known(self.uncertain, law)
+            alone = replace(self, contact=law, quantities=names, uncertain=widths, weights={})
+            parts[name] = answer(alone)
         return compare(parts, self.quantities, self.horizon, self.tolerance, self.weights)
 
     def _answered(self, law: Any, only: str | None) -> Answer:
@@ -302,8 +280,8 @@ class Scene(Record):
             said = f"No rung can answer: {error}"
             return Answer(None, "none", math.inf, (), 0.0, said, self.tolerance)
         if self.quantities[0] in LINEAR:
-            asked: Any = self.quantities
-            return about_nearest(problem, self.disk, law, asked, self.tolerance, self.horizon, only)
+            names = tuple(self.quantities)
+            return about_nearest(problem, self.subject, law, names, self.horizon, only)
         found = climb(problem, self.quantities, tuple(self.models), only, measured=True)
         told = tell(problem, found, self.horizon)
         if self.uncertain and found.track is not None:
@@ -325,7 +303,7 @@ class Scene(Record):
         def ask(other: Problem) -> Climbed:
             return climb(other, self.quantities, tuple(self.models), only)
 
-        labels = {n: in_words(n, width, problem.launches) for n, width in self.uncertain.items()}
+        labels = {n: self.subject.width_in_words(n, w) for n, w in self.uncertain.items()}
         return spread(self.uncertain, problem, found, move, ask, labels)
 
     def verify(self) -> Answer:
@@ -337,23 +315,20 @@ class Scene(Record):
             With `true_error`: the difference of the values, over 1 or their size, by quantity where
             several were asked for; None for a linear question, whose rungs prove their errors.
         """
-        laws, began = laws_of(self.disk, self.contact), time.perf_counter()
-        if len(laws) > 1:
-            told = self._compared(laws, None, verify=True)
-            errors: Any = {n: part.true_error for n, part in told.parts.items()}
-            seconds = time.perf_counter() - began
-            told = replace(told, citation=works_of(self.disk, laws, told))
-            return replace(told, true_error=errors, setting=self._setting(laws), cost=seconds)
-        told = self.answer()
-        if told.motion is None:
-            return told
-        problem, track = told.motion
+        if len(self.subject.laws) > 1:
+            began = time.perf_counter()
+            answer = self._finished(self._compared(Scene.verify), began)
+            return replace(answer, true_error={n: a.true_error for n, a in answer.parts.items()})
+        answer = self.answer()
+        if answer.motion is None:
+            return answer
+        problem, track = answer.motion
         if track.finish is not None and track.finish.kind in UNKNOWN:  # no finer run knows more
-            lost = dict.fromkeys(self.quantities, math.inf)
-            return replace(told, true_error=lost if len(lost) > 1 else math.inf)
-        truth = truth_of(problem)
-        errors = {n: held_against(n, (problem, track), truth) for n in self.quantities}
-        return replace(told, true_error=errors if len(errors) > 1 else errors[self.quantities[0]])
+            errors = dict.fromkeys(self.quantities, math.inf)
+        else:
+            truth = truth_of(problem)
+            errors = {n: held_against(n, answer.motion, truth) for n in self.quantities}
+        return replace(answer, true_error=single(errors))
 
     def plot(self, path: Any = None, *, overwrite: bool = False, **options: Any) -> Any:
         """Draw cost against true error of every model of the scene.

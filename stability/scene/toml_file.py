@@ -143,7 +143,7 @@ def _arguments(tables: Mapping[str, Any]) -> dict[str, Any]:
     found = {
         "disk": disk,
         **_laws(tables["contact"]),
-        "start": _start(tables["start"], disk),
+        "start": _start(tables["start"], disk, WHICH if "body" in tables else ()),
         **_question(tables["question"]),
     }
     if "uncertain" in tables:
@@ -224,9 +224,8 @@ def _law(table: Mapping[str, Any], where: str) -> Contact:
     return law_named(table["law"], values.pop("mu", None), motion=True, others=values)
 
 
-def _start(table: Mapping[str, Any], disk: Disk | Body) -> Any:
-    """The states by name, or the six of a launch near a steady motion."""
-    which = WHICH if isinstance(disk, Body) else ()
+def _start(table: Mapping[str, Any], disk: Disk | Body, which: Collection[str]) -> Any:
+    """The states by name, or the six of a launch near a steady motion, which may need `which`."""
     _only(table, (*STATES, *LAUNCH, *which), "[start]")
     if not set(LAUNCH) & set(table):
         if "theta" not in table:

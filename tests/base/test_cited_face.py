@@ -299,10 +299,10 @@ def test_a_map_with_points_cites_what_they_are_from() -> None:
 
 def test_results_are_gathered_inside_only_and_reach_the_one_around() -> None:
     with gathered() as outer:
-        cited(methods=["cvodes"])
+        cited(methods=["sundials"])
         with gathered() as inner:
             cited(methods=["heyoka"])
-    cited(methods=["radau"])
+    cited(methods=["scipy"])
     assert inner == ["stability, casadi, heyoka"]
     assert outer == ["stability, casadi, sundials", *inner]
 

@@ -1,6 +1,7 @@
 """Each route integrates and stops at guards alike, and `auto` takes the cheaper one."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -8,10 +9,14 @@ import pytest
 from simulation import simulate
 
 import stability as st
+from stability.cli.commands import main
+from stability.compare.motion.drivers import _single
 from stability.integrators import selection as integrators
 from stability.integrators import taylor
 from stability.integrators.flow import flow
 from stability.integrators.leg import UNRESOLVED, Leg, Path
+from stability.integrators.registry import PLACES
+from stability.integrators.scipy_methods import of_scipy
 from stability.integrators.selection import METHODS, choose, stiffness
 
 LAUNCH = np.array([math.pi / 2 - 0.1, 0, 0, 1.2, 0, 0])
@@ -111,6 +116,30 @@ def test_a_tighter_tolerance_puts_off_the_implicit_route() -> None:
     assert turn[0] < turn[1] < turn[2]
 
 
+def test_one_record_is_an_integrator_for_all_who_read_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    record = of_scipy("rk23", "RK23", "explicit Runge-Kutta, order 3", "hairer1993")
+    monkeypatch.setitem(METHODS, "rk23", record)
+    asked: Any = {"method": "rk23", "tolerance": 1e-8}
+    run = st.simulate(st.Disk(), st.Viscous(0.3), LAUNCH, 2.0, **asked)
+    fine = st.simulate(st.Disk(), st.Viscous(0.3), LAUNCH, 2.0, tolerance=1e-12)
+    off = max(abs(float((run[n] - fine[n])[-1])) for n in ("theta", "phi_dot", "omega3"))
+    assert off <= float(run.final_error) < 1e-4
+    assert [work.key for work in st.citation(run).works][-2:] == ["scipy", "hairer1993"]
+    assert "explicit Runge-Kutta, order 3" in _single("rk23").title
+    with pytest.raises(st.StabilityError, match="rk23"):
+        st.simulate(st.Disk(), st.Viscous(0.3), LAUNCH, 2.0, method="rk24")
+    monkeypatch.setitem(METHODS, "rk23", replace(record, refuses=lambda _: "which is tired"))
+    with pytest.raises(st.StabilityError, match="method is 'rk23', which is tired"):
+        st.simulate(st.Disk(), st.Viscous(0.3), LAUNCH, 2.0, **asked)
+
+
+def test_the_list_for_commands_is_that_of_the_records(capsys: pytest.CaptureFixture[str]) -> None:
+    assert list(PLACES) == list(METHODS) == [method.name for method in METHODS.values()]
+    with pytest.raises(SystemExit):
+        main(["simulate", "--help"])
+    assert f"auto, {', '.join(PLACES)}" in " ".join(capsys.readouterr().out.split())
+
+
 def test_stiffness_is_seen_behind_a_fast_slide() -> None:
     # while it slides fast with D large, gn is small and so is the Jacobian at the start
     start = [math.pi / 2 - 0.1, 0, 0.1, 1.2, -0.3, 0.3]
@@ -127,13 +156,14 @@ def test_auto_tries_another_route_where_one_gives_up(monkeypatch: pytest.MonkeyP
         return Path(question.start[None], End(UNRESOLVED, 0.0, question.start, "no"), 1)
 
     first = choose([leg(0.3)])[0].method
-    monkeypatch.setitem(integrators.METHODS, first, gives_up)
+    useless = replace(integrators.METHODS[first], run=gives_up)
+    monkeypatch.setitem(integrators.METHODS, first, useless)
     run = st.simulate(st.Disk(), st.Viscous(0.3), LAUNCH, [1.0, 2.0])
     assert len(calls) == 1
     assert run.attrs["outcome"] == "moving"
     assert f"{first} gave up" in run.attrs["method_reason"]
-    for name in integrators.METHODS:
-        monkeypatch.setitem(integrators.METHODS, name, gives_up)
+    for name, method in integrators.METHODS.items():
+        monkeypatch.setitem(integrators.METHODS, name, replace(method, run=gives_up))
     lost = st.simulate(st.Disk(), st.Viscous(0.3), LAUNCH, [1.0, 2.0])
     assert lost.attrs["outcome"] == "unresolved"
     assert lost.time.values.tolist() == [0.0]
@@ -155,8 +185,6 @@ def test_a_failed_lane_is_run_again_by_itself() -> None:
     if not taylor.available():
         pytest.skip("heyoka is an extra")
     legs = [leg(0.3, start=LAUNCH + 0.01 * i) for i in range(5)]
-    from dataclasses import replace
-
     starved = [replace(one, max_steps=30) for one in legs]
     paths = taylor.integrate_many(starved, 1)
     assert all(p.end is not None and p.end.kind == UNRESOLVED for p in paths)

@@ -72,14 +72,14 @@ def test_a_jump_lets_errors_grow_and_shrink_again() -> None:
     start, no = which.pack(np.array([2.0, 0.0])), np.empty(0)
     times = np.array([0.0, 1000.0])
     trail: Trail = []
-    path = integrate(Leg(which, no, start, times, 1e-12, 10**6), method="lsoda", trail=trail)
+    path = integrate(Leg(which, no, start, times, 1e-12, 10**6), solver="LSODA", trail=trail)
     along = growth_along(which, no, trail)
     assert path.states[-1, 0] < -1  # it has jumped
     speeds = np.array([abs(float(state[1])) for _, state, _ in trail])
     assert along.last < 100 * speeds[-1] / speeds[100:].min()
     assert along.largest > speeds.max() / speeds[-1]
     coarse = np.linspace(0, 1000, 257)
-    fine = integrate(Leg(which, no, start, coarse, 1e-12, 10**6), method="lsoda")
+    fine = integrate(Leg(which, no, start, coarse, 1e-12, 10**6), solver="LSODA")
     assert growth(which, no, coarse, fine.states).last > 10 * along.last
 
 

@@ -21,6 +21,7 @@ CHANGES = (
     "source of systems",
     "family",
     "integrator",
+    "question of a scene",
     "production route to a verdict",
     "method to compare with",
     "figure",

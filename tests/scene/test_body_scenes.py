@@ -372,6 +372,17 @@ def test_several_laws_of_a_body_and_its_chart(
     assert found["viscous"] < 1e-5 < found[f"{name} law"]
 
 
+def test_a_law_without_fixed_axes_is_compared_in_the_angles() -> None:
+    laws = {"viscous": st.Viscous(0.3), "dry": st.Coulomb(0.3)}
+    start = {"theta": 1.1, "omega3": 3.0}
+    answer = st.Scene(TOP, laws, start, 1.0, 1e-5).answer()
+    assert set(answer.value["viscous"]) != set(answer.value["dry"])
+    names = ("theta", "theta_dot", "phi_dot", "omega3")
+    runs = [st.simulate(TOP, law, start, [1.0]) for law in laws.values()]
+    one, other = (np.array([float(run[n][-1]) for n in names]) for run in runs)
+    assert answer.apart == pytest.approx(far(other, one), rel=1e-6)
+
+
 def test_numbers_in_si_are_those_without_units() -> None:
     length, gravity = 0.015, 9.81
     rate, speed = math.sqrt(gravity / length), math.sqrt(gravity * length)

@@ -262,9 +262,9 @@ def test_a_progress_that_is_no_function_is_refused() -> None:
 def test_other_laws_have_the_friction_of_the_truth() -> None:
     coin = st.Disk.named("quarter")
     weight = float(np.ravel(coin.force)[0])
-    viscous: Any = other_laws(coin, st.LinearViscous(c=2.0 * weight))["viscous"]
+    viscous: Any = other_laws(coin.units, st.LinearViscous(c=2.0 * weight))["viscous"]
     assert float(viscous.mu) == pytest.approx(2.0)
-    assert list(other_laws(st.Disk(), st.Rough())) == [
+    assert list(other_laws(st.Disk().units, st.Rough())) == [
         "smooth",
         "viscous, mu = 100",
         "coulomb, mu = 0.3",

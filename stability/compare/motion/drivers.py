@@ -114,21 +114,8 @@ class Fine(Simulated):
     method, check, usual = "auto", True, 1e-14
 
 
-KINDS = {
-    "heyoka": "Taylor series in compiled code",
-    "dop853": "explicit Runge-Kutta, order 8",
-    "lsoda": "multistep, switches at stiffness",
-    "radau": "implicit Runge-Kutta, order 5",
-    "bdf": "implicit multistep, in SciPy",
-    "cvodes": "implicit multistep, in SUNDIALS",
-    "idas": "implicit multistep for differential-algebraic equations, in SUNDIALS",
-}
-"""What each integrator is, in a few words; one that has none yet is compared by its name."""
-
-
 def _single(method: str) -> type[Driver]:
-    call, kind = f"simulate(method='{method}', check=False)", KINDS.get(method, "")
-    title = f"{call}: {kind}" if kind else call
+    title = f"simulate(method='{method}', check=False): {METHODS[method].about}"
     words = {"name": method, "title": title}
     body = {**words, "method": method, "__doc__": f"`simulate` by {method}, unchecked."}
     made: type[Driver] = type(method.capitalize(), (Simulated,), body)

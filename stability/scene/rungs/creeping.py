@@ -158,8 +158,7 @@ def creeping(
         why there is none.
     """
     if not applies(problem):
-        word = "the law" if problem.launches.law is None else problem.launches.law.name
-        why = f"{word} has no creep: its slip does not decay at a rate mu"
+        why = f"{problem.launches.name} has no creep: its slip does not decay at a rate mu"
         return {}, "creep", Refused(why)
     climb = Climb(
         problem,

@@ -23,6 +23,7 @@ import numpy as np
 
 from ...base.types import Floats
 from ...bodies.contact_laws import LinearViscous, Viscous
+from ...bodies.thin_disk import disk_system
 from .elements import Elements, chebyshev
 from .near_steady import SAMPLES, Modes, modes, modes_of, rates_at, slope_at
 from .track import Problem, Refused, Track, relative
@@ -183,6 +184,12 @@ def _coefficients(problem: Problem, spins: Floats) -> Floats | Refused:
     return found
 
 
+def thin(problem: Problem) -> bool:
+    """Whether a disk without thickness moves, whose drift under viscous friction is known."""
+    lines, law = problem.launches.settling.lines[:1], problem.launches.law
+    return [line.system for line in lines] == [disk_system(law)]
+
+
 def drifting(problem: Problem) -> Track | Refused:
     """The track of a rolling body that drifts, and of its fast modes while they decay.
 
@@ -207,7 +214,7 @@ def drifting(problem: Problem) -> Track | Refused:
             f"the body leans by {np.pi / 2 - near.member[0]:.3g} rad as it rolls, where "
             "no drift is known"
         )
-    if problem.thin and 2 * float(problem.p[0]) * near.at**2 <= 1:
+    if thin(problem) and 2 * float(problem.p[0]) * near.at**2 <= 1:
         return Refused("rolling is below its threshold, where nothing lasts")
     found = modes(problem, near.member, near.family)
     if isinstance(found, Refused):
@@ -218,7 +225,7 @@ def drifting(problem: Problem) -> Track | Refused:
     slow, fast = _split(found, zero)
     tilt, spin = float(slow[0]), float(found.member[3] + slow[1])
     where = {"tilt": abs(tilt)}
-    if not problem.thin:
+    if not thin(problem):
         drift = (
             _numeric(problem, tilt, spin) if tilt else Refused("it does not lean: nothing drifts")
         )

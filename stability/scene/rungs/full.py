@@ -182,15 +182,20 @@ def _run(
     return track
 
 
+def _gaps(problem: Problem, track: Track, other: Result, skip: int) -> Floats:
+    """Relative distances of another run from the samples of a track, as far as both go."""
+    away = problem.flow.reported(other.path.states)[skip:]
+    both = min(len(away), len(track.states))
+    return relative(away[:both] - track.states[:both], track.states[:both])
+
+
 def _displaced(
     problem: Problem, track: Track, begin: float, skip: int, one: Result, other: Result
 ) -> Track:
     """The track with the error that a displaced run shows."""
-    away = problem.flow.reported(other.path.states)[skip:]
-    both = min(len(away), len(track.states))
-    more = relative(away[:both] - track.states[:both], track.states[:both])
-    more = np.append(more, np.full(len(track.states) - both, more.max(initial=0.0)))
-    finish = track.finish
+    more = _gaps(problem, track, other, skip)
+    beyond = np.full(len(track.states) - len(more), more.max(initial=0.0))
+    more, finish = np.append(more, beyond), track.finish
     alike = (other.outcome in LASTING) == (one.outcome in LASTING)
     if finish is None:
         more[-1] = more[-1] if alike else np.inf
@@ -209,11 +214,9 @@ def _along(problem: Problem, track: Track, start: Floats, times: Floats, toleran
     if fine >= tolerance:
         fine = decade(tolerance / ALONG)
     [other] = _results(problem, start[None], times, fine, check=False)
-    away = problem.flow.reported(other.path.states)[int(times[0] != 0) :]
-    both = min(len(away), len(track.states))
+    gaps = _gaps(problem, track, other, int(times[0] != 0))
     errors = track.errors.copy()
-    gaps = relative(away[:both] - track.states[:both], track.states[:both])
-    errors[:both] = np.maximum(errors[:both], SAFETY * gaps)
+    errors[: len(gaps)] = np.maximum(errors[: len(gaps)], SAFETY * gaps)
     return replace(track, errors=errors)
 
 

@@ -19,6 +19,7 @@ import numpy as np
 from ...algebra.eigensolver import eigenpairs
 from ...algebra.program import Program, entries
 from ...base.types import Floats
+from ...systems.equations import Equations
 from ...systems.system import System
 from .track import Problem, Refused, Track, relative
 
@@ -65,7 +66,7 @@ def _pairs(count: int) -> tuple[Any, Any]:
 
 
 @lru_cache(maxsize=64)
-def _rates(system: System) -> Program:
+def rates_of(system: Equations) -> Program:
     """Program of (x, p) → rates, without a check of conditions."""
     return Program(ca.Function("rates", [system.x, system.p], [ca.densify(system.rhs)]))
 
@@ -73,7 +74,7 @@ def _rates(system: System) -> Program:
 def rates_at(problem: Problem, states: Floats) -> Floats:
     """Rates of a problem's equations at states, shape (…, n), without a check of conditions."""
     given = [entries(states), list(problem.p)]
-    found: Floats = _rates(problem.flow.system).arrays(given, states.shape[:-1])[0][..., 0]
+    found: Floats = rates_of(problem.flow.system).arrays(given, states.shape[:-1])[0][..., 0]
     return found
 
 
@@ -167,7 +168,7 @@ class Modes:
         one = self.states(self.linear(inside))
         e = one + self.states(self.second(inside))
         given = [list((self.member + e).T), list(self.p)]
-        rates = _rates(self.system).arrays(given, inside.shape)
+        rates = rates_of(self.system).arrays(given, inside.shape)
         bent = np.tensordot(one, self.bend, axes=(1, 2))
         known = e @ self.jacobian.T + (bent @ one[:, :, None])[..., 0] / 2
         drive = (rates[0][..., 0] - known) @ self.back.T
@@ -293,7 +294,7 @@ def near_steady(
     near = problem.near
     if near.member is None:
         why = "no steady motion is known near the start"
-        if problem.launches.law is None:
+        if not problem.touches:
             named = problem.launches.settling.lines
             why += f": {near.evidence}" if named else "; name some with families="
         elif near.family:

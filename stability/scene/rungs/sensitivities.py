@@ -23,6 +23,7 @@ from ...integrators.selection import HEYOKA, dense, explicit
 from ...systems.equations import Equations
 from .elements import Elements, Linear, carried
 from .full import between
+from .near_steady import rates_of
 from .track import Finish, Problem, Refused, Track, decade, relative
 
 POINTS, LENGTH = 12, 1.5
@@ -73,12 +74,6 @@ def _slopes(system: Equations) -> Program:
     slopes = [ca.jacobian(system.rhs, symbols) for symbols in (system.x, system.p)]
     outputs = [ca.densify(v) for v in (system.rhs, *slopes)]
     return Program(ca.Function("slopes", [system.x, system.p], outputs))
-
-
-@lru_cache(maxsize=64)
-def _rates(system: Equations) -> Program:
-    """Program of (x, p) → rates, without a check of conditions."""
-    return Program(ca.Function("rates", [system.x, system.p], [ca.densify(system.rhs)]))
 
 
 def _run(program: Program, states: Floats, p: Floats) -> list[Floats]:
@@ -164,7 +159,7 @@ class Forward:
         changed = np.repeat(self.parameters, 2, axis=-1) * signs
         displaced = np.moveaxis(self.states[..., None] + linear, -1, 0)
         p = np.array([other.p for pair in others for other in pair])
-        [there] = _run(_rates(self.problem.flow.system), displaced, p[:, None, None])
+        [there] = _run(rates_of(self.problem.flow.system), displaced, p[:, None, None])
         rates, by_p = self.slopes
         straight = rates[..., None] + self.equation.slope @ linear + by_p @ changed
         defect = np.moveaxis(there[..., 0], 0, -1) - straight

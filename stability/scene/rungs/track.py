@@ -11,7 +11,7 @@ import numpy as np
 
 from ...base.quantities import Kind
 from ...base.types import Floats
-from ...bodies.thin_disk import disk_system
+from ...bodies.model import LIFT_OFF
 from ...integrators.flow import Flow, flow_of
 from ...motion.starts import Starts
 from ...settling.settling import SETTLE, Nearest
@@ -75,11 +75,9 @@ class Problem:
         return float(self.p[names.index(name)]) if name else 0.0
 
     @cached_property
-    def thin(self) -> bool:
-        """Whether the disk moves, and not another body or a system."""
-        law = self.launches.law
-        systems = [line.system for line in self.launches.settling.lines[:1]]
-        return law is not None and systems == [disk_system(law)]
+    def touches(self) -> bool:
+        """Whether the model has a contact that may lift off."""
+        return LIFT_OFF in self.flow.guards
 
     @cached_property
     def near(self) -> Nearest:

@@ -156,14 +156,7 @@ def _round_model(  # noqa: PLR0913
     if len(system.states) == len(STATES):
         solved = _solved(system, of, law, given, resistance)
         rates, pressing, determinant = [*solved[:2]], solved[2], solved[3]
-    series = {
-        "energy": seen["energy"],
-        "potential": h,
-        "normal_force": normal,
-        "force_x": seen["contact_force"][0],
-        "force_y": seen["contact_force"][1],
-        "power": seen["power"],
-    }
+    series = series_of(seen, h)
     if pose:
         extra = ca.SX.sym("pose", len(POSE))
         columns.append(extra)
@@ -207,6 +200,18 @@ def _round_model(  # noqa: PLR0913
         ),
     )
     return of_thin(model, law) if is_thin(of) else model
+
+
+def series_of(seen: Mapping[str, ca.SX], height: ca.SX) -> dict[str, ca.SX]:
+    """The series that a motion of any body reports beyond its states, in the axes of its model."""
+    return {
+        "energy": seen["energy"],
+        "potential": height,
+        "normal_force": seen["normal_force"],
+        "force_x": seen["contact_force"][0],
+        "force_y": seen["contact_force"][1],
+        "power": seen["power"],
+    }
 
 
 def _solved(

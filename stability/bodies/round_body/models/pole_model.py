@@ -35,7 +35,7 @@ from ..height.pole_height import height_of_cosine
 from ..pole_equations import SLIP, held_at_pole, pole_system, rough_at_pole, smooth_at
 from ..shape import RoundShape
 from ..si_law import Shape, shape_of
-from .angle_model import quantities_with, words_of_end
+from .angle_model import quantities_with, series_of, words_of_end
 
 FRONT = ("front_X", "front_Y", "front_Z")
 """Unit vector of the body across its axis, from which ψ is read."""
@@ -99,16 +99,8 @@ def _pole_model(  # noqa: PLR0913
     arm = -slope * axis - (h - axis[2] * slope) * ca.SX([0, 0, 1])
     columns, names = [x, ca.SX.sym(WORK)], [*system.states, WORK]
     rates = [system.rhs, seen["power"]]
-    force, normal = seen["contact_force"], seen["normal_force"]
-    series = {
-        "energy": seen["energy"],
-        "potential": h,
-        "normal_force": normal,
-        "force_x": force[0],
-        "force_y": force[1],
-        "power": seen["power"],
-        **dict(zip(AXES, ca.vertsplit(axis), strict=True)),
-    }
+    normal = seen["normal_force"]
+    series = series_of(seen, h) | dict(zip(AXES, ca.vertsplit(axis), strict=True))
     if pose:
         extra = ca.SX.sym("pose", len(FRONT) + len(PLACE))
         columns.append(extra)
