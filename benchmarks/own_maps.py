@@ -23,8 +23,8 @@ import numpy as np
 import stability as st
 from stability.base.axis import Axis
 from stability.maps.cells import Cells
-from stability.maps.own.slice_verdicts import slice_verdicts
-from stability.maps.own.slices import _cached
+from stability.maps.general.slice_verdicts import slice_verdicts
+from stability.maps.general.slices import _cached
 from stability.spectra.arguments import prepare
 
 SIDE = 1000

@@ -27,10 +27,10 @@ from ..spectra.deflation import drift_powers, drifting
 from ..spectra.problem import Problem
 from ..systems.graph.smoothness import edged
 from .dataset import EXACT, GRAPH, LOOPS, OWN, SINGLE
+from .general.cells import GraphCells, SliceCells, formula_cells, slice_cells
+from .general.rates import Bands
+from .general.slice_verdicts import ELSEWHERE
 from .growth_rates import GrowthKernel, Room, steady_memory
-from .own.cells import GraphCells, SliceCells, formula_cells, slice_cells
-from .own.rates import Bands
-from .own.slice_verdicts import ELSEWHERE
 from .verdicts import GridVerdicts
 
 CHUNK = 16384

@@ -54,8 +54,8 @@ from ..storage.targets import (
 from ..systems.family import Family
 from .cells import Cells
 from .dataset import cell_attributes, provenance
+from .general.slice_verdicts import ELSEWHERE, SliceVerdicts, slice_verdicts
 from .growth_rates import steady_memory
-from .own.slice_verdicts import ELSEWHERE, SliceVerdicts, slice_verdicts
 from .verdicts import Codes, GridVerdicts
 
 Judge = GridVerdicts | SliceVerdicts

@@ -37,7 +37,7 @@ from ..base.verdict import CODES, Verdict, best
 from ..bodies.disk_polynomials import INPUT
 from ..spectra.certificate import verdict
 from ..spectra.problem import Problem
-from .own.slice_verdicts import slice_verdicts
+from .general.slice_verdicts import slice_verdicts
 
 Codes = NDArray[np.int8]
 
