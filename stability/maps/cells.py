@@ -28,7 +28,7 @@ from ..spectra.problem import Problem
 from ..systems.graph.smoothness import edged
 from .dataset import EXACT, GRAPH, LOOPS, OWN, SINGLE
 from .general.cells import GraphCells, SliceCells, formula_cells, slice_cells
-from .general.rates import Bands
+from .general.rates import Bands, arrays_of
 from .general.slice_verdicts import ELSEWHERE
 from .growth_rates import GrowthKernel, Room, steady_memory
 from .verdicts import GridVerdicts
@@ -115,6 +115,11 @@ class Cells:
             self.values = np.empty((*self.shape, self._by_graph.count), dtype=complex)
 
     @property
+    def _names(self) -> tuple[str, ...]:
+        """Names of the arrays of a chunk."""
+        return ("codes", "abscissa", "error", "frequency", *(["values"] * self.modes))
+
+    @property
     def by_slice(self) -> bool:
         """Whether verdicts and growth rates come from the polynomial in the axes."""
         return self.slice is not None and self.slice.growth
@@ -166,7 +171,7 @@ class Cells:
 
     def __getstate__(self) -> dict[str, Any]:
         """The state without the arrays, which no worker fills."""
-        filled = ("abscissa", "error", "frequency", "codes", "values")
+        filled = (*self._names, "values")
         return {name: value for name, value in vars(self).items() if name not in filled}
 
     def fill(
@@ -210,8 +215,7 @@ class Cells:
             for start, chunk in results:
                 self._place(start, chunk)
         if self.by_slice:
-            names = "codes", "abscissa", "error", "frequency", *(["values"] * self.modes)
-            whole = {n: getattr(self, n) for n in names}
+            whole = {n: getattr(self, n) for n in self._names}
             grid = self.axes[0].values, self.axes[1].values
             self._complete({n: a.reshape(-1, *a.shape[2:]) for n, a in whole.items()}, grid)
         if (self.codes == NO_MEMBER).all():
@@ -299,29 +303,17 @@ class Cells:
     def _rows(self, xs: Floats, ys: Floats, room: Room | None = None) -> Chunk:
         """The arrays of a grid inside the map, some cells left open by a slice."""
         if self.slice is not None:
-            found, left, rates = self.slice.band(xs, ys)
-            part: Chunk = {
-                LEFT: np.array([left]),
-                "codes": found,
-                "abscissa": rates.abscissa,
-                "error": rates.error,
-                "frequency": rates.frequency,
-            }
-            return part if rates.values is None else part | {"values": rates.values}
+            codes, left, rates = self.slice.band(xs, ys)
+            return {LEFT: np.array([left]), "codes": codes, **arrays_of(rates, modes=self.modes)}
         values = dict(self.problem.values)
         values |= {self.axes[0].name: xs[None, :], self.axes[1].name: ys[:, None]}
         growth = self._growth(values, out=room)
         codes, left = self._verdicts(xs, ys, growth.codes)
-        chunk: Chunk = {
+        return {
             LEFT: np.array([left + growth.handed_on]),
             "codes": codes.reshape(-1),
-            "abscissa": growth.abscissa,
-            "error": growth.error,
-            "frequency": growth.frequency,
+            **arrays_of(growth, modes=self.modes),
         }
-        if growth.values is not None:
-            chunk["values"] = growth.values
-        return chunk
 
     def _room(self, rows: slice) -> Room | None:
         """Whole rows of the map, which a worker of this process fills in place."""
@@ -379,7 +371,7 @@ class Cells:
         if good.all():
             return part
         chunk: Chunk = {}
-        for name in ("codes", "abscissa", "error", "frequency", *(["values"] * self.modes)):
+        for name in self._names:
             kind: Any = {"codes": np.int8, "values": complex}.get(name, float)
             shape = len(good), *((self._by_graph.count,) if name == "values" else ())
             chunk[name] = np.full(shape, NO_MEMBER if name == "codes" else np.nan, dtype=kind)
@@ -390,13 +382,10 @@ class Cells:
     def fits(self, start: int, chunk: Chunk) -> bool:
         """Whether a stored chunk is whole: every array, of the right length and type."""
         count = min(self.chunk, math.prod(self.shape) - start)
-        names = ["codes", "abscissa", "error", "frequency"]
-        names += ["values"] if self.values is not None else []
-        kept = [n for n in chunk if n != LEFT]
-        return sorted(kept) == sorted(names) and all(
+        return chunk.keys() - {LEFT} == {*self._names} and all(
             chunk[n].shape == (count, *getattr(self, n).shape[2:])
             and chunk[n].dtype == getattr(self, n).dtype
-            for n in names
+            for n in self._names
         )
 
     def _place(self, start: int, chunk: Chunk) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base.citation import cited, joined
+from ..base.types import Floats
 from ..base.verdict import NO_MEMBER
 from ..boundary.two_parameters.point_records import (
     CodimensionTwo,
@@ -276,10 +277,6 @@ def assemble(
     if points is not None:
         named = {g.name: axis_attributes(problem, g.name) for g in axes}
         variables |= point_variables(points, named, words)
-    coordinates: dict[str, Any] = {}
-    for g in axes:
-        for name in filter(None, (g.name, g.alias)):
-            coordinates[name] = ((g.name,), g.values, axis_attributes(problem, g.name))
     attributes = provenance(problem, axes, cells.route)
     if missing:
         attributes["no_member"] = f"{missing} of {cells.codes.size} cells have no member"
@@ -296,7 +293,16 @@ def assemble(
             f"encloses every change of verdict is made of boxes 2^-{boxes.levels} of each axis "
             "wide; a logarithmic axis is measured in its logarithm",
         }
-    return xarray.Dataset(variables, coordinates, attributes)
+    return xarray.Dataset(variables, coordinates(problem, axes), attributes)
+
+
+def coordinates(problem: Problem, axes: tuple[Axis, Axis]) -> dict[str, tuple[str, Floats, Any]]:
+    """Axis, values and attributes of each coordinate, by its name or its second name."""
+    return {
+        name: (grid.name, grid.values, axis_attributes(problem, grid.name))
+        for grid in axes
+        for name in filter(None, (grid.name, grid.alias))
+    }
 
 
 def cell_attributes(problem: Problem, *, missing: bool) -> dict[str, dict[str, Any]]:

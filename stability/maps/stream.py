@@ -38,7 +38,7 @@ from ..jobs.filling import fill
 from ..jobs.pipeline import Counted, ordered, shared
 from ..jobs.zarr_store import ZarrStore
 from ..spectra.arguments import swept
-from ..spectra.labels import axis_attributes
+from ..spectra.labels import verdict_attributes
 from ..spectra.problem import Problem
 from ..storage.checksum import ATTRIBUTE, STATEMENT, seal
 from ..storage.files import atomic_write, postponed
@@ -53,10 +53,11 @@ from ..storage.targets import (
 )
 from ..systems.family import Family
 from .cells import Cells
-from .dataset import cell_attributes, provenance
+from .dataset import cell_attributes, coordinates, provenance
 from .general.slice_verdicts import ELSEWHERE, SliceVerdicts, slice_verdicts
 from .growth_rates import steady_memory
-from .verdicts import Codes, GridVerdicts
+from .tiles import Codes
+from .verdicts import GridVerdicts
 
 Judge = GridVerdicts | SliceVerdicts
 """What gives the verdicts of a band."""
@@ -117,11 +118,7 @@ def _own_verdicts(problem: Problem, axes: tuple[Axis, Axis]) -> SliceVerdicts:
 
 def flags() -> dict[str, Any]:
     """Attributes of verdicts alone."""
-    return {
-        "flag_values": np.array(list(CODES.values()), dtype=np.int8),
-        "flag_meanings": " ".join(v.word for v in CODES),
-        "long_name": "spectral verdict",
-    }
+    return {name: words for name, words in verdict_attributes().items() if name != "comment"}
 
 
 def band(judge: Callable[[], Judge], xs: Floats, ys: Floats) -> tuple[Codes, int]:
@@ -131,43 +128,48 @@ def band(judge: Callable[[], Judge], xs: Floats, ys: Floats) -> tuple[Codes, int
     return codes, left
 
 
-def write_verdicts(
+@dataclass(frozen=True)
+class _How:
+    """How a map is computed and written."""
+
+    executor: Executor | None
+    """Executor that does the work, or None."""
+    workers: int
+    """Number of workers."""
+    progress: Progress | None
+    """Called with (cells done, cells in all)."""
+    overwrite: bool
+    """Whether an existing file may be replaced."""
+
+    def fill(self, store: ZarrStore, work: Any, blank: Callable[[int], Arrays]) -> None:
+        """Compute the chunks of a folder."""
+        fill(
+            store,
+            work,
+            blank=blank,
+            executor=self.executor,
+            workers=self.workers,
+            progress=self.progress,
+        )
+
+
+def _write_verdicts(
     target: Path,
     judge: Judge,
     problem: Problem,
     axes: tuple[Axis, Axis],
     layout: Layout,
-    *,
-    executor: Executor | None,
-    workers: int,
-    progress: Progress | None,
-    overwrite: bool,
+    how: _How,
 ) -> None:
-    """Write a NetCDF file with its checksum.
-
-    Parameters
-    ----------
-    target
-        The file.
-    judge
-        What gives the verdicts.
-    problem, axes
-        Family with values in the user's units; x and y.
-    layout
-        Chunks of the file; a band is a row of them.
-    executor, workers, progress, overwrite
-        As for `stream_map`.
-    """
-    with atomic_write(target, overwrite=overwrite) as draft:
+    """Write a NetCDF file with its checksum; a band is a row of the layout's chunks."""
+    with atomic_write(target, overwrite=how.overwrite) as draft:
         with _Sink(draft) as sink:
             # an exception within HDF5's calls of the sink, even Ctrl-C, would end the process
             file = None
             try:
                 with postponed():
                     file, variable = _created(sink, problem, axes, layout)
-                left = _fill(
-                    variable, sink, judge, axes, layout.chunk[0], workers, progress, executor
-                )
+                left = _fill(variable, sink, judge, axes, layout.chunk[0], how)
                 total = math.prod(g.count for g in axes)
                 with postponed():
                     file.attrs["method"] = f"{METHOD} ({left} of {total} cells there)"
@@ -186,13 +188,11 @@ def _fill(
     verdicts: Judge,
     axes: tuple[Axis, Axis],
     step: int,
-    workers: int,
-    progress: Progress | None,
-    executor: Executor | None,
+    how: _How,
 ) -> int:
     """Write the bands in order; return the number of cells that went to exact arithmetic."""
     xs, ys = axes[0].values, axes[1].values
-    left, judge, total = 0, shared(verdicts, executor), math.prod(g.count for g in axes)
+    left, judge, total = 0, shared(verdicts, how.executor), math.prod(g.count for g in axes)
 
     def task(first: int) -> Callable[[], tuple[Codes, int]]:
         return partial(band, judge, xs, ys[first : first + step])
@@ -201,9 +201,9 @@ def _fill(
         ordered(
             range(0, len(ys), step),
             task,
-            executor=executor,
-            workers=workers,
-            progress=Counted(progress, total),
+            executor=how.executor,
+            workers=how.workers,
+            progress=Counted(how.progress, total),
             size=lambda first: min(step, len(ys) - first) * len(xs),
         )
     ) as results:
@@ -284,10 +284,9 @@ def _created(
 
     file = h5netcdf.File(path, "w")
     file.dimensions = {g.name: g.count for g in axes}
-    for grid in axes:
-        for name in filter(None, (grid.name, grid.alias)):
-            coordinate = file.create_variable(name, (grid.name,), float, data=grid.values)
-            coordinate.attrs.update(axis_attributes(problem, grid.name))
+    for name, (axis, values, words) in coordinates(problem, axes).items():
+        coordinate = file.create_variable(name, (axis,), float, data=values)
+        coordinate.attrs.update(words)
     second = [g.alias for g in axes if g.alias]
     verdict = file.create_variable(
         "verdict",
@@ -308,35 +307,6 @@ GROWN = 25
 """Bytes of a cell with its growth rates, not compressed; one of a verdict alone."""
 
 
-def verdict_store(
-    folder: Path, problem: Problem, axes: tuple[Axis, Axis], layout: Layout, *, overwrite: bool
-) -> ZarrStore:
-    """The store of a map of verdicts.
-
-    Parameters
-    ----------
-    folder, layout, overwrite
-        As for `ZarrStore`.
-    problem, axes
-        Family with values in the user's units; x and y.
-    """
-    arrays = (Variable("verdict", "int8", -1, flags()),)
-    return _store(folder, problem, axes, layout, arrays, METHOD, {}, overwrite)
-
-
-def growth_store(folder: Path, cells: Cells, layout: Layout, *, overwrite: bool) -> ZarrStore:
-    """The store of a map of verdicts and growth rates."""
-    attributes = cell_attributes(cells.problem, missing=not cells.exact)
-    arrays = (
-        Variable("verdict", "int8", -1, attributes["verdict"]),
-        *(Variable(name, "float64", np.nan, attributes[name]) for name in RATES),
-    )
-    question = {"growth rates": True, "solver of eigenvalues": name_of(cells.solver)}
-    return _store(
-        folder, cells.problem, cells.axes, layout, arrays, cells.method, question, overwrite
-    )
-
-
 def _store(
     folder: Path,
     problem: Problem,
@@ -348,11 +318,7 @@ def _store(
     overwrite: bool,
 ) -> ZarrStore:
     """The store of a map; equal maps have equal files, so it holds no date."""
-    coords = {
-        name: (grid.name, grid.values, axis_attributes(problem, grid.name))
-        for grid in axes
-        for name in filter(None, (grid.name, grid.alias))
-    }
+    coords = coordinates(problem, axes)
     attrs = {n: v for n, v in provenance(problem, axes, method).items() if n != "created"}
     graph = hashlib.sha256(str(problem.family.system.rhs).encode()).hexdigest()
     question = {"equations": graph, "anchor": repr(problem.family.anchor), **more}
@@ -360,11 +326,11 @@ def _store(
 
 
 @dataclass(frozen=True)
-class VerdictChunk:
-    """Work of a chunk of verdicts."""
+class ChunkWork:
+    """Work of a chunk of a map."""
 
-    judge: Callable[[], Judge]
-    """Gives this worker's judge."""
+    arrays: Callable[[Floats, Floats], Arrays]
+    """Gives the arrays of a grid, flat."""
     axes: tuple[Axis, Axis]
     """x and y."""
     layout: Layout
@@ -373,26 +339,20 @@ class VerdictChunk:
     def __call__(self, block: Block, part: slice) -> Arrays:
         """Arrays of a part of the chunk's cells."""
         rows, columns = self.layout.slices(block)
-        codes, _ = band(self.judge, self.axes[0].values[columns], self.axes[1].values[rows])
-        return {"verdict": codes.astype(np.int8, copy=False).ravel()[part]}
+        found = self.arrays(self.axes[0].values[columns], self.axes[1].values[rows])
+        return {name: array[part] for name, array in found.items()}
 
 
-@dataclass(frozen=True)
-class GrowthChunk:
-    """Work of a chunk of verdicts and growth rates."""
+def verdicts_of(judge: Callable[[], Judge], xs: Floats, ys: Floats) -> Arrays:
+    """The verdicts of a grid, by this worker's judge."""
+    codes, _ = band(judge, xs, ys)
+    return {"verdict": codes.astype(np.int8, copy=False).ravel()}
 
-    cells: Callable[[], Cells]
-    """Gives this worker's cells."""
-    layout: Layout
-    """The grid of chunks."""
 
-    def __call__(self, block: Block, part: slice) -> Arrays:
-        """Arrays of a part of the chunk's cells."""
-        cells = self.cells()
-        rows, columns = self.layout.slices(block)
-        found = cells.part(cells.axes[0].values[columns], cells.axes[1].values[rows])
-        rates = {name: found[own][part] for name, own in RATES.items()}
-        return {"verdict": found["codes"][part], **rates}
+def growth_of(cells: Callable[[], Cells], xs: Floats, ys: Floats) -> Arrays:
+    """Verdicts and growth rates of a grid, by this worker's cells."""
+    found = cells().part(xs, ys)
+    return {"verdict": found["codes"], **{name: found[own] for name, own in RATES.items()}}
 
 
 def no_verdicts(count: int) -> Arrays:
@@ -520,20 +480,6 @@ def stream_map(
     return Path(out)
 
 
-@dataclass(frozen=True)
-class _How:
-    """How a map is computed and written."""
-
-    executor: Executor | None
-    """Executor that does the work, or None."""
-    workers: int
-    """Number of workers."""
-    progress: Progress | None
-    """Called with (cells done, cells in all)."""
-    overwrite: bool
-    """Whether an existing file may be replaced."""
-
-
 def _target(out: str | os.PathLike[str], growth: bool, overwrite: bool) -> Path:
     """The file or folder to write."""
     if growth and place(out).suffix.lower() not in STORES:
@@ -568,41 +514,24 @@ def _judge(
     """Verdicts alone, to a file or a folder."""
     layout = _layout(axes, BAND)
     if target.suffix.lower() not in STORES:
-        write_verdicts(
-            target,
-            judge,
-            problem,
-            axes,
-            layout,
-            executor=how.executor,
-            workers=how.workers,
-            progress=how.progress,
-            overwrite=how.overwrite,
-        )
+        _write_verdicts(target, judge, problem, axes, layout, how)
         return
-    store = verdict_store(target, problem, axes, layout, overwrite=how.overwrite)
-    work = VerdictChunk(shared(judge, how.executor), axes, layout)
-    fill(
-        store,
-        work,
-        blank=no_verdicts,
-        executor=how.executor,
-        workers=how.workers,
-        progress=how.progress,
-    )
+    arrays = (Variable("verdict", "int8", -1, flags()),)
+    store = _store(target, problem, axes, layout, arrays, METHOD, {}, how.overwrite)
+    compute = partial(verdicts_of, shared(judge, how.executor))
+    how.fill(store, ChunkWork(compute, axes, layout), no_verdicts)
 
 
 def _grow(target: Path, problem: Problem, axes: tuple[Axis, Axis], how: _How) -> None:
     """Verdicts and growth rates, to a folder."""
     cells = Cells(problem, axes, False, whole=False)
     layout = _layout(axes, cells.band)
-    store = growth_store(target, cells, layout, overwrite=how.overwrite)
-    work = GrowthChunk(shared(cells, how.executor), layout)
-    fill(
-        store,
-        work,
-        blank=no_rates,
-        executor=how.executor,
-        workers=how.workers,
-        progress=how.progress,
+    attributes = cell_attributes(problem, missing=not cells.exact)
+    arrays = (
+        Variable("verdict", "int8", -1, attributes["verdict"]),
+        *(Variable(name, "float64", np.nan, attributes[name]) for name in RATES),
     )
+    question = {"growth rates": True, "solver of eigenvalues": name_of(cells.solver)}
+    store = _store(target, problem, axes, layout, arrays, cells.method, question, how.overwrite)
+    compute = partial(growth_of, shared(cells, how.executor))
+    how.fill(store, ChunkWork(compute, axes, layout), no_rates)

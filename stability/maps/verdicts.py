@@ -38,8 +38,7 @@ from ..bodies.disk_polynomials import INPUT
 from ..spectra.certificate import verdict
 from ..spectra.problem import Problem
 from .general.slice_verdicts import slice_verdicts
-
-Codes = NDArray[np.int8]
+from .tiles import Codes, Ends, tiled
 
 NUMPY = numpy_algebra()
 RANGE = 280.0
@@ -498,38 +497,12 @@ class GridVerdicts:
             return codes, self._single(
                 codes, *np.divmod(np.flatnonzero(known == 0), len(xs)), 1, xs, ys
             )
-        side = SIDES[0]
-        tall, wide = (-(-n // side) for n in shape)
-        # whole tiles, so that each is written at once; cells beyond the grid are cut off below
-        padded = np.empty((tall * side, wide * side), dtype=np.int8)
-        i, j = (v.ravel() for v in np.indices((tall, wide)))
-        found = self._judge(i * side, j * side, side, xs, ys)
-        padded.reshape(tall, side, wide, side)[...] = found.reshape(tall, 1, wide, 1)
-        i, j = i[found == 0], j[found == 0]
-        for finer in SIDES[1:]:
-            ratio, side = side // finer, finer
-            i, j = (
-                ratio * v[:, None] + s.ravel()
-                for v, s in zip((i, j), np.indices((ratio, ratio)), strict=True)
-            )
-            i, j = i.ravel(), j.ravel()
-            inside = (i * side < shape[0]) & (j * side < shape[1])
-            i, j = i[inside], j[inside]
-            part = self._judge(i * side, j * side, side, xs, ys)
-            tall, wide = padded.shape[0] // side, padded.shape[1] // side
-            padded.reshape(tall, side, wide, side)[i, :, j, :] = part[:, None, None]
-            i, j = i[part == 0], j[part == 0]
-        codes = padded[: shape[0], : shape[1]]
+        padded, i, j, _ = tiled(xs, ys, SIDES, self._judge, np.empty((0, 1)))
+        codes, side = padded[: shape[0], : shape[1]], SIDES[-1]
         return codes, self._single(codes, i * side, j * side, side, xs, ys)
 
-    def _judge(self, i: Any, j: Any, side: int, xs: Floats, ys: Floats) -> Codes:
-        if not len(i):
-            return np.zeros(0, dtype=np.int8)
-        spans = {
-            name: (values[first], values[np.minimum(first + side, len(values)) - 1])
-            for name, values, first in ((self.x, xs, j), (self.y, ys, i))
-        }
-        return self.boxes(spans)
+    def _judge(self, x: Ends, y: Ends, signs: Any) -> tuple[Codes, Any]:
+        return self.boxes({self.x: x, self.y: y}), signs
 
     def _single(self, codes: Codes, i: Any, j: Any, side: int, xs: Floats, ys: Floats) -> int:
         if not len(i):

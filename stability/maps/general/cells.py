@@ -32,8 +32,21 @@ from ...systems.closed_form import ClosedForm, ImplicitForm
 from ...systems.structure.identities import certain, symmetric
 from ...systems.structure.structural_zeros import structure
 from ..compiled.swept import swept
-from .rates import MOST_POOR, WANTED, Bands, Coefficients, Rates, monic, of_matrices, rates, sample
-from .slice_verdicts import ELSEWHERE, Codes, SliceVerdicts, surface
+from ..tiles import Codes
+from .rates import (
+    MOST_POOR,
+    WANTED,
+    Bands,
+    Coefficients,
+    Rates,
+    arrays_of,
+    monic,
+    of_eigenvalues,
+    of_matrices,
+    rates,
+    sample,
+)
+from .slice_verdicts import ELSEWHERE, SliceVerdicts, surface
 from .slices import Slice, slice_of
 from .surfaces import LEAST, Surface, Window, powers
 
@@ -246,12 +259,9 @@ def quick_rates(reduced: Reduced, *, even: bool, modes: bool) -> Rates | None:
     if len(left):
         part = Reduced(matrix[left], error[left], [], reduced.supported[left])
         values, radius, _ = eigenvalues(part, even=even)
-        lead = values[:, -1]
-        found.codes[left] = decide(values, radius, even=even)
-        found.abscissa[left], found.frequency[left] = lead.real, np.abs(lead.imag)
-        found.error[left] = (radius + (values.real - lead.real[:, None])).max(axis=1)
-        if found.values is not None:
-            found.values[left] = values
+        again = of_eigenvalues(values, radius, decide(values, radius, even=even))
+        for name in ("codes", "abscissa", "error", "frequency", *(["values"] * modes)):
+            getattr(found, name)[left] = getattr(again, name)
     return found
 
 
@@ -296,28 +306,13 @@ class GraphCells:
         watch = not self._certain
         reduced = deflate(family, a, q, u, self.problem.roundings, watch=watch)
         found = None if watch else quick_rates(reduced, even=even, modes=self.modes)
-        if found is not None:
-            return {
-                "codes": found.codes,
-                "abscissa": found.abscissa * rate,
-                "error": found.error * rate,
-                "frequency": found.frequency * rate,
-                **({"values": found.values * rate[:, None]} if found.values is not None else {}),
-            }
-        values, radius, _ = eigenvalues(reduced, even=even)
-        codes = decide(values, radius, even=even)
-        if watch:
-            self._restore(values, radius, codes, (a, q, u), reduced.supported)
-        lead = values[:, -1]
-        chunk: Chunk = {
-            "codes": codes,
-            "abscissa": lead.real * rate,
-            "error": (radius + (values.real - lead.real[:, None])).max(axis=1) * rate,
-            "frequency": np.abs(lead.imag) * rate,
-        }
-        if self.modes:
-            chunk["values"] = values * rate[:, None]
-        return chunk
+        if found is None:
+            values, radius, _ = eigenvalues(reduced, even=even)
+            codes = decide(values, radius, even=even)
+            if watch:
+                self._restore(values, radius, codes, (a, q, u), reduced.supported)
+            found = of_eigenvalues(values, radius, codes)
+        return {"codes": found.codes, **arrays_of(found, modes=self.modes, unit=rate)}
 
     def _restore(
         self,

@@ -25,7 +25,9 @@ from ...algebra.running_error import TINY, UNIT
 from ...base.axis import Axis
 from ...base.types import Complexes, Floats
 from ...base.verdict import CODES, NO_MEMBER, Verdict
-from .slice_verdicts import ELSEWHERE, Codes
+from ...jobs.checkpoint import Chunk
+from ..tiles import Codes
+from .slice_verdicts import ELSEWHERE
 
 BLOCK = 4096
 """Numbers of one root, and polynomials, in a block, so that the arrays stay in the cache."""
@@ -228,6 +230,23 @@ class Rates(NamedTuple):
     """All eigenvalues, sorted, shape (N, n); None unless asked for."""
     poor: NDArray[np.bool_]
     """Where the discs meet or are large, shape (N,)."""
+
+
+def of_eigenvalues(values: Complexes, radius: Floats, codes: Codes) -> Rates:
+    """Quantities of sorted eigenvalues with discs."""
+    lead = values[:, -1]
+    error = (radius + (values.real - lead.real[:, None])).max(axis=1)
+    poor = np.zeros(len(values), dtype=bool)
+    return Rates(lead.real, error, np.abs(lead.imag), codes, values, poor)
+
+
+def arrays_of(found: Any, *, modes: bool, unit: Floats | None = None) -> Chunk:
+    """The arrays of a chunk of a map but its flags, times a unit of rate of each member."""
+    names = ("abscissa", "error", "frequency", *(["values"] * modes))
+    arrays = {name: getattr(found, name) for name in names}
+    if unit is None:
+        return arrays
+    return {n: v * (unit if v.ndim == 1 else unit[:, None]) for n, v in arrays.items()}
 
 
 class Bands(ABC):
