@@ -34,12 +34,12 @@ from ...algebra.exact.hurwitz_forms import Budget, by_power, factors
 from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, exact_upright, rational
 from ...algebra.exact.roots import isolated as root_balls
 from ...algebra.exact.routh import hurwitz_sign
-from ...algebra.exact.triangular import occurring, remainder
+from ...algebra.exact.triangular import evaluate, occurring, remainder
 from ...algebra.number_types import precision
 from ...algebra.upright import UPRIGHT, Upright
 from ...base.axis import Axis
 from ...base.errors import NoMemberError, StabilityError
-from ...derivation.elimination import Reading, evaluate
+from ...derivation.elimination import Reading
 from ...derivation.signs import real_roots, univariate
 from ...spectra.problem import Problem
 from ...systems.family import Family
