@@ -149,10 +149,6 @@ def one_number(name: str, value: Any) -> float:
     value
         The number.
 
-    Returns
-    -------
-    float
-
     Examples
     --------
     >>> one_number("tolerance", 1e-9)
@@ -205,10 +201,6 @@ def broadcast(**shapes: tuple[int, ...]) -> tuple[int, ...]:
     **shapes
         Shapes by name.
 
-    Returns
-    -------
-    tuple of int
-
     Examples
     --------
     >>> broadcast(at=(3, 1), mu=(4,))
@@ -236,10 +228,6 @@ def flag(name: str, value: Any) -> bool:
     value
         A truth value of Python or NumPy.
 
-    Returns
-    -------
-    bool
-
     Examples
     --------
     >>> flag("certify", True)
@@ -265,10 +253,6 @@ def whole_number(
         Ends of the range, both included; None for no upper end.
     remedy
         Advice for a value above `most`, for the message.
-
-    Returns
-    -------
-    int
 
     Examples
     --------
@@ -297,10 +281,6 @@ def known(name: str, value: Any, names: Collection[str]) -> str:
         The name.
     names
         Known names.
-
-    Returns
-    -------
-    str
 
     Examples
     --------
@@ -366,10 +346,6 @@ def instance(name: str, value: Any, kind: type[Kind], remedy: str) -> Kind:
         Required class of the object.
     remedy
         Accepted argument, for the message.
-
-    Returns
-    -------
-    object
 
     Examples
     --------

@@ -158,10 +158,6 @@ def cited(
     system
         Name of the system, in place of `law` and `model`: that of the disk's systems says both.
 
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> cited("viscous", model=True, methods=["heyoka"])

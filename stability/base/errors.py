@@ -97,10 +97,6 @@ def one_line(text: str, longest: int = LONGEST) -> str:
     longest
         Characters at most.
 
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> one_line("a\n  b\x1b")

@@ -113,11 +113,6 @@ def decimal_of(value: float) -> Fraction | None:
 def written(ratio: Fraction) -> str:
     """A number as one writes it: its shortest decimal where that is exact, otherwise a fraction.
 
-    Parameters
-    ----------
-    ratio
-        The number.
-
     Examples
     --------
     >>> written(Fraction(981, 100)), written(Fraction(1, 3)), written(Fraction(5))

@@ -56,10 +56,6 @@ def versions(names: tuple[str, ...]) -> str:
     names
         Names of the libraries, as they are installed.
 
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> versions(("no-such-library",)) == f"python {platform.python_version()}"

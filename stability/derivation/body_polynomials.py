@@ -215,10 +215,6 @@ def characteristic(family: str, law: str) -> Characteristic:
     law
         viscous, rough or smooth; rough for circling, smooth for precession.
 
-    Returns
-    -------
-    Characteristic
-
     Examples
     --------
     >>> characteristic("spinning", "smooth").coefficients

@@ -43,10 +43,6 @@ def derive(family: str, law: str) -> Derived:
     family, law
         Names of the family and of the contact law.
 
-    Returns
-    -------
-    Derived
-
     Raises
     ------
     StabilityError

@@ -374,10 +374,6 @@ def formulas(family: str, law: str, k: Sequence[str] = ()) -> Formulas:
     k
         Inertia factors as exact numbers ("1/4", "0.3") for the ranges of mu.
 
-    Returns
-    -------
-    Formulas
-
     Raises
     ------
     ParameterError, NameUnknownError

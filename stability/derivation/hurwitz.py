@@ -215,10 +215,6 @@ def _all_positive(polynomial: Any, place: int) -> bool:
 def decisive(derived: Derived) -> tuple[list[StabilityCondition], list[Obligation]]:
     """The conditions that decide, and the proofs of the others.
 
-    Returns
-    -------
-    conditions, obligations
-
     Examples
     --------
     >>> from .characteristic import derive

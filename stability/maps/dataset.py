@@ -111,10 +111,6 @@ def points_of(dataset: xarray.Dataset) -> CodimensionTwo | None:
     dataset
         From `stability_map(..., points=True)`, or read from its file.
 
-    Returns
-    -------
-    CodimensionTwo or None
-
     Examples
     --------
     >>> import stability as st

@@ -72,13 +72,6 @@ METHOD = (
 def judge_of(problem: Problem, axes: tuple[Axis, Axis]) -> Judge:
     """What gives the verdicts of a map.
 
-    Parameters
-    ----------
-    problem
-        Family with values in the user's units.
-    axes
-        x and y.
-
     Raises
     ------
     ParameterError

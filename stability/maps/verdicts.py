@@ -263,10 +263,6 @@ def prove_boxes(problem: Problem, axes: tuple[Axis, Axis], levels: int) -> Boxes
     levels
         Largest number of halvings of the map in both directions.
 
-    Returns
-    -------
-    Boxes
-
     Raises
     ------
     ParameterError

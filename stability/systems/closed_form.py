@@ -181,11 +181,6 @@ class RepeatedBalls:
 
     What follows from the other numbers is computed at the second member and kept.  Every call
     compares all numbers with those that were kept.
-
-    Parameters
-    ----------
-    form
-        The formulas.
     """
 
     def __init__(self, form: ClosedForm) -> None:

@@ -72,10 +72,6 @@ def _vanishing(column: ca.SX, symbols: ca.SX) -> list[bool]:
     symbols
         Every symbol of the expressions.
 
-    Returns
-    -------
-    list of bool
-
     Examples
     --------
     >>> x = ca.SX.sym("x")
@@ -97,10 +93,6 @@ def singular(matrix: ca.SX, symbols: ca.SX) -> bool:
         Expressions in the symbols, shape (n, n).
     symbols
         Every symbol of the expressions.
-
-    Returns
-    -------
-    bool
 
     Examples
     --------
@@ -411,13 +403,7 @@ class Balance:
 
 
 def unknowns(model: Model) -> tuple[str, ...]:
-    """Names of accelerations and multipliers.
-
-    Parameters
-    ----------
-    model
-        The model.
-    """
+    """Names of accelerations and multipliers."""
     rates = [f"d_{s}" for s in model.velocities]
     return (*rates, *[f"multiplier_{c}" for c in model.constraints])
 
@@ -431,10 +417,6 @@ def _balance(model: Model, solved: Mapping[int, int]) -> Balance:
         Energies, forces, constraints.
     solved
         Velocity for which each constraint is solved, by index; empty for the natural order.
-
-    Returns
-    -------
-    Balance
 
     Source: J. Neimark & N. Fufaev, Dynamics of Nonholonomic Systems (1972), ch. III;
     tests/systems/test_mechanics.py compares with SymPy and with closed forms.

@@ -162,11 +162,6 @@ def accepted(
 ) -> NDArray[np.bool_]:
     """Whether unknowns are isolated roots to the last digits, and admissible.
 
-    Parameters
-    ----------
-    graph, a, u, q, positive
-        As in `roots`.
-
     Returns
     -------
     ndarray of bool
@@ -190,11 +185,6 @@ def accepted(
 
 def newton_step(graph: FamilyGraph, a: Floats, u: Floats, q: Floats) -> Floats:
     """A further Newton step; infinite where the slope is singular.
-
-    Parameters
-    ----------
-    graph, a, u, q
-        As in `roots`.
 
     Returns
     -------
@@ -315,10 +305,6 @@ def follow(graph: FamilyGraph, cut: int, start: Floats, u: Floats, stop: Floats)
         Family parameters and parameters at the ends of each line, shapes (N, m).
     u
         Unknowns at `start`, shape (N, u).
-
-    Returns
-    -------
-    Followed
 
     Examples
     --------

@@ -110,10 +110,6 @@ def locate_fold(curve: Curve, z: Floats) -> Located:
     z
         A point near the fold, shape (u + 1,).
 
-    Returns
-    -------
-    Located
-
     Source: Seydel, Practical Bifurcation and Stability Analysis (2010), section 5.4;
     closed forms in tests/systems/test_continuation.py.
     """
@@ -148,11 +144,6 @@ def locate_fold(curve: Curve, z: Floats) -> Located:
 @np.errstate(all="ignore")
 def locate_branch_point(curve: Curve, z: Floats) -> Located:
     """The branch point near a point: r + μ c = 0 and ψ (r_u, r_p) = 0 with c ψ = 1, where μ = 0.
-
-    Parameters
-    ----------
-    curve, z
-        As in `locate_fold`.
 
     Returns
     -------

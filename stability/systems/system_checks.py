@@ -272,10 +272,6 @@ def tables(family: Any, a: Any, q: Any, u: Any = None) -> tuple[Floats, Floats, 
     a, q, u
         Family parameters, parameters, and unknowns or None.
 
-    Returns
-    -------
-    a, u, q
-
     Raises
     ------
     ParameterError

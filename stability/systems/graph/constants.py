@@ -147,13 +147,7 @@ def rounded(name: str, x: Any) -> bool:
 
 
 def exact_numbers(*outputs: ca.SX) -> bool:
-    """Whether every number in expressions is a small multiple of 2⁻²⁰, so that none was rounded.
-
-    Parameters
-    ----------
-    outputs
-        Expressions.
-    """
+    """Whether every number in expressions is a small multiple of 2⁻²⁰, so that none was rounded."""
     free = ca.symvar(ca.veccat(*outputs))
     graph = ca.Function("numbers", [ca.vertcat(*free)], list(outputs))
     codes = [i for i in range(graph.n_instructions()) if graph.instruction_id(i) == ca.OP_CONST]

@@ -53,11 +53,6 @@ class Influence:
 def influence(system: Equations) -> Influence:
     """Which state acts on which rate; no action is left out without a proof.
 
-    Parameters
-    ----------
-    system
-        The system.
-
     Returns
     -------
     Influence
@@ -143,11 +138,6 @@ def _zero(system: Equations, i: int) -> bool:
 @lru_cache(maxsize=64)
 def ignorable(system: Equations) -> tuple[str, ...]:
     """Ignorable states in an order in which each acts only on those before it.
-
-    Parameters
-    ----------
-    system
-        The system.
 
     Returns
     -------

@@ -40,23 +40,12 @@ def no_folding() -> Iterator[None]:
 
 
 def graph(term: Term) -> ca.SX:
-    """A term as an SX; a fraction alone becomes the nearest double.
-
-    Parameters
-    ----------
-    term
-        The term.
-    """
+    """A term as an SX; a fraction alone becomes the nearest double."""
     return ca.SX(float(term)) if isinstance(term, Fraction) else term
 
 
 def plus(a: Term, b: Term) -> Term:
     """The sum a + b.
-
-    Parameters
-    ----------
-    a, b
-        Terms.
 
     Examples
     --------
@@ -80,11 +69,6 @@ def plus(a: Term, b: Term) -> Term:
 
 def times(a: Term, b: Term) -> Term:
     """The product a · b.
-
-    Parameters
-    ----------
-    a, b
-        Terms.
 
     Examples
     --------
@@ -210,13 +194,7 @@ class Probes:
         self._points = np.vstack([special, points])
 
     def values(self, matrix: Sequence[Sequence[Term]]) -> Floats:
-        """The matrix at the points where it is finite, special points first, shape (K, n, n).
-
-        Parameters
-        ----------
-        matrix
-            Rows of terms.
-        """
+        """The matrix at the points where it is finite, special points first, shape (K, n, n)."""
         n = len(matrix)
         entries = ca.vertcat(*[graph(t) for row in matrix for t in row])
         function = ca.Function("probe", [ca.vertcat(*self._symbols)], [entries])

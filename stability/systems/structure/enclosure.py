@@ -80,10 +80,6 @@ def ball_unknowns(
     near
         Unknowns to double precision; found by the family's root-finder when left out.
 
-    Returns
-    -------
-    list of arb
-
     Raises
     ------
     NoMemberError

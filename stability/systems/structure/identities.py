@@ -61,11 +61,6 @@ def components(pattern: Pattern) -> list[NDArray[np.intp]]:
 def sparse_zeros(pattern: Pattern) -> int:
     """Number of eigenvalues that are zero for all values of the entries.
 
-    Parameters
-    ----------
-    pattern
-        As for `components`.
-
     Returns
     -------
     int
@@ -93,11 +88,6 @@ def mirrored(pattern: Pattern) -> bool:
 
     This holds if every cycle is even: within each block a change of the signs of some states R then
     gives R A R = -A, as under a reversal of time.
-
-    Parameters
-    ----------
-    pattern
-        As for `components`.
 
     Examples
     --------
@@ -213,11 +203,6 @@ SAMPLES = 2
 
 def constant_zeros(matrix: Sequence[Sequence[Any]], zero: Callable[[Any], bool]) -> int:
     """Number of zero eigenvalues that chains of constant vectors prove, from right or left.
-
-    Parameters
-    ----------
-    matrix, zero
-        As for `constant_kernels`.
 
     Examples
     --------
@@ -352,11 +337,6 @@ class Identity:
 def identity(family: Family) -> Identity:
     """Zeros of the characteristic polynomial that are identities of expressions.
 
-    Parameters
-    ----------
-    family
-        The family.
-
     Returns
     -------
     Identity
@@ -403,13 +383,7 @@ def on_the_branch(family: Family, parts: Sequence[Sequence[Any]]) -> Callable[[A
 
 
 def certain(family: Family) -> bool:
-    """Whether the sampled structure is proved for every member.
-
-    Parameters
-    ----------
-    family
-        The family.
-    """
+    """Whether the sampled structure is proved for every member."""
     sampled = structure(family)
     if not sampled.steady:
         return False

@@ -59,10 +59,6 @@ def structure(family: Family) -> Structure:
     family
         The family; samples lie near its `typical` sizes.
 
-    Returns
-    -------
-    Structure
-
     Raises
     ------
     StabilityError

@@ -57,11 +57,6 @@ def semisimple(family: Family, zeros: int) -> bool:
 def most_power(family: Family, zeros: int) -> int:
     """The largest power of time with which zero eigenvalues may let a disturbance grow.
 
-    Parameters
-    ----------
-    family, zeros
-        As for `semisimple`.
-
     Returns
     -------
     int
