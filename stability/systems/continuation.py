@@ -165,9 +165,13 @@ def walk(
     if before is None:
         return Trace(np.array(points), [], [], "the equations have no meaning there")
     (along, sign), step = before, longest
+
+    def ended(said: str) -> Trace:
+        return Trace(np.array(points), folds, crossings, said)
+
     while len(points) < most:
         if step < LEAST * longest:
-            return Trace(np.array(points), folds, crossings, "the corrector fails there")
+            return ended("the corrector fails there")
         # in the parameter at most `longest`; in large unknowns more, in proportion
         room = longest * max(1.0, float(np.abs(z[:-1] / scale[:-1]).max()))
         step = min(step, room, longest / max(abs(float(along[-1])), 1e-300))
@@ -182,8 +186,9 @@ def walk(
             near = float(np.abs((point.z - (z + new) / 2) / scale).max()) <= step
             if not (point.resolved and near):
                 if step <= APART * longest:
-                    said = "a branch point, or a narrow gap between two branches, is not resolved"
-                    return Trace(np.array(points), folds, crossings, said)
+                    return ended(
+                        "a branch point, or a narrow gap between two branches, is not resolved"
+                    )
                 step /= 2
                 continue
             crossings.append((point, along * scale))
@@ -192,12 +197,12 @@ def walk(
         z, along, sign = new, after, now
         points.append(z)
         if not inside(z):
-            return Trace(np.array(points), folds, crossings, "")
+            return ended("")
         way = np.abs((z - points[0]) / scale).max()
         if len(points) > 3 and way < 0.6 * step and along @ before[0] > COSINE:
-            return Trace(np.array(points), folds, crossings, "the branch closes on itself")
+            return ended("the branch closes on itself")
         step = 2 * step
-    return Trace(np.array(points), folds, crossings, f"{most} members were found")
+    return ended(f"{most} members were found")
 
 
 def _fold_between(
@@ -410,7 +415,7 @@ def _along(family: Family, curve: Curve, lo: float, hi: float, u: Floats, points
     """Evenly spaced members, up to the first that is not reached."""
     found = [np.array([*u[0], lo])]
     ended, complete = f"the whole interval from {lo:g} to {hi:g} was reached", True
-    folds: tuple[Fold, ...] = ()
+    folds: list[Located] = []
     last: list[tuple[Located, Floats]] = []
     for target in np.linspace(lo, hi, points)[1:]:
         try:
@@ -448,7 +453,7 @@ def _next(family: Family, curve: Curve, z: Floats, target: float) -> tuple[Float
 
 def _stop(
     family: Family, curve: Curve, z: Floats, end: Floats
-) -> tuple[str, tuple[Fold, ...], list[tuple[Located, Floats]]]:
+) -> tuple[str, list[Located], list[tuple[Located, Floats]]]:
     """What ended a branch: words, and the fold or the branch point there."""
     name, way = family.at[0], end - z
     point = singular_point(curve, end, 1e-3 * (abs(way[-1]) + 1e-300))
@@ -456,11 +461,11 @@ def _stop(
         word, found = point
         said = f"a {word} at {name} = {found.z[-1]:.10g}"
         if word == "fold":
-            return said, (_fold(family, curve, found),), []
-        return said, (), [] if word == "cusp" else [(found, way)]
+            return said, [found], []
+        return said, [], [] if word == "cusp" else [(found, way)]
     return (
         f"{family.name} has no member that continuation reaches beyond {name} = {end[-1]:.10g}",
-        (),
+        [],
         [],
     )
 
@@ -478,10 +483,31 @@ def _round(
 ) -> Branch:
     """Members by arclength, within the interval."""
     lo, hi = ends
-    scale = np.array([*(np.maximum(np.abs(z[:-1]), 1.0)), abs(hi - lo)])
-    low, high = min(lo, hi), max(lo, hi)
+    trace = _within(family, curve, z, tangent, _scale(z, abs(hi - lo)), ends, points)
+    found, ended, complete = trace.z, _left(family, trace), False
+    if not trace.ended:
+        found, ended, complete = _landed(family, curve, trace, lo, hi)
+    return _result(family, curve, found, complete, ended, trace.folds, trace.crossings)
+
+
+def _scale(z: Floats, width: float) -> Floats:
+    """Typical sizes of the unknowns at a point, and the width of the interval."""
+    return np.array([*np.maximum(np.abs(z[:-1]), 1.0), width])
+
+
+def _within(
+    family: Family,
+    curve: Curve,
+    z: Floats,
+    tangent: Floats,
+    scale: Floats,
+    ends: tuple[float, float],
+    points: int,
+) -> Trace:
+    """The curve from a point until it leaves an interval, or an unknown is not positive."""
+    low, high = sorted(ends)
     positive = [i for i, n in enumerate(family.unknown) if n in family.positive]
-    trace = walk(
+    return walk(
         curve,
         z,
         tangent,
@@ -490,14 +516,10 @@ def _round(
         LONGER * points,
         lambda y: bool(low < y[-1] < high and (y[positive] > 0).all()),
     )
-    found, ended = trace.z, trace.ended
-    complete = False
-    if not ended:
-        found, ended, complete = _landed(family, curve, trace, lo, hi)
-    else:
-        ended = f"ended at {family.at[0]} = {found[-1, -1]:.6g}: {ended}"
-    folds = tuple(_fold(family, curve, f) for f in trace.folds)
-    return _result(family, curve, found, complete, ended, folds, trace.crossings)
+
+
+def _left(family: Family, trace: Trace) -> str:
+    return f"ended at {family.at[0]} = {trace.z[-1, -1]:.6g}: {trace.ended}"
 
 
 def _landed(
@@ -532,35 +554,24 @@ def _switched(point: BranchPoint, stop: float, points: int, side: int) -> Branch
     lead = int(np.argmax(np.abs(other[:-1]))) if flat else -1
     wanted = side if flat else np.sign(stop - point.value)
     tangent = other * np.copysign(1.0, other[lead] * wanted)
-    scale = np.array([*np.maximum(np.abs(point._z[:-1]), 1.0), width])
-    low, high = point.value - width, point.value + width
-    positive = [i for i, n in enumerate(family.unknown) if n in family.positive]
-    step = LEAVE / float(np.linalg.norm(tangent / scale))
-    trace = walk(
-        curve,
-        point._z + step * tangent,
-        tangent,
-        scale,
-        1 / (points - 1),
-        LONGER * points,
-        lambda y: bool(low < y[-1] < high and (y[positive] > 0).all()),
-    )
+    scale = _scale(point._z, width)
+    ends = point.value - width, point.value + width
+    first = point._z + LEAVE / float(np.linalg.norm(tangent / scale)) * tangent
+    trace = _within(family, curve, first, tangent, scale, ends, points)
     if len(trace.z) < 2:
         raise NoMemberError(
             f"{family.name}: the crossing branch at {point.value:g} is left at once; {trace.ended}."
         )
     # the first point is a prediction, and the branch point takes its place
-    found = trace._replace(z=np.vstack([point._z, trace.z[1:]]))
-    z, complete = found.z, False
-    ended = f"ended at {family.at[0]} = {found.z[-1, -1]:.6g}: {found.ended}"
+    trace = trace._replace(z=np.vstack([point._z, trace.z[1:]]))
+    z, ended, complete = trace.z, _left(family, trace), False
     if not trace.ended:
         back = 2 * point.value - stop
-        z, ended, complete = _landed(family, curve, found, back, stop)
+        z, ended, complete = _landed(family, curve, trace, back, stop)
         ended = f"the whole interval from {point.value:g} to {stop:g} was reached"
         if not complete:
             ended = f"the branch runs the other way, from {point.value:g} to {z[-1, -1]:g}"
-    folds = tuple(_fold(family, curve, f) for f in trace.folds)
-    return _result(family, curve, z, complete, ended, folds, trace.crossings)
+    return _result(family, curve, z, complete, ended, trace.folds, trace.crossings)
 
 
 # --- records ---
@@ -612,9 +623,10 @@ def _result(
     z: Floats,
     complete: bool,
     ended: str,  # noqa: FBT001
-    folds: tuple[Fold, ...],
+    folds: Sequence[Located],
     crossings: Sequence[tuple[Located, Floats]],
 ) -> Branch:
     crossed = tuple(_branch_point(family, curve, p, t) for p, t in crossings)
     works = cited(system=family.system.name, model=bool(family.system.quantities))
-    return Branch(z[:, -1], _states(family, curve, z), complete, ended, folds, crossed, works)
+    turned = tuple(_fold(family, curve, f) for f in folds)
+    return Branch(z[:, -1], _states(family, curve, z), complete, ended, turned, crossed, works)

@@ -17,7 +17,7 @@ from ..base.errors import ParameterError, StabilityError, shown
 from ..base.types import Floats
 from .equations import Condition, eliminate
 from .system import System
-from .system_checks import expression, mapping, names
+from .system_checks import expression, mapping, names, stranger
 
 # --- identities by balls ---
 
@@ -309,10 +309,10 @@ def within(what: str, value: ca.SX, symbols: ca.SX, where: str) -> ca.SX:
     -------
     SX
     """
-    free = [s for s in ca.symvar(value) if not ca.depends_on(symbols, s)]
-    if free:
+    symbol = stranger(value, symbols)
+    if symbol is not None:
         raise ParameterError(
-            f"{what} has the symbol {free[0]}, which is not in {where}; list it there."
+            f"{what} has the symbol {symbol}, which is not in {where}; list it there."
         )
     return value
 

@@ -116,7 +116,7 @@ def locate_fold(curve: Curve, z: Floats) -> Located:
     n = len(z) - 1
     slope = curve.at(z[None])[1][0]
     if not np.isfinite(slope).all():
-        return Located(z, np.full(n + 1, np.inf), False, np.zeros(n))
+        return _nowhere(z)
     phi = c = np.linalg.svd(slope[:, :n])[2][-1]
     last = np.full(n + 1, np.inf)
     for _ in range(MOST):
@@ -134,7 +134,7 @@ def locate_fold(curve: Curve, z: Floats) -> Located:
         if _settled(z, last, last := np.abs(step[: n + 1])):
             break
     if not np.isfinite(slope).all():
-        return Located(z, np.full(n + 1, np.inf), False, np.zeros(n))
+        return _nowhere(z)
     left = np.linalg.svd(slope[:, :n])[0][:, -1]
     terms = np.abs(slope) * (1 + np.abs(z))
     bent = abs(float(left @ slope[:, -1])) * (1 + abs(z[-1])) > FLAT * float(terms.max())
@@ -156,7 +156,7 @@ def locate_branch_point(curve: Curve, z: Floats) -> Located:
     n = len(z) - 1
     slope = curve.at(z[None])[1][0]
     if not np.isfinite(slope).all():
-        return Located(z, np.full(n + 1, np.inf), False, np.zeros(n))
+        return _nowhere(z)
     psi = c = np.linalg.svd(slope)[0][:, -1]
     mu, last = 0.0, np.full(n + 1, np.inf)
     for _ in range(MOST):
@@ -177,6 +177,11 @@ def locate_branch_point(curve: Curve, z: Floats) -> Located:
             break
     near = bool((last <= RESOLVED * (1 + np.abs(z))).all())
     return Located(z, last, near and abs(mu) <= _least(curve, z), psi)
+
+
+def _nowhere(z: Floats) -> Located:
+    """What is located where the equations have no finite slope."""
+    return Located(z, np.full(len(z), np.inf), False, np.zeros(len(z) - 1))
 
 
 def _least(curve: Curve, z: Floats) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 from flint import arb, arb_mat, ctx
 
 from ...algebra.number_types import balls, precision
+from ...algebra.program import Program
 from ...base.errors import NoMemberError, StabilityError, listing
 from ..family import Family
 
@@ -143,11 +144,11 @@ def _krawczyk(
     middle = [v.mid() for v in given]
     wide = any(v.rad() > NARROW * abs(m) for v, m in zip(given, middle, strict=True))
     place = (middle[: len(a)], middle[len(a) :]) if wide else (a, q)
-    size = len(rough)
+    size, residual = len(rough), family.graph.residual
     x = arb_mat(size, 1, [arb(float(v)) for v in rough])
     half = arb(2) ** (-ctx.prec // 2)
     for _ in range(20):  # a Newton step doubles the digits, as the test below does: stop halfway
-        r, r_u = _residual(family, place[0], x, place[1])
+        r, r_u = _tables(residual, place[0], x, place[1])
         try:
             inverse = r_u.mid().inv().mid()
         except ZeroDivisionError:
@@ -160,12 +161,12 @@ def _krawczyk(
             break
         x = (x - shift).mid()
     else:  # the operator needs the residual at the last point, not at the point before
-        shift = inverse * _residual(family, place[0], x, place[1])[0]
+        shift = inverse * _tables(residual, place[0], x, place[1])[0]
     if wide:
         found = _along_tangent(family, (given, len(a)), x, inverse)
         if found is not None:
             return found
-        shift = inverse * _residual(family, a, x, q)[0]
+        shift = inverse * _tables(residual, a, x, q)[0]
     for least in (0, 1):
         start = [
             3 * shift[i, 0].abs_upper() + (least + abs(x[i, 0])) * _small() for i in range(size)
@@ -188,7 +189,7 @@ def _contained(
     spread = [s.abs_upper() for s in spread]
     for _ in range(INFLATIONS):
         box = arb_mat(size, 1, [arb(0, s) for s in spread])
-        _, slope = _residual(family, given[0], x + box, given[1])
+        _, slope = _tables(family.graph.residual, given[0], x + box, given[1])
         image = (_one(size) - inverse * slope) * box - shift
         if all(box[i, 0].contains_interior(image[i, 0]) for i in range(size)):
             return image
@@ -211,10 +212,11 @@ def _along_tangent(
     a, q = given[:cut], given[cut:]
     middle = [v.mid() for v in given]
     way = arb_mat(len(given), 1, [v - m for v, m in zip(given, middle, strict=True)])
-    here, _, by_given = _moving(family, middle[:cut], x, middle[cut:])
+    along = family.graph.along  # residual, slopes by the unknowns and by the given numbers
+    here, _, by_given = _tables(along, middle[:cut], x, middle[cut:])
     turn = (-(inverse * by_given)).mid()
     line = x + turn * way
-    _, slope, by_given = _moving(family, a, line, q)
+    _, slope, by_given = _tables(along, a, line, q)
     shift = inverse * here + (inverse * (slope * turn + by_given)) * way
     start = [3 * shift[i, 0].abs_upper() + (1 + abs(x[i, 0])) * _small() for i in range(size)]
     image = _contained(family, (a, q), line, shift, inverse, start)
@@ -222,7 +224,7 @@ def _along_tangent(
         return None
     hull = line + image
     # the test says that one root is near the tangent; a regular slope, that one is in the hull
-    _, slope = _residual(family, a, hull, q)
+    _, slope = _tables(family.graph.residual, a, hull, q)
     box = arb_mat(size, 1, [arb(0, hull[i, 0].rad().abs_upper()) for i in range(size)])
     left = (_one(size) - inverse * slope) * box
     if not all(box[i, 0].contains_interior(left[i, 0]) for i in range(size)):
@@ -235,24 +237,13 @@ def _one(size: int) -> Any:
     return arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
 
 
-def _moving(family: Family, a: Sequence[Any], x: Any, q: Sequence[Any]) -> tuple[Any, Any, Any]:
-    """Residual, slope by the unknowns, and slope by the given numbers."""
-    program = family.graph.along
+def _tables(program: Program, a: Sequence[Any], x: Any, q: Sequence[Any]) -> list[Any]:
+    """The outputs of a program of the family's graph, as matrices of balls."""
     values = program.run(balls(), [list(a), x.entries(), list(q)])
     out = []
-    for (rows, columns), places, entries in zip(
-        program.shapes, program.places, values, strict=True
-    ):
-        table = arb_mat(rows, columns)
+    for shape, places, entries in zip(program.shapes, program.places, values, strict=True):
+        table = arb_mat(*shape)
         for place, entry in zip(places, entries, strict=True):
             table[place] = entry
         out.append(table)
-    return out[0], out[1], out[2]
-
-
-def _residual(family: Family, a: Sequence[Any], x: Any, q: Sequence[Any]) -> tuple[Any, Any]:
-    size = x.nrows()
-    u = [x[i, 0] for i in range(size)]
-    r, r_u = family.graph.residual.run(balls(), [list(a), u, list(q)])
-    dense = family.graph.place(r_u)
-    return arb_mat(size, 1, r), arb_mat(dense)
+    return out

@@ -342,9 +342,7 @@ def identity(family: Family) -> Identity:
     Identity
         A lower bound: an expression that is too large to compute counts as not proved.
     """
-    symbols = FunctionField([*family.at, *family.unknown, *family.parameters]).symbols
-    cut = len(family.at), len(family.at) + len(family.unknown)
-    parts = symbols[: cut[0]], symbols[cut[0] : cut[1]], symbols[cut[1] :]
+    _, parts = field_of(family)
     tangents, zeros, even = 0, 0, False
     places = stored(family)  # sparsity needs no arithmetic, at any size
     with suppress(ArithmeticError):
@@ -356,6 +354,14 @@ def identity(family: Family) -> Identity:
         )
     zeros = max(zeros, tangents, sparse_zeros(places), len(family.left_out))
     return Identity(zeros, even or mirrored(places))
+
+
+def field_of(family: Family) -> tuple[FunctionField, list[list[Any]]]:
+    """A field over a family's numbers: family parameters, unknowns and parameters."""
+    names = family.at, tuple(family.unknown), family.parameters
+    field = FunctionField(sum(names, ()))
+    symbols = iter(field.symbols)
+    return field, [[next(symbols) for _ in some] for some in names]
 
 
 def stored(family: Family) -> Pattern:

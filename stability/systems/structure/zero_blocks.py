@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from ...algebra.exact.function_field import FunctionField
 from ...algebra.exact.hurwitz_forms import TooLarge
 from ...algebra.exact.number_fields import NotExact, vanishes
 from ...algebra.number_types import balls, precision
@@ -30,6 +29,7 @@ from .identities import (
     Pattern,
     constant_kernels,
     exact_matrix,
+    field_of,
     fixed_directions,
     nonzero,
     on_the_branch,
@@ -90,9 +90,7 @@ def kernels(family: Family, count: int) -> tuple[int, ...]:
     count
         Number of zero eigenvalues of A.
     """
-    field = FunctionField([*family.at, *family.unknown, *family.parameters])
-    cut = len(family.at), len(family.at) + len(family.unknown)
-    parts = field.symbols[: cut[0]], field.symbols[cut[0] : cut[1]], field.symbols[cut[1] :]
+    field, parts = field_of(family)
     sizes = [_sparse(stored(family)[np.ix_(family.resting, family.resting)])] * count
     with suppress(ArithmeticError):
         zero = on_the_branch(family, parts)
