@@ -28,9 +28,9 @@ from ..spectra.problem import Problem
 from ..systems.graph.smoothness import edged
 from .dataset import EXACT, GRAPH, LOOPS, OWN, SINGLE
 from .general.cells import GraphCells, SliceCells, formula_cells, slice_cells
-from .general.rates import Bands, arrays_of
+from .general.rates import LEFT, Bands, Room, arrays_of
 from .general.slice_verdicts import ELSEWHERE
-from .growth_rates import GrowthKernel, Room, steady_memory
+from .growth_rates import GrowthKernel, steady_memory
 from .verdicts import GridVerdicts
 
 CHUNK = 16384
@@ -45,12 +45,35 @@ LEAST = 1024
 """Fewest cells for which a user's family gets its polynomial over Q."""
 MOST_SETTLED = 2000
 """Most cells of a user's family that are decided one by one without `certify`."""
-LEFT = "left"
-"""Key in a chunk, in addition to its arrays: number of cells sent to exact arithmetic."""
 Grid = tuple[Floats, Floats]
 """Values of x and y."""
 MOST_CELLS = 10**9
 """Largest map [cells]; without `modes` its arrays take 25 bytes a cell."""
+
+
+class StoredCells(Bands):
+    """The cells of a map of a family with tabulated polynomials."""
+
+    growth = swept = complete = True
+
+    def __init__(self, problem: Problem, axes: tuple[Axis, Axis], modes: bool) -> None:
+        self.problem, self.modes = problem, modes
+        self._x, self._y = axes[0].name, axes[1].name
+        self._verdicts = GridVerdicts(problem, self._x, self._y)
+        quick = axes[0].count * axes[1].count >= COMPILED_FROM
+        self.kernel = GrowthKernel(problem, modes=modes, quick=quick)
+        self.how = EXACT + LOOPS * self.kernel.compiled
+
+    def band(self, xs: Floats, ys: Floats, room: Room | None = None) -> Chunk:
+        """As for every band; exact arithmetic decides what double precision leaves open."""
+        swept = {self._x: xs[None, :], self._y: ys[:, None]}
+        growth = self.kernel(dict(self.problem.values) | swept, out=room)
+        codes, left = self._verdicts(xs, ys, growth.codes)
+        return {
+            LEFT: np.array([left + growth.handed_on]),
+            "codes": codes.reshape(-1),
+            **arrays_of(growth, modes=self.modes),
+        }
 
 
 class Cells:
@@ -78,27 +101,28 @@ class Cells:
         self._by_graph = GraphCells(problem, modes)
         if whole:
             self._make_room()
-        self.exact = isinstance(problem.exact, TabulatedPolynomial)
         self.handed_on = 0
         self.refusal = ""
         self._graph = GRAPH.replace("LAPACK", name_of(self.solver))
         if problem.exact is not None:
             self._graph += OWN
-        self.slice: Bands | None = None
-        if problem.plain and math.prod(self.shape) >= LEAST:
-            self.slice = formula_cells(problem, axes, modes) or slice_cells(problem, axes, modes)
-        if self.exact:
-            self._verdicts = GridVerdicts(problem, axes[0].name, axes[1].name)
-            quick = math.prod(self.shape) >= COMPILED_FROM
-            self._growth = GrowthKernel(problem, modes=modes, quick=quick)
-            self.band = BAND
-        elif self.by_slice:
-            self.band = BAND if self.slice is not None and self.slice.swept else OWN_BAND
-        else:
+        self.bands = self._bands()
+        """What computes many rows at once; None where the graph computes every cell."""
+        if self.bands is None:
             self.chunk = self.band = CHUNK
             return
+        self.band = BAND if self.bands.swept else OWN_BAND
         self.chunk = max(1, self.band // self.shape[1]) * self.shape[1]
         steady_memory()
+
+    def _bands(self) -> Bands | None:
+        asked = self.problem, self.axes, self.modes
+        if isinstance(self.problem.exact, TabulatedPolynomial):
+            return StoredCells(*asked)
+        if not self.problem.plain or math.prod(self.shape) < LEAST:
+            return None
+        found = formula_cells(*asked) or slice_cells(*asked)
+        return found if found is not None and found.growth else None
 
     def _make_room(self) -> None:
         """Arrays for all cells."""
@@ -120,29 +144,22 @@ class Cells:
         return ("codes", "abscissa", "error", "frequency", *(["values"] * self.modes))
 
     @property
-    def by_slice(self) -> bool:
-        """Whether verdicts and growth rates come from the polynomial in the axes."""
-        return self.slice is not None and self.slice.growth
-
-    @property
-    def _how(self) -> str:
-        return self.slice.how if self.slice is not None else ""
+    def complete(self) -> bool:
+        """Whether every cell has a member, and no other method computes any."""
+        return self.bands is not None and self.bands.complete
 
     @property
     def route(self) -> str:
         """Method of computation of the cells, in words."""
-        alone = not (self.exact or self.by_slice or self.handed_on)
-        if alone and self.problem.exact is None:
+        if self.bands is None and not self.handed_on and self.problem.exact is None:
             return self._graph
         return f"{self.method} ({self.handed_on} of {math.prod(self.shape)} cells there)"
 
     @property
     def method(self) -> str:
         """The same before anything is computed."""
-        if self.by_slice:
-            return self._how
-        if self.exact:
-            return EXACT + LOOPS * self._growth.compiled
+        if self.bands is not None:
+            return self.bands.how
         single = self.problem.plain or bool(self.handed_on)
         return self._graph + SINGLE * (single and self.problem.exact is None)
 
@@ -165,8 +182,7 @@ class Cells:
             "modes": self.values is not None,
             **({"anchor": repr(family.anchor)} if family.anchor else {}),
             "chunk": self.chunk,
-            "route": EXACT if self.exact else self._how if self.by_slice else self._graph,
-            **({"loops": LOOPS} if self.exact and self._growth.compiled else {}),
+            "route": self._graph if self.bands is None else self.bands.how,
         }
 
     def __getstate__(self) -> dict[str, Any]:
@@ -197,7 +213,7 @@ class Cells:
         total, cells = math.prod(self.shape), shared(self, executor)
 
         def task(start: int) -> Callable[[], Chunk]:
-            if self.exact or self.by_slice:
+            if self.bands is not None:
                 return partial(_band, cells, start, total)
             return partial(_work, cells, *self._inputs(start, total))
 
@@ -214,7 +230,7 @@ class Cells:
         ) as results:
             for start, chunk in results:
                 self._place(start, chunk)
-        if self.by_slice:
+        if self.bands is not None and not self.complete:
             whole = {n: getattr(self, n) for n in self._names}
             grid = self.axes[0].values, self.axes[1].values
             self._complete({n: a.reshape(-1, *a.shape[2:]) for n, a in whole.items()}, grid)
@@ -241,7 +257,7 @@ class Cells:
     def _settle_as_usual(self, codes: Any, grid: Grid) -> None:
         """Decide open cells by a user's polynomial; without one few, at low precision."""
         self._look_at_zeros(codes, grid)
-        if self.problem.exact is not None and not self.exact:
+        if self.problem.exact is not None and not self.complete:
             self._settle(codes, grid, len(codes), None)
         elif self.problem.plain:
             self._settle(codes, grid, MOST_SETTLED, BITS)
@@ -281,10 +297,10 @@ class Cells:
         """
         grid = xs, ys
         with eigensolver(self.solver):  # each thread has its own context
-            if self.exact:
-                return self._rows(xs, ys)
-            if self.by_slice:
-                chunk = self._rows(xs, ys)
+            if self.bands is not None:
+                chunk = self.bands.band(xs, ys)
+                if self.complete:
+                    return chunk
                 with CASADI:
                     self._complete(chunk, grid)
             else:
@@ -296,24 +312,10 @@ class Cells:
         return chunk
 
     def _band(self, start: int, total: int) -> Chunk:
-        """Compute whole rows by the exact route, which uses no CasADi function."""
+        """Compute whole rows, which takes no CasADi function."""
+        assert self.bands is not None
         rows = slice(start // self.shape[1], min(start + self.chunk, total) // self.shape[1])
-        return self._rows(self.axes[0].values, self.axes[1].values[rows], self._room(rows))
-
-    def _rows(self, xs: Floats, ys: Floats, room: Room | None = None) -> Chunk:
-        """The arrays of a grid inside the map, some cells left open by a slice."""
-        if self.slice is not None:
-            codes, left, rates = self.slice.band(xs, ys)
-            return {LEFT: np.array([left]), "codes": codes, **arrays_of(rates, modes=self.modes)}
-        values = dict(self.problem.values)
-        values |= {self.axes[0].name: xs[None, :], self.axes[1].name: ys[:, None]}
-        growth = self._growth(values, out=room)
-        codes, left = self._verdicts(xs, ys, growth.codes)
-        return {
-            LEFT: np.array([left + growth.handed_on]),
-            "codes": codes.reshape(-1),
-            **arrays_of(growth, modes=self.modes),
-        }
+        return self.bands.band(self.axes[0].values, self.axes[1].values[rows], self._room(rows))
 
     def _room(self, rows: slice) -> Room | None:
         """Whole rows of the map, which a worker of this process fills in place."""
@@ -336,7 +338,7 @@ class Cells:
     def _leave_edges(self, codes: NDArray[np.int8], grid: Grid) -> None:
         """Leave to the graph the cells in which the rates have no slope: no polynomial shows it."""
         # a formula whose bound is finite has slopes: a root's argument is away from zero
-        if isinstance(self.slice, SliceCells) and edged(self.problem.family.system):
+        if isinstance(self.bands, SliceCells) and edged(self.problem.family.system):
             for first in range(0, len(codes), CHUNK):
                 cells = np.arange(first, min(first + CHUNK, len(codes)))
                 bad = cells[~self._members_of(cells, grid)[-1]]

@@ -519,7 +519,7 @@ def _grow(target: Path, problem: Problem, axes: tuple[Axis, Axis], how: _How) ->
     """Verdicts and growth rates, to a folder."""
     cells = Cells(problem, axes, False, whole=False)
     layout = _layout(axes, cells.band)
-    attributes = cell_attributes(problem, missing=not cells.exact)
+    attributes = cell_attributes(problem, missing=not cells.complete)
     arrays = (
         Variable("verdict", "int8", -1, attributes["verdict"]),
         *(Variable(name, "float64", np.nan, attributes[name]) for name in RATES),

@@ -36,8 +36,8 @@ from ..tiles import Codes
 from .rates import (
     MOST_POOR,
     WANTED,
-    Bands,
     Coefficients,
+    DerivedBands,
     Rates,
     arrays_of,
     monic,
@@ -69,7 +69,7 @@ Along = Callable[[list[list[Any]]], Any]
 """Formulas of family parameters and parameters of a block, begun for the values of x."""
 
 
-class FormulaCells(Bands):
+class FormulaCells(DerivedBands):
     """The cells of a map of a family with formulas.
 
     Parameters
@@ -108,7 +108,7 @@ class FormulaCells(Bands):
 
     def _fine(self, xs: Floats, ys: Floats) -> bool:
         """Whether few cells of a sample are left open."""
-        return bool(np.isinf(self.band(xs, ys)[2].error).mean() <= MOST_POOR)
+        return bool(np.isinf(self.band(xs, ys)["error"]).mean() <= MOST_POOR)
 
     def judged(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:
         """Flags and growth rates over a grid, flat; none is decided over Q."""
@@ -350,7 +350,7 @@ SLICE = (
 """Method in words."""
 
 
-class SliceCells(Bands):
+class SliceCells(DerivedBands):
     """The cells of a map of a family with a slice.
 
     Parameters

@@ -249,25 +249,46 @@ def arrays_of(found: Any, *, modes: bool, unit: Floats | None = None) -> Chunk:
     return {n: v * (unit if v.ndim == 1 else unit[:, None]) for n, v in arrays.items()}
 
 
-class Bands(ABC):
-    """The cells of a map of a user's family by a polynomial, many rows at a time."""
+LEFT = "left"
+"""Key in a chunk, in addition to its arrays: number of cells sent to exact arithmetic."""
+Room = tuple[Any, ...]
+"""Arrays for abscissa, bound on its error, |imaginary part| and flags, each flat."""
 
+
+class Bands(ABC):
+    """The cells of a map by a polynomial, many rows at a time."""
+
+    modes: bool
+    """Whether to keep all eigenvalues."""
     how: str
     """Method in words."""
     growth: bool
     """Whether the discs are good enough for growth rates."""
     swept = False
     """Whether compiled loops run over the cells, so that many rows at once need no more memory."""
+    complete = False
+    """Whether no cell is left to the graph."""
+
+    @abstractmethod
+    def band(self, xs: Floats, ys: Floats, room: Room | None = None) -> Chunk:
+        """The arrays of a grid, flat; the error is infinite in cells that are left to the graph.
+
+        Compiled loops may fill the arrays of `room`.
+        """
+
+
+class DerivedBands(Bands):
+    """The same by a polynomial or formulas of a family, which leave some cells to the graph."""
 
     @abstractmethod
     def judged(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:
         """Flags, `ELSEWHERE` where none is proved, cells decided over Q, and growth rates, flat."""
 
-    def band(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:
-        """The same; the error is infinite in cells that are left to the graph."""
+    def band(self, xs: Floats, ys: Floats, room: Room | None = None) -> Chunk:  # noqa: ARG002
+        """As for every band."""
         codes, exact, found = self.judged(xs, ys)
         found.error[(found.poor & (codes != NO_MEMBER)) | (codes == ELSEWHERE)] = np.inf
-        return codes, exact, found
+        return {LEFT: np.array([exact]), "codes": codes, **arrays_of(found, modes=self.modes)}
 
 
 def sample(axes: tuple[Axis, Axis]) -> list[Floats]:
