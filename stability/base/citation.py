@@ -187,11 +187,6 @@ def cited(
 def joined(every: Iterable[str]) -> str:
     """Keys of several results, each once, in the order of the first that has it.
 
-    Parameters
-    ----------
-    every
-        Keys of each result.
-
     Examples
     --------
     >>> joined(["stability, casadi", "stability, casadi, lapack"])

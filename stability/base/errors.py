@@ -234,11 +234,6 @@ def meant(word: str, names: Iterable[str]) -> str:
 def listing(names: Iterable[str], values: Iterable[Any]) -> str:
     """Names with their values, for a message.
 
-    Parameters
-    ----------
-    names, values
-        The same number of each; values are numbers.
-
     Examples
     --------
     >>> listing(("m", "g"), (2.0, 9.81))

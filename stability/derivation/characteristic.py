@@ -38,11 +38,6 @@ class Derived:
 def derive(family: str, law: str) -> Derived:
     """The characteristic polynomial of a disk's family under a law, from its graph.
 
-    Parameters
-    ----------
-    family, law
-        Names of the family and of the contact law.
-
     Raises
     ------
     StabilityError

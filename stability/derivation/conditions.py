@@ -215,15 +215,7 @@ class Numbers:
         raise ParameterError(f"between of {name} is {shown(limits)}; give (low, high).")
 
     def statement(self, family: Family, given: Sequence[Any]) -> str:
-        """Sentences on the doubles that are no short decimals exactly, or empty.
-
-        Parameters
-        ----------
-        family
-            The family whose graph was read.
-        given
-            Floats among the numbers that the user gave.
-        """
+        """Sentences on the doubles that are no short decimals exactly, or empty."""
         asis, read = family.graph.numbers
         own = (v for v in given if isinstance(v, float))
         doubles = {v: decimal_of(v) for v in (*own, *asis, *read)}

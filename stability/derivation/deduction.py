@@ -52,13 +52,7 @@ WITNESS_BITS = 160
 
 
 class Members:
-    """Values of the variables at members, and the search for members with given signs.
-
-    Parameters
-    ----------
-    reading, whole, domain
-        The family's Jacobian, its characteristic polynomial, what is known of the variables.
-    """
+    """Values of the variables at members, and the search for members with given signs."""
 
     def __init__(self, reading: Reading, whole: Whole, domain: Domain) -> None:
         self.reading, self.whole, self.domain = reading, whole, domain
@@ -177,11 +171,6 @@ class Members:
     def check(self, values: Sequence[Any]) -> bool:
         """Refuse a point outside the domain, or off this branch of the family.
 
-        Parameters
-        ----------
-        values
-            Rationals or balls, one for each variable.
-
         Returns
         -------
         bool
@@ -243,15 +232,7 @@ KINDS = {"sin": "sine", "cos": "cosine", "sqrt": "root"}
 
 
 def domain_of(reading: Reading, whole: Whole, intervals: Mapping[str, Any]) -> Domain:
-    """What is known of the variables: the user's intervals, the system's conditions, squares.
-
-    Parameters
-    ----------
-    reading, whole
-        The family's Jacobian and its characteristic polynomial.
-    intervals
-        Open intervals by name.
-    """
+    """What is known of the variables: the user's intervals, the system's conditions, squares."""
     domain = Domain(whole.ring, [*whole.names, "λ"])
     places = {old: new for new, old in enumerate(whole.indices)}
     given = dict(intervals)
@@ -292,15 +273,7 @@ def _square(domain: Domain, index: int, poly: Poly) -> None:
 
 
 class Deduction:
-    """Conditions of every factor, and what is needed to check members.
-
-    Parameters
-    ----------
-    reading, whole, domain
-        The family's Jacobian, its characteristic polynomial, what is known of the variables.
-    structural
-        Number of zeros by structure.
-    """
+    """Conditions of every factor, and what is needed to check members."""
 
     def __init__(self, reading: Reading, whole: Whole, domain: Domain, structural: int) -> None:
         self.reading, self.whole, self.domain = reading, whole, domain

@@ -345,17 +345,7 @@ def expression(polynomial: Polynomial) -> Expr:
 
 
 def derived(known: Exact) -> Derived:
-    """The cached polynomials in the form that `stability.derivation.hurwitz` takes.
-
-    Parameters
-    ----------
-    known
-        Result of `exact_polynomial`.
-
-    Returns
-    -------
-    Derived
-    """
+    """The cached polynomials in the form that `stability.derivation.hurwitz` takes."""
     names = [sympy.Symbol(n) for n in known.variables]
     factors = tuple(
         sympy.Poly(sum(expression(c) * LAM**i for i, c in enumerate(f)), LAM, *names)
@@ -561,10 +551,6 @@ def rows(
         Inertia factors for the ranges of mu, each taken as its shortest decimal.
     progress
         Called with (families done, families in all).
-
-    Returns
-    -------
-    list of Formulas
     """
     asked = cases(laws)
     values = tuple(str(sympy.Rational(repr(float(x)))) for x in k)

@@ -82,13 +82,6 @@ def factored(expression: Expr) -> Expr:
 def determinant(polynomial: sympy.Poly, order: int) -> Expr:
     """Hurwitz determinant of one order, factored.
 
-    Parameters
-    ----------
-    polynomial
-        Polynomial in one variable, with symbolic coefficients.
-    order
-        1 to the degree.
-
     Examples
     --------
     >>> x, a = sympy.symbols("x a")

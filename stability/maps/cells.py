@@ -164,12 +164,7 @@ class Cells:
         return self._graph + SINGLE * (single and self.problem.exact is None)
 
     def key(self) -> dict[str, Any]:
-        """Description of the map for a checkpoint, with all digits, so that maps are distinguished.
-
-        Returns
-        -------
-        dict
-        """
+        """Description of the map for a checkpoint, with all digits: no other map has it."""
         swept = {g.name for g in self.axes}
         family = self.problem.family
         return {

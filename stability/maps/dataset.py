@@ -225,25 +225,7 @@ def assemble(
     boxes: Boxes | None = None,
     points: CodimensionTwo | None = None,
 ) -> xarray.Dataset:
-    """The dataset of a map.
-
-    Parameters
-    ----------
-    problem, axes
-        Family with values in the user's units; x and y.
-    cells
-        `Cells` with filled arrays.
-    curves
-        Boundary curves, or None.
-    boxes
-        Proved boxes, or None.
-    points
-        Points of codimension two, or None.
-
-    Returns
-    -------
-    xarray.Dataset
-    """
+    """The dataset of a map."""
     import xarray
 
     dims = axes[1].name, axes[0].name
@@ -302,15 +284,7 @@ def coordinates(problem: Problem, axes: tuple[Axis, Axis]) -> dict[str, tuple[st
 
 
 def cell_attributes(problem: Problem, *, missing: bool) -> dict[str, dict[str, Any]]:
-    """Attributes of the variables that have a number in each cell, by name.
-
-    Parameters
-    ----------
-    problem
-        Family with values in the user's units.
-    missing
-        Whether cells may have no member.
-    """
+    """Attributes of the variables that have a number in each cell, by name."""
     words, flags = rate_attributes(problem), verdict_attributes()
     return {
         "abscissa": words | {"long_name": "largest growth rate"},

@@ -90,13 +90,7 @@ class VerdictKernel:
         return codes
 
     def in_range(self, point: list[Any]) -> Any:
-        """Where no monomial can over- or underflow; True for everywhere.
-
-        Parameters
-        ----------
-        point
-            Arrays or floats, as for a call.
-        """
+        """Where no monomial can over- or underflow; True for everywhere."""
         powers = [
             max(p.degrees[i] for p in self._parts) if self._parts else 0 for i in range(len(point))
         ]
@@ -141,13 +135,7 @@ class _Split:
 
 
 class FilteredVerdicts:
-    """The whole verdict route of a problem: the filter, then exact arithmetic where it is open.
-
-    Parameters
-    ----------
-    problem
-        Problem of a family with a tabulated polynomial.
-    """
+    """The whole verdict route of a problem: the filter, then exact arithmetic where it is open."""
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
@@ -157,11 +145,6 @@ class FilteredVerdicts:
 
     def codes(self, values: Mapping[str, Any]) -> tuple[Codes, int]:
         """Verdict flags for broadcast values, each of them proved.
-
-        Parameters
-        ----------
-        values
-            Float or array by name, in the user's units.
 
         Returns
         -------
@@ -198,13 +181,6 @@ def _at(value: Any, shape: tuple[int, ...], where: tuple[Any, ...]) -> Any:
 
 def point(problem: Problem, values: Mapping[str, Any]) -> list[Any]:
     """Variables of the exact polynomial in double precision, for broadcast values.
-
-    Parameters
-    ----------
-    problem
-        Family with values in the user's units.
-    values
-        Float or array by name.
 
     Returns
     -------
@@ -253,15 +229,6 @@ class Interval:
 
 def prove_boxes(problem: Problem, axes: tuple[Axis, Axis], levels: int) -> Boxes:
     """Cover a map with rectangles of one proved verdict and a strip of narrow ones.
-
-    Parameters
-    ----------
-    problem
-        Family with values in the user's units.
-    axes
-        x and y.
-    levels
-        Largest number of halvings of the map in both directions.
 
     Raises
     ------
@@ -316,13 +283,7 @@ def _own(problem: Problem, axes: tuple[Axis, Axis]) -> Callable[[Spans], NDArray
 
 
 class BoxConditions:
-    """Verdicts proved over whole boxes from the exact conditions, vectorised.
-
-    Parameters
-    ----------
-    problem
-        Problem of a family with a tabulated polynomial.
-    """
+    """Verdicts proved over whole boxes from the exact conditions, vectorised."""
 
     def __init__(self, problem: Problem) -> None:
         self.problem, self.exact = problem, tabulated(problem)
@@ -330,11 +291,6 @@ class BoxConditions:
 
     def __call__(self, spans: Spans) -> NDArray[np.int8]:
         """Verdict flags, 0 where none is proved.
-
-        Parameters
-        ----------
-        spans
-            Low and high ends by name of what varies, shapes (N,).
 
         Returns
         -------
@@ -447,13 +403,6 @@ SIDES = (32, 8)
 
 class GridVerdicts:
     """Proved verdicts over grids of two axes of a problem.
-
-    Parameters
-    ----------
-    problem
-        Problem of a family with a tabulated polynomial.
-    x, y
-        Names of the axes.
 
     Examples
     --------

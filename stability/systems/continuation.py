@@ -152,10 +152,6 @@ def walk(
         Most points.
     inside
         Whether to go on after a point; the point that is outside is the last one.
-
-    Returns
-    -------
-    Trace
     """
     pace = _Pace(curve, scale)
     points = [z]

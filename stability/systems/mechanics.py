@@ -292,23 +292,7 @@ def _read_model(
 
 
 def within(what: str, value: ca.SX, symbols: ca.SX, where: str) -> ca.SX:
-    """The expression, or a refusal if it has another symbol.
-
-    Parameters
-    ----------
-    what
-        Name of the expression in the message.
-    value
-        The expression.
-    symbols
-        Symbols that it may have.
-    where
-        Names of their arguments, for the message.
-
-    Returns
-    -------
-    SX
-    """
+    """The expression, or a refusal if it has another symbol."""
     symbol = stranger(value, symbols)
     if symbol is not None:
         raise ParameterError(

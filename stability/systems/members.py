@@ -461,10 +461,6 @@ def find(family: Any, a: Floats, q: Floats, start: Floats | None) -> Found:
         Family parameters and parameters, shapes (N, ·).
     start
         First guesses, shape (N, u); None to follow from the family's anchor.
-
-    Returns
-    -------
-    Found
     """
     # members that differ only in numbers outside the equations (mu, for the disk) share a root
     given = np.hstack([a, q])
@@ -576,15 +572,6 @@ def _stopped(family: Any, asked: Floats, u: Floats, share: float, positive: Sequ
 def require_steady(family: Any, a: Floats, u: Floats, q: Floats, states: Floats) -> None:
     """Refuse members at which a rate does not vanish within its rounding.
 
-    Parameters
-    ----------
-    family
-        A `Family`.
-    a, u, q
-        Family parameters, unknowns and parameters, shapes (N, ·).
-    states
-        States of the members, shape (N, n).
-
     Raises
     ------
     NoMemberError
@@ -628,11 +615,6 @@ def _remedy(system: Any, state: str) -> str:
 
 def check_states(family: Any) -> None:
     """Refuse a family that does not name each state of its system once.
-
-    Parameters
-    ----------
-    family
-        A `Family` with checked parts.
 
     Raises
     ------

@@ -54,11 +54,6 @@ class Curve(Record):
     def at(self, z: Floats) -> tuple[Floats, Floats]:
         """Residuals and slopes.
 
-        Parameters
-        ----------
-        z
-            Points, shape (N, u + 1).
-
         Returns
         -------
         r, slope
@@ -191,13 +186,6 @@ def _least(curve: Curve, z: Floats) -> float:
 
 def directions(curve: Curve, point: Located) -> Floats | None:
     """Both directions through a branch point, from the algebraic bifurcation equation.
-
-    Parameters
-    ----------
-    curve
-        The curve.
-    point
-        A resolved branch point.
 
     Returns
     -------

@@ -99,11 +99,6 @@ def _check_units(units: Mapping[str, str], named: tuple[str, ...]) -> None:
 def check_system(system: Any) -> None:
     """Refuse a system whose parts do not fit together.
 
-    Parameters
-    ----------
-    system
-        A `System` as the user gave it.
-
     Raises
     ------
     ParameterError
@@ -155,11 +150,6 @@ def stranger(value: ca.SX, symbols: ca.SX) -> ca.SX | None:
 
 def check_family(family: Any) -> None:
     """Refuse wrong parts of a family, and store the others as plain tuples, dicts and floats.
-
-    Parameters
-    ----------
-    family
-        A `Family` as the user gave it.
 
     Raises
     ------
@@ -251,10 +241,6 @@ def check_implicit(
         Pairs (row, column), or None for the natural order.
     states
         Names of the states.
-
-    Returns
-    -------
-    list of (int, int)
     """
     for state in names("states", states):
         if state not in rates and f"d_{state}" not in unknowns:

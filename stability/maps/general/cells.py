@@ -70,19 +70,7 @@ Along = Callable[[list[list[Any]]], Any]
 
 
 class FormulaCells(DerivedBands):
-    """The cells of a map of a family with formulas.
-
-    Parameters
-    ----------
-    problem
-        Problem of a family.
-    formulas
-        Its formulas.
-    axes
-        x and y.
-    modes
-        Whether to keep all eigenvalues.
-    """
+    """The cells of a map of a family with formulas."""
 
     def __init__(
         self, problem: Problem, formulas: ClosedForm, axes: tuple[Axis, Axis], modes: bool
@@ -233,15 +221,6 @@ MOST_STATES = 8
 def quick_rates(reduced: Reduced, *, even: bool, modes: bool) -> Rates | None:
     """Growth rates and verdicts of many members; None where the eigensolver is as good.
 
-    Parameters
-    ----------
-    reduced
-        Linearisations without structural zeros.
-    even
-        Whether their polynomial is even by structure.
-    modes
-        Whether to return all eigenvalues.
-
     Returns
     -------
     Rates or None
@@ -271,15 +250,7 @@ def _of(matrix: Floats, error: Floats, *, even: bool, modes: bool) -> Rates:
 
 
 class GraphCells:
-    """The arrays of members by the graph.
-
-    Parameters
-    ----------
-    problem
-        Family with values in the user's units.
-    modes
-        Whether to keep all eigenvalues.
-    """
+    """The arrays of members by the graph."""
 
     def __init__(self, problem: Problem, modes: bool) -> None:
         self.problem, self.modes = problem, modes
@@ -351,17 +322,7 @@ SLICE = (
 
 
 class SliceCells(DerivedBands):
-    """The cells of a map of a family with a slice.
-
-    Parameters
-    ----------
-    found
-        The slice.
-    axes
-        x and y.
-    modes
-        Whether to keep all eigenvalues.
-    """
+    """The cells of a map of a family with a slice."""
 
     how = SLICE
     """Method in words."""

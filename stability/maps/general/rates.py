@@ -309,10 +309,6 @@ def rates(factors: Sequence[tuple[Coefficients, bool, int]], *, modes: bool) -> 
         (coefficients, whether even, multiplicity) of each factor of a polynomial.
     modes
         Whether to return all eigenvalues.
-
-    Returns
-    -------
-    Rates
     """
     if len(factors) == 1 and factors[0][1] and factors[0][0][0].shape[0] == 2 and not modes:
         return _of_square(*factors[0][0])
@@ -408,10 +404,6 @@ def of_matrices(matrix: Floats, error: Floats) -> Coefficients:
     ----------
     matrix, error
         Matrices and bounds on the errors of their entries, shapes (N, n, n).
-
-    Returns
-    -------
-    Coefficients
     """
     count, n = matrix.shape[:2]
     out, bounds = np.empty((n, count)), np.empty((n, count))

@@ -91,13 +91,7 @@ class SliceVerdicts:
         return out
 
     def boxes(self, spans: Mapping[str, tuple[Floats, Floats]]) -> Codes:
-        """Flags proved over whole boxes inside the map, 0 where none is.
-
-        Parameters
-        ----------
-        spans
-            Low and high ends by name of the axis, shapes (N,).
-        """
+        """Flags proved over whole boxes inside the map, 0 where none is."""
         x, y = (spans[g.name] for g in self.axes)
         with np.errstate(all="ignore"):
             return self._codes(self._over(x, y, np.repeat(self.known, len(x[0]), axis=1)))

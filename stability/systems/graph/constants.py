@@ -132,13 +132,6 @@ def rounded(name: str, x: Any) -> bool:
 
     CasADi rounds functions of numbers as soon as it builds an expression, and gives
     |x| a slope at 0.  `atan2` has two arguments, and is read again in any case.
-
-    Parameters
-    ----------
-    name
-        Name of the function.
-    x
-        Its argument.
     """
     known = isinstance(x, ca.SX) and x.is_constant()
     if name in ("pow", "fabs", "atan2"):

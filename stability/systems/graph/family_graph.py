@@ -37,15 +37,7 @@ Slopes = dict[int, Any]
 
 
 class Sloped:
-    """A number with its nonzero slopes along the states, by index.
-
-    Parameters
-    ----------
-    value
-        The number.
-    slopes
-        Slope by index of the state.
-    """
+    """A number with its nonzero slopes along the states, by index."""
 
     __slots__ = ("slopes", "value")
 
@@ -142,13 +134,7 @@ def _by_argument(f: Mapping[str, Callable[..., Any]]) -> dict[str, Callable[[Any
 
 
 def sloped_algebra(plain: Algebra) -> Algebra:
-    """Numbers of an algebra with slopes.
-
-    Parameters
-    ----------
-    plain
-        The algebra of values and slopes.
-    """
+    """Numbers of an algebra with slopes."""
     f = plain.functions
 
     by_argument = _by_argument(f)
@@ -189,15 +175,6 @@ def rates_and_slopes(
     program: Program, algebra: Algebra, states: Sequence[Any], parameters: Sequence[Any]
 ) -> tuple[list[Any], list[Slopes]]:
     """Rates and their slopes along the states, at states and parameters of any number type.
-
-    Parameters
-    ----------
-    program
-        The rates, a dense column in (states, parameters).
-    algebra
-        The number type.
-    states, parameters
-        Values.
 
     Returns
     -------
@@ -354,13 +331,7 @@ class Implicit:
         return [not bool(v) for v in self._pattern[0]]
 
     def program(self, *outputs: Asked) -> Program:
-        """Rates and slopes as a program.
-
-        Parameters
-        ----------
-        outputs
-            What it returns, in order.
-        """
+        """Rates and slopes as a program."""
         return _Solved(self, outputs)
 
     def equations(
@@ -774,17 +745,7 @@ class FamilyGraph:
         )
 
     def place(self, entries: list[Any]) -> list[list[Any]]:
-        """Rows of the unknowns' Jacobian from its stored entries.
-
-        Parameters
-        ----------
-        entries
-            Stored entries from `residual`.
-
-        Returns
-        -------
-        list of list
-        """
+        """Rows of the unknowns' Jacobian from its stored entries."""
         dense: list[list[Any]] = [[0] * self._size for _ in range(self._size)]
         for (i, j), value in zip(self.residual.places[1], entries, strict=True):
             dense[i][j] = value

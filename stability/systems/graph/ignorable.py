@@ -51,12 +51,7 @@ class Influence:
 
 @lru_cache(maxsize=64)
 def influence(system: Equations) -> Influence:
-    """Which state acts on which rate; no action is left out without a proof.
-
-    Returns
-    -------
-    Influence
-    """
+    """Which state acts on which rate; no action is left out without a proof."""
     conditions = ca.vertcat(*[c.value for c in system.conditions])
     inputs, outputs = [system.x, system.p], [ca.densify(system.rhs), ca.densify(ca.SX(conditions))]
     graph = ca.Function("rates", inputs, outputs)
@@ -157,29 +152,11 @@ def ignorable(system: Equations) -> tuple[str, ...]:
 
 
 def hidden_pairs(system: Equations, columns: Collection[str]) -> list[tuple[int, int]]:
-    """Entries (i, j) of the linearisation that are zero by an identity, not by sparsity.
-
-    Parameters
-    ----------
-    system
-        The system.
-    columns
-        Names of the states j.
-    """
+    """Entries (i, j) of the linearisation that are zero by an identity, not by sparsity."""
     return [(i, j) for i, j in influence(system).hidden if system.states[j] in columns]
 
 
 def acting_on(system: Equations, state: str, among: Collection[str]) -> str:
-    """The first of some states whose rate depends on a state, or an empty string.
-
-    Parameters
-    ----------
-    system
-        The system.
-    state
-        The state that acts.
-    among
-        Names of the states acted on.
-    """
+    """The first of some states whose rate depends on a state, or an empty string."""
     column = influence(system).acts[:, system.index(state)]
     return next((n for n, a in zip(system.states, column, strict=True) if a and n in among), "")

@@ -91,13 +91,7 @@ def times(a: Term, b: Term) -> Term:
 
 
 def over(a: Term, b: Term) -> Term:
-    """The quotient a / b.
-
-    Parameters
-    ----------
-    a, b
-        Terms; a fraction b is not zero.
-    """
+    """The quotient a / b."""
     if isinstance(b, Fraction):
         return times(a, 1 / b)
     if isinstance(a, Fraction):
@@ -110,13 +104,7 @@ def over(a: Term, b: Term) -> Term:
 
 
 def power(base: Term, exponent: int) -> Term:
-    """A whole power, by repeated squares.
-
-    Parameters
-    ----------
-    base, exponent
-        Term, and a whole number.
-    """
+    """A whole power, by repeated squares."""
     if isinstance(base, Fraction):
         return base**exponent
     if exponent < 0:
@@ -173,13 +161,7 @@ def _denominator(value: Fraction) -> float:
 
 
 class Probes:
-    """Random and special numbers at which a matrix of terms is evaluated, to choose pivots.
-
-    Parameters
-    ----------
-    x, p
-        State and parameter symbols.
-    """
+    """Random and special numbers at which a matrix of terms is evaluated, to choose pivots."""
 
     COUNT = 6
 

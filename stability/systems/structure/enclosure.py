@@ -17,13 +17,6 @@ from ..family import Family
 def characteristic(family: Family, a: Sequence[Any], q: Sequence[Any]) -> list[Any]:
     """Coefficients of det(λ - A) at a member as balls, lowest first.
 
-    Parameters
-    ----------
-    family
-        The family.
-    a, q
-        Family parameters and parameters as balls (or exact numbers).
-
     Returns
     -------
     list of arb
@@ -49,13 +42,6 @@ def matrix_polynomial(
     family: Family, a: Sequence[Any], u: Sequence[Any], q: Sequence[Any]
 ) -> list[Any]:
     """Characteristic polynomial of the linearisation with given unknowns, in balls.
-
-    Parameters
-    ----------
-    family
-        The family.
-    a, u, q
-        Family parameters, unknowns and parameters as balls.
 
     Returns
     -------

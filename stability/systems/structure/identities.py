@@ -118,15 +118,6 @@ def _two_sides(block: Pattern) -> bool:
 def known_coefficients(size: int, count: int, *, even: bool) -> list[bool]:
     """Whether each coefficient of det(λ - A), lowest first, is zero for these reasons.
 
-    Parameters
-    ----------
-    size
-        Number of states n.
-    count
-        Number of zero eigenvalues.
-    even
-        Whether the spectrum is symmetric under λ → -λ.
-
     Returns
     -------
     list of bool
@@ -415,11 +406,6 @@ def exact_matrix(
     family: Family, a: Sequence[Any], u: Sequence[Any], q: Sequence[Any]
 ) -> list[list[Any]]:
     """The linearisation in exact numbers or expressions.
-
-    Parameters
-    ----------
-    family, a, u, q
-        The family with its parameters, unknowns and the system's other parameters.
 
     Raises
     ------

@@ -464,13 +464,6 @@ MOST_SECONDS = 20.0
 def exact_verdict(member: Member, zeros: int) -> Verdict | None:
     """The verdict of a member without some zero eigenvalues, over the member's own field.
 
-    Parameters
-    ----------
-    member
-        The member.
-    zeros
-        Number of eigenvalues, proved zero, that are left out.
-
     Returns
     -------
     Verdict or None

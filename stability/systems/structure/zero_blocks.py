@@ -42,15 +42,7 @@ Rows = Sequence[Sequence[Any]]
 
 
 def semisimple(family: Family, zeros: int) -> bool:
-    """Whether the zero eigenvalues are proved to be semisimple at every member.
-
-    Parameters
-    ----------
-    family
-        The family.
-    zeros
-        Number of eigenvalues that vanish by structure.
-    """
+    """Whether the zero eigenvalues are proved to be semisimple at every member."""
     return most_power(family, zeros) == 0
 
 
@@ -190,15 +182,7 @@ def _power_in_balls(member: Member, count: int) -> int | None:
 
 
 def proved_power(kept: Rows, count: int) -> int:
-    """The largest power p for which balls prove that A^p has a rank above n - count; 0 for none.
-
-    Parameters
-    ----------
-    kept
-        Square matrix of balls.
-    count
-        Number of its zero eigenvalues.
-    """
+    """The largest power p for which balls prove that A^p has a rank above n - count; 0 for none."""
     most = 0
     for p, whole in enumerate(_powers(kept, count - 1)):
         if rank_of(whole, lambda v: not arb(v).contains(0)) <= len(kept) - count:
