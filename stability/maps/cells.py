@@ -144,6 +144,11 @@ class Cells:
         return ("codes", "abscissa", "error", "frequency", *(["values"] * self.modes))
 
     @property
+    def _grid(self) -> Grid:
+        """The values of both axes."""
+        return self.axes[0].values, self.axes[1].values
+
+    @property
     def complete(self) -> bool:
         """Whether every cell has a member, and no other method computes any."""
         return self.bands is not None and self.bands.complete
@@ -227,32 +232,20 @@ class Cells:
                 self._place(start, chunk)
         if self.bands is not None and not self.complete:
             whole = {n: getattr(self, n) for n in self._names}
-            grid = self.axes[0].values, self.axes[1].values
-            self._complete({n: a.reshape(-1, *a.shape[2:]) for n, a in whole.items()}, grid)
+            flat = {n: a.reshape(-1, *a.shape[2:]) for n, a in whole.items()}
+            self._complete(flat, self._grid)
         if (self.codes == NO_MEMBER).all():
             self._inputs(0, 1)  # says why
             raise NoMemberError(self.refusal or f"{self.problem.family.name} has no member here.")
 
-    def settle(self, most: int | None = None) -> None:
-        """Decide over Q or in balls every cell that double precision left open.
+    def settle(self, *, certify: bool) -> None:
+        """Decide over Q or in balls cells that double precision left open: with `certify` each."""
+        self._settled(self.codes.reshape(-1), self._grid, certify=certify)
 
-        Parameters
-        ----------
-        most
-            For a user's family: largest precision of balls.
-        """
-        grid = self.axes[0].values, self.axes[1].values
-        self._look_at_zeros(self.codes.reshape(-1), grid)
-        self._settle(self.codes.reshape(-1), grid, math.prod(self.shape), most)
-
-    def settle_as_usual(self) -> None:
-        """The same without `certify`: see `_settle_as_usual`."""
-        self._settle_as_usual(self.codes.reshape(-1), (self.axes[0].values, self.axes[1].values))
-
-    def _settle_as_usual(self, codes: Any, grid: Grid) -> None:
-        """Decide open cells by a user's polynomial; without one few, at low precision."""
+    def _settled(self, codes: Any, grid: Grid, *, certify: bool) -> None:
+        """Decide each, or all by a user's polynomial; without one few, at low precision."""
         self._look_at_zeros(codes, grid)
-        if self.problem.exact is not None and not self.complete:
+        if certify or (self.problem.exact is not None and not self.complete):
             self._settle(codes, grid, len(codes), None)
         elif self.problem.plain:
             self._settle(codes, grid, MOST_SETTLED, BITS)
@@ -303,14 +296,15 @@ class Cells:
                     members = self._members_of(np.arange(len(xs) * len(ys)), grid)
                 chunk = self._work(*members)
             with CASADI:
-                self._settle_as_usual(chunk["codes"], grid)
+                self._settled(chunk["codes"], grid, certify=False)
         return chunk
 
     def _band(self, start: int, total: int) -> Chunk:
         """Compute whole rows, which takes no CasADi function."""
         assert self.bands is not None
         rows = slice(start // self.shape[1], min(start + self.chunk, total) // self.shape[1])
-        return self.bands.band(self.axes[0].values, self.axes[1].values[rows], self._room(rows))
+        xs, ys = self._grid
+        return self.bands.band(xs, ys[rows], self._room(rows))
 
     def _room(self, rows: slice) -> Room | None:
         """Whole rows of the map, which a worker of this process fills in place."""
@@ -343,8 +337,7 @@ class Cells:
         self, start: int, total: int
     ) -> tuple[Floats, Floats, Floats, Floats, NDArray[np.bool_]]:
         """Numbers and unknowns of the members of a chunk, and which of its cells have one."""
-        grid = self.axes[0].values, self.axes[1].values
-        return self._members_of(np.arange(start, min(start + CHUNK, total)), grid)
+        return self._members_of(np.arange(start, min(start + CHUNK, total)), self._grid)
 
     def _members_of(
         self, cells: NDArray[np.intp], grid: Grid
