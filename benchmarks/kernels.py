@@ -111,7 +111,7 @@ def ratios(family: str, law: str, side: int = 1000) -> dict[str, Any]:
     }
     for turn in range(REPEATS + 1):  # the first one is not counted
         cells = Cells(question, axes, False)
-        cells._growth = by_loops
+        cells.bands.kernel = by_loops
         found = {
             "eigvals": spent(slow) / count,
             "verdicts": spent(lambda: verdicts(axes[0].values, axes[1].values)) / side**2,
@@ -154,7 +154,7 @@ def sizes(family: str = "tumbling") -> list[dict[str, Any]]:
             line["by_default"] = "compiled"
         for quick in (True, False):
             cells = Cells(question, axes, False)
-            cells._growth = GrowthKernel(question, quick=quick)
+            cells.bands.kernel = GrowthKernel(question, quick=quick)
             _, *times = (spent(lambda cells=cells: cells.fill(1, None)) for _ in range(4))
             name = "compiled_ns_per_point" if quick else "numpy_ns_per_point"
             line[name] = round(1e9 * min(times) / side**2, 1)

@@ -23,8 +23,8 @@ import numpy as np
 import stability as st
 from stability.base.axis import Axis
 from stability.maps.cells import Cells
-from stability.maps.own.slice_verdicts import slice_verdicts
-from stability.maps.own.slices import _cached
+from stability.maps.general.slice_verdicts import slice_verdicts
+from stability.maps.general.slices import _cached
 from stability.spectra.axes import swept
 
 SIDE = 1000
@@ -222,7 +222,7 @@ def compare(family: Any, x: Any, y: Any, fixed: dict[str, float]) -> dict[str, A
     wrong = int(((codes == 2) != (lead > 0))[clear & (codes != 0)].sum())
     return {
         "family": f"{family.name}, {axes[0].name} x {axes[1].name}",
-        "route": "polynomial" if cells.by_slice else "graph",
+        "route": "graph" if cells.bands is None else "polynomial",
         "derivation_s": round(derived, 3),
         "ns_per_cell": {n: round(1e9 * t, 1) for n, t in each.items()},
         "times_faster": {n: round(each["eigvals"] / t, 1) for n, t in each.items()},

@@ -41,15 +41,6 @@ class Axis:
     def of(cls, axis: Sequence[Any], which: str, most: int = MOST_POINTS) -> Axis:
         """An axis from (name, low, high, n) or (name, low, high, n, "log").
 
-        Parameters
-        ----------
-        axis
-            The tuple.
-        which
-            `x` or `y`, for messages.
-        most
-            Largest number of points.
-
         Raises
         ------
         ParameterError

@@ -196,13 +196,6 @@ def _type(annotation: Any, space: dict[str, Any]) -> Any:
 def fits(value: Any, accepted: Any) -> bool:
     """Whether a value may be meant for a type: it is of that type, or is one when converted.
 
-    Parameters
-    ----------
-    value
-        Any value.
-    accepted
-        A type, or a form of one.
-
     Examples
     --------
     >>> fits(3, float | None), fits([1], Sequence[str]), fits("a", Sequence[str])

@@ -1,4 +1,7 @@
-"""Checks of arguments, one place for each kind; a refusal shows the value and what is accepted."""
+"""Checks of arguments, one place for each kind; a refusal shows the value and what is accepted.
+
+`name` is the argument's name in the message, and `remedy` says there what is accepted.
+"""
 
 from __future__ import annotations
 
@@ -22,23 +25,6 @@ Kind = TypeVar("Kind")
 def checked(name: str, value: ArrayLike) -> Number:
     """Return a finite float, or a read-only float array, or refuse with the value.
 
-    Parameters
-    ----------
-    name
-        Name of the number in the message.
-    value
-        A number or an array of numbers, any shape.
-
-    Returns
-    -------
-    float or ndarray
-        The same values in double precision.
-
-    Raises
-    ------
-    ParameterError
-        If a value is not a real finite number.
-
     Examples
     --------
     >>> checked("mu", 3)
@@ -60,19 +46,7 @@ def checked(name: str, value: ArrayLike) -> Number:
 
 
 def real_numbers(name: str, value: Any) -> NDArray[np.float64]:
-    """Real numbers as doubles, infinite and NaN included, or a refusal.
-
-    Parameters
-    ----------
-    name
-        Name of the numbers in the message.
-    value
-        A number or an array of numbers, any shape.
-
-    Returns
-    -------
-    ndarray
-    """
+    """Real numbers as doubles, infinite and NaN included, or a refusal."""
     if type(value) is np.ndarray and value.dtype == np.float64:  # nothing to convert
         return value
     try:
@@ -101,28 +75,7 @@ def real_numbers(name: str, value: Any) -> NDArray[np.float64]:
 def positive(
     name: str, value: ArrayLike, remedy: str = "it must be positive", *, zero: bool = False
 ) -> Number:
-    """Return `checked(name, value)` if all numbers are above zero, or refuse.
-
-    Parameters
-    ----------
-    name
-        Name of the number in the message.
-    value
-        A number or an array of numbers, any shape.
-    remedy
-        Accepted values, for the message.
-    zero
-        Whether zero is accepted too.
-
-    Returns
-    -------
-    float or ndarray
-        The same values in double precision.
-
-    Raises
-    ------
-    ParameterError
-        If a value is not a real finite number above zero (or zero, with `zero`).
+    """Return `checked(name, value)` if all numbers are above zero, or are `zero` where allowed.
 
     Examples
     --------
@@ -142,17 +95,6 @@ def positive(
 def one_number(name: str, value: Any) -> float:
     """A single finite number, or a refusal.
 
-    Parameters
-    ----------
-    name
-        Name of the argument in the message.
-    value
-        The number.
-
-    Returns
-    -------
-    float
-
     Examples
     --------
     >>> one_number("tolerance", 1e-9)
@@ -166,20 +108,6 @@ def one_number(name: str, value: Any) -> float:
 
 def rows(name: str, value: Any, names: Collection[str]) -> NDArray[np.float64]:
     """Finite numbers whose last axis holds one for each name, or a refusal.
-
-    Parameters
-    ----------
-    name
-        Name of the array in the message.
-    value
-        Shape (…, len(names)).
-    names
-        Names of the entries of the last axis.
-
-    Returns
-    -------
-    ndarray
-        Shape (…, len(names)).
 
     Examples
     --------
@@ -199,15 +127,6 @@ def rows(name: str, value: Any, names: Collection[str]) -> NDArray[np.float64]:
 
 def broadcast(**shapes: tuple[int, ...]) -> tuple[int, ...]:
     """The shape to which shapes broadcast, or a refusal that lists them by name.
-
-    Parameters
-    ----------
-    **shapes
-        Shapes by name.
-
-    Returns
-    -------
-    tuple of int
 
     Examples
     --------
@@ -229,17 +148,6 @@ def broadcast(**shapes: tuple[int, ...]) -> tuple[int, ...]:
 def flag(name: str, value: Any) -> bool:
     """True or False, or a refusal.
 
-    Parameters
-    ----------
-    name
-        Name of the argument in the message.
-    value
-        A truth value of Python or NumPy.
-
-    Returns
-    -------
-    bool
-
     Examples
     --------
     >>> flag("certify", True)
@@ -253,22 +161,7 @@ def flag(name: str, value: Any) -> bool:
 def whole_number(
     name: str, value: Any, least: int = 1, most: int | None = None, remedy: str = ""
 ) -> int:
-    """A whole number within a range, or a refusal.
-
-    Parameters
-    ----------
-    name
-        Name of the argument in the message.
-    value
-        An integer of Python or NumPy.
-    least, most
-        Ends of the range, both included; None for no upper end.
-    remedy
-        Advice for a value above `most`, for the message.
-
-    Returns
-    -------
-    int
+    """A whole number from `least` to `most`, both included, or a refusal.
 
     Examples
     --------
@@ -289,19 +182,6 @@ def whole_number(
 def known(name: str, value: Any, names: Collection[str]) -> str:
     """One of several names, or a refusal that lists them.
 
-    Parameters
-    ----------
-    name
-        Name of the argument in the message.
-    value
-        The name.
-    names
-        Known names.
-
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> known("contact", "rough", ("smooth", "rough"))
@@ -315,21 +195,8 @@ def known(name: str, value: Any, names: Collection[str]) -> str:
 def chosen(name: str, given: str | Sequence[str], names: Mapping[str, str]) -> list[str]:
     """Some of several names, or a refusal that lists them.
 
-    What is no name chooses every name in which, or in whose heading, a word begins with it.
-
-    Parameters
-    ----------
-    name
-        Name of the argument in the message.
-    given
-        Words: several, or one text with commas.
-    names
-        Heading of each known name; empty without one.
-
-    Returns
-    -------
-    list of str
-        In the order of `names`.
+    `names` holds the heading of each name, or an empty text.  What is no name chooses every name in
+    which, or in whose heading, a word begins with it.  The order is that of `names`.
 
     Examples
     --------
@@ -356,21 +223,6 @@ def chosen(name: str, given: str | Sequence[str], names: Mapping[str, str]) -> l
 def instance(name: str, value: Any, kind: type[Kind], remedy: str) -> Kind:
     """An object of a class, or a refusal.
 
-    Parameters
-    ----------
-    name
-        Name of the argument in the message.
-    value
-        The object.
-    kind
-        Required class of the object.
-    remedy
-        Accepted argument, for the message.
-
-    Returns
-    -------
-    object
-
     Examples
     --------
     >>> instance("title", "a few words", str, "give a string")
@@ -382,12 +234,6 @@ def instance(name: str, value: Any, kind: type[Kind], remedy: str) -> Kind:
 
 
 def callback(value: Any) -> None:
-    """Refuse a progress function that cannot be called.
-
-    Parameters
-    ----------
-    value
-        A function of (done, total), or None.
-    """
+    """Refuse a function of (done, total) that cannot be called."""
     if value is not None and not callable(value):
         raise ParameterError(f"progress is {shown(value)}; give a function of (done, total).")

@@ -146,11 +146,7 @@ def cited(
     theory
         Keys of works on what is computed, beyond those of the model.
     system
-        Name of the system, in place of `law` and `model`: that of the disk's systems says both.
-
-    Returns
-    -------
-    str
+        Name of the system, in place of `law`: with `model`, or for the disk, its end says the law.
 
     Examples
     --------
@@ -158,11 +154,14 @@ def cited(
     'stability, przybylska2016, casadi, heyoka'
     >>> cited(methods=["scipy", "hairer1996", "scipy", "hairer1993"])
     'stability, casadi, scipy, hairer1996, hairer1993'
-    >>> cited(system="disk, coulomb"), cited(system="pendulum")
+    >>> cited(system="disk, coulomb") == cited(system="torus, coulomb", model=True)
+    True
+    >>> cited(system="disk, coulomb"), cited(system="pendulum, coulomb")
     ('stability, przybylska2016, lesaux2005, casadi', 'stability, casadi')
     """
-    if system.startswith(DISK):
-        law, model = system.removeprefix(DISK), True
+    model = model or system.startswith(DISK)
+    if model and law is None:  # the system of a body is named after it and its law
+        law = system.rpartition(", ")[2]
     keys = ["stability"]
     keys += ["przybylska2016"] * model
     keys += LAWS.get(law or "", ())
@@ -179,11 +178,6 @@ def cited(
 
 def joined(every: Iterable[str]) -> str:
     """Keys of several results, each once, in the order of the first that has it.
-
-    Parameters
-    ----------
-    every
-        Keys of each result.
 
     Examples
     --------

@@ -97,10 +97,6 @@ def one_line(text: str, longest: int = LONGEST) -> str:
     longest
         Characters at most.
 
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> one_line("a\n  b\x1b")
@@ -237,11 +233,6 @@ def meant(word: str, names: Iterable[str]) -> str:
 
 def listing(names: Iterable[str], values: Iterable[Any]) -> str:
     """Names with their values, for a message.
-
-    Parameters
-    ----------
-    names, values
-        The same number of each; values are numbers.
 
     Examples
     --------

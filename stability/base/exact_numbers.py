@@ -94,11 +94,6 @@ def decimal_of(value: float) -> Fraction | None:
 
     No two such decimals have the same double, so that the decimal is the one that was written.
 
-    Parameters
-    ----------
-    value
-        A finite double.
-
     Examples
     --------
     >>> decimal_of(9.81), decimal_of(0.1 * 3)
@@ -112,11 +107,6 @@ def decimal_of(value: float) -> Fraction | None:
 
 def written(ratio: Fraction) -> str:
     """A number as one writes it: its shortest decimal where that is exact, otherwise a fraction.
-
-    Parameters
-    ----------
-    ratio
-        The number.
 
     Examples
     --------
@@ -132,11 +122,6 @@ def written(ratio: Fraction) -> str:
 def no_double(value: Any) -> Fraction | None:
     """The ratio of a number that is exact by its type, where the number is no double.
 
-    Parameters
-    ----------
-    value
-        Any number.
-
     Examples
     --------
     >>> no_double(Fraction(3, 10)), no_double(Fraction(3, 8)), no_double(0.3)
@@ -148,15 +133,7 @@ def no_double(value: Any) -> Fraction | None:
 
 
 def warn_rounded(name: str, values: Iterable[Any]) -> None:
-    """Warn that exact numbers are rounded to doubles, where they are no doubles.
-
-    Parameters
-    ----------
-    name
-        Name of the number or array in the warning.
-    values
-        Its entries.
-    """
+    """Warn that exact numbers are rounded to doubles, where they are no doubles."""
     ratio = next((r for v in values if (r := no_double(v)) is not None), None)
     if ratio is not None:
         warned(

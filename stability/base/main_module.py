@@ -71,13 +71,6 @@ def _running(frame: FrameType | None, space: dict[str, Any]) -> int:
 def guarded_line(tree: ast.Module, line: int) -> bool:
     r"""Whether only the script itself, and no process that imports it, comes to a line.
 
-    Parameters
-    ----------
-    tree
-        The script.
-    line
-        A line of it.
-
     Examples
     --------
     >>> tree = ast.parse("if __name__ == '__main__':\n    work()\nwork()")

@@ -51,15 +51,6 @@ def versions(names: tuple[str, ...]) -> str:
 
     They are read from files once: a small result takes no longer itself.
 
-    Parameters
-    ----------
-    names
-        Names of the libraries, as they are installed.
-
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> versions(("no-such-library",)) == f"python {platform.python_version()}"
@@ -89,10 +80,5 @@ def _memory() -> str:
 
 
 def today() -> str:
-    """The present time in UTC, to the second.
-
-    Returns
-    -------
-    str
-    """
+    """The present time in UTC, to the second."""
     return datetime.now(UTC).isoformat(timespec="seconds")

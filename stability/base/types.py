@@ -97,11 +97,6 @@ class Same:
     """A key of a cache that compares by identity.
 
     CasADi's symbols and functions belong to one object and one thread: an equal one has others.
-
-    Parameters
-    ----------
-    value
-        The object.
     """
 
     __slots__: ClassVar[tuple[str, ...]] = ("value",)

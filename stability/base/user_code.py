@@ -19,17 +19,6 @@ Method = TypeVar("Method", bound=Callable[..., Any])
 def imported(what: str, place: str, load: Callable[[], T], folder: str, remedy: str) -> T:
     """What a user's module gives, with a folder at the head of Python's path while it is imported.
 
-    Parameters
-    ----------
-    what, place
-        Name and value of the argument, for the message.
-    load
-        Imports the module and returns what is wanted of it.
-    folder
-        The folder.
-    remedy
-        What is accepted, for the message.
-
     Raises
     ------
     NameUnknownError
@@ -55,11 +44,6 @@ def imported(what: str, place: str, load: Callable[[], T], folder: str, remedy: 
 
 def arithmetic(remedy: str) -> Callable[[Method], Method]:
     """Wrap a formula over any number type; a failed operation becomes a refusal in a sentence.
-
-    Parameters
-    ----------
-    remedy
-        Accepted arguments of the formula, for the message.
 
     Returns
     -------

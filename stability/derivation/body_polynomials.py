@@ -12,7 +12,7 @@ are 1.  Sine and cosine of θ are symbols with s² + c² = 1.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -20,13 +20,12 @@ import casadi as ca
 import sympy
 from sympy.polys.matrices import DomainMatrix
 
-from ..algebra.number_types import sympy_algebra
 from ..algebra.program import Program
 from ..base.checks import known
 from ..bodies.contact_laws import LAWS, Contact
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.equations import round_system
-from .characteristic import COS, LAM, MU, SIN
+from .characteristic import COS, LAM, MU, SIN, algebra_of_angle
 from .hurwitz import factored, terms
 
 Expr = Any
@@ -124,9 +123,7 @@ def equations(law: str | type[Contact]) -> Equations:
     }
     state = [here, *SPEEDS][: len(system.states)]
     given = [state, [KNOWN[n] for n in system.unknowns], [table[n] for n in system.parameters]]
-    algebra = sympy_algebra()
-    functions = dict(algebra.functions) | {"sin": lambda _: SIN, "cos": lambda _: COS}
-    algebra = replace(algebra, functions=functions)
+    algebra = algebra_of_angle()
     read = [sympy.Matrix(program.dense(algebra, given, i)).expand() for i in range(4)]
     return Equations(tuple(read[0]), read[1], read[2], read[3][0])
 
@@ -214,10 +211,6 @@ def characteristic(family: str, law: str) -> Characteristic:
         rolling, spinning or tumbling; circling or precession, where ω₃ follows from their surface.
     law
         viscous, rough or smooth; rough for circling, smooth for precession.
-
-    Returns
-    -------
-    Characteristic
 
     Examples
     --------

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import sympy
 
-from ..algebra.number_types import sympy_algebra
+from ..algebra.number_types import Algebra, sympy_algebra
 from ..base.errors import StabilityError
 from ..bodies.families import FAMILIES
 from ..bodies.subject import disk_family
@@ -37,15 +37,6 @@ class Derived:
 
 def derive(family: str, law: str) -> Derived:
     """The characteristic polynomial of a disk's family under a law, from its graph.
-
-    Parameters
-    ----------
-    family, law
-        Names of the family and of the contact law.
-
-    Returns
-    -------
-    Derived
 
     Raises
     ------
@@ -79,11 +70,16 @@ def variables(family: str) -> tuple[sympy.Symbol, ...]:
     return (K, *friction, *turning, *((SIN,) if "theta" in record.at else ()))
 
 
-def _matrix(family: Family) -> tuple[sympy.Matrix, sympy.Poly | None]:
-    """The Jacobian at the family in SymPy, and the equation of its unknown."""
+def algebra_of_angle() -> Algebra:
+    """SymPy's algebra with one symbol for every sine and one for every cosine."""
     algebra = sympy_algebra()
     functions = dict(algebra.functions) | {"sin": lambda _: SIN, "cos": lambda _: COS}
-    algebra = replace(algebra, functions=functions)
+    return replace(algebra, functions=functions)
+
+
+def _matrix(family: Family) -> tuple[sympy.Matrix, sympy.Poly | None]:
+    """The Jacobian at the family in SymPy, and the equation of its unknown."""
+    algebra = algebra_of_angle()
     theta, unknown = sympy.symbols("theta unknown")  # theta occurs in sine and cosine only
     a = [theta if name == "theta" else AT for name in family.at]
     q = [K, MU][: len(family.parameters)]

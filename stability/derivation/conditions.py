@@ -142,6 +142,10 @@ class DecimalFamily(Family):
         return FamilyGraph(self._frame(decimals=True))
 
 
+def _exactly(value: Fraction) -> Any:
+    return fmpq(value.numerator, value.denominator)
+
+
 @dataclass(frozen=True)
 class Numbers:
     """How numbers are read: fractions exactly, doubles exactly or as decimals."""
@@ -164,7 +168,7 @@ class Numbers:
         (981/100, 3/8)
         """
         short = decimal_of(value) if self.decimals else None
-        return rational(value) if short is None else fmpq(short.numerator, short.denominator)
+        return rational(value) if short is None else _exactly(short)
 
     def rational(self, name: str, value: Any) -> Any:
         """A number that a user gives as a rational, or a refusal.
@@ -180,7 +184,7 @@ class Numbers:
         if exact is None:
             return self.ratio(one_number(name, value))
         one_number(name, double(exact))  # refuses what no double is near
-        return fmpq(exact.numerator, exact.denominator)
+        return _exactly(exact)
 
     def point(self, given: Mapping[str, Any]) -> dict[str, Any]:
         """Numbers by name as rationals; balls stay."""
@@ -214,15 +218,7 @@ class Numbers:
         raise ParameterError(f"between of {name} is {shown(limits)}; give (low, high).")
 
     def statement(self, family: Family, given: Sequence[Any]) -> str:
-        """Sentences on the doubles that are no short decimals exactly, or empty.
-
-        Parameters
-        ----------
-        family
-            The family whose graph was read.
-        given
-            Floats among the numbers that the user gave.
-        """
+        """Sentences on the doubles that are no short decimals exactly, or empty."""
         asis, read = family.graph.numbers
         own = (v for v in given if isinstance(v, float))
         doubles = {v: decimal_of(v) for v in (*own, *asis, *read)}
@@ -321,7 +317,7 @@ class Conditions(Record):
     @cached_property
     def _deduction(self) -> Deduction:
         """What checks members; derived again after a pickle, which cannot hold it."""
-        given = {n: fmpq(v.numerator, v.denominator) for n, v in self.given.items()}
+        given = {n: _exactly(v) for n, v in self.given.items()}
         family, limits = self._reads.family(self.family), Budget(MOST_TERMS + self.terms, math.inf)
         reading = Reading(family, given, limits, self._reads.ratio)
         found = whole(reading)
@@ -454,7 +450,7 @@ class Conditions(Record):
         family, zeros = self.family, self._deduction.structural
         if semisimple(family, zeros):
             return Verdict.STABLE
-        known = {n: fmpq(v.numerator, v.denominator) for n, v in self.given.items()}
+        known = {n: _exactly(v) for n, v in self.given.items()}
         known |= self._reads.point(every)
         if not known.keys() >= {*family.at, *family.parameters}:
             return Verdict.UNDECIDED
@@ -544,7 +540,7 @@ class Conditions(Record):
             point[name] = self._reads.rational(name, value)
         for name in self.family.parameters:
             if name in self.given:
-                own = fmpq(self.given[name].numerator, self.given[name].denominator)
+                own = _exactly(self.given[name])
                 if point.setdefault(name, own) != own:
                     raise ParameterError(f"{name} is {float(self.given[name]):g} here; leave it.")
             if name not in point:

@@ -18,14 +18,14 @@ from ..algebra.exact.hurwitz_forms import Budget, by_power, hurwitz_determinants
 from ..algebra.exact.number_fields import NotExact
 from ..algebra.exact.rational_functions import univariate
 from ..algebra.exact.routh import is_even
-from ..algebra.exact.triangular import occurring, remainder
+from ..algebra.exact.triangular import evaluate, occurring, remainder
 from ..algebra.number_types import precision
 from ..algebra.polynomial import Polynomial
 from ..base.errors import DomainError, NoMemberError
 from ..systems.family import Family
 from ..systems.graph.smoothness import sloped
 from ..systems.structure.structural_zeros import sampled
-from .elimination import Reading, Whole, evaluate
+from .elimination import Reading, Whole
 from .signs import Bounds, Domain, between, real_roots
 
 Poly = Any
@@ -54,13 +54,7 @@ WITNESS_BITS = 160
 
 
 class Members:
-    """Values of the variables at members, and the search for members with given signs.
-
-    Parameters
-    ----------
-    reading, whole, domain
-        The family's Jacobian, its characteristic polynomial, what is known of the variables.
-    """
+    """Values of the variables at members, and the search for members with given signs."""
 
     def __init__(self, reading: Reading, whole: Whole, domain: Domain) -> None:
         self.reading, self.whole, self.domain = reading, whole, domain
@@ -179,11 +173,6 @@ class Members:
     def check(self, values: Sequence[Any]) -> bool:
         """Refuse a point outside the domain, or off this branch of the family.
 
-        Parameters
-        ----------
-        values
-            Rationals or balls, one for each variable.
-
         Returns
         -------
         bool
@@ -245,15 +234,7 @@ KINDS = {"sin": "sine", "cos": "cosine", "sqrt": "root"}
 
 
 def domain_of(reading: Reading, whole: Whole, intervals: Mapping[str, Any]) -> Domain:
-    """What is known of the variables: the user's intervals, the system's conditions, squares.
-
-    Parameters
-    ----------
-    reading, whole
-        The family's Jacobian and its characteristic polynomial.
-    intervals
-        Open intervals by name.
-    """
+    """What is known of the variables: the user's intervals, the system's conditions, squares."""
     domain = Domain(whole.ring, [*whole.names, "λ"])
     places = {old: new for new, old in enumerate(whole.indices)}
     given = dict(intervals)
@@ -294,15 +275,7 @@ def _square(domain: Domain, index: int, poly: Poly) -> None:
 
 
 class Deduction:
-    """Conditions of every factor, and what is needed to check members.
-
-    Parameters
-    ----------
-    reading, whole, domain
-        The family's Jacobian, its characteristic polynomial, what is known of the variables.
-    structural
-        Number of zeros by structure.
-    """
+    """Conditions of every factor, and what is needed to check members."""
 
     def __init__(self, reading: Reading, whole: Whole, domain: Domain, structural: int) -> None:
         self.reading, self.whole, self.domain = reading, whole, domain
@@ -356,7 +329,9 @@ class Deduction:
         for place, (coefficients, even, _) in enumerate(self.factors):
             try:
                 named = (
-                    _even(coefficients, budget) if even else self._smallest(coefficients, budget)
+                    even_conditions(coefficients, budget)
+                    if even
+                    else self._smallest(coefficients, budget)
                 )
             except NotExact as reason:
                 n = len(coefficients) - 1
@@ -370,28 +345,16 @@ class Deduction:
         self.members.witness(rows, budget)
         return [self._said(row) for row in rows]
 
-    def _smallest(self, a: Sequence[Poly], budget: Budget) -> list[tuple[str, str, Poly, int]]:
+    def _smallest(self, a: Sequence[Poly], budget: Budget) -> list[Named]:
         """The conditions of Liénard and Chipart, of the set with fewer open signs and terms."""
-        n = len(a) - 1
-        minors = hurwitz_determinants(a, budget) if n > 1 else []
-        found = [
-            (f"Hurwitz determinant {k}", "flutter" if k == n - 1 else "auxiliary", minors[k - 1], k)
-            for k in range(n - 1, 1, -2)
-        ]
-        sets = []
-        for powers in ({0, *range(2, n, 2)}, {0, *range(1, n, 2)}):
-            if n % 2 == 0:
-                powers.add(n - 1)  # the first determinant
-            sets.append([*(_coefficient(a, k) for k in sorted(powers)), *found])
-        return min(sets, key=self._cost)
+        minors = hurwitz_determinants(a, budget) if len(a) > 2 else []
+        return min(hurwitz_conditions(a, minors), key=self._cost)
 
-    def _cost(self, named: Sequence[tuple[str, str, Poly, int]]) -> tuple[int, int]:
+    def _cost(self, named: Sequence[Named]) -> tuple[int, int]:
         signs = [self.domain.sign(self.reduced(p)) for _, _, p, _ in named]
         return sum(bool(s.open) for s in signs), sum(len(f) for s in signs for f in s.open)
 
-    def _monic(
-        self, named: Sequence[tuple[str, str, Poly, int]], a: Sequence[Poly]
-    ) -> Iterator[tuple[str, str, Poly]]:
+    def _monic(self, named: Sequence[Named], a: Sequence[Poly]) -> Iterator[tuple[str, str, Poly]]:
         """Conditions times the leading coefficient, where its sign is open and the power odd."""
         lead_open = not self.certain(a[-1])
         for name, kind, poly, power in named:
@@ -480,18 +443,45 @@ class Deduction:
         return row | {"polynomial": self.polynomial(rest), "whole": self.polynomial(all_)}
 
 
-def _coefficient(a: Sequence[Poly], power: int) -> tuple[str, str, Poly, int]:
+Named = tuple[str, str, Poly, int]
+"""Name, kind and polynomial of a condition, and the power of the leading coefficient in it."""
+
+
+def _coefficient(a: Sequence[Poly], power: int) -> Named:
     if power == 0:
         return "constant term", "static", a[0], 1
     return f"coefficient of λ^{power}", "auxiliary", a[power], 1
 
 
-def _plain(a: Sequence[Poly]) -> list[tuple[str, str, Poly, int]]:
+def _plain(a: Sequence[Poly]) -> list[Named]:
     """Every coefficient: necessary conditions only."""
     return [_coefficient(a, k) for k in range(len(a) - 1) if a[k] != 0]
 
 
-def _even(a: Sequence[Poly], budget: Budget) -> list[tuple[str, str, Poly, int]]:
+def hurwitz_conditions(a: Sequence[Poly], minors: Sequence[Poly]) -> list[list[Named]]:
+    """Both sets of Liénard and Chipart: every second coefficient, every second determinant.
+
+    Parameters
+    ----------
+    a
+        Coefficients by powers of λ, lowest first.
+    minors
+        Hurwitz determinants of order 1 … n - 1.
+    """
+    n = len(a) - 1
+    found = [
+        (f"Hurwitz determinant {k}", "flutter" if k == n - 1 else "auxiliary", minors[k - 1], k)
+        for k in range(n - 1, 1, -2)
+    ]
+    sets = []
+    for powers in ({0, *range(2, n, 2)}, {0, *range(1, n, 2)}):
+        if n % 2 == 0:
+            powers.add(n - 1)  # the first determinant
+        sets.append([*(_coefficient(a, k) for k in sorted(powers)), *found])
+    return sets
+
+
+def even_conditions(a: Sequence[Poly], budget: Budget) -> list[Named]:
     """q(λ²) has negative real roots λ² alone: coefficients and subdiscriminants."""
     q = a[::2]
     named = [_coefficient(a, 2 * k) for k in range(len(q) - 1)]

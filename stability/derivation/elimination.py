@@ -14,14 +14,14 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx
+from flint import Ordering, arb, fmpq_mpoly_ctx
 
 from ..algebra.exact.function_field import Expression
 from ..algebra.exact.hurwitz_forms import Budget, coefficient_row, factors
 from ..algebra.exact.number_fields import EXACT, NotExact, characteristic, rational
 from ..algebra.exact.rational_functions import common_multiple, primitive
-from ..algebra.exact.triangular import RecordingField, Triangular, occurring
-from ..algebra.number_types import Algebra, balls, precision
+from ..algebra.exact.triangular import RecordingField, Triangular, evaluate, occurring
+from ..algebra.number_types import Algebra, precision
 from ..algebra.program import Program
 from ..algebra.upright import Upright
 from ..base.errors import NoMemberError
@@ -163,15 +163,8 @@ class Reading:
 
     def completed(self, known: dict[int, Any]) -> dict[int, Any]:
         """Values with those of the functions added, as balls."""
-        for index, (name, x, over) in sorted(self.field.meaning.items()):
-            argument = evaluate(x.num, known) / evaluate(x.den, known)
-            if name == "sqrt":
-                value = arb(argument).sqrt()
-                if over is not None and not over.is_constant():
-                    value = value * arb(evaluate(over, known)).sgn()
-            else:
-                value = balls().functions[name](arb(argument))
-            known[index] = value
+        for index in sorted(self.field.meaning):
+            known[index] = self.field.enclosed(index, known)
         return known
 
     def elsewhere(self, known: Mapping[int, Any]) -> int | None:
@@ -230,26 +223,6 @@ class Reading:
             count = 1 + sum(n.startswith(f"{function}_") for n in self._names.values())
             self._names[index] = f"{function}({inner})" if plain else f"{function}_{count}"
         return self._names[index]
-
-
-def evaluate(poly: Poly, known: Mapping[int, Any]) -> Any:
-    """The value of a polynomial at rationals or balls.
-
-    Parameters
-    ----------
-    poly
-        The polynomial.
-    known
-        Values by index of the variables that occur.
-    """
-    total: Any = fmpq(0)
-    for exponents, c in poly.to_dict().items():
-        term: Any = c
-        for index, power in enumerate(exponents):
-            for _ in range(int(power)):  # python-flint's power of a ball around 0 is nan
-                term = known[index] * term
-        total = term + total
-    return total if isinstance(total, fmpq) else arb(total)
 
 
 def text(poly: Poly, name: Callable[[int], str]) -> str:

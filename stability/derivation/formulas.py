@@ -22,7 +22,7 @@ from itertools import combinations
 from typing import Any
 
 import sympy
-from flint import Ordering, fmpz_mpoly_ctx, fmpz_poly
+from flint import Ordering, fmpq, fmpq_poly, fmpz_mpoly_ctx, fmpz_poly
 
 from ..algebra.number_types import precision
 from ..algebra.polynomial import Exact, Polynomial
@@ -31,6 +31,7 @@ from ..bodies.disk_polynomials import exact_polynomial, known_polynomial
 from ..bodies.families import FAMILIES, families_under
 from .characteristic import LAM, MU, SIN, SQUARE, Derived, K, M
 from .hurwitz import conditions, decisive, factored
+from .signs import real_roots
 
 NOWHERE = "no member: the root is complex, negative or outside the family"
 _CIRCLING = (
@@ -230,29 +231,24 @@ def _irreducible(expression_: Expr) -> list[Expr]:
     except OverflowError:  # python-flint cannot sort factors with long coefficients
         if len(names) > 1:
             return [sympy.expand(f) for f, _ in sympy.factor_list(expanded)[1]]
-        dicts = [{(i,): c for i, c in enumerate(f.coeffs()) if c} for f in _factored(poly)]
+        whole = fmpz_poly([int(c) for c in reversed(poly.all_coeffs())])
+        dicts = [{(i,): c for i, c in enumerate(f.coeffs()) if c} for f, _ in whole.factor()[1]]
     return [
         sympy.Poly({tuple(map(int, m)): int(c) for m, c in d.items()}, *poly.gens).as_expr()
         for d in dicts
     ]
 
 
-def _factored(poly: sympy.Poly) -> list[Any]:
-    """Irreducible factors of a polynomial in one variable, as `fmpz_poly`."""
-    whole = poly.clear_denoms(convert=True)[1]
-    return [f for f, _ in fmpz_poly([int(c) for c in reversed(whole.all_coeffs())]).factor()[1]]
-
-
 def _real_roots(poly: sympy.Poly) -> list[Expr]:
     """Real roots: rational ones exactly, others to many digits."""
     roots: list[Expr] = []
+    coefficients = [fmpq(int(c.p), int(c.q)) for c in reversed(poly.all_coeffs())]
     with precision(ROOT_BITS):
-        for factor in _factored(poly):
-            if factor.degree() == 1:
-                roots.append(sympy.Rational(-int(factor[0]), int(factor[1])))
-            else:
-                found = [r.real.mid().fmpq() for r, _ in factor.complex_roots() if r.imag == 0]
-                roots += [sympy.Float(sympy.Rational(int(r.p), int(r.q)), DIGITS) for r in found]
+        for root in real_roots(fmpq_poly(coefficients)):
+            exact = isinstance(root, fmpq)
+            value = root if exact else root.mid().fmpq()
+            number = sympy.Rational(int(value.p), int(value.q))
+            roots.append(number if exact else sympy.Float(number, DIGITS))
     return roots
 
 
@@ -345,17 +341,7 @@ def expression(polynomial: Polynomial) -> Expr:
 
 
 def derived(known: Exact) -> Derived:
-    """The cached polynomials in the form that `stability.derivation.hurwitz` takes.
-
-    Parameters
-    ----------
-    known
-        Result of `exact_polynomial`.
-
-    Returns
-    -------
-    Derived
-    """
+    """The cached polynomials in the form that `stability.derivation.hurwitz` takes."""
     names = [sympy.Symbol(n) for n in known.variables]
     factors = tuple(
         sympy.Poly(sum(expression(c) * LAM**i for i, c in enumerate(f)), LAM, *names)
@@ -373,10 +359,6 @@ def formulas(family: str, law: str, k: Sequence[str] = ()) -> Formulas:
         Names of the family and of the contact law.
     k
         Inertia factors as exact numbers ("1/4", "0.3") for the ranges of mu.
-
-    Returns
-    -------
-    Formulas
 
     Raises
     ------
@@ -565,10 +547,6 @@ def rows(
         Inertia factors for the ranges of mu, each taken as its shortest decimal.
     progress
         Called with (families done, families in all).
-
-    Returns
-    -------
-    list of Formulas
     """
     asked = cases(laws)
     values = tuple(str(sympy.Rational(repr(float(x)))) for x in k)

@@ -83,13 +83,6 @@ def factored(expression: Expr) -> Expr:
 def determinant(polynomial: sympy.Poly, order: int) -> Expr:
     """Hurwitz determinant of one order, factored.
 
-    Parameters
-    ----------
-    polynomial
-        Polynomial in one variable, with symbolic coefficients.
-    order
-        1 to the degree.
-
     Examples
     --------
     >>> x, a = sympy.symbols("x a")
@@ -210,10 +203,6 @@ def _all_positive(polynomial: Any, place: int) -> bool:
 
 def decisive(derived: Derived) -> tuple[list[StabilityCondition], list[Obligation]]:
     """The conditions that decide, and the proofs of the others.
-
-    Returns
-    -------
-    conditions, obligations
 
     Examples
     --------

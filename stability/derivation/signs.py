@@ -77,13 +77,7 @@ def number_of(poly: Any) -> Any:
 
 
 def real_roots(poly: Any) -> list[Any]:
-    """Real roots of an `fmpq_poly` as balls, sorted; a rational root is exact.
-
-    Parameters
-    ----------
-    poly
-        The polynomial, not zero.
-    """
+    """Real roots of an `fmpq_poly` as balls, sorted; a rational root is exact."""
     found: list[Any] = []
     for factor, _ in poly.numer().factor()[1]:
         if factor.degree() == 1:
@@ -94,15 +88,7 @@ def real_roots(poly: Any) -> list[Any]:
 
 
 def between(roots: Sequence[Any], low: Any, high: Any) -> Iterator[Any]:
-    """Rationals between neighbouring roots and beyond the outer ones, within open bounds.
-
-    Parameters
-    ----------
-    roots
-        Sorted balls or rationals.
-    low, high
-        Rationals or None.
-    """
+    """Rationals between neighbouring roots and beyond the outer ones, within open bounds."""
     inner = [r if isinstance(r, fmpq) else r.mid().fmpq() for r in roots]
     inner = [r for r in inner if (low is None or r > low) and (high is None or r < high)]
     first = low if low is not None else (min(inner, default=fmpq(0)) - 1) * 2
@@ -247,17 +233,7 @@ class Domain:
         return f"{below}{name}{above}"
 
     def bound(self, index: int, low: Any = None, high: Any = None, *, closed: bool = False) -> None:
-        """Narrow the interval of a variable.
-
-        Parameters
-        ----------
-        index
-            Index of the variable.
-        low, high
-            Rationals or None.
-        closed
-            Whether the bounds themselves are allowed.
-        """
+        """Narrow the interval of a variable."""
         old = self.bounds.get(index, Bounds())
         self.bounds[index] = old.narrowed(low, high, closed)
         self._known.clear()

@@ -28,10 +28,10 @@ from ..spectra.verdict_routes import BITS
 from ..storage.pieces import Chunk, Pieces
 from ..systems.graph.smoothness import edged
 from .dataset import EXACT, GRAPH, LOOPS, OWN, SINGLE
-from .growth_rates import GrowthKernel, Room, steady_memory
-from .own.cells import GraphCells, SliceCells, formula_cells, slice_cells
-from .own.rates import Bands
-from .own.slice_verdicts import ELSEWHERE
+from .general.cells import GraphCells, SliceCells, formula_cells, slice_cells
+from .general.rates import LEFT, Bands, Room, arrays_of
+from .general.slice_verdicts import ELSEWHERE
+from .growth_rates import GrowthKernel, steady_memory
 from .verdicts import GridVerdicts
 
 CHUNK = 16384
@@ -46,12 +46,35 @@ LEAST = 1024
 """Fewest cells for which a user's family gets its polynomial over Q."""
 MOST_SETTLED = 2000
 """Most cells of a user's family that are decided one by one without `certify`."""
-LEFT = "left"
-"""Key in a chunk, in addition to its arrays: number of cells sent to exact arithmetic."""
 Grid = tuple[Floats, Floats]
 """Values of x and y."""
 MOST_CELLS = 10**9
 """Largest map [cells]; without `modes` its arrays take 25 bytes a cell."""
+
+
+class StoredCells(Bands):
+    """The cells of a map of a family with tabulated polynomials."""
+
+    growth = swept = complete = True
+
+    def __init__(self, problem: Problem, axes: tuple[Axis, Axis], modes: bool) -> None:
+        self.problem, self.modes = problem, modes
+        self._x, self._y = axes[0].name, axes[1].name
+        self._verdicts = GridVerdicts(problem, self._x, self._y)
+        quick = axes[0].count * axes[1].count >= COMPILED_FROM
+        self.kernel = GrowthKernel(problem, modes=modes, quick=quick)
+        self.how = EXACT + LOOPS * self.kernel.compiled
+
+    def band(self, xs: Floats, ys: Floats, room: Room | None = None) -> Chunk:
+        """As for every band; exact arithmetic decides what double precision leaves open."""
+        swept = {self._x: xs[None, :], self._y: ys[:, None]}
+        growth = self.kernel(dict(self.problem.values) | swept, out=room)
+        codes, left = self._verdicts(xs, ys, growth.codes)
+        return {
+            LEFT: np.array([left + growth.handed_on]),
+            "codes": codes.reshape(-1),
+            **arrays_of(growth, modes=self.modes),
+        }
 
 
 class Cells:
@@ -79,27 +102,28 @@ class Cells:
         self._by_graph = GraphCells(problem, modes)
         if whole:
             self._make_room()
-        self.exact = isinstance(problem.exact, TabulatedPolynomial)
         self.handed_on = 0
         self.refusal = ""
         self._graph = GRAPH.replace("LAPACK", name_of(self.solver))
         if problem.exact is not None:
             self._graph += OWN
-        self.slice: Bands | None = None
-        if problem.plain and math.prod(self.shape) >= LEAST:
-            self.slice = formula_cells(problem, axes, modes) or slice_cells(problem, axes, modes)
-        if self.exact:
-            self._verdicts = GridVerdicts(problem, axes[0].name, axes[1].name)
-            quick = math.prod(self.shape) >= COMPILED_FROM
-            self._growth = GrowthKernel(problem, modes=modes, quick=quick)
-            self.band = BAND
-        elif self.by_slice:
-            self.band = BAND if self.slice is not None and self.slice.swept else OWN_BAND
-        else:
+        self.bands = self._bands()
+        """What computes many rows at once; None where the graph computes every cell."""
+        if self.bands is None:
             self.chunk = self.band = CHUNK
             return
+        self.band = BAND if self.bands.swept else OWN_BAND
         self.chunk = max(1, self.band // self.shape[1]) * self.shape[1]
         steady_memory()
+
+    def _bands(self) -> Bands | None:
+        asked = self.problem, self.axes, self.modes
+        if isinstance(self.problem.exact, TabulatedPolynomial):
+            return StoredCells(*asked)
+        if not self.problem.plain or math.prod(self.shape) < LEAST:
+            return None
+        found = formula_cells(*asked) or slice_cells(*asked)
+        return found if found is not None and found.growth else None
 
     def _make_room(self) -> None:
         """Arrays for all cells."""
@@ -116,39 +140,37 @@ class Cells:
             self.values = np.empty((*self.shape, self._by_graph.count), dtype=complex)
 
     @property
-    def by_slice(self) -> bool:
-        """Whether verdicts and growth rates come from the polynomial in the axes."""
-        return self.slice is not None and self.slice.growth
+    def _names(self) -> tuple[str, ...]:
+        """Names of the arrays of a chunk."""
+        return ("codes", "abscissa", "error", "frequency", *(["values"] * self.modes))
 
     @property
-    def _how(self) -> str:
-        return self.slice.how if self.slice is not None else ""
+    def _grid(self) -> Grid:
+        """The values of both axes."""
+        return self.axes[0].values, self.axes[1].values
+
+    @property
+    def complete(self) -> bool:
+        """Whether every cell has a member, and no other method computes any."""
+        return self.bands is not None and self.bands.complete
 
     @property
     def route(self) -> str:
         """Method of computation of the cells, in words."""
-        alone = not (self.exact or self.by_slice or self.handed_on)
-        if alone and self.problem.exact is None:
+        if self.bands is None and not self.handed_on and self.problem.exact is None:
             return self._graph
         return f"{self.method} ({self.handed_on} of {math.prod(self.shape)} cells there)"
 
     @property
     def method(self) -> str:
         """The same before anything is computed."""
-        if self.by_slice:
-            return self._how
-        if self.exact:
-            return EXACT + LOOPS * self._growth.compiled
+        if self.bands is not None:
+            return self.bands.how
         single = self.problem.plain or bool(self.handed_on)
         return self._graph + SINGLE * (single and self.problem.exact is None)
 
     def key(self) -> dict[str, Any]:
-        """Description of the map for a checkpoint, with all digits, so that maps are distinguished.
-
-        Returns
-        -------
-        dict
-        """
+        """Description of the map for a checkpoint, with all digits: no other map has it."""
         swept = {g.name for g in self.axes}
         family = self.problem.family
         return {
@@ -161,13 +183,12 @@ class Cells:
             "modes": self.values is not None,
             **({"anchor": repr(family.anchor)} if family.anchor else {}),
             "chunk": self.chunk,
-            "route": EXACT if self.exact else self._how if self.by_slice else self._graph,
-            **({"loops": LOOPS} if self.exact and self._growth.compiled else {}),
+            "route": self._graph if self.bands is None else self.bands.how,
         }
 
     def __getstate__(self) -> dict[str, Any]:
         """The state without the arrays, which no worker fills."""
-        filled = ("abscissa", "error", "frequency", "codes", "values")
+        filled = (*self._names, "values")
         return {name: value for name, value in vars(self).items() if name not in filled}
 
     def fill(
@@ -193,7 +214,7 @@ class Cells:
         total, cells = math.prod(self.shape), shared(self, executor)
 
         def task(start: int) -> Callable[[], Chunk]:
-            if self.exact or self.by_slice:
+            if self.bands is not None:
                 return partial(_band, cells, start, total)
             return partial(_work, cells, *self._inputs(start, total))
 
@@ -210,35 +231,22 @@ class Cells:
         ) as results:
             for start, chunk in results:
                 self._place(start, chunk)
-        if self.by_slice:
-            names = "codes", "abscissa", "error", "frequency", *(["values"] * self.modes)
-            whole = {n: getattr(self, n) for n in names}
-            grid = self.axes[0].values, self.axes[1].values
-            self._complete({n: a.reshape(-1, *a.shape[2:]) for n, a in whole.items()}, grid)
+        if self.bands is not None and not self.complete:
+            whole = {n: getattr(self, n) for n in self._names}
+            flat = {n: a.reshape(-1, *a.shape[2:]) for n, a in whole.items()}
+            self._complete(flat, self._grid)
         if (self.codes == NO_MEMBER).all():
             self._inputs(0, 1)  # says why
             raise NoMemberError(self.refusal or f"{self.problem.family.name} has no member here.")
 
-    def settle(self, most: int | None = None) -> None:
-        """Decide over Q or in balls every cell that double precision left open.
+    def settle(self, *, certify: bool) -> None:
+        """Decide over Q or in balls cells that double precision left open: with `certify` each."""
+        self._settled(self.codes.reshape(-1), self._grid, certify=certify)
 
-        Parameters
-        ----------
-        most
-            For a user's family: largest precision of balls.
-        """
-        grid = self.axes[0].values, self.axes[1].values
-        self._look_at_zeros(self.codes.reshape(-1), grid)
-        self._settle(self.codes.reshape(-1), grid, math.prod(self.shape), most)
-
-    def settle_as_usual(self) -> None:
-        """The same without `certify`: see `_settle_as_usual`."""
-        self._settle_as_usual(self.codes.reshape(-1), (self.axes[0].values, self.axes[1].values))
-
-    def _settle_as_usual(self, codes: Any, grid: Grid) -> None:
-        """Decide open cells by a user's polynomial; without one few, at low precision."""
+    def _settled(self, codes: Any, grid: Grid, *, certify: bool) -> None:
+        """Decide each, or all by a user's polynomial; without one few, at low precision."""
         self._look_at_zeros(codes, grid)
-        if self.problem.exact is not None and not self.exact:
+        if certify or (self.problem.exact is not None and not self.complete):
             self._settle(codes, grid, len(codes), None)
         elif self.problem.plain:
             self._settle(codes, grid, MOST_SETTLED, BITS)
@@ -278,10 +286,10 @@ class Cells:
         """
         grid = xs, ys
         with eigensolver(self.solver):  # each thread has its own context
-            if self.exact:
-                return self._rows(xs, ys)
-            if self.by_slice:
-                chunk = self._rows(xs, ys)
+            if self.bands is not None:
+                chunk = self.bands.band(xs, ys)
+                if self.complete:
+                    return chunk
                 with CASADI:
                     self._complete(chunk, grid)
             else:
@@ -289,40 +297,15 @@ class Cells:
                     members = self._members_of(np.arange(len(xs) * len(ys)), grid)
                 chunk = self._work(*members)
             with CASADI:
-                self._settle_as_usual(chunk["codes"], grid)
+                self._settled(chunk["codes"], grid, certify=False)
         return chunk
 
     def _band(self, start: int, total: int) -> Chunk:
-        """Compute whole rows by the exact route, which uses no CasADi function."""
+        """Compute whole rows, which takes no CasADi function."""
+        assert self.bands is not None
         rows = slice(start // self.shape[1], min(start + self.chunk, total) // self.shape[1])
-        return self._rows(self.axes[0].values, self.axes[1].values[rows], self._room(rows))
-
-    def _rows(self, xs: Floats, ys: Floats, room: Room | None = None) -> Chunk:
-        """The arrays of a grid inside the map, some cells left open by a slice."""
-        if self.slice is not None:
-            found, left, rates = self.slice.band(xs, ys)
-            part: Chunk = {
-                LEFT: np.array([left]),
-                "codes": found,
-                "abscissa": rates.abscissa,
-                "error": rates.error,
-                "frequency": rates.frequency,
-            }
-            return part if rates.values is None else part | {"values": rates.values}
-        values = dict(self.problem.values)
-        values |= {self.axes[0].name: xs[None, :], self.axes[1].name: ys[:, None]}
-        growth = self._growth(values, out=room)
-        codes, left = self._verdicts(xs, ys, growth.codes)
-        chunk: Chunk = {
-            LEFT: np.array([left + growth.handed_on]),
-            "codes": codes.reshape(-1),
-            "abscissa": growth.abscissa,
-            "error": growth.error,
-            "frequency": growth.frequency,
-        }
-        if growth.values is not None:
-            chunk["values"] = growth.values
-        return chunk
+        xs, ys = self._grid
+        return self.bands.band(xs, ys[rows], self._room(rows))
 
     def _room(self, rows: slice) -> Room | None:
         """Whole rows of the map, which a worker of this process fills in place."""
@@ -345,7 +328,7 @@ class Cells:
     def _leave_edges(self, codes: NDArray[np.int8], grid: Grid) -> None:
         """Leave to the graph the cells in which the rates have no slope: no polynomial shows it."""
         # a formula whose bound is finite has slopes: a root's argument is away from zero
-        if isinstance(self.slice, SliceCells) and edged(self.problem.family.system):
+        if isinstance(self.bands, SliceCells) and edged(self.problem.family.system):
             for first in range(0, len(codes), CHUNK):
                 cells = np.arange(first, min(first + CHUNK, len(codes)))
                 bad = cells[~self._members_of(cells, grid)[-1]]
@@ -355,8 +338,7 @@ class Cells:
         self, start: int, total: int
     ) -> tuple[Floats, Floats, Floats, Floats, NDArray[np.bool_]]:
         """Numbers and unknowns of the members of a chunk, and which of its cells have one."""
-        grid = self.axes[0].values, self.axes[1].values
-        return self._members_of(np.arange(start, min(start + CHUNK, total)), grid)
+        return self._members_of(np.arange(start, min(start + CHUNK, total)), self._grid)
 
     def _members_of(
         self, cells: NDArray[np.intp], grid: Grid
@@ -380,7 +362,7 @@ class Cells:
         if good.all():
             return part
         chunk: Chunk = {}
-        for name in ("codes", "abscissa", "error", "frequency", *(["values"] * self.modes)):
+        for name in self._names:
             kind: Any = {"codes": np.int8, "values": complex}.get(name, float)
             shape = len(good), *((self._by_graph.count,) if name == "values" else ())
             chunk[name] = np.full(shape, NO_MEMBER if name == "codes" else np.nan, dtype=kind)
@@ -391,13 +373,10 @@ class Cells:
     def fits(self, start: int, chunk: Chunk) -> bool:
         """Whether a stored chunk is whole: every array, of the right length and type."""
         count = min(self.chunk, math.prod(self.shape) - start)
-        names = ["codes", "abscissa", "error", "frequency"]
-        names += ["values"] if self.values is not None else []
-        kept = [n for n in chunk if n != LEFT]
-        return sorted(kept) == sorted(names) and all(
+        return chunk.keys() - {LEFT} == {*self._names} and all(
             chunk[n].shape == (count, *getattr(self, n).shape[2:])
             and chunk[n].dtype == getattr(self, n).dtype
-            for n in names
+            for n in self._names
         )
 
     def _place(self, start: int, chunk: Chunk) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base.citation import cited, joined
+from ..base.types import Floats
 from ..base.verdict import NO_MEMBER
 from ..boundary.two_parameters.point_records import (
     CodimensionTwo,
@@ -42,6 +43,12 @@ PAIRS = 2
 """Most pairs of a point."""
 
 
+def flag_attributes(codes: Mapping[str, int], **words: str) -> dict[str, Any]:
+    """Attributes of a variable that holds flags: values, meanings, and further words."""
+    values = np.array(list(codes.values()), dtype=np.int8)
+    return {"flag_values": values, "flag_meanings": " ".join(codes), **words}
+
+
 def point_variables(
     found: CodimensionTwo, axes: Mapping[str, Mapping[str, str]], rate: Mapping[str, str]
 ) -> dict[str, Any]:
@@ -56,17 +63,12 @@ def point_variables(
     pairs = np.full((len(found), PAIRS), np.nan)
     for row, point in zip(pairs, found, strict=True):
         row[: len(point.frequencies)] = point.frequencies
-    kinds = {
-        "flag_values": np.array(list(KINDS.values()), dtype=np.int8),
-        "flag_meanings": " ".join(k.name.lower() for k in KINDS),
-        "comment": "; ".join(str(k.value) for k in KINDS),
-        "long_name": "kind of point of codimension two; each is proved to exist",
-    }
-    others = {
-        "flag_values": np.array(list(OTHERS.values()), dtype=np.int8),
-        "flag_meanings": " ".join(OTHERS),
-        "long_name": "eigenvalues other than those that meet",
-    }
+    kinds = flag_attributes(
+        {k.name.lower(): code for k, code in KINDS.items()},
+        comment="; ".join(str(k.value) for k in KINDS),
+        long_name="kind of point of codimension two; each is proved to exist",
+    )
+    others = flag_attributes(OTHERS, long_name="eigenvalues other than those that meet")
     out: dict[str, Any] = {
         "point_kind": (d, np.array([KINDS[p.kind] for p in found], dtype=np.int8), kinds),
         "point_others": (d, np.array([OTHERS[p.others] for p in found], dtype=np.int8), others),
@@ -109,10 +111,6 @@ def points_of(dataset: xarray.Dataset) -> CodimensionTwo | None:
     ----------
     dataset
         From `stability_map(..., points=True)`, or read from its file.
-
-    Returns
-    -------
-    CodimensionTwo or None
 
     Examples
     --------
@@ -179,9 +177,7 @@ NONE = "no_member: no steady motion of the family that continuation or the root-
 """What the flag of a cell without a member means."""
 
 
-def provenance(
-    problem: Problem, axes: tuple[Axis, Axis] | None = None, route: str = GRAPH
-) -> dict[str, Any]:
+def provenance(problem: Problem, axes: tuple[Axis, Axis], route: str) -> dict[str, Any]:
     """Origin of a result: versions, parameters, method, tolerances.
 
     Parameters
@@ -189,7 +185,7 @@ def provenance(
     problem
         Family with values in the user's units.
     axes
-        Axes of a map, whose names are not fixed parameters; None without a map.
+        Axes of a map, whose names are not fixed parameters.
     route
         Method of computation of the numbers, in words.
 
@@ -199,7 +195,7 @@ def provenance(
         Strings and numbers that fit in a file's attributes.
     """
     family = problem.family
-    swept = {g.name for g in axes or ()}
+    swept = {g.name for g in axes}
     fixed = {n: v for n, v in problem.values.items() if n not in swept}
     how = structure(family)
     if family.conservative:
@@ -211,7 +207,7 @@ def provenance(
         citation=cited(
             law, model=of_package(problem), eigenvalues=route.startswith(GRAPH), proofs=True
         ),
-        axes=" ".join(g.text for g in axes or ()),
+        axes=" ".join(g.text for g in axes),
         structural_zeros=how.zeros,
         structural_zeros_how=how.how,
         method=route,
@@ -228,25 +224,7 @@ def assemble(
     boxes: Boxes | None = None,
     points: CodimensionTwo | None = None,
 ) -> xarray.Dataset:
-    """The dataset of a map.
-
-    Parameters
-    ----------
-    problem, axes
-        Family with values in the user's units; x and y.
-    cells
-        `Cells` with filled arrays.
-    curves
-        Boundary curves, or None.
-    boxes
-        Proved boxes, or None.
-    points
-        Points of codimension two, or None.
-
-    Returns
-    -------
-    xarray.Dataset
-    """
+    """The dataset of a map."""
     import xarray
 
     dims = axes[1].name, axes[0].name
@@ -276,10 +254,6 @@ def assemble(
     if points is not None:
         named = {g.name: axis_attributes(problem, g.name) for g in axes}
         variables |= point_variables(points, named, words)
-    coordinates: dict[str, Any] = {}
-    for g in axes:
-        for name in filter(None, (g.name, g.alias)):
-            coordinates[name] = ((g.name,), g.values, axis_attributes(problem, g.name))
     attributes = provenance(problem, axes, cells.route)
     if missing:
         attributes["no_member"] = f"{missing} of {cells.codes.size} cells have no member"
@@ -296,19 +270,20 @@ def assemble(
             f"encloses every change of verdict is made of boxes 2^-{boxes.levels} of each axis "
             "wide; a logarithmic axis is measured in its logarithm",
         }
-    return xarray.Dataset(variables, coordinates, attributes)
+    return xarray.Dataset(variables, coordinates(problem, axes), attributes)
+
+
+def coordinates(problem: Problem, axes: tuple[Axis, Axis]) -> dict[str, tuple[str, Floats, Any]]:
+    """Axis, values and attributes of each coordinate, by its name or its second name."""
+    return {
+        name: (grid.name, grid.values, axis_attributes(problem, grid.name))
+        for grid in axes
+        for name in filter(None, (grid.name, grid.alias))
+    }
 
 
 def cell_attributes(problem: Problem, *, missing: bool) -> dict[str, dict[str, Any]]:
-    """Attributes of the variables that have a number in each cell, by name.
-
-    Parameters
-    ----------
-    problem
-        Family with values in the user's units.
-    missing
-        Whether cells may have no member.
-    """
+    """Attributes of the variables that have a number in each cell, by name."""
     words, flags = rate_attributes(problem), verdict_attributes()
     return {
         "abscissa": words | {"long_name": "largest growth rate"},
@@ -346,16 +321,14 @@ def _boundary_variables(
     from ..boundary.curves import KINDS
 
     d = ("boundary_point",)
-    kinds = {
-        "flag_values": np.array(list(KINDS.values()), dtype=np.int8),
-        "flag_meanings": " ".join(k.word for k in KINDS),
-        "comment": "; ".join(str(k.value) for k in KINDS),
-    }
-    along_axis = {
-        "flag_values": np.array([0, 1], dtype=np.int8),
-        "flag_meanings": " ".join(g.name.replace(" ", "_") for g in axes),
-        "long_name": "axis along which the point was refined",
-    }
+    kinds = flag_attributes(
+        {k.word: code for k, code in KINDS.items()},
+        comment="; ".join(str(k.value) for k in KINDS),
+    )
+    along_axis = flag_attributes(
+        {g.name.replace(" ", "_"): i for i, g in enumerate(axes)},
+        long_name="axis along which the point was refined",
+    )
     return {
         f"boundary_{axes[0].name}": (d, curves.x, axis_attributes(problem, axes[0].name)),
         f"boundary_{axes[1].name}": (d, curves.y, axis_attributes(problem, axes[1].name)),

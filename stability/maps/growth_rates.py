@@ -21,6 +21,7 @@ from ..spectra.certificate import certify
 from ..spectra.problem import Problem
 from .compiled.loops import WANTED
 from .compiled.rates import CompiledRates, in_range, tables
+from .general.rates import Room
 from .verdicts import point, tabulated
 
 STRIDE = 16
@@ -39,10 +40,6 @@ def steady_memory() -> None:
     the arrays of a map are fetched from the system again and again.  Elsewhere nothing changes.
     """
     np.empty(31 * 2**20, dtype=np.uint8)
-
-
-Room = tuple[Any, ...]
-"""Arrays for abscissa, bound on its error, |imaginary part| and flags, each flat."""
 
 
 class Growth(NamedTuple):

@@ -153,9 +153,6 @@ def stability_map(
     if certify:
         finest = (max(g.count for g in axes) - 1).bit_length()
         boxes = prove_boxes(problem, axes, min(finest, 12) if levels is None else levels)
-    if certify:
-        cells.settle()
-    else:
-        cells.settle_as_usual()
+    cells.settle(certify=certify)
     curves = trace(problem, axes, cells.codes, cells.abscissa, progress) if boundaries else None
     return assemble(problem, axes, cells, curves, boxes, marked)

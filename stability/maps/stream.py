@@ -34,7 +34,7 @@ from ..jobs.dask import check_pool, pool_of
 from ..jobs.filling import Blank, Work, fill
 from ..jobs.pipeline import Counted, ordered, shared
 from ..spectra.axes import swept
-from ..spectra.labels import axis_attributes
+from ..spectra.labels import verdict_attributes
 from ..spectra.problem import Problem
 from ..storage.chunks import Arrays, Block, Layout, Store, Variable
 from ..storage.datasets import dataset_target, format_to_write
@@ -42,10 +42,11 @@ from ..storage.formats import formats_for
 from ..storage.targets import path_text, place
 from ..systems.family import Family
 from .cells import Cells
-from .dataset import cell_attributes, provenance
+from .dataset import cell_attributes, coordinates, provenance
+from .general.slice_verdicts import ELSEWHERE, SliceVerdicts, slice_verdicts
 from .growth_rates import steady_memory
-from .own.slice_verdicts import ELSEWHERE, SliceVerdicts, slice_verdicts
-from .verdicts import Codes, GridVerdicts
+from .tiles import Codes
+from .verdicts import GridVerdicts
 
 Judge = GridVerdicts | SliceVerdicts
 """What gives the verdicts of a band."""
@@ -106,11 +107,7 @@ def _own_verdicts(problem: Problem, axes: tuple[Axis, Axis]) -> SliceVerdicts:
 
 def flags() -> dict[str, Any]:
     """Attributes of verdicts alone."""
-    return {
-        "flag_values": np.array(list(CODES.values()), dtype=np.int8),
-        "flag_meanings": " ".join(v.word for v in CODES),
-        "long_name": "spectral verdict",
-    }
+    return {name: words for name, words in verdict_attributes().items() if name != "comment"}
 
 
 def band(judge: Callable[[], Judge], xs: Floats, ys: Floats) -> tuple[Codes, int]:
@@ -131,11 +128,11 @@ VERDICT = Variable("verdict", "int8", -1, flags())
 
 
 @dataclass(frozen=True)
-class VerdictChunk:
-    """Work of a chunk of verdicts."""
+class ChunkWork:
+    """Work of a chunk of a map."""
 
-    judge: Callable[[], Judge]
-    """Gives this worker's judge."""
+    arrays: Callable[[Floats, Floats], Arrays]
+    """Gives the arrays of a grid, flat."""
     axes: tuple[Axis, Axis]
     """x and y."""
     layout: Layout
@@ -144,26 +141,20 @@ class VerdictChunk:
     def __call__(self, block: Block, part: slice) -> Arrays:
         """Arrays of a part of the chunk's cells."""
         rows, columns = self.layout.slices(block)
-        codes, _ = band(self.judge, self.axes[0].values[columns], self.axes[1].values[rows])
-        return {"verdict": codes.astype(np.int8, copy=False).ravel()[part]}
+        found = self.arrays(self.axes[0].values[columns], self.axes[1].values[rows])
+        return {name: array[part] for name, array in found.items()}
 
 
-@dataclass(frozen=True)
-class GrowthChunk:
-    """Work of a chunk of verdicts and growth rates."""
+def verdicts_of(judge: Callable[[], Judge], xs: Floats, ys: Floats) -> Arrays:
+    """The verdicts of a grid, by this worker's judge."""
+    codes, _ = band(judge, xs, ys)
+    return {"verdict": codes.astype(np.int8, copy=False).ravel()}
 
-    cells: Callable[[], Cells]
-    """Gives this worker's cells."""
-    layout: Layout
-    """The grid of chunks."""
 
-    def __call__(self, block: Block, part: slice) -> Arrays:
-        """Arrays of a part of the chunk's cells."""
-        cells = self.cells()
-        rows, columns = self.layout.slices(block)
-        found = cells.part(cells.axes[0].values[columns], cells.axes[1].values[rows])
-        rates = {name: found[own][part] for name, own in RATES.items()}
-        return {"verdict": found["codes"][part], **rates}
+def growth_of(cells: Callable[[], Cells], xs: Floats, ys: Floats) -> Arrays:
+    """Verdicts and growth rates of a grid, by this worker's cells."""
+    found = cells().part(xs, ys)
+    return {"verdict": found["codes"], **{name: found[own] for name, own in RATES.items()}}
 
 
 def no_verdicts(count: int) -> Arrays:
@@ -183,14 +174,6 @@ def no_rates(count: int) -> Arrays:
     }
 
 
-def _coords(problem: Problem, axes: tuple[Axis, Axis]) -> dict[str, Any]:
-    return {
-        name: (grid.name, grid.values, axis_attributes(problem, grid.name))
-        for grid in axes
-        for name in filter(None, (grid.name, grid.alias))
-    }
-
-
 def _store(
     target: Path,
     problem: Problem,
@@ -207,7 +190,7 @@ def _store(
     question = {"equations": graph, "anchor": repr(problem.family.anchor), **more}
     chunks: Any = format_to_write(target, "chunks").chunks
     store: Store = chunks(
-        target, layout, arrays, _coords(problem, axes), attrs, question, overwrite=overwrite
+        target, layout, arrays, coordinates(problem, axes), attrs, question, overwrite=overwrite
     )
     return store
 
@@ -372,7 +355,8 @@ def _judge(
         _write_rows(rows, target, judge, problem, axes, layout, how)
         return
     store = _store(target, problem, axes, layout, (VERDICT,), METHOD, {}, how.overwrite)
-    _fill(store, VerdictChunk(shared(judge, how.executor), axes, layout), no_verdicts, how)
+    compute = partial(verdicts_of, shared(judge, how.executor))
+    _fill(store, ChunkWork(compute, axes, layout), no_verdicts, how)
 
 
 def _write_rows(
@@ -391,7 +375,7 @@ def _write_rows(
     def task(first: int) -> Callable[[], tuple[Codes, int]]:
         return partial(band, judge, xs, ys[first : first + step])
 
-    coords, attrs = _coords(problem, axes), provenance(problem, axes, METHOD)
+    coords, attrs = coordinates(problem, axes), provenance(problem, axes, METHOD)
     with (
         rows(target, layout, (VERDICT,), coords, attrs, overwrite=how.overwrite) as file,
         closing(
@@ -415,14 +399,15 @@ def _grow(target: Path, problem: Problem, axes: tuple[Axis, Axis], how: _How) ->
     """Verdicts and growth rates, to a folder."""
     cells = Cells(problem, axes, False, whole=False)
     layout = _layout(axes, cells.band)
-    attributes = cell_attributes(problem, missing=not cells.exact)
+    attributes = cell_attributes(problem, missing=not cells.complete)
     arrays = (
         Variable("verdict", "int8", -1, attributes["verdict"]),
         *(Variable(name, "float64", np.nan, attributes[name]) for name in RATES),
     )
     question = {"growth rates": True, "solver of eigenvalues": name_of(cells.solver)}
     store = _store(target, problem, axes, layout, arrays, cells.method, question, how.overwrite)
-    _fill(store, GrowthChunk(shared(cells, how.executor), layout), no_rates, how)
+    compute = partial(growth_of, shared(cells, how.executor))
+    _fill(store, ChunkWork(compute, axes, layout), no_rates, how)
 
 
 def _fill(store: Store, work: Work, blank: Blank, how: _How) -> None:

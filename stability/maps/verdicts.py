@@ -37,9 +37,8 @@ from ..base.verdict import CODES, Verdict, best
 from ..bodies.disk_polynomials import INPUT
 from ..spectra.certificate import verdict
 from ..spectra.problem import Problem
-from .own.slice_verdicts import slice_verdicts
-
-Codes = NDArray[np.int8]
+from .general.slice_verdicts import slice_verdicts
+from .tiles import Codes, Ends, tiled
 
 NUMPY = numpy_algebra()
 RANGE = 280.0
@@ -91,13 +90,7 @@ class VerdictKernel:
         return codes
 
     def in_range(self, point: list[Any]) -> Any:
-        """Where no monomial can over- or underflow; True for everywhere.
-
-        Parameters
-        ----------
-        point
-            Arrays or floats, as for a call.
-        """
+        """Where no monomial can over- or underflow; True for everywhere."""
         powers = [
             max(p.degrees[i] for p in self._parts) if self._parts else 0 for i in range(len(point))
         ]
@@ -142,13 +135,7 @@ class _Split:
 
 
 class FilteredVerdicts:
-    """The whole verdict route of a problem: the filter, then exact arithmetic where it is open.
-
-    Parameters
-    ----------
-    problem
-        Problem of a family with a tabulated polynomial.
-    """
+    """The whole verdict route of a problem: the filter, then exact arithmetic where it is open."""
 
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
@@ -158,11 +145,6 @@ class FilteredVerdicts:
 
     def codes(self, values: Mapping[str, Any]) -> tuple[Codes, int]:
         """Verdict flags for broadcast values, each of them proved.
-
-        Parameters
-        ----------
-        values
-            Float or array by name, in the user's units.
 
         Returns
         -------
@@ -199,13 +181,6 @@ def _at(value: Any, shape: tuple[int, ...], where: tuple[Any, ...]) -> Any:
 
 def point(problem: Problem, values: Mapping[str, Any]) -> list[Any]:
     """Variables of the exact polynomial in double precision, for broadcast values.
-
-    Parameters
-    ----------
-    problem
-        Family with values in the user's units.
-    values
-        Float or array by name.
 
     Returns
     -------
@@ -254,19 +229,6 @@ class Interval:
 
 def prove_boxes(problem: Problem, axes: tuple[Axis, Axis], levels: int) -> Boxes:
     """Cover a map with rectangles of one proved verdict and a strip of narrow ones.
-
-    Parameters
-    ----------
-    problem
-        Family with values in the user's units.
-    axes
-        x and y.
-    levels
-        Largest number of halvings of the map in both directions.
-
-    Returns
-    -------
-    Boxes
 
     Raises
     ------
@@ -321,13 +283,7 @@ def _own(problem: Problem, axes: tuple[Axis, Axis]) -> Callable[[Spans], NDArray
 
 
 class BoxConditions:
-    """Verdicts proved over whole boxes from the exact conditions, vectorised.
-
-    Parameters
-    ----------
-    problem
-        Problem of a family with a tabulated polynomial.
-    """
+    """Verdicts proved over whole boxes from the exact conditions, vectorised."""
 
     def __init__(self, problem: Problem) -> None:
         self.problem, self.exact = problem, tabulated(problem)
@@ -335,11 +291,6 @@ class BoxConditions:
 
     def __call__(self, spans: Spans) -> NDArray[np.int8]:
         """Verdict flags, 0 where none is proved.
-
-        Parameters
-        ----------
-        spans
-            Low and high ends by name of what varies, shapes (N,).
 
         Returns
         -------
@@ -453,13 +404,6 @@ SIDES = (32, 8)
 class GridVerdicts:
     """Proved verdicts over grids of two axes of a problem.
 
-    Parameters
-    ----------
-    problem
-        Problem of a family with a tabulated polynomial.
-    x, y
-        Names of the axes.
-
     Examples
     --------
     >>> from stability.bodies.contact_laws import Viscous
@@ -498,38 +442,12 @@ class GridVerdicts:
             return codes, self._single(
                 codes, *np.divmod(np.flatnonzero(known == 0), len(xs)), 1, xs, ys
             )
-        side = SIDES[0]
-        tall, wide = (-(-n // side) for n in shape)
-        # whole tiles, so that each is written at once; cells beyond the grid are cut off below
-        padded = np.empty((tall * side, wide * side), dtype=np.int8)
-        i, j = (v.ravel() for v in np.indices((tall, wide)))
-        found = self._judge(i * side, j * side, side, xs, ys)
-        padded.reshape(tall, side, wide, side)[...] = found.reshape(tall, 1, wide, 1)
-        i, j = i[found == 0], j[found == 0]
-        for finer in SIDES[1:]:
-            ratio, side = side // finer, finer
-            i, j = (
-                ratio * v[:, None] + s.ravel()
-                for v, s in zip((i, j), np.indices((ratio, ratio)), strict=True)
-            )
-            i, j = i.ravel(), j.ravel()
-            inside = (i * side < shape[0]) & (j * side < shape[1])
-            i, j = i[inside], j[inside]
-            part = self._judge(i * side, j * side, side, xs, ys)
-            tall, wide = padded.shape[0] // side, padded.shape[1] // side
-            padded.reshape(tall, side, wide, side)[i, :, j, :] = part[:, None, None]
-            i, j = i[part == 0], j[part == 0]
-        codes = padded[: shape[0], : shape[1]]
+        padded, i, j, _ = tiled(xs, ys, SIDES, self._judge, np.empty((0, 1)))
+        codes, side = padded[: shape[0], : shape[1]], SIDES[-1]
         return codes, self._single(codes, i * side, j * side, side, xs, ys)
 
-    def _judge(self, i: Any, j: Any, side: int, xs: Floats, ys: Floats) -> Codes:
-        if not len(i):
-            return np.zeros(0, dtype=np.int8)
-        spans = {
-            name: (values[first], values[np.minimum(first + side, len(values)) - 1])
-            for name, values, first in ((self.x, xs, j), (self.y, ys, i))
-        }
-        return self.boxes(spans)
+    def _judge(self, x: Ends, y: Ends, signs: Any) -> tuple[Codes, Any]:
+        return self.boxes({self.x: x, self.y: y}), signs
 
     def _single(self, codes: Codes, i: Any, j: Any, side: int, xs: Floats, ys: Floats) -> int:
         if not len(i):

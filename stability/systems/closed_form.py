@@ -68,15 +68,7 @@ class ClosedForm(Record):
         return Program(self.function, self.constants)
 
     def __call__(self, algebra: Algebra, a: Any, q: Any) -> Columns:
-        """Coefficients, unknowns, and numbers that are positive at every member.
-
-        Parameters
-        ----------
-        algebra
-            The number type.
-        a, q
-            Family parameters and parameters.
-        """
+        """Coefficients, unknowns, and numbers that are positive at every member."""
         return self.entries(algebra, a, q)
 
     def entries(self, algebra: Algebra, a: Any, q: Any) -> Columns:
@@ -140,11 +132,6 @@ class ClosedForm(Record):
     def guess(self, a: Floats, q: Floats) -> tuple[Floats, NDArray[np.bool_]] | None:
         """Unknowns in doubles, and where a number that is positive at members is negative.
 
-        Parameters
-        ----------
-        a, q
-            Family parameters and parameters, shapes (N, ·).
-
         Returns
         -------
         unknowns, lacking
@@ -181,11 +168,6 @@ class RepeatedBalls:
 
     What follows from the other numbers is computed at the second member and kept.  Every call
     compares all numbers with those that were kept.
-
-    Parameters
-    ----------
-    form
-        The formulas.
     """
 
     def __init__(self, form: ClosedForm) -> None:
@@ -195,13 +177,7 @@ class RepeatedBalls:
         self._formulas: Formulas | None = None
 
     def __call__(self, a: list[Any], q: list[Any]) -> Columns:
-        """Coefficients, unknowns, and numbers that are positive at every member.
-
-        Parameters
-        ----------
-        a, q
-            Family parameters and parameters, as balls.
-        """
+        """Coefficients, unknowns, and numbers that are positive at every member."""
         given = a, q
         if self._given is None:
             self._given = given
@@ -287,25 +263,12 @@ class ImplicitForm(ClosedForm):
         return lambda a, q: then([*a, u], q)
 
     def guess(self, a: Floats, q: Floats) -> tuple[Floats, NDArray[np.bool_]]:
-        """The unknown, and where it is not found; the root-finder would take any other root.
-
-        Parameters
-        ----------
-        a, q
-            Family parameters and parameters, shapes (N, ·).
-        """
+        """The unknown, and where it is not found; the root-finder would take any other root."""
         near = np.broadcast_to(self.near(list(q.T)), a.shape[:1])
         return np.array(near)[:, None], ~np.isfinite(near)
 
     def solved(self, algebra: Algebra, q: Sequence[Any]) -> Any:
         """The unknown, in the number type of the parameters.
-
-        Parameters
-        ----------
-        algebra
-            The number type.
-        q
-            Parameters.
 
         Raises
         ------

@@ -151,10 +151,6 @@ def walk(
         Most points.
     inside
         Whether to go on after a point; the point that is outside is the last one.
-
-    Returns
-    -------
-    Trace
     """
     pace = _Pace(curve, scale)
     points = [z]
@@ -164,9 +160,13 @@ def walk(
     if before is None:
         return Trace(np.array(points), [], [], "the equations have no meaning there")
     (along, sign), step = before, longest
+
+    def ended(said: str) -> Trace:
+        return Trace(np.array(points), folds, crossings, said)
+
     while len(points) < most:
         if step < LEAST * longest:
-            return Trace(np.array(points), folds, crossings, "the corrector fails there")
+            return ended("the corrector fails there")
         # in the parameter at most `longest`; in large unknowns more, in proportion
         room = longest * max(1.0, float(np.abs(z[:-1] / scale[:-1]).max()))
         step = min(step, room, longest / max(abs(float(along[-1])), 1e-300))
@@ -181,8 +181,9 @@ def walk(
             near = float(np.abs((point.z - (z + new) / 2) / scale).max()) <= step
             if not (point.resolved and near):
                 if step <= APART * longest:
-                    said = "a branch point, or a narrow gap between two branches, is not resolved"
-                    return Trace(np.array(points), folds, crossings, said)
+                    return ended(
+                        "a branch point, or a narrow gap between two branches, is not resolved"
+                    )
                 step /= 2
                 continue
             crossings.append((point, along * scale))
@@ -191,12 +192,12 @@ def walk(
         z, along, sign = new, after, now
         points.append(z)
         if not inside(z):
-            return Trace(np.array(points), folds, crossings, "")
+            return ended("")
         way = np.abs((z - points[0]) / scale).max()
         if len(points) > 3 and way < 0.6 * step and along @ before[0] > COSINE:
-            return Trace(np.array(points), folds, crossings, "the branch closes on itself")
+            return ended("the branch closes on itself")
         step = 2 * step
-    return Trace(np.array(points), folds, crossings, f"{most} members were found")
+    return ended(f"{most} members were found")
 
 
 def _fold_between(
@@ -242,8 +243,7 @@ class BranchPoint(SingularPoint):
     """Direction of the branch itself in (unknowns, parameter), shape (u + 1,)."""
     other: Floats | None = field(repr=False)
     """Direction of the crossing branch, shape (u + 1,); None where unresolved."""
-    _family: Family = field(repr=False)
-    _curve: Curve = field(repr=False)
+    _line: _Line = field(repr=False)
     _z: Floats = field(repr=False)
 
     def switch(self, stop: float, *, points: int = 101, side: int = 1) -> Branch:
@@ -283,11 +283,12 @@ class BranchPoint(SingularPoint):
             raise ParameterError(f"side is {side!r}; give 1 or -1.")
         if self.other is None:
             raise ParameterError(
-                f"the branch that crosses {self._family.name} at {self.value:g} is not resolved."
+                f"the branch that crosses {self._line.family.name} at {self.value:g} is not "
+                "resolved."
             )
         if end == self.value:
             raise ParameterError(f"stop is {end:g}, the branch point itself; take another.")
-        return _switched(self, end, points, side)
+        return self._line.switched(self, end, points, side)
 
 
 class _Members(NamedTuple):
@@ -389,8 +390,9 @@ def branch(
     curve = Curve(
         family.graph, len(family.at), np.array([0.0, *rest, *q]), np.eye(len(rest) + len(q) + 1)[0]
     )
+    line = _Line(family, curve)
     if not flag("arclength", arclength) or not family.unknown or lo == hi:
-        return _along(family, curve, lo, hi, u, points)
+        return line.members(lo, hi, u, points)
     if family.closed:
         raise ParameterError(
             f"{family.name} is known in closed form and has no folds; leave arclength out."
@@ -399,221 +401,195 @@ def branch(
     _, slope = curve.at(z[None])
     tangent = np.linalg.svd(slope[0])[2][-1]
     tangent *= np.copysign(1.0, tangent[-1] * (hi - lo))
-    return _round(family, curve, z, tangent, (lo, hi), points)
+    return line.arc(z, tangent, lo, hi, points)
 
 
-# --- evenly spaced members ---
+@dataclass(frozen=True, eq=False)
+class _Line(Record):
+    """A family along its first parameter, with the curve of its unknowns and that parameter."""
 
+    family: Family
+    curve: Curve
 
-def _along(family: Family, curve: Curve, lo: float, hi: float, u: Floats, points: int) -> Branch:
-    """Evenly spaced members, up to the first that is not reached."""
-    found = [np.array([*u[0], lo])]
-    ended, complete = f"the whole interval from {lo:g} to {hi:g} was reached", True
-    folds: tuple[Fold, ...] = ()
-    last: list[tuple[Located, Floats]] = []
-    for target in np.linspace(lo, hi, points)[1:]:
-        try:
-            following, reached = _next(family, curve, found[-1], float(target))
-            if not reached:  # from a branch point itself no way leads on
-                again, reached = _next(family, curve, found[-2:][0], float(target))
-                if reached or (following == found[-1]).all():
-                    following = again
-        except NoMemberError as error:
-            complete, ended = False, f"ended after {found[-1][-1]:g}: {error}"
-            break
-        if not reached:
-            before = found[-1] if (found[-1] != following).any() else found[-2:][0]
-            where, folds, last = _stop(family, curve, before, following)
-            complete, ended = False, f"ended after {found[-1][-1]:g}: {where}"
-            break
-        found.append(following)
-    z = np.array(found)
-    crossed = [*crossings(curve, z), *last]
-    return _result(family, curve, z, complete, ended, folds, crossed)
+    # --- evenly spaced members ---
 
+    def members(self, lo: float, hi: float, u: Floats, points: int) -> Branch:
+        """Evenly spaced members, up to the first that is not reached."""
+        found = [np.array([*u[0], lo])]
+        ended, complete = f"the whole interval from {lo:g} to {hi:g} was reached", True
+        folds: list[Located] = []
+        last: list[tuple[Located, Floats]] = []
+        for target in np.linspace(lo, hi, points)[1:]:
+            try:
+                following, reached = self._next(found[-1], float(target))
+                if not reached:  # from a branch point itself no way leads on
+                    again, reached = self._next(found[-2:][0], float(target))
+                    if reached or (following == found[-1]).all():
+                        following = again
+            except NoMemberError as error:
+                complete, ended = False, f"ended after {found[-1][-1]:g}: {error}"
+                break
+            if not reached:
+                before = found[-1] if (found[-1] != following).any() else found[-2:][0]
+                where, folds, last = self._stop(before, following)
+                complete, ended = False, f"ended after {found[-1][-1]:g}: {where}"
+                break
+            found.append(following)
+        z = np.array(found)
+        return self._branch(z, complete, ended, folds, [*crossings(self.curve, z), *last])
 
-def _next(family: Family, curve: Curve, z: Floats, target: float) -> tuple[Floats, bool]:
-    """The member at the next value, on the smooth sheet of the one before, or where that ends."""
-    a, q = _numbers(family, curve, target)
-    if not family.unknown or family.closed:
-        return np.array([*family.solve(a, q)[0], target]), True
-    here = curve.given(z[None])
-    reached = follow(family.graph, a.shape[1], here, z[None, :-1], np.hstack([a, q]))
-    if reached.share[0] < 1:
-        place = z[-1] + float(reached.share[0]) * (target - z[-1])
-        return np.array([*reached.u[0], place]), False
-    return np.array([*family.solve(a, q, reached.u)[0], target]), True
+    def _next(self, z: Floats, target: float) -> tuple[Floats, bool]:
+        """The member at the next value, on the smooth sheet of the last, or where that ends."""
+        family, (a, q) = self.family, self._numbers(target)
+        if not family.unknown or family.closed:
+            return np.array([*family.solve(a, q)[0], target]), True
+        here = self.curve.given(z[None])
+        reached = follow(family.graph, a.shape[1], here, z[None, :-1], np.hstack([a, q]))
+        if reached.share[0] < 1:
+            place = z[-1] + float(reached.share[0]) * (target - z[-1])
+            return np.array([*reached.u[0], place]), False
+        return np.array([*family.solve(a, q, reached.u)[0], target]), True
 
-
-def _stop(
-    family: Family, curve: Curve, z: Floats, end: Floats
-) -> tuple[str, tuple[Fold, ...], list[tuple[Located, Floats]]]:
-    """What ended a branch: words, and the fold or the branch point there."""
-    name, way = family.at[0], end - z
-    point = singular_point(curve, end, 1e-3 * (abs(way[-1]) + 1e-300))
-    if point is not None:
+    def _stop(
+        self, z: Floats, end: Floats
+    ) -> tuple[str, list[Located], list[tuple[Located, Floats]]]:
+        """What ended a branch: words, and the fold or the branch point there."""
+        name, way = self.family.at[0], end - z
+        point = singular_point(self.curve, end, 1e-3 * (abs(way[-1]) + 1e-300))
+        if point is None:
+            said = "has no member that continuation reaches beyond"
+            return f"{self.family.name} {said} {name} = {end[-1]:.10g}", [], []
         word, found = point
         said = f"a {word} at {name} = {found.z[-1]:.10g}"
         if word == "fold":
-            return said, (_fold(family, curve, found),), []
-        return said, (), [] if word == "cusp" else [(found, way)]
-    return (
-        f"{family.name} has no member that continuation reaches beyond {name} = {end[-1]:.10g}",
-        (),
-        [],
-    )
+            return said, [found], []
+        return said, [], [] if word == "cusp" else [(found, way)]
 
+    # --- round folds ---
 
-# --- round folds ---
+    def arc(self, z: Floats, tangent: Floats, lo: float, hi: float, points: int) -> Branch:
+        """Members by arclength, within the interval."""
+        trace = self._walked(z, tangent, _scale(z, abs(hi - lo)), (lo, hi), points)
+        found, ended, complete = trace.z, self._left(trace), False
+        if not trace.ended:
+            found, ended, complete = self._landed(trace, lo, hi)
+        return self._branch(found, complete, ended, trace.folds, trace.crossings)
 
+    def switched(self, point: BranchPoint, stop: float, points: int, side: int) -> Branch:
+        """Leave a branch point along the crossing branch."""
+        other, here = point.other, point._z
+        assert other is not None
+        width = abs(stop - point.value)
+        flat = abs(other[-1]) <= FLAT
+        lead = int(np.argmax(np.abs(other[:-1]))) if flat else -1
+        wanted = side if flat else np.sign(stop - point.value)
+        tangent = other * np.copysign(1.0, other[lead] * wanted)
+        scale = _scale(here, width)
+        first = here + LEAVE / float(np.linalg.norm(tangent / scale)) * tangent
+        ends = point.value - width, point.value + width
+        trace = self._walked(first, tangent, scale, ends, points)
+        if len(trace.z) < 2:
+            raise NoMemberError(
+                f"{self.family.name}: the crossing branch at {point.value:g} is left at once; "
+                f"{trace.ended}."
+            )
+        # the first point is a prediction, and the branch point takes its place
+        trace = trace._replace(z=np.vstack([here, trace.z[1:]]))
+        z, ended, complete = trace.z, self._left(trace), False
+        if not trace.ended:
+            z, ended, complete = self._landed(trace, 2 * point.value - stop, stop)
+            ended = f"the whole interval from {point.value:g} to {stop:g} was reached"
+            if not complete:
+                ended = f"the branch runs the other way, from {point.value:g} to {z[-1, -1]:g}"
+        return self._branch(z, complete, ended, trace.folds, trace.crossings)
 
-def _round(
-    family: Family,
-    curve: Curve,
-    z: Floats,
-    tangent: Floats,
-    ends: tuple[float, float],
-    points: int,
-) -> Branch:
-    """Members by arclength, within the interval."""
-    lo, hi = ends
-    scale = np.array([*(np.maximum(np.abs(z[:-1]), 1.0)), abs(hi - lo)])
-    low, high = min(lo, hi), max(lo, hi)
-    positive = [i for i, n in enumerate(family.unknown) if n in family.positive]
-    trace = walk(
-        curve,
-        z,
-        tangent,
-        scale,
-        1 / (points - 1),
-        LONGER * points,
-        lambda y: bool(low < y[-1] < high and (y[positive] > 0).all()),
-    )
-    found, ended = trace.z, trace.ended
-    complete = False
-    if not ended:
-        found, ended, complete = _landed(family, curve, trace, lo, hi)
-    else:
-        ended = f"ended at {family.at[0]} = {found[-1, -1]:.6g}: {ended}"
-    folds = tuple(_fold(family, curve, f) for f in trace.folds)
-    return _result(family, curve, found, complete, ended, folds, trace.crossings)
-
-
-def _landed(
-    family: Family, curve: Curve, trace: Trace, lo: float, hi: float
-) -> tuple[Floats, str, bool]:
-    """The members with the last one moved back to the end of the interval."""
-    before, last = trace.z[-2], trace.z[-1]
-    low, high = min(lo, hi), max(lo, hi)
-    if low < last[-1] < high:
-        return trace.z[:-1], f"ended at {before[-1]:g}: an unknown is not positive beyond", False
-    end = low if last[-1] <= low else high
-    share = (end - before[-1]) / (last[-1] - before[-1])
-    guess = (before + share * (last - before))[None, :-1]
-    try:
-        u = family.solve(*_numbers(family, curve, end), guess)[0]
-    except NoMemberError as error:
-        return trace.z[:-1], f"ended after {before[-1]:g}: {error}", False
-    if not np.abs(u - guess).max() <= 0.1 * (1 + np.abs(guess)).max():
-        return trace.z[:-1], f"ended after {before[-1]:g}: the last step is not reached", False
-    found = np.vstack([trace.z[:-1], [*u, end]])
-    if end == hi:
-        return found, f"the whole interval from {lo:g} to {hi:g} was reached", True
-    return found, f"the branch turned and came back to {lo:g}", False
-
-
-def _switched(point: BranchPoint, stop: float, points: int, side: int) -> Branch:
-    """Leave a branch point along the crossing branch."""
-    family, curve, other = point._family, point._curve, point.other
-    assert other is not None
-    width = abs(stop - point.value)
-    flat = abs(other[-1]) <= FLAT
-    lead = int(np.argmax(np.abs(other[:-1]))) if flat else -1
-    wanted = side if flat else np.sign(stop - point.value)
-    tangent = other * np.copysign(1.0, other[lead] * wanted)
-    scale = np.array([*np.maximum(np.abs(point._z[:-1]), 1.0), width])
-    low, high = point.value - width, point.value + width
-    positive = [i for i, n in enumerate(family.unknown) if n in family.positive]
-    step = LEAVE / float(np.linalg.norm(tangent / scale))
-    trace = walk(
-        curve,
-        point._z + step * tangent,
-        tangent,
-        scale,
-        1 / (points - 1),
-        LONGER * points,
-        lambda y: bool(low < y[-1] < high and (y[positive] > 0).all()),
-    )
-    if len(trace.z) < 2:
-        raise NoMemberError(
-            f"{family.name}: the crossing branch at {point.value:g} is left at once; {trace.ended}."
+    def _walked(
+        self, z: Floats, tangent: Floats, scale: Floats, ends: tuple[float, float], points: int
+    ) -> Trace:
+        """The curve from a point until it leaves an interval, or an unknown is not positive."""
+        low, high = sorted(ends)
+        family = self.family
+        positive = [i for i, n in enumerate(family.unknown) if n in family.positive]
+        return walk(
+            self.curve,
+            z,
+            tangent,
+            scale,
+            1 / (points - 1),
+            LONGER * points,
+            lambda y: bool(low < y[-1] < high and (y[positive] > 0).all()),
         )
-    # the first point is a prediction, and the branch point takes its place
-    found = trace._replace(z=np.vstack([point._z, trace.z[1:]]))
-    z, complete = found.z, False
-    ended = f"ended at {family.at[0]} = {found.z[-1, -1]:.6g}: {found.ended}"
-    if not trace.ended:
-        back = 2 * point.value - stop
-        z, ended, complete = _landed(family, curve, found, back, stop)
-        ended = f"the whole interval from {point.value:g} to {stop:g} was reached"
-        if not complete:
-            ended = f"the branch runs the other way, from {point.value:g} to {z[-1, -1]:g}"
-    folds = tuple(_fold(family, curve, f) for f in trace.folds)
-    return _result(family, curve, z, complete, ended, folds, trace.crossings)
+
+    def _left(self, trace: Trace) -> str:
+        return f"ended at {self.family.at[0]} = {trace.z[-1, -1]:.6g}: {trace.ended}"
+
+    def _landed(self, trace: Trace, lo: float, hi: float) -> tuple[Floats, str, bool]:
+        """The members with the last one moved back to the end of the interval."""
+        before, last = trace.z[-2], trace.z[-1]
+        low, high = min(lo, hi), max(lo, hi)
+        if low < last[-1] < high:
+            return (
+                trace.z[:-1],
+                f"ended at {before[-1]:g}: an unknown is not positive beyond",
+                False,
+            )
+        end = low if last[-1] <= low else high
+        share = (end - before[-1]) / (last[-1] - before[-1])
+        guess = (before + share * (last - before))[None, :-1]
+        try:
+            u = self.family.solve(*self._numbers(end), guess)[0]
+        except NoMemberError as error:
+            return trace.z[:-1], f"ended after {before[-1]:g}: {error}", False
+        if not np.abs(u - guess).max() <= 0.1 * (1 + np.abs(guess)).max():
+            return trace.z[:-1], f"ended after {before[-1]:g}: the last step is not reached", False
+        found = np.vstack([trace.z[:-1], [*u, end]])
+        if end == hi:
+            return found, f"the whole interval from {lo:g} to {hi:g} was reached", True
+        return found, f"the branch turned and came back to {lo:g}", False
+
+    # --- records ---
+
+    def _numbers(self, value: float) -> tuple[Floats, Floats]:
+        """Family parameters and parameters at a value of the first family parameter."""
+        given = self.curve.given(np.array([[value]]))
+        return given[:, : self.curve.cut], given[:, self.curve.cut :]
+
+    def _states(self, z: Floats) -> Floats:
+        family, cut, given = self.family, self.curve.cut, self.curve.given(z)
+        found = family.states(given[:, :cut], z[:, :-1], given[:, cut:])
+        # where the guess is exact, the family itself knows no other unknowns
+        found[:, [family.system.index(n) for n in family.unknown]] = z[:, :-1]
+        return found
+
+    def _point(self, found: Located) -> tuple[float, Floats, float]:
+        """Family parameter, state and error of a singular point."""
+        return float(found.z[-1]), self._states(found.z[None])[0], float(found.step[-1])
+
+    def _branch_point(self, found: Located, tangent: Floats) -> BranchPoint:
+        """A branch point; the more parallel one of its directions is the branch's."""
+        own, other = tangent / np.linalg.norm(tangent), None
+        both = directions(self.curve, found) if found.resolved else None
+        if both is not None:
+            mine = int(np.argmax(np.abs(both @ own)))
+            own, other = both[mine], both[1 - mine]
+        kind = kind_of_crossing(both)
+        return BranchPoint(*self._point(found), kind, own, other, self, found.z)
+
+    def _branch(
+        self,
+        z: Floats,
+        complete: bool,
+        ended: str,  # noqa: FBT001
+        folds: Sequence[Located],
+        crossings: Sequence[tuple[Located, Floats]],
+    ) -> Branch:
+        turned = tuple(Fold(*self._point(f), f.resolved) for f in folds)
+        crossed = tuple(self._branch_point(p, t) for p, t in crossings)
+        system = self.family.system
+        works = cited(system=system.name, model=bool(system.quantities))
+        return Branch(z[:, -1], self._states(z), complete, ended, turned, crossed, works)
 
 
-# --- records ---
-
-
-def _numbers(family: Family, curve: Curve, value: float) -> tuple[Floats, Floats]:
-    """Family parameters and parameters at a value of the first family parameter."""
-    given = curve.given(np.array([[value]]))
-    return given[:, : len(family.at)], given[:, len(family.at) :]
-
-
-def _states(family: Family, curve: Curve, z: Floats) -> Floats:
-    given = curve.given(z)
-    found = family.states(given[:, : curve.cut], z[:, :-1], given[:, curve.cut :])
-    # where the guess is exact, the family itself knows no other unknowns
-    found[:, [family.system.index(n) for n in family.unknown]] = z[:, :-1]
-    return found
-
-
-def _fold(family: Family, curve: Curve, found: Located) -> Fold:
-    state = _states(family, curve, found.z[None])[0]
-    return Fold(float(found.z[-1]), state, float(found.step[-1]), found.resolved)
-
-
-def _branch_point(family: Family, curve: Curve, found: Located, tangent: Floats) -> BranchPoint:
-    """The record of a branch point; the more parallel one of its directions is the branch's."""
-    own, other = tangent / np.linalg.norm(tangent), None
-    both = directions(curve, found) if found.resolved else None
-    if both is not None:
-        mine = int(np.argmax(np.abs(both @ own)))
-        own, other = both[mine], both[1 - mine]
-    state = _states(family, curve, found.z[None])[0]
-    return BranchPoint(
-        float(found.z[-1]),
-        state,
-        float(found.step[-1]),
-        kind_of_crossing(both),
-        own,
-        other,
-        family,
-        curve,
-        found.z,
-    )
-
-
-def _result(
-    family: Family,
-    curve: Curve,
-    z: Floats,
-    complete: bool,
-    ended: str,  # noqa: FBT001
-    folds: tuple[Fold, ...],
-    crossings: Sequence[tuple[Located, Floats]],
-) -> Branch:
-    crossed = tuple(_branch_point(family, curve, p, t) for p, t in crossings)
-    works = cited(system=family.system.name, model=bool(family.system.quantities))
-    return Branch(z[:, -1], _states(family, curve, z), complete, ended, folds, crossed, works)
+def _scale(z: Floats, width: float) -> Floats:
+    """Typical sizes of the unknowns at a point, and the width of the interval."""
+    return np.array([*np.maximum(np.abs(z[:-1]), 1.0), width])

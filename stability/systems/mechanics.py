@@ -17,7 +17,7 @@ from ..base.errors import ParameterError, StabilityError, shown
 from ..base.types import Floats
 from .equations import Condition, eliminate
 from .system import System
-from .system_checks import expression, mapping, names
+from .system_checks import expression, mapping, names, stranger
 
 # --- identities by balls ---
 
@@ -72,10 +72,6 @@ def _vanishing(column: ca.SX, symbols: ca.SX) -> list[bool]:
     symbols
         Every symbol of the expressions.
 
-    Returns
-    -------
-    list of bool
-
     Examples
     --------
     >>> x = ca.SX.sym("x")
@@ -97,10 +93,6 @@ def singular(matrix: ca.SX, symbols: ca.SX) -> bool:
         Expressions in the symbols, shape (n, n).
     symbols
         Every symbol of the expressions.
-
-    Returns
-    -------
-    bool
 
     Examples
     --------
@@ -300,27 +292,11 @@ def _read_model(
 
 
 def within(what: str, value: ca.SX, symbols: ca.SX, where: str) -> ca.SX:
-    """The expression, or a refusal if it has another symbol.
-
-    Parameters
-    ----------
-    what
-        Name of the expression in the message.
-    value
-        The expression.
-    symbols
-        Symbols that it may have.
-    where
-        Names of their arguments, for the message.
-
-    Returns
-    -------
-    SX
-    """
-    free = [s for s in ca.symvar(value) if not ca.depends_on(symbols, s)]
-    if free:
+    """The expression, or a refusal if it has another symbol."""
+    symbol = stranger(value, symbols)
+    if symbol is not None:
         raise ParameterError(
-            f"{what} has the symbol {free[0]}, which is not in {where}; list it there."
+            f"{what} has the symbol {symbol}, which is not in {where}; list it there."
         )
     return value
 
@@ -411,13 +387,7 @@ class Balance:
 
 
 def unknowns(model: Model) -> tuple[str, ...]:
-    """Names of accelerations and multipliers.
-
-    Parameters
-    ----------
-    model
-        The model.
-    """
+    """Names of accelerations and multipliers."""
     rates = [f"d_{s}" for s in model.velocities]
     return (*rates, *[f"multiplier_{c}" for c in model.constraints])
 
@@ -431,10 +401,6 @@ def _balance(model: Model, solved: Mapping[int, int]) -> Balance:
         Energies, forces, constraints.
     solved
         Velocity for which each constraint is solved, by index; empty for the natural order.
-
-    Returns
-    -------
-    Balance
 
     Source: J. Neimark & N. Fufaev, Dynamics of Nonholonomic Systems (1972), ch. III;
     tests/systems/test_mechanics.py compares with SymPy and with closed forms.

@@ -161,11 +161,6 @@ def accepted(
 ) -> NDArray[np.bool_]:
     """Whether unknowns are isolated roots to the last digits, and admissible.
 
-    Parameters
-    ----------
-    graph, a, u, q, positive
-        As in `roots`.
-
     Returns
     -------
     ndarray of bool
@@ -189,11 +184,6 @@ def accepted(
 
 def newton_step(graph: FamilyGraph, a: Floats, u: Floats, q: Floats) -> Floats:
     """A further Newton step; infinite where the slope is singular.
-
-    Parameters
-    ----------
-    graph, a, u, q
-        As in `roots`.
 
     Returns
     -------
@@ -314,10 +304,6 @@ def follow(graph: FamilyGraph, cut: int, start: Floats, u: Floats, stop: Floats)
         Family parameters and parameters at the ends of each line, shapes (N, m).
     u
         Unknowns at `start`, shape (N, u).
-
-    Returns
-    -------
-    Followed
 
     Examples
     --------
@@ -474,10 +460,6 @@ def find(family: Any, a: Floats, q: Floats, start: Floats | None) -> Found:
         Family parameters and parameters, shapes (N, ·).
     start
         First guesses, shape (N, u); None to follow from the family's anchor.
-
-    Returns
-    -------
-    Found
     """
     # members that differ only in numbers outside the equations (mu, for the disk) share a root
     given = np.hstack([a, q])
@@ -588,11 +570,6 @@ def _stopped(family: Any, asked: Floats, u: Floats, share: float, positive: Sequ
 
 def check_states(family: Any) -> None:
     """Refuse a family that does not name each state of its system once.
-
-    Parameters
-    ----------
-    family
-        A `Family` with checked parts.
 
     Raises
     ------

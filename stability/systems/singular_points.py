@@ -54,11 +54,6 @@ class Curve(Record):
     def at(self, z: Floats) -> tuple[Floats, Floats]:
         """Residuals and slopes.
 
-        Parameters
-        ----------
-        z
-            Points, shape (N, u + 1).
-
         Returns
         -------
         r, slope
@@ -110,17 +105,13 @@ def locate_fold(curve: Curve, z: Floats) -> Located:
     z
         A point near the fold, shape (u + 1,).
 
-    Returns
-    -------
-    Located
-
     Source: Seydel, Practical Bifurcation and Stability Analysis (2010), section 5.4;
     closed forms in tests/systems/test_continuation.py.
     """
     n = len(z) - 1
     slope = curve.at(z[None])[1][0]
     if not np.isfinite(slope).all():
-        return Located(z, np.full(n + 1, np.inf), False, np.zeros(n))
+        return _nowhere(z)
     phi = c = np.linalg.svd(slope[:, :n])[2][-1]
     last = np.full(n + 1, np.inf)
     for _ in range(MOST):
@@ -138,7 +129,7 @@ def locate_fold(curve: Curve, z: Floats) -> Located:
         if _settled(z, last, last := np.abs(step[: n + 1])):
             break
     if not np.isfinite(slope).all():
-        return Located(z, np.full(n + 1, np.inf), False, np.zeros(n))
+        return _nowhere(z)
     left = np.linalg.svd(slope[:, :n])[0][:, -1]
     terms = np.abs(slope) * (1 + np.abs(z))
     bent = abs(float(left @ slope[:, -1])) * (1 + abs(z[-1])) > FLAT * float(terms.max())
@@ -148,11 +139,6 @@ def locate_fold(curve: Curve, z: Floats) -> Located:
 @np.errstate(all="ignore")
 def locate_branch_point(curve: Curve, z: Floats) -> Located:
     """The branch point near a point: r + μ c = 0 and ψ (r_u, r_p) = 0 with c ψ = 1, where μ = 0.
-
-    Parameters
-    ----------
-    curve, z
-        As in `locate_fold`.
 
     Returns
     -------
@@ -165,7 +151,7 @@ def locate_branch_point(curve: Curve, z: Floats) -> Located:
     n = len(z) - 1
     slope = curve.at(z[None])[1][0]
     if not np.isfinite(slope).all():
-        return Located(z, np.full(n + 1, np.inf), False, np.zeros(n))
+        return _nowhere(z)
     psi = c = np.linalg.svd(slope)[0][:, -1]
     mu, last = 0.0, np.full(n + 1, np.inf)
     for _ in range(MOST):
@@ -188,6 +174,11 @@ def locate_branch_point(curve: Curve, z: Floats) -> Located:
     return Located(z, last, near and abs(mu) <= _least(curve, z), psi)
 
 
+def _nowhere(z: Floats) -> Located:
+    """What is located where the equations have no finite slope."""
+    return Located(z, np.full(len(z), np.inf), False, np.zeros(len(z) - 1))
+
+
 def _least(curve: Curve, z: Floats) -> float:
     """Largest unfolding that rounding of the equations accounts for."""
     return GENUINE * float(np.linalg.norm(curve.noise(z))) + TINY
@@ -195,13 +186,6 @@ def _least(curve: Curve, z: Floats) -> float:
 
 def directions(curve: Curve, point: Located) -> Floats | None:
     """Both directions through a branch point, from the algebraic bifurcation equation.
-
-    Parameters
-    ----------
-    curve
-        The curve.
-    point
-        A resolved branch point.
 
     Returns
     -------

@@ -65,10 +65,6 @@ def steady(
     **options
         Values of parameters at the guess, and `typical`, `conservative`, `integrals`, `drifts`
         of `Family`.
-
-    Returns
-    -------
-    Family
     """
     given = mapping("guess", guess or {})
     of_family = {

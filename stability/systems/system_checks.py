@@ -16,21 +16,7 @@ from ..base.types import Floats
 
 
 def expression(what: str, value: Any, rows: int | None = None, columns: int | None = None) -> ca.SX:
-    """An SX expression of a shape, or a refusal.
-
-    Parameters
-    ----------
-    what
-        Name of the argument in the message.
-    value
-        An SX; numbers and DM become constants.
-    rows, columns
-        Shape; any when left out.
-
-    Returns
-    -------
-    SX
-    """
+    """An SX expression of a shape, or a refusal; numbers and DM become constants."""
     if isinstance(value, ca.SX):
         found = value
     else:
@@ -53,19 +39,7 @@ def expression(what: str, value: Any, rows: int | None = None, columns: int | No
 
 
 def names(what: str, value: Any) -> tuple[str, ...]:
-    """A tuple of different names, or a refusal.
-
-    Parameters
-    ----------
-    what
-        Name of the argument in the message.
-    value
-        A tuple or list of strings.
-
-    Returns
-    -------
-    tuple of str
-    """
+    """A tuple of different names, or a refusal."""
     if isinstance(value, str) or not isinstance(value, (tuple, list)):
         raise ParameterError(f"{what} is {shown(value)}; give a tuple of names.")
     for name in value:
@@ -80,19 +54,7 @@ def names(what: str, value: Any) -> tuple[str, ...]:
 
 
 def title(what: str, value: Any) -> str:
-    """A name that fits in a message and a file, or a refusal.
-
-    Parameters
-    ----------
-    what
-        Name of the argument in the message.
-    value
-        A string.
-
-    Returns
-    -------
-    str
-    """
+    """A name that fits in a message and a file, or a refusal; `what` says of what."""
     text = instance(f"name of {what}", value, str, "give a string")
     if not text.isprintable() or not text.strip() or len(text) > 100:
         raise ParameterError(
@@ -102,36 +64,14 @@ def title(what: str, value: Any) -> str:
 
 
 def mapping(what: str, value: Any) -> dict[str, Any]:
-    """A mapping by names, or a refusal.
-
-    Parameters
-    ----------
-    what
-        Name of the argument in the message.
-    value
-        The mapping.
-
-    Returns
-    -------
-    dict
-    """
+    """A mapping by names, or a refusal."""
     if not isinstance(value, Mapping) or not all(isinstance(n, str) for n in value):
         raise ParameterError(f"{what} is {shown(value)}; give a mapping by names.")
     return dict(value)
 
 
 def check_names(name: Any, states: Any, parameters: Any, units: Any) -> dict[str, Any]:
-    """Name, states, parameters and units of a system without a graph, or a refusal.
-
-    Parameters
-    ----------
-    name, states, parameters, units
-        As the user gave them.
-
-    Returns
-    -------
-    dict
-    """
+    """Name, states, parameters and units of a system without a graph, or a refusal."""
     found: dict[str, Any] = {"name": title("the system", name), "units": mapping("units", units)}
     found |= {"states": names("states", states), "parameters": names("parameters", parameters)}
     _apart(found["states"], found["parameters"])
@@ -159,11 +99,6 @@ def _check_units(units: Mapping[str, str], named: tuple[str, ...]) -> None:
 def check_system(system: Any) -> None:
     """Refuse a system whose parts do not fit together.
 
-    Parameters
-    ----------
-    system
-        A `System` as the user gave it.
-
     Raises
     ------
     ParameterError
@@ -185,19 +120,15 @@ def check_system(system: Any) -> None:
             f"rhs has {system.rhs.numel()} entries for {system.x.numel()} states; give one each."
         )
     expression("rhs", system.rhs, system.x.numel(), 1)
-    free = _strangers(system, {"rhs": system.rhs, **system.observables})
-    free = free or _strangers(
-        system, {"a condition": ca.SX(ca.vertcat(*_values(system.conditions)))}
-    )
-    if free:
-        raise ParameterError(
-            f"{free[0]} contains the symbol {free[1]}, which is neither a state nor a parameter; "
-            "list it in x or p."
-        )
-
-
-def _values(conditions: tuple[Any, ...]) -> list[ca.SX]:
-    return [c.value for c in conditions]
+    symbols = ca.vertcat(system.x, system.p)
+    limits = [("a condition", c.value) for c in system.conditions]
+    for name, value in [("rhs", system.rhs), *system.observables.items(), *limits]:
+        symbol = stranger(value, symbols)
+        if symbol is not None:
+            raise ParameterError(
+                f"{name} contains the symbol {symbol}, which is neither a state nor a parameter; "
+                "list it in x or p."
+            )
 
 
 def _check_symbols(what: str, symbols: ca.SX, given: tuple[str, ...]) -> None:
@@ -212,22 +143,13 @@ def _check_symbols(what: str, symbols: ca.SX, given: tuple[str, ...]) -> None:
         raise ParameterError(f"{what} has {symbols.size2()} columns; give one column of symbols.")
 
 
-def _strangers(system: Any, expressions: Mapping[str, ca.SX]) -> tuple[str, Any] | None:
-    known = ca.vertcat(system.x, system.p)
-    for name, one in expressions.items():
-        free = [s for s in ca.symvar(one) if not ca.depends_on(known, s)]
-        if free:
-            return name, free[0]
-    return None
+def stranger(value: ca.SX, symbols: ca.SX) -> ca.SX | None:
+    """The first symbol of an expression that is none of these; None where there is none."""
+    return next((s for s in ca.symvar(value) if not ca.depends_on(symbols, s)), None)
 
 
 def check_family(family: Any) -> None:
     """Refuse wrong parts of a family, and store the others as plain tuples, dicts and floats.
-
-    Parameters
-    ----------
-    family
-        A `Family` as the user gave it.
 
     Raises
     ------
@@ -279,10 +201,6 @@ def check_implicit(
         Pairs (row, column), or None for the natural order.
     states
         Names of the states.
-
-    Returns
-    -------
-    list of (int, int)
     """
     for state in names("states", states):
         if state not in rates and f"d_{state}" not in unknowns:

@@ -24,12 +24,12 @@ from stability.algebra.exact.number_fields import NotExact
 from stability.base.axis import Axis
 from stability.base.errors import ParameterError
 from stability.maps import cells as cells_module
-from stability.maps.own import cells as own_cells
-from stability.maps.own import slices
-from stability.maps.own.rates import discs
-from stability.maps.own.slice_verdicts import ELSEWHERE, slice_verdicts
-from stability.maps.own.slices import slice_of
-from stability.maps.own.surfaces import Box, Surface, Window, _double, powers
+from stability.maps.general import cells as own_cells
+from stability.maps.general import slices
+from stability.maps.general.rates import discs
+from stability.maps.general.slice_verdicts import ELSEWHERE, slice_verdicts
+from stability.maps.general.slices import slice_of
+from stability.maps.general.surfaces import Box, Surface, Window, _double, powers
 from stability.spectra.axes import swept
 from stability.spectra.certificate import verdict
 

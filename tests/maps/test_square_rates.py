@@ -12,8 +12,8 @@ from stability.algebra.kernels import double_balls
 from stability.algebra.kernels.compiled import compiled, numba_found
 from stability.base.verdict import CODES, Verdict
 from stability.maps.compiled import squares
-from stability.maps.own.cells import FLAGS
-from stability.maps.own.rates import WANTED, rates
+from stability.maps.general.cells import FLAGS
+from stability.maps.general.rates import WANTED, rates
 
 SCALE = 10**60
 

@@ -100,8 +100,8 @@ def test_an_own_family_is_completed_chunk_by_chunk(
     open_: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if open_:  # discs that are never small enough: the graph completes every cell
-        monkeypatch.setattr("stability.maps.own.rates.WANTED", 1e-18)
-        monkeypatch.setattr("stability.maps.own.cells.MOST_POOR", 1.0)
+        monkeypatch.setattr("stability.maps.general.rates.WANTED", 1e-18)
+        monkeypatch.setattr("stability.maps.general.cells.MOST_POOR", 1.0)
     found, whole = both(own_family(), tmp_path, **OWN)
     assert found.method.startswith("characteristic polynomial of the family over Q")
     np.testing.assert_array_equal(found.verdict.values, whole.verdict.values)

@@ -9,11 +9,13 @@ Source: W.-T. Wu, J. Autom. Reason. 2 (1986) 221-252 (characteristic sets by pse
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from flint import arb, fmpq
 
+from ..number_types import balls
 from .function_field import Expression, FunctionField
 from .hurwitz_forms import Budget, by_power, factors
 from .number_fields import NotExact
@@ -58,6 +60,14 @@ class RecordingField(FunctionField):
         """An indeterminate as a polynomial."""
         return self._gens[index]
 
+    def enclosed(self, index: int, known: Mapping[int, Any]) -> Any:
+        """A function's indeterminate as a ball, from those that its argument holds."""
+        name, x, over = self.meaning[index]
+        value = balls().functions[name](arb(evaluate(x.num, known) / evaluate(x.den, known)))
+        if name == "sqrt" and over is not None and not over.is_constant():
+            value = value * arb(evaluate(over, known)).sgn()
+        return value
+
     @property
     def squares(self) -> dict[int, Any]:
         """The known square of each indeterminate, by index; changes take effect."""
@@ -75,6 +85,26 @@ class RecordingField(FunctionField):
 def occurring(poly: Any) -> set[int]:
     """Indices of the variables that occur in a polynomial."""
     return {i for i, d in enumerate(poly.degrees()) if d} if poly != 0 else set()
+
+
+def evaluate(poly: Any, known: Mapping[int, Any]) -> Any:
+    """The value of a polynomial at rationals or balls.
+
+    Parameters
+    ----------
+    poly
+        The polynomial.
+    known
+        Values by index of the variables that occur.
+    """
+    total: Any = fmpq(0)
+    for exponents, c in poly.to_dict().items():
+        term: Any = c
+        for index, power in enumerate(exponents):
+            for _ in range(int(power)):  # python-flint's power of a ball around 0 is nan
+                term = known[index] * term
+        total = term + total
+    return total if isinstance(total, fmpq) else arb(total)
 
 
 def inserted(field: FunctionField, poly: Any, index: int, value: Expression) -> Expression:

@@ -28,10 +28,10 @@ from ...algebra.exact.hurwitz_forms import Budget, coefficient_row, factors
 from ...algebra.exact.number_fields import NotExact
 from ...algebra.exact.roots import UnclearError, isolated
 from ...algebra.exact.routh import hurwitz_sign, is_even, verdict_polynomial
-from ...algebra.exact.triangular import occurring
+from ...algebra.exact.triangular import evaluate, occurring
 from ...algebra.number_types import precision
 from ...base.errors import NoMemberError, StabilityError
-from ...derivation.elimination import evaluate, whole
+from ...derivation.elimination import whole
 from ...systems.structure.structural_zeros import structure
 from ..brackets import (
     AxisScan,

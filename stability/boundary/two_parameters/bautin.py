@@ -35,13 +35,13 @@ from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, exac
 from ...algebra.exact.rational_functions import common_multiple
 from ...algebra.exact.roots import isolated as root_balls
 from ...algebra.exact.routh import hurwitz_sign
-from ...algebra.exact.triangular import occurring, remainder
+from ...algebra.exact.triangular import evaluate, occurring, remainder
 from ...algebra.krawczyk import NotProvedError, polished, tested
 from ...algebra.number_types import precision
 from ...algebra.upright import UPRIGHT, Upright
 from ...base.axis import Axis
 from ...base.errors import NoMemberError, StabilityError
-from ...derivation.elimination import Reading, evaluate
+from ...derivation.elimination import Reading
 from ...derivation.signs import real_roots
 from ...spectra.problem import Problem
 from ...systems.family import Family

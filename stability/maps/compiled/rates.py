@@ -25,11 +25,6 @@ VARIABLES = 4
 def scheme(polynomial: Polynomial) -> tuple[list[tuple[int, int, int]], list[float]]:
     """Steps of the nested Horner schemes of a polynomial, in the order of its source text.
 
-    Parameters
-    ----------
-    polynomial
-        Polynomial with positive coefficients.
-
     Returns
     -------
     steps, numbers
@@ -91,15 +86,7 @@ class Tables(NamedTuple):
 
 
 def tables(exact: TabulatedPolynomial, behind: Mapping[str, int]) -> Tables | None:
-    """Tables of the polynomials of a family; None where the loops have no such degrees.
-
-    Parameters
-    ----------
-    exact
-        Polynomials of a family and law.
-    behind
-        Number of roundings in each variable, by name.
-    """
+    """Tables of the polynomials of a family; None where the loops have no such degrees."""
     known = exact.known
     every = sorted(known.factors, key=len, reverse=True)
     if known.even:

@@ -132,13 +132,6 @@ def rounded(name: str, x: Any) -> bool:
 
     CasADi rounds functions of numbers as soon as it builds an expression, and gives
     |x| a slope at 0.  `atan2` has two arguments, and is read again in any case.
-
-    Parameters
-    ----------
-    name
-        Name of the function.
-    x
-        Its argument.
     """
     known = isinstance(x, ca.SX) and x.is_constant()
     if name in ("pow", "fabs", "atan2"):
@@ -147,13 +140,7 @@ def rounded(name: str, x: Any) -> bool:
 
 
 def exact_numbers(*outputs: ca.SX) -> bool:
-    """Whether every number in expressions is a small multiple of 2⁻²⁰, so that none was rounded.
-
-    Parameters
-    ----------
-    outputs
-        Expressions.
-    """
+    """Whether every number in expressions is a small multiple of 2⁻²⁰, so that none was rounded."""
     free = ca.symvar(ca.veccat(*outputs))
     graph = ca.Function("numbers", [ca.vertcat(*free)], list(outputs))
     codes = [i for i in range(graph.n_instructions()) if graph.instruction_id(i) == ca.OP_CONST]

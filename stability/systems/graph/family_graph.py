@@ -37,15 +37,7 @@ Slopes = dict[int, Any]
 
 
 class Sloped:
-    """A number with its nonzero slopes along the states, by index.
-
-    Parameters
-    ----------
-    value
-        The number.
-    slopes
-        Slope by index of the state.
-    """
+    """A number with its nonzero slopes along the states, by index."""
 
     __slots__ = ("slopes", "value")
 
@@ -142,13 +134,7 @@ def _by_argument(f: Mapping[str, Callable[..., Any]]) -> dict[str, Callable[[Any
 
 
 def sloped_algebra(plain: Algebra) -> Algebra:
-    """Numbers of an algebra with slopes.
-
-    Parameters
-    ----------
-    plain
-        The algebra of values and slopes.
-    """
+    """Numbers of an algebra with slopes."""
     f = plain.functions
 
     by_argument = _by_argument(f)
@@ -190,15 +176,6 @@ def rates_and_slopes(
 ) -> tuple[list[Any], list[Slopes]]:
     """Rates and their slopes along the states, at states and parameters of any number type.
 
-    Parameters
-    ----------
-    program
-        The rates, a dense column in (states, parameters).
-    algebra
-        The number type.
-    states, parameters
-        Values.
-
     Returns
     -------
     values, slopes
@@ -217,6 +194,15 @@ def rates_and_slopes(
     found = program.run(sloped_algebra(algebra), [sloped, parameters])[0]
     values, slopes = zip(*map(_split, found), strict=True) if found else ((), ())
     return list(values), list(slopes)
+
+
+def _table(slopes: Sequence[Slopes], columns: int) -> ca.SX:
+    """Slopes as a sparse matrix."""
+    table = ca.SX(len(slopes), columns)
+    for i, row in enumerate(slopes):
+        for j, value in row.items():
+            table[i, j] = value
+    return ca.sparsify(table)
 
 
 # --- the implicit form ---
@@ -318,11 +304,7 @@ class Implicit:
         inner = [ca.SX(0)] * size if self.rest else ca.vertsplit(z)
         found, slopes = rates_and_slopes(core, algebra, [v for g in given for v in g], inner)
         self.free = ca.vertcat(*map(ca.SX, found[: len(self.own)])) if self.own else ca.SX(0, 1)
-        table = ca.SX(len(slopes), states + len(system.parameters))
-        for i, row in enumerate(slopes):
-            for j, value in row.items():
-                table[i, j] = value
-        self.table = ca.sparsify(table)
+        self.table = _table(slopes, states + len(system.parameters))
         self._z, self._program = z, program
         self._pattern = self._patterns(states, hidden)
 
@@ -354,13 +336,7 @@ class Implicit:
         return [not bool(v) for v in self._pattern[0]]
 
     def program(self, *outputs: Asked) -> Program:
-        """Rates and slopes as a program.
-
-        Parameters
-        ----------
-        outputs
-            What it returns, in order.
-        """
+        """Rates and slopes as a program."""
         return _Solved(self, outputs)
 
     def equations(
@@ -646,14 +622,10 @@ class FamilyGraph:
         for strict in (False, True):
             algebra = self._constants.algebra(strict=strict)
             rates, slopes = rates_and_slopes(self._bare, algebra, *given)
-            jac = ca.SX(n, n)
-            for i, row in enumerate(slopes[:n]):
-                for j, value in row.items():
-                    jac[i, j] = value
-            f = ca.vertcat(*map(ca.SX, rates))
+            f, jac = ca.vertcat(*map(ca.SX, rates)), _table(slopes[:n], n)
             if exact_numbers(f, jac):
                 break
-        return f, ca.sparsify(jac)
+        return f, jac
 
     # --- an implicit form, solved for in the number type ---
 
@@ -682,7 +654,7 @@ class FamilyGraph:
         others: Sequence[str],
     ) -> None:
         """Rates, Jacobian and equations of a large system with a mass matrix."""
-        system, (a, u, q) = self._system, self._inputs
+        system, (a, u, _) = self._system, self._inputs
         names = [*system.states, *system.parameters]
         form = self._form(table)
         best = self._form(guessed) if self._size else form
@@ -701,18 +673,15 @@ class FamilyGraph:
         self.residual = form.program(values, by_u)
         self.tangent = form.program(*moved, values, by_u, Asked(rows, of_a))
         self.along = form.program(values, by_u, Asked(rows, [*of_a, *of_q]))
-        given = ca.vertcat(a, q)
-        sides = ca.veccat(form.mass, form.forcing, form.free)
-        self.used = [i for i in range(given.numel()) if ca.depends_on(sides, given[i])]
-        if self._size:
-            numbers = self._constants.column, self._constants.values
-            problem = form.equations(rows, (u, given), numbers)
-            self.finder = None
-            pattern = np.zeros((len(rows), len(rows)))
-            for place in self.residual.places[1]:
-                pattern[place] = 1
-            if ca.sprank(ca.sparsify(ca.DM(pattern))) == self._size:
-                self.finder = ca.rootfinder("root", "fast_newton", problem, FINDER)
+        pattern = np.zeros((len(rows), len(rows)))
+        for place in self.residual.places[1]:
+            pattern[place] = 1
+        numbers = self._constants.column, self._constants.values
+        self._solve_for(
+            ca.veccat(form.mass, form.forcing, form.free),
+            ca.sparsify(ca.DM(pattern)),
+            lambda given: form.equations(rows, (u, given), numbers),
+        )
 
     @staticmethod
     def _numbers(values: Mapping[str, Any], names: Sequence[str]) -> ca.SX:
@@ -737,16 +706,22 @@ class FamilyGraph:
             by_u,
             ca.jacobian(residual, a),
         )
-        given = ca.vertcat(a, q)
-        self.used = [i for i in range(given.numel()) if ca.depends_on(residual, given[i])]
+        numbers = ca.DM(self._constants.values)
+        plain = ca.substitute(residual, self._constants.column, numbers) if u.numel() else residual
+        self._solve_for(residual, by_u, lambda given: ca.Function("residual", [u, given], [plain]))
+
+    def _solve_for(
+        self, sides: ca.SX, slopes: Any, problem: Callable[[ca.SX], ca.Function]
+    ) -> None:
+        """CasADi's root-finder for the equations, and the numbers in them."""
+        given = ca.vertcat(self._inputs[0], self._inputs[2])
+        self.used = [i for i in range(given.numel()) if ca.depends_on(sides, given[i])]
         """Indices in (family parameters, parameters) of those in the equations."""
         if self._size:
-            numbers = ca.DM(self._constants.values)
-            plain = ca.substitute(residual, self._constants.column, numbers)
-            problem = ca.Function("residual", [u, given], [plain])
-            self.finder = None  # None where the Jacobian is singular for all numbers
-            if ca.sprank(by_u) == self._size:
-                self.finder = ca.rootfinder("root", "fast_newton", problem, FINDER)
+            regular = ca.sprank(slopes) == self._size  # not singular for all numbers
+            self.finder = (
+                ca.rootfinder("root", "fast_newton", problem(given), FINDER) if regular else None
+            )
 
     @cached_property
     def along(self) -> Program:
@@ -774,17 +749,7 @@ class FamilyGraph:
         )
 
     def place(self, entries: list[Any]) -> list[list[Any]]:
-        """Rows of the unknowns' Jacobian from its stored entries.
-
-        Parameters
-        ----------
-        entries
-            Stored entries from `residual`.
-
-        Returns
-        -------
-        list of list
-        """
+        """Rows of the unknowns' Jacobian from its stored entries."""
         dense: list[list[Any]] = [[0] * self._size for _ in range(self._size)]
         for (i, j), value in zip(self.residual.places[1], entries, strict=True):
             dense[i][j] = value

@@ -51,17 +51,7 @@ class Influence:
 
 @lru_cache(maxsize=64)
 def influence(system: Equations) -> Influence:
-    """Which state acts on which rate; no action is left out without a proof.
-
-    Parameters
-    ----------
-    system
-        The system.
-
-    Returns
-    -------
-    Influence
-    """
+    """Which state acts on which rate; no action is left out without a proof."""
     conditions = ca.vertcat(*[c.value for c in system.conditions])
     inputs, outputs = [system.x, system.p], [ca.densify(system.rhs), ca.densify(ca.SX(conditions))]
     graph = ca.Function("rates", inputs, outputs)
@@ -75,11 +65,11 @@ def influence(system: Equations) -> Influence:
     still = np.array([bool(system.rhs[i].is_zero()) for i in range(size)])
     hidden = []
     for i, j in _suspects(system, acts):
-        if _independent(system, i, j):
+        if _vanishes(system, i, j):
             hidden.append((i, j))
             acts[i, j] = False
     for i in map(int, np.flatnonzero(~still & ~acts.any(axis=1))):
-        still[i] = _zero(system, i)
+        still[i] = _vanishes(system, i)
     return Influence(acts, guards, still, tuple(hidden))
 
 
@@ -111,30 +101,17 @@ def _values(program: Program, x: Sequence[Any], p: Sequence[Any]) -> list[Any]:
     return found
 
 
-def _rate(system: Equations, i: int) -> Program:
-    return Program(ca.Function("rate", [system.x, system.p], [ca.densify(system.rhs[i])]))
-
-
-def _independent(system: Equations, i: int, j: int) -> bool:
-    """Whether rate i with two symbols in place of state j is the same expression."""
+def _vanishes(system: Equations, i: int, j: int | None = None) -> bool:
+    """Whether rate i is zero as an expression, or its change with another symbol for state j."""
     field = FunctionField([*system.states, *system.parameters, "other"])
     size = len(system.states)
     x, p, other = field.symbols[:size], field.symbols[size:-1], field.symbols[-1]
+    rate = ca.densify(system.rhs[i])
     try:
-        program = _rate(system, i)
-        first = program.run(EXACT, [x, p])[0][0]
-        second = program.run(EXACT, [[*x[:j], other, *x[j + 1 :]], p])[0][0]
-        return vanishes(first - second)
-    except (ArithmeticError, StabilityError):
-        return False
-
-
-def _zero(system: Equations, i: int) -> bool:
-    """Whether rate i, on which no state acts, is zero as an expression."""
-    field = FunctionField([*system.states, *system.parameters])
-    size = len(system.states)
-    try:
-        value = _rate(system, i).run(EXACT, [field.symbols[:size], field.symbols[size:]])[0][0]
+        program = Program(ca.Function("rate", [system.x, system.p], [rate]))
+        value = program.run(EXACT, [x, p])[0][0]
+        if j is not None:
+            value = value - program.run(EXACT, [[*x[:j], other, *x[j + 1 :]], p])[0][0]
         return vanishes(value)
     except (ArithmeticError, StabilityError):
         return False
@@ -143,11 +120,6 @@ def _zero(system: Equations, i: int) -> bool:
 @lru_cache(maxsize=64)
 def ignorable(system: Equations) -> tuple[str, ...]:
     """Ignorable states in an order in which each acts only on those before it.
-
-    Parameters
-    ----------
-    system
-        The system.
 
     Returns
     -------
@@ -167,29 +139,11 @@ def ignorable(system: Equations) -> tuple[str, ...]:
 
 
 def hidden_pairs(system: Equations, columns: Collection[str]) -> list[tuple[int, int]]:
-    """Entries (i, j) of the linearisation that are zero by an identity, not by sparsity.
-
-    Parameters
-    ----------
-    system
-        The system.
-    columns
-        Names of the states j.
-    """
+    """Entries (i, j) of the linearisation that are zero by an identity, not by sparsity."""
     return [(i, j) for i, j in influence(system).hidden if system.states[j] in columns]
 
 
 def acting_on(system: Equations, state: str, among: Collection[str]) -> str:
-    """The first of some states whose rate depends on a state, or an empty string.
-
-    Parameters
-    ----------
-    system
-        The system.
-    state
-        The state that acts.
-    among
-        Names of the states acted on.
-    """
+    """The first of some states whose rate depends on a state, or an empty string."""
     column = influence(system).acts[:, system.index(state)]
     return next((n for n, a in zip(system.states, column, strict=True) if a and n in among), "")

@@ -262,13 +262,7 @@ NEAR = (1e-3, 1e-4)
 
 
 def gap(system: Equations, x: Floats, p: Floats) -> int | None:
-    """The first row whose rates have no value but, as far as values nearby show, a limit.
-
-    Parameters
-    ----------
-    system, x, p
-        As in `sloped`.
-    """
+    """The first row whose rates have no value but, as far as values nearby show, a limit."""
     known = _rates(system)
     if known is None:
         return None
@@ -296,13 +290,7 @@ def gap(system: Equations, x: Floats, p: Floats) -> int | None:
 
 
 def edged(system: Equations) -> bool:
-    """Whether a function of a system's rates may lack a slope somewhere.
-
-    Parameters
-    ----------
-    system
-        The equations of motion.
-    """
+    """Whether a function of a system's rates may lack a slope somewhere."""
     return _program(system) is not None
 
 

@@ -15,13 +15,7 @@ from .exact_terms import no_folding
 
 
 def is_python(function: Any) -> bool:
-    """Whether a function is plain Python; what is no function at all is refused.
-
-    Parameters
-    ----------
-    function
-        What the user gave.
-    """
+    """Whether a function is plain Python; what is no function at all is refused."""
     if isinstance(function, (ca.Function, str, PathLike)):
         return False
     if not callable(function):
@@ -36,11 +30,6 @@ def casadi_function(
     function: Any, *, states: Sequence[str] | None = None, parameters: Sequence[str] | None = None
 ) -> dict[str, Any]:
     """The arguments of a `System` from a CasADi function.
-
-    Parameters
-    ----------
-    function, states, parameters
-        As for `stability.systems.system.System.from_function`.
 
     Returns
     -------

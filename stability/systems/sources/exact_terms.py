@@ -40,23 +40,12 @@ def no_folding() -> Iterator[None]:
 
 
 def graph(term: Term) -> ca.SX:
-    """A term as an SX; a fraction alone becomes the nearest double.
-
-    Parameters
-    ----------
-    term
-        The term.
-    """
+    """A term as an SX; a fraction alone becomes the nearest double."""
     return ca.SX(float(term)) if isinstance(term, Fraction) else term
 
 
 def plus(a: Term, b: Term) -> Term:
     """The sum a + b.
-
-    Parameters
-    ----------
-    a, b
-        Terms.
 
     Examples
     --------
@@ -81,11 +70,6 @@ def plus(a: Term, b: Term) -> Term:
 def times(a: Term, b: Term) -> Term:
     """The product a · b.
 
-    Parameters
-    ----------
-    a, b
-        Terms.
-
     Examples
     --------
     >>> x = ca.SX.sym("x")
@@ -107,13 +91,7 @@ def times(a: Term, b: Term) -> Term:
 
 
 def over(a: Term, b: Term) -> Term:
-    """The quotient a / b.
-
-    Parameters
-    ----------
-    a, b
-        Terms; a fraction b is not zero.
-    """
+    """The quotient a / b."""
     if isinstance(b, Fraction):
         return times(a, 1 / b)
     if isinstance(a, Fraction):
@@ -126,13 +104,7 @@ def over(a: Term, b: Term) -> Term:
 
 
 def power(base: Term, exponent: int) -> Term:
-    """A whole power, by repeated squares.
-
-    Parameters
-    ----------
-    base, exponent
-        Term, and a whole number.
-    """
+    """A whole power, by repeated squares."""
     if isinstance(base, Fraction):
         return base**exponent
     if exponent < 0:
@@ -189,13 +161,7 @@ def _denominator(value: Fraction) -> float:
 
 
 class Probes:
-    """Random and special numbers at which a matrix of terms is evaluated, to choose pivots.
-
-    Parameters
-    ----------
-    x, p
-        State and parameter symbols.
-    """
+    """Random and special numbers at which a matrix of terms is evaluated, to choose pivots."""
 
     COUNT = 6
 
@@ -210,13 +176,7 @@ class Probes:
         self._points = np.vstack([special, points])
 
     def values(self, matrix: Sequence[Sequence[Term]]) -> Floats:
-        """The matrix at the points where it is finite, special points first, shape (K, n, n).
-
-        Parameters
-        ----------
-        matrix
-            Rows of terms.
-        """
+        """The matrix at the points where it is finite, special points first, shape (K, n, n)."""
         n = len(matrix)
         entries = ca.vertcat(*[graph(t) for row in matrix for t in row])
         function = ca.Function("probe", [ca.vertcat(*self._symbols)], [entries])

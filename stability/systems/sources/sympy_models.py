@@ -74,22 +74,11 @@ class Translation:
         self._found: dict[Any, Term] = dict(known)
 
     def add(self, known: Mapping[Any, Term]) -> None:
-        """Further symbols, before an expression that holds them is read.
-
-        Parameters
-        ----------
-        known
-            As in the constructor.
-        """
+        """Further symbols, before an expression that holds them is read."""
         self._found |= known
 
     def __call__(self, expression: Any) -> Term:
         """The term of one expression.
-
-        Parameters
-        ----------
-        expression
-            A SymPy expression.
 
         Raises
         ------
@@ -112,13 +101,7 @@ class Translation:
         return one not in self._found
 
     def rows(self, matrix: Any) -> list[list[Term]]:
-        """The entries of a SymPy matrix as rows of terms.
-
-        Parameters
-        ----------
-        matrix
-            A SymPy matrix.
-        """
+        """The entries of a SymPy matrix as rows of terms."""
         return [[self(matrix[i, j]) for j in range(matrix.cols)] for i in range(matrix.rows)]
 
 
@@ -370,11 +353,6 @@ def sympy_model(
     observables: Any = None,
 ) -> dict[str, Any]:
     """The arguments of a `System` from a SymPy model.
-
-    Parameters
-    ----------
-    model, parameters, dependent, cyclic, observables
-        As for `stability.systems.system.System.from_sympy`.
 
     Returns
     -------

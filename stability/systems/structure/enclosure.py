@@ -10,19 +10,13 @@ from flint import arb, arb_mat, ctx
 
 from ...algebra.krawczyk import contained, operator
 from ...algebra.number_types import balls, precision
+from ...algebra.program import Program
 from ...base.errors import NoMemberError, StabilityError, listing
 from ..family import Family
 
 
 def characteristic(family: Family, a: Sequence[Any], q: Sequence[Any]) -> list[Any]:
     """Coefficients of det(λ - A) at a member as balls, lowest first.
-
-    Parameters
-    ----------
-    family
-        The family.
-    a, q
-        Family parameters and parameters as balls (or exact numbers).
 
     Returns
     -------
@@ -50,13 +44,6 @@ def matrix_polynomial(
 ) -> list[Any]:
     """Characteristic polynomial of the linearisation with given unknowns, in balls.
 
-    Parameters
-    ----------
-    family
-        The family.
-    a, u, q
-        Family parameters, unknowns and parameters as balls.
-
     Returns
     -------
     list of arb
@@ -80,10 +67,6 @@ def ball_unknowns(
         Family parameters and parameters as balls.
     near
         Unknowns to double precision; found by the family's root-finder when left out.
-
-    Returns
-    -------
-    list of arb
 
     Raises
     ------
@@ -159,11 +142,11 @@ def _krawczyk(
     middle = [v.mid() for v in given]
     wide = any(v.rad() > NARROW * abs(m) for v, m in zip(given, middle, strict=True))
     place = (middle[: len(a)], middle[len(a) :]) if wide else (a, q)
-    size = len(rough)
+    size, residual = len(rough), family.graph.residual
     x = arb_mat(size, 1, [arb(float(v)) for v in rough])
     half = arb(2) ** (-ctx.prec // 2)
     for _ in range(20):  # a Newton step doubles the digits, as the test below does: stop halfway
-        r, r_u = _residual(family, place[0], x, place[1])
+        r, r_u = _tables(residual, place[0], x, place[1])
         try:
             inverse = r_u.mid().inv().mid()
         except ZeroDivisionError:
@@ -176,15 +159,15 @@ def _krawczyk(
             break
         x = (x - shift).mid()
     else:  # the operator needs the residual at the last point, not at the point before
-        shift = inverse * _residual(family, place[0], x, place[1])[0]
+        shift = inverse * _tables(residual, place[0], x, place[1])[0]
     if wide:
         found = _along_tangent(family, (given, len(a)), x, inverse)
         if found is not None:
             return found
-        shift = inverse * _residual(family, a, x, q)[0]
+        shift = inverse * _tables(residual, a, x, q)[0]
     for least in (0, 1):
         inside = contained(
-            lambda box: _residual(family, a, x + box, q)[1],
+            lambda box: _tables(residual, a, x + box, q)[1],
             shift,
             inverse,
             _spread(x, shift, least),
@@ -215,13 +198,14 @@ def _along_tangent(
     a, q = given[:cut], given[cut:]
     middle = [v.mid() for v in given]
     way = arb_mat(len(given), 1, [v - m for v, m in zip(given, middle, strict=True)])
-    here, _, by_given = _moving(family, middle[:cut], x, middle[cut:])
+    along = family.graph.along  # residual, slopes by the unknowns and by the given numbers
+    here, _, by_given = _tables(along, middle[:cut], x, middle[cut:])
     turn = (-(inverse * by_given)).mid()
     line = x + turn * way
-    _, slope, by_given = _moving(family, a, line, q)
+    _, slope, by_given = _tables(along, a, line, q)
     shift = inverse * here + (inverse * (slope * turn + by_given)) * way
     inside = contained(
-        lambda box: _residual(family, a, line + box, q)[1],
+        lambda box: _tables(family.graph.residual, a, line + box, q)[1],
         shift,
         inverse,
         _spread(x, shift, 1),
@@ -231,7 +215,7 @@ def _along_tangent(
         return None
     hull = line + inside[0]
     # the test says that one root is near the tangent; a regular slope, that one is in the hull
-    _, slope = _residual(family, a, hull, q)
+    _, slope = _tables(family.graph.residual, a, hull, q)
     box = arb_mat(size, 1, [arb(0, hull[i, 0].rad().abs_upper()) for i in range(size)])
     left = operator(inverse, slope, box, arb_mat(size, 1))
     if not all(box[i, 0].contains_interior(left[i, 0]) for i in range(size)):
@@ -240,24 +224,13 @@ def _along_tangent(
     return found
 
 
-def _moving(family: Family, a: Sequence[Any], x: Any, q: Sequence[Any]) -> tuple[Any, Any, Any]:
-    """Residual, slope by the unknowns, and slope by the given numbers."""
-    program = family.graph.along
+def _tables(program: Program, a: Sequence[Any], x: Any, q: Sequence[Any]) -> list[Any]:
+    """The outputs of a program of the family's graph, as matrices of balls."""
     values = program.run(balls(), [list(a), x.entries(), list(q)])
     out = []
-    for (rows, columns), places, entries in zip(
-        program.shapes, program.places, values, strict=True
-    ):
-        table = arb_mat(rows, columns)
+    for shape, places, entries in zip(program.shapes, program.places, values, strict=True):
+        table = arb_mat(*shape)
         for place, entry in zip(places, entries, strict=True):
             table[place] = entry
         out.append(table)
-    return out[0], out[1], out[2]
-
-
-def _residual(family: Family, a: Sequence[Any], x: Any, q: Sequence[Any]) -> tuple[Any, Any]:
-    size = x.nrows()
-    u = [x[i, 0] for i in range(size)]
-    r, r_u = family.graph.residual.run(balls(), [list(a), u, list(q)])
-    dense = family.graph.place(r_u)
-    return arb_mat(size, 1, r), arb_mat(dense)
+    return out

@@ -61,11 +61,6 @@ def components(pattern: Pattern) -> list[NDArray[np.intp]]:
 def sparse_zeros(pattern: Pattern) -> int:
     """Number of eigenvalues that are zero for all values of the entries.
 
-    Parameters
-    ----------
-    pattern
-        As for `components`.
-
     Returns
     -------
     int
@@ -93,11 +88,6 @@ def mirrored(pattern: Pattern) -> bool:
 
     This holds if every cycle is even: within each block a change of the signs of some states R then
     gives R A R = -A, as under a reversal of time.
-
-    Parameters
-    ----------
-    pattern
-        As for `components`.
 
     Examples
     --------
@@ -127,15 +117,6 @@ def _two_sides(block: Pattern) -> bool:
 
 def known_coefficients(size: int, count: int, *, even: bool) -> list[bool]:
     """Whether each coefficient of det(λ - A), lowest first, is zero for these reasons.
-
-    Parameters
-    ----------
-    size
-        Number of states n.
-    count
-        Number of zero eigenvalues.
-    even
-        Whether the spectrum is symmetric under λ → -λ.
 
     Returns
     -------
@@ -213,11 +194,6 @@ SAMPLES = 2
 
 def constant_zeros(matrix: Sequence[Sequence[Any]], zero: Callable[[Any], bool]) -> int:
     """Number of zero eigenvalues that chains of constant vectors prove, from right or left.
-
-    Parameters
-    ----------
-    matrix, zero
-        As for `constant_kernels`.
 
     Examples
     --------
@@ -352,19 +328,12 @@ class Identity:
 def identity(family: Family) -> Identity:
     """Zeros of the characteristic polynomial that are identities of expressions.
 
-    Parameters
-    ----------
-    family
-        The family.
-
     Returns
     -------
     Identity
         A lower bound: an expression that is too large to compute counts as not proved.
     """
-    symbols = FunctionField([*family.at, *family.unknown, *family.parameters]).symbols
-    cut = len(family.at), len(family.at) + len(family.unknown)
-    parts = symbols[: cut[0]], symbols[cut[0] : cut[1]], symbols[cut[1] :]
+    _, parts = field_of(family)
     tangents, zeros, even = 0, 0, False
     places = stored(family)  # sparsity needs no arithmetic, at any size
     with suppress(ArithmeticError):
@@ -376,6 +345,14 @@ def identity(family: Family) -> Identity:
         )
     zeros = max(zeros, tangents, sparse_zeros(places), len(family.left_out))
     return Identity(zeros, even or mirrored(places))
+
+
+def field_of(family: Family) -> tuple[FunctionField, list[list[Any]]]:
+    """A field over a family's numbers: family parameters, unknowns and parameters."""
+    names = family.at, tuple(family.unknown), family.parameters
+    field = FunctionField(sum(names, ()))
+    symbols = iter(field.symbols)
+    return field, [[next(symbols) for _ in some] for some in names]
 
 
 def stored(family: Family) -> Pattern:
@@ -403,13 +380,7 @@ def on_the_branch(family: Family, parts: Sequence[Sequence[Any]]) -> Callable[[A
 
 
 def certain(family: Family) -> bool:
-    """Whether the sampled structure is proved for every member.
-
-    Parameters
-    ----------
-    family
-        The family.
-    """
+    """Whether the sampled structure is proved for every member."""
     sampled = structure(family)
     if not sampled.steady:
         return False
@@ -435,11 +406,6 @@ def exact_matrix(
     family: Family, a: Sequence[Any], u: Sequence[Any], q: Sequence[Any]
 ) -> list[list[Any]]:
     """The linearisation in exact numbers or expressions.
-
-    Parameters
-    ----------
-    family, a, u, q
-        The family with its parameters, unknowns and the system's other parameters.
 
     Raises
     ------

@@ -44,11 +44,6 @@ def linear(system: Equations) -> bool:
     All terms of order two and higher then vanish identically.  The proof is by the places of the
     graph, or, where terms cancel, over the field of rational functions.
 
-    Parameters
-    ----------
-    system
-        The equations of motion.
-
     Examples
     --------
     >>> from stability.systems.system import System

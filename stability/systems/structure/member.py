@@ -13,7 +13,7 @@ member, one whose ball excludes zero has the ball's sign, and any other leaves t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from functools import cached_property
 from typing import Any
@@ -31,7 +31,7 @@ from ...algebra.exact.number_fields import (
     vanishes,
 )
 from ...algebra.exact.routh import Ground, on_the_axis_over
-from ...algebra.exact.triangular import RecordingField, Triangular
+from ...algebra.exact.triangular import RecordingField, Triangular, evaluate
 from ...algebra.number_types import balls, precision
 from ...base.errors import NoMemberError
 from ...base.verdict import Verdict
@@ -348,11 +348,14 @@ class Member:
             return False
         return all(arb(e).is_finite() for row in self.matrix_in_balls() for e in row)
 
+    def unknowns_in_balls(self) -> list[Any]:
+        """The root that is proved, or the guess that needs no proof."""
+        return self.root or self.balls([rational(v) for v in self.family.unknown.values()])
+
     def matrix_in_balls(self) -> list[list[Any]]:
         """The linearisation in balls of `ROOT_BITS`, at a root that is proved or needs no proof."""
         with precision(ROOT_BITS):
-            root = self.root or self.balls([rational(v) for v in self.family.unknown.values()])
-            place = [self.balls(self.a), root, self.balls(self.q)]
+            place = [self.balls(self.a), self.unknowns_in_balls(), self.balls(self.q)]
             found: list[list[Any]] = self.family.graph.matrix.dense(balls(), place)
         return found
 
@@ -374,8 +377,8 @@ class Member:
         """Coefficients as balls at the current precision, no zero proved; None without a root."""
         if not self.steady or (self.near is not None and self.root is None):
             return None
-        root = self.root or self.balls([rational(v) for v in self.family.unknown.values()])
-        return matrix_polynomial(self.family, self.balls(self.a), root, self.balls(self.q))
+        a, q = self.balls(self.a), self.balls(self.q)
+        return matrix_polynomial(self.family, a, self.unknowns_in_balls(), q)
 
     def seems_zero(self, power: int, bits: int) -> bool:
         """Whether the first coefficient without a proof of zero cannot be told from zero.
@@ -460,13 +463,6 @@ MOST_SECONDS = 20.0
 
 def exact_verdict(member: Member, zeros: int) -> Verdict | None:
     """The verdict of a member without some zero eigenvalues, over the member's own field.
-
-    Parameters
-    ----------
-    member
-        The member.
-    zeros
-        Number of eigenvalues, proved zero, that are left out.
 
     Returns
     -------
@@ -554,27 +550,22 @@ def _sign(ball: Any) -> int:
 def _values(member: Member, field: RecordingField) -> Callable[[Any], Any]:
     """The function from a polynomial in indeterminates to its ball at the member."""
     with precision(ROOT_BITS):
-        guesses = [rational(v) for v in member.family.unknown.values()]
-        known: dict[int, Any] = dict(enumerate(member.root or member.balls(guesses)))
+        known = _Enclosed(field, enumerate(member.unknowns_in_balls()))
 
     def value(poly: Any) -> Any:
         with precision(ROOT_BITS):
-            total = arb(0)
-            for exponents, c in poly.to_dict().items():
-                term = arb(c)
-                for index, power in enumerate(exponents):
-                    for _ in range(int(power)):  # a power of a ball around 0 is nan
-                        term = term * at(index)
-                total = total + term
-            return total
-
-    def at(index: int) -> Any:
-        if index not in known:
-            name, x, over = field.meaning[index]
-            argument = value(x.num) / value(x.den)
-            known[index] = balls().functions[name](argument)
-            if name == "sqrt" and over is not None and not over.is_constant():
-                known[index] = known[index] * value(over).sgn()
-        return known[index]
+            return arb(evaluate(poly, known))
 
     return value
+
+
+class _Enclosed(dict[int, Any]):
+    """Balls of indeterminates; those of functions are found when they are asked for."""
+
+    def __init__(self, field: RecordingField, known: Iterable[tuple[int, Any]]) -> None:
+        super().__init__(known)
+        self._field = field
+
+    def __missing__(self, index: int) -> Any:
+        self[index] = self._field.enclosed(index, self)
+        return self[index]

@@ -59,10 +59,6 @@ def structure(family: Family) -> Structure:
     family
         The family; samples lie near its `typical` sizes.
 
-    Returns
-    -------
-    Structure
-
     Raises
     ------
     StabilityError
@@ -96,13 +92,6 @@ def structure(family: Family) -> Structure:
 def steady_where(family: Family, values: Mapping[str, Any]) -> Family:
     """The family, with typical size 0 of inputs that are given as 0 if it is steady only there.
 
-    Parameters
-    ----------
-    family
-        The family.
-    values
-        Given numbers by name.
-
     Examples
     --------
     >>> import casadi as ca, stability as st
@@ -125,13 +114,6 @@ def sampled(family: Family, sample: int) -> list[arb]:
 
     A family that is followed from a known member is sampled about this member.  Where the
     root-finder reaches no member at a sample, one nearer to the middle is taken.
-
-    Parameters
-    ----------
-    family
-        The family.
-    sample
-        Number of the sample.
     """
     names = (*family.at, *family.parameters)
     with precision(SAMPLE_BITS):

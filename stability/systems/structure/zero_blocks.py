@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from ...algebra.exact.function_field import FunctionField
 from ...algebra.exact.hurwitz_forms import TooLarge
 from ...algebra.exact.number_fields import NotExact, vanishes
 from ...algebra.number_types import balls, precision
@@ -30,6 +29,7 @@ from .identities import (
     Pattern,
     constant_kernels,
     exact_matrix,
+    field_of,
     fixed_directions,
     nonzero,
     on_the_branch,
@@ -42,25 +42,12 @@ Rows = Sequence[Sequence[Any]]
 
 
 def semisimple(family: Family, zeros: int) -> bool:
-    """Whether the zero eigenvalues are proved to be semisimple at every member.
-
-    Parameters
-    ----------
-    family
-        The family.
-    zeros
-        Number of eigenvalues that vanish by structure.
-    """
+    """Whether the zero eigenvalues are proved to be semisimple at every member."""
     return most_power(family, zeros) == 0
 
 
 def most_power(family: Family, zeros: int) -> int:
     """The largest power of time with which zero eigenvalues may let a disturbance grow.
-
-    Parameters
-    ----------
-    family, zeros
-        As for `semisimple`.
 
     Returns
     -------
@@ -95,9 +82,7 @@ def kernels(family: Family, count: int) -> tuple[int, ...]:
     count
         Number of zero eigenvalues of A.
     """
-    field = FunctionField([*family.at, *family.unknown, *family.parameters])
-    cut = len(family.at), len(family.at) + len(family.unknown)
-    parts = field.symbols[: cut[0]], field.symbols[cut[0] : cut[1]], field.symbols[cut[1] :]
+    field, parts = field_of(family)
     sizes = [_sparse(stored(family)[np.ix_(family.resting, family.resting)])] * count
     with suppress(ArithmeticError):
         zero = on_the_branch(family, parts)
@@ -197,15 +182,7 @@ def _power_in_balls(member: Member, count: int) -> int | None:
 
 
 def proved_power(kept: Rows, count: int) -> int:
-    """The largest power p for which balls prove that A^p has a rank above n - count; 0 for none.
-
-    Parameters
-    ----------
-    kept
-        Square matrix of balls.
-    count
-        Number of its zero eigenvalues.
-    """
+    """The largest power p for which balls prove that A^p has a rank above n - count; 0 for none."""
     most = 0
     for p, whole in enumerate(_powers(kept, count - 1)):
         if rank_of(whole, lambda v: not arb(v).contains(0)) <= len(kept) - count:

@@ -32,8 +32,21 @@ from ...systems.closed_form import ClosedForm, ImplicitForm
 from ...systems.structure.identities import certain, symmetric
 from ...systems.structure.structural_zeros import structure
 from ..compiled.swept import swept
-from .rates import MOST_POOR, WANTED, Bands, Coefficients, Rates, monic, of_matrices, rates, sample
-from .slice_verdicts import ELSEWHERE, Codes, SliceVerdicts, surface
+from ..tiles import Codes
+from .rates import (
+    MOST_POOR,
+    WANTED,
+    Coefficients,
+    DerivedBands,
+    Rates,
+    arrays_of,
+    monic,
+    of_eigenvalues,
+    of_matrices,
+    rates,
+    sample,
+)
+from .slice_verdicts import ELSEWHERE, SliceVerdicts, surface
 from .slices import Slice, slice_of
 from .surfaces import LEAST, Surface, Window, powers
 
@@ -56,20 +69,8 @@ Along = Callable[[list[list[Any]]], Any]
 """Formulas of family parameters and parameters of a block, begun for the values of x."""
 
 
-class FormulaCells(Bands):
-    """The cells of a map of a family with formulas.
-
-    Parameters
-    ----------
-    problem
-        Problem of a family.
-    formulas
-        Its formulas.
-    axes
-        x and y.
-    modes
-        Whether to keep all eigenvalues.
-    """
+class FormulaCells(DerivedBands):
+    """The cells of a map of a family with formulas."""
 
     def __init__(
         self, problem: Problem, formulas: ClosedForm, axes: tuple[Axis, Axis], modes: bool
@@ -95,7 +96,7 @@ class FormulaCells(Bands):
 
     def _fine(self, xs: Floats, ys: Floats) -> bool:
         """Whether few cells of a sample are left open."""
-        return bool(np.isinf(self.band(xs, ys)[2].error).mean() <= MOST_POOR)
+        return bool(np.isinf(self.band(xs, ys)["error"]).mean() <= MOST_POOR)
 
     def judged(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:
         """Flags and growth rates over a grid, flat; none is decided over Q."""
@@ -220,15 +221,6 @@ MOST_STATES = 8
 def quick_rates(reduced: Reduced, *, even: bool, modes: bool) -> Rates | None:
     """Growth rates and verdicts of many members; None where the eigensolver is as good.
 
-    Parameters
-    ----------
-    reduced
-        Linearisations without structural zeros.
-    even
-        Whether their polynomial is even by structure.
-    modes
-        Whether to return all eigenvalues.
-
     Returns
     -------
     Rates or None
@@ -246,12 +238,9 @@ def quick_rates(reduced: Reduced, *, even: bool, modes: bool) -> Rates | None:
     if len(left):
         part = Reduced(matrix[left], error[left], [], reduced.supported[left])
         values, radius, _ = eigenvalues(part, even=even)
-        lead = values[:, -1]
-        found.codes[left] = decide(values, radius, even=even)
-        found.abscissa[left], found.frequency[left] = lead.real, np.abs(lead.imag)
-        found.error[left] = (radius + (values.real - lead.real[:, None])).max(axis=1)
-        if found.values is not None:
-            found.values[left] = values
+        again = of_eigenvalues(values, radius, decide(values, radius, even=even))
+        for name in ("codes", "abscissa", "error", "frequency", *(["values"] * modes)):
+            getattr(found, name)[left] = getattr(again, name)
     return found
 
 
@@ -261,15 +250,7 @@ def _of(matrix: Floats, error: Floats, *, even: bool, modes: bool) -> Rates:
 
 
 class GraphCells:
-    """The arrays of members by the graph.
-
-    Parameters
-    ----------
-    problem
-        Family with values in the user's units.
-    modes
-        Whether to keep all eigenvalues.
-    """
+    """The arrays of members by the graph."""
 
     def __init__(self, problem: Problem, modes: bool) -> None:
         self.problem, self.modes = problem, modes
@@ -296,28 +277,13 @@ class GraphCells:
         watch = not self._certain
         reduced = deflate(family, a, q, u, self.problem.roundings, watch=watch)
         found = None if watch else quick_rates(reduced, even=even, modes=self.modes)
-        if found is not None:
-            return {
-                "codes": found.codes,
-                "abscissa": found.abscissa * rate,
-                "error": found.error * rate,
-                "frequency": found.frequency * rate,
-                **({"values": found.values * rate[:, None]} if found.values is not None else {}),
-            }
-        values, radius, _ = eigenvalues(reduced, even=even)
-        codes = decide(values, radius, even=even)
-        if watch:
-            self._restore(values, radius, codes, (a, q, u), reduced.supported)
-        lead = values[:, -1]
-        chunk: Chunk = {
-            "codes": codes,
-            "abscissa": lead.real * rate,
-            "error": (radius + (values.real - lead.real[:, None])).max(axis=1) * rate,
-            "frequency": np.abs(lead.imag) * rate,
-        }
-        if self.modes:
-            chunk["values"] = values * rate[:, None]
-        return chunk
+        if found is None:
+            values, radius, _ = eigenvalues(reduced, even=even)
+            codes = decide(values, radius, even=even)
+            if watch:
+                self._restore(values, radius, codes, (a, q, u), reduced.supported)
+            found = of_eigenvalues(values, radius, codes)
+        return {"codes": found.codes, **arrays_of(found, modes=self.modes, unit=rate)}
 
     def _restore(
         self,
@@ -355,18 +321,8 @@ SLICE = (
 """Method in words."""
 
 
-class SliceCells(Bands):
-    """The cells of a map of a family with a slice.
-
-    Parameters
-    ----------
-    found
-        The slice.
-    axes
-        x and y.
-    modes
-        Whether to keep all eigenvalues.
-    """
+class SliceCells(DerivedBands):
+    """The cells of a map of a family with a slice."""
 
     how = SLICE
     """Method in words."""

@@ -27,19 +27,18 @@ from ...algebra.exact.hurwitz_forms import (
     coefficient_row,
     factors,
     hurwitz_determinants,
-    subdiscriminants,
 )
 from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, exact_upright, rational
 from ...algebra.exact.rational_functions import common_multiple, primitive
 from ...algebra.exact.routh import hurwitz_matrix, is_even, on_the_axis
-from ...algebra.exact.triangular import RecordingField, occurring
+from ...algebra.exact.triangular import RecordingField, evaluate, occurring
 from ...algebra.number_types import balls, precision
 from ...algebra.program import Program
 from ...algebra.upright import Upright
 from ...base.errors import ParameterError, StabilityError
 from ...base.types import fields_of
 from ...base.verdict import Verdict
-from ...derivation.elimination import evaluate
+from ...derivation.deduction import even_conditions, hurwitz_conditions
 from ...spectra.problem import Problem
 from ...systems.family import Family
 from ...systems.structure.identities import blocks_of, certain
@@ -489,13 +488,10 @@ class _Reading:
     def _atoms(self) -> dict[int, Any]:
         """Values of the functions of fixed numbers, as balls."""
         known: dict[int, Any] = {}
-        for index, (name, x, over) in sorted(self.field.meaning.items()):
+        for index in sorted(self.field.meaning):
             if not self.field.uses(index) <= set(self.field.meaning):
                 raise NotExact("functions of what varies")
-            argument = arb(evaluate(x.num, known)) / arb(evaluate(x.den, known))
-            known[index] = balls().functions[name](argument)
-            if name == "sqrt" and over is not None:
-                known[index] = known[index] * arb(evaluate(over, known)).sgn()
+            known[index] = self.field.enclosed(index, known)
         return known
 
     def _enclosed(self, poly: Poly) -> BallPolynomial:
@@ -582,20 +578,12 @@ def _conditions(row: Sequence[Poly], even: bool, budget: Budget) -> list[tuple[P
     """
     lead = row[-1]
     if even:
-        q = row[::2]
-        named = [(c, 1) for c in q[:-1]]
-        if isinstance(lead, BallPolynomial) and len(q) > 3:
+        if isinstance(lead, BallPolynomial) and len(row) > 5:
             raise NotExact("subdiscriminants need divisions")
-        minors = subdiscriminants(q, budget) if len(q) > 2 else []
-        named += [(d, 2) for d in (minors[-1:] if len(q) < 5 else minors)]
+        named = even_conditions(row, budget)
     else:
-        n = len(row) - 1
         by = ball_determinants if isinstance(lead, BallPolynomial) else hurwitz_determinants
-        minors = by(row, budget) if n > 1 else []
-        named = [(minors[k - 1], k) for k in range(n - 1, 1, -2)]
-        sets: list[set[int]] = [{0, *range(2, n, 2)}, {0, *range(1, n, 2)}]
-        cost: Callable[[set[int]], int] = lambda some: sum(len(row[k]) for k in some)  # noqa: E731
-        chosen = min(sets, key=cost) | ({n - 1} if n % 2 == 0 else set())
-        named = [(row[k], 1) for k in sorted(chosen)] + named
+        sets = hurwitz_conditions(row, by(row, budget) if len(row) > 2 else [])
+        named = min(sets, key=lambda some: sum(len(p) for _, _, p, _ in some))
     open_lead = not lead.is_constant()
-    return [(p, lead) if open_lead and power % 2 else (p,) for p, power in named]
+    return [(p, lead) if open_lead and power % 2 else (p,) for _, _, p, power in named]

@@ -1,4 +1,4 @@
-"""Maps of your own families: exact conditions over two axes, and growth rates of any graph.
+"""Maps of any family; kernels next door serve the stored polynomials of the disk.
 
 `slices` reads the family's polynomial over Q in the axes, `slice_verdicts` decides cells and boxes,
 `rates` finds growth rates from coefficients, and `cells` computes the cells of a map by these, by

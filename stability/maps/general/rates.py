@@ -25,7 +25,9 @@ from ...algebra.running_error import TINY, UNIT
 from ...base.axis import Axis
 from ...base.types import Complexes, Floats
 from ...base.verdict import CODES, NO_MEMBER, Verdict
-from .slice_verdicts import ELSEWHERE, Codes
+from ...storage.pieces import Chunk
+from ..tiles import Codes
+from .slice_verdicts import ELSEWHERE
 
 BLOCK = 4096
 """Numbers of one root, and polynomials, in a block, so that the arrays stay in the cache."""
@@ -230,25 +232,63 @@ class Rates(NamedTuple):
     """Where the discs meet or are large, shape (N,)."""
 
 
-class Bands(ABC):
-    """The cells of a map of a user's family by a polynomial, many rows at a time."""
+def of_eigenvalues(values: Complexes, radius: Floats, codes: Codes) -> Rates:
+    """Quantities of sorted eigenvalues with discs."""
+    lead = values[:, -1]
+    error = (radius + (values.real - lead.real[:, None])).max(axis=1)
+    poor = np.zeros(len(values), dtype=bool)
+    return Rates(lead.real, error, np.abs(lead.imag), codes, values, poor)
 
+
+def arrays_of(found: Any, *, modes: bool, unit: Floats | None = None) -> Chunk:
+    """The arrays of a chunk of a map but its flags, times a unit of rate of each member."""
+    names = ("abscissa", "error", "frequency", *(["values"] * modes))
+    arrays = {name: getattr(found, name) for name in names}
+    if unit is None:
+        return arrays
+    return {n: v * (unit if v.ndim == 1 else unit[:, None]) for n, v in arrays.items()}
+
+
+LEFT = "left"
+"""Key in a chunk, in addition to its arrays: number of cells sent to exact arithmetic."""
+Room = tuple[Any, ...]
+"""Arrays for abscissa, bound on its error, |imaginary part| and flags, each flat."""
+
+
+class Bands(ABC):
+    """The cells of a map by a polynomial, many rows at a time."""
+
+    modes: bool
+    """Whether to keep all eigenvalues."""
     how: str
     """Method in words."""
     growth: bool
     """Whether the discs are good enough for growth rates."""
     swept = False
     """Whether compiled loops run over the cells, so that many rows at once need no more memory."""
+    complete = False
+    """Whether no cell is left to the graph."""
+
+    @abstractmethod
+    def band(self, xs: Floats, ys: Floats, room: Room | None = None) -> Chunk:
+        """The arrays of a grid, flat; the error is infinite in cells that are left to the graph.
+
+        Compiled loops may fill the arrays of `room`.
+        """
+
+
+class DerivedBands(Bands):
+    """The same by a polynomial or formulas of a family, which leave some cells to the graph."""
 
     @abstractmethod
     def judged(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:
         """Flags, `ELSEWHERE` where none is proved, cells decided over Q, and growth rates, flat."""
 
-    def band(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:
-        """The same; the error is infinite in cells that are left to the graph."""
+    def band(self, xs: Floats, ys: Floats, room: Room | None = None) -> Chunk:  # noqa: ARG002
+        """As for every band."""
         codes, exact, found = self.judged(xs, ys)
         found.error[(found.poor & (codes != NO_MEMBER)) | (codes == ELSEWHERE)] = np.inf
-        return codes, exact, found
+        return {LEFT: np.array([exact]), "codes": codes, **arrays_of(found, modes=self.modes)}
 
 
 def sample(axes: tuple[Axis, Axis]) -> list[Floats]:
@@ -269,10 +309,6 @@ def rates(factors: Sequence[tuple[Coefficients, bool, int]], *, modes: bool) -> 
         (coefficients, whether even, multiplicity) of each factor of a polynomial.
     modes
         Whether to return all eigenvalues.
-
-    Returns
-    -------
-    Rates
     """
     if len(factors) == 1 and factors[0][1] and factors[0][0][0].shape[0] == 2 and not modes:
         return _of_square(*factors[0][0])
@@ -368,10 +404,6 @@ def of_matrices(matrix: Floats, error: Floats) -> Coefficients:
     ----------
     matrix, error
         Matrices and bounds on the errors of their entries, shapes (N, n, n).
-
-    Returns
-    -------
-    Coefficients
     """
     count, n = matrix.shape[:2]
     out, bounds = np.empty((n, count)), np.empty((n, count))

@@ -212,13 +212,7 @@ class Surface:
         return sorted((v for v in found if v[3]), key=lambda v: -(v[0] + v[1]))
 
     def product(self, t: Floats, s: Floats) -> tuple[Floats, Floats]:
-        """Values and bounds on their errors over a grid, in units of 2^exponent.
-
-        Parameters
-        ----------
-        t, s
-            Powers of the scaled numbers along x and y.
-        """
+        """Values and bounds on their errors over a grid, in units of 2^exponent."""
         rows, columns = self.matrix.shape
         t, s = t[:rows], s[:columns]
         value = s.T @ (self.matrix.T @ t)

@@ -9,17 +9,15 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...algebra.exact.number_fields import NotExact
 from ...base.axis import Axis
 from ...base.types import Floats
 from ...base.verdict import CODES, Verdict, best
 from ...spectra.problem import Problem
+from ..tiles import Codes, Ends, tiled
 from .slices import BallPolynomial, Condition, Slice, slice_of
 from .surfaces import Box, Signs, Surface, Window, powers
-
-Codes = NDArray[np.int8]
 
 SIDES = (64, 16)
 """Cells along the side of a tile, coarse to fine."""
@@ -77,7 +75,7 @@ class SliceVerdicts:
         codes[~self._member(signs)] = 0
         return np.asarray(codes, dtype=np.int8)
 
-    def _over(self, x: tuple[Any, Any], y: tuple[Any, Any], signs: Any) -> Signs:
+    def _over(self, x: Ends, y: Ends, signs: Any) -> Signs:
         """Signs over boxes; those known already stay."""
         t, s = ([w(end) for end in ends] for w, ends in zip(self.windows, (x, y), strict=True))
         signs, box = signs.astype(np.int8), Box(t, s, self.degrees)
@@ -93,13 +91,7 @@ class SliceVerdicts:
         return out
 
     def boxes(self, spans: Mapping[str, tuple[Floats, Floats]]) -> Codes:
-        """Flags proved over whole boxes inside the map, 0 where none is.
-
-        Parameters
-        ----------
-        spans
-            Low and high ends by name of the axis, shapes (N,).
-        """
+        """Flags proved over whole boxes inside the map, 0 where none is."""
         x, y = (spans[g.name] for g in self.axes)
         with np.errstate(all="ignore"):
             return self._codes(self._over(x, y, np.repeat(self.known, len(x[0]), axis=1)))
@@ -115,36 +107,12 @@ class SliceVerdicts:
             Flags, shape (y, x), `ELSEWHERE` where the slice has none; and how many cells were
             decided over Q.
         """
-        shape, side = (len(ys), len(xs)), SIDES[0]
-        tall, wide = (-(-n // side) for n in shape)
-        padded = np.empty((tall * side, wide * side), dtype=np.int8)
-        i, j = (v.ravel() for v in np.indices((tall, wide)))
-        signs: Any = np.repeat(self.known, len(i), axis=1)
         with np.errstate(all="ignore"):
-            found, signs = self._tiles(i, j, side, xs, ys, signs)
-            rows = np.repeat(found.reshape(tall, wide), side, axis=1)
-            padded.reshape(tall, side, wide * side)[...] = rows[:, None, :]
-            left = found == 0
-            i, j, signs = i[left], j[left], signs[:, left]
-            for finer in SIDES[1:]:
-                i, j, signs, side = *_split(i, j, signs, side // finer), finer
-                inside = (i * side < shape[0]) & (j * side < shape[1])
-                i, j, signs = i[inside], j[inside], signs[:, inside]
-                found, signs = self._tiles(i, j, side, xs, ys, signs)
-                tall, wide = padded.shape[0] // side, padded.shape[1] // side
-                padded.reshape(tall, side, wide, side)[i, :, j, :] = found[:, None, None]
-                left = found == 0
-                i, j, signs = i[left], j[left], signs[:, left]
+            padded, i, j, signs = tiled(xs, ys, SIDES, self._tiles, self.known)
             exact = self._single(padded, i, j, signs, xs, ys) if len(i) else 0
-            return padded[: shape[0], : shape[1]], exact
+            return padded[: len(ys), : len(xs)], exact
 
-    def _tiles(
-        self, i: Any, j: Any, side: int, xs: Floats, ys: Floats, signs: Any
-    ) -> tuple[Codes, Signs]:
-        x, y = (
-            (v[first * side], v[np.minimum(first * side + side, len(v)) - 1])
-            for v, first in ((xs, j), (ys, i))
-        )
+    def _tiles(self, x: Ends, y: Ends, signs: Any) -> tuple[Codes, Signs]:
         signs = self._over(x, y, signs)
         return self._codes(signs), signs
 
@@ -227,10 +195,3 @@ def _product(condition: Condition, signs: Any, count: int) -> Signs:
     for place, power in condition.powers:
         out = out * (signs[place] if power % 2 else np.abs(signs[place]))
     return out
-
-
-def _split(i: Any, j: Any, signs: Any, ratio: int) -> tuple[Any, Any, Any]:
-    """The parts of tiles that are cut `ratio` times along each side."""
-    down, along = (v.ravel() for v in np.indices((ratio, ratio)))
-    signs = np.repeat(signs, ratio * ratio, axis=1)
-    return (ratio * i[:, None] + down).ravel(), (ratio * j[:, None] + along).ravel(), signs
