@@ -6,7 +6,7 @@ import re
 import unicodedata
 from collections.abc import Collection
 
-from ..base.quantities import KNOWN_UNIT, RAISED, readable
+from ..base.quantities import KNOWN_UNIT, RAISED, Kind, readable
 from ..bodies.quantities import QUANTITIES
 
 GREEK = frozenset(
@@ -259,7 +259,8 @@ def converted(text: str, names: Collection[str] = ()) -> str:
 
 # --- sentences ---
 
-UNITS = frozenset(("rad/s", "1/s", "m/s", "s/m", "m/s2", "kg/s", "uA/cm2"))
+UNITS = frozenset(kind.si for kind in Kind if "/" in kind.si) | {"uA/cm2"}
+"""Units in a sentence that are no quotients of symbols: those of each kind, and a nerve's."""
 _SIGN = re.compile(
     rf"[*^=<>\u2060≤≥≠²³√→∞±∂∈≈′|{_SUPER}{_SUB}\u0370-\u03ff]|_|[xyz0-9][{''.join(ACCENTS)}]|\w\["
 )
@@ -391,16 +392,9 @@ def escaped(text: str) -> str:
         "λ": r"$\lambda$",
         "²": "$^2$",
         "…": r"\dots{}",
-        "≈": r"$\approx$",
-        "≤": r"$\le$",
-        "≥": r"$\ge$",
         "√": r"$\surd$",
-        "→": r"$\to$",
-        "≠": r"$\ne$",
-        "±": r"$\pm$",
-        "·": r"$\cdot$",
-        "∞": r"$\infty$",
     }
+    table |= {sign: f"${SIGNS[sign].rstrip()}$" for sign in "≈≤≥→≠±·∞"}
     table |= {letter: rf"$\{word}$" for letter, word in GREEK_LETTERS.items()}
     found = "".join(table.get(c, c) for c in text)  # LaTeX reads other letters in UTF-8
     return _breaking(found)

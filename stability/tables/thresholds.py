@@ -20,7 +20,6 @@ from ..boundary.changes import boundaries
 from ..spectra.spectrum import spectrum
 from .benchmarks.catalogue import COLUMNS, benchmark_lines, benchmark_notes
 from .benchmarks.row import (
-    CLOSED,
     QUOTED,
     SIDE,
     BenchmarkRow,
@@ -91,8 +90,8 @@ def _relative_spin() -> BenchmarkRow:
     state = disk_family("circling", "rough").member(at, [float(DISK.k)])
     found = state[3] * DISK.rate - PRECESSION * math.cos(theta)
     what = f"relative spin, no slip, lean {LEAN}°, precession {PRECESSION} rad/s"
-    about = Source("disk of 0.5 m, no slip", REPORT)
-    return compared(about, what, SPIN, float(found), origin=QUOTED, unit="rad/s")
+    about = Source("disk of 0.5 m, no slip", REPORT, QUOTED)
+    return compared(about, what, SPIN, float(found), unit="rad/s")
 
 
 def _change(family: str, law: str, formula: str, square: Callable[[arb], arb]) -> BenchmarkRow:
@@ -105,12 +104,11 @@ def _change(family: str, law: str, formula: str, square: Callable[[arb], arb]) -
     quantity = {"rolling": "omega3", "spinning": "phi_dot"}[family]
     return at_threshold(
         Source(f"{family} of the disk of 0.5 m", LINEAR),
-        found,
+        f"{quantity} of {family}, {law}: the root of {formula}",
         known,
-        origin=CLOSED,
+        found,
         unit="rad/s",
         scale=float(DISK.rate),
-        quantity=f"{quantity} of {family}, {law}: the root of {formula}",
     )
 
 
@@ -130,9 +128,7 @@ def _circling() -> list[BenchmarkRow]:
         sides = [_verdict(theta, point.value * (1 + side)) for side in (-SIDE, SIDE)]
         change = Threshold(point.value, point.frequency, (sides[0], sides[1]), "")
         quantity = f"{word} end of the precessions that are unstable, lean {LEAN}°"
-        rows.append(
-            at_threshold(about, change, value, origin=CLOSED, unit="rad/s", quantity=quantity)
-        )
+        rows.append(at_threshold(about, quantity, value, change, unit="rad/s"))
     return rows
 
 

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any, NamedTuple
+
+import casadi as ca
 
 from ...base.errors import StabilityWarning
 from ...base.verdict import Verdict
 from ...boundary.changes import boundaries
 from ...spectra.spectrum import spectrum
 from ...systems.family import Family
+from ...systems.system import System
 
 PUBLISHED = "published"
 """Origin of a number that its source prints."""
@@ -37,6 +40,8 @@ class Source(NamedTuple):
     """Name of the system."""
     source: str
     """Paper, course or code."""
+    origin: str = CLOSED
+    """How its values are known: `PUBLISHED`, `QUOTED`, `CLOSED` or `ELSEWHERE`."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +78,6 @@ def compared(
     known: str,
     recomputed: float | None,
     *,
-    origin: str,
     unit: str = "",
     sides: tuple[str, str] = ("", ""),
     reason: str = "",
@@ -92,8 +96,6 @@ def compared(
         The known value as it is given, with all its digits.
     recomputed
         The package's value, or None.
-    origin
-        `PUBLISHED`, `QUOTED`, `CLOSED` or `ELSEWHERE`.
     unit
         SI unit.
     sides
@@ -105,16 +107,12 @@ def compared(
     exact
         The value from arithmetic of many digits, where the last published digits are not right.
 
-    Returns
-    -------
-    BenchmarkRow
-
     Examples
     --------
     >>> pi = Source("circle", "Archimedes")
-    >>> compared(pi, "half its length", "3.14159", 3.141592653589793, origin=CLOSED).status
+    >>> compared(pi, "half its length", "3.14159", 3.141592653589793).status
     'agrees to all digits'
-    >>> compared(pi, "half its length", "3.14159", 3.1415, origin=CLOSED).status
+    >>> compared(pi, "half its length", "3.14159", 3.1415).status
     'agrees to 4 digits of 6'
     """
     if recomputed is None or not math.isfinite(recomputed):
@@ -127,7 +125,7 @@ def compared(
         quantity,
         unit,
         about.source,
-        origin,
+        about.origin,
         known,
         recomputed,
         difference,
@@ -168,23 +166,7 @@ class Threshold(NamedTuple):
 
 
 def threshold(family: Family, low: float, high: float, points: int = 9, **values: Any) -> Threshold:
-    """The only change of verdict along a family, and the certified verdicts on both sides.
-
-    Parameters
-    ----------
-    family
-        A family with one parameter.
-    low, high
-        Ends of the search.
-    points
-        Points of a scan, where the search needs one.
-    **values
-        Parameters of the system.
-
-    Returns
-    -------
-    Threshold
-    """
+    """The only change of verdict along a family, and the certified verdicts on both sides."""
     for end in (low, high):
         if certified(family, end, values) == Verdict.UNDECIDED.word:
             why = f"the verdict at {family.at[0]} = {end:g} is undecided"
@@ -201,74 +183,65 @@ def threshold(family: Family, low: float, high: float, points: int = 9, **values
 
 
 def certified(family: Family, at: float, values: Mapping[str, Any]) -> str:
-    """The verdict at a member, as proved.
-
-    Parameters
-    ----------
-    family
-        A family with one parameter.
-    at
-        The member.
-    values
-        Parameters of the system.
-
-    Returns
-    -------
-    str
-        A verdict in one word; `undecided` where there is no proof.
-    """
+    """The verdict at a member in one word; `undecided` where there is no proof."""
     found = spectrum(family, at=at, certify=True, **values)
     return str((found.verdict if found.certified else Verdict.UNDECIDED).word)
 
 
 def at_threshold(
     about: Source,
-    found: Threshold,
-    known: str,
-    *,
     quantity: str,
-    origin: str,
+    known: str,
+    found: Threshold,
+    *,
     unit: str = "",
     scale: float = 1.0,
     exact: str = "",
 ) -> BenchmarkRow:
-    """A row of a threshold.
-
-    Parameters
-    ----------
-    about
-        System and source.
-    found
-        Result of `threshold`.
-    known
-        The known value with all its digits.
-    quantity
-        What is compared.
-    origin
-        `PUBLISHED`, `QUOTED`, `CLOSED` or `ELSEWHERE`.
-    unit
-        SI unit.
-    scale
-        Factor from the family's parameter to the known quantity.
-    exact
-        As in `compared`.
-
-    Returns
-    -------
-    BenchmarkRow
-    """
+    """A row of a threshold; `scale` leads from the family's parameter to the known quantity."""
     value = None if found.value is None else found.value * scale
     return compared(
         about,
         quantity,
         known,
         value,
-        origin=origin,
         unit=unit,
         sides=found.sides,
         reason=found.reason,
         exact=exact,
     )
+
+
+# --- how a system is written down ---
+
+
+def symbols(names: str) -> list[ca.SX]:
+    """Scalar symbols of these names."""
+    return [ca.SX.sym(name) for name in names.split()]
+
+
+def system_of(
+    name: str,
+    states: Sequence[ca.SX],
+    parameters: Sequence[ca.SX],
+    rates: Sequence[ca.SX],
+    **more: Any,
+) -> System:
+    """A system of scalar symbols, which have their names already."""
+    return System(
+        name,
+        ca.vertcat(*states),
+        ca.vertcat(*parameters),
+        ca.vertcat(*rates),
+        states=tuple(s.name() for s in states),
+        parameters=tuple(p.name() for p in parameters),
+        **more,
+    )
+
+
+def at_zero(system: System, name: str, at: str, **others: float) -> Family:
+    """A family all of whose states vanish but `others`."""
+    return Family(system, name, at=(at,), held=dict.fromkeys(system.states, 0.0) | others)
 
 
 Case = Callable[[], list[BenchmarkRow]]
