@@ -90,24 +90,12 @@ def _slow(group: list[Task]) -> bool:
 
 
 def weigh(case: str, method: str) -> dict[str, Any] | None:
-    """Judge one cell of the linear part; the result fits JSON.
-
-    Parameters
-    ----------
-    case, method
-        Names of the case and of the route.
-    """
+    """Judge one cell of the linear part; the result fits JSON."""
     return _kept(CASES[case]().judge(ROUTES[method]()))
 
 
 def weigh_motion(case: str, method: str) -> dict[str, Any] | None:
-    """Judge one cell of the part on motion; the result fits JSON.
-
-    Parameters
-    ----------
-    case, method
-        Names of the case and of the driver.
-    """
+    """Judge one cell of the part on motion; the result fits JSON."""
     return _kept(MOTION_CASES[case]().judge(drivers.driver(method)))
 
 
@@ -148,17 +136,7 @@ def attempt(judge: Callable[[], Judgement | None]) -> Judgement | None:
 
 
 def entries(cells: Mapping[str, Cell]) -> list[Entry]:
-    """The catalogue's cells, case by case.
-
-    Parameters
-    ----------
-    cells
-        Cells by key, as in `tasks`, or some of these.
-
-    Returns
-    -------
-    list of Entry
-    """
+    """The catalogue's cells, case by case."""
     found = []
     parts: list[tuple[str, Mapping[str, Any], Sequence[str]]] = [
         (LINEAR, CASES, ROUTE_NAMES),
@@ -186,11 +164,6 @@ def _read(cell: Cell) -> tuple[Mark | None, float, str, str]:
 
 def ladder(found: Sequence[Entry]) -> dict[str, list[dict[str, int]]]:
     """Number of boundaries with each mark, by route and distance from the boundary.
-
-    Parameters
-    ----------
-    found
-        From `entries`.
 
     Returns
     -------
@@ -226,11 +199,6 @@ def own_methods() -> dict[str, bool]:
 def misleading(found: Sequence[Entry]) -> list[Entry]:
     """Cells in which a default method of the package has a misleading mark.
 
-    Parameters
-    ----------
-    found
-        From `entries`.
-
     Returns
     -------
     list of Entry
@@ -244,17 +212,7 @@ def misleading(found: Sequence[Entry]) -> list[Entry]:
 
 
 def as_csv(found: Sequence[Entry]) -> str:
-    """The catalogue as CSV: one line for each cell.
-
-    Parameters
-    ----------
-    found
-        From `entries`.
-
-    Returns
-    -------
-    str
-    """
+    """The catalogue as CSV: one line for each cell."""
     rows = []
     for e in found:
         digits = "" if e.digits != e.digits else f"{e.digits:g}"
@@ -265,11 +223,6 @@ def as_csv(found: Sequence[Entry]) -> str:
 
 def from_csv(text: str) -> list[Entry]:
     """The catalogue from its CSV.
-
-    Parameters
-    ----------
-    text
-        From `as_csv`.
 
     Examples
     --------
@@ -293,17 +246,7 @@ def from_csv(text: str) -> list[Entry]:
 
 
 def as_markdown(found: Sequence[Entry]) -> str:
-    """The catalogue as Markdown: for each part a table of marks, then one of its cases.
-
-    Parameters
-    ----------
-    found
-        From `entries`.
-
-    Returns
-    -------
-    str
-    """
+    """The catalogue as Markdown: for each part a table of marks, then one of its cases."""
     lines = ["# Where methods fail", "", "Marks:", ""]
     lines += [f"* {mark.value}" for mark in Mark]
     lines += [
@@ -333,11 +276,6 @@ def as_markdown(found: Sequence[Entry]) -> str:
 def texts(part: str) -> dict[str, tuple[str, str]]:
     """Physics of each case, and how its truth is known.
 
-    Parameters
-    ----------
-    part
-        `linear` or `motion`.
-
     Returns
     -------
     dict
@@ -355,15 +293,6 @@ def texts(part: str) -> dict[str, tuple[str, str]]:
 
 def heading(case: str) -> str:
     """Heading of a hard case's group; empty for what is no hard case.
-
-    Parameters
-    ----------
-    case
-        Name of the case.
-
-    Returns
-    -------
-    str
 
     Examples
     --------

@@ -80,17 +80,7 @@ def page(count: int, body: float, below: float) -> tuple[Figure, list[Axes]]:
 
 
 def title(axes: Axes, text: str, note: str = "", width: int = LETTERS) -> None:
-    """A title in at most two lines, broken after its colon where it has one, and a grey note.
-
-    Parameters
-    ----------
-    axes
-        The panel.
-    text, note
-        The words.
-    width
-        Letters in a line.
-    """
+    """A title in at most two lines, broken after its colon where it has one, and a grey note."""
     text = text.replace(" = ", "\u00a0=\u00a0")  # no line ends within an equation
     first, colon, rest = text.partition(": ")
     lines = [first + colon.strip(), rest]
@@ -117,15 +107,6 @@ def log_axis(axis: Any, low: float, high: float, step: int) -> None:
 
     An x axis has no tick at its ends, where a number would reach into those of the y axis or of
     the next panel, and fewer ticks where the numbers would touch.  Set the panel's place before.
-
-    Parameters
-    ----------
-    axis
-        The x or y axis of a panel.
-    low, high
-        Ends of the axis.
-    step
-        Decades between ticks; one tick is at 1.
     """
     axes = axis.axes
     axes.set(**{f"{axis.axis_name}scale": "log", f"{axis.axis_name}lim": (low, high)})
@@ -141,19 +122,7 @@ def log_axis(axis: Any, low: float, high: float, step: int) -> None:
 
 
 def span(values: Any, room: float = 1.8) -> tuple[float, float]:
-    """Ends of a log axis that holds the values, with some room.
-
-    Parameters
-    ----------
-    values
-        Numbers, of which the positive and finite ones count.
-    room
-        Factor between the outermost values and the ends.
-
-    Returns
-    -------
-    low, high
-    """
+    """Ends of a log axis that holds the values, with some room."""
     known = np.asarray(values, dtype=float).ravel()
     known = known[np.isfinite(known) & (known > 0)]
     if not known.size:
@@ -162,15 +131,7 @@ def span(values: Any, room: float = 1.8) -> tuple[float, float]:
 
 
 def frame(panels: Sequence[Axes], x: str, y: str) -> None:
-    """Label the outer axes of a page; inner panels have ticks alone.
-
-    Parameters
-    ----------
-    panels
-        From `page`.
-    x, y
-        Labels of the axes.
-    """
+    """Label the outer axes of a page; inner panels have ticks alone."""
     for index, axes in enumerate(panels):
         axes.grid(True, linewidth=0.3, color="#dddddd")
         axes.set_axisbelow(True)
@@ -182,15 +143,7 @@ def frame(panels: Sequence[Axes], x: str, y: str) -> None:
 
 
 def steps(axes: Axes, spots: Sequence[tuple[float, float]]) -> None:
-    """Draw the front as a broad step line: the least error within a time.
-
-    Parameters
-    ----------
-    axes
-        The panel.
-    spots
-        (seconds, error) of the routes on the front.
-    """
+    """Draw the front as a broad step line: the least error within a time."""
     if not spots:
         return
     times, errors = np.array(sorted(spots)).T
@@ -211,19 +164,7 @@ BROAD: dict[str, Any] = {"color": FRONT, "alpha": 0.35, "linewidth": 2.6, "zorde
 
 
 def handle(words: str, **look: Any) -> Line2D:
-    """An entry of a legend.
-
-    Parameters
-    ----------
-    words
-        Text of the entry.
-    **look
-        Properties of the line.
-
-    Returns
-    -------
-    Line2D
-    """
+    """An entry of a legend."""
     plain: dict[str, Any] = {"ls": "", "ms": 4.2, "mew": 0.8}
     return Line2D([], [], label=words, **(plain | look))
 
@@ -265,21 +206,6 @@ def legend(figure: Figure, top: float, handles: Sequence[Any], columns: int) -> 
 def named(words: str, names: Sequence[str], count: int, width: int = LETTERS + 3) -> str:
     """A note on some of the methods: their names, or where these are too long how many.
 
-    Parameters
-    ----------
-    words
-        What these methods have in common.
-    names
-        Their names.
-    count
-        Number of methods asked.
-    width
-        Letters in the note.
-
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> named("wrong", ["rk4"], 9), named("wrong", [], 9)
@@ -316,11 +242,6 @@ class _Spot:
 def spectrum_figure(chart: xarray.Dataset) -> Figure:
     """Time against error of the eigenvalues, a panel for each class of hardness.
 
-    Parameters
-    ----------
-    chart
-        From `stability.compare.spectrum.chart.dataset`.
-
     Returns
     -------
     Figure
@@ -355,17 +276,7 @@ def spectrum_figure(chart: xarray.Dataset) -> Figure:
 
 
 def answering(chart: xarray.Dataset) -> list[str]:
-    """Routes that have eigenvalues anywhere.
-
-    Parameters
-    ----------
-    chart
-        From `stability.compare.spectrum.chart.dataset`.
-
-    Returns
-    -------
-    list of str
-    """
+    """Routes that have eigenvalues anywhere."""
     some = np.isfinite(chart.eigenvalues.values).any(axis=(1, 2))
     return [n for n, has in zip(chart.route.values.tolist(), some, strict=True) if has]
 
@@ -430,11 +341,6 @@ def _route_handles() -> list[object]:
 
 def boundary_figure(chart: xarray.Dataset) -> Figure:
     """Time against error of finding a boundary, and the errors at each boundary.
-
-    Parameters
-    ----------
-    chart
-        From `stability.compare.spectrum.chart.dataset`.
 
     Returns
     -------
@@ -669,11 +575,6 @@ def _key(figure: Figure, marks: Sequence[str], blank: str, top: float) -> None:
 def verdict_figure(chart: xarray.Dataset) -> Figure:
     """Shares of right, undecided and wrong verdicts of every route in each class of hardness.
 
-    Parameters
-    ----------
-    chart
-        From `stability.compare.spectrum.chart.dataset`.
-
     Returns
     -------
     Figure
@@ -812,31 +713,12 @@ PLAIN: dict[str, Any] = {"ls": "-", "lw": 0.8, "ms": 2.4, "mew": 0.6, "zorder": 
 
 
 def panels_of(chart: xarray.Dataset, metric: str) -> list[str]:
-    """Scenes in which any driver has the error.
-
-    Parameters
-    ----------
-    chart
-        From `stability.compare.motion.chart.dataset`.
-    metric
-        One of `stability.compare.motion.chart.METRICS`.
-
-    Returns
-    -------
-    list of str
-    """
+    """Scenes in which any driver has the error."""
     return [w for w in chart.scene.values.tolist() if motion_chart.points(chart, w, metric)]
 
 
 def motion_figure(chart: xarray.Dataset, metric: str = "path") -> Figure:
     """Work against precision through the tolerances, a panel for each scene that has the error.
-
-    Parameters
-    ----------
-    chart
-        From `stability.compare.motion.chart.dataset`.
-    metric
-        One of `stability.compare.motion.chart.METRICS`.
 
     Returns
     -------
@@ -925,11 +807,6 @@ def _driver_handles(names: list[str]) -> list[Any]:
 
 def first_call_figure(chart: xarray.Dataset) -> Figure:
     """Time of the first call, graphs built and code compiled, next to that of a repeat.
-
-    Parameters
-    ----------
-    chart
-        From `stability.compare.motion.chart.dataset`.
 
     Returns
     -------

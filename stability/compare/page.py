@@ -89,13 +89,6 @@ footer { margin-top: 3rem; border-top: 1px solid #ccc; font-size: .82rem; color:
 def write(folder: Path, parts: Sequence[Part]) -> Path:
     """Write the page of a report.
 
-    Parameters
-    ----------
-    folder
-        Folder with the figures and data.
-    parts
-        Complete parts of the report.
-
     Returns
     -------
     Path
@@ -223,17 +216,7 @@ def _crashes(found: Sequence[catalogue.Entry], known: Mapping[str, Any]) -> list
 
 
 def reason(standing: Standing) -> str:
-    """Reason why a route is not on the front.
-
-    Parameters
-    ----------
-    standing
-        Standing of the route in a panel.
-
-    Returns
-    -------
-    str
-    """
+    """Reason why a route is not on the front."""
     for (route, word), text in ANOTHER.items():
         if route == standing.route and (word in standing.panel or word in standing.rival):
             return text

@@ -161,19 +161,7 @@ def _folder(out: Any, overwrite: bool) -> Path:
 
 
 def part(name: str, cells: Mapping[str, Cell]) -> Part:
-    """Build a part from its cells.
-
-    Parameters
-    ----------
-    name
-        `spectrum`, `motion`, `scenes` or `failures`.
-    cells
-        All cells of the part by key.
-
-    Returns
-    -------
-    Part
-    """
+    """Build a part from its cells."""
     made = {SPECTRUM: _spectrum, MOTION: _motion, SCENES: _scenes, FAILURES: _failures}
     return made[name](cells)
 

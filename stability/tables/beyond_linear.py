@@ -30,11 +30,6 @@ BIRTH_NOTES = (
 def to_bound(value: float, error: float) -> str:
     """A number with its proved bound: digits up to the bound, which holds for what is printed.
 
-    Parameters
-    ----------
-    value, error
-        The number, and a bound of its error.
-
     Examples
     --------
     >>> to_bound(24.535893446115182, 3.5e-6), to_bound(24.535893446115182, 3.5e-18)

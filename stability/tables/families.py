@@ -28,15 +28,6 @@ SAME = 1e-9
 def condition(name: str) -> str:
     """The condition for a family, solved by SymPy from the graph's own equation.
 
-    Parameters
-    ----------
-    name
-        A key of `FAMILIES`.
-
-    Returns
-    -------
-    str
-
     Raises
     ------
     ParameterError

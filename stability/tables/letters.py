@@ -236,15 +236,7 @@ def _letter(word: str) -> str:
 
 
 def converted(text: str, names: Collection[str] = ()) -> str:
-    """The text of an expression in a user's names; names such as sqrt(b) are one symbol.
-
-    Parameters
-    ----------
-    text
-        The expression.
-    names
-        Names that are one symbol.
-    """
+    """The text of an expression in a user's names; names such as sqrt(b) are one symbol."""
     known = "".join(rf"(?<!\w){re.escape(n)}(?!\w)|" for n in sorted(names, key=len, reverse=True))
     out: list[str] = []
     for token in re.findall(rf"{known}[<>]=|\*\*\d+|[^\W\d_]\w*|\d+|.", text):
@@ -366,11 +358,6 @@ def _plain(word: str) -> str:
 def escaped(text: str) -> str:
     r"""A text with the special characters of LaTeX replaced.
 
-    Parameters
-    ----------
-    text
-        Plain text.
-
     Examples
     --------
     >>> print(escaped("a_1 & 50% of x**2"))
@@ -402,13 +389,6 @@ def escaped(text: str) -> str:
 
 def unit(text: str, *, dimensionless: bool = False) -> str:
     r"""A unit in LaTeX.
-
-    Parameters
-    ----------
-    text
-        The unit.
-    dimensionless
-        Whether m, R and g are a mass, a length and gravity, not metres and grams.
 
     Examples
     --------

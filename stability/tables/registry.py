@@ -39,15 +39,6 @@ NOTEBOOKS = {
 def definition(name: str) -> Definition:
     """The definition of a table.
 
-    Parameters
-    ----------
-    name
-        A key of `PLACES`.
-
-    Returns
-    -------
-    Definition
-
     Raises
     ------
     NameUnknownError
@@ -296,10 +287,6 @@ def _of_disk(given: Mapping[str, Any], swept: Sequence[str]) -> dict[str, Any]:
 
 def every_table() -> list[dict[str, str]]:
     """One row for each table.
-
-    Returns
-    -------
-    list of dict
 
     Raises
     ------

@@ -63,17 +63,7 @@ def _text(poly: Polynomial, size: int = 0) -> str:
 
 
 def lines(found: Conditions) -> list[str]:
-    """Conditions as lines of text.
-
-    Parameters
-    ----------
-    found
-        Result of `stability.conditions`.
-
-    Returns
-    -------
-    list of str
-    """
+    """Conditions as lines of text."""
     out = [_heading(found), ""]
     out += [f"    {v.name}: {v.meaning}{_unit(found, v.name)}" for v in found.variables]
     if found.given:
@@ -161,17 +151,7 @@ def _polynomials(found: Conditions) -> list[Polynomial]:
 
 
 def record(found: Conditions) -> dict[str, Any]:
-    """Conditions as a record for JSON; polynomials are exact texts.
-
-    Parameters
-    ----------
-    found
-        Result of `stability.conditions`.
-
-    Returns
-    -------
-    dict
-    """
+    """Conditions as a record for JSON; polynomials are exact texts."""
     units = found.family.system.units
     names = (*(v.name for v in found.variables), *found.given)
     return {
@@ -256,17 +236,7 @@ def _formula(poly: Polynomial, relation: str, label: str = "") -> str:
 
 
 def latex(found: Conditions) -> str:
-    """Conditions as LaTeX; needs amsmath and booktabs.
-
-    Parameters
-    ----------
-    found
-        Result of `stability.conditions`.
-
-    Returns
-    -------
-    str
-    """
+    """Conditions as LaTeX; needs amsmath and booktabs."""
     family = found.family
     out = [
         "% stability table conditions --system: derived from the equations of motion",

@@ -59,15 +59,6 @@ MU = 1.0
 def threshold_rows(progress: Progress | None = None) -> list[BenchmarkRow]:
     """Thresholds of the disk under three contact laws, and its spin at the report's lean.
 
-    Parameters
-    ----------
-    progress
-        Called with (parts done, parts in all).
-
-    Returns
-    -------
-    list of BenchmarkRow
-
     Source: tests/tables/test_literature.py.
 
     Examples

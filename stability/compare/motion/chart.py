@@ -57,11 +57,6 @@ def tasks() -> list[list[Task]]:
 def measure(which: str, name: str) -> dict[str, Any]:
     """One cell: a driver on a scene at all its tolerances.
 
-    Parameters
-    ----------
-    which, name
-        Names of the scene and of the driver.
-
     Returns
     -------
     dict
@@ -116,13 +111,6 @@ def _forget() -> None:
 
 def judged(it: ReferenceMotion, motion: Answer) -> dict[str, Any]:
     """The errors of a motion.
-
-    Parameters
-    ----------
-    it
-        The scene, with its truth.
-    motion
-        Answer of a driver.
 
     Returns
     -------
@@ -294,15 +282,6 @@ def points(chart: xarray.Dataset, which: str, metric: str) -> dict[str, list[tup
 
     The least repeat counts: other work on the machine only adds to a time.
 
-    Parameters
-    ----------
-    chart
-        From `dataset`.
-    which
-        Name of the scene.
-    metric
-        One of `stability.compare.motion.chart.METRICS`.
-
     Returns
     -------
     dict
@@ -329,15 +308,6 @@ def points(chart: xarray.Dataset, which: str, metric: str) -> dict[str, list[tup
 def standing(chart: xarray.Dataset, which: str, metric: str = "path") -> dict[str, Place]:
     """Standing of each driver, at the best of its tolerances.
 
-    Parameters
-    ----------
-    chart
-        From `dataset`.
-    which
-        Name of the scene.
-    metric
-        Metric whose error counts.
-
     Returns
     -------
     dict
@@ -362,17 +332,7 @@ def standing(chart: xarray.Dataset, which: str, metric: str = "path") -> dict[st
 
 
 def motion_csv(cells: Mapping[str, Cell]) -> str:
-    """CSV of the motions: one line for each scene, driver and tolerance.
-
-    Parameters
-    ----------
-    cells
-        Cells of any chart by key.
-
-    Returns
-    -------
-    str
-    """
+    """CSV of the motions: one line for each scene, driver and tolerance."""
     metrics = (*METRICS, "stated")
     columns = (
         "scene",

@@ -136,23 +136,7 @@ def _single(method: str) -> type[Driver]:
 
 
 def simulated(scene: ReferenceMotion, contact: Any, times: Floats, **options: Any) -> Answer:
-    """Run `simulate` on a scene under a contact law.
-
-    Parameters
-    ----------
-    scene
-        Scene with the disk and the start.
-    contact
-        Contact law.
-    times
-        Times, of which the first is 0.
-    **options
-        As for `simulate`.
-
-    Returns
-    -------
-    Answer
-    """
+    """Run `simulate` on a scene under a contact law."""
     from ...bodies.newton_euler import STATES
     from ...motion.result import BY_CODE
     from ...motion.simulate import simulate
@@ -361,15 +345,6 @@ DRIVERS = {d.name: d for d in _EVERY}
 
 def driver(name: str) -> Driver:
     """A driver by its name.
-
-    Parameters
-    ----------
-    name
-        A key of `DRIVERS`.
-
-    Returns
-    -------
-    Driver
 
     Raises
     ------

@@ -78,10 +78,6 @@ class ReferenceMotion:
 def scenes() -> Mapping[str, ReferenceMotion]:
     """Every scene by name.
 
-    Returns
-    -------
-    dict
-
     Examples
     --------
     >>> scenes()["lift-off"].outcome, round(scenes()["lift-off"].end_time, 6)
@@ -93,15 +89,6 @@ def scenes() -> Mapping[str, ReferenceMotion]:
 
 def scene(name: str) -> ReferenceMotion:
     """A scene by its name.
-
-    Parameters
-    ----------
-    name
-        A key of `scenes()`.
-
-    Returns
-    -------
-    ReferenceMotion
 
     Raises
     ------

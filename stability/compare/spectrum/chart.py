@@ -49,13 +49,6 @@ def tasks() -> list[list[Task]]:
 def errors(points: Points, answer: Answer) -> tuple[Floats | None, Floats | None]:
     """Errors of eigenvalues and abscissa at each point.
 
-    Parameters
-    ----------
-    points
-        The points.
-    answer
-        Answer of a route.
-
     Returns
     -------
     eigenvalues
@@ -96,11 +89,6 @@ def _matched(mine: Any, exact: Any, rest: Any) -> float:
 
 def measure(hardness: str, name: str) -> dict[str, Any]:
     """One cell: the errors of a route on a class, and its times.
-
-    Parameters
-    ----------
-    hardness, name
-        Names of the hardness class and of the route.
 
     Returns
     -------
@@ -161,11 +149,6 @@ def locate(name: str) -> dict[str, Any]:
 
     For the package's routes, its function `boundaries` replaces the bisection.
 
-    Parameters
-    ----------
-    name
-        The route.
-
     Returns
     -------
     dict
@@ -196,11 +179,6 @@ def exact_edge(
     family: str, law: str, k: float, mu: float | None, low: float, high: float
 ) -> tuple[float, float]:
     """A boundary to 22 digits, by bisection on the sign of Hurwitz's determinants in balls.
-
-    Parameters
-    ----------
-    family, law, k, mu, low, high
-        As in `EDGES`.
 
     Returns
     -------
@@ -329,12 +307,6 @@ def padded(rows: Sequence[Sequence[float | None] | None], shape: tuple[int, ...]
 def dataset(cells: Mapping[str, Cell]) -> xarray.Dataset:
     """Numbers of the spectrum chart, with every raw timing.
 
-    Parameters
-    ----------
-    cells
-        Cells by key, as in `stability.compare.spectrum.chart.tasks`: of some of the hardness
-        classes, with or without boundaries, by the same routes.
-
     Returns
     -------
     xarray.Dataset
@@ -436,13 +408,6 @@ def seconds(chart: xarray.Dataset, route: str, hardness: str) -> tuple[float, fl
 
     Other work on the machine only adds to a time.
 
-    Parameters
-    ----------
-    chart
-        From `dataset`.
-    route, hardness
-        Names of the route and of the hardness class.
-
     Returns
     -------
     best, one
@@ -469,21 +434,7 @@ def _worst(values: Any) -> float:
 
 
 def standing(chart: xarray.Dataset, quantity: str, hardness: str = "") -> dict[str, Place]:
-    """Standing of every route in a panel; routes with a wrong verdict have none.
-
-    Parameters
-    ----------
-    chart
-        From `dataset`.
-    quantity
-        eigenvalues, abscissa, verdict (error: share of points undecided) or boundary.
-    hardness
-        Hardness class; not used for boundary.
-
-    Returns
-    -------
-    dict
-    """
+    """Standing of every route in a panel; routes with a wrong verdict have none."""
     panel: dict[str, tuple[float, float]] = {}
     for name in chart.route.values.tolist():
         if quantity == "boundary":
@@ -509,17 +460,7 @@ def standing(chart: xarray.Dataset, quantity: str, hardness: str = "") -> dict[s
 
 
 def spectrum_csv(cells: Mapping[str, Cell]) -> str:
-    """CSV of the spectra: one line for each route and hardness class.
-
-    Parameters
-    ----------
-    cells
-        Cells of any chart by key.
-
-    Returns
-    -------
-    str
-    """
+    """CSV of the spectra: one line for each route and hardness class."""
     columns = (
         "hardness",
         "route",
@@ -559,17 +500,7 @@ def spectrum_csv(cells: Mapping[str, Cell]) -> str:
 
 
 def boundary_csv(cells: Mapping[str, Cell]) -> str:
-    """CSV of the boundaries: one line for each route and each boundary that it is asked.
-
-    Parameters
-    ----------
-    cells
-        Cells of any chart by key.
-
-    Returns
-    -------
-    str
-    """
+    """CSV of the boundaries: one line for each route and each boundary that it is asked."""
     columns = (
         "route",
         "family",

@@ -53,13 +53,6 @@ class Answer:
 def check(points: Points, answer: Answer) -> None:
     """Refuse an answer of a wrong shape or type.
 
-    Parameters
-    ----------
-    points
-        Points of the answer.
-    answer
-        Answer of a route.
-
     Raises
     ------
     ArithmeticError
@@ -590,15 +583,6 @@ ROUTES: dict[str, type[Route]] = {r.name: r for r in (*PEOPLE, *OWN)}
 
 def route(name: str) -> Route:
     """A route by its name.
-
-    Parameters
-    ----------
-    name
-        A key of `ROUTES`.
-
-    Returns
-    -------
-    Route
 
     Raises
     ------

@@ -149,23 +149,7 @@ def bicycle() -> Family:
 
 
 def of_spectrum(about: Source, family: Family, at: float, zeros: int = 0) -> list[BenchmarkRow]:
-    """Rows of the four eigenvalues at 5 m/s.
-
-    Parameters
-    ----------
-    about
-        System and source.
-    family
-        The bicycle that runs straight.
-    at
-        Its member at 5 m/s.
-    zeros
-        Number of eigenvalues that must be zero by structure.
-
-    Returns
-    -------
-    list of BenchmarkRow
-    """
+    """Rows of the four eigenvalues at 5 m/s."""
     found = spectrum(family, at=at, certify=True, **BENCHMARK)
     right = found.structural_zeros == zeros and found.eigenvalues.shape == (4,)
     values = found.eigenvalues if right else np.full(4, np.nan)
@@ -199,10 +183,6 @@ def of_speeds(
         Interval of the family's parameter around each speed, by name.
     scale
         Speed over the family's parameter [m].
-
-    Returns
-    -------
-    list of BenchmarkRow
     """
     words = {
         "weave": "speed above which weave is stable",
@@ -359,12 +339,7 @@ def straight() -> Family:
 
 
 def accelerations() -> tuple[list[float], list[float]]:
-    """The nine accelerations in the paper's symbols, and what the state's rounding can change.
-
-    Returns
-    -------
-    values, bounds
-    """
+    """The nine accelerations in the paper's symbols, and what the state's rounding can change."""
     system = _system()
     g = {name: float(digits) for name, digits in GIVEN.items()}
     place = [

@@ -60,10 +60,6 @@ def benchmark_rows(
     progress
         Called with (systems done, systems in all).
 
-    Returns
-    -------
-    list of BenchmarkRow
-
     Raises
     ------
     NameUnknownError
@@ -88,17 +84,7 @@ def benchmark_rows(
 
 
 def benchmark_lines(rows: Sequence[dict[str, object]]) -> list[str]:
-    """The table of benchmarks as lines of text, one paragraph for each system.
-
-    Parameters
-    ----------
-    rows
-        Rows as records.
-
-    Returns
-    -------
-    list of str
-    """
+    """The table of benchmarks as lines of text, one paragraph for each system."""
     lines: list[str] = []
     title = None
     for row in rows:
@@ -110,17 +96,7 @@ def benchmark_lines(rows: Sequence[dict[str, object]]) -> list[str]:
 
 
 def benchmark_notes(rows: Sequence[dict[str, object]]) -> list[str]:
-    """How many known values agree, as lines of text.
-
-    Parameters
-    ----------
-    rows
-        Rows as records.
-
-    Returns
-    -------
-    list of str
-    """
+    """How many known values agree, as lines of text."""
     missing = [row for row in rows if row["recomputed"] is None]
     agree = sum(str(row["status"]).startswith("agrees") for row in rows)
     systems = list(dict.fromkeys(str(row["system"]) for row in missing))

@@ -155,15 +155,6 @@ def for_every_friction(
     Between `low` and `high` one condition must decide, a polynomial in the spin alone; the
     intervals `others`, which cover the rest, must be unstable for every friction.
 
-    Parameters
-    ----------
-    family
-        Upright or inverted spinning.
-    low, high
-        Interval of the spin around the threshold.
-    others
-        Ends of the other intervals, by their beginnings.
-
     Returns
     -------
     value, reason
