@@ -67,36 +67,39 @@ class Entry:
     """Initials of right, undecided and wrong for each of `DECADES`, of a case at a boundary."""
 
 
+def _cases(part: str) -> Mapping[str, Any]:
+    """The cases of a part by name."""
+    return CASES if part == LINEAR else MOTION_CASES
+
+
+def _methods(part: str) -> Sequence[str]:
+    """Names of the methods of a part."""
+    return ROUTE_NAMES if part == LINEAR else DRIVER_NAMES
+
+
 def tasks() -> list[list[Task]]:
     """Tasks of the catalogue, grouped by method: one process for each group."""
-    linear = [
-        [Task(f"failure/{LINEAR}/{case}/{name}", weigh, (case, name), LIMIT) for case in CASES]
-        for name in ROUTE_NAMES
-    ]
-    motion = [
+    groups = [
         [
-            Task(f"failure/{MOTION}/{case}/{name}", weigh_motion, (case, name), LIMIT)
-            for case in MOTION_CASES
+            Task(f"failure/{part}/{case}/{method}", weigh, (part, case, method), LIMIT)
+            for case in _cases(part)
         ]
-        for name in DRIVER_NAMES
+        for part in (LINEAR, MOTION)
+        for method in _methods(part)
     ]
-    return sorted([*linear, *motion], key=_slow, reverse=True)
+    return sorted(groups, key=_slow, reverse=True)
 
 
 def _slow(group: list[Task]) -> bool:
     """Whether a group takes long, so that it starts first."""
-    method = group[0].arguments[1]
+    method = group[0].arguments[-1]
     return method.startswith(("mpmath", "rk45")) or method in ("bdf", "radau")
 
 
-def weigh(case: str, method: str) -> dict[str, Any] | None:
-    """Judge one cell of the linear part; the result fits JSON."""
-    return _kept(CASES[case]().judge(ROUTES[method]()))
-
-
-def weigh_motion(case: str, method: str) -> dict[str, Any] | None:
-    """Judge one cell of the part on motion; the result fits JSON."""
-    return _kept(MOTION_CASES[case]().judge(drivers.driver(method)))
+def weigh(part: str, case: str, method: str) -> dict[str, Any] | None:
+    """Judge one cell by the names of part, case and method; the result fits JSON."""
+    asked: Any = ROUTES[method]() if part == LINEAR else drivers.driver(method)
+    return _kept(_cases(part)[case]().judge(asked))
 
 
 def _kept(judgement: Judgement | None) -> dict[str, Any] | None:
@@ -138,13 +141,9 @@ def attempt(judge: Callable[[], Judgement | None]) -> Judgement | None:
 def entries(cells: Mapping[str, Cell]) -> list[Entry]:
     """The catalogue's cells, case by case."""
     found = []
-    parts: list[tuple[str, Mapping[str, Any], Sequence[str]]] = [
-        (LINEAR, CASES, ROUTE_NAMES),
-        (MOTION, MOTION_CASES, DRIVER_NAMES),
-    ]
-    for part, cases, methods in parts:
-        for case in cases.values():
-            for method in methods:
+    for part in (LINEAR, MOTION):
+        for case in _cases(part).values():
+            for method in _methods(part):
                 cell = cells.get(f"failure/{part}/{case.name}/{method}")
                 if cell is not None:
                     found.append(Entry(part, case.group, case.name, method, *_read(cell)))
@@ -286,8 +285,7 @@ def texts(part: str) -> dict[str, tuple[str, str]]:
     >>> texts("motion")["lifts off"][0]
     'gn reaches zero at t = 16.1165'
     """
-    cases: dict[str, Mapping[str, Any]] = {LINEAR: CASES, MOTION: MOTION_CASES}
-    made = {name: case() for name, case in cases[part].items()}
+    made = {name: case() for name, case in _cases(part).items()}
     return {name: (case.physics, case.known) for name, case in made.items()}
 
 

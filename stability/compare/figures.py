@@ -11,7 +11,7 @@ from ..figures.canvas import COLUMN, STYLE, figure_style  # isort: skip
 from collections.abc import Sequence
 from dataclasses import dataclass
 from textwrap import fill, wrap
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import matplotlib
 import numpy as np
@@ -25,7 +25,6 @@ from matplotlib.ticker import FixedLocator, NullLocator
 from numpy.typing import NDArray
 
 from ..figures.letters import SMALL, Letter, letters
-from .cost import places
 from .motion import chart as motion_chart
 from .motion.cases import NO_ANSWER
 from .spectrum import chart as spectrum_chart
@@ -75,8 +74,20 @@ def page(count: int, body: float, below: float) -> tuple[Figure, list[Axes]]:
     for index in range(count):
         row, column = divmod(index, 2)
         x, y = LEFT + column * (wide + BETWEEN), height - row * FOOT - (row + 1) * (HEAD + body)
-        found.append(figure.add_axes((x / WIDTH, y / height, wide / WIDTH, body / height)))
+        found.append(panel(figure, x, y, wide, body))
     return figure, found
+
+
+def panel(figure: Figure, x: float, y: float, wide: float, tall: float) -> Axes:
+    """A panel by its lower left corner and its size [in]."""
+    width, height = figure.get_figwidth(), figure.get_figheight()
+    return figure.add_axes((x / width, y / height, wide / width, tall / height))
+
+
+def rules(axes: Axes, along: Literal["both", "x", "y"] = "both") -> None:
+    """Pale lines at the ticks, below what is drawn."""
+    axes.grid(True, axis=along, linewidth=0.3, color="#dddddd")
+    axes.set_axisbelow(True)
 
 
 def title(axes: Axes, text: str, note: str = "", width: int = LETTERS) -> None:
@@ -133,8 +144,7 @@ def span(values: Any, room: float = 1.8) -> tuple[float, float]:
 def frame(panels: Sequence[Axes], x: str, y: str) -> None:
     """Label the outer axes of a page; inner panels have ticks alone."""
     for index, axes in enumerate(panels):
-        axes.grid(True, linewidth=0.3, color="#dddddd")
-        axes.set_axisbelow(True)
+        rules(axes)
         axes.tick_params(labelsize=SMALL + 0.5, length=2, pad=1.5, labelleft=index % 2 == 0)
         if index % 2 == 0:
             axes.set_ylabel(y, fontsize=7, labelpad=1)
@@ -238,6 +248,13 @@ class _Spot:
     worst: float
     median: float
 
+    @classmethod
+    def of(cls, route: xarray.Dataset, time: float, errors: Any) -> _Spot:
+        """A route by its part of the chart, its time, and its errors."""
+        known = np.maximum(errors, FLOOR)
+        name, own = str(route.route.values), bool(route.own)
+        return cls(name, own, time, float(known.max()), float(np.median(known)))
+
 
 def spectrum_figure(chart: xarray.Dataset) -> Figure:
     """Time against error of the eigenvalues, a panel for each class of hardness.
@@ -287,14 +304,12 @@ def _spots(chart: xarray.Dataset, names: Sequence[str], kind: str) -> tuple[list
     for name in names:
         cell = chart.sel(route=name, hardness=kind)
         errors = cell.eigenvalues.values
-        errors = np.maximum(errors[np.isfinite(errors)], FLOOR)
+        errors = errors[np.isfinite(errors)]
         if float(cell.wrong) > 0:
             wrong.append(name)
         elif errors.size and str(cell.status.values) == "done":
             time = spectrum_chart.seconds(chart, name, kind)[0]
-            found.append(
-                _Spot(name, bool(cell.own), time, float(errors.max()), float(np.median(errors)))
-            )
+            found.append(_Spot.of(cell, time, errors))
     return found, wrong
 
 
@@ -314,26 +329,28 @@ def _draw_routes(axes: Axes, spots: Sequence[_Spot], front: set[str], named: set
             zorder=2,
             solid_capstyle="butt",
         )
-        axes.plot(
-            [spot.time],
-            [spot.worst],
-            "D" if spot.own else "o",
-            ms=3,
-            mew=0.7,
-            mec=colour,
-            mfc=colour if spot.own else "white",
-            zorder=4 if told else 3,
-        )
+        look = _look(colour, own=spot.own)
+        axes.plot([spot.time], [spot.worst], ms=3, mew=0.7, zorder=4 if told else 3, **look)
         if told:
             written.append(Letter(spot.time, spot.worst, spot.name, colour))
     letters(axes, written)
 
 
+def _look(colour: str, *, own: bool) -> dict[str, Any]:
+    """Mark of a route: the package's are full diamonds."""
+    return {
+        "ls": "",
+        "marker": "D" if own else "o",
+        "color": colour,
+        "mfc": colour if own else "white",
+    }
+
+
 def _route_handles() -> list[object]:
     return [
-        handle("the package's", marker="D", color=OWN),
-        handle("common", marker="o", color=PEOPLE, mfc="white"),
-        handle("other common", marker="o", color=PALE, mfc="white"),
+        handle("the package's", **_look(OWN, own=True)),
+        handle("common", **_look(PEOPLE, own=False)),
+        handle("other common", **_look(PALE, own=False)),
         handle("down to the median", marker="|", ms=6, color="#555555"),
         front_handle(),
     ]
@@ -353,12 +370,8 @@ def boundary_figure(chart: xarray.Dataset) -> Figure:
         body, rows, gap, foot = 1.1, 0.125 * (len(edges) + 0.8), 0.36, 0.62
         tall = HEADROOM + body + gap + rows + foot
         figure = Figure(figsize=(WIDTH, tall))
-        upper = figure.add_axes(
-            (LEFT / WIDTH, (foot + rows + gap) / tall, (WIDTH - LEFT - RIGHT) / WIDTH, body / tall)
-        )
-        lower = figure.add_axes(
-            (1.78 / WIDTH, foot / tall, (WIDTH - 1.78 - RIGHT) / WIDTH, rows / tall)
-        )
+        upper = panel(figure, LEFT, foot + rows + gap, WIDTH - LEFT - RIGHT, body)
+        lower = panel(figure, 1.78, foot, WIDTH - 1.78 - RIGHT, rows)
         _boundary_panel(upper, chart, names)
         _boundary_rows(lower, chart, edges)
         own, common, _, median, front = _route_handles()
@@ -380,16 +393,7 @@ def _boundary_panel(axes: Axes, chart: xarray.Dataset, names: Sequence[str]) -> 
         if not np.isfinite(errors).all():
             missing.append(name)
         elif errors.size:
-            known = np.maximum(errors, FLOOR)
-            spots.append(
-                _Spot(
-                    name,
-                    bool(route.own),
-                    float(np.median(times)),
-                    float(known.max()),
-                    float(np.median(known)),
-                )
-            )
+            spots.append(_Spot.of(route, float(np.median(times)), errors))
     log_axis(axes.xaxis, *span([s.time for s in spots], 3), 1)
     log_axis(axes.yaxis, BOTTOM, max([1e-12, *(s.worst for s in spots)]) * 60, 4)
     standing = spectrum_chart.standing(chart, "boundary")
@@ -411,15 +415,8 @@ def _boundary_rows(axes: Axes, chart: xarray.Dataset, edges: Sequence[str]) -> N
         error, own = here.boundary_error.values, here.own.values
         for mine, colour in ((False, PEOPLE), (True, OWN)):
             known = np.maximum(error[asked & (own == mine) & np.isfinite(error)], FLOOR)
-            axes.plot(
-                known,
-                [row + (0.14 if mine else -0.14)] * known.size,
-                "D" if mine else "o",
-                ms=2.4,
-                mew=0.6,
-                mec=colour,
-                mfc=colour if mine else "white",
-            )
+            line = [row + (0.14 if mine else -0.14)] * known.size
+            axes.plot(known, line, ms=2.4, mew=0.6, **_look(colour, own=mine))
         missed = int((asked & np.isnan(error)).sum())
         if missed:
             axes.plot([0.08], [row], "x", ms=3.2, mew=0.9, color="black")
@@ -434,8 +431,7 @@ def _boundary_rows(axes: Axes, chart: xarray.Dataset, edges: Sequence[str]) -> N
     axes.set_yticks(range(len(edges)), [_edge_words(e) for e in edges], fontsize=SMALL)
     axes.tick_params(labelsize=SMALL, length=2, pad=1.5)
     axes.set_xlabel("relative error", fontsize=7, labelpad=2)
-    axes.grid(True, axis="y", linewidth=0.3, color="#dddddd")
-    axes.set_axisbelow(True)
+    rules(axes, "y")
 
 
 def _edge_words(edge: str) -> str:
@@ -489,11 +485,8 @@ def _shares_figure(
     foot = 0.2 + (0.28 if label else 0.0) + below
     left, right = 0.08 + max(map(_wide, methods)), 0.42 if notes else 0.05
     with figure_style(STYLE | {"hatch.linewidth": 0.5, "hatch.color": "black"}):
-        height = LINE * tall + top + foot
-        figure = Figure(figsize=(WIDTH, height))
-        axes = figure.add_axes(
-            (left / WIDTH, foot / height, (WIDTH - left - right) / WIDTH, LINE * tall / height)
-        )
+        figure = Figure(figsize=(WIDTH, LINE * tall + top + foot))
+        axes = panel(figure, left, foot, WIDTH - left - right, LINE * tall)
         axes.set(xlim=(-0.5, len(heads) - 0.5), ylim=(tall - 0.5, -0.5))
         for i, j in np.ndindex(counts.shape[:2]):
             _share_cell(axes, j, y[i], counts[i, j], marks)
@@ -749,12 +742,8 @@ def _front(
     chart: xarray.Dataset, which: str, metric: str
 ) -> tuple[set[str], list[tuple[float, float]]]:
     """Drivers on the front that have a digit right, and the points of the front."""
-    flat = {
-        f"{name} {rung}": point
-        for name, rows in motion_chart.points(chart, which, metric).items()
-        for rung, point in enumerate(rows)
-    }
-    best = {key: p for key, p in places(flat).items() if p.on_front and p.error < DIGIT}
+    every = motion_chart.rungs(chart, which, metric)
+    best = {key: p for key, p in every.items() if p.on_front and p.error < DIGIT}
     spots = [(p.time, max(p.error, 2 * LOWEST)) for p in best.values()]
     return {key.split()[0] for key in best}, spots
 
@@ -816,14 +805,11 @@ def first_call_figure(chart: xarray.Dataset) -> Figure:
     """
     names = chart.driver.values.tolist()
     left, body, foot = 0.78, 0.15 * len(names), 0.52
-    height = body + foot + 0.05
     with figure_style(STYLE):
-        figure = Figure(figsize=(WIDTH, height))
-        axes = figure.add_axes(
-            (left / WIDTH, foot / height, (WIDTH - left - RIGHT) / WIDTH, body / height)
-        )
+        figure = Figure(figsize=(WIDTH, body + foot + 0.05))
+        axes = panel(figure, left, foot, WIDTH - left - RIGHT, body)
         log_axis(axes.xaxis, *span([*_repeats(chart).ravel(), *chart["first"].values.ravel()]), 1)
-        axes.grid(True, axis="x", linewidth=0.3, color="#dddddd")
+        rules(axes, "x")
         for line, (again, first) in enumerate(
             zip(_repeats(chart).T, chart["first"].values.T, strict=True)
         ):

@@ -196,11 +196,11 @@ def dataset(cells: Mapping[str, Cell]) -> xarray.Dataset:
 
     kinds = [k for k in CHARTED if any(key.startswith(f"motion/{k}/") for key in cells)]
     names = [n for n in NAMES if any(key.endswith(f"/{n}") for key in cells)]
-    rungs = max((len(DRIVERS[n].tolerances) for n in names), default=0)
+    most = max((len(DRIVERS[n].tolerances) for n in names), default=0)
     pairs = [(kind, name) for kind in kinds for name in names]
-    shape = (len(kinds), len(names), rungs)
+    shape = (len(kinds), len(names), most)
     grid = [cells.get(f"motion/{kind}/{name}") or NOT_ASKED for kind, name in pairs]
-    rows = [row for cell in grid for row in _rungs(cell, rungs)]
+    rows = [row for cell in grid for row in _rows(cell, most)]
     along = ("scene", "driver", "rung")
     data: dict[str, Any] = {
         key: variable(along, numbers([row.get(key) for row in rows], shape), text)
@@ -236,7 +236,7 @@ NOT_ASKED = Cell("", "not asked", None, "", 0.0)
 """Cell of a driver that does not take a scene."""
 
 
-def _rungs(cell: Cell, count: int) -> list[dict[str, Any]]:
+def _rows(cell: Cell, count: int) -> list[dict[str, Any]]:
     """The row of each rung with its tolerance; without a value each has the cell's message."""
     if cell.value is None:
         return [{"message": cell.message}] * count
@@ -273,6 +273,17 @@ def points(chart: xarray.Dataset, which: str, metric: str) -> dict[str, list[tup
     return found
 
 
+def rungs(chart: xarray.Dataset, which: str, metric: str) -> dict[str, Place]:
+    """Standing of each driver at each of its tolerances, by driver and number of the tolerance."""
+    return places(
+        {
+            f"{name} {number}": point
+            for name, rows in points(chart, which, metric).items()
+            for number, point in enumerate(rows)
+        }
+    )
+
+
 def standing(chart: xarray.Dataset, which: str, metric: str = "path") -> dict[str, Place]:
     """Standing of each driver, at the best of its tolerances.
 
@@ -281,13 +292,8 @@ def standing(chart: xarray.Dataset, which: str, metric: str = "path") -> dict[st
     dict
         By driver: the standing of its tolerance that is on the front, or nearest to it.
     """
-    flat = {
-        f"{name} {m}": point
-        for name, rows in points(chart, which, metric).items()
-        for m, point in enumerate(rows)
-    }
     best: dict[str, Place] = {}
-    for key, place in places(flat).items():
+    for key, place in rungs(chart, which, metric).items():
         name = key.split()[0]
         if name not in best or place.factor < best[name].factor:
             best[name] = Place(
@@ -321,5 +327,5 @@ def _lines(names: Sequence[str], cell: Cell) -> list[Line]:
             "first_call_s": cell.value and cell.value["first"],
             "message": row["message"],
         }
-        for row in _rungs(cell, count)
+        for row in _rows(cell, count)
     ]

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base.errors import NameUnknownError, shown
+from ...base.checks import known
 from ...base.types import Floats
 from ...bodies.contact_laws import Contact, law_named
 from ...bodies.disk import Disk
@@ -95,9 +95,7 @@ def scene(name: str) -> ReferenceMotion:
     NameUnknownError
         If there is none.
     """
-    if name not in scenes():
-        raise NameUnknownError(f"scene is {shown(name)}; known are {', '.join(scenes())}.")
-    return scenes()[name]
+    return scenes()[known("scene", name, scenes())]
 
 
 def _read(record: Mapping[str, Any]) -> ReferenceMotion:
