@@ -495,9 +495,9 @@ class Table(Record):
     1.414213562373
     >>> drift.units["time_slow"]
     '√(R/g)'
-    >>> drift.to_csv().splitlines()[0]
-    'k,mu [1/√(gR)],omega3 [√(g/R)],threshold [√(g/R)],tilt [rad],time_slow [√(R/g)],time_launch [√(R/g)],tilt_end [rad]'
-    """  # noqa: E501
+    >>> drift.to_csv().splitlines()[0].split(",")[:3]
+    ['k', 'mu [1/√(gR)]', 'omega3 [√(g/R)]']
+    """
 
     name: str
     """Name of the table."""

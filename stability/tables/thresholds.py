@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import asdict
 from typing import Any
 
 from flint import arb
@@ -18,7 +17,6 @@ from ..bodies.disk import Disk
 from ..bodies.thin_disk import disk_family
 from ..boundary.changes import boundaries
 from ..spectra.spectrum import spectrum
-from .benchmarks.catalogue import COLUMNS, benchmark_lines, benchmark_notes
 from .benchmarks.row import (
     QUOTED,
     SIDE,
@@ -27,9 +25,10 @@ from .benchmarks.row import (
     Threshold,
     at_threshold,
     compared,
+    of_known_values,
     threshold,
 )
-from .table import About, Definition, Standing, framed
+from .table import About, Standing
 
 BITS = 200
 """Working precision of the closed forms."""
@@ -166,13 +165,10 @@ def _digits(value: arb) -> str:
     return str(value.str(SHOWN, radius=False))
 
 
-TABLE = Definition(
+TABLE = of_known_values(
     "thresholds of a disk of 0.5 m, by contact law",
-    COLUMNS,
-    lambda **options: [asdict(row) for row in threshold_rows(**options)],
+    threshold_rows,
     ("progress",),
-    lambda table: benchmark_notes(table.rows),
-    lambda table: framed(table, benchmark_lines(table.rows)),
     about=About(
         REPORT,
         "nothing; the disk and one spin are quoted at second hand",

@@ -16,8 +16,8 @@ from stability.base.errors import NameUnknownError
 from stability.cli.commands import main
 from stability.tables.benchmarks import catalogue
 from stability.tables.benchmarks.bicycle import EIGENVALUES, ENTRIES, EXACT, SPEEDS
-from stability.tables.benchmarks.catalogue import CASES, benchmark_notes, benchmark_rows
-from stability.tables.benchmarks.row import AGREES, BenchmarkRow, Source, compared
+from stability.tables.benchmarks.catalogue import CASES, benchmark_rows
+from stability.tables.benchmarks.row import AGREES, BenchmarkRow, Source, benchmark_notes, compared
 from stability.tables.registry import definition
 
 QUICK = {

@@ -1,23 +1,24 @@
-"""A row of the table of benchmarks: a known value, the recomputed one, and what can be said."""
+"""A known value, the recomputed one, and what can be said: a row, its columns, their table."""
 
 from __future__ import annotations
 
 import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any, NamedTuple
 
 import casadi as ca
 
-from ...base.errors import StabilityWarning
+from ...base.errors import StabilityWarning, listed
 from ...base.verdict import Verdict
 from ...boundary.changes import boundaries
 from ...spectra.spectrum import spectrum
 from ...systems.family import Family
 from ...systems.system import System
+from ..table import Column, Definition, framed, word
 
 PUBLISHED = "published"
 """Origin of a number that its source prints."""
@@ -70,6 +71,22 @@ class BenchmarkRow:
     """Certified verdict at a relative distance of 1e-12 below a threshold; empty elsewhere."""
     above: str
     """Certified verdict at a relative distance of 1e-12 above a threshold; empty elsewhere."""
+
+
+COLUMNS = (
+    word("system", "name of the system", "group"),
+    word("quantity", "quantity that is compared", share=0.22),
+    word("unit", "unit of the values"),
+    word("source", "source of the equations or the value", "group"),
+    word("origin", "origin of the known value", "below"),
+    word("known", "known value with all its digits"),
+    Column("recomputed", "the value of this package", form="{:.16g}"),
+    Column("difference", "recomputed minus known", form="{:.1e}"),
+    word("status", "digits that agree, or why there is no value", "below"),
+    word("below", "certified verdict below a threshold", "below"),
+    word("above", "certified verdict above a threshold", "below"),
+)
+"""The fields of a row, as columns of a table."""
 
 
 def compared(
@@ -210,6 +227,63 @@ def at_threshold(
         reason=found.reason,
         exact=exact,
     )
+
+
+# --- the table of such rows ---
+
+
+def of_known_values(
+    heading: str, rows: Callable[..., list[BenchmarkRow]], takes: tuple[str, ...], **more: Any
+) -> Definition:
+    """The definition of a table of known values; `rows` takes the options in `takes`."""
+    return Definition(
+        heading,
+        COLUMNS,
+        lambda **options: [asdict(row) for row in rows(**options)],
+        takes,
+        lambda table: benchmark_notes(table.rows),
+        lambda table: framed(table, benchmark_lines(table.rows)),
+        **more,
+    )
+
+
+def benchmark_lines(rows: Sequence[dict[str, object]]) -> list[str]:
+    """The table of benchmarks as lines of text, one paragraph for each system."""
+    lines: list[str] = []
+    title = None
+    for row in rows:
+        if row["system"] != title:
+            title = row["system"]
+            lines += ["", f"{title}  ({row['source']})"]
+        lines += _lines_of(row)
+    return lines[1:]
+
+
+def benchmark_notes(rows: Sequence[dict[str, object]]) -> list[str]:
+    """How many known values agree, as lines of text."""
+    missing = [row for row in rows if row["recomputed"] is None]
+    agree = sum(str(row["status"]).startswith("agrees") for row in rows)
+    systems = list(dict.fromkeys(str(row["system"]) for row in missing))
+    where = f"; not covered: {len(missing)} ({listed(systems)})" if missing else ""
+    return [
+        f"{len(rows)} known values, {agree} agree{where}.",
+        "below, above: certified verdicts at a relative distance of 1e-12 from a threshold.",
+    ]
+
+
+def _lines_of(row: dict[str, object]) -> list[str]:
+    unit = f" {row['unit']}" if row["unit"] else ""
+    value, off = row["recomputed"], row["difference"]
+    found = "-" if value is None else f"{value:.16g}{unit}"
+    by = "" if off is None else f", difference {off:.1e}"
+    lines = [
+        f"    {row['quantity']}",
+        f"        known {row['known']}{unit} ({row['origin']})",
+        f"        found {found}{by}: {row['status']}",
+    ]
+    if row["below"]:
+        lines += [f"        below {row['below']}, above {row['above']} (certified)"]
+    return lines
 
 
 # --- how a system is written down ---
