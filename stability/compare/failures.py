@@ -195,6 +195,11 @@ def own_methods() -> dict[str, bool]:
     return routes | {d.name: d.default for d in drivers.DRIVERS.values() if d.own}
 
 
+def defaults() -> set[str]:
+    """The methods that the package uses by default."""
+    return {name for name, default in own_methods().items() if default}
+
+
 def misleading(found: Sequence[Entry]) -> list[Entry]:
     """Cells in which a default method of the package has a misleading mark.
 
@@ -203,8 +208,21 @@ def misleading(found: Sequence[Entry]) -> list[Entry]:
     list of Entry
         Empty unless a default method misleads.
     """
-    defaults = {name for name, default in own_methods().items() if default}
-    return [e for e in found if e.method in defaults and e.mark and e.mark not in HONEST]
+    usual = defaults()
+    return [e for e in found if e.method in usual and e.mark and e.mark not in HONEST]
+
+
+HEADINGS = {LINEAR: "Linear analysis", MOTION: "Motion"}
+"""Heading of each part."""
+
+
+def by_case(found: Sequence[Entry], part: str) -> tuple[list[str], dict[str, list[Entry]]]:
+    """The methods of a part, and the cells of each of its cases."""
+    rows: dict[str, list[Entry]] = {}
+    for entry in found:
+        if entry.part == part:
+            rows.setdefault(entry.case, []).append(entry)
+    return list(dict.fromkeys(e.method for row in rows.values() for e in row)), rows
 
 
 # --- as text ---
@@ -253,20 +271,20 @@ def as_markdown(found: Sequence[Entry]) -> str:
         "Numbers are digits, or for a boundary the decades of distance, that are left.",
         "",
     ]
-    for part, heading in ((LINEAR, "Linear analysis"), (MOTION, "Motion")):
-        mine = [e for e in found if e.part == part]
-        if not mine:
+    for part, heading in HEADINGS.items():
+        methods, rows = by_case(found, part)
+        if not rows:
             continue
-        methods = list(dict.fromkeys(e.method for e in mine))
-        lines += [f"## {heading}", "", "| case | " + " | ".join(methods) + " |"]
+        lines += [f"## {heading}", "", f"| case | {' | '.join(methods)} |"]
         lines.append("|" + " --- |" * (len(methods) + 1))
-        for case in dict.fromkeys(e.case for e in mine):
-            row = {e.method: e for e in mine if e.case == case}
-            lines.append(f"| {case} | " + " | ".join(_word(row[m]) for m in methods) + " |")
+        for case, row in rows.items():
+            words = {e.method: _word(e) for e in row}
+            lines.append(f"| {case} | " + " | ".join(words[m] for m in methods) + " |")
         lines += ["", "| case | what happens | how the truth is known |", "| --- | --- | --- |"]
-        asked = {e.case for e in mine}
         lines += [
-            f"| {n} | {what} | {how} |" for n, (what, how) in texts(part).items() if n in asked
+            f"| {case} | {what} | {how} |"
+            for case, (what, how) in texts(part).items()
+            if case in rows
         ]
         lines.append("")
     return "\n".join(lines)

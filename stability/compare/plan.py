@@ -132,8 +132,8 @@ class Part:
     """`spectrum`, `motion`, `scenes` or `failures`."""
     plates: tuple[Plate, ...]
     """Figures of the part."""
-    data: tuple[str, ...]
-    """Names of the files with its numbers."""
+    data: Mapping[str, Callable[[], str | bytes]]
+    """Files with its numbers: what each holds, by name."""
     chart: Any
     """Dataset of a chart, entries of the catalogue, or charts of scenes by name."""
 
@@ -160,7 +160,7 @@ class Standing:
 def standings(one: Part) -> list[Standing]:
     """Standing of the package's default routes in every panel of a chart."""
     found = []
-    defaults = {name for name, default in catalogue.own_methods().items() if default}
+    defaults = catalogue.defaults()
     panels: list[tuple[str, Any]] = []
     if one.name == SPECTRUM:
         for quantity, text in QUANTITIES.items():
