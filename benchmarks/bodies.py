@@ -19,7 +19,10 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
+
+from timing import seconds
 
 import stability as st
 
@@ -100,6 +103,10 @@ class Case:
         }
 
 
+spent = partial(seconds, clock=time.process_time)
+"""Processor time of a call, of all threads [s]."""
+
+
 def cases() -> Iterator[Case]:
     """Every family that a body has under every law with a polynomial."""
     for name, (make, _) in BODIES.items():
@@ -114,13 +121,6 @@ def cases() -> Iterator[Case]:
                 yield Case(family, law, name)
 
 
-def seconds(run: Callable[[], Any]) -> float:
-    """Processor time of a call, of all threads."""
-    start = time.process_time()
-    run()
-    return time.process_time() - start
-
-
 def measured(case: Case) -> dict[str, Any]:
     """First and median times of both, and the ratios of the medians, with new and with old numbers.
 
@@ -130,13 +130,13 @@ def measured(case: Case) -> dict[str, Any]:
     make = BODIES[case.body][0]
     for what in ("map", "boundaries"):
         try:
-            first = [seconds(case.runs(make(1.0), 1.0)[what]), seconds(case.runs(None, 1.0)[what])]
+            first = [spent(case.runs(make(1.0), 1.0)[what]), spent(case.runs(None, 1.0)[what])]
             found: dict[str, Any] = {"body_first_s": first[0], "disk_first_s": first[1]}
             for name, step in (("new", STEP), ("same", 0.0)):
                 pairs = []
                 for i in range(1, REPEATS + 1):
                     x = 1 + step * i
-                    pairs.append([seconds(case.runs(b, x)[what]) for b in (make(x), None)])
+                    pairs.append([spent(case.runs(b, x)[what]) for b in (make(x), None)])
                 ours, theirs = (statistics.median(t) for t in zip(*pairs, strict=True))
                 found[name] = {"body_s": ours, "disk_s": theirs, "ratio": ours / theirs}
         except st.StabilityError as error:

@@ -63,29 +63,12 @@ def swept(browser: Any, path: Path, name: str, link: str = "") -> None:
     )
 
 
-def governor(st: Any) -> Any:
-    """A family whose members are solved for: Watt's governor."""
-    import casadi as ca
-
-    x, y, z, a, b, e = (ca.SX.sym(n) for n in ("x", "y", "z", "a", "b", "e"))
-    rhs = ca.vertcat(y, z**2 * ca.sin(x) * ca.cos(x) - ca.sin(x) - e * y, a * (ca.cos(x) - b))
-    system = st.System(
-        "governor",
-        ca.vertcat(x, y, z),
-        ca.vertcat(a, b, e),
-        rhs,
-        states=("x", "y", "z"),
-        parameters=("a", "b", "e"),
-    )
-    near = {"x": 1.0, "z": 1.4, "a": 0.5, "b": 0.5, "e": 0.4}
-    return system.steady("e", held={"y": 0.0}, guess=near, equations=("y", "z"), name="running")
-
-
 def main() -> None:
     sys.path.insert(0, str(ROOT / "tests" / "tools"))
     from chromium import GPU, SOFTWARE, chromium, visit
 
     import stability as st
+    from stability.tables.benchmarks.oscillators import governor
 
     wanted = argparse.ArgumentParser(description=__doc__)
     wanted.add_argument("--gpu", nargs="?", const="gl-egl", help="interface of the graphics card")
@@ -116,7 +99,7 @@ def main() -> None:
         others = {
             "torus, tumbling": ("tumbling", {"body": st.Torus(0.2)}),
             "egg, tumbling": ("tumbling", {"body": st.Egg(0.2)}),
-            "solved-for members": (governor(st), {"at": 0.4, "a": 0.5, "b": 0.5}),
+            "solved-for members": (governor(), {"at": 0.4, "a": 0.5, "b": 0.5}),
         }
         for name, (family, given) in others.items():
             path = st.explore(family, **given, certify=False, out=Path(folder) / f"{name}.html")

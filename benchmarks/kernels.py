@@ -25,16 +25,18 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from timing import in_turns, seconds
 
 import stability as st
 from stability.base.axis import Axis
 from stability.maps.cells import COMPILED_FROM, Cells
 from stability.maps.growth_rates import GrowthKernel
-from stability.maps.verdicts import GridVerdicts
+from stability.maps.verdicts import FilteredVerdicts, GridVerdicts
 from stability.spectra.axes import swept
 from stability.spectra.certificate import certify
 from stability.spectra.problem import disk_problem
@@ -58,17 +60,8 @@ PAIRS = {"circling": "rough", "precession": "smooth"}
 """Families of two numbers, and the law that they have."""
 
 
-def timed(run: Callable[[], Any]) -> float:
-    start = time.perf_counter()
-    run()
-    return time.perf_counter() - start
-
-
-def spent(run: Callable[[], Any]) -> float:
-    """Processor time of a run [s]."""
-    start = time.process_time()
-    run()
-    return time.process_time() - start
+spent = partial(seconds, clock=time.process_time)
+"""Processor time of a run [s]."""
 
 
 def cases() -> list[tuple[str, str]]:
@@ -181,7 +174,7 @@ found = {"first_map_s": round(time.perf_counter() - loaded, 2)}
 STREAM = """
 import numpy as np
 from stability.maps.growth_rates import GrowthKernel
-from stability.maps.verdicts import GridVerdicts
+from stability.maps.verdicts import FilteredVerdicts, GridVerdicts
 kernel = GrowthKernel(question, quick=True)
 grid = GridVerdicts(question, "at", "mu")
 start, count, worst, growing = time.process_time(), 0, 0.0, 0
@@ -243,57 +236,36 @@ def axes_of(family: str, packed: float | None = None) -> tuple[Axis, Axis]:
     return Axis("at", low, high, NX), Axis("mu", *mu, NY, packed is None)
 
 
-def baseline(family: str, axes: tuple[Axis, Axis]) -> Callable[[], Any]:
-    resolved = st.disk_family(family, "viscous")
-    at, mu = np.meshgrid(axes[0].values, axes[1].values[:: NY // BASE_ROWS])
-    a = at.reshape(-1, 1)
-    q = np.column_stack([np.full(len(a), 0.25), mu.reshape(-1)])
-    u = resolved.solve(a, q)  # not timed: the family is closed or is solved once
-
-    def run() -> Any:
-        return np.linalg.eigvals(resolved.matrix(a, u, q)).real.max(axis=1)
-
-    run.count = len(a)  # type: ignore[attr-defined]
-    return run
-
-
 def maps(family: str) -> dict[str, Any]:
+    """The routes with all processors, by wall time, and the signs that LAPACK gets wrong."""
     axes = axes_of(family)
-    slow = baseline(family, axes)
     question = swept(family, {a.name: a for a in axes}, contact=st.Viscous)[0]
-    xs, ys = axes[0].values, axes[1].values
+    slow, count = eigvals_of(question, axes)
     grid = GridVerdicts(question, "at", "mu")
-
-    def verdicts() -> None:
-        grid(xs, ys)
-
-    def growth() -> None:
-        Cells(question, axes, False).fill(os.cpu_count() or 1, None)
-
-    rounds: dict[str, list[float]] = {"eigvals": [], "verdicts": [], "growth": []}
-    for run in (slow, verdicts, growth):
+    workers = os.cpu_count() or 1
+    runs: dict[str, Callable[[], Any]] = {
+        "eigvals": slow,
+        "verdicts": lambda: grid(axes[0].values, axes[1].values),
+        "growth": lambda: Cells(question, axes, False).fill(workers, None),
+    }
+    for run in runs.values():
         run()
-    for _ in range(REPEATS):
-        rounds["eigvals"].append(timed(slow) / slow.count)  # type: ignore[attr-defined]
-        rounds["verdicts"].append(timed(verdicts) / (NX * NY))
-        rounds["growth"].append(timed(growth) / (NX * NY))
+    sizes = {"eigvals": count, "verdicts": NX * NY, "growth": NX * NY}
+    rounds = {n: [t / sizes[n] for t in ts] for n, ts in in_turns(runs, REPEATS).items()}
     point = {name: statistics.median(times) for name, times in rounds.items()}
-    wrong = signs_wrong(family, axes, slow)
     return {
         "ns_per_point": {name: round(1e9 * t, 2) for name, t in point.items()},
         "verdict_ratio": round(point["eigvals"] / point["verdicts"]),
         "growth_and_verdict_ratio": round(point["eigvals"] / point["growth"], 1),
-        "signs_wrong_by_eigvals": wrong,
+        "signs_wrong_by_eigvals": signs_wrong(question, axes, slow),
         "raw_seconds_per_point": rounds,
     }
 
 
-def signs_wrong(family: str, axes: tuple[Axis, Axis], slow: Callable[[], Any]) -> str:
+def signs_wrong(question: Any, axes: tuple[Axis, Axis], slow: Callable[[], Any]) -> str:
     at, mu = np.meshgrid(axes[0].values, axes[1].values[:: NY // BASE_ROWS])
-    question = disk_problem(family, st.Disk(), st.Viscous(1.0), 1.0)
-    from stability.maps.verdicts import FilteredVerdicts
-
-    codes, _ = FilteredVerdicts(question).codes(dict(question.values) | {"at": at, "mu": mu})
+    values = dict(question.values) | {"at": at, "mu": mu}
+    codes, _ = FilteredVerdicts(question).codes(values)
     lead = slow().reshape(at.shape)
     return f"{int(((lead < 0) != (codes == 1)).sum())} of {at.size}"
 
@@ -326,7 +298,7 @@ def queries() -> dict[str, float]:
             at, mu = random.uniform(low, high), 10 ** random.uniform(-3, 3)
             law = st.Viscous(mu)
             whole.append(
-                timed(
+                seconds(
                     lambda at=at, law=law, family=family: st.spectrum(
                         family, at=at, contact=law, certify=True
                     )
@@ -334,7 +306,7 @@ def queries() -> dict[str, float]:
             )
             question = disk_problem(family, st.Disk(), law, at)
             values = {n: float(v) for n, v in question.values.items()}
-            alone.append(timed(lambda q=question, v=values: certify(q, v)))
+            alone.append(seconds(lambda q=question, v=values: certify(q, v)))
     return {
         "spectrum(certify=True)_ms": 1e3 * statistics.median(whole),
         "verdict_and_eigenvalues_alone_ms": 1e3 * statistics.median(alone),
@@ -345,7 +317,7 @@ def streamed(side: int) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "map.nc"
         axes: dict[str, Any] = {"x": ("at", 0.011, 1.57, side), "y": ("mu", 0.01, 10, side, "log")}
-        used = timed(lambda: st.stream_map("tumbling", **axes, out=target))
+        used = seconds(lambda: st.stream_map("tumbling", **axes, out=target))
         start = time.perf_counter()
         with st.read_map(target, lazy=True) as dataset:
             corner = int(dataset.verdict[-1, -1])
@@ -388,15 +360,12 @@ def settling(count: int = 20_000, singles: int = 1000) -> dict[str, Any]:
     runs["own_flint"] = lambda: [test.nearest(x, q, 1e-3) for x, q in one]
     for run in runs.values():
         run()
-    spent: dict[str, list[float]] = {name: [] for name in runs}
-    for _ in range(REPEATS):
-        for name, run in runs.items():
-            start = time.process_time()
-            run()
-            each = singles if name == "own_flint" else count
-            spent[name].append(1e6 * (time.process_time() - start) / each)
+    tests = dict.fromkeys(runs, count) | {"own_flint": singles}
+    times = in_turns(runs, REPEATS, time.process_time)
     return {
-        "us_per_test": {name: round(statistics.median(v), 2) for name, v in spent.items()},
+        "us_per_test": {
+            name: round(1e6 * statistics.median(v) / tests[name], 2) for name, v in times.items()
+        },
         "proved_share": {
             "own": float(test.many(near, own, 1e-3).settled.proved.mean()),
             "shared": float(test.many(near, p, 1e-3).settled.proved.mean()),

@@ -17,12 +17,12 @@ import resource
 import statistics
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import sympy
+from timing import seconds
 
 import stability as st
 from stability.algebra.number_types import sympy_algebra
@@ -34,12 +34,7 @@ MU = (0.05, 3.0)
 
 
 def timed(run: Callable[[], Any], repeats: int = REPEATS) -> list[float]:
-    out = []
-    for _ in range(repeats):
-        start = time.perf_counter()
-        run()
-        out.append(time.perf_counter() - start)
-    return out
+    return [seconds(run) for _ in range(repeats)]
 
 
 def obvious(family: str) -> tuple[Callable[..., Any], Callable[..., Any]]:
@@ -122,11 +117,10 @@ def import_time() -> list[float]:
 
 
 def large() -> dict[str, float]:
-    start = time.perf_counter()
-    st.stability_map("spinning", x=("at", 0.5, 5.0, 4000), y=("mu", *MU, 3000))
+    axes: dict[str, Any] = {"x": ("at", 0.5, 5.0, 4000), "y": ("mu", *MU, 3000)}
     return {
         "cells": 12e6,
-        "seconds": time.perf_counter() - start,
+        "seconds": seconds(lambda: st.stability_map("spinning", **axes)),
         "peak_GiB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20,
     }
 

@@ -19,6 +19,7 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
+from timing import least, seconds
 
 import stability as st
 from stability.algebra.program import Program
@@ -30,17 +31,6 @@ from stability.motion.result import BY_CODE
 
 LAUNCH = np.array([math.pi / 2 - 0.1, 0, 0, 1.2, 0, 0])
 GRID = np.linspace(0.0, 100.0, 101)
-
-
-def best(routes: dict[str, Callable[[], Any]], turns: int) -> dict[str, float]:
-    """Shortest time of each route [s]; the routes take turns."""
-    found = dict.fromkeys(routes, math.inf)
-    for _ in range(turns):
-        for name, run in routes.items():
-            begin = time.perf_counter()
-            run()
-            found[name] = min(found[name], time.perf_counter() - begin)
-    return found
 
 
 def states(run: Any) -> Any:
@@ -121,21 +111,19 @@ def reference() -> None:
         def route(leg: Leg = leg, kept: dict[str, Any] = kept) -> None:
             kept["our route"] = taylor.integrate(leg).states[:, :6]
 
-        begin = time.perf_counter()
-        ours()
-        first = time.perf_counter() - begin
+        first = seconds(ours)
         routes = {"raw heyoka": bare, "our route": route, "simulate": ours, "checked": checked}
-        found = best(routes, 40)
+        found = least(routes, 40)
         errors = {
             "raw heyoka": np.abs(kept["raw heyoka"] - exact).max(),
             "our route": np.abs(kept["our route"] - exact).max(),
             "simulate": np.abs(states(kept["simulate"]) - exact).max(),
         }
         errors["checked"] = errors["simulate"]
-        for name, seconds in found.items():
+        for name, took in found.items():
             once = compiled if name == "raw heyoka" else first
             print(
-                f"  {tolerance:.0e}  {name:<11} {1e3 * seconds:7.2f} ms  error "
+                f"  {tolerance:.0e}  {name:<11} {1e3 * took:7.2f} ms  error "
                 f"{errors[name]:.1e}  first call {once:.2f} s"
             )
         raw_time = found["raw heyoka"]
@@ -146,8 +134,8 @@ def reference() -> None:
         )
     run = lsoda(1e-6)
     error = np.abs(run(LAUNCH) - exact).max()
-    seconds = best({"lsoda": lambda: run(LAUNCH)}, 5)["lsoda"]
-    print(f"  1e-06  SciPy LSODA {1e3 * seconds:7.2f} ms  error {error:.1e}")
+    took = least({"lsoda": lambda: run(LAUNCH)}, 5)["lsoda"]
+    print(f"  1e-06  SciPy LSODA {1e3 * took:7.2f} ms  error {error:.1e}")
 
 
 def batches(count: int = 1000) -> None:
@@ -192,12 +180,9 @@ def batches(count: int = 1000) -> None:
     for n in sorted({1, cores}):
         routes |= {f"raw {n}": lambda n=n: bare(n), f"ours {n}": lambda n=n: ours(n)}
     routes["checked"] = lambda: ours(cores, check=True)
-    found = best(routes, 4)
+    found = least(routes, 4)
     run = lsoda(1e-9)
-    begin = time.perf_counter()
-    for start in starts[:20]:
-        run(start)
-    loop = (time.perf_counter() - begin) / 20 * count
+    loop = seconds(lambda: [run(start) for start in starts[:20]]) / 20 * count
     print(f"batch of {count} starts near it, tolerance 1e-9, lanes of {width}")
     for n in sorted({1, cores}):
         a, b = found[f"raw {n}"], found[f"ours {n}"]
@@ -248,7 +233,7 @@ def stiff() -> None:
             }
             for run in routes.values():
                 run()
-            found = best(routes, 2 if mu > 1000 else 5)
+            found = least(routes, 2 if mu > 1000 else 5)
             cells = "".join(
                 f"{1e3 * found[m]:10.1f} ({np.abs(states(kept[m]) - exact).max():.0e})".rjust(18)
                 for m in methods
@@ -273,19 +258,11 @@ def neighbours(count: int) -> None:
     )
     slowest = {}
     for method in ("lsoda", "cvodes"):
-        times = []
-        for start in starts[: min(count, 128)]:
-            begin = time.perf_counter()
-            st.simulate(
-                st.Disk(),
-                st.Viscous(0.3),
-                start,
-                np.linspace(0, 100, 101),
-                method=method,
-                check=False,
-            )
-            times.append(time.perf_counter() - begin)
-        slowest[method] = max(times)
+
+        def alone(start: Any, method: str = method) -> None:
+            st.simulate(st.Disk(), st.Viscous(0.3), start, GRID, method=method, check=False)
+
+        slowest[method] = max(seconds(lambda s=s: alone(s)) for s in starts[:128])
     print(
         "  slowest single launch of 128: "
         + ", ".join(f"{m} {1e3 * s:.0f} ms" for m, s in slowest.items())

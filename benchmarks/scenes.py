@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import argparse
 import statistics
-import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from timing import in_turns
 
 import stability as st
 from stability.bodies.newton_euler import STATES
@@ -82,16 +82,13 @@ def pairs(
 ) -> tuple[float, float, float]:
     """Median times of two calls in turns, and the median of their ratios."""
     one(), other()  # what they compile is not counted
-    times: list[tuple[float, float]] = []
-    for turn in range(turns):
-        found = {}
-        for call in (one, other) if turn % 2 else (other, one):
-            begin = time.perf_counter()
-            call()
-            found[call] = time.perf_counter() - begin
-        times.append((found[one], found[other]))
-    a, b = zip(*times, strict=True)
-    return statistics.median(a), statistics.median(b), statistics.median(x / y for x, y in times)
+    times = in_turns({"one": one, "other": other}, turns)
+    each = [a / b for a, b in zip(times["one"], times["other"], strict=True)]
+    return (
+        statistics.median(times["one"]),
+        statistics.median(times["other"]),
+        statistics.median(each),
+    )
 
 
 def examples(out: Path | None) -> None:

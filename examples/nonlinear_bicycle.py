@@ -8,15 +8,8 @@ y right, z down.  The wheels turn about their axles towards the front.
 import casadi as ca
 
 import stability as st
+from stability.tables.benchmarks.bicycle import BENCHMARK as VALUES
 
-VALUES = {
-    "w": 1.02, "c": 0.08, "lam": 0.3141592653589793, "g": 9.81,
-    "rR": 0.3, "mR": 2.0, "IRxx": 0.0603, "IRyy": 0.12,
-    "xB": 0.3, "zB": -0.9, "mB": 85.0, "IBxx": 9.2, "IByy": 11.0, "IBzz": 2.8, "IBxz": 2.4,
-    "xH": 0.9, "zH": -0.7, "mH": 4.0,
-    "IHxx": 0.05892, "IHyy": 0.06, "IHzz": 0.00708, "IHxz": -0.00756,
-    "rF": 0.35, "mF": 3.0, "IFxx": 0.1405, "IFyy": 0.28,
-}  # fmt: skip
 P = {n: ca.SX.sym(n) for n in VALUES}
 Q = {n: ca.SX.sym(n) for n in ("x", "y", "z", "yaw", "lean", "pitch", "steer", "rear", "front")}
 U = {n: ca.SX.sym(f"{n}_rate") for n in Q}

@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 
 from ..algebra.upright import UPRIGHT
 from ..base.checks import broadcast, checked, instance, known
-from ..base.errors import ParameterError, if_degrees
+from ..base.errors import NoMemberError, ParameterError, if_degrees, listing
 from ..base.types import Floats
 from .disk import Disk
-from .families import FAMILIES, SteadyFamily
+from .families import _RECORDS, FAMILIES, SteadyFamily
 from .newton_euler import STATES
 from .round_body.body import Body
 from .round_body.families import place_of
@@ -21,11 +21,14 @@ from .round_body.inclinations import tumbling_rates
 from .round_body.shape import RoundShape
 from .round_body.si_law import shape_of
 from .round_body.thin import is_thin, thin_body
+from .subject import disk_family
 
 TILT = 0.1
 """Tilt of the symmetry axis [rad]."""
 LEVEL = 1e-9
 """Largest slope of the height, over the height, where a body rolls."""
+SAME = 1e-6
+"""Largest difference, relative or absolute, of a closed form from the member solved for."""
 
 
 def launch(
@@ -100,6 +103,7 @@ def launch(
             member = _member(shape, record, where, place, rate)
         else:
             member = record.member(np, where, shape.shape["k"], rate)
+            _check_solution(record, where, shape.shape["k"], rate)
         for column, name in enumerate(STATES):
             value = member.get(name, 0.0)
             six[..., column] = math.pi / 2 if value is UPRIGHT else value
@@ -120,6 +124,30 @@ def _disk_of(record: SteadyFamily, given: Any) -> Disk:
             "body: give disk=stability.Disk(...)."
         )
     return Disk() if given is None else instance("disk", given, Disk, "give a stability.Disk")
+
+
+def _check_solution(record: SteadyFamily, where: Floats, k: Any, rate: Any) -> None:
+    """Refuse a user's closed form whose first value is not that of the member solved for."""
+    if record.solution is None or record in _RECORDS:  # tests compare those of the package
+        return
+    family = disk_family(record.name, record.law or "viscous")
+    at, inertia, clock = (float(np.ravel(v)[0]) for v in (where, k, rate))
+    closed = record.member(np, at / record.unit(clock), inertia)
+    first = [closed[name] for name in family.unknown]
+    if not np.isfinite(first).all():
+        return
+    numbers = [{"k": inertia}.get(name, 1.0) for name in family.parameters]
+    try:
+        solved = family.member([closed[name] for name in family.at], numbers, first)
+        near = solved[[family.system.index(name) for name in family.unknown]]
+    except NoMemberError:
+        near = np.full(len(first), np.nan)
+    if not np.allclose(first, near, rtol=SAME, atol=SAME):
+        raise ParameterError(
+            f"solution of {record.name} gives {listing(family.unknown, first)} at "
+            f"{listing(family.at, [closed[n] for n in family.at])}, k = {inertia:g}, which is no "
+            "steady motion; correct the record."
+        )
 
 
 def _same_place(body: RoundShape, family: str, place: float) -> None:

@@ -24,10 +24,6 @@ def timed(
     budget
         Time after which no call beyond the least starts [s].
 
-    Returns
-    -------
-    list of float
-
     Examples
     --------
     >>> len(timed(lambda: None, least=3, most=3))
@@ -64,15 +60,6 @@ class Place:
 
 def places(panel: Mapping[str, tuple[float, float]]) -> dict[str, Place]:
     """Standing of every route in a panel.
-
-    Parameters
-    ----------
-    panel
-        (seconds, error) by name, for the routes without a wrong answer.
-
-    Returns
-    -------
-    dict
 
     Examples
     --------

@@ -67,48 +67,39 @@ class Entry:
     """Initials of right, undecided and wrong for each of `DECADES`, of a case at a boundary."""
 
 
+def _cases(part: str) -> Mapping[str, Any]:
+    """The cases of a part by name."""
+    return CASES if part == LINEAR else MOTION_CASES
+
+
+def _methods(part: str) -> Sequence[str]:
+    """Names of the methods of a part."""
+    return ROUTE_NAMES if part == LINEAR else DRIVER_NAMES
+
+
 def tasks() -> list[list[Task]]:
     """Tasks of the catalogue, grouped by method: one process for each group."""
-    linear = [
-        [Task(f"failure/{LINEAR}/{case}/{name}", weigh, (case, name), LIMIT) for case in CASES]
-        for name in ROUTE_NAMES
-    ]
-    motion = [
+    groups = [
         [
-            Task(f"failure/{MOTION}/{case}/{name}", weigh_motion, (case, name), LIMIT)
-            for case in MOTION_CASES
+            Task(f"failure/{part}/{case}/{method}", weigh, (part, case, method), LIMIT)
+            for case in _cases(part)
         ]
-        for name in DRIVER_NAMES
+        for part in (LINEAR, MOTION)
+        for method in _methods(part)
     ]
-    return sorted([*linear, *motion], key=_slow, reverse=True)
+    return sorted(groups, key=_slow, reverse=True)
 
 
 def _slow(group: list[Task]) -> bool:
     """Whether a group takes long, so that it starts first."""
-    method = group[0].arguments[1]
+    method = group[0].arguments[-1]
     return method.startswith(("mpmath", "rk45")) or method in ("bdf", "radau")
 
 
-def weigh(case: str, method: str) -> dict[str, Any] | None:
-    """Judge one cell of the linear part; the result fits JSON.
-
-    Parameters
-    ----------
-    case, method
-        Names of the case and of the route.
-    """
-    return _kept(CASES[case]().judge(ROUTES[method]()))
-
-
-def weigh_motion(case: str, method: str) -> dict[str, Any] | None:
-    """Judge one cell of the part on motion; the result fits JSON.
-
-    Parameters
-    ----------
-    case, method
-        Names of the case and of the driver.
-    """
-    return _kept(MOTION_CASES[case]().judge(drivers.driver(method)))
+def weigh(part: str, case: str, method: str) -> dict[str, Any] | None:
+    """Judge one cell by the names of part, case and method; the result fits JSON."""
+    asked: Any = ROUTES[method]() if part == LINEAR else drivers.driver(method)
+    return _kept(_cases(part)[case]().judge(asked))
 
 
 def _kept(judgement: Judgement | None) -> dict[str, Any] | None:
@@ -148,25 +139,11 @@ def attempt(judge: Callable[[], Judgement | None]) -> Judgement | None:
 
 
 def entries(cells: Mapping[str, Cell]) -> list[Entry]:
-    """The catalogue's cells, case by case.
-
-    Parameters
-    ----------
-    cells
-        Cells by key, as in `tasks`, or some of these.
-
-    Returns
-    -------
-    list of Entry
-    """
+    """The catalogue's cells, case by case."""
     found = []
-    parts: list[tuple[str, Mapping[str, Any], Sequence[str]]] = [
-        (LINEAR, CASES, ROUTE_NAMES),
-        (MOTION, MOTION_CASES, DRIVER_NAMES),
-    ]
-    for part, cases, methods in parts:
-        for case in cases.values():
-            for method in methods:
+    for part in (LINEAR, MOTION):
+        for case in _cases(part).values():
+            for method in _methods(part):
                 cell = cells.get(f"failure/{part}/{case.name}/{method}")
                 if cell is not None:
                     found.append(Entry(part, case.group, case.name, method, *_read(cell)))
@@ -186,11 +163,6 @@ def _read(cell: Cell) -> tuple[Mark | None, float, str, str]:
 
 def ladder(found: Sequence[Entry]) -> dict[str, list[dict[str, int]]]:
     """Number of boundaries with each mark, by route and distance from the boundary.
-
-    Parameters
-    ----------
-    found
-        From `entries`.
 
     Returns
     -------
@@ -223,38 +195,41 @@ def own_methods() -> dict[str, bool]:
     return routes | {d.name: d.default for d in drivers.DRIVERS.values() if d.own}
 
 
+def defaults() -> set[str]:
+    """The methods that the package uses by default."""
+    return {name for name, default in own_methods().items() if default}
+
+
 def misleading(found: Sequence[Entry]) -> list[Entry]:
     """Cells in which a default method of the package has a misleading mark.
-
-    Parameters
-    ----------
-    found
-        From `entries`.
 
     Returns
     -------
     list of Entry
         Empty unless a default method misleads.
     """
-    defaults = {name for name, default in own_methods().items() if default}
-    return [e for e in found if e.method in defaults and e.mark and e.mark not in HONEST]
+    usual = defaults()
+    return [e for e in found if e.method in usual and e.mark and e.mark not in HONEST]
+
+
+HEADINGS = {LINEAR: "Linear analysis", MOTION: "Motion"}
+"""Heading of each part."""
+
+
+def by_case(found: Sequence[Entry], part: str) -> tuple[list[str], dict[str, list[Entry]]]:
+    """The methods of a part, and the cells of each of its cases."""
+    rows: dict[str, list[Entry]] = {}
+    for entry in found:
+        if entry.part == part:
+            rows.setdefault(entry.case, []).append(entry)
+    return list(dict.fromkeys(e.method for row in rows.values() for e in row)), rows
 
 
 # --- as text ---
 
 
 def as_csv(found: Sequence[Entry]) -> str:
-    """The catalogue as CSV: one line for each cell.
-
-    Parameters
-    ----------
-    found
-        From `entries`.
-
-    Returns
-    -------
-    str
-    """
+    """The catalogue as CSV: one line for each cell."""
     rows = []
     for e in found:
         digits = "" if e.digits != e.digits else f"{e.digits:g}"
@@ -265,11 +240,6 @@ def as_csv(found: Sequence[Entry]) -> str:
 
 def from_csv(text: str) -> list[Entry]:
     """The catalogue from its CSV.
-
-    Parameters
-    ----------
-    text
-        From `as_csv`.
 
     Examples
     --------
@@ -293,17 +263,7 @@ def from_csv(text: str) -> list[Entry]:
 
 
 def as_markdown(found: Sequence[Entry]) -> str:
-    """The catalogue as Markdown: for each part a table of marks, then one of its cases.
-
-    Parameters
-    ----------
-    found
-        From `entries`.
-
-    Returns
-    -------
-    str
-    """
+    """The catalogue as Markdown: for each part a table of marks, then one of its cases."""
     lines = ["# Where methods fail", "", "Marks:", ""]
     lines += [f"* {mark.value}" for mark in Mark]
     lines += [
@@ -311,20 +271,20 @@ def as_markdown(found: Sequence[Entry]) -> str:
         "Numbers are digits, or for a boundary the decades of distance, that are left.",
         "",
     ]
-    for part, heading in ((LINEAR, "Linear analysis"), (MOTION, "Motion")):
-        mine = [e for e in found if e.part == part]
-        if not mine:
+    for part, heading in HEADINGS.items():
+        methods, rows = by_case(found, part)
+        if not rows:
             continue
-        methods = list(dict.fromkeys(e.method for e in mine))
-        lines += [f"## {heading}", "", "| case | " + " | ".join(methods) + " |"]
+        lines += [f"## {heading}", "", f"| case | {' | '.join(methods)} |"]
         lines.append("|" + " --- |" * (len(methods) + 1))
-        for case in dict.fromkeys(e.case for e in mine):
-            row = {e.method: e for e in mine if e.case == case}
-            lines.append(f"| {case} | " + " | ".join(_word(row[m]) for m in methods) + " |")
+        for case, row in rows.items():
+            words = {e.method: _word(e) for e in row}
+            lines.append(f"| {case} | " + " | ".join(words[m] for m in methods) + " |")
         lines += ["", "| case | what happens | how the truth is known |", "| --- | --- | --- |"]
-        asked = {e.case for e in mine}
         lines += [
-            f"| {n} | {what} | {how} |" for n, (what, how) in texts(part).items() if n in asked
+            f"| {case} | {what} | {how} |"
+            for case, (what, how) in texts(part).items()
+            if case in rows
         ]
         lines.append("")
     return "\n".join(lines)
@@ -332,11 +292,6 @@ def as_markdown(found: Sequence[Entry]) -> str:
 
 def texts(part: str) -> dict[str, tuple[str, str]]:
     """Physics of each case, and how its truth is known.
-
-    Parameters
-    ----------
-    part
-        `linear` or `motion`.
 
     Returns
     -------
@@ -348,22 +303,12 @@ def texts(part: str) -> dict[str, tuple[str, str]]:
     >>> texts("motion")["lifts off"][0]
     'gn reaches zero at t = 16.1165'
     """
-    cases: dict[str, Mapping[str, Any]] = {LINEAR: CASES, MOTION: MOTION_CASES}
-    made = {name: case() for name, case in cases[part].items()}
+    made = {name: case() for name, case in _cases(part).items()}
     return {name: (case.physics, case.known) for name, case in made.items()}
 
 
 def heading(case: str) -> str:
     """Heading of a hard case's group; empty for what is no hard case.
-
-    Parameters
-    ----------
-    case
-        Name of the case.
-
-    Returns
-    -------
-    str
 
     Examples
     --------

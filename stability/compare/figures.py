@@ -11,7 +11,7 @@ from ..figures.canvas import COLUMN, STYLE, figure_style  # isort: skip
 from collections.abc import Sequence
 from dataclasses import dataclass
 from textwrap import fill, wrap
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import matplotlib
 import numpy as np
@@ -27,7 +27,6 @@ from numpy.typing import NDArray
 from ..base.looks import BLUE, GREEN, VERMILION
 from ..base.looks import LOOKS as VERDICT_LOOKS
 from ..figures.letters import SMALL, Letter, letters
-from .cost import places
 from .marks import Mark
 from .motion import chart as motion_chart
 from .motion.cases import NO_ANSWER
@@ -78,22 +77,24 @@ def page(count: int, body: float, below: float) -> tuple[Figure, list[Axes]]:
     for index in range(count):
         row, column = divmod(index, 2)
         x, y = LEFT + column * (wide + BETWEEN), height - row * FOOT - (row + 1) * (HEAD + body)
-        found.append(figure.add_axes((x / WIDTH, y / height, wide / WIDTH, body / height)))
+        found.append(panel(figure, x, y, wide, body))
     return figure, found
 
 
-def title(axes: Axes, text: str, note: str = "", width: int = LETTERS) -> None:
-    """A title in at most two lines, broken after its colon where it has one, and a grey note.
+def panel(figure: Figure, x: float, y: float, wide: float, tall: float) -> Axes:
+    """A panel by its lower left corner and its size [in]."""
+    width, height = figure.get_figwidth(), figure.get_figheight()
+    return figure.add_axes((x / width, y / height, wide / width, tall / height))
 
-    Parameters
-    ----------
-    axes
-        The panel.
-    text, note
-        The words.
-    width
-        Letters in a line.
-    """
+
+def rules(axes: Axes, along: Literal["both", "x", "y"] = "both") -> None:
+    """Pale lines at the ticks, below what is drawn."""
+    axes.grid(True, axis=along, linewidth=0.3, color="#dddddd")
+    axes.set_axisbelow(True)
+
+
+def title(axes: Axes, text: str, note: str = "", width: int = LETTERS) -> None:
+    """A title in at most two lines, broken after its colon where it has one, and a grey note."""
     text = text.replace(" = ", "\u00a0=\u00a0")  # no line ends within an equation
     first, colon, rest = text.partition(": ")
     lines = [first + colon.strip(), rest]
@@ -120,15 +121,6 @@ def log_axis(axis: Any, low: float, high: float, step: int) -> None:
 
     An x axis has no tick at its ends, where a number would reach into those of the y axis or of
     the next panel, and fewer ticks where the numbers would touch.  Set the panel's place before.
-
-    Parameters
-    ----------
-    axis
-        The x or y axis of a panel.
-    low, high
-        Ends of the axis.
-    step
-        Decades between ticks; one tick is at 1.
     """
     axes = axis.axes
     axes.set(**{f"{axis.axis_name}scale": "log", f"{axis.axis_name}lim": (low, high)})
@@ -144,19 +136,7 @@ def log_axis(axis: Any, low: float, high: float, step: int) -> None:
 
 
 def span(values: Any, room: float = 1.8) -> tuple[float, float]:
-    """Ends of a log axis that holds the values, with some room.
-
-    Parameters
-    ----------
-    values
-        Numbers, of which the positive and finite ones count.
-    room
-        Factor between the outermost values and the ends.
-
-    Returns
-    -------
-    low, high
-    """
+    """Ends of a log axis that holds the values, with some room."""
     known = np.asarray(values, dtype=float).ravel()
     known = known[np.isfinite(known) & (known > 0)]
     if not known.size:
@@ -165,18 +145,9 @@ def span(values: Any, room: float = 1.8) -> tuple[float, float]:
 
 
 def frame(panels: Sequence[Axes], x: str, y: str) -> None:
-    """Label the outer axes of a page; inner panels have ticks alone.
-
-    Parameters
-    ----------
-    panels
-        From `page`.
-    x, y
-        Labels of the axes.
-    """
+    """Label the outer axes of a page; inner panels have ticks alone."""
     for index, axes in enumerate(panels):
-        axes.grid(True, linewidth=0.3, color="#dddddd")
-        axes.set_axisbelow(True)
+        rules(axes)
         axes.tick_params(labelsize=SMALL + 0.5, length=2, pad=1.5, labelleft=index % 2 == 0)
         if index % 2 == 0:
             axes.set_ylabel(y, fontsize=7, labelpad=1)
@@ -185,15 +156,7 @@ def frame(panels: Sequence[Axes], x: str, y: str) -> None:
 
 
 def steps(axes: Axes, spots: Sequence[tuple[float, float]]) -> None:
-    """Draw the front as a broad step line: the least error within a time.
-
-    Parameters
-    ----------
-    axes
-        The panel.
-    spots
-        (seconds, error) of the routes on the front.
-    """
+    """Draw the front as a broad step line: the least error within a time."""
     if not spots:
         return
     times, errors = np.array(sorted(spots)).T
@@ -214,19 +177,7 @@ BROAD: dict[str, Any] = {"color": FRONT, "alpha": 0.35, "linewidth": 2.6, "zorde
 
 
 def handle(words: str, **look: Any) -> Line2D:
-    """An entry of a legend.
-
-    Parameters
-    ----------
-    words
-        Text of the entry.
-    **look
-        Properties of the line.
-
-    Returns
-    -------
-    Line2D
-    """
+    """An entry of a legend."""
     plain: dict[str, Any] = {"ls": "", "ms": 4.2, "mew": 0.8}
     return Line2D([], [], label=words, **(plain | look))
 
@@ -268,21 +219,6 @@ def legend(figure: Figure, top: float, handles: Sequence[Any], columns: int) -> 
 def named(words: str, names: Sequence[str], count: int, width: int = LETTERS + 3) -> str:
     """A note on some of the methods: their names, or where these are too long how many.
 
-    Parameters
-    ----------
-    words
-        What these methods have in common.
-    names
-        Their names.
-    count
-        Number of methods asked.
-    width
-        Letters in the note.
-
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> named("wrong", ["rk4"], 9), named("wrong", [], 9)
@@ -315,14 +251,16 @@ class _Spot:
     worst: float
     median: float
 
+    @classmethod
+    def of(cls, route: xarray.Dataset, time: float, errors: Any) -> _Spot:
+        """A route by its part of the chart, its time, and its errors."""
+        known = np.maximum(errors, FLOOR)
+        name, own = str(route.route.values), bool(route.own)
+        return cls(name, own, time, float(known.max()), float(np.median(known)))
+
 
 def spectrum_figure(chart: xarray.Dataset) -> Figure:
     """Time against error of the eigenvalues, a panel for each class of hardness.
-
-    Parameters
-    ----------
-    chart
-        From `stability.compare.spectrum.chart.dataset`.
 
     Returns
     -------
@@ -358,17 +296,7 @@ def spectrum_figure(chart: xarray.Dataset) -> Figure:
 
 
 def answering(chart: xarray.Dataset) -> list[str]:
-    """Routes that have eigenvalues anywhere.
-
-    Parameters
-    ----------
-    chart
-        From `stability.compare.spectrum.chart.dataset`.
-
-    Returns
-    -------
-    list of str
-    """
+    """Routes that have eigenvalues anywhere."""
     some = np.isfinite(chart.eigenvalues.values).any(axis=(1, 2))
     return [n for n, has in zip(chart.route.values.tolist(), some, strict=True) if has]
 
@@ -379,14 +307,12 @@ def _spots(chart: xarray.Dataset, names: Sequence[str], kind: str) -> tuple[list
     for name in names:
         cell = chart.sel(route=name, hardness=kind)
         errors = cell.eigenvalues.values
-        errors = np.maximum(errors[np.isfinite(errors)], FLOOR)
+        errors = errors[np.isfinite(errors)]
         if float(cell.wrong) > 0:
             wrong.append(name)
         elif errors.size and str(cell.status.values) == "done":
             time = spectrum_chart.seconds(chart, name, kind)[0]
-            found.append(
-                _Spot(name, bool(cell.own), time, float(errors.max()), float(np.median(errors)))
-            )
+            found.append(_Spot.of(cell, time, errors))
     return found, wrong
 
 
@@ -406,26 +332,28 @@ def _draw_routes(axes: Axes, spots: Sequence[_Spot], front: set[str], named: set
             zorder=2,
             solid_capstyle="butt",
         )
-        axes.plot(
-            [spot.time],
-            [spot.worst],
-            "D" if spot.own else "o",
-            ms=3,
-            mew=0.7,
-            mec=colour,
-            mfc=colour if spot.own else "white",
-            zorder=4 if told else 3,
-        )
+        look = _look(colour, own=spot.own)
+        axes.plot([spot.time], [spot.worst], ms=3, mew=0.7, zorder=4 if told else 3, **look)
         if told:
             written.append(Letter(spot.time, spot.worst, spot.name, colour))
     letters(axes, written)
 
 
+def _look(colour: str, *, own: bool) -> dict[str, Any]:
+    """Mark of a route: the package's are full diamonds."""
+    return {
+        "ls": "",
+        "marker": "D" if own else "o",
+        "color": colour,
+        "mfc": colour if own else "white",
+    }
+
+
 def _route_handles() -> list[object]:
     return [
-        handle("the package's", marker="D", color=OWN),
-        handle("common", marker="o", color=PEOPLE, mfc="white"),
-        handle("other common", marker="o", color=PALE, mfc="white"),
+        handle("the package's", **_look(OWN, own=True)),
+        handle("common", **_look(PEOPLE, own=False)),
+        handle("other common", **_look(PALE, own=False)),
         handle("down to the median", marker="|", ms=6, color="#555555"),
         front_handle(),
     ]
@@ -433,11 +361,6 @@ def _route_handles() -> list[object]:
 
 def boundary_figure(chart: xarray.Dataset) -> Figure:
     """Time against error of finding a boundary, and the errors at each boundary.
-
-    Parameters
-    ----------
-    chart
-        From `stability.compare.spectrum.chart.dataset`.
 
     Returns
     -------
@@ -450,12 +373,8 @@ def boundary_figure(chart: xarray.Dataset) -> Figure:
         body, rows, gap, foot = 1.1, 0.125 * (len(edges) + 0.8), 0.36, 0.62
         tall = HEADROOM + body + gap + rows + foot
         figure = Figure(figsize=(WIDTH, tall))
-        upper = figure.add_axes(
-            (LEFT / WIDTH, (foot + rows + gap) / tall, (WIDTH - LEFT - RIGHT) / WIDTH, body / tall)
-        )
-        lower = figure.add_axes(
-            (1.78 / WIDTH, foot / tall, (WIDTH - 1.78 - RIGHT) / WIDTH, rows / tall)
-        )
+        upper = panel(figure, LEFT, foot + rows + gap, WIDTH - LEFT - RIGHT, body)
+        lower = panel(figure, 1.78, foot, WIDTH - 1.78 - RIGHT, rows)
         _boundary_panel(upper, chart, names)
         _boundary_rows(lower, chart, edges)
         own, common, _, median, front = _route_handles()
@@ -477,16 +396,7 @@ def _boundary_panel(axes: Axes, chart: xarray.Dataset, names: Sequence[str]) -> 
         if not np.isfinite(errors).all():
             missing.append(name)
         elif errors.size:
-            known = np.maximum(errors, FLOOR)
-            spots.append(
-                _Spot(
-                    name,
-                    bool(route.own),
-                    float(np.median(times)),
-                    float(known.max()),
-                    float(np.median(known)),
-                )
-            )
+            spots.append(_Spot.of(route, float(np.median(times)), errors))
     log_axis(axes.xaxis, *span([s.time for s in spots], 3), 1)
     log_axis(axes.yaxis, BOTTOM, max([1e-12, *(s.worst for s in spots)]) * 60, 4)
     standing = spectrum_chart.standing(chart, "boundary")
@@ -508,15 +418,8 @@ def _boundary_rows(axes: Axes, chart: xarray.Dataset, edges: Sequence[str]) -> N
         error, own = here.boundary_error.values, here.own.values
         for mine, colour in ((False, PEOPLE), (True, OWN)):
             known = np.maximum(error[asked & (own == mine) & np.isfinite(error)], FLOOR)
-            axes.plot(
-                known,
-                [row + (0.14 if mine else -0.14)] * known.size,
-                "D" if mine else "o",
-                ms=2.4,
-                mew=0.6,
-                mec=colour,
-                mfc=colour if mine else "white",
-            )
+            line = [row + (0.14 if mine else -0.14)] * known.size
+            axes.plot(known, line, ms=2.4, mew=0.6, **_look(colour, own=mine))
         missed = int((asked & np.isnan(error)).sum())
         if missed:
             axes.plot([0.08], [row], "x", ms=3.2, mew=0.9, color="black")
@@ -531,8 +434,7 @@ def _boundary_rows(axes: Axes, chart: xarray.Dataset, edges: Sequence[str]) -> N
     axes.set_yticks(range(len(edges)), [_edge_words(e) for e in edges], fontsize=SMALL)
     axes.tick_params(labelsize=SMALL, length=2, pad=1.5)
     axes.set_xlabel("relative error", fontsize=7, labelpad=2)
-    axes.grid(True, axis="y", linewidth=0.3, color="#dddddd")
-    axes.set_axisbelow(True)
+    rules(axes, "y")
 
 
 def _edge_words(edge: str) -> str:
@@ -576,11 +478,8 @@ def _shares_figure(
     foot = 0.2 + (0.28 if label else 0.0) + below
     left, right = 0.08 + max(map(_wide, methods)), 0.42 if notes else 0.05
     with figure_style(STYLE | {"hatch.linewidth": 0.5, "hatch.color": "black"}):
-        height = LINE * tall + top + foot
-        figure = Figure(figsize=(WIDTH, height))
-        axes = figure.add_axes(
-            (left / WIDTH, foot / height, (WIDTH - left - right) / WIDTH, LINE * tall / height)
-        )
+        figure = Figure(figsize=(WIDTH, LINE * tall + top + foot))
+        axes = panel(figure, left, foot, WIDTH - left - right, LINE * tall)
         axes.set(xlim=(-0.5, len(heads) - 0.5), ylim=(tall - 0.5, -0.5))
         for i, j in np.ndindex(counts.shape[:2]):
             _share_cell(axes, j, y[i], counts[i, j], marks)
@@ -664,11 +563,6 @@ def _key(figure: Figure, marks: Sequence[str], blank: str, top: float) -> None:
 
 def verdict_figure(chart: xarray.Dataset) -> Figure:
     """Shares of right, undecided and wrong verdicts of every route in each class of hardness.
-
-    Parameters
-    ----------
-    chart
-        From `stability.compare.spectrum.chart.dataset`.
 
     Returns
     -------
@@ -810,31 +704,12 @@ PLAIN: dict[str, Any] = {"ls": "-", "lw": 0.8, "ms": 2.4, "mew": 0.6, "zorder": 
 
 
 def panels_of(chart: xarray.Dataset, metric: str) -> list[str]:
-    """Scenes in which any driver has the error.
-
-    Parameters
-    ----------
-    chart
-        From `stability.compare.motion.chart.dataset`.
-    metric
-        One of `stability.compare.motion.chart.METRICS`.
-
-    Returns
-    -------
-    list of str
-    """
+    """Scenes in which any driver has the error."""
     return [w for w in chart.scene.values.tolist() if motion_chart.points(chart, w, metric)]
 
 
 def motion_figure(chart: xarray.Dataset, metric: str = "path") -> Figure:
     """Work against precision through the tolerances, a panel for each scene that has the error.
-
-    Parameters
-    ----------
-    chart
-        From `stability.compare.motion.chart.dataset`.
-    metric
-        One of `stability.compare.motion.chart.METRICS`.
 
     Returns
     -------
@@ -866,12 +741,8 @@ def _front(
     chart: xarray.Dataset, which: str, metric: str
 ) -> tuple[set[str], list[tuple[float, float]]]:
     """Drivers on the front that have a digit right, and the points of the front."""
-    flat = {
-        f"{name} {rung}": point
-        for name, rows in motion_chart.points(chart, which, metric).items()
-        for rung, point in enumerate(rows)
-    }
-    best = {key: p for key, p in places(flat).items() if p.on_front and p.error < DIGIT}
+    every = motion_chart.rungs(chart, which, metric)
+    best = {key: p for key, p in every.items() if p.on_front and p.error < DIGIT}
     spots = [(p.time, max(p.error, 2 * LOWEST)) for p in best.values()]
     return {key.split()[0] for key in best}, spots
 
@@ -925,11 +796,6 @@ def _driver_handles(names: list[str]) -> list[Any]:
 def first_call_figure(chart: xarray.Dataset) -> Figure:
     """Time of the first call, graphs built and code compiled, next to that of a repeat.
 
-    Parameters
-    ----------
-    chart
-        From `stability.compare.motion.chart.dataset`.
-
     Returns
     -------
     Figure
@@ -938,14 +804,11 @@ def first_call_figure(chart: xarray.Dataset) -> Figure:
     """
     names = chart.driver.values.tolist()
     left, body, foot = 0.78, 0.15 * len(names), 0.52
-    height = body + foot + 0.05
     with figure_style(STYLE):
-        figure = Figure(figsize=(WIDTH, height))
-        axes = figure.add_axes(
-            (left / WIDTH, foot / height, (WIDTH - left - RIGHT) / WIDTH, body / height)
-        )
+        figure = Figure(figsize=(WIDTH, body + foot + 0.05))
+        axes = panel(figure, left, foot, WIDTH - left - RIGHT, body)
         log_axis(axes.xaxis, *span([*_repeats(chart).ravel(), *chart["first"].values.ravel()]), 1)
-        axes.grid(True, axis="x", linewidth=0.3, color="#dddddd")
+        rules(axes, "x")
         for line, (again, first) in enumerate(
             zip(_repeats(chart).T, chart["first"].values.T, strict=True)
         ):

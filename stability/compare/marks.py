@@ -1,10 +1,46 @@
-"""Result of a method on a hard case: a mark, the digits that are left, and a note."""
+"""A method, a hard case, and the result of one on the other: a mark, digits, and a note."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 from enum import Enum
+from typing import Any, ClassVar, Self
+
+
+class Compared:
+    """A class whose fields say which method or case it is."""
+
+    @classmethod
+    def variant(cls, **fields: Any) -> type[Self]:
+        """The same with other fields."""
+        return type(cls.__name__.lstrip("_"), (cls,), {"__doc__": cls.__doc__, **fields})
+
+
+class Method(Compared):
+    """What a comparison asks; a subclass is one method."""
+
+    name: ClassVar[str]
+    """Name in tables and on the command line."""
+    title: ClassVar[str]
+    """Description in a few words."""
+    flaw: ClassVar[str] = ""
+    """Why it crashes where it does, in sentences; empty for a method that does not."""
+    own: ClassVar[bool] = False
+    """Whether it belongs to the package."""
+    default: ClassVar[bool] = False
+    """Whether the package uses it by default."""
+
+
+class HardCase(Compared):
+    """A question that some methods get wrong; a subclass is one case."""
+
+    name: ClassVar[str]
+    """Name in tables."""
+    group: ClassVar[str]
+    """Heading of its group in tables."""
+    physics: ClassVar[str]
+    """Physics of the case."""
 
 
 class Mark(Enum):

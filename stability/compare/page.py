@@ -75,13 +75,6 @@ details { margin: .8rem 0; } summary { cursor: pointer; }
 def write(folder: Path, parts: Sequence[Part]) -> Path:
     """Write the page of a report.
 
-    Parameters
-    ----------
-    folder
-        Folder with the figures and data.
-    parts
-        Complete parts of the report.
-
     Returns
     -------
     Path
@@ -137,8 +130,8 @@ def _section(one: Part) -> list[str]:
     if not one.plates and one.name != "scenes":
         found.append("<p>No cell of this part has ended, so no figure is drawn.</p>")
     found.append('<div class="figures">')
-    files = {"png": "PNG", "pdf": "PDF"}
-    found += [figure(p.stem, p.caption, p.caption[:90], files) for p in one.plates]
+    endings = {"png": "PNG", "pdf": "PDF"}
+    found += [figure(p.stem, p.caption, p.caption[:90], endings) for p in one.plates]
     found += ["</div>", *_methods(one)]
     if one.name == "failures":
         found += _tables(one.chart)
@@ -194,17 +187,7 @@ def _crashes(found: Sequence[catalogue.Entry], known: Mapping[str, Any]) -> list
 
 
 def reason(standing: Standing) -> str:
-    """Reason why a route is not on the front.
-
-    Parameters
-    ----------
-    standing
-        Standing of the route in a panel.
-
-    Returns
-    -------
-    str
-    """
+    """Reason why a route is not on the front."""
     for (route, word), text in ANOTHER.items():
         if route == standing.route and (word in standing.panel or word in standing.rival):
             return text
@@ -257,7 +240,7 @@ def _standings(one: Part) -> tuple[str, list[str]]:
 def _verdict(found: Sequence[catalogue.Entry]) -> list[str]:
     bad = catalogue.misleading(found)
     asked = [e for e in found if e.mark is not None]
-    defaults = {name for name, default in catalogue.own_methods().items() if default}
+    defaults = catalogue.defaults()
     mine = [e for e in asked if e.method in defaults]
     counts = {mark: sum(e.mark is mark for e in mine) for mark in Mark}
     told = ", ".join(f"{n} {mark.word}" for mark, n in counts.items() if n)
@@ -277,24 +260,22 @@ def _verdict(found: Sequence[catalogue.Entry]) -> list[str]:
 
 
 def _tables(found: Sequence[catalogue.Entry]) -> list[str]:
-    lines = []
-    for part, heading in ((catalogue.LINEAR, "Linear analysis"), (catalogue.MOTION, "Motion")):
-        mine = [e for e in found if e.part == part]
-        if not mine:
+    lines, own = [], catalogue.own_methods()
+    for part, heading in catalogue.HEADINGS.items():
+        methods, rows = catalogue.by_case(found, part)
+        if not rows:
             continue
-        methods = list(dict.fromkeys(e.method for e in mine))
-        own = catalogue.own_methods()
         head = "".join(f'<th class="turned{" own" if m in own else ""}">{m}</th>' for m in methods)
         lines += [
             f"<details><summary>{heading}: the table; point at a cell to read what was seen"
             f'</summary><div class="scroll"><table><tr><th>case</th>{head}</tr>'
         ]
-        cases = catalogue.texts(part)
-        for case in dict.fromkeys(e.case for e in mine):
-            row = "".join(_cell(e) for e in mine if e.case == case)
-            physics, known = cases[case]
+        texts = catalogue.texts(part)
+        for case, row in rows.items():
+            physics, known = texts[case]
             tip = html.escape(f"{physics}. Known: {known}", quote=True)
-            lines.append(f'<tr><td title="{tip}">{html.escape(case)}</td>{row}</tr>')
+            cells = "".join(map(_cell, row))
+            lines.append(f'<tr><td title="{tip}">{html.escape(case)}</td>{cells}</tr>')
         lines.append("</table></div></details>")
     return lines
 

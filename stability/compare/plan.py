@@ -37,11 +37,6 @@ def planned(
 ) -> dict[str, list[list[Task]]]:
     """The tasks of each part that is wanted.
 
-    Parameters
-    ----------
-    parts, cases, methods
-        As in `report`.
-
     Returns
     -------
     dict
@@ -84,13 +79,6 @@ def _pair(task: Task) -> tuple[str, str]:
 def asked(groups: Sequence[Sequence[Task]], cells: Mapping[str, Cell]) -> dict[str, Cell]:
     """The cells of some tasks that have ended.
 
-    Parameters
-    ----------
-    groups
-        Groups of tasks.
-    cells
-        Cells by key.
-
     Returns
     -------
     dict
@@ -100,15 +88,7 @@ def asked(groups: Sequence[Sequence[Task]], cells: Mapping[str, Cell]) -> dict[s
 
 
 def done(groups: Sequence[Sequence[Task]], cells: Mapping[str, Cell]) -> bool:
-    """Whether the cells of all these tasks have ended.
-
-    Parameters
-    ----------
-    groups
-        Groups of tasks.
-    cells
-        Cells by key.
-    """
+    """Whether the cells of all these tasks have ended."""
     return all(task.key in cells for group in groups for task in group)
 
 
@@ -152,8 +132,8 @@ class Part:
     """`spectrum`, `motion`, `scenes` or `failures`."""
     plates: tuple[Plate, ...]
     """Figures of the part."""
-    data: tuple[str, ...]
-    """Names of the files with its numbers."""
+    data: Mapping[str, Callable[[], str | bytes]]
+    """Files with its numbers: what each holds, by name."""
     chart: Any
     """Dataset of a chart, entries of the catalogue, or charts of scenes by name."""
 
@@ -178,19 +158,9 @@ class Standing:
 
 
 def standings(one: Part) -> list[Standing]:
-    """Standing of the package's default routes in every panel of a chart.
-
-    Parameters
-    ----------
-    one
-        The part: spectrum or motion.
-
-    Returns
-    -------
-    list of Standing
-    """
+    """Standing of the package's default routes in every panel of a chart."""
     found = []
-    defaults = {name for name, default in catalogue.own_methods().items() if default}
+    defaults = catalogue.defaults()
     panels: list[tuple[str, Any]] = []
     if one.name == SPECTRUM:
         for quantity, text in QUANTITIES.items():
@@ -215,11 +185,6 @@ def standings(one: Part) -> list[Standing]:
 
 def nearest(found: Sequence[Standing]) -> dict[str, Standing]:
     """The default route in each panel that is on the front, or nearest to it.
-
-    Parameters
-    ----------
-    found
-        From `standings`.
 
     Returns
     -------

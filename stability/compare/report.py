@@ -129,10 +129,9 @@ def report(
             plan |= {n: groups for n, groups in others.items() if done(groups, journal.pieces)}
             ready = []
             for name in (n for n in PARTS if n in plan):
-                mine = asked(plan[name], journal.pieces)
-                ready.append(one := part(name, mine))
+                ready.append(one := part(name, asked(plan[name], journal.pieces)))
                 if name in wanted or not all((folder / file).exists() for file in one.data):
-                    _write(folder, one, mine)
+                    _write(folder, one)
             return write(folder, ready)
     except FileError:
         raise
@@ -159,19 +158,7 @@ def _folder(out: Any, overwrite: bool) -> Path:
 
 
 def part(name: str, cells: Mapping[str, Cell]) -> Part:
-    """Build a part from its cells.
-
-    Parameters
-    ----------
-    name
-        `spectrum`, `motion`, `scenes` or `failures`.
-    cells
-        All cells of the part by key.
-
-    Returns
-    -------
-    Part
-    """
+    """Build a part from its cells."""
     made = {SPECTRUM: _spectrum, MOTION: _motion, SCENES: _scenes, FAILURES: _failures}
     return made[name](cells)
 
@@ -183,7 +170,12 @@ def _spectrum(cells: Mapping[str, Cell]) -> Part:
         found += _classes(chart)
     if "boundary" in chart.sizes:
         found.append(_places(chart))
-    return Part(SPECTRUM, tuple(found), ("spectrum.nc", "spectrum.csv", "boundaries.csv"), chart)
+    data: dict[str, Callable[[], Any]] = {
+        "spectrum.nc": lambda: chart,
+        "spectrum.csv": lambda: spectrum_chart.spectrum_csv(cells),
+        "boundaries.csv": lambda: spectrum_chart.boundary_csv(cells),
+    }
+    return Part(SPECTRUM, tuple(found), data, chart)
 
 
 def _classes(chart: xarray.Dataset) -> list[Plate]:
@@ -267,7 +259,11 @@ def _motion(cells: Mapping[str, Cell]) -> Part:
         lambda: first_call_figure(chart),
     )
     plates += [first] * bool(chart.sizes["scene"])
-    return Part(MOTION, tuple(plates), ("motion.nc", "motion.csv"), chart)
+    data: dict[str, Callable[[], Any]] = {
+        "motion.nc": lambda: chart,
+        "motion.csv": lambda: motion_chart.motion_csv(cells),
+    }
+    return Part(MOTION, tuple(plates), data, chart)
 
 
 def _scenes(cells: Mapping[str, Cell]) -> Part:
@@ -281,7 +277,8 @@ def _scenes(cells: Mapping[str, Cell]) -> Part:
         )
         for name, data in charts.items()
     ]  # fmt: skip
-    return Part(SCENES, tuple(plates), ("scenes.csv",), charts)
+    data = {"scenes.csv": lambda: csv_text(scenes.COLUMNS, scenes.rows(charts))}
+    return Part(SCENES, tuple(plates), data, charts)
 
 
 STRAW = (
@@ -301,7 +298,7 @@ def _failures(cells: Mapping[str, Cell]) -> Part:
             f"{STRAW if name == catalogue.LINEAR else ''}",
             lambda name=name: _failure_figure(found, name),  # type: ignore[misc]
         )
-        for name, heading in ((catalogue.LINEAR, "Linear analysis"), (catalogue.MOTION, "Motion"))
+        for name, heading in catalogue.HEADINGS.items()
         if any(e.part == name for e in found)
     ]  # fmt: skip
     edges = _edges(found)
@@ -313,7 +310,11 @@ def _failures(cells: Mapping[str, Cell]) -> Part:
             f"where it crashed. Bold: the package's.{STRAW}",
             lambda: _ladder_figure(found),
         ))  # fmt: skip
-    return Part(FAILURES, tuple(plates), ("failures.md", "failures.csv"), found)
+    data = {
+        "failures.md": lambda: catalogue.as_markdown(found),
+        "failures.csv": lambda: catalogue.as_csv(found),
+    }
+    return Part(FAILURES, tuple(plates), data, found)
 
 
 def _failure_figure(found: Sequence[catalogue.Entry], name: str) -> Figure:
@@ -352,7 +353,7 @@ def _ladder_figure(found: Sequence[catalogue.Entry]) -> Figure:
 # --- files ---
 
 
-def _write(folder: Path, one: Part, cells: Mapping[str, Cell]) -> None:
+def _write(folder: Path, one: Part) -> None:
     from ..figures import canvas
 
     for plate in one.plates:
@@ -360,21 +361,9 @@ def _write(folder: Path, one: Part, cells: Mapping[str, Cell]) -> None:
         for suffix in canvas.FORMATS:
             with atomic_write(folder / f"{plate.stem}{suffix}", overwrite=True) as draft:
                 canvas.save_figure(figure, draft)
-    for name, text in _texts(one, cells).items():
-        write_file(folder / name, text, overwrite=True)
-    if one.name in (SPECTRUM, MOTION):
-        write_dataset(one.chart, folder / f"{one.name}.nc", overwrite=True)
-
-
-def _texts(one: Part, cells: Mapping[str, Cell]) -> dict[str, str]:
-    if one.name == SCENES:
-        return {"scenes.csv": csv_text(scenes.COLUMNS, scenes.rows(one.chart))}
-    if one.name == FAILURES:
-        return {"failures.csv": catalogue.as_csv(one.chart),
-                "failures.md": catalogue.as_markdown(one.chart)}  # fmt: skip
-    if one.name == MOTION:
-        return {"motion.csv": motion_chart.motion_csv(cells)}
-    return {
-        "spectrum.csv": spectrum_chart.spectrum_csv(cells),
-        "boundaries.csv": spectrum_chart.boundary_csv(cells),
-    }
+    for name, make in one.data.items():
+        content = make()
+        if isinstance(content, str):
+            write_file(folder / name, content, overwrite=True)
+        else:
+            write_dataset(content, folder / name, overwrite=True)

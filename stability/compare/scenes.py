@@ -41,22 +41,12 @@ FACTOR = 1.5
 
 
 def tasks() -> list[list[Task]]:
-    """One cell for each scene, each in its own process.
-
-    Returns
-    -------
-    list of lists
-    """
+    """One cell for each scene, each in its own process."""
     return [[Task(f"scenes/{name}", measure, (name,), 120.0)] for name in SCENES]
 
 
 def measure(name: str) -> dict[str, Any]:
     """One cell: the chart of a scene, with two other laws as models of its law.
-
-    Parameters
-    ----------
-    name
-        Name of the scene.
 
     Returns
     -------
@@ -70,17 +60,7 @@ def measure(name: str) -> dict[str, Any]:
 
 
 def datasets(cells: Mapping[str, Cell]) -> dict[str, xarray.Dataset]:
-    """The charts of the cells that are done, by scene.
-
-    Parameters
-    ----------
-    cells
-        Cells by key.
-
-    Returns
-    -------
-    dict
-    """
+    """The charts of the cells that are done, by scene."""
     import xarray
 
     wanted = {name: cells.get(f"scenes/{name}") for name in SCENES}
@@ -92,17 +72,7 @@ def datasets(cells: Mapping[str, Cell]) -> dict[str, xarray.Dataset]:
 
 
 def choice(dataset: xarray.Dataset) -> tuple[str, str, float]:
-    """Which model answers, which is the cheapest that truly could, and the ratio of their times.
-
-    Parameters
-    ----------
-    dataset
-        Chart of a scene.
-
-    Returns
-    -------
-    chosen, cheapest, ratio
-    """
+    """Which model answers, which is the cheapest that truly could, and the ratio of their times."""
     models, costs = dataset.model.values, dataset.cost.values
     own = dataset.kind.values != "other law"
     fine = own & (dataset.true_error.values <= float(dataset.tolerance))
@@ -112,13 +82,7 @@ def choice(dataset: xarray.Dataset) -> tuple[str, str, float]:
 
 
 def rows(charts: Mapping[str, xarray.Dataset]) -> Iterator[list[Any]]:
-    """Rows of the table with `COLUMNS`.
-
-    Parameters
-    ----------
-    charts
-        Charts by scene.
-    """
+    """Rows of the table with `COLUMNS`."""
     for name, data in charts.items():
         for i in range(data.sizes["model"]):
             one = data.isel(model=i)
@@ -134,13 +98,7 @@ def rows(charts: Mapping[str, xarray.Dataset]) -> Iterator[list[Any]]:
 
 
 def sentence(charts: Mapping[str, xarray.Dataset]) -> str:
-    """How often the model that answers is the cheapest one that could.
-
-    Parameters
-    ----------
-    charts
-        Charts by scene.
-    """
+    """How often the model that answers is the cheapest one that could."""
     told = [choice(data) for data in charts.values()]
     good = sum(ratio <= FACTOR for _, _, ratio in told)
     words = "; ".join(

@@ -9,11 +9,15 @@ from decimal import ROUND_CEILING, Decimal, localcontext
 from fractions import Fraction
 from typing import Any
 
+from ..base.citation import gathered, joined
 from ..base.quantities import Kind, Quantity, rate_unit, readable
-from ..boundary.hopf import CycleBirth, HopfPoint
+from ..boundary.hopf import CycleBirth, hopf
 from ..boundary.two_parameters.point_records import CodimensionTwo
+from ..boundary.two_parameters.points import MOST_LINES, in_plane
+from ..spectra.axes import swept
+from ..systems.family import Family
 from .letters import symbol
-from .table import About, Column, Definition, Standing, Table, word
+from .table import About, Column, Definition, Standing, Table, framed, word
 
 HOPF_HEADING = "flutter boundaries of {name}: how oscillation begins (recomputed)"
 POINT_HEADING = "points of codimension two of {name} (recomputed)"
@@ -25,11 +29,6 @@ BIRTH_NOTES = (
 
 def to_bound(value: float, error: float) -> str:
     """A number with its proved bound: digits up to the bound, which holds for what is printed.
-
-    Parameters
-    ----------
-    value, error
-        The number, and a bound of its error.
 
     Examples
     --------
@@ -49,50 +48,30 @@ def to_bound(value: float, error: float) -> str:
     return f"{said} ± {float(bound):.1e}"
 
 
-def birth_records(
-    found: Sequence[CycleBirth | HopfPoint],
-) -> list[dict[str, Any]]:
-    """Flutter boundaries as plain records, for JSON.
-
-    Parameters
-    ----------
-    found
-        From `stability.hopf`.
-
-    Returns
-    -------
-    list of dict
-    """
-    out, aside = [], ("mode", "unit", "citation")
+def birth_table(family: Family, axis: tuple[Any, ...], **parameters: Any) -> Table:
+    """The table of the flutter boundaries of a family along an axis."""
+    with gathered() as works:
+        found = hopf(family, axis=axis, **parameters)
+    units, aside = family.system.units, ("mode", "unit", "citation")
+    rows = []
     for point in found:
-        row: dict[str, Any] = {k: v for k, v in vars(point).items() if k not in aside}
-        row["kind"] = point.kind.word
-        out.append({k: None if v != v else v for k, v in row.items()})  # NaN is no JSON
-    return out
+        row = {k: v for k, v in vars(point).items() if k not in aside} | {"kind": point.kind.word}
+        rows.append({k: None if v != v else v for k, v in row.items()})  # NaN is no JSON
+    return Table(
+        "hopf",
+        BIRTHS.heading.format(name=family.name),
+        _birth_columns(axis[0], units, rows),
+        rows,
+        definition=BIRTHS,
+        found=(axis[0], found, units),
+        citation=joined(works),
+    )
 
 
-def birth_text(
-    heading: str, axis: str, found: Sequence[CycleBirth | HopfPoint], units: Mapping[str, str]
-) -> str:
-    """Flutter boundaries as lines of text.
-
-    Parameters
-    ----------
-    heading
-        First line.
-    axis
-        Name of the axis.
-    found
-        From `stability.hopf`.
-    units
-        Unit by name.
-
-    Returns
-    -------
-    str
-    """
+def _birth_text(table: Table) -> str:
+    axis, found, units = table.found
     unit = f" [{readable(units[axis])}]" if axis in units else ""
-    lines = [heading, ""]
+    lines = []
     for point in found:
         side = "above" if point.stable_below else "below"
         lines.append(f"{axis} = {point.at:.15g}{unit}: {point.kind.word}, unstable {side}")
@@ -104,23 +83,35 @@ def birth_text(
         else:
             lines.append(f"    frequency {point.frequency:.12g}")
             lines.append(f"    crossing {point.crossing:.12g}, push {point.push:.12g}")
-    if not found:
-        lines.append("none")
-    return "\n".join([*lines, "", *BIRTH_NOTES])
+    return framed(table, lines or ["none"])
+
+
+def point_table(
+    family: Family | str, x: tuple[Any, ...], y: tuple[Any, ...], **given: Any
+) -> Table:
+    """The table of the points of codimension two of a family in a plane of two numbers."""
+    numbers, axes = dict(given), {"x": x, "y": y}
+    disk, contact, at = (numbers.pop(name, None) for name in ("disk", "contact", "at"))
+    problem, grids = swept(family, axes, disk, None, contact, at, numbers, most=MOST_LINES)
+    found = in_plane(problem, grids)  # type: ignore[arg-type]  # two axes
+    found.warn()
+    system, more = problem.family.system, point_records(found)
+    names = [problem.family.meaning(axis.name) for axis in grids]
+    return Table(
+        "codimension",
+        POINTS.heading.format(name=problem.family.name),
+        _point_columns(names, system.units, system.quantities),
+        more.pop("rows"),
+        problem.dimensionless,
+        more=more,
+        definition=POINTS,
+        found=found,
+        citation=found.citation,
+    )
 
 
 def point_records(found: CodimensionTwo) -> dict[str, Any]:
-    """Points of codimension two as a plain record, for JSON.
-
-    Parameters
-    ----------
-    found
-        From `stability.codimension_two`.
-
-    Returns
-    -------
-    dict
-    """
+    """Points of codimension two as a plain record, for JSON."""
     return {
         "axes": [list(axis) for axis in found.axes],
         "rows": [asdict(p) | {"kind": p.kind.word} for p in found],
@@ -133,21 +124,15 @@ def point_records(found: CodimensionTwo) -> dict[str, Any]:
 
 
 def point_text(name: str, found: CodimensionTwo) -> str:
-    """Points of codimension two as lines of text.
+    """Points of codimension two as lines of text."""
+    lines = point_lines(found)
+    return "\n".join([POINT_HEADING.format(name=name), "", *lines, "", f"{found.statement}."])
 
-    Parameters
-    ----------
-    name
-        Name of the family.
-    found
-        From `stability.codimension_two`.
 
-    Returns
-    -------
-    str
-    """
+def point_lines(found: CodimensionTwo) -> list[str]:
+    """Two lines of text for each point of codimension two."""
     (x, *_), (y, *_) = found.axes
-    lines = [POINT_HEADING.format(name=name), ""]
+    lines = []
     for p in found:
         pairs = ", ".join(f"{w:.10g}" for w in p.frequencies)
         lines.append(
@@ -155,20 +140,10 @@ def point_text(name: str, found: CodimensionTwo) -> str:
         )
         said = [f"frequency {pairs}"] if pairs else []
         lines.append(f"    {'; '.join([*said, f'other eigenvalues: {p.others}'])}")
-    if not found:
-        lines.append("none")
-    return "\n".join([*lines, "", f"{found.statement}."])
+    return lines or ["none"]
 
 
 # --- for the registry ---
-
-
-def _birth_text(table: Table) -> str:
-    return birth_text(table.heading, *table.found)
-
-
-def _point_text(table: Table) -> str:
-    return point_text(table.heading.split(" of ")[-1].removesuffix(" (recomputed)"), table.found)
 
 
 def _bound(name: str, of: str, form: str) -> Column:
@@ -210,7 +185,7 @@ POINTS = Definition(
     ),
     lambda **_: [],
     notes=lambda table: [f"{table.found.statement}."],
-    text=_point_text,
+    text=lambda table: framed(table, point_lines(table.found)),
     about=About(
         "this package: points of codimension two of any family",
         "no value; tests compare them with normal forms",
@@ -222,24 +197,10 @@ POINTS = Definition(
 """Points of codimension two."""
 
 
-def birth_columns(
+def _birth_columns(
     axis: str, units: Mapping[str, str], rows: Sequence[Mapping[str, Any]]
 ) -> tuple[Column, ...]:
-    """Columns of flutter boundaries of a family, without those that no row has.
-
-    Parameters
-    ----------
-    axis
-        Name of the axis.
-    units
-        Unit by name.
-    rows
-        From `birth_records`.
-
-    Returns
-    -------
-    tuple of Column
-    """
+    """Columns of flutter boundaries of a family, without those that no row has."""
     there = {name for row in rows for name in row} or {c.name for c in BIRTHS.columns}
     unit, rate = units.get(axis, "1"), rate_unit(units)
     kinds = {"at": unit, "error": unit, "frequency": rate, "frequency_error": rate}
@@ -252,43 +213,31 @@ def birth_columns(
     )
 
 
-def point_columns(
-    axes: Sequence[str], units: Mapping[str, str], known: Mapping[str, Quantity] | None = None
+def _point_columns(
+    axes: Sequence[str], units: Mapping[str, str], known: Mapping[str, Quantity]
 ) -> tuple[Column, ...]:
     """Columns of points of codimension two, each with the name and unit of its axis.
 
-    Parameters
-    ----------
-    axes
-        Names of both axes, as a reader knows them.
-    units
-        Unit by name, for a system of the user's own.
-    known
-        Quantities of the disk by name.
-
-    Returns
-    -------
-    tuple of Column
+    A system of the user's own has units by name, a body quantities by name.
     """
-    known, named, out = known or {}, dict(zip("xy", axes, strict=True)), []
-    for c in POINTS.columns:
-        axis = named.get(c.name[0], "") if c.name[0] in named else ""
-        if not axis:
-            rate: Any = Kind.GROWTH_RATE if known else rate_unit(units)
-            out.append(replace(c, kind=rate) if c.name == "frequencies" else c)
-            continue
+    rate: Any = Kind.GROWTH_RATE if known else rate_unit(units)
+    columns = {c.name: c for c in POINTS.columns}
+    columns["frequencies"] = replace(columns["frequencies"], kind=rate)
+    for place, axis in zip("xy", axes, strict=True):
         quantity = known.get(axis)
         kind: Any = quantity.kind if quantity else units.get(axis, "1")
         letter = (quantity.latex or quantity.symbol) if quantity else symbol(axis)
-        bound = c.name not in named
-        words = quantity.long_name if quantity else axis
-        out.append(
-            replace(
-                c,
-                kind=kind,
-                title=f"{axis} error" if bound else axis,
-                latex=c.latex if bound else letter,
-                meaning=f"bound on the error of {axis}" if bound else words,
-            )
+        columns[place] = replace(
+            columns[place],
+            kind=kind,
+            title=axis,
+            latex=letter,
+            meaning=quantity.long_name if quantity else axis,
         )
-    return tuple(out)
+        columns[f"{place}_error"] = replace(
+            columns[f"{place}_error"],
+            kind=kind,
+            title=f"{axis} error",
+            meaning=f"bound on the error of {axis}",
+        )
+    return tuple(columns.values())

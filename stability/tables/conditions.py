@@ -174,13 +174,7 @@ def _latex(table: Table) -> str:
 
 
 def member(family: str) -> Quantity | None:
-    """The quantity that names a member of a family, if it is one.
-
-    Parameters
-    ----------
-    family
-        Name of the family.
-    """
+    """The quantity that names a member of a family, if it is one."""
     names = FAMILIES[family].at if family in FAMILIES else ()
     return QUANTITIES[names[0]] if len(names) == 1 else None
 
@@ -254,17 +248,7 @@ SYMBOLS = (
 
 
 def formula_lines(found: Sequence[Formulas]) -> list[str]:
-    """The formulas as lines of text.
-
-    Parameters
-    ----------
-    found
-        One record for each family and law.
-
-    Returns
-    -------
-    list of str
-    """
+    """The formulas as lines of text."""
     lines = ["stability conditions as formulas, dimensionless (recomputed)", ""]
     for one in found:
         product = "".join(f"({p})" for p in one["polynomial"])
@@ -286,15 +270,6 @@ def formula_lines(found: Sequence[Formulas]) -> list[str]:
 
 def formula_latex(found: Sequence[Formulas]) -> str:
     r"""The formulas as LaTeX: a table of the symbols, then a list for each family and law.
-
-    Parameters
-    ----------
-    found
-        One record for each family and law.
-
-    Returns
-    -------
-    str
 
     Examples
     --------

@@ -36,10 +36,6 @@ def drift_rows(
     law
         viscous or linear-viscous.
 
-    Returns
-    -------
-    list of dict
-
     Source: tests/boundary/test_drift.py.
 
     Examples
@@ -84,10 +80,6 @@ def law_of(name: str, mu: float) -> Contact:
         viscous or linear-viscous.
     mu
         Friction coefficient [s/m].
-
-    Returns
-    -------
-    Contact
 
     Raises
     ------

@@ -2,31 +2,36 @@
 
 from __future__ import annotations
 
+import cmath
+from collections.abc import Mapping
 from functools import lru_cache
+from itertools import product
 from typing import Any
 
 from ..base.citation import cited
+from ..base.errors import ParameterError
 from ..bodies.contact_laws import LAWS
 from ..bodies.disk import Disk
-from ..bodies.families import FAMILIES, families_of_disk
+from ..bodies.families import FAMILIES, SteadyFamily, families_of_disk
 from ..bodies.subject import disk_family
 from ..systems.structure.structural_zeros import structure
 from .conditions import scan
 from .table import About, Column, Definition, Standing, Table, framed, word
+
+SAMPLES, INERTIAS = (0.3, 0.9, 1.5, 2.3, 3.7, 6.1), (0.2, 0.45)
+"""Values of at and k at which a root is compared with a closed form."""
+SAME = 1e-9
+"""Relative difference of values that are the same."""
 
 
 @lru_cache(maxsize=8)
 def condition(name: str) -> str:
     """The condition for a family, solved by SymPy from the graph's own equation.
 
-    Parameters
-    ----------
-    name
-        A key of `FAMILIES`.
-
-    Returns
-    -------
-    str
+    Raises
+    ------
+    ParameterError
+        If the record has a closed form that no root of the equation is.
 
     Examples
     --------
@@ -56,10 +61,31 @@ def condition(name: str) -> str:
         return f"{unknown}**2 = {sympy.simplify(root)}"
     roots = sympy.solve(numerator, symbols[unknown])
     if record.solution is not None:  # other roots belong to other families
-        wanted = record.solution(sympy, symbols[family.at[0]], symbols["k"], 1)
-        roots = [root for root in roots if sympy.simplify(root - wanted) == 0]
+        roots = [root for root in roots if _is_closed_form(record, root, symbols)]
+        if not roots:
+            raise ParameterError(
+                f"solution of {name} is no root of its equation for {unknown}; correct it, or "
+                "leave it out."
+            )
     [root] = roots
     return f"{unknown} = {sympy.simplify(root)}"
+
+
+def _is_closed_form(record: SteadyFamily, root: Any, symbols: Mapping[str, Any]) -> bool:
+    """Whether a root has the values of the record's closed form, wherever that has any.
+
+    Values are compared and not formulas: a record may hold a number that is a double.
+    """
+    import sympy
+
+    at, k = symbols[record.at[0]], symbols["k"]
+    closed = sympy.sympify(record.solution(sympy, at, k, 1))  # type: ignore[misc]
+    pairs = [
+        [complex(formula.subs({at: value, k: inertia})) for formula in (root, closed)]
+        for value, inertia in product(SAMPLES, INERTIAS)
+    ]
+    real = [(one, other) for one, other in pairs if cmath.isfinite(other) and not other.imag]
+    return bool(real) and all(cmath.isclose(*pair, rel_tol=SAME) for pair in real)
 
 
 def families() -> list[dict[str, Any]]:

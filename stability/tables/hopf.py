@@ -45,10 +45,6 @@ def hopf_rows(
     progress
         Called with (lines done, lines in all).
 
-    Returns
-    -------
-    list of dict
-
     Source: tests/boundary/test_hopf.py.
 
     Examples

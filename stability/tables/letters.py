@@ -6,7 +6,7 @@ import re
 import unicodedata
 from collections.abc import Collection
 
-from ..base.quantities import KNOWN_UNIT, RAISED, readable
+from ..base.quantities import KNOWN_UNIT, RAISED, Kind, readable
 from ..bodies.quantities import QUANTITIES
 
 GREEK = frozenset(
@@ -236,15 +236,7 @@ def _letter(word: str) -> str:
 
 
 def converted(text: str, names: Collection[str] = ()) -> str:
-    """The text of an expression in a user's names; names such as sqrt(b) are one symbol.
-
-    Parameters
-    ----------
-    text
-        The expression.
-    names
-        Names that are one symbol.
-    """
+    """The text of an expression in a user's names; names such as sqrt(b) are one symbol."""
     known = "".join(rf"(?<!\w){re.escape(n)}(?!\w)|" for n in sorted(names, key=len, reverse=True))
     out: list[str] = []
     for token in re.findall(rf"{known}[<>]=|\*\*\d+|[^\W\d_]\w*|\d+|.", text):
@@ -259,7 +251,8 @@ def converted(text: str, names: Collection[str] = ()) -> str:
 
 # --- sentences ---
 
-UNITS = frozenset(("rad/s", "1/s", "m/s", "s/m", "m/s2", "kg/s", "uA/cm2"))
+UNITS = frozenset(kind.si for kind in Kind if "/" in kind.si) | {"uA/cm2"}
+"""Units in a sentence that are no quotients of symbols: those of each kind, and a nerve's."""
 _SIGN = re.compile(
     rf"[*^=<>\u2060≤≥≠²³√→∞±∂∈≈′|{_SUPER}{_SUB}\u0370-\u03ff]|_|[xyz0-9][{''.join(ACCENTS)}]|\w\["
 )
@@ -365,11 +358,6 @@ def _plain(word: str) -> str:
 def escaped(text: str) -> str:
     r"""A text with the special characters of LaTeX replaced.
 
-    Parameters
-    ----------
-    text
-        Plain text.
-
     Examples
     --------
     >>> print(escaped("a_1 & 50% of x**2"))
@@ -391,16 +379,9 @@ def escaped(text: str) -> str:
         "λ": r"$\lambda$",
         "²": "$^2$",
         "…": r"\dots{}",
-        "≈": r"$\approx$",
-        "≤": r"$\le$",
-        "≥": r"$\ge$",
         "√": r"$\surd$",
-        "→": r"$\to$",
-        "≠": r"$\ne$",
-        "±": r"$\pm$",
-        "·": r"$\cdot$",
-        "∞": r"$\infty$",
     }
+    table |= {sign: f"${SIGNS[sign].rstrip()}$" for sign in "≈≤≥→≠±·∞"}
     table |= {letter: rf"$\{word}$" for letter, word in GREEK_LETTERS.items()}
     found = "".join(table.get(c, c) for c in text)  # LaTeX reads other letters in UTF-8
     return _breaking(found)
@@ -408,13 +389,6 @@ def escaped(text: str) -> str:
 
 def unit(text: str, *, dimensionless: bool = False) -> str:
     r"""A unit in LaTeX.
-
-    Parameters
-    ----------
-    text
-        The unit.
-    dimensionless
-        Whether m, R and g are a mass, a length and gravity, not metres and grams.
 
     Examples
     --------

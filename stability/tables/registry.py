@@ -14,8 +14,6 @@ from ..base.errors import NameUnknownError, ParameterError, StabilityError, list
 from ..base.types import Progress
 from ..bodies.contact_laws import law_named
 from ..bodies.disk import Disk
-from ..bodies.families import FAMILIES
-from ..bodies.quantities import PHYSICAL, disk_quantities
 from ..systems.family import Family
 from .table import Definition, Table, framed, word
 
@@ -41,15 +39,6 @@ NOTEBOOKS = {
 def definition(name: str) -> Definition:
     """The definition of a table.
 
-    Parameters
-    ----------
-    name
-        A key of `PLACES`.
-
-    Returns
-    -------
-    Definition
-
     Raises
     ------
     NameUnknownError
@@ -68,12 +57,22 @@ def definition(name: str) -> Definition:
     if name not in PLACES:
         known = ", ".join((*PLACES, "codimension"))
         raise NameUnknownError(f"table is {shown(name)}; known are {known}.")
-    found: Definition = import_module(f"{__package__}.{PLACES[name]}").TABLE
+    found: Definition = found_at(f"{PLACES[name]}:TABLE")
     return found
 
 
-OF_FAMILY = ("conditions", "hopf", "codimension")
-"""Tables of a family of the user's own."""
+def found_at(place: str) -> Any:
+    """What stands at `module:name` of this folder."""
+    module, _, name = place.partition(":")
+    return getattr(import_module(f"{__package__}.{module}"), name)
+
+
+OF_FAMILY = {
+    "conditions": ((), "system_conditions:condition_table"),
+    "hopf": (("x",), "beyond_linear:birth_table"),
+    "codimension": (("x", "y"), "beyond_linear:point_table"),
+}
+"""Axes that a table of one family takes, and the function that makes it."""
 OF_POINTS = ("k", "mu", "contact", "disk", "at")
 """Options of the table of codimension two of a disk's family."""
 LISTS = ("k", "mu", "tilt")
@@ -153,8 +152,8 @@ def table(
     >>> hopf = st.table("hopf", k=0.5, mu=1.0)
     >>> [(row["family"], row["kind"]) for row in hopf]
     [('spinning', 'elliptic'), ('tumbling', 'hyperbolic')]
-    >>> print(st.table("drift", k=0.25, mu=1, tilt=0.01).to_latex().splitlines()[4])
-    \begin{longtable}{@{\extracolsep{\fill}}rrrrrrrr@{}}
+    >>> print(st.table("drift", k=0.25, mu=1, tilt=0.01).to_latex().splitlines()[-1])
+    \par\endgroup
     """
     given = {
         "k": k,
@@ -229,17 +228,17 @@ def _checked(name: str, given: Mapping[str, Any]) -> dict[str, Any]:
 def _of_family(
     name: str,
     family: Family | str | None,
-    given: dict[str, Any],
+    given: Mapping[str, Any],
     axes: Mapping[str, Any],
     exact: Mapping[str, Any],
-    parameters: dict[str, Any],
+    parameters: Mapping[str, Any],
 ) -> Table:
     """A table of a family of the user's own, or of codimension two of one of the disk's."""
     if name not in OF_FAMILY:
-        raise ParameterError(f"family belongs to `table` {listed(OF_FAMILY)}; leave it out.")
+        raise ParameterError(f"family belongs to `table` {listed([*OF_FAMILY])}; leave it out.")
     if family is None:
         raise ParameterError("`table codimension` needs a family; give it as family.")
-    wanted = {"conditions": (), "hopf": ("x",), "codimension": ("x", "y")}[name]
+    wanted, place = OF_FAMILY[name]
     if set(axes) != set(wanted):
         needs = " and ".join(wanted) or "no axis"
         raise ParameterError(
@@ -247,122 +246,40 @@ def _of_family(
         )
     if exact and name != "conditions":
         raise ParameterError(f"{next(iter(exact))} belongs to `table conditions`; leave it out.")
-    if isinstance(family, str):
+    numbers = {**given, **parameters}
+    if not isinstance(family, Family):
         if name != "codimension":
             raise ParameterError(
                 "a family by name belongs to `table codimension`; give a Family, such as "
                 "disk_family(name, contact) or body.family(name, contact)."
             )
-        return _points(family, axes, _of_disk(given, axes, parameters))
-    names = (*family.at, *family.parameters)
-    for key, value in given.items():
-        if key not in names:
-            raise ParameterError(
-                f"{key} belongs to the disk; with a family of your own leave it out."
-            )
-        parameters[key] = value
-    if name == "codimension":
-        return _points(family, axes, parameters)
-    return (
-        _conditions(family, exact, parameters)
-        if name == "conditions"
-        else _births(family, axes["x"], parameters)
-    )
-
-
-def _conditions(family: Family, exact: Mapping[str, Any], parameters: Mapping[str, Any]) -> Table:
-    from ..derivation.conditions import conditions
-    from .system_conditions import TABLE, condition_rows, record
-
-    found = conditions(family, **exact, **parameters)
-    heading = f"{family.system.name}, {family.name}: exact conditions of stability (derived)"
-    return Table(
-        "conditions",
-        heading,
-        TABLE.columns,
-        condition_rows(found),
-        True,
-        record(found),
-        definition=TABLE,
-        found=found,
-        citation=found.citation,
-    )
-
-
-def _births(family: Family, axis: Sequence[Any], parameters: Mapping[str, Any]) -> Table:
-    from ..boundary.hopf import hopf
-    from .beyond_linear import BIRTHS, birth_columns, birth_records
-
-    with gathered() as works:
-        found = hopf(family, axis=tuple(axis), **parameters)
-    units, rows = family.system.units, birth_records(found)
-    return Table(
-        "hopf",
-        BIRTHS.heading.format(name=family.name),
-        birth_columns(axis[0], units, rows),
-        rows,
-        definition=BIRTHS,
-        found=(axis[0], found, units),
-        citation=joined(works),
-    )
-
-
-def _points(family: Family | str, axes: Mapping[str, Any], given: Mapping[str, Any]) -> Table:
-    from ..boundary.two_parameters.points import codimension_two
-    from .beyond_linear import POINTS, point_columns, point_records
-
-    x, y = tuple(axes["x"]), tuple(axes["y"])
-    found = codimension_two(family, x=x, y=y, **given)
-    more = point_records(found)
-    rows = more.pop("rows")
-    dimensionless = True
-    if isinstance(family, Family):
-        name, columns = family.name, point_columns((x[0], y[0]), family.system.units)
+        numbers = _of_disk(numbers, [axis[0] for axis in axes.values()])
     else:
-        name, law = family, given["contact"]
-        own = FAMILIES[family].at[0]
-        axes_ = [own if axis[0] == "at" else axis[0] for axis in (x, y)]
-        known = disk_quantities(law if isinstance(law, type) else type(law))
-        columns = point_columns(axes_, {}, known)
-        dimensionless = given["disk"].dimensionless and not set(axes_) & set(PHYSICAL)
-    return Table(
-        "codimension",
-        POINTS.heading.format(name=name),
-        columns,
-        rows,
-        dimensionless,
-        more=more,
-        definition=POINTS,
-        found=found,
-        citation=found.citation,
-    )
+        for key in given:
+            if key not in (*family.at, *family.parameters):
+                raise ParameterError(
+                    f"{key} belongs to the disk; with a family of your own leave it out."
+                )
+    made: Table = found_at(place)(family, *map(tuple, axes.values()), **exact, **numbers)
+    return made
 
 
-def _of_disk(
-    given: Mapping[str, Any], axes: Mapping[str, Any], parameters: Mapping[str, Any]
-) -> dict[str, Any]:
+def _of_disk(given: Mapping[str, Any], swept: Sequence[str]) -> dict[str, Any]:
     """Arguments of a disk's family, one number each."""
-    from ..bodies.contact_laws import class_named
-
-    for key in (*given, *parameters):
+    numbers = {"contact": "viscous", **given}
+    for key in numbers:
         if key not in OF_POINTS:
             raise ParameterError(f"{key} is no option of `table codimension`; leave it out.")
-    swept = [axis[0] for axis in axes.values()]
-    one = {}
     for key in ("k", "mu", "at"):
-        if key not in given:
-            continue
-        values = np.atleast_1d(given[key])
+        values = np.atleast_1d(numbers.get(key, 0.0))
         if len(values) > 1:
             raise ParameterError(f"{key} has {len(values)} numbers; give one.")
-        if key in swept:
+        if key in numbers and key in swept:
             raise ParameterError(f"{key} is given as a number and as an axis; give it once.")
-        one[key] = float(values[0])
-    base = given.get("disk") or Disk()
-    body = replace(base, k=one.get("k", base.k))
-    name = given.get("contact", "viscous")
-    law = class_named(name) if "mu" in swept else law_named(name, one.get("mu"))
-    return {"disk": body, "contact": law, "at": one.get("at")}
+        if key in numbers:
+            numbers[key] = float(values[0])
+    disk = numbers.get("disk") or Disk()
+    return numbers | {"disk": replace(disk, k=numbers.pop("k", disk.k))}
 
 
 # --- the list of tables ---
@@ -370,10 +287,6 @@ def _of_disk(
 
 def every_table() -> list[dict[str, str]]:
     """One row for each table.
-
-    Returns
-    -------
-    list of dict
 
     Raises
     ------

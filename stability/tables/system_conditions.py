@@ -12,10 +12,11 @@ from ..base.exact_numbers import decimal_of, written
 from ..base.quantities import readable
 from .letters import converted, escaped, symbol
 from .letters import unit as unit_in_latex
-from .table import END, Column, Definition, word
+from .table import END, Column, Definition, Table, word
 
 if TYPE_CHECKING:
     from ..derivation.conditions import Conditions
+    from ..systems.family import Family
 
 DIGITS = 12
 """Digits of a coefficient in text; longer ones are rounded and marked."""
@@ -62,19 +63,8 @@ def _text(poly: Polynomial, size: int = 0) -> str:
 
 
 def lines(found: Conditions) -> list[str]:
-    """Conditions as lines of text.
-
-    Parameters
-    ----------
-    found
-        Result of `stability.conditions`.
-
-    Returns
-    -------
-    list of str
-    """
-    family = found.family
-    out = [f"{family.system.name}, {family.name}: exact conditions of stability (derived)", ""]
+    """Conditions as lines of text."""
+    out = [_heading(found), ""]
     out += [f"    {v.name}: {v.meaning}{_unit(found, v.name)}" for v in found.variables]
     if found.given:
         out += [f"    given: {_place(found, found.given)}"]
@@ -161,17 +151,7 @@ def _polynomials(found: Conditions) -> list[Polynomial]:
 
 
 def record(found: Conditions) -> dict[str, Any]:
-    """Conditions as a record for JSON; polynomials are exact texts.
-
-    Parameters
-    ----------
-    found
-        Result of `stability.conditions`.
-
-    Returns
-    -------
-    dict
-    """
+    """Conditions as a record for JSON; polynomials are exact texts."""
     units = found.family.system.units
     names = (*(v.name for v in found.variables), *found.given)
     return {
@@ -256,17 +236,7 @@ def _formula(poly: Polynomial, relation: str, label: str = "") -> str:
 
 
 def latex(found: Conditions) -> str:
-    """Conditions as LaTeX; needs amsmath and booktabs.
-
-    Parameters
-    ----------
-    found
-        Result of `stability.conditions`.
-
-    Returns
-    -------
-    str
-    """
+    """Conditions as LaTeX; needs amsmath and booktabs."""
     family = found.family
     out = [
         "% stability table conditions --system: derived from the equations of motion",
@@ -324,20 +294,13 @@ def _words(kind: str, name: str) -> str:
 # --- for the registry ---
 
 
-def condition_rows(found: Conditions) -> list[dict[str, Any]]:
-    """Each condition as a plain record.
+def condition_table(family: Family, **options: Any) -> Table:
+    """The table of the exact conditions of a family; options are those of `conditions`."""
+    from ..derivation.conditions import conditions
 
-    Parameters
-    ----------
-    found
-        Result of `stability.conditions`.
-
-    Returns
-    -------
-    list of dict
-    """
+    found = conditions(family, **options)
     names = _labels(found)
-    return [
+    rows = [
         {
             "label": names.get(id(c)),
             "kind": c.kind,
@@ -350,6 +313,21 @@ def condition_rows(found: Conditions) -> list[dict[str, Any]]:
         }
         for c in found.conditions
     ]
+    return Table(
+        "conditions",
+        _heading(found),
+        TABLE.columns,
+        rows,
+        more=record(found),
+        definition=TABLE,
+        found=found,
+        citation=found.citation,
+    )
+
+
+def _heading(found: Conditions) -> str:
+    family = found.family
+    return f"{family.system.name}, {family.name}: exact conditions of stability (derived)"
 
 
 TABLE = Definition(

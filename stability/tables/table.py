@@ -95,17 +95,7 @@ class Column(Record):
 
 
 def word(name: str, meaning: str, place: str = "cell", share: float = 0.0) -> Column:
-    """A column of words.
-
-    Parameters
-    ----------
-    name, meaning, place, share
-        As in `Column`.
-
-    Returns
-    -------
-    Column
-    """
+    """A column of words."""
     return Column(name, meaning, place=place, share=share)
 
 
@@ -164,51 +154,20 @@ class About(Record):
 
 
 def plain(table: Table) -> str:
-    """Heading, rows in columns of equal width, notes.
-
-    Parameters
-    ----------
-    table
-        The table.
-
-    Returns
-    -------
-    str
-    """
+    """Heading, rows in columns of equal width, notes."""
     cells = [[c.name for c in table.columns]]
     cells += [[c.written(row[c.name]) for c in table.columns] for row in table.rows]
     return framed(table, _aligned(cells))
 
 
 def framed(table: Table, lines: Sequence[str]) -> str:
-    """Lines of a table between its heading and its notes.
-
-    Parameters
-    ----------
-    table
-        The table.
-    lines
-        Its rows as text.
-
-    Returns
-    -------
-    str
-    """
+    """Lines of a table between its heading and its notes."""
     notes = table.notes
     return "\n".join([table.heading, "", *lines, *([""] if notes else []), *notes])
 
 
 def _aligned(cells: Sequence[Sequence[str]]) -> list[str]:
     """Lines of columns with equal width, the first line underlined.
-
-    Parameters
-    ----------
-    cells
-        Words of each line.
-
-    Returns
-    -------
-    list of str
 
     Examples
     --------
@@ -223,17 +182,7 @@ def _aligned(cells: Sequence[Sequence[str]]) -> list[str]:
 
 
 def units_note(table: Table) -> str:
-    """Units of a table's columns in one line.
-
-    Parameters
-    ----------
-    table
-        The table.
-
-    Returns
-    -------
-    str
-    """
+    """Units of a table's columns in one line."""
     by_unit: dict[str, list[str]] = {}
     for column in table.columns:
         for word, quantity in column.quantities(table.rows).items():
@@ -252,13 +201,6 @@ def flat(
     columns: Sequence[Column], rows: Sequence[Mapping[str, Any]], *, dimensionless: bool
 ) -> tuple[list[str], list[list[Any]]]:
     """Header and cells without nested values.
-
-    Parameters
-    ----------
-    columns, rows
-        Of a table.
-    dimensionless
-        Whether mass, radius and gravity are 1.
 
     Returns
     -------
@@ -300,17 +242,7 @@ SHORT = 60
 
 
 def latex(table: Table) -> str:
-    """A table as LaTeX: a longtable as wide as the line, then its symbols and notes.
-
-    Parameters
-    ----------
-    table
-        The table.
-
-    Returns
-    -------
-    str
-    """
+    """A table as LaTeX: a longtable as wide as the line, then its symbols and notes."""
     rows = [line for block in _blocks(table) for line in block]
     cells = [c for c in table.columns if c.place == "cell"]
     notes = [line for line in table.notes if line != units_note(table)]  # the header has the units
@@ -365,10 +297,6 @@ def _longtable(
         Lines in LaTeX, each with its end.
     label
         What follows `tab:` in the label.
-
-    Returns
-    -------
-    list of str
 
     Examples
     --------
@@ -456,17 +384,7 @@ def _said(column: Column, row: Mapping[str, Any]) -> str:
 
 
 def cell(column: Column, row: Mapping[str, Any]) -> str:
-    """A value in LaTeX.
-
-    Parameters
-    ----------
-    column, row
-        Column and row.
-
-    Returns
-    -------
-    str
-    """
+    """A value in LaTeX."""
     value = row[column.name]
     if column.of and isinstance(value, float) and math.isfinite(value):
         value = _as_printed(value, row[column.of[0]], column.of[1])
@@ -483,17 +401,7 @@ def _as_printed(bound: float, value: float, form: str) -> float:
 
 
 def symbols(table: Table) -> list[str]:
-    """A paragraph that defines the symbols of a table, and its other columns.
-
-    Parameters
-    ----------
-    table
-        The table.
-
-    Returns
-    -------
-    list of str
-    """
+    """A paragraph that defines the symbols of a table, and its other columns."""
     said = []
     for column in table.columns:
         named = []
@@ -508,15 +416,6 @@ def symbols(table: Table) -> list[str]:
 
 def _paragraphs(lines: Sequence[str]) -> list[str]:
     r"""Notes in LaTeX: lines of one paragraph joined, an indented line alone.
-
-    Parameters
-    ----------
-    lines
-        Notes as in the text.
-
-    Returns
-    -------
-    list of str
 
     Examples
     --------
@@ -596,9 +495,9 @@ class Table(Record):
     1.414213562373
     >>> drift.units["time_slow"]
     '√(R/g)'
-    >>> drift.to_csv().splitlines()[0]
-    'k,mu [1/√(gR)],omega3 [√(g/R)],threshold [√(g/R)],tilt [rad],time_slow [√(R/g)],time_launch [√(R/g)],tilt_end [rad]'
-    """  # noqa: E501
+    >>> drift.to_csv().splitlines()[0].split(",")[:3]
+    ['k', 'mu [1/√(gR)]', 'omega3 [√(g/R)]']
+    """
 
     name: str
     """Name of the table."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import asdict
 from typing import Any
 
 from flint import arb
@@ -18,9 +17,7 @@ from ..bodies.disk import Disk
 from ..bodies.subject import disk_family
 from ..boundary.changes import boundaries
 from ..spectra.spectrum import spectrum
-from .benchmarks.catalogue import COLUMNS, benchmark_lines, benchmark_notes
 from .benchmarks.row import (
-    CLOSED,
     QUOTED,
     SIDE,
     BenchmarkRow,
@@ -28,9 +25,10 @@ from .benchmarks.row import (
     Threshold,
     at_threshold,
     compared,
+    of_known_values,
     threshold,
 )
-from .table import About, Definition, Standing, framed
+from .table import About, Standing
 
 BITS = 200
 """Working precision of the closed forms."""
@@ -60,15 +58,6 @@ MU = 1.0
 def threshold_rows(progress: Progress | None = None) -> list[BenchmarkRow]:
     """Thresholds of the disk under three contact laws, and its spin at the report's lean.
 
-    Parameters
-    ----------
-    progress
-        Called with (parts done, parts in all).
-
-    Returns
-    -------
-    list of BenchmarkRow
-
     Source: tests/tables/test_literature.py.
 
     Examples
@@ -91,8 +80,8 @@ def _relative_spin() -> BenchmarkRow:
     state = disk_family("circling", "rough").member(at, [float(DISK.k)])
     found = state[3] * DISK.rate - PRECESSION * math.cos(theta)
     what = f"relative spin, no slip, lean {LEAN}°, precession {PRECESSION} rad/s"
-    about = Source("disk of 0.5 m, no slip", REPORT)
-    return compared(about, what, SPIN, float(found), origin=QUOTED, unit="rad/s")
+    about = Source("disk of 0.5 m, no slip", REPORT, QUOTED)
+    return compared(about, what, SPIN, float(found), unit="rad/s")
 
 
 def _change(family: str, law: str, formula: str, square: Callable[[arb], arb]) -> BenchmarkRow:
@@ -105,12 +94,11 @@ def _change(family: str, law: str, formula: str, square: Callable[[arb], arb]) -
     quantity = {"rolling": "omega3", "spinning": "phi_dot"}[family]
     return at_threshold(
         Source(f"{family} of the disk of 0.5 m", LINEAR),
-        found,
+        f"{quantity} of {family}, {law}: the root of {formula}",
         known,
-        origin=CLOSED,
+        found,
         unit="rad/s",
         scale=float(DISK.rate),
-        quantity=f"{quantity} of {family}, {law}: the root of {formula}",
     )
 
 
@@ -130,9 +118,7 @@ def _circling() -> list[BenchmarkRow]:
         sides = [_verdict(theta, point.value * (1 + side)) for side in (-SIDE, SIDE)]
         change = Threshold(point.value, point.frequency, (sides[0], sides[1]), "")
         quantity = f"{word} end of the precessions that are unstable, lean {LEAN}°"
-        rows.append(
-            at_threshold(about, change, value, origin=CLOSED, unit="rad/s", quantity=quantity)
-        )
+        rows.append(at_threshold(about, quantity, value, change, unit="rad/s"))
     return rows
 
 
@@ -179,13 +165,10 @@ def _digits(value: arb) -> str:
     return str(value.str(SHOWN, radius=False))
 
 
-TABLE = Definition(
+TABLE = of_known_values(
     "thresholds of a disk of 0.5 m, by contact law",
-    COLUMNS,
-    lambda **options: [asdict(row) for row in threshold_rows(**options)],
+    threshold_rows,
     ("progress",),
-    lambda table: benchmark_notes(table.rows),
-    lambda table: framed(table, benchmark_lines(table.rows)),
     about=About(
         REPORT,
         "nothing; the disk and one spin are quoted at second hand",

@@ -314,6 +314,52 @@ def test_methods_are_compared_on_it(family: str) -> None:
     assert points.states[0] == pytest.approx(member(family, at, known["k"]), abs=1e-15)
 
 
+def test_the_condition_of_a_family_at_a_fixed_inclination(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A record that holds theta at a double and has a closed form, which holds the double too."""
+    from stability.tables.families import condition
+
+    theta = 1.0
+    leaning = SteadyFamily(
+        "leaning-circle",
+        ("phi_dot",),
+        held={"theta": theta},
+        unknown={"omega3": 1.0},
+        law="rough",
+        motion="circling at an inclination of one radian",
+        # Euler about the level axis: (2k + 1) phi_dot omega3 s = (k phi_dot² s - 1) c
+        solution=lambda _, at, k, unit: (
+            (k * at**2 * math.sin(theta) - unit**2)
+            * math.cos(theta)
+            / ((2 * k + 1) * at * math.sin(theta))
+        ),
+    )
+    monkeypatch.setitem(FAMILIES, leaning.name, leaning)
+    start = st.launch(leaning.name, at=1.3, tilt=0.0, disk=st.Disk())
+    [same] = st.disk_family("circling", "rough").member([[theta, 1.3]], [0.25])
+    assert start[:4] == pytest.approx(same)
+    name, _, formula = condition(leaning.name).partition(" = ")
+    value = eval(formula, {"k": 0.25, "phi_dot": 1.3, "sin": math.sin, "cos": math.cos})
+    assert (name, value) == ("omega3", pytest.approx(same[3], rel=1e-14))
+
+
+def test_a_wrong_closed_form_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    from stability.tables.families import condition
+
+    wrong = replace(
+        CONING,
+        name="wrong-cone",
+        solution=lambda functions, at, k, unit: functions.acos(unit * unit / (k * at * at)),
+    )
+    monkeypatch.setitem(FAMILIES, wrong.name, wrong)
+    with pytest.raises(st.StabilityError, match="solution of wrong-cone is no root of its eq"):
+        condition(wrong.name)
+    disk = st.Disk(mass=2.0, radius=0.3, gravity=9.81)
+    at = 3.0 * float(np.asarray(disk.rate))
+    said = "solution of wrong-cone gives theta = 1.11024 at phi_dot = 3, k = 0.25"
+    with pytest.raises(st.StabilityError, match=said):
+        st.launch(wrong.name, at=at, disk=disk)
+
+
 def test_a_family_of_one_law_alone_is_refused_under_others(monkeypatch: Any) -> None:
     held = SteadyFamily(
         "banking",

@@ -231,7 +231,7 @@ def test_a_share_of_a_row_is_a_share_of_the_cases(
 
 
 def test_the_page_says_why_a_method_crashes(cases: list[catalogue.Entry], tmp_path: Path) -> None:
-    text = page.write(tmp_path, [Part(FAILURES, (), (), cases)]).read_text()
+    text = page.write(tmp_path, [Part(FAILURES, (), {}, cases)]).read_text()
     found = dict(re.findall(r"<dt>([\w-]+): (\d+ of \d+) cases</dt>", text))
     crashed = Counter(e.method for e in cases if e.mark is Mark.CRASHED)
     asked = Counter(e.method for e in cases if e.mark is not None)

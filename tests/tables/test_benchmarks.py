@@ -16,8 +16,8 @@ from stability.base.errors import NameUnknownError
 from stability.cli.commands import main
 from stability.tables.benchmarks import catalogue
 from stability.tables.benchmarks.bicycle import EIGENVALUES, ENTRIES, EXACT, SPEEDS
-from stability.tables.benchmarks.catalogue import CASES, benchmark_notes, benchmark_rows
-from stability.tables.benchmarks.row import AGREES, CLOSED, BenchmarkRow, Source, compared
+from stability.tables.benchmarks.catalogue import CASES, benchmark_rows
+from stability.tables.benchmarks.row import AGREES, BenchmarkRow, Source, benchmark_notes, compared
 from stability.tables.registry import definition
 
 QUICK = {
@@ -460,19 +460,17 @@ def test_the_tippe_top_flutters_at_one_spin_for_every_friction() -> None:
 
 def test_a_wrong_or_missing_value_is_said_to_be_so() -> None:
     about = Source("body", "paper")
-    right = compared(about, "size", "1.250", 1.2504, origin=CLOSED)
+    right = compared(about, "size", "1.250", 1.2504)
     assert right.status == AGREES
-    assert (
-        compared(about, "size", "1.250", 1.2506, origin=CLOSED).status == "agrees to 3 digits of 4"
-    )
-    assert compared(about, "size", "1.250", 2.5, origin=CLOSED).status == "agrees to 0 digits of 4"
-    none = compared(about, "size", "1.250", None, origin=CLOSED, reason="no wind")
+    assert compared(about, "size", "1.250", 1.2506).status == "agrees to 3 digits of 4"
+    assert compared(about, "size", "1.250", 2.5).status == "agrees to 0 digits of 4"
+    none = compared(about, "size", "1.250", None, reason="no wind")
     assert (none.status, none.difference) == ("not covered: no wind", None)
-    nan = compared(about, "size", "1.250", float("nan"), origin=CLOSED, reason="no wind")
+    nan = compared(about, "size", "1.250", float("nan"), reason="no wind")
     assert nan.recomputed is None
-    inexact = compared(about, "size", "1.250", 1.25071, origin=CLOSED, inputs=1e-3)
+    inexact = compared(about, "size", "1.250", 1.25071, inputs=1e-3)
     assert "within the rounding of the published inputs" in inexact.status
-    typo = compared(about, "size", "1.250", 1.2511, origin=CLOSED, exact="1.251")
+    typo = compared(about, "size", "1.250", 1.2511, exact="1.251")
     assert typo.status == "agrees to all digits of 1.251; the last published digits are not right"
 
 

@@ -258,6 +258,21 @@ def test_points_have_names_units_and_bounds_that_one_reads() -> None:
     assert powers and min(powers) >= -17
 
 
+@pytest.mark.filterwarnings("ignore::stability.StabilityWarning")
+@pytest.mark.long
+def test_points_take_the_coefficient_that_codimension_two_takes() -> None:
+    axes = {"x": ("at", 1.9, 2.1, 2), "y": ("c", 0.9, 1.1, 2)}
+    linear = st.table("codimension", "spinning", contact="linear-viscous", **axes)
+    assert linear.units["y"] == "m √(g/R)"
+
+
+def test_points_of_a_body_have_its_units() -> None:
+    torus = st.Torus(0.2).family("spinning", "viscous")
+    axes = {"x": ("phi_dot", 1, 3, 2), "y": ("mu", 0.5, 1.5, 2)}
+    of_body = st.table("codimension", torus, **axes, tube=0.2)
+    assert of_body.to_csv().startswith("kind,phi_dot [√(g/R)],")
+
+
 def test_a_word_next_to_a_sign_is_a_symbol() -> None:
     """The momentum b has a component b_y, and a polynomial is called A."""
     assert prose("A = (Fx, by + (1 + k) Fy), by the chain rule") == (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from ..marks import Judgement, Mark, by_error
+from ..marks import HardCase, Judgement, Mark, by_error
 from .chart import judged
 from .drivers import Answer, Driver
 from .reference_motions import UNDETERMINED, ReferenceMotion, scene
@@ -15,19 +15,13 @@ NO_ANSWER = ("undetermined", "unresolved", "non-unique")
 """Outcomes by which a driver says that it has no answer."""
 
 
-class MotionCase:
+class MotionCase(HardCase):
     """A hard case of motion.
 
     Subclasses name the scene and the question: `outcome`, `final` (the last state), `time` (of the
     end) or `events` (of dry friction).
     """
 
-    name: ClassVar[str]
-    """Name in tables."""
-    group: ClassVar[str]
-    """Heading of its group in tables."""
-    physics: ClassVar[str]
-    """Physics of the case."""
     scene: ClassVar[str]
     """A key of `stability.compare.motion.reference_motions.scenes()`."""
     question: ClassVar[str]
@@ -83,15 +77,9 @@ class MotionCase:
 
 
 def _case(name: str, group: str, question: str, which: str, physics: str) -> type[MotionCase]:
-    body = {
-        "name": name,
-        "group": group,
-        "question": question,
-        "scene": which,
-        "physics": physics,
-        "__doc__": MotionCase.__doc__,
-    }
-    return type("Case", (MotionCase,), body)
+    return MotionCase.variant(
+        name=name, group=group, question=question, scene=which, physics=physics
+    )
 
 
 FLAT, STIFF, LONG = "near-flat passage", "stiff decay", "long runs"

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...base.errors import StabilityError
-from ...base.provenance import machine, today
 from ...base.types import Floats
 from ...jobs.measured_cells import Cell, Late, Task
-from ...storage.text import csv_text
+from ..chart import Line, attributes, csv_of, methods, numbers, padded, variable, words
 from ..cost import Place, least, places, timed, timings
 from .drivers import DRIVERS, MODELS, OWN, PEOPLE, Answer, Driver, driver
 from .reference_motions import ReferenceMotion, scene, scenes
@@ -56,11 +55,6 @@ def tasks() -> list[list[Task]]:
 
 def measure(which: str, name: str) -> dict[str, Any]:
     """One cell: a driver on a scene at all its tolerances.
-
-    Parameters
-    ----------
-    which, name
-        Names of the scene and of the driver.
 
     Returns
     -------
@@ -116,13 +110,6 @@ def _forget() -> None:
 
 def judged(it: ReferenceMotion, motion: Answer) -> dict[str, Any]:
     """The errors of a motion.
-
-    Parameters
-    ----------
-    it
-        The scene, with its truth.
-    motion
-        Answer of a driver.
 
     Returns
     -------
@@ -209,99 +196,59 @@ def dataset(cells: Mapping[str, Cell]) -> xarray.Dataset:
 
     kinds = [k for k in CHARTED if any(key.startswith(f"motion/{k}/") for key in cells)]
     names = [n for n in NAMES if any(key.endswith(f"/{n}") for key in cells)]
-    rungs = max((len(DRIVERS[n].tolerances) for n in names), default=0)
-    repeats = max(
-        (
-            len(r.get("seconds", ()))
-            for key, c in cells.items()
-            if key.startswith("motion/") and c.value
-            for r in c.value["rows"]
-        ),
-        default=1,
-    )
-    shape = (len(kinds), len(names), rungs)
-    numbers = {key: np.full(shape, np.nan) for key in ("tolerance", *LONG)}
-    seconds = np.full((*shape, repeats), np.nan)
-    first = np.full(shape[:2], np.nan)
-    outcome, message = np.full(shape, "", "U14"), np.full(shape, "", "U200")
-    status = np.full(shape[:2], "not asked", "U10")
-    for i, kind in enumerate(kinds):
-        for j, name in enumerate(names):
-            cell = cells.get(f"motion/{kind}/{name}")
-            if cell is None:
-                continue
-            status[i, j] = cell.status
-            if cell.value is None:
-                message[i, j] = cell.message
-                continue
-            first[i, j] = np.nan if cell.value["first"] is None else cell.value["first"]
-            for m, row in enumerate(cell.value["rows"]):
-                place = (i, j, m)
-                numbers["tolerance"][place] = cell.value["tolerance"][m]
-                message[place] = row["message"]
-                if row["message"]:
-                    continue
-                outcome[place] = row["outcome"]
-                seconds[place][: len(row["seconds"])] = row["seconds"]
-                for key in LONG:
-                    numbers[key][place] = np.nan if row[key] is None else row[key]
+    most = max((len(DRIVERS[n].tolerances) for n in names), default=0)
+    pairs = [(kind, name) for kind in kinds for name in names]
+    shape = (len(kinds), len(names), most)
+    grid = [cells.get(f"motion/{kind}/{name}") or NOT_ASKED for kind, name in pairs]
+    rows = [row for cell in grid for row in _rows(cell, most)]
     along = ("scene", "driver", "rung")
     data: dict[str, Any] = {
-        key: (along, values, {"long_name": LONG.get(key, "tolerance, step or ε"), "units": "1"})
-        for key, values in numbers.items()
+        key: variable(along, numbers([row.get(key) for row in rows], shape), text)
+        for key, text in {"tolerance": "tolerance, step or ε", **LONG}.items()
     }
-    data["seconds"] = (
-        (*along, "repeat"),
-        seconds,
-        {"long_name": "time of each repeated run", "units": "s"},
-    )
-    data["first"] = (
-        along[:2],
-        first,
-        {
-            "long_name": "time of the first run in its process: graphs built, code compiled",
-            "units": "s",
-        },
-    )
+    times = padded([row.get("seconds") for row in rows], shape)
+    first = numbers([c.value and c.value["first"] for c in grid], shape[:2])
     data |= {
-        "outcome": (along, outcome),
-        "message": (along, message),
-        "status": (along[:2], status),
+        "seconds": variable((*along, "repeat"), times, "time of each repeated run", "s"),
+        "first": variable(
+            along[:2],
+            first,
+            "time of the first run in its process: graphs built, code compiled",
+            "s",
+        ),
+        "outcome": (along, words([row.get("outcome", "") for row in rows], shape, 14)),
+        "message": (along, words([row.get("message", "") for row in rows], shape, 200)),
+        "status": (along[:2], words([c.status for c in grid], shape[:2], 10)),
     }
     truths = [scene(k) for k in kinds]
-    coordinates = {
+    coordinates = methods("driver", DRIVERS, names) | {
         "scene": kinds,
-        "driver": names,
         "scene_title": ("scene", [CHARTED[k] for k in kinds]),
-        "title": ("driver", [DRIVERS[n].title for n in names]),
-        "own": ("driver", [DRIVERS[n].own for n in names]),
-        "default": ("driver", [DRIVERS[n].default for n in names]),
         "true_outcome": ("scene", [t.outcome for t in truths]),
         "truth_error": ("scene", [t.error for t in truths]),
     }
-    attributes = {
-        "format": FORMAT,
-        "title": "ways to a motion: time against error",
-        "machine": json.dumps(machine()),
-        "created": today(),
-        "truth": "two independent integrations in many digits (reference_motions.json)",
-    }
-    return xarray.Dataset(data, coordinates, attributes)
+    truth = "two independent integrations in many digits (reference_motions.json)"
+    title = "ways to a motion: time against error"
+    return xarray.Dataset(data, coordinates, attributes(FORMAT, title, truth))
+
+
+NOT_ASKED = Cell("", "not asked", None, "", 0.0)
+"""Cell of a driver that does not take a scene."""
+
+
+def _rows(cell: Cell, count: int) -> list[dict[str, Any]]:
+    """The row of each rung with its tolerance; without a value each has the cell's message."""
+    if cell.value is None:
+        return [{"message": cell.message}] * count
+    pairs = zip(cell.value["rows"], cell.value["tolerance"], strict=True)
+    rows = [row | {"tolerance": tolerance} for row, tolerance in pairs]
+    return rows + [{}] * (count - len(rows))
 
 
 def points(chart: xarray.Dataset, which: str, metric: str) -> dict[str, list[tuple[float, float]]]:
     """(seconds, error) of every driver at each tolerance that has a right outcome.
 
     The least repeat counts: other work on the machine only adds to a time.
-
-    Parameters
-    ----------
-    chart
-        From `dataset`.
-    which
-        Name of the scene.
-    metric
-        One of `stability.compare.motion.chart.METRICS`.
 
     Returns
     -------
@@ -326,30 +273,27 @@ def points(chart: xarray.Dataset, which: str, metric: str) -> dict[str, list[tup
     return found
 
 
+def rungs(chart: xarray.Dataset, which: str, metric: str) -> dict[str, Place]:
+    """Standing of each driver at each of its tolerances, by driver and number of the tolerance."""
+    return places(
+        {
+            f"{name} {number}": point
+            for name, rows in points(chart, which, metric).items()
+            for number, point in enumerate(rows)
+        }
+    )
+
+
 def standing(chart: xarray.Dataset, which: str, metric: str = "path") -> dict[str, Place]:
     """Standing of each driver, at the best of its tolerances.
-
-    Parameters
-    ----------
-    chart
-        From `dataset`.
-    which
-        Name of the scene.
-    metric
-        Metric whose error counts.
 
     Returns
     -------
     dict
         By driver: the standing of its tolerance that is on the front, or nearest to it.
     """
-    flat = {
-        f"{name} {m}": point
-        for name, rows in points(chart, which, metric).items()
-        for m, point in enumerate(rows)
-    }
     best: dict[str, Place] = {}
-    for key, place in places(flat).items():
+    for key, place in rungs(chart, which, metric).items():
         name = key.split()[0]
         if name not in best or place.factor < best[name].factor:
             best[name] = Place(
@@ -362,49 +306,26 @@ def standing(chart: xarray.Dataset, which: str, metric: str = "path") -> dict[st
 
 
 def motion_csv(cells: Mapping[str, Cell]) -> str:
-    """CSV of the motions: one line for each scene, driver and tolerance.
+    """CSV of the motions: one line for each scene, driver and tolerance."""
+    return csv_of("motion", cells, _lines)
 
-    Parameters
-    ----------
-    cells
-        Cells of any chart by key.
 
-    Returns
-    -------
-    str
-    """
-    metrics = (*METRICS, "stated")
-    columns = (
-        "scene",
-        "driver",
-        "tolerance",
-        "outcome",
-        *(f"{m}_error" for m in metrics),
-        "least_s",
-        "timings_s",
-        "first_call_s",
-        "message",
-    )
-    rows: list[Sequence[Any]] = []
-    for key, cell in cells.items():
-        if not key.startswith("motion/"):
-            continue
-        _, which, name = key.split("/")
-        if cell.value is None:
-            rows.append((which, name, *[None] * 10, f"{cell.status}: {cell.message}"))
-            continue
-        for tolerance, row in zip(cell.value["tolerance"], cell.value["rows"], strict=True):
-            rows.append(
-                (
-                    which,
-                    name,
-                    tolerance,
-                    row.get("outcome"),
-                    *(row.get(m) for m in metrics),
-                    least(row.get("seconds")),
-                    timings(row.get("seconds")),
-                    cell.value["first"],
-                    row["message"],
-                )
-            )
-    return csv_text(columns, rows)
+def _lines(names: Sequence[str], cell: Cell) -> list[Line]:
+    which, driver = names
+    if cell.value is None:
+        cell = replace(cell, message=f"{cell.status}: {cell.message}")
+    count = 1 if cell.value is None else len(cell.value["rows"])
+    return [
+        {
+            "scene": which,
+            "driver": driver,
+            "tolerance": row.get("tolerance"),
+            "outcome": row.get("outcome"),
+            **{f"{metric}_error": row.get(metric) for metric in LONG},
+            "least_s": least(row.get("seconds")),
+            "timings_s": timings(row.get("seconds")) if cell.value else None,
+            "first_call_s": cell.value and cell.value["first"],
+            "message": row["message"],
+        }
+        for row in _rows(cell, count)
+    ]

@@ -13,10 +13,12 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ...base.errors import NameUnknownError, StabilityWarning, shown
+from ...base.checks import known
+from ...base.errors import StabilityWarning
 from ...base.types import Floats
 from ...bodies.contact_laws import RegularisedCoulomb, Rough, Smooth
 from ...integrators.selection import METHODS
+from ..marks import Method
 from .reference_motions import ReferenceMotion
 
 DECADES = tuple(10.0**-d for d in (3, 4, 6, 8, 10, 12, 14))
@@ -43,19 +45,9 @@ class Answer:
     """Kind and time of events of dry friction."""
 
 
-class Driver:
+class Driver(Method):
     """Base class of drivers; subclasses define the names and `run`."""
 
-    name: ClassVar[str]
-    """Name in tables and on the command line."""
-    title: ClassVar[str]
-    """Description in a few words."""
-    flaw: ClassVar[str] = ""
-    """Why it crashes where it does, in sentences; empty for a driver that does not."""
-    own: ClassVar[bool] = False
-    """Whether the driver belongs to the package."""
-    default: ClassVar[bool] = False
-    """Whether the package uses the driver by default."""
     tolerances: ClassVar[tuple[float, ...]] = DECADES
     """Tolerances in the charts, from loose to tight."""
     usual: ClassVar[float] = 1e-9
@@ -116,30 +108,11 @@ class Fine(Simulated):
 
 def _single(method: str) -> type[Driver]:
     title = f"simulate(method='{method}', check=False): {METHODS[method].about}"
-    words = {"name": method, "title": title}
-    body = {**words, "method": method, "__doc__": f"`simulate` by {method}, unchecked."}
-    made: type[Driver] = type(method.capitalize(), (Simulated,), body)
-    return made
+    return Simulated.variant(name=method, title=title, method=method)
 
 
 def simulated(scene: ReferenceMotion, contact: Any, times: Floats, **options: Any) -> Answer:
-    """Run `simulate` on a scene under a contact law.
-
-    Parameters
-    ----------
-    scene
-        Scene with the disk and the start.
-    contact
-        Contact law.
-    times
-        Times, of which the first is 0.
-    **options
-        As for `simulate`.
-
-    Returns
-    -------
-    Answer
-    """
+    """Run `simulate` on a scene under a contact law."""
     from ...bodies.newton_euler import STATES
     from ...motion.result import BY_CODE
     from ...motion.simulate import simulate
@@ -349,15 +322,6 @@ DRIVERS = {d.name: d for d in _EVERY}
 def driver(name: str) -> Driver:
     """A driver by its name.
 
-    Parameters
-    ----------
-    name
-        A key of `DRIVERS`.
-
-    Returns
-    -------
-    Driver
-
     Raises
     ------
     NameUnknownError
@@ -368,6 +332,4 @@ def driver(name: str) -> Driver:
     >>> driver("simulate").default
     True
     """
-    if name not in DRIVERS:
-        raise NameUnknownError(f"driver is {shown(name)}; known are {', '.join(DRIVERS)}.")
-    return DRIVERS[name]()
+    return DRIVERS[known("driver", name, DRIVERS)]()

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base.errors import NameUnknownError, shown
+from ...base.checks import known
 from ...base.types import Floats
 from ...bodies.contact_laws import Contact, law_named
 from ...bodies.disk import Disk
@@ -78,10 +78,6 @@ class ReferenceMotion:
 def scenes() -> Mapping[str, ReferenceMotion]:
     """Every scene by name.
 
-    Returns
-    -------
-    dict
-
     Examples
     --------
     >>> scenes()["lift-off"].outcome, round(scenes()["lift-off"].end_time, 6)
@@ -94,23 +90,12 @@ def scenes() -> Mapping[str, ReferenceMotion]:
 def scene(name: str) -> ReferenceMotion:
     """A scene by its name.
 
-    Parameters
-    ----------
-    name
-        A key of `scenes()`.
-
-    Returns
-    -------
-    ReferenceMotion
-
     Raises
     ------
     NameUnknownError
         If there is none.
     """
-    if name not in scenes():
-        raise NameUnknownError(f"scene is {shown(name)}; known are {', '.join(scenes())}.")
-    return scenes()[name]
+    return scenes()[known("scene", name, scenes())]
 
 
 def _read(record: Mapping[str, Any]) -> ReferenceMotion:

@@ -13,7 +13,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...base.verdict import CODES, Verdict
-from ..marks import Judgement, Mark, by_error
+from ..marks import HardCase, Judgement, Mark, by_error
 from .chart import errors
 from .points import DEGREES, EDGES, MEETINGS, Points, _points, close_to, coalescence
 from .routes import Answer, Route, check
@@ -25,19 +25,13 @@ ASKED_EIGENVALUES = 1e-9
 IN_BALLS = "the graph's characteristic polynomial in balls of 1024 bits"
 
 
-class Case:
+class Case(HardCase):
     """A hard case of the linear analysis.
 
     Subclasses define `name`, `group`, `physics` and `points`, and `known` and `question` where the
     defaults do not fit.
     """
 
-    name: ClassVar[str]
-    """Name in tables."""
-    group: ClassVar[str]
-    """Heading of its group in tables."""
-    physics: ClassVar[str]
-    """Physics of the case."""
     known: ClassVar[str] = IN_BALLS
     """How the truth is known."""
     question: ClassVar[str] = "verdict"
@@ -102,6 +96,7 @@ class Ladder(Case):
     """Verdicts on both sides of a boundary, at relative distances 1e-1 to 1e-15."""
 
     group = "verdict at 10⁻¹…10⁻¹⁵ from a boundary"
+    physics = "the growth rate vanishes there: its sign hangs on its last digits"
     where: ClassVar[tuple[Any, ...]]
 
     def points(self) -> Points:
@@ -144,17 +139,7 @@ def _ladder(where: tuple[Any, ...]) -> Points:
 def _rung(where: Sequence[Any]) -> type[Case]:
     family, law, k, mu = where[:4]
     friction = "" if mu is None else f", mu = {mu:g}"
-    name = f"{family}, {law}, k = {k:g}{friction}"
-    return type(
-        "Ladder",
-        (Ladder,),
-        {
-            "name": name,
-            "where": tuple(where),
-            "__doc__": Ladder.__doc__,
-            "physics": "the growth rate vanishes there: its sign hangs on its last digits",
-        },
-    )
+    return Ladder.variant(name=f"{family}, {law}, k = {k:g}{friction}", where=tuple(where))
 
 
 LADDERS: tuple[type[Case], ...] = tuple(_rung(e) for e in EDGES)
@@ -275,6 +260,7 @@ class BesideBranch(Case):
 class _Limit(Case):
     """A limit of friction."""
 
+    group = "limits of friction"
     family: ClassVar[str]
     at: ClassVar[float]
     mus: ClassVar[tuple[float, ...]]
@@ -293,17 +279,10 @@ def _limit(family: str, at: float, question: str, *, large: bool) -> type[Case]:
         if large
         else "the limit is singular: the smooth disk's zeros split by O(mu)"
     )
-    body = {
-        "name": f"{family}, {limit}: {question}",
-        "group": "limits of friction",
-        "question": question,
-        "family": family,
-        "at": at,
-        "mus": mus,
-        "physics": physics,
-        "__doc__": _Limit.__doc__,
-    }
-    return type("Limit", (_Limit,), body)
+    name = f"{family}, {limit}: {question}"
+    return _Limit.variant(
+        name=name, question=question, family=family, at=at, mus=mus, physics=physics
+    )
 
 
 LIMITS: tuple[type[Case], ...] = tuple(
@@ -317,6 +296,8 @@ LIMITS: tuple[type[Case], ...] = tuple(
 class _Flat(Case):
     """A hoop that tumbles nearly flat."""
 
+    group = "tumbling hoop"
+    physics = "growth rates down to 1e-12 next to frequencies of 30: real, not round-off"
     degrees: ClassVar[float]
 
     def points(self) -> Points:
@@ -326,15 +307,8 @@ class _Flat(Case):
 
 
 def _flat(degrees: float, question: str) -> type[Case]:
-    body = {
-        "name": f"hoop at {degrees:g}° from flat: {question}",
-        "group": "tumbling hoop",
-        "question": question,
-        "degrees": degrees,
-        "__doc__": _Flat.__doc__,
-        "physics": "growth rates down to 1e-12 next to frequencies of 30: real, not round-off",
-    }
-    return type("Flat", (_Flat,), body)
+    name = f"hoop at {degrees:g}° from flat: {question}"
+    return _Flat.variant(name=name, question=question, degrees=degrees)
 
 
 FLATS: tuple[type[Case], ...] = tuple(_flat(d, q) for d in DEGREES for q in ("verdict", "growth"))

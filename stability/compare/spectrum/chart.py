@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...base.errors import StabilityError
-from ...base.provenance import machine, today
 from ...base.types import Floats
 from ...base.verdict import CODES, Verdict
 from ...jobs.measured_cells import Cell, Task
-from ...storage.text import csv_text
+from ..chart import Line, attributes, csv_of, methods, numbers, padded, variable, words
 from ..cost import Place, least, places, timed, timings
 from .points import EDGES, Points, classes, edge, points_of
 from .routes import ROUTES, Answer, Route, check, route
@@ -48,13 +46,6 @@ def tasks() -> list[list[Task]]:
 
 def errors(points: Points, answer: Answer) -> tuple[Floats | None, Floats | None]:
     """Errors of eigenvalues and abscissa at each point.
-
-    Parameters
-    ----------
-    points
-        The points.
-    answer
-        Answer of a route.
 
     Returns
     -------
@@ -96,11 +87,6 @@ def _matched(mine: Any, exact: Any, rest: Any) -> float:
 
 def measure(hardness: str, name: str) -> dict[str, Any]:
     """One cell: the errors of a route on a class, and its times.
-
-    Parameters
-    ----------
-    hardness, name
-        Names of the hardness class and of the route.
 
     Returns
     -------
@@ -161,11 +147,6 @@ def locate(name: str) -> dict[str, Any]:
 
     For the package's routes, its function `boundaries` replaces the bisection.
 
-    Parameters
-    ----------
-    name
-        The route.
-
     Returns
     -------
     dict
@@ -196,11 +177,6 @@ def exact_edge(
     family: str, law: str, k: float, mu: float | None, low: float, high: float
 ) -> tuple[float, float]:
     """A boundary to 22 digits, by bisection on the sign of Hurwitz's determinants in balls.
-
-    Parameters
-    ----------
-    family, law, k, mu, low, high
-        As in `EDGES`.
 
     Returns
     -------
@@ -298,42 +274,8 @@ QUANTITIES = ("eigenvalues", "abscissa", "verdict", "boundary")
 """Quantities of the chart."""
 
 
-def padded(rows: Sequence[Sequence[float | None] | None], shape: tuple[int, ...]) -> Any:
-    """Rows of different lengths as one array of doubles, with NaN for missing numbers.
-
-    Parameters
-    ----------
-    rows
-        Rows of numbers, or None for a missing row.
-    shape
-        Leading shape that the rows fill.
-
-    Returns
-    -------
-    ndarray
-        `shape + (longest,)`.
-
-    Examples
-    --------
-    >>> padded([[1.0, 2.0], None, [3.0]], (3,)).tolist()
-    [[1.0, 2.0], [nan, nan], [3.0, nan]]
-    """
-    longest = max((len(r) for r in rows if r), default=1)
-    out = np.full((len(rows), longest), np.nan)
-    for index, row in enumerate(rows):
-        if row:
-            out[index, : len(row)] = [np.nan if v is None else v for v in row]
-    return out.reshape(*shape, longest)
-
-
 def dataset(cells: Mapping[str, Cell]) -> xarray.Dataset:
     """Numbers of the spectrum chart, with every raw timing.
-
-    Parameters
-    ----------
-    cells
-        Cells by key, as in `stability.compare.spectrum.chart.tasks`: of some of the hardness
-        classes, with or without boundaries, by the same routes.
 
     Returns
     -------
@@ -350,84 +292,65 @@ def dataset(cells: Mapping[str, Cell]) -> xarray.Dataset:
     edges = [cell for n in names if (cell := cells.get(f"boundary/{n}")) is not None]
     shape = (len(names), len(kinds))
 
-    def rows(key: str, from_: Sequence[Cell]) -> list[Any]:
-        return [None if c.value is None else c.value[key] for c in from_]
+    def rows(key: str) -> list[Any]:
+        return [c.value and c.value[key] for c in grid]
 
-    def number(key: str) -> Any:
-        return np.array([np.nan if v is None else v for v in rows(key, grid)], float).reshape(shape)
-
-    two, long = (
-        ("route", "hardness"),
-        {
-            "eigenvalues": "error of the eigenvalues over the largest modulus, best matching",
-            "abscissa": "error of the abscissa over the abscissa, over the largest modulus where 0",
-            "one": "time of a call with one point",
-            "many": "time a point of a call with many points",
-        },
-    )
+    two = ("route", "hardness")
     data: dict[str, Any] = {}
-    for key, unit, last in (
-        ("eigenvalues", "1", "point"),
-        ("abscissa", "1", "point"),
-        ("one", "s", "call_one"),
-        ("many", "s", "call_many"),
+    for key, last, text, unit in (
+        (
+            "eigenvalues",
+            "point_eigenvalues",
+            "error of the eigenvalues over the largest modulus, best matching",
+            "1",
+        ),
+        (
+            "abscissa",
+            "point_abscissa",
+            "error of the abscissa over the abscissa, over the largest modulus where 0",
+            "1",
+        ),
+        ("one", "call_one", "time of a call with one point", "s"),
+        ("many", "call_many", "time a point of a call with many points", "s"),
     ):
-        values = padded(rows(key, grid), shape)
-        data[key] = (
-            (*two, f"{last}_{key}" if last == "point" else last),
-            values,
-            {"units": unit, "long_name": long[key]},
-        )
-    for key, text in (
-        ("wrong", "wrong verdicts"),
-        ("undecided", "verdicts said to be undecided"),
-        ("count", "points asked"),
+        data[key] = variable((*two, last), padded(rows(key), shape), text, unit)
+    for key, text, unit in (
+        ("wrong", "wrong verdicts", "1"),
+        ("undecided", "verdicts said to be undecided", "1"),
+        ("count", "points asked", "1"),
+        ("first", "time of the first call", "s"),
     ):
-        data[key] = (two, number(key), {"long_name": text, "units": "1"})
-    data["first"] = (two, number("first"), {"long_name": "time of the first call", "units": "s"})
-    data["status"] = (two, np.array([c.status for c in grid], dtype="U10").reshape(shape))
-    data["message"] = (two, np.array([c.message for c in grid], dtype="U200").reshape(shape))
-    coordinates: dict[str, Any] = {
-        "route": names,
+        data[key] = variable(two, numbers(rows(key), shape), text, unit)
+    data["status"] = (two, words([c.status for c in grid], shape, 10))
+    data["message"] = (two, words([c.message for c in grid], shape, 200))
+    coordinates = methods("route", ROUTES, names) | {
         "hardness": kinds,
-        "title": ("route", [ROUTES[n].title for n in names]),
-        "own": ("route", [ROUTES[n].own for n in names]),
-        "default": ("route", [ROUTES[n].default for n in names]),
         "class_title": ("hardness", [classes()[c] for c in kinds]),
-    }
-    attributes = {
-        "format": FORMAT,
-        "title": "routes to a spectrum: time against error",
-        "machine": json.dumps(machine()),
-        "created": today(),
-        "truth": "characteristic polynomial of the graph in balls of 1024 bits and more",
     }
     if edges:
         data |= _boundaries(edges)
         coordinates["boundary"] = [" ".join(str(part) for part in e[:4]) for e in EDGES]
-    return xarray.Dataset(data, coordinates, attributes)
+    truth = "characteristic polynomial of the graph in balls of 1024 bits and more"
+    title = "routes to a spectrum: time against error"
+    return xarray.Dataset(data, coordinates, attributes(FORMAT, title, truth))
 
 
 def _boundaries(edges: Sequence[Cell]) -> dict[str, Any]:
     """Variables over (route, boundary)."""
+    two, shape = ("route", "boundary"), (len(edges),)
     data: dict[str, Any] = {}
-    for key, unit, text in (
-        ("error", "1", "relative error of a boundary found"),
-        ("seconds", "s", "time to find it"),
-        ("width", "1", "stated half-width, relative"),
+    for key, text, unit in (
+        ("error", "relative error of a boundary found", "1"),
+        ("seconds", "time to find it", "s"),
+        ("width", "stated half-width, relative", "1"),
     ):
-        values = padded([c.value and c.value[key] for c in edges], (len(edges),))
-        values = np.pad(values, ((0, 0), (0, len(EDGES) - values.shape[1])), constant_values=np.nan)
-        data[f"boundary_{key}"] = (
-            ("route", "boundary"),
-            values,
-            {"units": unit, "long_name": text},
-        )
+        values = padded([c.value and c.value[key] for c in edges], shape, len(EDGES))
+        data[f"boundary_{key}"] = variable(two, values, text, unit)
     asked = [
         [r is not None for r in c.value["seconds"]] if c.value else [True] * len(EDGES)
         for c in edges
     ]
-    data["boundary_asked"] = (("route", "boundary"), np.array(asked))
+    data["boundary_asked"] = (two, np.array(asked))
     return data
 
 
@@ -435,13 +358,6 @@ def seconds(chart: xarray.Dataset, route: str, hardness: str) -> tuple[float, fl
     """Least times per point [s]: of calls with many points, if any, and with one point.
 
     Other work on the machine only adds to a time.
-
-    Parameters
-    ----------
-    chart
-        From `dataset`.
-    route, hardness
-        Names of the route and of the hardness class.
 
     Returns
     -------
@@ -469,21 +385,7 @@ def _worst(values: Any) -> float:
 
 
 def standing(chart: xarray.Dataset, quantity: str, hardness: str = "") -> dict[str, Place]:
-    """Standing of every route in a panel; routes with a wrong verdict have none.
-
-    Parameters
-    ----------
-    chart
-        From `dataset`.
-    quantity
-        eigenvalues, abscissa, verdict (error: share of points undecided) or boundary.
-    hardness
-        Hardness class; not used for boundary.
-
-    Returns
-    -------
-    dict
-    """
+    """Standing of every route in a panel; routes with a wrong verdict have none."""
     panel: dict[str, tuple[float, float]] = {}
     for name in chart.route.values.tolist():
         if quantity == "boundary":
@@ -509,88 +411,54 @@ def standing(chart: xarray.Dataset, quantity: str, hardness: str = "") -> dict[s
 
 
 def spectrum_csv(cells: Mapping[str, Cell]) -> str:
-    """CSV of the spectra: one line for each route and hardness class.
+    """CSV of the spectra: one line for each route and hardness class."""
+    return csv_of("spectrum", cells, _spectrum_lines)
 
-    Parameters
-    ----------
-    cells
-        Cells of any chart by key.
 
-    Returns
-    -------
-    str
-    """
-    columns = (
-        "hardness",
-        "route",
-        "status",
-        "points",
-        "wrong",
-        "undecided",
-        "worst_eigenvalue_error",
-        "worst_abscissa_error",
-        "first_call_s",
-        "one_point_s",
-        "a_point_of_many_s",
-        "one_point_timings_s",
-        "many_timings_s",
-        "message",
-    )
-    rows: list[Sequence[Any]] = []
-    for key, cell in cells.items():
-        if not key.startswith("spectrum/"):
-            continue
-        _, hardness, route = key.split("/")
-        v = cell.value or {}
-        rows.append(
-            (
-                hardness,
-                route,
-                cell.status,
-                *(v.get(name) for name in ("count", "wrong", "undecided")),
-                *(max(v[q]) if v.get(q) else None for q in ("eigenvalues", "abscissa")),
-                v.get("first"),
-                *(least(v.get(name)) for name in ("one", "many")),
-                *(timings(v.get(name)) for name in ("one", "many")),
-                "" if v else cell.message,
-            )
-        )
-    return csv_text(columns, rows)
+def _spectrum_lines(names: Sequence[str], cell: Cell) -> list[Line]:
+    hardness, route = names
+    value = cell.value or {}
+    return [
+        {
+            "hardness": hardness,
+            "route": route,
+            "status": cell.status,
+            "points": value.get("count"),
+            "wrong": value.get("wrong"),
+            "undecided": value.get("undecided"),
+            "worst_eigenvalue_error": max(value.get("eigenvalues") or [None]),
+            "worst_abscissa_error": max(value.get("abscissa") or [None]),
+            "first_call_s": value.get("first"),
+            "one_point_s": least(value.get("one")),
+            "a_point_of_many_s": least(value.get("many")),
+            "one_point_timings_s": timings(value.get("one")),
+            "many_timings_s": timings(value.get("many")),
+            "message": "" if value else cell.message,
+        }
+    ]
 
 
 def boundary_csv(cells: Mapping[str, Cell]) -> str:
-    """CSV of the boundaries: one line for each route and each boundary that it is asked.
+    """CSV of the boundaries: one line for each route and each boundary that it is asked."""
+    return csv_of("boundary", cells, _boundary_lines)
 
-    Parameters
-    ----------
-    cells
-        Cells of any chart by key.
 
-    Returns
-    -------
-    str
-    """
-    columns = (
-        "route",
-        "family",
-        "contact",
-        "k",
-        "mu",
-        "relative_error",
-        "stated_half_width",
-        "seconds",
-        "status",
-    )
-    rows: list[Sequence[Any]] = []
-    for key, cell in cells.items():
-        if not key.startswith("boundary/"):
-            continue
-        name = key.split("/")[1]
-        for i, where in enumerate(EDGES):
-            if cell.value is None:
-                rows.append((name, *where[:4], *[None] * 3, cell.status))
-            elif (seconds := cell.value["seconds"][i]) is not None:
-                error, width = cell.value["error"][i], cell.value["width"][i]
-                status = "not found" if error is None else "found"
-                rows.append((name, *where[:4], error, width, seconds, status))
-    return csv_text(columns, rows)
+def _boundary_lines(names: Sequence[str], cell: Cell) -> list[Line]:
+    none = [None] * len(EDGES)
+    value = cell.value or {"error": none, "width": none, "seconds": none}
+    columns = (EDGES, value["error"], value["width"], value["seconds"])
+    return [
+        {
+            "route": names[0],
+            "family": edge[0],
+            "contact": edge[1],
+            "k": edge[2],
+            "mu": edge[3],
+            "relative_error": error,
+            "stated_half_width": width,
+            "seconds": took,
+            "status": cell.status if not cell.value else "not found" if error is None else "found",
+        }
+        for edge, error, width, took in zip(*columns, strict=True)
+        if took is not None or not cell.value
+    ]

@@ -137,15 +137,6 @@ class Truth:
 def truth(points: Points) -> Truth:
     """Proved eigenvalues and verdicts at points.
 
-    Parameters
-    ----------
-    points
-        The points.
-
-    Returns
-    -------
-    Truth
-
     Source: the graph's own characteristic polynomial in balls; tests/compare/test_compare.py
     compares it with mpmath.
 
@@ -255,10 +246,6 @@ def edge(family: str, law: str, k: float, mu: float | None, low: float, high: fl
     low, high
         Ends, between which the verdict changes once.
 
-    Returns
-    -------
-    float
-
     Examples
     --------
     >>> edge("rolling", "smooth", 0.25, None, 0.5, 1.5)
@@ -304,13 +291,6 @@ def close_to(
 ) -> Points:
     """Points on both sides of a boundary, at relative distances.
 
-    Parameters
-    ----------
-    where
-        One of `EDGES`.
-    distances
-        Relative distances from the boundary along `at`.
-
     Returns
     -------
     Points
@@ -355,17 +335,6 @@ def _flat_hoop() -> list[Points]:
 
 def coalescence(family: str, k: float, mu: float, low: float, high: float) -> float:
     """The double next to the value of `at` at which two eigenvalues of a viscous family meet.
-
-    Parameters
-    ----------
-    family, k, mu
-        Family, inertia factor and coefficient of viscous friction.
-    low, high
-        Values between which the number of real eigenvalues changes once.
-
-    Returns
-    -------
-    float
 
     Examples
     --------
@@ -440,10 +409,6 @@ def _makers() -> Mapping[str, tuple[str, Callable[[], list[Points]]]]:
 def classes() -> dict[str, str]:
     """Title of each hardness class, in order of display.
 
-    Returns
-    -------
-    dict
-
     Examples
     --------
     >>> list(classes())[:2]
@@ -454,15 +419,5 @@ def classes() -> dict[str, str]:
 
 @lru_cache(maxsize=8)
 def points_of(name: str) -> tuple[Points, ...]:
-    """The points of a hardness class, in groups of one family and law.
-
-    Parameters
-    ----------
-    name
-        A key of `classes()`.
-
-    Returns
-    -------
-    tuple of Points
-    """
+    """The points of a hardness class, in groups of one family and law."""
     return tuple(_makers()[name][1]())

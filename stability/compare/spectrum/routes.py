@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...algebra.number_types import Algebra, numpy_algebra
 from ...algebra.program import Program
 from ...algebra.upright import UPRIGHT
-from ...base.errors import NameUnknownError, shown
+from ...base.checks import known
 from ...base.types import Complexes, Floats
 from ...base.verdict import CODES, Verdict
 from ...bodies.disk import Disk
@@ -30,6 +30,7 @@ from ...spectra.certificate import verdict
 from ...spectra.result import Spectrum
 from ...spectra.spectrum import spectrum
 from ...systems.family import Family
+from ..marks import Method
 from .points import Points
 
 SMALL = 1e-9
@@ -53,13 +54,6 @@ class Answer:
 def check(points: Points, answer: Answer) -> None:
     """Refuse an answer of a wrong shape or type.
 
-    Parameters
-    ----------
-    points
-        Points of the answer.
-    answer
-        Answer of a route.
-
     Raises
     ------
     ArithmeticError
@@ -79,7 +73,7 @@ def check(points: Points, answer: Answer) -> None:
             raise ArithmeticError(f"{name} of a wrong shape, or not finite")
 
 
-class Route:
+class Route(Method):
     """Base class of routes to spectra.
 
     `matrices` returns the linearisation at each point.  The rest follows as in people's scripts:
@@ -87,16 +81,6 @@ class Route:
     `small`.  A route of another kind overrides `answer`.
     """
 
-    name: ClassVar[str]
-    """Name in tables and on the command line."""
-    title: ClassVar[str]
-    """Description in a few words."""
-    flaw: ClassVar[str] = ""
-    """Why it crashes where it does, in sentences; empty for a route that does not."""
-    own: ClassVar[bool] = False
-    """Whether the route belongs to the package."""
-    default: ClassVar[bool] = False
-    """Whether the package uses the route by default."""
     charted: ClassVar[bool] = True
     """Whether the charts have it; the catalogue of failures has every route."""
     arrays: ClassVar[bool] = True
@@ -591,15 +575,6 @@ ROUTES: dict[str, type[Route]] = {r.name: r for r in (*PEOPLE, *OWN)}
 def route(name: str) -> Route:
     """A route by its name.
 
-    Parameters
-    ----------
-    name
-        A key of `ROUTES`.
-
-    Returns
-    -------
-    Route
-
     Raises
     ------
     NameUnknownError
@@ -610,6 +585,4 @@ def route(name: str) -> Route:
     >>> route("complex-step").title
     'Jacobian by complex steps of 1e-30; LAPACK'
     """
-    if name not in ROUTES:
-        raise NameUnknownError(f"route is {shown(name)}; known are {', '.join(ROUTES)}.")
-    return ROUTES[name]()
+    return ROUTES[known("route", name, ROUTES)]()

@@ -28,11 +28,6 @@ NORMAL, FORCE_X, FORCE_Y = sympy.symbols("normal force_x force_y")
 def residual(law: str) -> tuple[sympy.Matrix, list[Any], list[Any]]:
     """Residuals of the laws of Newton and Euler, their unknowns, and the states.
 
-    Parameters
-    ----------
-    law
-        smooth, viscous, linear-viscous or rough.
-
     Returns
     -------
     residual, unknowns, states
@@ -89,17 +84,7 @@ def _filled(values: Sequence[Any], shape: tuple[int, ...]) -> Floats:
 
 @lru_cache(maxsize=8)
 def kept_mass(law: str) -> Matrices:
-    """Linearisation of the implicit equations, with a numerical solve by the mass matrix.
-
-    Parameters
-    ----------
-    law
-        As for `residual`.
-
-    Returns
-    -------
-    callable
-    """
+    """Linearisation of the implicit equations, with a numerical solve by the mass matrix."""
     equations, unknowns, states = residual(law)
     mass, forcing = sympy.linear_eq_to_matrix(list(equations), unknowns)
     slopes = equations.jacobian(states)
@@ -131,15 +116,6 @@ def solved(law: str) -> Matrices:
 
     The vertical equation comes first, so the first pivot is cosθ.  The result has cosθ in numerator
     and denominator, which cancels on paper and is 0/0 upright.
-
-    Parameters
-    ----------
-    law
-        As for `residual`.
-
-    Returns
-    -------
-    callable
     """
     equations, unknowns, states = residual(law)
     mass, forcing = sympy.linear_eq_to_matrix(list(equations), unknowns)

@@ -16,7 +16,9 @@ from ...systems.mechanics import mechanics
 from ...systems.system import System
 from .row import PUBLISHED, BenchmarkRow, Source, at_threshold, compared, threshold
 
-LINEAR = Source("linear bicycle", "Meijaard et al., Proc. R. Soc. A 463 (2007) 1955, Table 1")
+LINEAR = Source(
+    "linear bicycle", "Meijaard et al., Proc. R. Soc. A 463 (2007) 1955, Table 1", PUBLISHED
+)
 BENCHMARK: dict[str, Any] = {
     "w": 1.02,
     "c": 0.08,
@@ -147,23 +149,7 @@ def bicycle() -> Family:
 
 
 def of_spectrum(about: Source, family: Family, at: float, zeros: int = 0) -> list[BenchmarkRow]:
-    """Rows of the four eigenvalues at 5 m/s.
-
-    Parameters
-    ----------
-    about
-        System and source.
-    family
-        The bicycle that runs straight.
-    at
-        Its member at 5 m/s.
-    zeros
-        Number of eigenvalues that must be zero by structure.
-
-    Returns
-    -------
-    list of BenchmarkRow
-    """
+    """Rows of the four eigenvalues at 5 m/s."""
     found = spectrum(family, at=at, certify=True, **BENCHMARK)
     right = found.structural_zeros == zeros and found.eigenvalues.shape == (4,)
     values = found.eigenvalues if right else np.full(4, np.nan)
@@ -174,7 +160,6 @@ def of_spectrum(about: Source, family: Family, at: float, zeros: int = 0) -> lis
             quantity,
             known,
             float(numbers[i]),
-            origin=PUBLISHED,
             unit="1/s",
             reason="another number of eigenvalues",
             exact=EXACT.get(quantity, ""),
@@ -198,10 +183,6 @@ def of_speeds(
         Interval of the family's parameter around each speed, by name.
     scale
         Speed over the family's parameter [m].
-
-    Returns
-    -------
-    list of BenchmarkRow
     """
     words = {
         "weave": "speed above which weave is stable",
@@ -210,10 +191,9 @@ def of_speeds(
     return [
         at_threshold(
             about,
-            threshold(family, *brackets[name], 5, **BENCHMARK),
+            words[name],
             known,
-            quantity=words[name],
-            origin=PUBLISHED,
+            threshold(family, *brackets[name], 5, **BENCHMARK),
             unit="m/s",
             scale=scale,
             exact=EXACT[name],
@@ -223,30 +203,23 @@ def of_speeds(
 
 
 def linear_bicycle() -> list[BenchmarkRow]:
-    """Rows of the linear bicycle: entries of its matrices, spectrum, weave and capsize.
-
-    Returns
-    -------
-    list of BenchmarkRow
-    """
+    """Rows of the linear bicycle: entries of its matrices, spectrum, weave and capsize."""
     family = bicycle()
     seen = family.system.observe([0.0] * 4, [5.0, *BENCHMARK.values()])
     entries = [
-        compared(
-            LINEAR,
-            name.replace("_", "[")[:-1] + f",{name[-1]}]",
-            known,
-            float(seen[name]),
-            origin=PUBLISHED,
-        )
+        compared(LINEAR, name.replace("_", "[")[:-1] + f",{name[-1]}]", known, float(seen[name]))
         for name, known in ENTRIES.items()
     ]
     brackets = {"weave": (3.0, 5.0), "capsize": (5.0, 8.0)}
     return [*entries, *of_spectrum(LINEAR, family, 5.0), *of_speeds(LINEAR, family, brackets, 1.0)]
 
 
-MOVING = Source("nonlinear bicycle", "Basu-Mandal et al., Proc. R. Soc. A 463 (2007) 1983, Table 1")
-STRAIGHT = Source("nonlinear bicycle, straight", "Meijaard et al., Proc. R. Soc. A 463 (2007) 1955")
+MOVING = Source(
+    "nonlinear bicycle", "Basu-Mandal et al., Proc. R. Soc. A 463 (2007) 1983, Table 1", PUBLISHED
+)
+STRAIGHT = Source(
+    "nonlinear bicycle, straight", "Meijaard et al., Proc. R. Soc. A 463 (2007) 1955", PUBLISHED
+)
 COORDINATES = ("x", "y", "z", "yaw", "lean", "pitch", "steer", "rear", "front")
 """Coordinates; axes x forward, y right, z down."""
 GIVEN = {
@@ -366,12 +339,7 @@ def straight() -> Family:
 
 
 def accelerations() -> tuple[list[float], list[float]]:
-    """The nine accelerations in the paper's symbols, and what the state's rounding can change.
-
-    Returns
-    -------
-    values, bounds
-    """
+    """The nine accelerations in the paper's symbols, and what the state's rounding can change."""
     system = _system()
     g = {name: float(digits) for name, digits in GIVEN.items()}
     place = [
@@ -393,15 +361,10 @@ def accelerations() -> tuple[list[float], list[float]]:
 
 
 def nonlinear_bicycle() -> list[BenchmarkRow]:
-    """Rows of the nonlinear bicycle: nine accelerations, spectrum, weave and capsize.
-
-    Returns
-    -------
-    list of BenchmarkRow
-    """
+    """Rows of the nonlinear bicycle: nine accelerations, spectrum, weave and capsize."""
     values, bounds = accelerations()
     rows = [
-        compared(MOVING, f"acceleration {name}", known, value, origin=PUBLISHED, inputs=bound)
+        compared(MOVING, f"acceleration {name}", known, value, inputs=bound)
         for (name, known), value, bound in zip(ACCELERATIONS.items(), values, bounds, strict=True)
     ]
     radius = BENCHMARK["rR"]

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
 
 from ...base.checks import chosen
 from ...base.citation import cited
-from ...base.errors import listed
-from ..table import About, Column, Definition, Standing, framed, word
+from ..table import About, Standing
 from .bicycle import linear_bicycle, nonlinear_bicycle
 from .oscillators import (
     axon,
@@ -20,7 +18,7 @@ from .oscillators import (
     triangular_points,
     ziegler,
 )
-from .row import BenchmarkRow, Case
+from .row import BenchmarkRow, Case, of_known_values
 from .spinning import gyropendulum, lagrange, liquid, sphere, tippe, vortices
 from .wheels import hunting, sympy_disc, turning
 
@@ -60,10 +58,6 @@ def benchmark_rows(
     progress
         Called with (systems done, systems in all).
 
-    Returns
-    -------
-    list of BenchmarkRow
-
     Raises
     ------
     NameUnknownError
@@ -87,87 +81,10 @@ def benchmark_rows(
     return rows
 
 
-def benchmark_lines(rows: Sequence[dict[str, object]]) -> list[str]:
-    """The table of benchmarks as lines of text, one paragraph for each system.
-
-    Parameters
-    ----------
-    rows
-        Rows as records.
-
-    Returns
-    -------
-    list of str
-    """
-    lines: list[str] = []
-    title = None
-    for row in rows:
-        if row["system"] != title:
-            title = row["system"]
-            lines += ["", f"{title}  ({row['source']})"]
-        lines += _lines_of(row)
-    return lines[1:]
-
-
-def benchmark_notes(rows: Sequence[dict[str, object]]) -> list[str]:
-    """How many known values agree, as lines of text.
-
-    Parameters
-    ----------
-    rows
-        Rows as records.
-
-    Returns
-    -------
-    list of str
-    """
-    missing = [row for row in rows if row["recomputed"] is None]
-    agree = sum(str(row["status"]).startswith("agrees") for row in rows)
-    systems = list(dict.fromkeys(str(row["system"]) for row in missing))
-    where = f"; not covered: {len(missing)} ({listed(systems)})" if missing else ""
-    return [
-        f"{len(rows)} known values, {agree} agree{where}.",
-        "below, above: certified verdicts at a relative distance of 1e-12 from a threshold.",
-    ]
-
-
-def _lines_of(row: dict[str, object]) -> list[str]:
-    unit = f" {row['unit']}" if row["unit"] else ""
-    value, off = row["recomputed"], row["difference"]
-    found = "-" if value is None else f"{value:.16g}{unit}"
-    by = "" if off is None else f", difference {off:.1e}"
-    lines = [
-        f"    {row['quantity']}",
-        f"        known {row['known']}{unit} ({row['origin']})",
-        f"        found {found}{by}: {row['status']}",
-    ]
-    if row["below"]:
-        lines += [f"        below {row['below']}, above {row['above']} (certified)"]
-    return lines
-
-
-COLUMNS = (
-    word("system", "name of the system", "group"),
-    word("quantity", "quantity that is compared", share=0.22),
-    word("unit", "unit of the values"),
-    word("source", "source of the equations or the value", "group"),
-    word("origin", "origin of the known value", "below"),
-    word("known", "known value with all its digits"),
-    Column("recomputed", "the value of this package", form="{:.16g}"),
-    Column("difference", "recomputed minus known", form="{:.1e}"),
-    word("status", "digits that agree, or why there is no value", "below"),
-    word("below", "certified verdict below a threshold", "below"),
-    word("above", "certified verdict above a threshold", "below"),
-)
-"""Columns of a table of known values."""
-
-TABLE = Definition(
+TABLE = of_known_values(
     "systems with known answers: known value, recomputed value, certified verdicts",
-    COLUMNS,
-    lambda **options: [asdict(row) for row in benchmark_rows(**options)],
+    benchmark_rows,
     ("systems", "progress"),
-    lambda table: benchmark_notes(table.rows),
-    lambda table: framed(table, benchmark_lines(table.rows)),
     about=About(
         "a paper, course or code for each system, named in its rows",
         "values of the rows that are marked `published`",

@@ -11,7 +11,17 @@ from ...motion.simulate import simulate
 from ...systems.equations import Condition
 from ...systems.family import Family
 from ...systems.system import System
-from .row import CLOSED, ELSEWHERE, BenchmarkRow, Source, at_threshold, compared, threshold
+from .row import (
+    ELSEWHERE,
+    BenchmarkRow,
+    Source,
+    at_threshold,
+    at_zero,
+    compared,
+    symbols,
+    system_of,
+    threshold,
+)
 
 ZIEGLER = Source("Ziegler column", "Kirillov & Verhulst, ZAMM 90 (2010) 462")
 ROTOR = Source("Jeffcott rotor", "A. L. Kimball (1924), internal damping")
@@ -38,46 +48,21 @@ def column(*, damped: bool) -> Family:
         states=("lower", "upper", "lower_rate", "upper_rate"),
         parameters=("P", "b") if damped else ("P",),
     )
-    return Family(
-        system,
-        "straight",
-        at=("P",),
-        held=dict.fromkeys(system.states, 0.0),
-    )
+    return at_zero(system, "straight", "P")
 
 
 def ziegler() -> list[BenchmarkRow]:
-    """Rows of Ziegler's column: the load above which it flutters, with and without damping.
-
-    Returns
-    -------
-    list of BenchmarkRow
-    """
+    """Rows of Ziegler's column: the load above which it flutters, with and without damping."""
+    what = "load above which it flutters"
     free = threshold(column(damped=False), 0.5, 3.0)
-    rows = [
-        at_threshold(
-            ZIEGLER,
-            free,
-            "2.0857864376269049",
-            origin=CLOSED,
-            quantity="load above which it flutters, undamped",
-        )
-    ]
+    rows = [at_threshold(ZIEGLER, f"{what}, undamped", "2.0857864376269049", free)]
     for b, known in (
         (1.0, "1.9642857142857142"),
         (0.1, "1.4692857142857143"),
         (1e-3, "1.4642862142857143"),
     ):
         found = threshold(column(damped=True), 0.5, 3.0, b=b)
-        rows.append(
-            at_threshold(
-                ZIEGLER,
-                found,
-                known,
-                origin=CLOSED,
-                quantity=f"load above which it flutters, b = {b:g}",
-            )
-        )
+        rows.append(at_threshold(ZIEGLER, f"{what}, b = {b:g}", known, found))
     return rows
 
 
@@ -85,75 +70,39 @@ def ziegler() -> list[BenchmarkRow]:
 
 
 def rotor() -> list[BenchmarkRow]:
-    """Row of the Jeffcott rotor: the rate above which it whirls.
-
-    Returns
-    -------
-    list of BenchmarkRow
-    """
-    x, y, u, v, W, w0, de, di = (ca.SX.sym(n) for n in ("x", "y", "u", "v", "W", "w0", "de", "di"))
-    system = System(
+    """Row of the Jeffcott rotor: the rate above which it whirls."""
+    x, y, u, v, W, w0, de, di = symbols("x y u v W w0 de di")
+    system = system_of(
         "Jeffcott rotor",
-        ca.vertcat(x, y, u, v),
-        ca.vertcat(W, w0, de, di),
-        ca.vertcat(
+        [x, y, u, v],
+        [W, w0, de, di],
+        [
             u,
             v,
             -(de + di) * u - w0**2 * x - W * di * y,
             -(de + di) * v - w0**2 * y + W * di * x,
-        ),
-        states=("x", "y", "u", "v"),
-        parameters=("W", "w0", "de", "di"),
+        ],
         units={"W": "rad/s", "w0": "rad/s", "de": "1/s", "di": "1/s"},
     )
-    centred = Family(system, "centred", at=("W",), held=dict.fromkeys(system.states, 0.0))
+    centred = at_zero(system, "centred", "W")
     found = threshold(centred, 10.0, 1000.0, w0=100.0, de=3.0, di=2.0)
-    return [
-        at_threshold(
-            ROTOR,
-            found,
-            "250",
-            quantity="rate above which it whirls, w0 = 100, de = 3, di = 2",
-            origin=CLOSED,
-            unit="rad/s",
-        )
-    ]
+    what = "rate above which it whirls, w0 = 100, de = 3, di = 2"
+    return [at_threshold(ROTOR, what, "250", found, unit="rad/s")]
 
 
 def saddle() -> list[BenchmarkRow]:
-    """Row of the rotating saddle: the rate above which it holds a ball.
-
-    Returns
-    -------
-    list of BenchmarkRow
-    """
-    x, y, u, v, W, k = (ca.SX.sym(n) for n in ("x", "y", "u", "v", "W", "k"))
-    system = System(
+    """Row of the rotating saddle: the rate above which it holds a ball."""
+    x, y, u, v, W, k = symbols("x y u v W k")
+    system = system_of(
         "rotating saddle",
-        ca.vertcat(x, y, u, v),
-        ca.vertcat(W, k),
-        ca.vertcat(u, v, (W**2 - k) * x + 2 * W * v, (W**2 + k) * y - 2 * W * u),
-        states=("x", "y", "u", "v"),
-        parameters=("W", "k"),
+        [x, y, u, v],
+        [W, k],
+        [u, v, (W**2 - k) * x + 2 * W * v, (W**2 + k) * y - 2 * W * u],
         units={"W": "rad/s", "k": "1/s²"},
     )
-    centre = Family(
-        system,
-        "centre",
-        at=("W",),
-        held=dict.fromkeys(system.states, 0.0),
-    )
-    found = threshold(centre, 0.1, 5.0, k=3.0)
-    return [
-        at_threshold(
-            SADDLE,
-            found,
-            "1.7320508075688773",
-            origin=CLOSED,
-            unit="rad/s",
-            quantity="rate above which it holds a ball, k = 3",
-        )
-    ]
+    found = threshold(at_zero(system, "centre", "W"), 0.1, 5.0, k=3.0)
+    what = "rate above which it holds a ball, k = 3"
+    return [at_threshold(SADDLE, what, "1.7320508075688773", found, unit="rad/s")]
 
 
 # --- three bodies ---
@@ -161,17 +110,10 @@ def saddle() -> list[BenchmarkRow]:
 
 def triangle() -> Family:
     """The triangular point L4 in the frame of two heavy bodies, by the share m of the lighter."""
-    x, y, u, v, m = (ca.SX.sym(n) for n in ("x", "y", "u", "v", "m"))
+    x, y, u, v, m = symbols("x y u v m")
     near, far = ca.sqrt((x + m - 1) ** 2 + y**2), ca.sqrt((x + m) ** 2 + y**2)
     pull = ca.gradient((x**2 + y**2) / 2 + (1 - m) / far + m / near, ca.vertcat(x, y))
-    system = System(
-        "three bodies",
-        ca.vertcat(x, y, u, v),
-        m,
-        ca.vertcat(u, v, pull + 2 * ca.vertcat(v, -u)),
-        states=("x", "y", "u", "v"),
-        parameters=("m",),
-    )
+    system = system_of("three bodies", [x, y, u, v], [m], [u, v, pull + 2 * ca.vertcat(v, -u)])
     return Family(
         system,
         "L4",
@@ -184,27 +126,15 @@ def triangle() -> Family:
 
 
 def triangular_points() -> list[BenchmarkRow]:
-    """Row of the triangular points: the mass ratio below which they are neutral.
-
-    Returns
-    -------
-    list of BenchmarkRow
-    """
+    """Row of the triangular points: the mass ratio below which they are neutral."""
     found = threshold(triangle(), 0.03, 0.05, 3)
-    return [
-        at_threshold(
-            POINTS,
-            found,
-            "0.038520896504551397",
-            origin=CLOSED,
-            quantity="mass ratio below which they are neutral",
-        )
-    ]
+    what = "mass ratio below which they are neutral"
+    return [at_threshold(POINTS, what, "0.038520896504551397", found)]
 
 
 GOVERNOR = Source("Watt governor", "Sotomayor, Mello & Braga, arXiv math/0606230")
 NERVE = Source("FitzHugh-Nagumo nerve", "R. FitzHugh, Biophys. J. 1 (1961) 445")
-AXON = Source("Hodgkin-Huxley axon", "Hodgkin & Huxley, J. Physiol. 117 (1952) 500")
+AXON = Source("Hodgkin-Huxley axon", "Hodgkin & Huxley, J. Physiol. 117 (1952) 500", ELSEWHERE)
 BELT = Source("mass on a belt", "Coulomb friction, static larger than kinetic")
 MASS = {"belt": 0.2, "rest": 1.0, "sliding": 0.5}
 """Speed of the belt, friction at rest, sliding friction; mass and spring are 1."""
@@ -212,77 +142,42 @@ MASS = {"belt": 0.2, "rest": 1.0, "sliding": 0.5}
 
 def governor() -> Family:
     """The engine that runs evenly, by the friction e of the governor."""
-    x, y, z, e, a, b = (ca.SX.sym(n) for n in ("x", "y", "z", "e", "a", "b"))
+    x, y, z, e, a, b = symbols("x y z e a b")
     swing = z**2 * ca.sin(x) * ca.cos(x) - ca.sin(x) - e * y
-    system = System(
-        "Watt governor",
-        ca.vertcat(x, y, z),
-        ca.vertcat(e, a, b),
-        ca.vertcat(y, swing, a * (ca.cos(x) - b)),
-        states=("x", "y", "z"),
-        parameters=("e", "a", "b"),
-    )
+    rates = [y, swing, a * (ca.cos(x) - b)]
+    system = system_of("Watt governor", [x, y, z], [e, a, b], rates)
     near = {"x": 1.0, "z": 1.4, "e": 0.4, "a": 0.5, "b": 0.5}
     return system.steady("e", held={"y": 0.0}, guess=near, equations=("y", "z"), name="running")
 
 
 def swinging() -> list[BenchmarkRow]:
-    """Rows of the governor: where it begins to swing, and whether gently.
-
-    Returns
-    -------
-    list of BenchmarkRow
-    """
+    """Rows of the governor: where it begins to swing, and whether gently."""
     rows: list[BenchmarkRow] = []
     for a, b, known in ((0.5, 0.5, "0.3535533905932738"), (0.25, 0.64, "0.256")):
         found = threshold(governor(), float(known) / 2, 2 * float(known), a=a, b=b)
         quantity = f"friction above which it is even, a = {a}, b = {b}"
-        rows.append(at_threshold(GOVERNOR, found, known, origin=CLOSED, quantity=quantity))
+        rows.append(at_threshold(GOVERNOR, quantity, known, found))
     for a, known in ((0.25, ".7795976849"), (0.5, ".7968357154"), (0.8, ".8506928506")):
         [point] = codimension_two(governor(), x=("b", 0.75, 0.9, 2), y=("e", 0.2, 1.6, 2), a=a)
-        rows.append(
-            compared(
-                GOVERNOR,
-                f"b where the first Lyapunov coefficient is 0, a = {a}",
-                f"0{known}",
-                point.x,
-                origin=ELSEWHERE,
-            )
-        )
+        quantity = f"b where the first Lyapunov coefficient is 0, a = {a}"
+        rows.append(compared(GOVERNOR._replace(origin=ELSEWHERE), quantity, f"0{known}", point.x))
     return rows
 
 
 def nerve() -> list[BenchmarkRow]:
-    """Rows of FitzHugh's nerve: currents between which it fires again and again.
-
-    Returns
-    -------
-    list of BenchmarkRow
-    """
-    v, w, current, a, b, slow = (ca.SX.sym(n) for n in ("v", "w", "current", "a", "b", "slow"))
-    system = System(
-        "nerve",
-        ca.vertcat(v, w),
-        ca.vertcat(current, a, b, slow),
-        ca.vertcat(v - v**3 / 3 - w + current, slow * (v + a - b * w)),
-        states=("v", "w"),
-        parameters=("current", "a", "b", "slow"),
-    )
+    """Rows of FitzHugh's nerve: currents between which it fires again and again."""
+    v, w, current, a, b, slow = symbols("v w current a b slow")
+    rates = [v - v**3 / 3 - w + current, slow * (v + a - b * w)]
+    system = system_of("nerve", [v, w], [current, a, b, slow], rates)
     numbers: dict[str, Any] = {"a": 0.7, "b": 0.8, "slow": 0.08}
     rest = system.steady("current", guess={"v": -1.2, "w": -0.6, "current": 0.0, **numbers})
-    return _firing(
-        NERVE, rest, ((0.0, 0.8, "0.331281337454746"), (1.0, 2.0, "1.41871866254525")), **numbers
-    )
+    ends = ((0.0, 0.8, "0.331281337454746"), (1.0, 2.0, "1.41871866254525"))
+    return _firing(NERVE, rest, ends, **numbers)
 
 
 def axon() -> list[BenchmarkRow]:
-    """Rows of the squid axon: currents between which it fires again and again.
-
-    Returns
-    -------
-    list of BenchmarkRow
-    """
-    v, m, h, n, current = (ca.SX.sym(name) for name in ("v", "m", "h", "n", "current"))
+    """Rows of the squid axon: currents between which it fires again and again."""
+    v, m, h, n, current = symbols("v m h n current")
     opens = {
         m: ca.SX(0.1) * (25 - v) / (ca.exp((25 - v) / 10) - 1),
         h: 0.07 * ca.exp(-v / 20),
@@ -295,25 +190,17 @@ def axon() -> list[BenchmarkRow]:
     }
     flow = current - 120 * m**3 * h * (v - 115) - 36 * n**4 * (v + 12) - 0.3 * (v - 10.6)
     gates = [opens[gate] * (1 - gate) - closes[gate] * gate for gate in (m, h, n)]
-    system = System(
-        "axon",
-        ca.vertcat(v, m, h, n),
-        current,
-        ca.vertcat(flow, *gates),
-        states=("v", "m", "h", "n"),
-        parameters=("current",),
-        units={"current": "uA/cm2", "v": "mV"},
-    )
+    units = {"current": "uA/cm2", "v": "mV"}
+    system = system_of("axon", [v, m, h, n], [current], [flow, *gates], units=units)
     rest = system.steady("current", guess={"v": 0.01, "m": 0.05, "h": 0.6, "n": 0.32, "current": 0})
     ends = ((9.5, 10.0, "9.779337995393"), (154.0, 155.0, "154.526333665808"))
-    return _firing(AXON, rest, ends, origin=ELSEWHERE, unit="uA/cm2")
+    return _firing(AXON, rest, ends, unit=units["current"])
 
 
 def _firing(
     about: Source,
     rest: Family,
     ends: tuple[tuple[float, float, str], ...],
-    origin: str = CLOSED,
     unit: str = "",
     **numbers: Any,
 ) -> list[BenchmarkRow]:
@@ -321,52 +208,30 @@ def _firing(
     rows: list[BenchmarkRow] = []
     for (low, high, known), word in zip(ends, ("begins", "ceases"), strict=True):
         found = threshold(rest, low, high, **numbers)
-        rows.append(
-            at_threshold(
-                about,
-                found,
-                known,
-                origin=origin,
-                unit=unit,
-                quantity=f"current at which firing {word}",
-            )
-        )
+        quantity = f"current at which firing {word}"
+        rows.append(at_threshold(about, quantity, known, found, unit=unit))
     return rows
 
 
 def _phase(name: str, end: str) -> System:
     """The mass while it slips, or sticks; its run ends where its condition reaches zero."""
-    x, u, belt, rest, sliding = (ca.SX.sym(n) for n in ("x", "u", *MASS))
+    x, u, belt, rest, sliding = symbols(" ".join(["x", "u", *MASS]))
     pull, ahead = x - sliding, belt - u
     # positive where the belt is ahead or the spring pulls forwards: a + b + sqrt(a² + b²), smooth
     slips = pull + ahead + ca.sqrt(pull**2 + ahead**2)
     rates, positive = {
-        "slip": (ca.vertcat(u, -pull), slips),
-        "stick": (ca.vertcat(belt, 0), rest - x),
+        "slip": ([u, -pull], slips),
+        "stick": ([belt, ca.SX(0)], rest - x),
     }[name]
-    return System(
-        name,
-        ca.vertcat(x, u),
-        ca.vertcat(belt, rest, sliding),
-        rates,
-        states=("x", "u"),
-        parameters=tuple(MASS),
-        conditions=(Condition(positive, end),),
-    )
+    limit = Condition(positive, end)
+    return system_of(name, [x, u], [belt, rest, sliding], rates, conditions=(limit,))
 
 
 def stick_slip() -> list[BenchmarkRow]:
-    """Row of the mass on a belt: the period of its cycle, from one run of each phase.
-
-    Returns
-    -------
-    list of BenchmarkRow
-    """
+    """Row of the mass on a belt: the period of its cycle, from one run of each phase."""
     start = {"x": MASS["rest"], "u": MASS["belt"]}
     slip = simulate(_phase("slip", "the belt catches it"), MASS, start, 20.0, tolerance=1e-13)
     caught = {"x": float(slip.x[-1]), "u": float(slip.u[-1])}
     stick = simulate(_phase("stick", "the spring wins"), MASS, caught, 20.0, tolerance=1e-13)
     period = float(slip.end_time) + float(stick.end_time)
-    return [
-        compared(BELT, "period of sticking and slipping", "8.9026054078145", period, origin=CLOSED)
-    ]
+    return [compared(BELT, "period of sticking and slipping", "8.9026054078145", period)]

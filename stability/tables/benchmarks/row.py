@@ -1,20 +1,24 @@
-"""A row of the table of benchmarks: a known value, the recomputed one, and what can be said."""
+"""A known value, the recomputed one, and what can be said: a row, its columns, their table."""
 
 from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from ...base.errors import StabilityWarning
+import casadi as ca
+
+from ...base.errors import StabilityWarning, listed
 from ...base.verdict import Verdict
 from ...boundary.changes import boundaries
 from ...spectra.spectrum import spectrum
 from ...systems.family import Family
+from ...systems.system import System
+from ..table import Column, Definition, framed, word
 
 PUBLISHED = "published"
 """Origin of a number that its source prints."""
@@ -37,6 +41,8 @@ class Source(NamedTuple):
     """Name of the system."""
     source: str
     """Paper, course or code."""
+    origin: str = CLOSED
+    """How its values are known: `PUBLISHED`, `QUOTED`, `CLOSED` or `ELSEWHERE`."""
 
 
 @dataclass(frozen=True)
@@ -67,13 +73,28 @@ class BenchmarkRow:
     """Certified verdict at a relative distance of 1e-12 above a threshold; empty elsewhere."""
 
 
+COLUMNS = (
+    word("system", "name of the system", "group"),
+    word("quantity", "quantity that is compared", share=0.22),
+    word("unit", "unit of the values"),
+    word("source", "source of the equations or the value", "group"),
+    word("origin", "origin of the known value", "below"),
+    word("known", "known value with all its digits"),
+    Column("recomputed", "the value of this package", form="{:.16g}"),
+    Column("difference", "recomputed minus known", form="{:.1e}"),
+    word("status", "digits that agree, or why there is no value", "below"),
+    word("below", "certified verdict below a threshold", "below"),
+    word("above", "certified verdict above a threshold", "below"),
+)
+"""The fields of a row, as columns of a table."""
+
+
 def compared(
     about: Source,
     quantity: str,
     known: str,
     recomputed: float | None,
     *,
-    origin: str,
     unit: str = "",
     sides: tuple[str, str] = ("", ""),
     reason: str = "",
@@ -92,8 +113,6 @@ def compared(
         The known value as it is given, with all its digits.
     recomputed
         The package's value, or None.
-    origin
-        `PUBLISHED`, `QUOTED`, `CLOSED` or `ELSEWHERE`.
     unit
         SI unit.
     sides
@@ -105,16 +124,12 @@ def compared(
     exact
         The value from arithmetic of many digits, where the last published digits are not right.
 
-    Returns
-    -------
-    BenchmarkRow
-
     Examples
     --------
     >>> pi = Source("circle", "Archimedes")
-    >>> compared(pi, "half its length", "3.14159", 3.141592653589793, origin=CLOSED).status
+    >>> compared(pi, "half its length", "3.14159", 3.141592653589793).status
     'agrees to all digits'
-    >>> compared(pi, "half its length", "3.14159", 3.1415, origin=CLOSED).status
+    >>> compared(pi, "half its length", "3.14159", 3.1415).status
     'agrees to 4 digits of 6'
     """
     if recomputed is None or not math.isfinite(recomputed):
@@ -127,7 +142,7 @@ def compared(
         quantity,
         unit,
         about.source,
-        origin,
+        about.origin,
         known,
         recomputed,
         difference,
@@ -168,23 +183,7 @@ class Threshold(NamedTuple):
 
 
 def threshold(family: Family, low: float, high: float, points: int = 9, **values: Any) -> Threshold:
-    """The only change of verdict along a family, and the certified verdicts on both sides.
-
-    Parameters
-    ----------
-    family
-        A family with one parameter.
-    low, high
-        Ends of the search.
-    points
-        Points of a scan, where the search needs one.
-    **values
-        Parameters of the system.
-
-    Returns
-    -------
-    Threshold
-    """
+    """The only change of verdict along a family, and the certified verdicts on both sides."""
     for end in (low, high):
         if certified(family, end, values) == Verdict.UNDECIDED.word:
             why = f"the verdict at {family.at[0]} = {end:g} is undecided"
@@ -201,74 +200,122 @@ def threshold(family: Family, low: float, high: float, points: int = 9, **values
 
 
 def certified(family: Family, at: float, values: Mapping[str, Any]) -> str:
-    """The verdict at a member, as proved.
-
-    Parameters
-    ----------
-    family
-        A family with one parameter.
-    at
-        The member.
-    values
-        Parameters of the system.
-
-    Returns
-    -------
-    str
-        A verdict in one word; `undecided` where there is no proof.
-    """
+    """The verdict at a member in one word; `undecided` where there is no proof."""
     found = spectrum(family, at=at, certify=True, **values)
     return str((found.verdict if found.certified else Verdict.UNDECIDED).word)
 
 
 def at_threshold(
     about: Source,
-    found: Threshold,
-    known: str,
-    *,
     quantity: str,
-    origin: str,
+    known: str,
+    found: Threshold,
+    *,
     unit: str = "",
     scale: float = 1.0,
     exact: str = "",
 ) -> BenchmarkRow:
-    """A row of a threshold.
-
-    Parameters
-    ----------
-    about
-        System and source.
-    found
-        Result of `threshold`.
-    known
-        The known value with all its digits.
-    quantity
-        What is compared.
-    origin
-        `PUBLISHED`, `QUOTED`, `CLOSED` or `ELSEWHERE`.
-    unit
-        SI unit.
-    scale
-        Factor from the family's parameter to the known quantity.
-    exact
-        As in `compared`.
-
-    Returns
-    -------
-    BenchmarkRow
-    """
+    """A row of a threshold; `scale` leads from the family's parameter to the known quantity."""
     value = None if found.value is None else found.value * scale
     return compared(
         about,
         quantity,
         known,
         value,
-        origin=origin,
         unit=unit,
         sides=found.sides,
         reason=found.reason,
         exact=exact,
     )
+
+
+# --- the table of such rows ---
+
+
+def of_known_values(
+    heading: str, rows: Callable[..., list[BenchmarkRow]], takes: tuple[str, ...], **more: Any
+) -> Definition:
+    """The definition of a table of known values; `rows` takes the options in `takes`."""
+    return Definition(
+        heading,
+        COLUMNS,
+        lambda **options: [asdict(row) for row in rows(**options)],
+        takes,
+        lambda table: benchmark_notes(table.rows),
+        lambda table: framed(table, benchmark_lines(table.rows)),
+        **more,
+    )
+
+
+def benchmark_lines(rows: Sequence[dict[str, object]]) -> list[str]:
+    """The table of benchmarks as lines of text, one paragraph for each system."""
+    lines: list[str] = []
+    title = None
+    for row in rows:
+        if row["system"] != title:
+            title = row["system"]
+            lines += ["", f"{title}  ({row['source']})"]
+        lines += _lines_of(row)
+    return lines[1:]
+
+
+def benchmark_notes(rows: Sequence[dict[str, object]]) -> list[str]:
+    """How many known values agree, as lines of text."""
+    missing = [row for row in rows if row["recomputed"] is None]
+    agree = sum(str(row["status"]).startswith("agrees") for row in rows)
+    systems = list(dict.fromkeys(str(row["system"]) for row in missing))
+    where = f"; not covered: {len(missing)} ({listed(systems)})" if missing else ""
+    return [
+        f"{len(rows)} known values, {agree} agree{where}.",
+        "below, above: certified verdicts at a relative distance of 1e-12 from a threshold.",
+    ]
+
+
+def _lines_of(row: dict[str, object]) -> list[str]:
+    unit = f" {row['unit']}" if row["unit"] else ""
+    value, off = row["recomputed"], row["difference"]
+    found = "-" if value is None else f"{value:.16g}{unit}"
+    by = "" if off is None else f", difference {off:.1e}"
+    lines = [
+        f"    {row['quantity']}",
+        f"        known {row['known']}{unit} ({row['origin']})",
+        f"        found {found}{by}: {row['status']}",
+    ]
+    if row["below"]:
+        lines += [f"        below {row['below']}, above {row['above']} (certified)"]
+    return lines
+
+
+# --- how a system is written down ---
+
+
+def symbols(names: str) -> list[ca.SX]:
+    """Scalar symbols of these names."""
+    return [ca.SX.sym(name) for name in names.split()]
+
+
+def system_of(
+    name: str,
+    states: Sequence[ca.SX],
+    parameters: Sequence[ca.SX],
+    rates: Sequence[ca.SX],
+    **more: Any,
+) -> System:
+    """A system of scalar symbols, which have their names already."""
+    return System(
+        name,
+        ca.vertcat(*states),
+        ca.vertcat(*parameters),
+        ca.vertcat(*rates),
+        states=tuple(s.name() for s in states),
+        parameters=tuple(p.name() for p in parameters),
+        **more,
+    )
+
+
+def at_zero(system: System, name: str, at: str, **others: float) -> Family:
+    """A family all of whose states vanish but `others`."""
+    return Family(system, name, at=(at,), held=dict.fromkeys(system.states, 0.0) | others)
 
 
 Case = Callable[[], list[BenchmarkRow]]

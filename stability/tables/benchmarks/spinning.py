@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -14,7 +14,16 @@ from ...spectra.spectrum import spectrum
 from ...systems.family import Family
 from ...systems.mechanics import mechanics
 from ...systems.system import System
-from .row import CLOSED, BenchmarkRow, Source, at_threshold, compared, threshold
+from .row import (
+    BenchmarkRow,
+    Source,
+    at_threshold,
+    at_zero,
+    compared,
+    symbols,
+    system_of,
+    threshold,
+)
 
 LAGRANGE = Source("Lagrange top", "J. L. Lagrange (1788)")
 TIPPE = Source("tippe top", "Rauch-Wojciechowski & Rutstam, SIGMA 10 (2014) 017")
@@ -29,47 +38,46 @@ BODY: dict[str, Any] = SPHERE | {"I3": 2 / 5 * 0.02 * 0.02**2, "I1": 131 / 350 *
 # --- Lagrange's top ---
 
 
-def sleeping() -> Family:
-    """The top that spins upright, by its spin; its axis leans by two angles."""
-    lean, tilt, turn, d_lean, d_tilt, spin, one, three, mgl = (
-        ca.SX.sym(n) for n in ("lean", "tilt", "turn", "d_lean", "d_tilt", "spin", *TOP)
-    )
-    across = (d_lean * ca.cos(tilt)) ** 2 + d_tilt**2
-    along = (spin + d_lean * ca.sin(tilt)) ** 2
-    top = mechanics(
-        ca.vertcat(lean, tilt, turn),
-        ca.vertcat(d_lean, d_tilt, spin),
-        ca.vertcat(one, three, mgl),
-        kinetic=(one * across + three * along) / 2,
-        potential=mgl * ca.cos(lean) * ca.cos(tilt),
-        ignorable=("turn",),
+def _top(
+    angles: Sequence[ca.SX],
+    rates: Sequence[ca.SX],
+    across: ca.SX,
+    along: ca.SX,
+    height: ca.SX,
+    *,
+    ignorable: Sequence[str],
+) -> System:
+    """The top in some angles, from the squares of its angular velocities and its height."""
+    transverse, axial, mgl = (ca.SX.sym(n) for n in TOP)
+    return mechanics(
+        ca.vertcat(*angles),
+        ca.vertcat(*rates),
+        ca.vertcat(transverse, axial, mgl),
+        kinetic=(transverse * across + axial * along) / 2,
+        potential=mgl * height,
+        ignorable=ignorable,
         name="Lagrange top",
     )
+
+
+def sleeping() -> Family:
+    """The top that spins upright, by its spin; its axis leans by two angles."""
+    lean, tilt, turn, d_lean, d_tilt, spin = symbols("lean tilt turn d_lean d_tilt spin")
+    across = (d_lean * ca.cos(tilt)) ** 2 + d_tilt**2
+    along = (spin + d_lean * ca.sin(tilt)) ** 2
+    angles, height = (lean, tilt, turn), ca.cos(lean) * ca.cos(tilt)
+    top = _top(angles, (d_lean, d_tilt, spin), across, along, height, ignorable=("turn",))
     held = dict.fromkeys(("lean", "tilt", "d_lean", "d_tilt"), 0.0)
-    return Family(
-        top,
-        "sleeping",
-        at=("spin",),
-        held=held,
-    )
+    return Family(top, "sleeping", at=("spin",), held=held)
 
 
 def precessing() -> Family:
     """The top that precesses steadily, by inclination and rate of precession, in Euler's angles."""
-    theta, phi, psi, d_theta, d_phi, spin, one, three, mgl = (
-        ca.SX.sym(n) for n in ("theta", "phi", "psi", "d_theta", "d_phi", "spin", *TOP)
-    )
+    theta, phi, psi, d_theta, d_phi, spin = symbols("theta phi psi d_theta d_phi spin")
     across = d_theta**2 + (d_phi * ca.sin(theta)) ** 2
     along = (spin + d_phi * ca.cos(theta)) ** 2
-    top = mechanics(
-        ca.vertcat(theta, phi, psi),
-        ca.vertcat(d_theta, d_phi, spin),
-        ca.vertcat(one, three, mgl),
-        kinetic=(one * across + three * along) / 2,
-        potential=mgl * ca.cos(theta),
-        ignorable=("phi", "psi"),
-        name="Lagrange top",
-    )
+    angles, rates = (theta, phi, psi), (d_theta, d_phi, spin)
+    top = _top(angles, rates, across, along, ca.cos(theta), ignorable=("phi", "psi"))
     return Family(
         top,
         "precessing",
@@ -81,22 +89,16 @@ def precessing() -> Family:
 
 
 def lagrange() -> list[BenchmarkRow]:
-    """Rows of Lagrange's top: where it sleeps, and how fast it nods.
-
-    Returns
-    -------
-    list of BenchmarkRow
-    """
+    """Rows of Lagrange's top: where it sleeps, and how fast it nods."""
     found = threshold(sleeping(), 1.0, 9.0, **TOP)
     nodding = spectrum(precessing(), at=(1.0, 0.7), **TOP).eigenvalues.imag.max()
     return [
-        at_threshold(LAGRANGE, found, "4", quantity="spin above which it sleeps", origin=CLOSED),
+        at_threshold(LAGRANGE, "spin above which it sleeps", "4", found),
         compared(
             LAGRANGE,
             "nutation at inclination 1, precession 0.7",
             "1.20424736445397",
             float(nodding),
-            origin=CLOSED,
         ),
     ]
 
@@ -153,15 +155,6 @@ def for_every_friction(
     Between `low` and `high` one condition must decide, a polynomial in the spin alone; the
     intervals `others`, which cover the rest, must be unstable for every friction.
 
-    Parameters
-    ----------
-    family
-        Upright or inverted spinning.
-    low, high
-        Interval of the spin around the threshold.
-    others
-        Ends of the other intervals, by their beginnings.
-
     Returns
     -------
     value, reason
@@ -181,12 +174,7 @@ def for_every_friction(
 
 
 def tippe() -> list[BenchmarkRow]:
-    """Rows of the tippe top: thresholds for three frictions, and for every friction.
-
-    Returns
-    -------
-    list of BenchmarkRow
-    """
+    """Rows of the tippe top: thresholds for three frictions, and for every friction."""
     known = {"upright": "27.667917094780", "inverted": "41.332688957659"}
     words = {
         "upright": "spin below which upright is stable",
@@ -197,10 +185,8 @@ def tippe() -> list[BenchmarkRow]:
     for way, value in known.items():
         for mu in (0.3, 3.0, 30.0):
             last = threshold(spinning(way), 1.0, 99.0, mu=mu, **BODY)
-            words_now = f"{words[way]}, mu = {mu:g} s/m"
-            rows.append(
-                at_threshold(TIPPE, last, value, quantity=words_now, origin=CLOSED, unit="rad/s")
-            )
+            quantity = f"{words[way]}, mu = {mu:g} s/m"
+            rows.append(at_threshold(TIPPE, quantity, value, last, unit="rad/s"))
     integral = None
     if last is not None and last.value is not None:
         integral = BODY["I3"] * BODY["R"] * (1 + BODY["a"]) * last.value
@@ -210,7 +196,6 @@ def tippe() -> list[BenchmarkRow]:
             "Jellett's integral above which inverted is stable",
             "3.438879721e-6",
             integral,
-            origin=CLOSED,
             unit="J s m",
             reason="no threshold",
         )
@@ -221,17 +206,8 @@ def tippe() -> list[BenchmarkRow]:
     }
     for way, (low, high, others) in proofs.items():
         edge, why = for_every_friction(spinning(way), low, high, others)
-        rows.append(
-            compared(
-                TIPPE,
-                f"{words[way]}, every mu, exact condition",
-                known[way],
-                edge,
-                origin=CLOSED,
-                unit="rad/s",
-                reason=why,
-            )
-        )
+        quantity = f"{words[way]}, every mu, exact condition"
+        rows.append(compared(TIPPE, quantity, known[way], edge, unit="rad/s", reason=why))
     return rows
 
 
@@ -242,40 +218,20 @@ VORTICES = Source("vortices about a vortex", "Cabral & Schmidt, SIAM J. Math. An
 
 
 def gyropendulum() -> list[BenchmarkRow]:
-    """Row of the spinning inverted pendulum, held up by damping that turns with it.
-
-    Returns
-    -------
-    list of BenchmarkRow
-    """
-    names = ("spin", "fixed", "turning", "gyro", "fall")
-    x, y, u, v = (ca.SX.sym(n) for n in "xyuv")
-    spin, fixed, turning, gyro, fall = (ca.SX.sym(n) for n in names)
+    """Row of the spinning inverted pendulum, held up by damping that turns with it."""
+    x, y, u, v = symbols("x y u v")
+    spin, fixed, turning, gyro, fall = numbers = symbols("spin fixed turning gyro fall")
     damping, follow = fixed + turning, turning * spin
-    system = System(
-        "gyropendulum",
-        ca.vertcat(x, y, u, v),
-        ca.vertcat(spin, fixed, turning, gyro, fall),
-        ca.vertcat(
-            u,
-            v,
-            -damping * u - gyro * spin * v + fall * x - follow * y,
-            -damping * v + gyro * spin * u + fall * y + follow * x,
-        ),
-        states=("x", "y", "u", "v"),
-        parameters=names,
-    )
-    upright = Family(system, "upright", at=("spin",), held=dict.fromkeys(system.states, 0.0))
-    found = threshold(upright, 0.1, 10.0, fixed=0.125, turning=0.375, gyro=1.5, fall=2.0)
-    return [
-        at_threshold(
-            GYROPENDULUM,
-            found,
-            "1.8856180831641267",
-            origin=CLOSED,
-            quantity="rate above which damping that turns holds it",
-        )
+    rates = [
+        u,
+        v,
+        -damping * u - gyro * spin * v + fall * x - follow * y,
+        -damping * v + gyro * spin * u + fall * y + follow * x,
     ]
+    upright = at_zero(system_of("gyropendulum", [x, y, u, v], numbers, rates), "upright", "spin")
+    found = threshold(upright, 0.1, 10.0, fixed=0.125, turning=0.375, gyro=1.5, fall=2.0)
+    what = "rate above which damping that turns holds it"
+    return [at_threshold(GYROPENDULUM, what, "1.8856180831641267", found)]
 
 
 def rolling_sphere() -> Family:
@@ -314,34 +270,17 @@ def rolling_sphere() -> Family:
 
 
 def sphere() -> list[BenchmarkRow]:
-    """Row of Routh's sphere: the spin above which it stands with its centre of mass on top.
-
-    Returns
-    -------
-    list of BenchmarkRow
-    """
+    """Row of Routh's sphere: the spin above which it stands with its centre of mass on top."""
     numbers: dict[str, Any] = {"I1": 0.5, "I3": 0.375, "R": 1.0, "a": 0.25, "g": 1.0, "m": 1.0}
     found = threshold(rolling_sphere(), 0.1, 5.0, **numbers)
-    return [
-        at_threshold(
-            ROUTH,
-            found,
-            "0.8837788686981583",
-            origin=CLOSED,
-            quantity="spin above which its centre of mass stays on top",
-        )
-    ]
+    what = "spin above which its centre of mass stays on top"
+    return [at_threshold(ROUTH, what, "0.8837788686981583", found)]
 
 
 def liquid() -> list[BenchmarkRow]:
-    """Row of a long body of revolution that moves along its axis, by its spin.
-
-    Returns
-    -------
-    list of BenchmarkRow
-    """
+    """Row of a long body of revolution that moves along its axis, by its spin."""
     velocity, turn = ca.SX.sym("v", 3), ca.SX.sym("w", 3)
-    m1, m3, J1, J3 = (ca.SX.sym(n) for n in ("m1", "m3", "J1", "J3"))
+    m1, m3, J1, J3 = symbols("m1 m3 J1 J3")
     masses, inertias = ca.vertcat(m1, m1, m3), ca.vertcat(J1, J1, J3)
     impulse, moment = masses * velocity, inertias * turn
     rates = ca.vertcat(
@@ -360,15 +299,8 @@ def liquid() -> list[BenchmarkRow]:
     held = dict.fromkeys(("v_0", "v_1", "w_0", "w_1"), 0.0) | {"v_2": 1.0}
     along = Family(system, "along its axis", at=("w_2",), held=held)
     found = threshold(along, 0.1, 10.0, m1=3.0, m3=1.0, J1=2.0, J3=0.5)
-    return [
-        at_threshold(
-            LIQUID,
-            found,
-            "4.6188021535170061",
-            origin=CLOSED,
-            quantity="spin above which it keeps its course",
-        )
-    ]
+    what = "spin above which it keeps its course"
+    return [at_threshold(LIQUID, what, "4.6188021535170061", found)]
 
 
 def square() -> Family:
@@ -400,26 +332,11 @@ def square() -> Family:
 
 
 def vortices() -> list[BenchmarkRow]:
-    """Rows of the vortex square: circulations of the fifth vortex between which it is neutral.
-
-    Returns
-    -------
-    list of BenchmarkRow
-    """
+    """Rows of the vortex square: circulations of the fifth vortex between which it is neutral."""
     low, high = threshold(square(), -1.2, 0.7), threshold(square(), 0.7, 4.0)
+    below = "circulation in the middle above which the square is neutral"
+    above = "circulation in the middle above which it is unstable"
     return [
-        at_threshold(
-            VORTICES,
-            low,
-            "-0.5",
-            origin=CLOSED,
-            quantity="circulation in the middle above which the square is neutral",
-        ),
-        at_threshold(
-            VORTICES,
-            high,
-            "2.25",
-            origin=CLOSED,
-            quantity="circulation in the middle above which it is unstable",
-        ),
+        at_threshold(VORTICES, below, "-0.5", low),
+        at_threshold(VORTICES, above, "2.25", high),
     ]

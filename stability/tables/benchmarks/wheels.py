@@ -12,9 +12,19 @@ from ...spectra.spectrum import spectrum
 from ...systems.family import Family
 from ...systems.mechanics import mechanics
 from ...systems.system import System
-from .row import CLOSED, ELSEWHERE, BenchmarkRow, Source, at_threshold, compared, threshold
+from .row import (
+    ELSEWHERE,
+    BenchmarkRow,
+    Source,
+    at_threshold,
+    at_zero,
+    compared,
+    symbols,
+    system_of,
+    threshold,
+)
 
-WHEELSET = Source("railway wheelset", "J. K. Moore, course EME 134 (UC Davis), lab 1")
+WHEELSET = Source("railway wheelset", "J. K. Moore, course EME 134 (UC Davis), lab 1", ELSEWHERE)
 SLEIGH = Source("Chaplygin sleigh", "S. A. Chaplygin (1911)")
 DISC = Source("SymPy's rolling disc", "sympy/physics/mechanics/tests/test_kane.py")
 AXLE: dict[str, Any] = {
@@ -38,32 +48,20 @@ BLADE: dict[str, Any] = {"m": 1.0, "a": 0.3, "I": 0.2}
 
 def wheelset() -> Family:
     """The wheelset in the middle of its track, by its speed."""
-    y, yaw, dy, dyaw, v = (ca.SX.sym(n) for n in ("y", "yaw", "dy", "dyaw", "v"))
+    y, yaw, dy, dyaw, v = symbols("y yaw dy dyaw v")
     p = {n: ca.SX.sym(n) for n in AXLE}
     lam = p["R"] * p["cone"] / (p["R"] - p["Rr"])
     guide = 2 * p["k1"] + 2 * p["N"] / (p["R"] - p["Rr"])
     side = -guide * y + 2 * p["f"] * yaw - 2 * p["f"] / v * dy
     steer = 2 * p["f"] * lam * p["d"] / p["r0"]
     turn = -steer * y - 2 * p["k2"] * p["d1"] ** 2 * yaw - 2 * p["f"] * p["d"] ** 2 / v * dyaw
-    system = System(
-        "wheelset",
-        ca.vertcat(y, yaw, dy, dyaw),
-        ca.vertcat(v, *p.values()),
-        ca.vertcat(dy, dyaw, side / p["m"], turn / p["I"]),
-        states=("y", "yaw", "dy", "dyaw"),
-        parameters=("v", *p),
-        units={"v": "m/s"},
-    )
-    return Family(system, "centred", at=("v",), held=dict.fromkeys(system.states, 0.0))
+    rates = [dy, dyaw, side / p["m"], turn / p["I"]]
+    system = system_of("wheelset", [y, yaw, dy, dyaw], [v, *p.values()], rates, units={"v": "m/s"})
+    return at_zero(system, "centred", "v")
 
 
 def hunting() -> list[BenchmarkRow]:
-    """Rows of the wheelset: the speed above which it hunts, and its spectrum at 20 m/s.
-
-    Returns
-    -------
-    list of BenchmarkRow
-    """
+    """Rows of the wheelset: the speed above which it hunts, and its spectrum at 20 m/s."""
     found = threshold(wheelset(), 1.0, 100.0, **AXLE)
     slow = spectrum(wheelset(), at=20.0, **AXLE).eigenvalues
     numbers = {
@@ -73,25 +71,17 @@ def hunting() -> list[BenchmarkRow]:
         "imaginary part of the slow pair at 20 m/s": ("12.14204292", slow[3].imag),
     }
     return [
-        at_threshold(
-            WHEELSET,
-            found,
-            "48.558435944090",
-            quantity="speed above which it hunts",
-            origin=ELSEWHERE,
-            unit="m/s",
-        ),
+        at_threshold(WHEELSET, "speed above which it hunts", "48.558435944090", found, unit="m/s"),
         compared(
             WHEELSET,
             "frequency of hunting",
             "26.132674311418",
             found.frequency,
-            origin=ELSEWHERE,
             unit="rad/s",
             reason=found.reason,
         ),
         *(
-            compared(WHEELSET, quantity, known, float(value), origin=ELSEWHERE, unit="1/s")
+            compared(WHEELSET, quantity, known, float(value), unit="1/s")
             for quantity, (known, value) in numbers.items()
         ),
     ]
@@ -99,7 +89,7 @@ def hunting() -> list[BenchmarkRow]:
 
 def sleigh() -> System:
     """The sleigh, by its kinetic energy and its knife edge."""
-    x, y, heading, v, across, w = (ca.SX.sym(n) for n in ("x", "y", "heading", "v", "across", "w"))
+    x, y, heading, v, across, w = symbols("x y heading v across w")
     m, a, inertia = (ca.SX.sym(n) for n in BLADE)
     c, s = ca.cos(heading), ca.sin(heading)
     return mechanics(
@@ -116,31 +106,14 @@ def sleigh() -> System:
 
 
 def turning() -> list[BenchmarkRow]:
-    """Rows of the sleigh: its attraction, and its speed after it has turned.
-
-    Returns
-    -------
-    list of BenchmarkRow
-    """
+    """Rows of the sleigh: its attraction, and its speed after it has turned."""
     system = sleigh()
     straight = Family(system, "straight", at=("v",), held={"w": 0.0})
     rate = spectrum(straight, at=1.0, **BLADE).eigenvalues[0].real
     run = simulate(system, BLADE, {"v": -1.0, "w": 0.05}, 60.0, tolerance=1e-14)
     return [
-        compared(
-            SLEIGH,
-            "rate of attraction at speed 1",
-            "-1.0344827586206897",
-            float(rate),
-            origin=CLOSED,
-        ),
-        compared(
-            SLEIGH,
-            "final speed from v = -1, w = 0.05",
-            "1.00036243432068",
-            float(run.v[-1]),
-            origin=CLOSED,
-        ),
+        compared(SLEIGH, "rate of attraction at speed 1", "-1.0344827586206897", float(rate)),
+        compared(SLEIGH, "final speed from v = -1, w = 0.05", "1.00036243432068", float(run.v[-1])),
     ]
 
 
@@ -167,28 +140,17 @@ def kane_model() -> tuple[Any, dict[str, Any]]:
 
 
 def sympy_disc() -> list[BenchmarkRow]:
-    """Row of SymPy's disc: the rate above which it rolls straight.
-
-    Returns
-    -------
-    list of BenchmarkRow
-    """
+    """Row of SymPy's disc: the rate above which it rolls straight."""
     kane, needed = kane_model()
     system = System.from_sympy(kane, name="disc", **needed)
-    straight = Family(
-        system,
-        "straight",
-        at=("u2",),
-        held=dict.fromkeys(("q2", "u1", "u3"), 0.0),
-    )
+    straight = Family(system, "straight", at=("u2",), held=dict.fromkeys(("q2", "u1", "u3"), 0.0))
     found = threshold(straight, 0.1, 9.0, m=1.0, r=1.0, g=9.81)
     return [
         at_threshold(
             DISC,
-            found,
+            "rate of rolling above which it is neutral",
             "1.808314132002512",
-            origin=CLOSED,
+            found,
             unit="rad/s",
-            quantity="rate of rolling above which it is neutral",
         )
     ]
