@@ -132,7 +132,7 @@ class Part:
     """`spectrum`, `motion`, `scenes` or `failures`."""
     plates: tuple[Plate, ...]
     """Figures of the part."""
-    data: Mapping[str, Callable[[], str | bytes]]
+    data: Mapping[str, Callable[[], Any]]
     """Files with its numbers: what each holds, by name."""
     chart: Any
     """Dataset of a chart, entries of the catalogue, or charts of scenes by name."""

@@ -338,7 +338,7 @@ def _keys(sticks: bool, first: str) -> list[Any]:
     """Entries of the legend: each path with the mark of its end, and what is hollow."""
     (square, large), (ring, little) = ENDS["contact"], ENDS["centre"]
     path: dict[str, Any] = {"linewidth": 1.8, "color": "#303030"}
-    ends = {"marker": square, "markersize": large, "markevery": [1]}
+    ends: dict[str, Any] = {"marker": square, "markersize": large, "markevery": [1]}
     centre = path | {"marker": ring, "markersize": little, "markevery": [1], "linewidth": 0.8}
     alone = {"ls": "", "marker": square, "markersize": large, "color": "black"}
     name = "contact, sliding" if sticks else "contact point"
