@@ -11,12 +11,10 @@ from numpy.typing import ArrayLike
 
 from ..algebra.exact.number_fields import NotExact, rational
 from ..algebra.exact.roots import UnclearError
-from ..algebra.number_types import MIXED, precision
-from ..algebra.polynomial import TabulatedPolynomial
-from ..base.axis import AxisLike
+from ..algebra.number_types import precision
+from ..base.axis import Axis, AxisLike
 from ..base.citation import cited
 from ..base.errors import ParameterError, StabilityError
-from ..base.types import Floats
 from ..base.verdict import Verdict
 from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
@@ -25,7 +23,7 @@ from ..spectra.arguments import swept
 from ..spectra.certificate import verdict as certified
 from ..spectra.labels import of_package
 from ..spectra.problem import Problem
-from ..spectra.verdict_routes import BITS
+from ..spectra.verdict_routes import BITS, Point, decided
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
 from .algebraic.exact_search import algebraic
@@ -184,17 +182,10 @@ def along(
     line = AxisScan(problem, axis, fixed)
     found = None
     if line.formulas is not None:  # a piece that is proved has members that are proved
-        found = proved(line, _grid(low, high, points, log=log), log=log)
+        found = proved(line, Axis(axis, low, high, points, log).values, log=log)
     if found is None or not found.complete:
         found = meaningful(line, low, high, _along(line, low, high, points, log=log))
     return replace(found, points=tuple(crossed(line, point) for point in found))
-
-
-def _grid(low: float, high: float, points: int, *, log: bool) -> Floats:
-    """Points of a scan."""
-    grid = np.geomspace(low, high, points) if log else np.linspace(low, high, points)
-    grid[0], grid[-1] = low, high
-    return grid
 
 
 def _along(line: AxisScan, low: float, high: float, points: int, *, log: bool) -> Boundaries:
@@ -211,7 +202,7 @@ def _along(line: AxisScan, low: float, high: float, points: int, *, log: bool) -
         if widest <= POINT * (high - low):
             return exact  # single points stay open in pieces too
     line.__dict__["formulas"] = None
-    found = proved(line, _grid(low, high, points, log=log), log=log)
+    found = proved(line, Axis(line.axis, low, high, points, log).values, log=log)
     if exact is not None and not found.complete:
         return exact
     return replace(found, how=found.how + reason)
@@ -290,12 +281,9 @@ def _proof(line: AxisScan, found: Search) -> Callable[[float], int]:
     source, exact = found.source, line.problem.exact
 
     def exactly(value: float) -> int:
-        if (
-            isinstance(exact, TabulatedPolynomial)
-            and found.angle
-            and isinstance(source, Conditions)
-        ):
-            return source.sign_of_angle(lambda: exact.sine({found.angle: value}, MIXED))
+        if isinstance(source, Conditions):
+            proof = decided(Point(line.problem, line.fixed | {line.axis: value}))
+            return line.sign_of(proof.verdict, proof.nearby)
         return 0 if found.angle else source.sign(rational(value))
 
     def by_graph(value: float) -> int:

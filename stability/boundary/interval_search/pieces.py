@@ -570,19 +570,7 @@ class _Conditions:
         if not family.unknown or family.closed:
             return [[]] * len(level)
         with precision(BITS):
-            given = [self._given(arb(_ball(*ends).mid())) for ends in level]
-        a, q = (
-            np.array([[float(v.mid()) for v in part[i]] for part in given]).reshape(len(level), -1)
-            for i in (0, 1)
-        )
-        found = family.search(a, q)
-        return [u.tolist() if good else None for good, u in zip(found.good, found.u, strict=True)]
-
-    def _given(self, place: Any) -> tuple[list[Any], list[Any]]:
-        """Family parameters and parameters at a value of the axis, as balls."""
-        given = self.line.exact() | {self.line.axis: place}
-        at, others = self.family.at, self.family.parameters
-        return [arb(given[n]) for n in at], [arb(given[n]) for n in others]
+            return self.line.followed([_ball(*ends).mid() for ends in level])
 
     def _reason(self, low: float, high: float, near: list[float] | None) -> str | None:
         """Empty where all conditions hold on a piece; None where this is open."""
@@ -604,7 +592,7 @@ class _Conditions:
 
     def _values(self, place: Any, near: list[float]) -> list[Any]:
         family = self.family
-        a, q = self._given(place)
+        a, q = self.line.given(place)
         u = ball_unknowns(family, a, q, near)
         states = [arb(row[0]) for row in family.graph.state.dense(balls(), [a, u, q])]
         known = dict(zip((*family.at, *family.parameters), (*a, *q), strict=True))

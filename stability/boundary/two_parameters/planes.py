@@ -258,9 +258,7 @@ class GraphPlane:
         return found or (0, 1)
 
     def _given(self, x: Any, y: Any) -> tuple[list[Any], list[Any]]:
-        values = self.fixed | dict(zip(self.names, (x, y), strict=True))
-        a, q, _ = self.problem.reduce(values, lambda v: v.sqrt())
-        return a, q
+        return self.problem.balls(self.fixed | dict(zip(self.names, (x, y), strict=True)))
 
     def _unknowns(self, x: Any, y: Any) -> list[Any]:
         family = self.family
