@@ -68,6 +68,17 @@ def monic(coefficients: Sequence[Any]) -> list[Any]:
     return [arb(c) / lead for c in coefficients[:-1]] + [arb(1)]
 
 
+def divided(p: Sequence[Any], by: Sequence[Any]) -> list[Any]:
+    """Quotient of polynomials in balls by a monic divisor, whose remainder is zero."""
+    rest, size, out = list(p), len(by) - 1, []
+    for k in range(len(rest) - 1, size - 1, -1):  # highest power first
+        lead = rest[k]
+        out.append(lead)
+        for j in range(size):
+            rest[k - size + j] = rest[k - size + j] - lead * by[j]
+    return out[::-1]
+
+
 def least_sign(signs: Sequence[int]) -> int:
     """-1 where one of some signs is negative, 1 where all are positive, otherwise 0."""
     return -1 if -1 in signs else int(0 not in signs)
