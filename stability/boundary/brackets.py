@@ -123,6 +123,14 @@ class Unresolved(NamedTuple):
     """Reason, in one sentence."""
 
 
+HERE = "whether the member of {family} there is neutral, between {sides} ones, is not decided"
+LATE = (
+    "the verdict changes here, but no two doubles next to the change have proved verdicts that "
+    "differ: another change is too near"
+)
+"""Reasons, without a full stop."""
+
+
 @dataclass(frozen=True, eq=False)
 class Boundaries(Sequence[BoundaryPoint]):
     """Every change of verdict that a search found, in increasing order, and the unresolved pieces.

@@ -28,6 +28,8 @@ from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
 from .algebraic.exact_search import algebraic
 from .brackets import (
+    HERE,
+    LATE,
     AxisScan,
     Boundaries,
     BoundaryPoint,
@@ -231,27 +233,14 @@ def located(line: AxisScan, found: Search) -> Boundaries:
         proof = bracket(sign, root, room)
         if proof is None:
             ends = float(np.nextafter(root, -np.inf)), float(np.nextafter(root, np.inf))
-            left.append(
-                Unresolved(
-                    *ends,
-                    "the verdict changes here, but no two doubles next to the change have "
-                    "proved verdicts that differ: another change is too near.",
-                )
-            )
+            left.append(Unresolved(*ends, f"{LATE}."))
             continue
         crossing = CROSSINGS[mark.kind]
         rate = _rate(line, found, mark, root, crossing)
         points.append(BoundaryPoint(root, proof[0], crossing, rate, proof[1]))
     touching, unclear = _touching(line, found)
-    left += [
-        Unresolved(
-            v,
-            v,
-            f"whether the member of {line.problem.family.name} there is neutral, "
-            "between unstable ones, is not decided.",
-        )
-        for v in unclear
-    ]
+    open_ = HERE.format(family=line.problem.family.name, sides="unstable")
+    left += [Unresolved(v, v, f"{open_}.") for v in unclear]
     left = list(dict.fromkeys(left))
     how = EXACT + (f", {OWN}" if line.problem.family.exact else "")
     return Boundaries(tuple(points), tuple(sorted(left)), tuple(touching), how)

@@ -40,6 +40,8 @@ from ...base.errors import NoMemberError, StabilityError
 from ...derivation.elimination import evaluate, whole
 from ...systems.structure.structural_zeros import structure
 from ..brackets import (
+    HERE,
+    LATE,
     AxisScan,
     Boundaries,
     BoundaryPoint,
@@ -333,11 +335,6 @@ JUMP = (
 MEET = "two steady motions meet at this value, or one goes to infinity, so the branch may end"
 END = "an unknown that must be positive is zero at this value, so the branch may end"
 POLE = "the linearisation of {family} may have no value there; the verdict {said}"
-HERE = "whether the member of {family} there is neutral, between {sides} ones, is not decided"
-LATE = (
-    "the verdict changes here, but no two doubles next to the change have proved verdicts that "
-    "differ: another change is too near"
-)
 
 
 def algebraic(line: AxisScan, low: float, high: float) -> Boundaries:
