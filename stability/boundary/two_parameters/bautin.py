@@ -152,7 +152,7 @@ class OnsetForms:
         entries: dict[Any, Any] = {}
         for places in combinations_with_replacement(self.kept, order):
             found = program.run(exact_upright(), [*self._point, *map(self._unit, places)])[0]
-            entries |= {(i, *places): found[i] for i in self.kept if not _nothing(found[i])}
+            entries |= {(i, *places): found[i] for i in self.kept if found[i] != 0}
         return self._cleared(entries)
 
     # --- the ring ---
@@ -357,10 +357,6 @@ def _orders(places: Sequence[int]) -> set[tuple[int, ...]]:
         for k, first in enumerate(places)
         for rest in _orders((*places[:k], *places[k + 1 :]))
     }
-
-
-def _nothing(value: Any) -> bool:
-    return bool(value == 0)
 
 
 FOLLOW_BITS = 192
