@@ -123,6 +123,14 @@ class Unresolved(NamedTuple):
     """Reason, in one sentence."""
 
 
+HERE = "whether the member of {family} there is neutral, between {sides} ones, is not decided"
+LATE = (
+    "the verdict changes here, but no two doubles next to the change have proved verdicts that "
+    "differ: another change is too near"
+)
+"""Reasons, without a full stop."""
+
+
 @dataclass(frozen=True, eq=False)
 class Boundaries(Sequence[BoundaryPoint]):
     """Every change of verdict that a search found, in increasing order, and the unresolved pieces.
@@ -287,7 +295,7 @@ class LinePoint(Point):
     def __init__(self, line: AxisScan, value: float) -> None:
         super().__init__(line.problem, line.fixed | {line.axis: value})
         self.line, self.value = line, value
-        self.has = {ALONE} if line.problem.derived else {ANYTHING, ALONE, GRAPH}
+        self.has = {ANYTHING, ALONE} if line.problem.derived else {ANYTHING, ALONE, GRAPH}
         self.quick = LADDER if line.problem.derived else (BITS,)
 
     def coefficients(self, bits: int) -> Sequence[Any] | None:
@@ -323,9 +331,25 @@ class AxisScan:
         self._known: dict[tuple[float, int], list[Any]] = {}
         self._formulas: dict[int, RepeatedBalls] = {}
 
-    def exact(self) -> dict[str, Any]:
-        """Value of every other quantity as a ball around the exact number, by name."""
-        return {n: arb(v) for n, v in self.problem.rationals(self.fixed).items()}
+    def given(self, value: Any) -> tuple[list[Any], list[Any]]:
+        """Family parameters and parameters at a number, a ball or a series of the axis."""
+        return self.problem.balls(self.fixed | {self.axis: value})
+
+    def followed(self, values: Sequence[Any]) -> list[list[float] | None]:
+        """Unknowns of many members in double precision, followed all at once; None without one."""
+        with precision(BITS):
+            given = [self.given(arb(v)) for v in values]
+        a, q = (
+            np.array([[float(v.mid()) for v in pair[i]] for pair in given]).reshape(len(given), -1)
+            for i in (0, 1)
+        )
+        found = self.problem.family.search(a, q)
+        return [u.tolist() if good else None for good, u in zip(found.good, found.u, strict=True)]
+
+    def rate(self, value: float) -> float:
+        """The user's unit of rate."""
+        *_, rate, _ = self.problem.arrays(self.fixed | {self.axis: value})
+        return float(rate[0])
 
     @cached_property
     def even(self) -> bool:
@@ -343,7 +367,7 @@ class AxisScan:
         """The same for every value in a ball; not cached."""
         family = self.problem.family
         with precision(bits):
-            a, q = self.problem.balls(self.fixed | {self.axis: value})
+            a, q = self.given(value)
             known = self.formulas
             if known is not None:
                 formulas = self._formulas.setdefault(bits, RepeatedBalls(known))
@@ -369,7 +393,8 @@ class AxisScan:
         exact = self.problem.exact
         if not isinstance(exact, TabulatedPolynomial):
             return None
-        given = self.exact() | {self.axis: arb(float(value))}
+        given = {n: arb(v) for n, v in self.problem.rationals(self.fixed).items()}
+        given[self.axis] = arb(float(value))
         scale = arb(exact.natural(exact.point(given, MIXED))).sqrt()
         factors = exact.coefficients(given, MIXED)
         scaled = [[c / scale**i for i, c in enumerate(factor)] for factor in factors]
@@ -395,8 +420,7 @@ class AxisScan:
             return True
         with precision(BITS):
             places = [
-                self.problem.balls(self.fixed | {self.axis: v})
-                for v in (arb(middle), arb(low).union(arb(high)), arb(low), arb(high))
+                self.given(v) for v in (arb(middle), arb(low).union(arb(high)), arb(low), arb(high))
             ]
             return in_one_box(self.problem.family, *places)
 
@@ -574,8 +598,7 @@ def crossing_rate(line: AxisScan, root: float, crossing: Crossing) -> float:
     with precision(BITS):
         coefficients = line.coefficients(root, BITS)[structure(family).zeros :]
     value = frequency(coefficients, even=line.even)
-    *_, rate, _ = line.problem.arrays(line.fixed | {line.axis: root})
-    return value * float(rate[0])
+    return value * line.rate(root)
 
 
 def crossed(line: AxisScan, point: BoundaryPoint) -> BoundaryPoint:
@@ -604,8 +627,7 @@ def crossed(line: AxisScan, point: BoundaryPoint) -> BoundaryPoint:
         return point
     zeros = int((unstable == 0).sum())
     pairs = np.sort(turns[nearest][unstable > 0])[::2]
-    *_, rate, _ = line.problem.arrays(line.fixed | {line.axis: point.value})
-    frequencies = (0.0,) * zeros + tuple((pairs * float(rate[0])).tolist())
+    frequencies = (0.0,) * zeros + tuple((pairs * line.rate(point.value)).tolist())
     kind, first = Crossing.STATIC, 0.0
     if len(pairs):
         kind = Crossing.STATIC_AND_FLUTTER if zeros else Crossing.FLUTTER

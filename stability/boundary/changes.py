@@ -11,12 +11,10 @@ from numpy.typing import ArrayLike
 
 from ..algebra.exact.number_fields import NotExact, rational
 from ..algebra.exact.roots import UnclearError
-from ..algebra.number_types import MIXED, precision
-from ..algebra.polynomial import TabulatedPolynomial
-from ..base.axis import AxisLike
+from ..algebra.number_types import precision
+from ..base.axis import Axis, AxisLike
 from ..base.citation import cited
 from ..base.errors import ParameterError, StabilityError
-from ..base.types import Floats
 from ..base.verdict import Verdict
 from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
@@ -25,11 +23,13 @@ from ..spectra.axes import swept
 from ..spectra.certificate import verdict as certified
 from ..spectra.labels import of_package
 from ..spectra.problem import Problem
-from ..spectra.verdict_routes import BITS
+from ..spectra.verdict_routes import BITS, Point, decided
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import structure
 from .algebraic.exact_search import algebraic
 from .brackets import (
+    HERE,
+    LATE,
     AxisScan,
     Boundaries,
     BoundaryPoint,
@@ -184,17 +184,10 @@ def along(
     line = AxisScan(problem, axis, fixed)
     found = None
     if line.formulas is not None:  # a piece that is proved has members that are proved
-        found = proved(line, _grid(low, high, points, log=log), log=log)
+        found = proved(line, Axis(axis, low, high, points, log).values, log=log)
     if found is None or not found.complete:
         found = meaningful(line, low, high, _along(line, low, high, points, log=log))
     return replace(found, points=tuple(crossed(line, point) for point in found))
-
-
-def _grid(low: float, high: float, points: int, *, log: bool) -> Floats:
-    """Points of a scan."""
-    grid = np.geomspace(low, high, points) if log else np.linspace(low, high, points)
-    grid[0], grid[-1] = low, high
-    return grid
 
 
 def _along(line: AxisScan, low: float, high: float, points: int, *, log: bool) -> Boundaries:
@@ -211,7 +204,7 @@ def _along(line: AxisScan, low: float, high: float, points: int, *, log: bool) -
         if widest <= POINT * (high - low):
             return exact  # single points stay open in pieces too
     line.__dict__["formulas"] = None
-    found = proved(line, _grid(low, high, points, log=log), log=log)
+    found = proved(line, Axis(line.axis, low, high, points, log).values, log=log)
     if exact is not None and not found.complete:
         return exact
     return replace(found, how=found.how + reason)
@@ -240,27 +233,14 @@ def located(line: AxisScan, found: Search) -> Boundaries:
         proof = bracket(sign, root, room)
         if proof is None:
             ends = float(np.nextafter(root, -np.inf)), float(np.nextafter(root, np.inf))
-            left.append(
-                Unresolved(
-                    *ends,
-                    "the verdict changes here, but no two doubles next to the change have "
-                    "proved verdicts that differ: another change is too near.",
-                )
-            )
+            left.append(Unresolved(*ends, f"{LATE}."))
             continue
         crossing = CROSSINGS[mark.kind]
         rate = _rate(line, found, mark, root, crossing)
         points.append(BoundaryPoint(root, proof[0], crossing, rate, proof[1]))
     touching, unclear = _touching(line, found)
-    left += [
-        Unresolved(
-            v,
-            v,
-            f"whether the member of {line.problem.family.name} there is neutral, "
-            "between unstable ones, is not decided.",
-        )
-        for v in unclear
-    ]
+    open_ = HERE.format(family=line.problem.family.name, sides="unstable")
+    left += [Unresolved(v, v, f"{open_}.") for v in unclear]
     left = list(dict.fromkeys(left))
     how = EXACT + (f", {OWN}" if line.problem.family.exact else "")
     return Boundaries(tuple(points), tuple(sorted(left)), tuple(touching), how)
@@ -290,12 +270,9 @@ def _proof(line: AxisScan, found: Search) -> Callable[[float], int]:
     source, exact = found.source, line.problem.exact
 
     def exactly(value: float) -> int:
-        if (
-            isinstance(exact, TabulatedPolynomial)
-            and found.angle
-            and isinstance(source, Conditions)
-        ):
-            return source.sign_of_angle(lambda: exact.sine({found.angle: value}, MIXED))
+        if isinstance(source, Conditions):
+            proof = decided(Point(line.problem, line.fixed | {line.axis: value}))
+            return line.sign_of(proof.verdict, proof.nearby)
         return 0 if found.angle else source.sign(rational(value))
 
     def by_graph(value: float) -> int:

@@ -80,11 +80,12 @@ def trace(
     # no edge is looked at whose square has a cell without a member
     # among decaying cells a neutral one is on a boundary; without these neutral is good
     neutral = not np.isin(codes, [CODES[v] for v in DECAYING]).any()
-    signs = _signs(problem, axes, codes, abscissa, neutral=neutral)
+    scans = GridScans(problem, axes, neutral=neutral)
+    signs = scans.signs(codes, abscissa)
     sign = np.ma.masked_where(codes == NO_MEMBER, signs)
     lines = contour_generator(z=sign, line_type=LineType.Separate).lines(0.0)
     xs, ys = axes[0].values, axes[1].values
-    fixed = {n: float(v) for n, v in problem.values.items()}
+    tips = Tips(scans)
     found: dict[tuple[int, int, int], BoundaryPoint | None] = {}
     rows: list[_Placed] = []
     missing = 0
@@ -99,17 +100,14 @@ def trace(
             # contourpy puts the zero of a ±1 field at the middle of a grid edge
             axis = 0 if row == math.floor(row) else 1
             i, j = math.floor(row), math.floor(column)
+            where = float(xs[j]), float(ys[i])
             if (axis, i, j) not in found:
                 end = float((xs, ys)[axis][(j, i)[axis] + 1])
-                found[axis, i, j] = _edge(
-                    problem, axes, fixed, axis, float(xs[j]), float(ys[i]), end, neutral=neutral
-                )
+                found[axis, i, j] = scans.edge(axis, where, end)
             point = found[axis, i, j]
             missing += point is None
-            where = float(xs[j]), float(ys[i])
             placed = _Placed(point, axis, where[1 - axis], curve) if point is not None else None
             points.append(placed)
-        tips = Tips(problem, axes, fixed, neutral=neutral)
         rows += [p for p in tips.continued(np.asarray(line), points) if p is not None]
     if progress:
         progress(total, total)
@@ -123,6 +121,56 @@ def trace(
         np.array([r.curve for r in rows], dtype=np.int32),
         missing,
     )
+
+
+class GridScans:
+    """Lines of a grid along either axis, and what is proved on them.
+
+    Parameters
+    ----------
+    problem, axes
+        As for `trace`.
+    neutral
+        Whether neutral members are on the good side.
+    """
+
+    def __init__(self, problem: Problem, axes: tuple[Axis, Axis], *, neutral: bool) -> None:
+        self.problem, self.axes, self.neutral = problem, axes, neutral
+        self.fixed = {n: float(v) for n, v in problem.values.items()}
+
+    def along(self, axis: int, other: float) -> AxisScan:
+        """The line along one axis at a value of the other."""
+        names = self.axes[axis].name, self.axes[1 - axis].name
+        line = AxisScan(self.problem, names[0], self.fixed | {names[1]: other})
+        line.neutral = self.neutral
+        return line
+
+    def edge(self, axis: int, where: tuple[float, float], end: float) -> BoundaryPoint | None:
+        """The change of verdict between a grid point and the next one along an axis."""
+        try:
+            return refine(self.along(axis, where[1 - axis]), where[axis], end)
+        except StabilityError:  # no member between two cells that have one, as behind a fold
+            return None
+
+    def signs(self, codes: NDArray[np.int8], abscissa: Floats) -> Floats:
+        """+1 good, -1 unstable; balls settle cells that double precision leaves open."""
+        sign = np.where(codes == CODES[Verdict.UNSTABLE], -1.0, 1.0)
+        sign[codes == CODES[Verdict.NEUTRAL]] = float(self.neutral)
+        open_ = codes == CODES[Verdict.UNDECIDED]
+        sign[open_] = -np.sign(abscissa[open_])
+        doubtful = np.argwhere(open_)
+        xs, ys = self.axes[0].values, self.axes[1].values
+        for i, j in doubtful if len(doubtful) <= MOST_DOUBTFUL else ():
+            try:
+                sign[i, j] = self.along(0, float(ys[i])).quick_sign(float(xs[j]))
+            except StabilityError:  # no member is proved there, as where branches cross
+                sign[i, j] = 0
+        # A cell on the boundary itself joins a stable neighbour, if it has one.
+        padded = np.pad(sign, 1, constant_values=-1.0)
+        around = np.max(
+            [padded[:-2, 1:-1], padded[2:, 1:-1], padded[1:-1, :-2], padded[1:-1, 2:]], axis=0
+        )
+        return np.where(sign == 0, np.where(around > 0, 1.0, -1.0), sign)
 
 
 class _Placed(NamedTuple):
@@ -145,21 +193,10 @@ class Tips:
 
     Near a point where two boundaries cross, the region between them falls between grid points.
     Without its ends a map would show a corridor that does not exist.
-
-    Parameters
-    ----------
-    problem, axes
-        As for `trace`.
-    fixed
-        Value of every other quantity.
-    neutral
-        Whether neutral members are on the good side.
     """
 
-    def __init__(
-        self, problem: Problem, axes: tuple[Axis, Axis], fixed: dict[str, float], *, neutral: bool
-    ) -> None:
-        self.problem, self.axes, self.fixed, self.neutral = problem, axes, fixed, neutral
+    def __init__(self, lines: GridScans) -> None:
+        self.lines, self.axes = lines, lines.axes
 
     def continued(self, line: Floats, points: list[_Placed | None]) -> list[_Placed | None]:
         """Points of a curve, with the two sides of each tip continued as far as they are apart.
@@ -239,9 +276,7 @@ class Tips:
         self, axis: int, height: float, pairs: list[tuple[_Placed, _Placed]], margin: float
     ) -> tuple[_Placed, _Placed] | None:
         """Both sides of the wedge at a height, looked for where straight lines meet that height."""
-        name, other = self.axes[axis].name, self.axes[1 - axis].name
-        line = AxisScan(self.problem, name, self.fixed | {other: height})
-        line.neutral = self.neutral
+        line = self.lines.along(axis, height)
         low, high = (_extended(side, axis, height) for side in zip(*pairs[-2:], strict=True))
         before = [pair.place(axis) for pair in pairs[-1]]
         flip = before[0] > before[1]
@@ -303,54 +338,3 @@ def _extended(side: tuple[_Placed, ...], axis: int, height: float) -> float:
     rise = last.place(1 - axis) - earlier[-1].place(1 - axis)
     slope = (last.place(axis) - earlier[-1].place(axis)) / rise
     return last.place(axis) + slope * (height - last.place(1 - axis))
-
-
-def _edge(
-    problem: Problem,
-    axes: tuple[Axis, Axis],
-    fixed: dict[str, float],
-    axis: int,
-    x: float,
-    y: float,
-    end: float,
-    *,
-    neutral: bool,
-) -> BoundaryPoint | None:
-    other = axes[1 - axis]
-    line = AxisScan(problem, axes[axis].name, fixed | {other.name: (x, y)[1 - axis]})
-    line.neutral = neutral
-    try:
-        return refine(line, (x, y)[axis], end)
-    except StabilityError:  # no member between two cells that have one, as behind a fold
-        return None
-
-
-def _signs(
-    problem: Problem,
-    axes: tuple[Axis, Axis],
-    codes: NDArray[np.int8],
-    abscissa: Floats,
-    *,
-    neutral: bool,
-) -> Floats:
-    """+1 good, -1 unstable; balls settle cells that double precision leaves open."""
-    sign = np.where(codes == CODES[Verdict.UNSTABLE], -1.0, 1.0)
-    sign[codes == CODES[Verdict.NEUTRAL]] = float(neutral)
-    doubtful = np.argwhere(codes == CODES[Verdict.UNDECIDED])
-    sign[codes == CODES[Verdict.UNDECIDED]] = -np.sign(abscissa[codes == CODES[Verdict.UNDECIDED]])
-    if len(doubtful) <= MOST_DOUBTFUL:
-        fixed = {n: float(v) for n, v in problem.values.items()}
-        xs, ys = axes[0].values, axes[1].values
-        for i, j in doubtful:
-            line = AxisScan(problem, axes[0].name, fixed | {axes[1].name: float(ys[i])})
-            line.neutral = neutral
-            try:
-                sign[i, j] = line.quick_sign(float(xs[j]))
-            except StabilityError:  # no member is proved there, as where branches cross
-                sign[i, j] = 0
-    # A cell on the boundary itself joins a stable neighbour, if it has one.
-    padded = np.pad(sign, 1, constant_values=-1.0)
-    around = np.max(
-        [padded[:-2, 1:-1], padded[2:, 1:-1], padded[1:-1, :-2], padded[1:-1, 2:]], axis=0
-    )
-    return np.where(sign == 0, np.where(around > 0, 1.0, -1.0), sign)

@@ -25,7 +25,7 @@ import casadi as ca
 import numpy as np
 from flint import acb, acb_mat, arb, arb_mat
 
-from ..algebra.exact.routh import hurwitz_sign
+from ..algebra.exact.routh import divided, hurwitz_sign
 from ..algebra.krawczyk import NotProvedError, Values, polished, proved
 from ..algebra.number_types import balls, precision
 from ..algebra.program import Program
@@ -187,8 +187,8 @@ class Line:
 class Pair:
     """A crossing pair, in balls."""
 
-    line: Line
-    """The line along which it crosses."""
+    equations: PairEquations
+    """Its equations, and so its phase."""
     value: Any
     """Value of the axis."""
     unknowns: Balls
@@ -199,6 +199,11 @@ class Pair:
     """Eigenvector over the kept states, complex, of unit length."""
     box: Balls
     """All unknowns of the equations, to start a search nearby."""
+
+    @property
+    def line(self) -> Line:
+        """The line along which it crosses."""
+        return self.equations.line
 
     @property
     def point(self) -> tuple[Balls, Balls]:
@@ -228,6 +233,10 @@ class PairEquations:
         self.line = line
         self.phase = [(arb(float(c.real)), arb(float(c.imag))) for c in phase]
         self.count = len(line.solved)
+
+    def on(self, line: Line) -> PairEquations:
+        """The same on another line, with the same phase."""
+        return PairEquations(line, [complex(float(a), float(b)) for a, b in self.phase])
 
     def cut(self, z: Values) -> tuple[Any, Values, Values, Values, Any]:
         """The unknowns in parts."""
@@ -324,8 +333,13 @@ def pair_near(line: Line, value: float, frequency: float | None = None) -> Pair:
     NotProvedError
         If the test fails: the pair is not simple, does not cross with speed, or is not there.
     """
-    equations, start = guess(line, value, frequency)
-    return pair_of(equations, proved(equations, polished(equations, start)))
+    return solved_pair(*guess(line, value, frequency))
+
+
+def solved_pair(equations: PairEquations, start: Sequence[Any]) -> Pair:
+    """The pair that Newton's method reaches from numbers nearby, proved."""
+    rough = polished(equations, [float(arb(v).mid()) for v in start])
+    return pair_of(equations, proved(equations, rough))
 
 
 def pair_of(equations: PairEquations, box: Values) -> Pair:
@@ -336,7 +350,7 @@ def pair_of(equations: PairEquations, box: Values) -> Pair:
     mode = [acb(r, s) for r, s in zip(vr, vi, strict=True)]
     length = sum((r * r + s * s for r, s in zip(vr, vi, strict=True)), arb(0)).sqrt()
     mode = [v / length for v in mode]
-    return Pair(equations.line, value, unknowns, w, mode, box)
+    return Pair(equations, value, unknowns, w, mode, box)
 
 
 # --- linear algebra next to an eigenvalue ---
@@ -489,17 +503,8 @@ def others(pair: Pair, zeros: int = 0) -> int:
     int
         1 stable, -1 one is unstable, 0 open.
     """
-    quotient = without_pair(pair.matrix.charpoly().coeffs(), pair.frequency**2)[zeros:]
-    return hurwitz_sign(quotient) if len(quotient) > 1 else 1
-
-
-def without_pair(polynomial: Sequence[Any], square: Any) -> Balls:
-    """The quotient of a polynomial by λ² + ω², lowest power first."""
-    rest, out = list(polynomial), []
-    for k in range(len(rest) - 1, 1, -1):  # highest power first
-        out.append(rest[k])
-        rest[k - 2] = rest[k - 2] - square * rest[k]
-    return out[::-1]
+    polynomial = pair.matrix.charpoly().coeffs()
+    return hurwitz_sign(divided(polynomial, [pair.frequency**2, arb(0), arb(1)])[zeros:])
 
 
 @dataclass(frozen=True)

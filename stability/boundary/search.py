@@ -52,7 +52,7 @@ from ..algebra.exact.roots import (
     sign_at,
     specialised,
 )
-from ..algebra.exact.routh import on_the_axis
+from ..algebra.exact.routh import least_sign, on_the_axis
 from ..algebra.number_types import MIXED, Algebra, precision
 from ..algebra.polynomial import TabulatedPolynomial
 from ..base.verdict import Verdict
@@ -200,22 +200,7 @@ class Conditions:
         x
             A rational value of the variable.
         """
-        return _together([sign_at(p, x, self.sine) for _, p in self.critical])
-
-    def sign_of_angle(self, sine: Callable[[], Any]) -> int:
-        """The same as `sign` where the variable is the sine of the axis.
-
-        Parameters
-        ----------
-        sine
-            Function that gives the sine at the working precision; a transcendental number.
-        """
-        turned = [RING.from_dict({(j, i): c for (i, j), c in p.terms()}) for _, p in self.critical]
-        return _together([sign_at(p, fmpq(0), sine) for p in turned])
-
-
-def _together(signs: Sequence[int]) -> int:
-    return -1 if -1 in signs else 0 if 0 in signs else 1
+        return least_sign([sign_at(p, x, self.sine) for _, p in self.critical])
 
 
 class Characteristic:

@@ -17,7 +17,7 @@ from flint import acb, arb, fmpq_poly
 
 from ..algebra.exact.number_fields import EXACT, NotExact
 from ..algebra.exact.roots import bounded_roots, clustered, isolated
-from ..algebra.exact.routh import is_even
+from ..algebra.exact.routh import is_even, monic
 from ..algebra.number_types import MIXED, balls, precision, upper
 from ..algebra.polynomial import ExactPolynomial
 from ..base.verdict import Verdict
@@ -187,8 +187,7 @@ def _roots(
 def _ball_roots(coefficients: Sequence[Any], even: bool, *, last: bool) -> Balls | None:
     found = isolated(list(coefficients), even)
     if found is None and last:
-        lead = arb(coefficients[-1])
-        found = clustered([arb(c) / lead for c in coefficients[:-1]] + [arb(1)])
+        found = clustered(monic(coefficients))
     return found
 
 

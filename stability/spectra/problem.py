@@ -18,7 +18,7 @@ from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
-from flint import arb, fmpq, fmpq_poly
+from flint import arb, arb_series, fmpq, fmpq_poly
 from numpy.typing import ArrayLike
 
 from ..algebra.exact.number_fields import EXACT, NotExact, rational
@@ -148,13 +148,13 @@ class Problem:
         return columns[:, :cut], columns[:, cut:-1], columns[:, -1], shape
 
     def balls(self, values: Mapping[str, Any]) -> tuple[list[Any], list[Any]]:
-        """Family parameters and parameters as balls around the exact numbers.
+        """Family parameters and parameters as balls around the exact numbers, or as series.
 
         Returns
         -------
         a, q
         """
-        plain = {n: v for n, v in values.items() if not isinstance(v, arb)}
+        plain = {n: v for n, v in values.items() if not isinstance(v, (arb, arb_series))}
         exact = dict(values) | {n: arb(v) for n, v in self.rationals(plain).items()}
         a, q, _ = self.reduce(exact, lambda v: v.sqrt())
         return a, q

@@ -101,7 +101,7 @@ class Point:
         alone: bool = False,
     ) -> None:
         self.problem, self.values, self.most = problem, values, most or MOST_BITS
-        self.has = {ANYTHING, POLYNOMIAL} if problem.exact else {ANYTHING, GRAPH}
+        self.has = {ANYTHING, GRAPH if problem.exact is None else POLYNOMIAL}
         """What routes may need."""
         if alone and problem.exact is None:
             self.has.add(ALONE)
@@ -116,6 +116,8 @@ class Point:
     @cached_property
     def zeros(self) -> int:
         """Number of eigenvalues that are zero by structure, each proved zero."""
+        if POLYNOMIAL in self.has and self.problem.exact is not None:
+            return self.problem.exact.zeros
         if GRAPH in self.has and not certain(self.problem.family):
             return structural_zeros(self.member)
         return structure(self.problem.family).zeros
@@ -249,7 +251,7 @@ def _quick_array(point: Point, zeros: int) -> Proof | None:
 def _signs_over_q(point: Point, _: int) -> Proof | None:
     with suppress(NotExact):
         verdict = by_signs(point.problem, _conditions(point, EXACT))
-        return None if verdict is None else Proof(verdict, 0)
+        return None if verdict is None else Proof(verdict, 0, nearby=True)
     return None
 
 
@@ -259,14 +261,17 @@ def _polynomial_over_q(point: Point, _: int) -> Proof | None:
     return None
 
 
-def _polynomial_in_balls(point: Point, _: int) -> Proof | None:
-    def verdict() -> Verdict | None:
-        conditions = _conditions(point, MIXED)
-        if conditions is not None:
-            return by_signs(point.problem, conditions)
-        return by_roots(product(_factors(point, MIXED)))
+def _signs_in_balls(point: Point, _: int) -> Proof | None:
+    if _conditions(point, MIXED) is None:
+        return None
+    proof = _raised(lambda: by_signs(point.problem, _conditions(point, MIXED)), BITS, MOST_BITS)
+    return proof and replace(proof, nearby=True)
 
-    return _raised(verdict, BITS, MOST_BITS)
+
+def _polynomial_in_balls(point: Point, _: int) -> Proof | None:
+    if _conditions(point, MIXED) is not None:  # its signs are as good, and cost less
+        return None
+    return _raised(lambda: by_roots(product(_factors(point, MIXED))), BITS, MOST_BITS)
 
 
 def _conditions(point: Point, algebra: Algebra) -> Sequence[tuple[str, Any]] | None:
@@ -326,6 +331,7 @@ ROUTES: list[VerdictRoute] = [
     VerdictRoute("Routh's array of the graph in balls", ALONE, INSIDE, _quick_array),
     VerdictRoute("signs of conditions over Q", POLYNOMIAL, INSIDE, _signs_over_q),
     VerdictRoute("known polynomial over Q", POLYNOMIAL, ALL, _polynomial_over_q),
+    VerdictRoute("signs of conditions in balls", POLYNOMIAL, INSIDE, _signs_in_balls),
     VerdictRoute("known polynomial in balls", POLYNOMIAL, SEEN, _polynomial_in_balls),
     VerdictRoute("a rate that is not zero", GRAPH, "that there is no verdict", _not_steady),
     VerdictRoute("polynomial of the graph over Q", GRAPH, ALL, _graph_over_q),

@@ -56,8 +56,7 @@ def exactly(found: Rounds, value: float, order: int) -> list[list[Any]]:
     """Taylor coefficients of each function at a point, in balls of 256 bits."""
     line, formulas = found.found.line, found.found.formulas
     with precision(256), terms(order + 1):
-        given = line.exact() | {line.axis: arb_series([arb(value), 1])}
-        a, q, _ = line.problem.reduce(given, lambda v: v.sqrt())
+        a, q = line.given(arb_series([arb(value), 1]))
         coefficients, _, positive = formulas(series_algebra(), a, q)
         both = [*watched(coefficients, even=formulas.even), *positive]
         return [[coefficient(f, k) for k in range(order + 1)] for f in both]

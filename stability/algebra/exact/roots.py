@@ -287,7 +287,8 @@ def isolated(coefficients: Balls, even: bool) -> Balls | None:
             return None
     real = [acb(r.real) if r.imag.contains(0) else r for r in found]
     if even:
-        return [root for square in real for root in _both(square)] if _clear(real) else None
+        clear = not any(square.contains(0) for square in real)
+        return [root for square in real for root in _both(square)] if clear else None
     upper = [r for r in real if r.imag > 0]
     return [r for r in real if r.imag == 0] + [w for r in upper for w in (r, r.conjugate())]
 
@@ -309,10 +310,6 @@ def _separated(balls: Balls) -> Balls | None:
         with suppress(ValueError):
             return [r + centre for r in monic(acb_poly([centre, 1])).roots(tol=tolerance)]
     return None
-
-
-def _clear(squares: Balls) -> bool:
-    return not any(y.contains(0) for y in squares)
 
 
 def clustered(coefficients: Sequence[Any]) -> Balls:

@@ -62,6 +62,28 @@ def is_even(coefficients: Sequence[Any]) -> bool:
     return len(coefficients) % 2 == 1 and all(c == 0 for c in coefficients[1::2])
 
 
+def monic(coefficients: Sequence[Any]) -> list[Any]:
+    """A polynomial in balls over its leading coefficient, which is then exactly 1."""
+    lead = arb(coefficients[-1])
+    return [arb(c) / lead for c in coefficients[:-1]] + [arb(1)]
+
+
+def divided(p: Sequence[Any], by: Sequence[Any]) -> list[Any]:
+    """Quotient of polynomials in balls by a monic divisor, whose remainder is zero."""
+    rest, size, out = list(p), len(by) - 1, []
+    for k in range(len(rest) - 1, size - 1, -1):  # highest power first
+        lead = rest[k]
+        out.append(lead)
+        for j in range(size):
+            rest[k - size + j] = rest[k - size + j] - lead * by[j]
+    return out[::-1]
+
+
+def least_sign(signs: Sequence[int]) -> int:
+    """-1 where one of some signs is negative, 1 where all are positive, otherwise 0."""
+    return -1 if -1 in signs else int(0 not in signs)
+
+
 class Ground(NamedTuple):
     """A real field by what proofs need of it."""
 
@@ -215,7 +237,7 @@ def product(factors: Sequence[Sequence[Any]]) -> list[Any]:
             for j, c in enumerate(terms):
                 longer[i + j] += p * c
         out = longer
-    return [c / out[-1] for c in out[:-1]] + [arb(1)]
+    return monic(out)
 
 
 def routh(

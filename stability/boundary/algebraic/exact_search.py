@@ -27,13 +27,21 @@ from flint import arb
 from ...algebra.exact.hurwitz_forms import Budget, coefficient_row, factors
 from ...algebra.exact.number_fields import NotExact
 from ...algebra.exact.roots import UnclearError, isolated
-from ...algebra.exact.routh import hurwitz_sign, is_even, verdict_polynomial
+from ...algebra.exact.routh import (
+    hurwitz_sign,
+    is_even,
+    least_sign,
+    monic,
+    verdict_polynomial,
+)
 from ...algebra.exact.triangular import evaluate, occurring
 from ...algebra.number_types import precision
 from ...base.errors import NoMemberError, StabilityError
 from ...derivation.elimination import whole
 from ...systems.structure.structural_zeros import structure
 from ..brackets import (
+    HERE,
+    LATE,
     AxisScan,
     Boundaries,
     BoundaryPoint,
@@ -165,13 +173,15 @@ class Branch:
         return is_even(self.tower.whole.factors[index][0])
 
     def _sign(self, known: Mapping[int, Any]) -> int:
-        signs = []
-        for index, a in enumerate(self.factors(known)):
-            if a[-1].contains(0):
-                return 0
-            upright = [c / a[-1] for c in a[:-1]] + [arb(1)]
-            signs.append(hurwitz_sign(verdict_polynomial(upright, 0, self.even(index))))
-        return -1 if -1 in signs else 0 if 0 in signs else 1
+        every = self.factors(known)
+        if any(a[-1].contains(0) for a in every):
+            return 0
+        return least_sign(
+            [
+                hurwitz_sign(verdict_polynomial(monic(a), 0, self.even(index)))
+                for index, a in enumerate(every)
+            ]
+        )
 
     # --- at a candidate ---
 
@@ -289,8 +299,7 @@ class Branch:
             return None
         if len(rest) == 1:
             return False
-        upright = [c / rest[-1] for c in rest[:-1]] + [arb(1)]
-        sign = hurwitz_sign(verdict_polynomial(upright, 0, is_even(rest)))
+        sign = hurwitz_sign(verdict_polynomial(monic(rest), 0, is_even(rest)))
         return None if sign == 0 else sign < 0
 
     def _nothing(self, all_: Candidates, one: Candidate, poly: Any) -> bool:
@@ -326,11 +335,6 @@ JUMP = (
 MEET = "two steady motions meet at this value, or one goes to infinity, so the branch may end"
 END = "an unknown that must be positive is zero at this value, so the branch may end"
 POLE = "the linearisation of {family} may have no value there; the verdict {said}"
-HERE = "whether the member of {family} there is neutral, between {sides} ones, is not decided"
-LATE = (
-    "the verdict changes here, but no two doubles next to the change have proved verdicts that "
-    "differ: another change is too near"
-)
 
 
 def algebraic(line: AxisScan, low: float, high: float) -> Boundaries:

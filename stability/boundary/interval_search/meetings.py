@@ -295,11 +295,6 @@ class GraphMeetings(Meetings):
 
     # --- members ---
 
-    def _given(self, value: Any) -> tuple[list[Any], list[Any]]:
-        fixed = self.line.exact()
-        a, q, _ = self.line.problem.reduce(fixed | {self.line.axis: value}, lambda v: v.sqrt())
-        return a, q
-
     def prepared(self, value: float) -> bool:
         """Whether it was followed with others."""
         return value in self._rough
@@ -309,15 +304,7 @@ class GraphMeetings(Meetings):
         new = [v for v in dict.fromkeys(values) if v not in self._rough]
         if not new or self.family.anchor is None or self.family.closed:
             return
-        with precision(BITS):
-            given = [self._given(arb(v)) for v in new]
-        a, q = (
-            np.array([[float(v.mid()) for v in pair[i]] for pair in given]).reshape(len(new), -1)
-            for i in (0, 1)
-        )
-        found = self.family.search(a, q)
-        for value, good, u in zip(new, found.good, found.u, strict=True):
-            self._rough[value] = u.tolist() if good else None
+        self._rough.update(zip(new, self.line.followed(new), strict=True))
 
     def root(self, value: float, bits: int = BITS) -> list[Any] | None:
         """The unknowns of the member that the root-finder gives, proved and kept."""
@@ -335,12 +322,12 @@ class GraphMeetings(Meetings):
         return self._roots[key]
 
     def _unknowns(self, place: Any, near: Sequence[float] | None) -> list[Any]:
-        return positive_unknowns(self.family, *self._given(place), near)
+        return positive_unknowns(self.family, *self.line.given(place), near)
 
     def _matrices(self, place: Any, start: list[Any], count: int) -> list[Any]:
         """Taylor coefficients of the linearisation at a point, or at every point of a ball."""
         with terms(count):
-            a, q = self._given(arb_series([place, 1]))
+            a, q = self.line.given(arb_series([place, 1]))
             return linearisation(self.family, a, q, start, count)
 
     # --- a piece ---
@@ -475,8 +462,7 @@ class FormulaMeetings(Meetings):
     def _series(self, place: Any) -> tuple[list[Any], list[Any]]:
         """Functions, and numbers that are positive at members, as series about a ball."""
         with terms(FORMULA_ORDER + 1):
-            given = self.line.exact() | {self.line.axis: arb_series([place, 1])}
-            a, q, _ = self.line.problem.reduce(given, lambda v: v.sqrt())
+            a, q = self.line.given(arb_series([place, 1]))
             try:
                 coefficients, _, positive = self.formulas(series_algebra(), a, q)
             except ValueError:  # a series divides by one whose first term may vanish
@@ -514,7 +500,7 @@ class FormulaMeetings(Meetings):
         key = value, bits
         if key not in self._known:
             with precision(bits):
-                a, q = self.line.problem.balls(self.line.fixed | {self.line.axis: value})
+                a, q = self.line.given(value)
                 coefficients, _, positive = self.formulas(series_algebra(), a, q)
                 if not all(v > 0 for v in positive):
                     return None

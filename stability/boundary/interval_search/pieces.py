@@ -33,14 +33,13 @@ from ..brackets import (
     AxisScan,
     Boundaries,
     BoundaryPoint,
-    Crossing,
     Unresolved,
     at_point,
     bracketed,
     refine,
 )
 from .meetings import FormulaMeetings, GraphMeetings, Meetings, NoValueError, middle_of
-from .quick_pieces import Quick, quick_pieces
+from .quick_pieces import Leaf, quick_pieces
 
 MOST_PIECES = 1200
 """Largest number of pieces for a system of few states."""
@@ -74,22 +73,6 @@ BRANCH = (
     "the family from System.steady and follow it with st.branch"
 )
 ALONG = "an eigenvalue stays on the imaginary axis along all of it, as far as {bits} bits show"
-
-
-@dataclass(frozen=True)
-class Leaf:
-    """A piece of the axis at which the search ended."""
-
-    low: float
-    """Low end."""
-    high: float
-    """High end."""
-    meetings: int | None
-    """Number of simple meetings with the imaginary axis in it; None where this is not proved."""
-    reason: str = ""
-    """Reason why nothing is proved."""
-    near: tuple[float, Crossing] | None = None
-    """The single meeting to double precision, where it is known."""
 
 
 @dataclass(frozen=True)
@@ -127,7 +110,7 @@ def pieces(line: AxisScan, low: float, high: float, *, log: bool = False) -> Pie
     leaves, waiting, count = [], [(low, high)], 0
     quick = quick_pieces(found, low, high, log=log) if isinstance(found, FormulaMeetings) else None
     if quick is not None:
-        leaves, waiting, count = _leaves(quick), list(quick.left), quick.count
+        leaves, waiting, count = list(quick.leaves), list(quick.left), quick.count
         if not waiting:
             return Pieces(tuple(_joined(leaves)), low, high, count)
     tests = [low + share * (high - low) for share in (0.2718, 0.5772, 0.8541)]
@@ -143,15 +126,6 @@ def pieces(line: AxisScan, low: float, high: float, *, log: bool = False) -> Pie
     waiting = [(ends[0] if a == low else a, ends[1] if b == high else b) for a, b in waiting]
     searched = _Search(found, *ends, least, log=log and ends[0] > 0).run(waiting, count)
     return Pieces(tuple(_joined([*leaves, *searched[0]])), *ends, searched[1])
-
-
-def _leaves(quick: Quick) -> list[Leaf]:
-    """The pieces that doubles prove."""
-    one = [
-        Leaf(s.low, s.high, 1, near=None if s.crossing is None else (s.root, s.crossing))
-        for s in quick.single
-    ]
-    return [*(Leaf(*ends, 0) for ends in quick.clear), *one]
 
 
 def _meetings(line: AxisScan) -> Meetings | str:
@@ -570,19 +544,7 @@ class _Conditions:
         if not family.unknown or family.closed:
             return [[]] * len(level)
         with precision(BITS):
-            given = [self._given(arb(_ball(*ends).mid())) for ends in level]
-        a, q = (
-            np.array([[float(v.mid()) for v in part[i]] for part in given]).reshape(len(level), -1)
-            for i in (0, 1)
-        )
-        found = family.search(a, q)
-        return [u.tolist() if good else None for good, u in zip(found.good, found.u, strict=True)]
-
-    def _given(self, place: Any) -> tuple[list[Any], list[Any]]:
-        """Family parameters and parameters at a value of the axis, as balls."""
-        given = self.line.exact() | {self.line.axis: place}
-        at, others = self.family.at, self.family.parameters
-        return [arb(given[n]) for n in at], [arb(given[n]) for n in others]
+            return self.line.followed([_ball(*ends).mid() for ends in level])
 
     def _reason(self, low: float, high: float, near: list[float] | None) -> str | None:
         """Empty where all conditions hold on a piece; None where this is open."""
@@ -604,7 +566,7 @@ class _Conditions:
 
     def _values(self, place: Any, near: list[float]) -> list[Any]:
         family = self.family
-        a, q = self._given(place)
+        a, q = self.line.given(place)
         u = ball_unknowns(family, a, q, near)
         states = [arb(row[0]) for row in family.graph.state.dense(balls(), [a, u, q])]
         known = dict(zip((*family.at, *family.parameters), (*a, *q), strict=True))

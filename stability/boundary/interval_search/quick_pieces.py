@@ -54,25 +54,27 @@ Span = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Single:
-    """A piece with one zero of one function."""
+class Leaf:
+    """A piece of the axis at which the search ended."""
 
     low: float
+    """Low end."""
     high: float
-    root: float
-    """The zero, to double precision."""
-    crossing: Crossing | None
-    """What meets the imaginary axis there; None for a pole."""
+    """High end."""
+    meetings: int | None
+    """Number of simple meetings with the imaginary axis in it; None where this is not proved."""
+    reason: str = ""
+    """Reason why nothing is proved."""
+    near: tuple[float, Crossing] | None = None
+    """The single meeting to double precision, where it is known."""
 
 
 @dataclass(frozen=True)
 class Quick:
     """What doubles prove along an axis."""
 
-    clear: tuple[Span, ...]
-    """Pieces without a meeting, neighbours as one."""
-    single: tuple[Single, ...]
-    """Pieces with one."""
+    leaves: tuple[Leaf, ...]
+    """Pieces without a meeting, neighbours as one, and pieces with one."""
     left: tuple[Span, ...]
     """Pieces that stay open."""
     count: int
@@ -157,7 +159,7 @@ class Rounds:
         cuts[0], cuts[-1] = low, high
         lows, highs = cuts[:-1], cuts[1:]
         clear: list[Floats] = []
-        single: list[Single] = []
+        single: list[Leaf] = []
         left: list[Span] = []
         count = 0
         for number in range(ROUNDS):
@@ -178,7 +180,8 @@ class Rounds:
                 left += zip(lows.tolist(), highs.tolist(), strict=True)
                 break
             lows, highs = _cut(lows, highs, log=log and low > 0)
-        return Quick(_joined(np.hstack(clear)), tuple(single), tuple(left), count)
+        leaves = *(Leaf(*ends, 0) for ends in _joined(np.hstack(clear))), *single
+        return Quick(leaves, tuple(left), count)
 
     def _at(self, points: Floats, radius: Floats, tape: Tape) -> tuple[Any, Any]:
         """Coefficients as balls at points, or over pieces, shape (functions, orders, points)."""
@@ -212,7 +215,7 @@ class Rounds:
 
     def _turned(
         self, lows: Floats, highs: Floats, open_: Flags
-    ) -> tuple[Flags, list[tuple[int, Single]]]:
+    ) -> tuple[Flags, list[tuple[int, Leaf]]]:
         """Pieces without a zero, and those with one; on each the open functions are monotone."""
         count = len(lows)
         m, r = self._at(np.concatenate([lows, highs]), np.zeros(2 * count), self.slope)
@@ -224,10 +227,14 @@ class Rounds:
         rises = value[which, 1, one] > 0
         roots = self._roots(lows[one], highs[one], which, rises) if len(one) else ()
         found = [
-            Single(float(lows[i]), float(highs[i]), root, self.found.kinds[k])
+            Leaf(float(lows[i]), float(highs[i]), 1, "", self._near(root, k))
             for i, k, root in zip(one, which, roots, strict=True)
         ]
         return sure & ~turned.any(axis=0), list(zip(one.tolist(), found, strict=True))
+
+    def _near(self, root: float, which: int) -> tuple[float, Crossing] | None:
+        kind = self.found.kinds[which]
+        return None if kind is None else (root, kind)
 
     def _roots(self, lows: Floats, highs: Floats, which: NDArray[Any], rises: Flags) -> list[float]:
         """The zeros of functions between two signs: Newton's method, at last with balls."""

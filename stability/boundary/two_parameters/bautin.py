@@ -34,9 +34,9 @@ from ...algebra.exact.hurwitz_forms import Budget, by_power, coefficient_row, fa
 from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, exact_upright, rational
 from ...algebra.exact.rational_functions import common_multiple
 from ...algebra.exact.roots import isolated as root_balls
-from ...algebra.exact.routh import hurwitz_sign
+from ...algebra.exact.routh import divided, hurwitz_sign
 from ...algebra.exact.triangular import evaluate, occurring, remainder
-from ...algebra.krawczyk import NotProvedError, polished, tested
+from ...algebra.krawczyk import NotProvedError, tested
 from ...algebra.number_types import precision
 from ...algebra.upright import UPRIGHT, Upright
 from ...base.axis import Axis
@@ -51,14 +51,12 @@ from ..lyapunov_coefficient import (
     Derivatives,
     Line,
     Pair,
-    PairEquations,
     coefficients,
     derivatives,
-    guess,
     others,
-    pair_of,
+    pair_near,
     signed,
-    without_pair,
+    solved_pair,
 )
 from .plane_search import (
     EXACT_BITS,
@@ -154,7 +152,7 @@ class OnsetForms:
         entries: dict[Any, Any] = {}
         for places in combinations_with_replacement(self.kept, order):
             found = program.run(exact_upright(), [*self._point, *map(self._unit, places)])[0]
-            entries |= {(i, *places): found[i] for i in self.kept if not _nothing(found[i])}
+            entries |= {(i, *places): found[i] for i in self.kept if found[i] != 0}
         return self._cleared(entries)
 
     # --- the ring ---
@@ -361,10 +359,6 @@ def _orders(places: Sequence[int]) -> set[tuple[int, ...]]:
     }
 
 
-def _nothing(value: Any) -> bool:
-    return bool(value == 0)
-
-
 FOLLOW_BITS = 192
 """Working precision along a boundary."""
 SAME = 1e-7
@@ -407,28 +401,14 @@ class Follower:
         """The line at a value of the other quantity."""
         return Line(self.family, self.axis, self.fixed | {self.other: place})
 
-    def first(self, place: float, value: float, frequency: float) -> tuple[PairEquations, Pair]:
-        """The pair at a boundary that was found."""
-        equations, start = guess(self.line(place), value, frequency)
-        return equations, self._pair(equations, start)
-
-    @staticmethod
-    def _pair(equations: PairEquations, start: Sequence[Any]) -> Pair:
-        box, _ = tested(equations, polished(equations, [float(arb(v).mid()) for v in start]))
-        return pair_of(equations, box)
-
-    def moved(self, equations: PairEquations, near: Pair, place: float) -> Pair:
+    def moved(self, near: Pair, place: Any) -> Pair:
         """The pair at another value, from one nearby, with the same phase."""
-        return self._pair(self._at(equations, place), near.box)
+        return solved_pair(near.equations.on(self.line(place)), near.box)
 
-    def _at(self, equations: PairEquations, place: Any) -> PairEquations:
-        phase = [complex(float(a), float(b)) for a, b in equations.phase]
-        return PairEquations(self.line(place), phase)
-
-    def one_branch(self, equations: PairEquations, low: Pair, high: Pair) -> Any:
+    def one_branch(self, low: Pair, high: Pair) -> Any:
         """The pair over all values between two, proved to be one branch with both at its ends."""
         places = [p.line.fixed[self.other] for p in (low, high)]
-        over = self._at(equations, arb(places[0]).union(arb(places[1])))
+        over = low.equations.on(self.line(arb(places[0]).union(arb(places[1]))))
         middle = [((a + b) / 2).mid() for a, b in zip(low.box, high.box, strict=True)]
         far = [4 * abs(a - b) for a, b in zip(low.box, high.box, strict=True)]
         image, box = tested(
@@ -483,7 +463,7 @@ def _added(out: list[Vanishing], new: Vanishing) -> list[Vanishing]:
     return [*out, new]
 
 
-Entry = tuple[PairEquations, Pair, int]
+Entry = tuple[Pair, int]
 
 
 def _row(problem: Problem, follower: Follower, axis: Axis, place: float) -> list[Entry]:
@@ -498,8 +478,8 @@ def _row(problem: Problem, follower: Follower, axis: Axis, place: float) -> list
     for b in found:
         if b.crossing is Crossing.FLUTTER:
             try:
-                equations, pair = follower.first(place, b.value, b.frequency)
-                out.append((equations, pair, signed(coefficients(pair).first)))
+                pair = pair_near(follower.line(place), b.value, b.frequency)
+                out.append((pair, signed(coefficients(pair).first)))
             except (NotProvedError, StabilityError):
                 continue
     return out
@@ -509,25 +489,23 @@ def _between(
     follower: Follower, entry: Entry, end: Sequence[Entry], places: tuple[float, float]
 ) -> Vanishing | None:
     """The change of sign on one boundary between two lines, proved; None if there is none."""
-    equations, pair, sign = entry
+    pair, sign = entry
     try:
-        last = follower.moved(equations, pair, places[1])
-        same = [e for e in end if abs(e[1].value - last.value) <= SAME * (1 + abs(last.value))]
-        if not same or sign * same[0][2] >= 0:
+        last = follower.moved(pair, places[1])
+        same = [e for e in end if abs(e[0].value - last.value) <= SAME * (1 + abs(last.value))]
+        if not same or sign * same[0][1] >= 0:
             return None
-        return _refined(follower, equations, pair, places)
+        return _refined(follower, pair, places)
     except (NotProvedError, StabilityError):
         return None
 
 
-def _refined(
-    follower: Follower, equations: PairEquations, pair: Pair, places: tuple[float, float]
-) -> Vanishing | None:
+def _refined(follower: Follower, pair: Pair, places: tuple[float, float]) -> Vanishing | None:
     near = pair
 
     def at(place: float) -> Pair:
         nonlocal near
-        near = follower.moved(equations, near, place)
+        near = follower.moved(near, place)
         return near
 
     def size(place: float) -> float:
@@ -540,7 +518,7 @@ def _refined(
     while width <= WIDEST * (np.spacing(abs(root)) or 1e-300):
         low, high = at(root - width), at(root + width)
         if signed(coefficients(low).first) * signed(coefficients(high).first) < 0:
-            over = follower.one_branch(equations, low, high)
+            over = follower.one_branch(low, high)
             place = arb(root - width).union(arb(root + width))
             return Vanishing((over[0], place), over[-1], others(low))
         width *= 2
@@ -890,9 +868,8 @@ class _Judge:
         """Whether all other eigenvalues are stable."""
         p = [arb(evaluate(c, known)) for c in self.search.forms_of.characteristic]
         rest = [c * scale**k for k, c in enumerate(p)]
-        quotient = without_pair(rest, -z / scale**2)
-        quotient = [c / quotient[-1] for c in quotient]
-        return hurwitz_sign(quotient) if len(quotient) > 1 else 1
+        quotient = divided(rest, [-z / scale**2, arb(0), arb(1)])
+        return hurwitz_sign([c / quotient[-1] for c in quotient])
 
 
 def _apart(value: Any) -> Any:

@@ -302,12 +302,12 @@ def meets(p: Any, ends: Any) -> bool:
 # --- by halving boxes ---
 
 
-def _ball(low: float, high: float) -> Any:
-    return arb(low).union(arb(high))
+def _shares(box: Rectangle, whole: Rectangle) -> list[float]:
+    return [(b - a) / (d - c) for (a, b), (c, d) in zip(box, whole, strict=True)]
 
 
 def _halves(box: Rectangle, whole: Rectangle, axes: Sequence[int] = (0, 1)) -> Iterator[Rectangle]:
-    shares = [(b - a) / (d - c) for (a, b), (c, d) in zip(box, whole, strict=True)]
+    shares = _shares(box, whole)
     axis = max(axes, key=lambda i: shares[i])
     low, high = box[axis]
     cut = low + (high - low) * CUT
@@ -352,14 +352,14 @@ class BoxSearch:
         self.left = joined(self.left)
 
     def _share(self, box: Rectangle) -> float:
-        sizes = [(b - a) / (d - c) for (a, b), (c, d) in zip(box, self.rectangle, strict=True)]
-        return -sizes[0] * sizes[1]
+        shares = _shares(box, self.rectangle)
+        return -shares[0] * shares[1]
 
     def _examined(
         self, box: Rectangle, kinds: Sequence[PointKind]
     ) -> tuple[tuple[PointKind, ...], str]:
         """Kinds that stay open in a box, and why."""
-        tight = [_ball(*ends) for ends in box]
+        tight = [arb(low).union(arb(high)) for low, high in box]
         middle = [v.mid() for v in tight]
         wide = [arb(v.mid(), (arb(v.rad()) * WIDER).abs_upper()) for v in tight]
         try:

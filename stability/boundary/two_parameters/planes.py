@@ -22,7 +22,7 @@ from flint import Ordering, arb, arb_series, fmpq_mpoly_ctx
 
 from ...algebra.exact.hurwitz_forms import Budget
 from ...algebra.exact.number_fields import NotExact, rational
-from ...algebra.exact.routh import expanded_determinant, hurwitz_sign
+from ...algebra.exact.routh import divided, expanded_determinant, hurwitz_sign
 from ...algebra.exact.triangular import occurring
 from ...algebra.krawczyk import NotProvedError
 from ...derivation.elimination import Reading, Whole, whole
@@ -163,7 +163,7 @@ def nature(kind: PointKind, p: Poly) -> Nature | None:
         p = [-c for c in p]
     if kind is PointKind.DOUBLE_ZERO:
         _sign(p[2])
-        return Nature((), _stable(p[2:]))
+        return Nature((), hurwitz_sign(p[2:]))
     if kind is PointKind.ZERO_HOPF:
         d = p[1:]
         low, high = subresultant(*halves(d), 1)
@@ -171,7 +171,7 @@ def nature(kind: PointKind, p: Poly) -> Nature | None:
         place = -low / high
         if _sign(place) > 0:
             return None
-        return Nature(((-place).sqrt(),), _stable(_divided(d, [-place, arb(0), arb(1)])))
+        return Nature(((-place).sqrt(),), hurwitz_sign(divided(d, [-place, arb(0), arb(1)])))
     low, middle, high = subresultant(*halves(p), 2)
     _sign(high)
     s, t = -middle / high, low / high
@@ -180,7 +180,7 @@ def nature(kind: PointKind, p: Poly) -> Nature | None:
         return None
     root = spread.sqrt()
     pairs = (((-s - root) / 2).sqrt(), ((-s + root) / 2).sqrt())
-    return Nature(pairs, _stable(_divided(p, [t, arb(0), -s, arb(0), arb(1)])))
+    return Nature(pairs, hurwitz_sign(divided(p, [t, arb(0), -s, arb(0), arb(1)])))
 
 
 def _sign(value: Any) -> int:
@@ -189,22 +189,6 @@ def _sign(value: Any) -> int:
     if value < 0:
         return -1
     raise NotProvedError
-
-
-def _stable(p: Poly) -> int:
-    return hurwitz_sign(p) if len(p) > 1 else 1
-
-
-def _divided(p: Poly, by: Poly) -> Poly:
-    """Quotient by a monic divisor, whose remainder is zero."""
-    rest, size = list(p), len(by) - 1
-    out = []
-    for k in range(len(rest) - 1, size - 1, -1):
-        lead = rest[k]
-        out.append(lead)
-        for j in range(size + 1):
-            rest[k - size + j] = rest[k - size + j] - lead * by[j]
-    return out[::-1]
 
 
 PLANE = fmpq_mpoly_ctx.get(("x", "y"), Ordering.lex)
@@ -258,9 +242,7 @@ class GraphPlane:
         return found or (0, 1)
 
     def _given(self, x: Any, y: Any) -> tuple[list[Any], list[Any]]:
-        values = self.fixed | dict(zip(self.names, (x, y), strict=True))
-        a, q, _ = self.problem.reduce(values, lambda v: v.sqrt())
-        return a, q
+        return self.problem.balls(self.fixed | dict(zip(self.names, (x, y), strict=True)))
 
     def _unknowns(self, x: Any, y: Any) -> list[Any]:
         family = self.family
