@@ -11,7 +11,7 @@ from flint import Ordering, fmpq, fmpq_mpoly_ctx
 
 import stability as st
 from stability.algebra.exact.hurwitz_forms import Budget, hurwitz_determinants, subdiscriminants
-from stability.derivation.elimination import evaluate
+from stability.algebra.exact.triangular import evaluate
 from stability.derivation.signs import Bounds, Domain
 
 F = Fraction
