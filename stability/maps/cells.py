@@ -27,7 +27,7 @@ from ..spectra.problem import Problem
 from ..spectra.verdict_routes import BITS
 from ..storage.pieces import Chunk, Pieces
 from ..systems.graph.smoothness import edged
-from .dataset import EXACT, GRAPH, LOOPS, OWN, SINGLE
+from .dataset import EXACT, GRAPH, LOOPS, POLYNOMIAL, SINGLE
 from .general.cells import GraphCells, SliceCells, formula_cells, slice_cells
 from .general.rates import LEFT, Bands, Room, arrays_of
 from .general.slice_verdicts import ELSEWHERE
@@ -40,7 +40,7 @@ BAND = 2**19
 """Cells of a chunk of whole rows on the exact route: many, so that no thread waits for Python."""
 COMPILED_FROM = 10**6
 """Fewest cells for which compiled loops are loaded, which takes as long as these by NumPy."""
-OWN_BAND = 65536
+ROOTS_BAND = 65536
 """The same for a user's family: few enough for the arrays of its roots."""
 LEAST = 1024
 """Fewest cells for which a user's family gets its polynomial over Q."""
@@ -106,13 +106,13 @@ class Cells:
         self.refusal = ""
         self._graph = GRAPH.replace("LAPACK", name_of(self.solver))
         if problem.exact is not None:
-            self._graph += OWN
+            self._graph += POLYNOMIAL
         self.bands = self._bands()
         """What computes many rows at once; None where the graph computes every cell."""
         if self.bands is None:
             self.chunk = self.band = CHUNK
             return
-        self.band = BAND if self.bands.swept else OWN_BAND
+        self.band = BAND if self.bands.swept else ROOTS_BAND
         self.chunk = max(1, self.band // self.shape[1]) * self.shape[1]
         steady_memory()
 

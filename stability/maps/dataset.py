@@ -167,7 +167,7 @@ GRAPH = (
     "error analysis and Gershgorin's theorem"
 )
 
-OWN = "; verdicts that these leave open from the family's polynomial, exactly or in balls"
+POLYNOMIAL = "; verdicts that these leave open from the family's polynomial, exactly or in balls"
 """Added to `GRAPH` where a user's family has an exact polynomial."""
 
 SINGLE = "; verdicts that these leave open over Q or in balls, cell by cell"

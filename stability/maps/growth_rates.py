@@ -21,7 +21,7 @@ from ..spectra.certificate import certify
 from ..spectra.problem import Problem
 from .compiled.loops import WANTED
 from .compiled.rates import CompiledRates, in_range, tables
-from .general.rates import Room
+from .general.rates import Room, sorted_modes
 from .verdicts import point, tabulated
 
 STRIDE = 16
@@ -159,11 +159,7 @@ class GrowthKernel:
                 poor = poor[_poor(again)]
         if len(poor):
             found.prove(self.problem, _some(values, shape, poor, float), poor)
-        spectrum = None
-        if found.values is not None:
-            spectrum = np.ascontiguousarray(found.values.T)
-            order = np.lexsort((spectrum.imag, spectrum.real), axis=-1)
-            spectrum = np.take_along_axis(spectrum, order, -1)
+        spectrum = None if found.values is None else sorted_modes(found.values)
         return Growth(found.top, found.error, found.turn, spectrum, len(poor), codes)
 
     def _quick(

@@ -74,7 +74,7 @@ def judge_of(problem: Problem, axes: tuple[Axis, Axis]) -> Judge:
         If there are no exact polynomials.
     """
     if problem.plain:
-        return _own_verdicts(problem, axes)
+        return _derived_verdicts(problem, axes)
     if not isinstance(problem.exact, TabulatedPolynomial):
         raise ParameterError(
             f"{problem.family.name} under the {problem.law.name if problem.law else ''} law has no "
@@ -83,7 +83,7 @@ def judge_of(problem: Problem, axes: tuple[Axis, Axis]) -> Judge:
     return GridVerdicts(problem, axes[0].name, axes[1].name)
 
 
-def _own_verdicts(problem: Problem, axes: tuple[Axis, Axis]) -> SliceVerdicts:
+def _derived_verdicts(problem: Problem, axes: tuple[Axis, Axis]) -> SliceVerdicts:
     """Verdicts of a user's family, which exist in every cell."""
     found = slice_verdicts(problem, axes)
     if found is None:

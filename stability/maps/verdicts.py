@@ -248,7 +248,7 @@ def prove_boxes(problem: Problem, axes: tuple[Axis, Axis], levels: int) -> Boxes
     """
     levels = whole_number("levels", levels, 0, MOST_LEVELS)
     fast = isinstance(problem.exact, TabulatedPolynomial)
-    judge = BoxConditions(problem) if fast else _own(problem, axes)
+    judge = BoxConditions(problem) if fast else _derived(problem, axes)
     edges = [_edges(axis, levels) for axis in axes]
     i = j = np.zeros(1, dtype=np.int64)
     found: list[tuple[Any, Any, Any]] = []
@@ -276,7 +276,7 @@ def _edges(axis: Axis, levels: int) -> Floats:
 Spans = Mapping[str, tuple[Floats, Floats]]
 
 
-def _own(problem: Problem, axes: tuple[Axis, Axis]) -> Callable[[Spans], NDArray[np.int8]]:
+def _derived(problem: Problem, axes: tuple[Axis, Axis]) -> Callable[[Spans], NDArray[np.int8]]:
     """Verdicts over boxes of a user's family."""
     found = None if problem.may_drift else slice_verdicts(problem, axes)
     return _WideBalls(problem) if found is None else found.boxes

@@ -54,6 +54,12 @@ def test_a_motion_cites_its_integrator(method: str, more: list[str]) -> None:
     assert keys(run) == [*MODEL, *more]
 
 
+def test_a_branch_of_a_body_cites_its_law() -> None:
+    creeping = st.Torus(0.2).family("rolling", "creep-1")
+    found = st.branch(creeping, 1.0, 2.0, points=3, tube=0.2, mu=20.0)
+    assert keys(found) == [*MODEL[:2], "fenichel1979", "fraser1988", "casadi"]
+
+
 def test_every_integrator_has_works() -> None:
     for method in INTEGRATORS.values():
         assert method.works and set(method.works) <= set(WORKS)

@@ -340,11 +340,16 @@ def rates(factors: Sequence[tuple[Coefficients, bool, int]], *, modes: bool) -> 
         values = None
         if modes:
             every = [p.roots for p, _, count in parts for _ in range(count)]
-            spectrum = np.ascontiguousarray(np.concatenate(every).T)
-            order = np.lexsort((spectrum.imag, spectrum.real), axis=-1)
-            values = np.take_along_axis(spectrum, order, -1)
+            values = sorted_modes(np.concatenate(every))
         poor = ~(apart & (error <= WANTED * largest))
     return Rates(top, error, lead, codes, values, poor)
+
+
+def sorted_modes(values: Complexes) -> Complexes:
+    """The eigenvalues of each member by real and imaginary part, from those by mode."""
+    spectrum = np.ascontiguousarray(values.T)
+    order = np.lexsort((spectrum.imag, spectrum.real), axis=-1)
+    return np.take_along_axis(spectrum, order, -1)
 
 
 def _of_square(a: Floats, error: Floats) -> Rates:

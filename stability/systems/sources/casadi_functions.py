@@ -69,12 +69,8 @@ def casadi_function(
             "column with one rate for each."
         )
     names = [_names(function.name_in(i), sizes[i][0]) for i in range(inputs)]
-    own = tuple(states) if isinstance(states, (list, tuple)) else states
-    given = tuple(parameters) if isinstance(parameters, (list, tuple)) else parameters
-    x, p = (
-        ca.vertcat(*[ca.SX.sym(n) for n in some]) if some else ca.SX(0, 1)
-        for some in (names[0], names[1] if inputs == 2 else ())
-    )
+    names += [()] * (2 - inputs)
+    x, p = (ca.vertcat(*map(ca.SX.sym, some)) if some else ca.SX(0, 1) for some in names)
     with no_folding():  # the graph as it is: CasADi joins constants in doubles
         scalar = _expanded(function)
         found = scalar.call([x, p][:inputs])
@@ -83,8 +79,8 @@ def casadi_function(
         "x": x,
         "p": p,
         "rhs": ca.densify(found[0]),
-        "states": names[0] if own is None else own,
-        "parameters": (names[1] if inputs == 2 else ()) if given is None else given,
+        "states": names[0] if states is None else states,
+        "parameters": names[1] if parameters is None else parameters,
         "observables": dict(zip(function.name_out()[1:], found[1:], strict=True)),
     }
 
