@@ -176,25 +176,12 @@ class Budget:
 
 
 def too_many(steps: int) -> str:
-    """Reason for the end of a run that has taken all its steps, with the remedy.
-
-    Parameters
-    ----------
-    steps
-        Number of steps that were allowed.
-    """
+    """Reason for the end of a run that has taken all its steps, with the remedy."""
     return f"max_steps = {steps} steps were not enough; give a larger max_steps"
 
 
 def lost(method: str, state: Floats) -> str:
     """Reason for the end of a run that finds no further state, with the remedy.
-
-    Parameters
-    ----------
-    method
-        Name of the integrator.
-    state
-        The last state that it found.
 
     Examples
     --------
@@ -251,20 +238,6 @@ class Integrator:
 
 
 def guard_at(flow: Flow, p: Floats, state: Floats) -> str:
-    """The guard that is zero at an event: the guard of least absolute value.
-
-    Parameters
-    ----------
-    flow
-        The flow.
-    p
-        Its parameters.
-    state
-        y at the event.
-
-    Returns
-    -------
-    str
-    """
+    """The guard that is zero at an event: the guard of least absolute value."""
     values, _ = flow.margins(state, p)
     return list(flow.guards)[int(np.argmin(np.abs(values)))]

@@ -125,22 +125,7 @@ class Climbed:
 
 
 def shares(problem: Problem, track: Track, names: Sequence[str]) -> tuple[dict[str, Found], float]:
-    """Each quantity of a track, and the largest error over its tolerance.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    track
-        The track.
-    names
-        Names of quantities.
-
-    Returns
-    -------
-    found, share
-        Values by name; a share up to 1 is within the tolerance.
-    """
+    """Each quantity of a track, and the largest error over its tolerance: 1 is fine enough."""
     found, share = {}, 0.0
     for name in names:
         one = found[name] = QUESTIONS[name].find(problem, track)
@@ -151,15 +136,7 @@ def shares(problem: Problem, track: Track, names: Sequence[str]) -> tuple[dict[s
 
 
 def rungs_of(problem: Problem, models: Sequence[ReducedModel]) -> tuple[str, ...]:
-    """Names of all rungs that may be asked for.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    models
-        Reduced models of a user's system.
-    """
+    """Names of all rungs that may be asked for."""
     orders = ("creep", *ORDERS) if applies(problem) else ()
     own = [m.name for m in models]
     return tuple(dict.fromkeys((*CLOSED_FORMS, DRIFT, *own, *orders, full_name(problem))))
@@ -171,15 +148,7 @@ def full_name(problem: Problem) -> str:
 
 
 def price_of_full(problem: Problem, length: float | None = None) -> float:
-    """Expected time of the full model with its neighbours [s].
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    length
-        Dimensionless time that it runs; to the horizon if left out.
-    """
+    """Expected time of the full model with its neighbours [s], over a dimensionless length."""
     name, length = explicit(problem.flow), problem.last if length is None else length
     turns = length * problem.pace * min(1.0, max(CALM, problem.near.distance / LIVELY))
     steps = turns * PER_TURN
@@ -203,22 +172,9 @@ def climb(
 ) -> Climbed:
     """Climb the ladder until a rung answers within the tolerance.
 
-    Parameters
-    ----------
-    problem
-        The problem.
-    names
-        Quantities that are asked for.
-    models
-        Reduced models of a user's system, cheapest first.
-    only
-        Name of the one rung to run, with any error; None for the choice.
-    measured
-        Whether the costs are measured in a second climb where the first mostly built programs.
-
-    Returns
-    -------
-    Climbed
+    `models` are reduced models of a user's system, cheapest first; `only` names the one rung to
+    run, with any error.  `measured` asks for the costs of a second climb where the first mostly
+    built programs.
     """
     seen, key = _SEEN.setdefault(problem.flow, set()), (decade(problem.tolerance), only)
     found = _climb(problem, names, models, only)

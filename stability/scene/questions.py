@@ -47,15 +47,7 @@ class Found:
 
 
 def relative_error(found: Found, unit: float = 1.0) -> float:
-    """The error of a value, over a dimensionless 1 or its size.
-
-    Parameters
-    ----------
-    found
-        The value.
-    unit
-        A dimensionless 1 in the units of the value.
-    """
+    """The error of a value, over its size or a dimensionless 1 in its unit."""
     size = abs(found.value) if isinstance(found.value, float) else unit
     return float(found.error / max(unit, size))
 

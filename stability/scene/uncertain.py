@@ -120,22 +120,7 @@ def spread(
 ) -> Spread:
     """How far each input moves the answer: by sensitivities, or by displaced runs.
 
-    Parameters
-    ----------
-    inputs
-        Half-widths by name.
-    problem, found
-        The problem of the scene, and what its climb has found.
-    move
-        Function that changes one input.
-    ask
-        Function that answers a displaced problem.
-    labels
-        Each input with its half-width and unit, in words.
-
-    Returns
-    -------
-    Spread
+    `inputs` are half-widths by name; `move` changes one, and `ask` answers the displaced problem.
     """
     case = _Case(problem, found)
     moves: dict[str, dict[str, float]] = {name: {} for name in case.base}
@@ -265,15 +250,8 @@ def _word(problem: Problem, track: Track) -> str:
 def apart(value: Any, other: Any) -> float:
     """Distance of two values of a quantity, over 1 or their size.
 
-    Parameters
-    ----------
-    value, other
-        Two numbers, two arrays of states along the last axis, two words, or None.
-
-    Returns
-    -------
-    float
-        Infinite where one is missing, or two words differ.
+    Values are numbers, arrays of states along the last axis, words or None.  The distance is
+    infinite where one is missing, or two words differ.
 
     Examples
     --------

@@ -138,28 +138,14 @@ class Modes:
         return np.ascontiguousarray((modal @ self.vectors.T).real)
 
     def only(self, some: Any) -> Modes:
-        """The motion in some of the modes, as if the start had no others.
-
-        Parameters
-        ----------
-        some
-            1 for each mode that is kept and 0 for the others, shape (n,).
-        """
+        """The motion in those modes for which `some` is 1, as if the start had no others."""
         one, other = _pairs(len(self.values))
         return replace(self, first=self.first * some, pairs=self.pairs * some[one] * some[other])
 
     def third(self, times: Floats) -> tuple[Floats, Floats]:
-        """Sampled size of the third order.
+        """Sampled size of the third order at some of the times, the last among them.
 
-        Parameters
-        ----------
-        times
-            Last time of each stretch with one sample, shape (t,); the first begins at 0.
-
-        Returns
-        -------
-        ends, size
-            Some of these times, the last among them, and the size there, both of shape (m,).
+        Of each stretch, from 0 to the first of `times` and so on, there is one sample.
         """
         edges = np.concatenate([[0.0], times])
         width = np.diff(edges)
@@ -186,13 +172,7 @@ class Modes:
 
 
 def modes_of(matrix: Floats) -> tuple[Any, Any, Any]:
-    """Eigenvalues, modes and their inverse, which is None where two modes are parallel.
-
-    Parameters
-    ----------
-    matrix
-        J, shape (n, n).
-    """
+    """Eigenvalues of J, modes, and their inverse, which is None where two modes are parallel."""
     clean = np.where(np.abs(matrix) < ROUNDING * np.abs(matrix).max(), 0.0, matrix)
     for tried in (matrix, clean):  # an entry of rounding may join two zeros
         values, vectors = eigenpairs(tried)
@@ -223,22 +203,8 @@ def modes(
 ) -> Modes | Refused:
     """The modes of a member, and the start in them.
 
-    Parameters
-    ----------
-    problem
-        The problem.
-    member
-        States of the steady motion, shape (n,) at least.
-    family
-        Its family.
-    always
-        Whether they are computed even where no closed form can be fine enough.
-    price
-        Expected time of the full model [s].
-
-    Returns
-    -------
-    Modes or Refused
+    `always` asks for them even where no closed form can be fine enough; `price` is the expected
+    time of the full model [s].
     """
     n, system = problem.own, problem.flow.system
     at = member[:n]
@@ -274,22 +240,7 @@ def modes(
 def near_steady(
     problem: Problem, *, always: bool = False, price: float = np.inf
 ) -> dict[str, Track | Refused]:
-    """The three rungs near the nearest steady motion, cheapest first.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    always
-        Whether the closed forms are computed even where none can be fine enough.
-    price
-        Expected time of the full model [s].
-
-    Returns
-    -------
-    dict
-        Track or refusal by name.
-    """
+    """The three rungs near the nearest steady motion, cheapest first; options as for `modes`."""
     every = CLOSED_FORMS
     near = problem.near
     if near.member is None:

@@ -89,19 +89,7 @@ class ReducedModel(Record):
 
 
 def reduced(problem: Problem, model: ReducedModel) -> Track | Refused:
-    """The track of a reduced model.
-
-    Parameters
-    ----------
-    problem
-        The problem of the full model.
-    model
-        The reduced model.
-
-    Returns
-    -------
-    Track or Refused
-    """
+    """The track of a reduced model."""
     given = model.down(problem.start.copy(), problem.p.copy())  # a map may write into them
     if not isinstance(given, (tuple, list)) or len(given) != 2:
         raise ParameterError(
