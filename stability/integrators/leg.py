@@ -6,7 +6,7 @@ import math
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -56,15 +56,7 @@ class Leg:
     @property
     def numbers(self) -> tuple[Any, ...]:
         """All fields but the flow, of which a worker has its own copy."""
-        return (
-            self.p,
-            self.start,
-            self.times,
-            self.tolerance,
-            self.max_steps,
-            self.seconds,
-            self.dense,
-        )
+        return tuple(getattr(self, f.name) for f in fields(self) if f.name != "flow")
 
     @property
     def absolute(self) -> float:
