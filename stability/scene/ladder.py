@@ -255,8 +255,8 @@ def _near(ladder: _Ladder) -> None:
         tracks = near_steady(
             ladder.problem, always=ladder.only is not None, price=price_of_full(ladder.problem)
         )
-    if len({id(t) for t in tracks.values()}) == 1:  # one reason for all three
-        ladder.note(ladder.only or LINEARISED, 0, began, 0.0, tracks[LINEARISED])
+    if isinstance(tracks, Refused):
+        ladder.note(ladder.only or LINEARISED, 0, began, 0.0, tracks)
         return
     for name, track in tracks.items():
         if ladder.asked(name):

@@ -317,8 +317,7 @@ def _rough(
         coarse = elements.tails(path) > RESOLVED * tolerance / len(path)
         if not coarse.any():
             break
-        halves = (elements.edges[:-1] + elements.edges[1:])[coarse] / 2
-        elements = Elements(np.union1d(elements.edges, halves), points)
+        elements = elements.halved(coarse)
         path = along(elements)
     slope = held.slope(path)
     pieces = _pieces(elements, slope)

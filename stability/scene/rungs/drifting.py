@@ -273,7 +273,7 @@ def _track(
     times = problem.times
     errors = np.interp(times, every, np.append(size[0], size))
     note = f"drift from omega3 = {manifold.spin:.6g} to {spins[-1]:.6g} (dimensionless)"
-    return Track(times, at(times), errors, at, None, 0, (note,), where)
+    return Track(times, at(times), errors, at, notes=(note,), indicators=where)
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,6 +13,7 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg.lapack import dtbtrs
 
 from ...algebra.program import Program
@@ -106,6 +107,11 @@ class Elements:
         """Steps between the points, shape (E, N - 1, 1, 1)."""
         found: Floats = (self.lengths[:, None] * _midpoints(self.points)[1])[..., None, None]
         return found
+
+    def halved(self, which: NDArray[np.bool_]) -> Elements:
+        """The elements, of which some are halved."""
+        halves = (self.edges[:-1] + self.edges[1:])[which] / 2
+        return Elements(np.union1d(self.edges, halves), self.points)
 
     def derivative(self, values: Floats) -> Floats:
         """Time derivative of values at the points, shape (E, N, n)."""

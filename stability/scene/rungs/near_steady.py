@@ -239,9 +239,11 @@ def modes(
 
 def near_steady(
     problem: Problem, *, always: bool = False, price: float = np.inf
-) -> dict[str, Track | Refused]:
-    """The three rungs near the nearest steady motion, cheapest first; options as for `modes`."""
-    every = CLOSED_FORMS
+) -> dict[str, Track] | Refused:
+    """The three rungs near the nearest steady motion, cheapest first, or why there is none.
+
+    Options are those of `modes`.
+    """
     near = problem.near
     if near.member is None:
         why = "no steady motion is known near the start"
@@ -250,32 +252,37 @@ def near_steady(
             why += f": {near.evidence}" if named else "; name some with families="
         elif near.family:
             why = f"near {near.family} the heading turns without end, and no closed form follows it"
-        return dict.fromkeys(every, Refused(why))
+        return Refused(why)
     size = float(relative(problem.start - near.member, near.member))
     where = {f"distance from {near.family}": size}
     if size > FAR:
         why = f"the start is {size:.2g} from {near.family}, the nearest steady motion"
-        return dict.fromkeys(every, Refused(why, where))
+        return Refused(why, where)
     if not always and _hopeless(problem, size):
         cube = f"{size:.2g}³ = {size**3:.2g} is above the tolerance"
-        why = f"the start is {size:.2g} from {near.family}, and {cube}"
-        return dict.fromkeys(every, Refused(why, where))
+        return Refused(f"the start is {size:.2g} from {near.family}, and {cube}", where)
     if not always and _vain(problem, size, price, problem.last):
-        return dict.fromkeys(every, Refused(VAIN, where))
+        return Refused(VAIN, where)
     found = modes(problem, near.member, near.family, always=always, price=price)
     if isinstance(found, Refused):
-        return dict.fromkeys(every, Refused(found.why, where | found.indicators))
-    where["growth exponent to the horizon"] = (
-        float(found.values.real.max(initial=0.0)) * problem.last
-    )
-    return _three(problem, found, where)
+        return Refused(found.why, where | found.indicators)
+    growth = float(found.values.real.max(initial=0.0)) * problem.last
+    return _three(problem, found, where | {"growth exponent to the horizon": growth})
 
 
-def _three(problem: Problem, found: Modes, where: dict[str, float]) -> dict[str, Track | Refused]:
+def _three(problem: Problem, found: Modes, where: dict[str, float]) -> dict[str, Track] | Refused:
     """The tracks of a motion near a member."""
     times, n = problem.times, problem.own
     looks, sizes = found.third(problem.last * (np.arange(1, SAMPLES + 1) / SAMPLES) ** 2)
-    every, why = np.concatenate([looks, times]), ""
+    every = np.concatenate([looks, times])
+    member = np.zeros(len(problem.start))
+    member[:n] = found.member
+
+    def lifted(deviations: Floats) -> Floats:
+        states = np.tile(member, (len(deviations), 1))
+        states[:, :n] += deviations
+        return states
+
     for when in (looks, every) if len(times) > len(looks) else (every,):  # few say no at once
         one, two = found.states(found.linear(when)), found.states(found.second(when))
         small, middle = relative(one, found.member), relative(two, found.member)
@@ -283,26 +290,20 @@ def _three(problem: Problem, found: Modes, where: dict[str, float]) -> dict[str,
             "size of the second order": float(middle.max()),
             "size of the third order": float(sizes.max()),
         }
+        if not problem.stands(lifted((one + two)[: len(looks)])):
+            return Refused("a guard of the full model fails on the way", where)
         if not middle.max() + sizes.max() <= max(TRUSTED * small.max(), 1e-14):
-            why = f"the orders of the deviation from {found.family} do not fall"
-        why = _fails(problem, found, one[: len(looks)] + two[: len(looks)]) or why
-        if why:
-            return dict.fromkeys(CLOSED_FORMS, Refused(why, where))
+            return Refused(f"the orders of the deviation from {found.family} do not fall", where)
     here = slice(len(looks), None)
     third = np.interp(times, np.append(0.0, looks), np.append(0.0, np.maximum.accumulate(sizes)))
     third += 1e-15 * (1 + np.abs(found.values).max() * times)
-    member = np.zeros(len(problem.start))
-    member[:n] = found.member
 
     def track(name: str, modal: Any, own: Floats, errors: Floats) -> Track:
         def at(when: Floats) -> Floats:
-            states = np.tile(member, (len(when), 1))
-            states[:, :n] += found.states(modal(when))
-            return states
+            return lifted(found.states(modal(when)))
 
-        states = np.tile(member, (len(times), 1))
-        states[:, :n] += own
-        return Track(times, states, errors, at, None, 0, (f"{name} at {found.family}",), where)
+        notes = (f"{name} at {found.family}",)
+        return Track(times, lifted(own), errors, at, notes=notes, indicators=where)
 
     def still(when: Floats) -> Any:
         return np.zeros((len(when), n))
@@ -316,11 +317,3 @@ def _three(problem: Problem, found: Modes, where: dict[str, float]) -> dict[str,
         LINEARISED: track("linear motion", found.linear, one[here], middle[here] + third),
         SECOND: track("linear motion and its second order", both, whole, third),
     }
-
-
-def _fails(problem: Problem, found: Modes, deviations: Floats) -> str:
-    """The reason why a guard of the full model fails on the way; empty where none does."""
-    states = np.zeros((len(deviations), len(problem.start)))
-    states[:, : problem.own] = found.member + deviations
-    values, _ = problem.flow.margins(problem.flow.pack(states), problem.flow_p)
-    return "" if (values > 0).all() else "a guard of the full model fails on the way"

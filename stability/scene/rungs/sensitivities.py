@@ -212,8 +212,7 @@ def forward(
             coarse = _rough_in(found, max(SMOOTH, limit))
             if not coarse.any():
                 return found
-        halves = (elements.edges[:-1] + elements.edges[1:])[coarse] / 2
-        elements = Elements(np.union1d(elements.edges, halves), POINTS)
+        elements = elements.halved(coarse)
     return Refused("the path is not smooth enough")
 
 
