@@ -25,7 +25,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -157,6 +156,16 @@ def held_flow(model: Model) -> Flow:
     return sticking_flow(model).having(guards={})
 
 
+def _held(y: Floats) -> Floats:
+    """The entries y of a body at rest, from those of sliding."""
+    return np.delete(y, [4, 5])
+
+
+def _with_slip(y: Floats) -> Floats:
+    """The entries y as for sliding, shape (…, n), from those of a body at rest."""
+    return np.insert(y, [4, 4], 0.0, axis=-1)
+
+
 class _Dry:
     """One run through its modes; y is as for sliding (with slip) in every mode."""
 
@@ -198,7 +207,7 @@ class _Dry:
     # --- one mode each: run to its end, and return the next ---
 
     def _slide(self) -> int:
-        kind = self._advance(sliding_flow(self.model), self.y, SLIDING, lambda y: y)
+        kind = self._advance(sliding_flow(self.model), SLIDING)
         if kind is not None and kind != SMALL:
             self._stop(kind)
         elif kind == SMALL:  # step inside, so that rounding cannot hold it at the border
@@ -206,9 +215,8 @@ class _Dry:
         return SLIDING
 
     def _stick(self) -> int:
-        stick = sticking_flow(self.model)
-        start, first = np.delete(self.y, [4, 5]), len(self.rows)
-        kind = self._advance(stick, start, STICKING, lambda y: np.insert(y, [4, 4], 0.0, axis=-1))
+        first = len(self.rows)
+        kind = self._advance(sticking_flow(self.model), STICKING)
         if self._ambiguous(first):
             return STICKING
         if kind == CONE:
@@ -372,8 +380,8 @@ class _Dry:
         due = self.times[len(self.rows) :]
         due = due[due < when + span]
         grid = np.concatenate([[when], due[due > when], [when + span]])
-        leg = self._leg(held_flow(self.model), np.delete(before, [4, 5]), grid, 1e-13)
-        stuck = np.insert(METHODS["dop853"](leg).states, [4, 4], 0.0, axis=-1)
+        leg = self._leg(held_flow(self.model), _held(before), grid, 1e-13)
+        stuck = _with_slip(METHODS["dop853"](leg).states)
         after = stuck[-1]
         angle = polish(self.dry, after[:4], self.p, angle)
         f = float(slip_acceleration(self.dry, after[:4], self.p, np.array([angle]))[0][0])
@@ -417,16 +425,10 @@ class _Dry:
 
     # --- book-keeping ---
 
-    def _advance(
-        self,
-        which: Flow,
-        start: Floats,
-        mode: int,
-        back: Callable[[Floats], Floats],
-    ) -> str | None:
-        """Run a flow over the remaining samples; the guard that ended the run, or None."""
-        rest = self.times[len(self.rows) :]
-        times = np.concatenate([[self.time], rest])
+    def _advance(self, which: Flow, mode: int) -> str | None:
+        """Run the flow of a mode over the remaining samples; the guard that ended it, or None."""
+        times = np.append(self.time, self.times[len(self.rows) :])
+        start, back = (_held(self.y), _with_slip) if mode == STICKING else (self.y, np.copy)
         leg = self._leg(which, start, times, self.leg.tolerance)
         auto = self.method == "auto"
         path = METHODS[explicit() if auto else self.method](leg)
@@ -438,7 +440,7 @@ class _Dry:
         if path.end is None:
             self.time, self.y = float(self.times[-1]), self.rows[-1].copy()
             return None
-        self.time, self.y = path.end.time, back(path.end.state).copy()
+        self.time, self.y = path.end.time, back(path.end.state)
         if path.end.kind == UNRESOLVED:
             self._stop(UNRESOLVED, self.budget.message if self.budget.spent else path.end.message)
         return path.end.kind

@@ -139,12 +139,7 @@ def rungs_of(problem: Problem, models: Sequence[ReducedModel]) -> tuple[str, ...
     """Names of all rungs that may be asked for."""
     orders = ("creep", *ORDERS) if applies(problem) else ()
     own = [m.name for m in models]
-    return tuple(dict.fromkeys((*CLOSED_FORMS, DRIFT, *own, *orders, full_name(problem))))
-
-
-def full_name(problem: Problem) -> str:
-    """Name of the full model of a problem: that of its law, or of the user's system."""
-    return problem.launches.name
+    return tuple(dict.fromkeys((*CLOSED_FORMS, DRIFT, *own, *orders, problem.launches.name)))
 
 
 def price_of_full(problem: Problem, length: float | None = None) -> float:
@@ -346,7 +341,11 @@ def _price_of_creep(problem: Problem) -> float:
 
 def _full(ladder: _Ladder) -> None:
     """The full model, run where no other rung was taken."""
-    problem, name, whole = ladder.problem, full_name(ladder.problem), price_of_full(ladder.problem)
+    problem, name, whole = (
+        ladder.problem,
+        ladder.problem.launches.name,
+        price_of_full(ladder.problem),
+    )
     if not ladder.asked(name):
         if ladder.only is None:
             why = "the full model: not needed"

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..base.errors import DomainError
-from .ladder import Climbed, full_name
+from .ladder import Climbed
 from .questions import QUESTIONS
 from .rungs.sensitivities import nearby
 from .rungs.track import Problem, Refused, Track, relative
@@ -195,7 +195,7 @@ class _Case:
             return out | dict.fromkeys(whole, why)
         chosen = next(r for r in self.found.rungs if r.chosen)
         seconds = max(CHEAP, 2 * len(whole) * chosen.price)
-        exact = self.found.model == full_name(self.problem)
+        exact = self.found.model == self.problem.launches.name
         told = nearby(self.problem, self.track, list(whole.values()), exact=exact, seconds=seconds)
         if isinstance(told, Refused):
             return out | dict.fromkeys(whole, told.why)
