@@ -203,7 +203,8 @@ class Question:
     name: str
     """Its name, in `quantities` of a scene and of its file."""
     find: Callable[[Problem, Track], Found]
-    """Function that finds it."""
+    """Function that finds it.  States are those of the launch's model, for some bodies along fixed
+    axes: `problem.launches.settling.read(states)` gives the angles of any body."""
     kind: Kind | None
     """Its kind, of which a number has its unit; None for states and words."""
     whole: bool
