@@ -88,21 +88,11 @@ class Flow:
         return Flow(replace(self.model, **fields))
 
     def paces(self, points: Floats, p: Floats, spans: Floats) -> Floats:
-        """Rates at which motions change: the unit of stiffness and of looks at guards.
+        """Rates at which N motions change: the unit of stiffness and of looks at guards.
 
-        Parameters
-        ----------
-        points, p
-            Starts and parameters, shapes (N, n) and (N, m).
-        spans
-            Lengths of the runs, shape (N,).
-
-        Returns
-        -------
-        ndarray
-            Largest angular velocity, and at least 1, where the model names some.  Otherwise the
-            largest of the relative rates of the states, the frequencies of the linearised motion
-            and one over the length of the run; shape (N,).
+        The largest angular velocity, and at least 1, where the model names some.  Otherwise the
+        largest of the relative rates of the states, the frequencies of the linearised motion and
+        one over the length of the run, `spans`.
         """
         turning = list(self.model.turning)
         if turning:
@@ -139,18 +129,7 @@ class Flow:
         return Program(self.jacobian)
 
     def jacobians(self, y: Floats, p: Floats) -> Floats:
-        """∂(dy/dt)/∂y at many points.
-
-        Parameters
-        ----------
-        y, p
-            States and parameters, shapes (N, n) and (N, m).
-
-        Returns
-        -------
-        ndarray
-            Shape (N, n, n).
-        """
+        """∂(dy/dt)/∂y at many points, shapes (N, n) and (N, m) to (N, n, n)."""
         if len(y) == 1:
             return self.quick.jacobian(p[0], y[0])[None]
         found: Floats = self._jacobian_program.arrays([list(y.T), list(p.T)], y.shape[:-1])[0]
@@ -178,20 +157,7 @@ class Flow:
         return Program(self.watch)
 
     def margins(self, y: Floats, p: Floats) -> tuple[Floats, Floats]:
-        """Guards and their rates at many points.
-
-        Parameters
-        ----------
-        y
-            States, shape (…, n).
-        p
-            Parameters, shape (m,) or (…, m).
-
-        Returns
-        -------
-        values, rates
-            Shape (…, guards).
-        """
+        """Guards and their rates, shape (…, guards), at y (…, n) and p (m,) or (…, m)."""
         if not self.guards:
             return np.empty((*y.shape[:-1], 0)), np.empty((*y.shape[:-1], 0))
         if y.ndim == 1:
@@ -209,18 +175,7 @@ class Flow:
         return held[self]
 
     def pack(self, states: Floats) -> Floats:
-        """The state y at the start: the system's own states, no work done, pose at the origin.
-
-        Parameters
-        ----------
-        states
-            The states that a motion reports, shape (…, s).
-
-        Returns
-        -------
-        ndarray
-            Shape (…, n).
-        """
+        """The state y at the start: the system's own states, no work done, pose at the origin."""
         if self.model.chart:
             return self.model.chart.pack(states)
         own = len(self.system.states)
@@ -229,18 +184,7 @@ class Flow:
         return y
 
     def reported(self, y: Floats) -> Floats:
-        """The states that a motion reports; those that the system does not have are 0.
-
-        Parameters
-        ----------
-        y
-            Entries of y, shape (…, n).
-
-        Returns
-        -------
-        ndarray
-            Shape (…, s).
-        """
+        """The states that a motion reports, from y; those that the system does not have are 0."""
         if self.model.chart:
             return self.model.chart.report(y)
         own, count = len(self.system.states), len(self.model.states)
@@ -362,31 +306,11 @@ def _bound(function: ca.Function, p: Floats, n: int, shape: tuple[int, ...]) -> 
 
 
 def flow(law: str | type[Contact], *, pose: bool = False) -> Flow:
-    """The flow of the disk under a contact law; built once for each.
-
-    Parameters
-    ----------
-    law, pose
-        As for `stability.bodies.thin_disk.disk_model`.
-
-    Returns
-    -------
-    Flow
-    """
+    """The flow of the disk under a contact law; built once for each."""
     return flow_of(disk_model(law, pose=pose))
 
 
 @lru_cache(maxsize=64)
 def flow_of(model: Model) -> Flow:
-    """The flow of a model; built once for each.
-
-    Parameters
-    ----------
-    model
-        Model of a body, or of a user's system.
-
-    Returns
-    -------
-    Flow
-    """
+    """The flow of a model; built once for each."""
     return Flow(model)

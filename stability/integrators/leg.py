@@ -6,7 +6,7 @@ import math
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -56,15 +56,7 @@ class Leg:
     @property
     def numbers(self) -> tuple[Any, ...]:
         """All fields but the flow, of which a worker has its own copy."""
-        return (
-            self.p,
-            self.start,
-            self.times,
-            self.tolerance,
-            self.max_steps,
-            self.seconds,
-            self.dense,
-        )
+        return tuple(getattr(self, f.name) for f in fields(self) if f.name != "flow")
 
     @property
     def absolute(self) -> float:
@@ -176,25 +168,12 @@ class Budget:
 
 
 def too_many(steps: int) -> str:
-    """Reason for the end of a run that has taken all its steps, with the remedy.
-
-    Parameters
-    ----------
-    steps
-        Number of steps that were allowed.
-    """
+    """Reason for the end of a run that has taken all its steps, with the remedy."""
     return f"max_steps = {steps} steps were not enough; give a larger max_steps"
 
 
 def lost(method: str, state: Floats) -> str:
     """Reason for the end of a run that finds no further state, with the remedy.
-
-    Parameters
-    ----------
-    method
-        Name of the integrator.
-    state
-        The last state that it found.
 
     Examples
     --------
@@ -251,20 +230,6 @@ class Integrator:
 
 
 def guard_at(flow: Flow, p: Floats, state: Floats) -> str:
-    """The guard that is zero at an event: the guard of least absolute value.
-
-    Parameters
-    ----------
-    flow
-        The flow.
-    p
-        Its parameters.
-    state
-        y at the event.
-
-    Returns
-    -------
-    str
-    """
+    """The guard that is zero at an event: the guard of least absolute value."""
     values, _ = flow.margins(state, p)
     return list(flow.guards)[int(np.argmin(np.abs(values)))]

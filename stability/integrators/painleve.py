@@ -79,16 +79,7 @@ class Approach:
 def stretched_flow(flow: Flow, least: float = NARROW) -> Flow:
     """A sliding flow in stretched time, dt = D dσ, with the time as its last state.
 
-    Parameters
-    ----------
-    flow
-        Sliding flow of a law whose force is proportional to gn.
-    least
-        D at which the motion ends.
-
-    Returns
-    -------
-    Flow
+    The force of its law is proportional to gn; the motion ends where D is `least`.
     """
     d = flow.system.observables["determinant"]
     guards = {n: g for n, g in flow.guards.items() if n != CREEP_ENDS} | {NO_CONTACT: d - least}
@@ -120,18 +111,7 @@ def _slopes(flow: Flow) -> ca.Function:
 
 
 def approach(flow: Flow, y: Floats, p: Floats) -> Approach:
-    """Linear equations of a motion that is close to D = N = 0, and its limit.
-
-    Parameters
-    ----------
-    flow
-        As for `stretched_flow`.
-    y, p
-        State and parameters, with D and N small and positive.
-
-    Returns
-    -------
-    Approach
+    """Linear equations of a motion that is close to D = N = 0, both positive, and its limit.
 
     Source: module docstring.
     """
@@ -150,17 +130,7 @@ def approach(flow: Flow, y: Floats, p: Floats) -> Approach:
 
 
 def small(flow: Flow, y: Floats, p: Floats) -> float | None:
-    """D over its value without slip (k + cos²θ of a disk); None where no friction moves D.
-
-    Parameters
-    ----------
-    flow, y, p
-        As for `approach`.
-
-    Returns
-    -------
-    float or None
-    """
+    """D over its value without slip (k + cos²θ of a disk); None where no friction moves D."""
     if "mu" not in flow.system.parameters or NO_CONTACT not in flow.guards:
         return None
     found = _slopes(flow)(y, p)
@@ -170,19 +140,9 @@ def small(flow: Flow, y: Floats, p: Floats) -> float | None:
 def closer(leg: Leg, path: Path) -> tuple[Path, str] | None:
     """A path that ended with D small, its end found in stretched time from the last sample on.
 
-    Parameters
-    ----------
-    leg
-        Leg of the path.
-    path
-        Path with an end.
-
-    Returns
-    -------
-    path, evidence
-        The end is of kind `OPEN_END` where the motion in stretched time contradicts the integrator.
-        The evidence is empty where the guard's value is enough.  None where D is not small at the
-        end, or stretched time decides nothing, so that the integrator's end is kept.
+    The end is of kind `OPEN_END` where the motion in stretched time contradicts the integrator.
+    The evidence is empty where the guard's value is enough.  None where D is not small at the end,
+    or stretched time decides nothing, so that the integrator's end is kept.
     """
     assert path.end is not None
     share = small(leg.flow, path.end.state, leg.p)

@@ -95,31 +95,13 @@ def check_method(method: str) -> str:
 
 
 def check_flow(method: str, flow: Flow) -> None:
-    """Refuse an integrator that cannot read a flow, in one sentence.
-
-    Parameters
-    ----------
-    method
-        A key of `METHODS`, or `auto`.
-    flow
-        Flow to integrate.
-
-    Raises
-    ------
-    ParameterError
-        If the integrator cannot read the flow.
-    """
+    """Refuse an integrator that cannot read a flow, in one sentence."""
     if method != "auto" and (why := METHODS[method].refuses(flow)):
         raise ParameterError(f"method is {method!r}, {why}.")
 
 
 def works_of(methods: Iterable[str]) -> list[str]:
     """Keys of the works on integrators, for `stability.base.citation.cited`.
-
-    Parameters
-    ----------
-    methods
-        Names of integrators.
 
     Examples
     --------
@@ -130,23 +112,12 @@ def works_of(methods: Iterable[str]) -> list[str]:
 
 
 def stiffness(legs: Sequence[Leg], enough: Floats | float = 0.0) -> Floats:
-    """Fastest rate of the linearised motion over the rate of the motion itself.
+    """Fastest rate of the linearised motion over that of the motion itself, for each leg.
 
     The Jacobian is taken at the start, and there without slip, where a stiff motion soon is.  While
-    a disk slides fast its normal force, and with it the stiffness, can be small.
-
-    Parameters
-    ----------
-    legs
-        Legs of one flow.
-    enough
-        Stiffness below which an upper bound is enough.
-
-    Returns
-    -------
-    ndarray
-        Largest modulus of an eigenvalue of the Jacobian over the pace of the motion, one for each
-        leg; an upper bound of it (the row-sum norm) where that is below `enough`.
+    a disk slides fast its normal force, and with it the stiffness, can be small.  The rate is the
+    largest modulus of an eigenvalue, or an upper bound of it (the row-sum norm) where that is below
+    `enough`.
     """
     flow = legs[0].flow
     own = len(flow.system.states)
@@ -176,16 +147,7 @@ def _fastest(matrices: Floats) -> Floats:
 
 
 def explicit(flow: Flow | None = None) -> str:
-    """The best explicit method that is installed, and that can read a flow.
-
-    Parameters
-    ----------
-    flow
-        Flow to integrate; None for the disk's.
-
-    Returns
-    -------
-    str
+    """The best explicit method that is installed, and that can read a flow, if one is given.
 
     Examples
     --------
@@ -206,20 +168,11 @@ def _unfit(flow: Flow) -> str:
 
 
 def choose(legs: Sequence[Leg]) -> list[Choice]:
-    """The choice of `auto` for each leg.
+    """The choice of `auto` for each leg of one flow.
 
     An explicit method's steps are bounded by its stability, so their number grows in proportion to
     the stiffness.  The number of an implicit method's steps does not, but grows faster as the
     tolerance falls.  `benchmarks/motion.py` draws both curves.
-
-    Parameters
-    ----------
-    legs
-        Legs of one flow.
-
-    Returns
-    -------
-    list of Choice
     """
     turns = np.array([_turn(leg) for leg in legs])
     found = zip(legs, turns.tolist(), stiffness(legs, turns).tolist(), strict=True)
@@ -411,15 +364,7 @@ class DensePath:
 def dense(leg: Leg) -> DensePath:
     """Run a leg by an explicit method and keep its steps; the leg's own times are only its span.
 
-    Parameters
-    ----------
-    leg
-        Leg to run; without stiffness.
-
-    Returns
-    -------
-    DensePath
-        A run that gives up ends at its last good step.
+    A run that gives up ends at its last good step.
 
     Examples
     --------

@@ -25,7 +25,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -97,18 +96,7 @@ class DryPath:
 
 @lru_cache(maxsize=8)
 def polar_flow(model: Model) -> Flow:
-    """Sliding in polar form and stretched time: y with ln|vA|, α for the slip, then the time.
-
-    Parameters
-    ----------
-    model
-        The model of sliding.
-
-    Returns
-    -------
-    Flow
-        With the parameters of the model; y ends with the time.
-    """
+    """Sliding in polar form and stretched time: y with ln|vA|, α for the slip, then the time."""
     system, count = _at_rest(model).sliding, len(model.names)
     y, work = ca.SX.sym("y", count + 1), model.names.index(WORK)
     size, angle = ca.exp(y[4]), y[5]
@@ -150,17 +138,7 @@ def _at_rest(model: Model) -> Dry:
 
 @lru_cache(maxsize=8)
 def sliding_flow(model: Model) -> Flow:
-    """Sliding as the plain equations, with a guard where the slip becomes small.
-
-    Parameters
-    ----------
-    model
-        The model of sliding.
-
-    Returns
-    -------
-    Flow
-    """
+    """Sliding as the plain equations, with a guard where the slip becomes small."""
     plain = flow_of(model)
     small = plain.x[4] ** 2 + plain.x[5] ** 2 - NEAR**2
     return plain.having(guards={**plain.guards, SMALL: small})
@@ -168,34 +146,24 @@ def sliding_flow(model: Model) -> Flow:
 
 @lru_cache(maxsize=8)
 def sticking_flow(model: Model) -> Flow:
-    """Sticking, with a guard for the friction cone.
-
-    Parameters
-    ----------
-    model
-        The model of sliding.
-
-    Returns
-    -------
-    Flow
-    """
+    """Sticking, with a guard for the friction cone."""
     return flow_of(_at_rest(model).sticking())
 
 
 @lru_cache(maxsize=8)
 def held_flow(model: Model) -> Flow:
-    """Sticking without its guards, for the brief start of an onset, which lies beyond the cone.
-
-    Parameters
-    ----------
-    model
-        The model of sliding.
-
-    Returns
-    -------
-    Flow
-    """
+    """Sticking without its guards, for the brief start of an onset, which lies beyond the cone."""
     return sticking_flow(model).having(guards={})
+
+
+def _held(y: Floats) -> Floats:
+    """The entries y of a body at rest, from those of sliding."""
+    return np.delete(y, [4, 5])
+
+
+def _with_slip(y: Floats) -> Floats:
+    """The entries y as for sliding, shape (…, n), from those of a body at rest."""
+    return np.insert(y, [4, 4], 0.0, axis=-1)
 
 
 class _Dry:
@@ -239,7 +207,7 @@ class _Dry:
     # --- one mode each: run to its end, and return the next ---
 
     def _slide(self) -> int:
-        kind = self._advance(sliding_flow(self.model), self.y, SLIDING, lambda y: y)
+        kind = self._advance(sliding_flow(self.model), SLIDING)
         if kind is not None and kind != SMALL:
             self._stop(kind)
         elif kind == SMALL:  # step inside, so that rounding cannot hold it at the border
@@ -247,9 +215,8 @@ class _Dry:
         return SLIDING
 
     def _stick(self) -> int:
-        stick = sticking_flow(self.model)
-        start, first = np.delete(self.y, [4, 5]), len(self.rows)
-        kind = self._advance(stick, start, STICKING, lambda y: np.insert(y, [4, 4], 0.0, axis=-1))
+        first = len(self.rows)
+        kind = self._advance(sticking_flow(self.model), STICKING)
         if self._ambiguous(first):
             return STICKING
         if kind == CONE:
@@ -413,8 +380,8 @@ class _Dry:
         due = self.times[len(self.rows) :]
         due = due[due < when + span]
         grid = np.concatenate([[when], due[due > when], [when + span]])
-        leg = self._leg(held_flow(self.model), np.delete(before, [4, 5]), grid, 1e-13)
-        stuck = np.insert(METHODS["dop853"](leg).states, [4, 4], 0.0, axis=-1)
+        leg = self._leg(held_flow(self.model), _held(before), grid, 1e-13)
+        stuck = _with_slip(METHODS["dop853"](leg).states)
         after = stuck[-1]
         angle = polish(self.dry, after[:4], self.p, angle)
         f = float(slip_acceleration(self.dry, after[:4], self.p, np.array([angle]))[0][0])
@@ -458,16 +425,10 @@ class _Dry:
 
     # --- book-keeping ---
 
-    def _advance(
-        self,
-        which: Flow,
-        start: Floats,
-        mode: int,
-        back: Callable[[Floats], Floats],
-    ) -> str | None:
-        """Run a flow over the remaining samples; the guard that ended the run, or None."""
-        rest = self.times[len(self.rows) :]
-        times = np.concatenate([[self.time], rest])
+    def _advance(self, which: Flow, mode: int) -> str | None:
+        """Run the flow of a mode over the remaining samples; the guard that ended it, or None."""
+        times = np.append(self.time, self.times[len(self.rows) :])
+        start, back = (_held(self.y), _with_slip) if mode == STICKING else (self.y, np.copy)
         leg = self._leg(which, start, times, self.leg.tolerance)
         auto = self.method == "auto"
         path = METHODS[explicit() if auto else self.method](leg)
@@ -479,7 +440,7 @@ class _Dry:
         if path.end is None:
             self.time, self.y = float(self.times[-1]), self.rows[-1].copy()
             return None
-        self.time, self.y = path.end.time, back(path.end.state).copy()
+        self.time, self.y = path.end.time, back(path.end.state)
         if path.end.kind == UNRESOLVED:
             self._stop(UNRESOLVED, self.budget.message if self.budget.spent else path.end.message)
         return path.end.kind
@@ -553,23 +514,10 @@ def _rest_programs(dry: Dry) -> tuple[Program, Program]:
 def slip_acceleration(
     dry: Dry, four: Floats, p: Floats, angles: Floats
 ) -> tuple[Floats, Floats, Floats, Floats]:
-    """The slip's acceleration at rest, for an onset in a direction.
+    """The slip's acceleration at rest, for an onset in directions: f, h, gn and D.
 
-    Parameters
-    ----------
-    dry
-        The body at rest.
-    four
-        theta, theta_dot, phi_dot, omega3, shape (4, …).
-    p
-        Parameters of its system of sliding.
-    angles
-        Directions from x̂ [rad], shape (…, n).
-
-    Returns
-    -------
-    along, across, normal, determinant
-        f, h, gn and D, shape (…, n) each.
+    `four` are theta, theta_dot, phi_dot and omega3, shape (4, …); `angles` are from x̂, shape (…,
+    n), as are the results.
     """
     x = [np.broadcast_to(np.asarray(v)[..., None], angles.shape) for v in four]
     x += [np.zeros_like(angles), np.zeros_like(angles)]
@@ -581,16 +529,7 @@ def slip_acceleration(
 
 
 def sticking_force(dry: Dry, four: Floats, p: Floats) -> tuple[float, float, float]:
-    """Normal force and horizontal force that hold the contact point at rest [m g].
-
-    Parameters
-    ----------
-    dry, four, p
-        As for `slip_acceleration`.
-
-    Returns
-    -------
-    normal, force_x, force_y
+    """Normal force, and force along x̂ and ŷ, that hold the contact point at rest [m g].
 
     Examples
     --------
@@ -605,18 +544,7 @@ def sticking_force(dry: Dry, four: Floats, p: Floats) -> tuple[float, float, flo
 
 
 def directions(dry: Dry, four: Floats, p: Floats) -> Floats:
-    """Every direction in which the slip's acceleration at rest is radial (h = 0), to rounding.
-
-    Parameters
-    ----------
-    dry, four, p
-        As for `slip_acceleration`.
-
-    Returns
-    -------
-    ndarray
-        Angles, at most four.
-    """
+    """Every direction, at most four, in which the slip's acceleration at rest is radial (h = 0)."""
     angles: Floats = np.arange(8.0) * (math.pi / 4)
     _, across, _, d = slip_acceleration(dry, four, p, angles)
     if not np.isfinite(across * d).all():
@@ -631,20 +559,7 @@ def directions(dry: Dry, four: Floats, p: Floats) -> Floats:
 
 
 def suspects(dry: Dry, rows: Floats, p: Floats) -> NDArray[np.bool_]:
-    """Rows at which a slip may set in, or the contact may lift off; the others have no such way.
-
-    Parameters
-    ----------
-    dry, p
-        As for `slip_acceleration`.
-    rows
-        theta, theta_dot, phi_dot, omega3, shape (n, 4).
-
-    Returns
-    -------
-    ndarray
-        Shape (n,).
-    """
+    """Rows at which a slip may set in, or the contact may lift off; the others have no such way."""
     angles = np.tile(0.1 + np.arange(8.0) * (math.pi / 4), (len(rows), 1))
     with np.errstate(all="ignore"):
         _, across, normal, d = slip_acceleration(dry, rows.T, p, angles)
@@ -664,17 +579,7 @@ def suspects(dry: Dry, rows: Floats, p: Floats) -> NDArray[np.bool_]:
 def polish(dry: Dry, four: Floats, p: Floats, angle: float) -> float:
     """A direction with h = 0 near a given one, by Newton's rule with a difference for the slope.
 
-    Parameters
-    ----------
-    dry, four, p
-        As for `slip_acceleration`.
-    angle
-        Angle near that direction [rad].
-
-    Returns
-    -------
-    float
-        The angle [rad]; near the given one where h has no simple zero nearby.
+    Near an angle without a simple zero of h it stays there.
     """
     step = 1e-6
     for _ in range(3):
@@ -688,15 +593,6 @@ def polish(dry: Dry, four: Floats, p: Floats, angle: float) -> float:
 
 def continuations(dry: Dry, four: Floats, p: Floats) -> Continuations:
     """Every continuation from rest.
-
-    Parameters
-    ----------
-    dry, four, p
-        As for `slip_acceleration`.
-
-    Returns
-    -------
-    Continuations
 
     Examples
     --------

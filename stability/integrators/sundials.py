@@ -96,19 +96,7 @@ def _run(leg: Leg, plugin: str, start: Floats, times: Floats) -> tuple[Floats, i
 
 
 def integrate(leg: Leg, *, plugin: str) -> Path:
-    """Run one leg with CVODES or IDAS.
-
-    Parameters
-    ----------
-    leg
-        Leg to run.
-    plugin
-        `cvodes` or `idas`.
-
-    Returns
-    -------
-    Path
-    """
+    """Run one leg with CVODES or IDAS."""
     times = leg.times
     if len(times) == 1:
         return Path(leg.start[None], None, 0)
@@ -154,17 +142,8 @@ def _grid(leg: Leg) -> Floats:
 def lowest(g0: Floats, g1: Floats, d0: Floats, d1: Floats) -> Floats:
     """Least value between the ends of cubics with these values and slopes at 0 and 1.
 
-    Parameters
-    ----------
-    g0, g1
-        Values at both ends, of any shape.
-    d0, d1
-        Slopes there, times the length of the interval.
-
-    Returns
-    -------
-    ndarray
-        The value at the minimum; infinite for a cubic that has none between the ends.
+    Slopes are times the length of the interval.  It is infinite for a cubic without a minimum
+    between the ends.
 
     Examples
     --------

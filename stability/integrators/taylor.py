@@ -48,28 +48,13 @@ FEW = 64
 
 @cache
 def available() -> bool:
-    """Whether heyoka is installed.
-
-    Returns
-    -------
-    bool
-    """
+    """Whether heyoka is installed."""
     return importlib.util.find_spec("heyoka") is not None
 
 
 @lru_cache(maxsize=64)
 def unread(flow: Flow) -> str:
-    """Reason why heyoka cannot integrate a flow; empty where it can.
-
-    Parameters
-    ----------
-    flow
-        Flow of a body or of a user's system.
-
-    Returns
-    -------
-    str
-    """
+    """Reason why heyoka cannot integrate a flow; empty where it can."""
     try:
         expressions(flow)
     except StabilityError as error:
@@ -100,13 +85,7 @@ def expressions(flow: Flow) -> tuple[list[Any], list[Any], list[Any]]:
 
 
 def compact(flow: Flow) -> bool:
-    """Whether machine code is made of loops: a long graph unrolled takes the compiler minutes.
-
-    Parameters
-    ----------
-    flow
-        The flow.
-    """
+    """Whether machine code is made of loops: a long graph unrolled takes the compiler minutes."""
     return ca.Function("size", [flow.x, flow.p], [flow.rhs]).n_instructions() > LONG
 
 
@@ -174,17 +153,7 @@ def lent(leg: Leg) -> Iterator[Any]:
 
 
 def integrate(leg: Leg) -> Path:
-    """Run one leg with heyoka's adaptive Taylor integrator and its event detection.
-
-    Parameters
-    ----------
-    leg
-        Leg to run.
-
-    Returns
-    -------
-    Path
-    """
+    """Run one leg with heyoka's adaptive Taylor integrator and its event detection."""
     hy = heyoka()
     held, ta = _taken(leg, QUICK)
     quiet = min(QUIET, leg.max_steps)
@@ -248,15 +217,7 @@ def _end(leg: Leg, outcome: Any, ta: Any, states: Floats) -> End:
 
 
 def longest_shift(flow: Flow, span: Any) -> Any:
-    """Longest step that moves an event to its guard's zero.
-
-    Parameters
-    ----------
-    flow
-        Flow of a body or of a user's system, whose unit of time is arbitrary.
-    span
-        Length of the run, a float or an array.
-    """
+    """Longest step that moves an event to its guard's zero in a run of some length."""
     return SHIFT if flow.model.turning else SHIFT * np.minimum(1.0, span)
 
 

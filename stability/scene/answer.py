@@ -186,14 +186,7 @@ class Answer(Record):
 
 
 def supported(value: float, error: float, most: int = 9) -> str:
-    """A number to the first digit that its error reaches.
-
-    Parameters
-    ----------
-    value, error
-        The number and its error; two digits are shown where that has no bound.
-    most
-        Most digits.
+    """A number to the first digit that its error reaches, or two digits where that has no bound.
 
     Examples
     --------
@@ -229,21 +222,7 @@ def _measures(problem: Problem, names: Iterable[str]) -> dict[str, tuple[str, fl
 
 
 def tell(problem: Problem, found: Climbed, horizon: float) -> Answer:
-    """The answer that a climb gives, in the user's units.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    found
-        What the climb has found.
-    horizon
-        The horizon in the user's unit.
-
-    Returns
-    -------
-    Answer
-    """
+    """The answer that a climb gives, in the user's units, as `horizon` is."""
     if found.track is None:
         name, said = found.rungs[-1].name, found.rungs[-1].why
         return Answer(
@@ -307,21 +286,10 @@ def _ending(end: Finish) -> str:
 
 
 def held_against(name: str, mine: tuple[Problem, Track], fine: tuple[Problem, Track]) -> float:
-    """The true error of a quantity, of which a track and a finer one of the full model are known.
+    """The true error of a quantity of a track, against a finer one of the full model.
 
     A run that cannot be made finer is no truth of its own: then the error that it states counts.
-
-    Parameters
-    ----------
-    name
-        Name of the quantity.
-    mine, fine
-        The problem and its track, and those of the finer run.
-
-    Returns
-    -------
-    float
-        Infinite where states are not those of the same time, or where the truth is not known.
+    It is infinite where states are not those of the same time, or where the truth is not known.
     """
     one, other = (QUESTIONS[name].find(*known) for known in (mine, fine))
     ends = [None if t.finish is None else t.finish.kind for _, t in (mine, fine)]
@@ -332,17 +300,7 @@ def held_against(name: str, mine: tuple[Problem, Track], fine: tuple[Problem, Tr
 
 
 def in_units(problem: Problem, name: str, found: Found) -> Any:
-    """The value of a quantity in the user's units.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    name
-        Name of the quantity.
-    found
-        Its value, dimensionless.
-    """
+    """The value of a quantity in the user's units."""
     question = QUESTIONS[name]
     if found.value is None or isinstance(found.value, str):
         return found.value
@@ -367,22 +325,7 @@ def states_in_units(problem: Problem, states: Floats) -> Floats:
 
 
 def dataset(problem: Problem, track: Track, model: str) -> xarray.Dataset:
-    """The track as a labelled dataset.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    track
-        The track.
-    model
-        Name of the model that gave it.
-
-    Returns
-    -------
-    xarray.Dataset
-        States over time with their units, and `error`, the estimate at each time.
-    """
+    """The track as a labelled dataset: states over time with units, and `error` at each time."""
     import xarray
 
     launches = problem.launches

@@ -17,7 +17,7 @@ from ..base.quantities import Units
 from ..base.version import __version__
 from ..bodies.contact_laws import Contact, Coulomb, LinearViscous, Rough, Smooth, Viscous
 from .answer import states_in_units
-from .ladder import Climbed, climb, full_name
+from .ladder import Climbed, climb
 from .linear import LINEAR
 from .rungs.creep import applies
 from .rungs.drifting import DRIFT
@@ -309,7 +309,7 @@ def _creep(scene: Any, problem: Problem, truth: Track) -> Iterator[Row]:
 
 def _full(scene: Any, problem: Problem, truth: Track) -> Iterator[Row]:
     """The full model at the tolerance of the scene."""
-    yield _row(scene, problem, truth, KINDS[3], full_name(problem))
+    yield _row(scene, problem, truth, KINDS[3], problem.launches.name)
 
 
 def _law(scene: Any, problem: Problem, truth: Track, name: str, law: Contact) -> Iterator[Row]:
@@ -325,7 +325,7 @@ def _law(scene: Any, problem: Problem, truth: Track, name: str, law: Contact) ->
         yield Row(title, KINDS[4], why="its motion has other states than that of the truth")
         return
     other = replace(other, times=problem.times)
-    yield _row(scene, other, truth, KINDS[4], full_name(other), name=title)
+    yield _row(scene, other, truth, KINDS[4], other.launches.name, name=title)
 
 
 # --- dataset ---
@@ -401,7 +401,7 @@ def _attributes(scene: Any, problem: Problem, answer: Any) -> dict[str, Any]:
     return {
         "format": FORMAT,
         "title": f"models of {launches.model.title}: cost against true error",
-        "law": full_name(problem),
+        "law": problem.launches.name,
         "horizon": scene.horizon,
         "time_unit": launches.unit("time"),
         "quantities": ", ".join(scene.quantities),

@@ -67,10 +67,6 @@ class Subject(ABC):
     def attributes(self, name: str) -> dict[str, str]:
         """Name in words and units of a state or of the time."""
 
-    @abstractmethod
-    def refuse(self, **options: Any) -> None:
-        """Refuse `models` or `families` that do not belong to it."""
-
     def known(self, widths: Mapping[str, float], law: Any) -> dict[str, float]:
         """The half-widths of those uncertain inputs that one law has."""
         inputs = self.inputs(law)
@@ -145,14 +141,6 @@ class BodySubject(Subject):
         """Name in words and units of a state or of the time."""
         return QUANTITIES[name].attributes(dimensionless=self.moving.dimensionless)
 
-    def refuse(self, **options: Any) -> None:
-        """Refuse what belongs to a user's system."""
-        for word, value in options.items():
-            if not (value is None or (isinstance(value, (tuple, list)) and not value)):
-                raise ParameterError(
-                    f"{word} belong to a stability.System; leave them out for a disk."
-                )
-
 
 @dataclass(frozen=True, eq=False)
 class SystemSubject(Subject):
@@ -182,9 +170,6 @@ class SystemSubject(Subject):
     def attributes(self, name: str) -> dict[str, str]:
         """Name in words and units of a state, a parameter or the time."""
         return system_model(self.moving).attributes(name, dimensionless=True)
-
-    def refuse(self, **options: Any) -> None:
-        """Refuse nothing: reduced models and families are those of a system."""
 
 
 def subject_of(moving: Disk | Body | System, contact: Any, mu: float | None = None) -> Subject:

@@ -125,22 +125,7 @@ class Climbed:
 
 
 def shares(problem: Problem, track: Track, names: Sequence[str]) -> tuple[dict[str, Found], float]:
-    """Each quantity of a track, and the largest error over its tolerance.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    track
-        The track.
-    names
-        Names of quantities.
-
-    Returns
-    -------
-    found, share
-        Values by name; a share up to 1 is within the tolerance.
-    """
+    """Each quantity of a track, and the largest error over its tolerance: 1 is fine enough."""
     found, share = {}, 0.0
     for name in names:
         one = found[name] = QUESTIONS[name].find(problem, track)
@@ -151,35 +136,14 @@ def shares(problem: Problem, track: Track, names: Sequence[str]) -> tuple[dict[s
 
 
 def rungs_of(problem: Problem, models: Sequence[ReducedModel]) -> tuple[str, ...]:
-    """Names of all rungs that may be asked for.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    models
-        Reduced models of a user's system.
-    """
+    """Names of all rungs that may be asked for."""
     orders = ("creep", *ORDERS) if applies(problem) else ()
     own = [m.name for m in models]
-    return tuple(dict.fromkeys((*CLOSED_FORMS, DRIFT, *own, *orders, full_name(problem))))
-
-
-def full_name(problem: Problem) -> str:
-    """Name of the full model of a problem: that of its law, or of the user's system."""
-    return problem.launches.name
+    return tuple(dict.fromkeys((*CLOSED_FORMS, DRIFT, *own, *orders, problem.launches.name)))
 
 
 def price_of_full(problem: Problem, length: float | None = None) -> float:
-    """Expected time of the full model with its neighbours [s].
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    length
-        Dimensionless time that it runs; to the horizon if left out.
-    """
+    """Expected time of the full model with its neighbours [s], over a dimensionless length."""
     name, length = explicit(problem.flow), problem.last if length is None else length
     turns = length * problem.pace * min(1.0, max(CALM, problem.near.distance / LIVELY))
     steps = turns * PER_TURN
@@ -203,22 +167,9 @@ def climb(
 ) -> Climbed:
     """Climb the ladder until a rung answers within the tolerance.
 
-    Parameters
-    ----------
-    problem
-        The problem.
-    names
-        Quantities that are asked for.
-    models
-        Reduced models of a user's system, cheapest first.
-    only
-        Name of the one rung to run, with any error; None for the choice.
-    measured
-        Whether the costs are measured in a second climb where the first mostly built programs.
-
-    Returns
-    -------
-    Climbed
+    `models` are reduced models of a user's system, cheapest first; `only` names the one rung to
+    run, with any error.  `measured` asks for the costs of a second climb where the first mostly
+    built programs.
     """
     seen, key = _SEEN.setdefault(problem.flow, set()), (decade(problem.tolerance), only)
     found = _climb(problem, names, models, only)
@@ -299,8 +250,8 @@ def _near(ladder: _Ladder) -> None:
         tracks = near_steady(
             ladder.problem, always=ladder.only is not None, price=price_of_full(ladder.problem)
         )
-    if len({id(t) for t in tracks.values()}) == 1:  # one reason for all three
-        ladder.note(ladder.only or LINEARISED, 0, began, 0.0, tracks[LINEARISED])
+    if isinstance(tracks, Refused):
+        ladder.note(ladder.only or LINEARISED, 0, began, 0.0, tracks)
         return
     for name, track in tracks.items():
         if ladder.asked(name):
@@ -390,7 +341,11 @@ def _price_of_creep(problem: Problem) -> float:
 
 def _full(ladder: _Ladder) -> None:
     """The full model, run where no other rung was taken."""
-    problem, name, whole = ladder.problem, full_name(ladder.problem), price_of_full(ladder.problem)
+    problem, name, whole = (
+        ladder.problem,
+        ladder.problem.launches.name,
+        price_of_full(ladder.problem),
+    )
     if not ladder.asked(name):
         if ladder.only is None:
             why = "the full model: not needed"

@@ -31,26 +31,10 @@ def compare(
 ) -> Answer:
     """The answers under each law, and where they part.
 
-    Parameters
-    ----------
-    parts
-        The answer under each law, with its path.
-    quantities
-        What was asked for.
-    horizon
-        Last time of the scene.
-    tolerance
-        Error that was allowed.
-    weights
-        Weight of each law; they add up to 1.
-
-    Returns
-    -------
-    Answer
-        Its values and estimates are by law.  `apart` is the largest difference between two laws at
-        the end of the time that they share, of a linear question that of its values, and infinite
-        where a law has no answer.  The answer holds until two laws differ by more than the
-        tolerance, or one answer no longer holds.
+    Values and estimates are by law.  `apart` is the largest difference between two laws at the end
+    of the time that they share, of a linear question that of its values, and infinite where a law
+    has no answer.  The answer holds until two laws differ by more than the tolerance, or one answer
+    no longer holds.
     """
     known = {n: a for n, a in parts.items() if a.motion is not None}
     sentences, apart, until, same = [], 0.0, horizon, []

@@ -14,6 +14,7 @@ from ..base.quantities import Kind
 from ..base.verdict import Verdict
 from ..bodies.families import named_by
 from ..boundary.changes import boundaries
+from ..spectra.result import Spectrum
 from ..spectra.spectrum import spectrum
 from .answer import Answer, single
 from .inputs import Subject, unit_of
@@ -42,14 +43,20 @@ class Member:
     """Open interval of θ in which the body has members [rad]."""
 
 
+def _spectrum(member: Member, certify: bool) -> Spectrum:  # noqa: FBT001
+    return spectrum(
+        member.family, at=member.at, certify=certify, escalate=False, **member.arguments
+    )
+
+
 def _verdict(member: Member, certify: bool) -> tuple[Found, str]:  # noqa: FBT001
-    s = spectrum(member.family, at=member.at, certify=certify, escalate=False, **member.arguments)
+    s = _spectrum(member, certify)
     error = math.inf if s.verdict is Verdict.UNDECIDED else 0.0
     return Found(s.verdict.word, error), s.reason
 
 
 def _growth_rate(member: Member, certify: bool) -> tuple[Found, str]:  # noqa: FBT001
-    s = spectrum(member.family, at=member.at, certify=certify, escalate=False, **member.arguments)
+    s = _spectrum(member, certify)
     return Found(float(s.abscissa), float(s.abscissa_error)), s.reason
 
 

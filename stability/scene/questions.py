@@ -47,15 +47,7 @@ class Found:
 
 
 def relative_error(found: Found, unit: float = 1.0) -> float:
-    """The error of a value, over a dimensionless 1 or its size.
-
-    Parameters
-    ----------
-    found
-        The value.
-    unit
-        A dimensionless 1 in the units of the value.
-    """
+    """The error of a value, over its size or a dimensionless 1 in its unit."""
     size = abs(found.value) if isinstance(found.value, float) else unit
     return float(found.error / max(unit, size))
 
@@ -118,8 +110,19 @@ def _last_outside(problem: Problem, track: Track, near: Nearest, apart: Floats) 
     def above(states: Floats) -> Floats:
         return settling.distances(states, p, near) + shift - problem.settle
 
-    times, values = _stretch(track, float(track.times[i]), float(track.times[i + 1]), above)
-    return _crossing(times, values)
+    low, high = float(track.times[i]), float(track.times[i + 1])
+    times = low + chebyshev(LOCAL)[0] * (high - low)
+    return _crossing(times, above(track.at(times)))
+
+
+def _crossing(times: Floats, values: Floats) -> float:
+    """The last zero of the polynomial through values at Chebyshev points."""
+    from numpy.polynomial import Chebyshev
+
+    roots = Chebyshev(coefficients(LOCAL) @ values).roots()
+    real = np.sort(roots[(np.abs(roots.imag) < 1e-9) & (np.abs(roots.real) <= 1 + 1e-9)].real)
+    x = float(real[-1]) if real.size else 1.0
+    return float(times[0] + (times[-1] - times[0]) / 2 * (1 + x))
 
 
 def lift_off_time(problem: Problem, track: Track) -> Found:  # noqa: ARG001
@@ -199,7 +202,8 @@ class Question:
     name: str
     """Its name, in `quantities` of a scene and of its file."""
     find: Callable[[Problem, Track], Found]
-    """Function that finds it."""
+    """Function that finds it.  States are those of the launch's model, for some bodies along fixed
+    axes: `problem.launches.settling.read(states)` gives the angles of any body."""
     kind: Kind | None
     """Its kind, of which a number has its unit; None for states and words."""
     whole: bool
@@ -253,33 +257,3 @@ def _near(
     shares = np.array([np.where(odd, *side) for side in sides]) * signs(len(last))
     off = shares * track.errors[-1] * np.maximum(1.0, np.abs(last))
     return problem.launches.settling.each(last + off, problem.p, problem.settle)
-
-
-def _states(track: Track, low: float, high: float) -> tuple[Floats, Floats]:
-    """Chebyshev points between two times, and the states there."""
-    times = low + chebyshev(LOCAL)[0] * (high - low)
-    return times, track.at(times)
-
-
-def _stretch(
-    track: Track, low: float, high: float, of: Callable[[Floats], Floats]
-) -> tuple[Floats, Floats]:
-    """Chebyshev points between two times, and the values of a function of the states there."""
-    times, states = _states(track, low, high)
-    return times, of(states)
-
-
-def _polynomial(values: Floats) -> Any:
-    """The polynomial through values at Chebyshev points, on [-1, 1]."""
-    from numpy.polynomial import Chebyshev
-
-    return Chebyshev(coefficients(LOCAL) @ values)
-
-
-def _crossing(times: Floats, values: Floats) -> float:
-    """The last time at which values cross zero."""
-    found = _polynomial(values)
-    roots = found.roots()
-    real = np.sort(roots[(np.abs(roots.imag) < 1e-9) & (np.abs(roots.real) <= 1 + 1e-9)].real)
-    x = float(real[-1]) if real.size else 1.0
-    return float(times[0] + (times[-1] - times[0]) / 2 * (1 + x))

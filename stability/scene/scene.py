@@ -201,7 +201,12 @@ class Scene(Record):
             raise ParameterError(
                 f"models is {shown(self.models)}; give a list of stability.ReducedModel."
             )
-        self.subject.refuse(models=given, families=self.families)
+        for word, value in (("models", given), ("families", self.families)):
+            empty = value is None or (isinstance(value, (tuple, list)) and not value)
+            if self.subject.touches and not empty:
+                raise ParameterError(
+                    f"{word} belong to a stability.System; leave them out for a disk."
+                )
         names = [*(m.name for m in given), *CLOSED_FORMS, *self.subject.rungs]
         double = [n for n in names if names.count(n) > 1]
         if double:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..base.errors import DomainError
-from .ladder import Climbed, full_name
+from .ladder import Climbed
 from .questions import QUESTIONS
 from .rungs.sensitivities import nearby
 from .rungs.track import Problem, Refused, Track, relative
@@ -120,22 +120,7 @@ def spread(
 ) -> Spread:
     """How far each input moves the answer: by sensitivities, or by displaced runs.
 
-    Parameters
-    ----------
-    inputs
-        Half-widths by name.
-    problem, found
-        The problem of the scene, and what its climb has found.
-    move
-        Function that changes one input.
-    ask
-        Function that answers a displaced problem.
-    labels
-        Each input with its half-width and unit, in words.
-
-    Returns
-    -------
-    Spread
+    `inputs` are half-widths by name; `move` changes one, and `ask` answers the displaced problem.
     """
     case = _Case(problem, found)
     moves: dict[str, dict[str, float]] = {name: {} for name in case.base}
@@ -210,7 +195,7 @@ class _Case:
             return out | dict.fromkeys(whole, why)
         chosen = next(r for r in self.found.rungs if r.chosen)
         seconds = max(CHEAP, 2 * len(whole) * chosen.price)
-        exact = self.found.model == full_name(self.problem)
+        exact = self.found.model == self.problem.launches.name
         told = nearby(self.problem, self.track, list(whole.values()), exact=exact, seconds=seconds)
         if isinstance(told, Refused):
             return out | dict.fromkeys(whole, told.why)
@@ -265,15 +250,8 @@ def _word(problem: Problem, track: Track) -> str:
 def apart(value: Any, other: Any) -> float:
     """Distance of two values of a quantity, over 1 or their size.
 
-    Parameters
-    ----------
-    value, other
-        Two numbers, two arrays of states along the last axis, two words, or None.
-
-    Returns
-    -------
-    float
-        Infinite where one is missing, or two words differ.
+    Values are numbers, arrays of states along the last axis, words or None.  The distance is
+    infinite where one is missing, or two words differ.
 
     Examples
     --------

@@ -10,6 +10,7 @@ from simulation import simulate
 
 import stability as st
 from stability.cli.commands import main
+from stability.compare.figures import _driver_handles
 from stability.compare.motion.drivers import _single
 from stability.integrators import selection as integrators
 from stability.integrators import taylor
@@ -126,6 +127,7 @@ def test_one_record_is_an_integrator_for_all_who_read_one(monkeypatch: pytest.Mo
     assert off <= float(run.final_error) < 1e-4
     assert [work.key for work in st.citation(run).works][-2:] == ["scipy", "hairer1993"]
     assert "explicit Runge-Kutta, order 3" in _single("rk23").title
+    assert "rk23" in [handle.get_label() for handle in _driver_handles(["simulate", "rk23"])]
     with pytest.raises(st.StabilityError, match="rk23"):
         st.simulate(st.Disk(), st.Viscous(0.3), LAUNCH, 2.0, method="rk24")
     monkeypatch.setitem(METHODS, "rk23", replace(record, refuses=lambda _: "which is tired"))

@@ -372,6 +372,27 @@ def test_several_laws_of_a_body_and_its_chart(
     assert found["viscous"] < 1e-5 < found[f"{name} law"]
 
 
+def test_a_body_may_have_the_name_of_a_rung() -> None:
+    body = st.Body(lambda _theta: 1.0, axial=0.4, transverse=0.4, name="steady")
+    scene = st.Scene(body, st.Viscous(0.3), SPUN, 1.0)
+    assert scene.answer().chosen is not None
+
+
+def test_a_chart_of_a_body_holds_other_laws_against_its_own(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    from stability.scene import chart as module
+
+    monkeypatch.setattr(module, "LEAST", 1)  # its times are not looked at
+    monkeypatch.setattr(module, "BUDGET", 0.0)
+    data = module.chart(st.Scene(TOP, st.Viscous(0.3), {"theta": 0.4, "omega3": 3.0}, 1.0, 1e-5))
+    others = data.isel(model=data.kind.values == "other law")
+    names = ["smooth", "linear-viscous", "rough", "coulomb"]
+    assert [n.split()[0] for n in others.model.values] == names
+    assert (others.true_error.values[:3] > 1e-6).all()
+    assert "other states" in str(others.why.values[3])
+
+
 def test_a_law_without_fixed_axes_is_compared_in_the_angles() -> None:
     laws = {"viscous": st.Viscous(0.3), "dry": st.Coulomb(0.3)}
     start = {"theta": 1.1, "omega3": 3.0}

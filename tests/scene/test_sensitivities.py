@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.scene.ladder import climb, full_name
+from stability.scene.ladder import climb
 from stability.scene.rungs.sensitivities import CURVES, forward
 from stability.scene.rungs.track import Refused
 from stability.scene.uncertain import DISPLACED, SENSITIVITY, WASTED, apart
@@ -39,7 +39,7 @@ def slopes(asked: st.Scene, only: str | None = None) -> Any:
     n, m = problem.own, len(problem.p)
     starts = np.hstack([np.eye(n), np.zeros((n, m))])
     parameters = np.hstack([np.zeros((m, n)), np.diag(problem.p)])
-    exact = found.model == full_name(problem)
+    exact = found.model == problem.launches.name
     told = forward(problem, found.track, starts, parameters, exact=exact)
     assert not isinstance(told, Refused), told
     by_p = told.first[-1, -1, :, n:] / problem.p

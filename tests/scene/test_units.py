@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -166,6 +167,23 @@ def test_a_question_of_any_kind_is_scaled_by_its_kind(
     plain, scaled = PAIRS["viscous"].answers(0.5, quantities="lost_time")
     assert plain.value > 0.01
     assert scaled.value / si(kind.si) == pytest.approx(plain.value, rel=1e-7)
+
+
+def test_a_users_system_is_asked_for_no_unit_but_that_of_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def find(problem: Problem, track: Track) -> Found:  # noqa: ARG001
+        return Found(1.0, 0.0)
+
+    x = ca.SX.sym("x")
+    system = st.System("decay", x, ca.SX(0, 1), -x, states=("x",), parameters=(), units={"x": "m"})
+    for kind in Kind:
+        monkeypatch.setitem(QUESTIONS, "size", Question("size", find, kind, False, "size"))
+        if kind is Kind.TIME:
+            assert st.Scene(system, None, [1.0], 1.0, quantities="size").answer().value == 1.0
+            continue
+        with pytest.raises(st.StabilityError, match="names size, which only a disk has"):
+            st.Scene(system, None, [1.0], 1.0, quantities="size")
 
 
 def test_a_question_of_an_unknown_kind_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

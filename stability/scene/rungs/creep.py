@@ -180,15 +180,7 @@ class HeldMotion:
 
 
 def contact_at(problem: Problem, states: Floats) -> tuple[Floats, Floats]:
-    """The normal force of the full model, and D over its value without slip.
-
-    Parameters
-    ----------
-    problem
-        A problem whose D depends on the slip.
-    states
-        All states, shape (t, n + 2).
-    """
+    """Normal force of the full model, and D over its value without slip, at states (t, n + 2)."""
     own = problem.flow
     rows = [own.pack(states).T, np.tile(problem.flow_p[:, None], len(states))]
     normal, share = _contact(own).many(np.concatenate(rows))
@@ -215,25 +207,9 @@ def creep_path(
     last: float,
     tolerance: float,
 ) -> CreepPath | str:
-    """Creep from a state whose slip has decayed.
+    """Creep from a state whose slip has decayed, up to `last` at most, or why there is none.
 
-    Parameters
-    ----------
-    problem
-        The problem.
-    held
-        Its held body.
-    start
-        All states, shape (n + 2,).
-    begin, last
-        Their time, and the time to which creep runs at most.
-    tolerance
-        Error at which no further order is computed.
-
-    Returns
-    -------
-    CreepPath or str
-        The reason why there is none.
+    No further order is computed where the error is below `tolerance`.
     """
     rough = _rough(problem, held, start, begin, last, tolerance)
     if isinstance(rough, str):
@@ -341,8 +317,7 @@ def _rough(
         coarse = elements.tails(path) > RESOLVED * tolerance / len(path)
         if not coarse.any():
             break
-        halves = (elements.edges[:-1] + elements.edges[1:])[coarse] / 2
-        elements = Elements(np.union1d(elements.edges, halves), points)
+        elements = elements.halved(coarse)
         path = along(elements)
     slope = held.slope(path)
     pieces = _pieces(elements, slope)
@@ -384,18 +359,10 @@ def _pieces(elements: Elements, slope: Floats) -> NDArray[np.intp]:
 def transient(
     problem: Problem, held: HeldMotion, start: Floats, begin: float, tolerance: float
 ) -> tuple[Floats, Floats, Any] | str:
-    """The full model until the slip of the start has decayed.
+    """The full model until the slip of the start has decayed, or why it does not.
 
-    Parameters
-    ----------
-    problem, held, start, begin, tolerance
-        As for `creep_path`.
-
-    Returns
-    -------
-    times, states, end
-        Times, shape (t,), and states, shape (t, n + 2), of which the last begin creep; the end of
-        the run where a guard failed.  Or the reason why the slip does not decay.
+    Times, shape (t,), and states, shape (t, n + 2), of which the last begin creep; the end of the
+    run where a guard failed.
     """
     own, p = problem.flow, problem.flow_p
     pull = _pull(problem, held, start[None])[0]

@@ -41,11 +41,6 @@ SHARE_OF_WINDOW = 0.1
 def name_of(order: int) -> str:
     """Name of a rung: the rough disk, or creep of an order.
 
-    Parameters
-    ----------
-    order
-        Order n ≥ 0.
-
     Examples
     --------
     >>> name_of(0), name_of(2)
@@ -140,22 +135,10 @@ class Climb:
 def creeping(
     problem: Problem, work: Work = Work(), order: int | None = None
 ) -> tuple[dict[str, float], str, Track | Refused]:
-    """The lowest order of creep whose error is below the tolerance, with what is before and after.
+    """The lowest order of creep that is fine enough, with what is before and after.
 
-    Parameters
-    ----------
-    problem
-        The problem.
-    work
-        What it may cost.
-    order
-        The order to take, with any error; None for the lowest that is fine enough.
-
-    Returns
-    -------
-    orders, name, track
-        Error of each order that was computed, by name; the order chosen; its track, or the reason
-        why there is none.
+    The error of each order that was computed, by name; the order chosen; its track, or the reason
+    why there is none.  A given `order` is taken with any error.
     """
     if not applies(problem):
         why = f"{problem.launches.name} has no creep: its slip does not decay at a rate mu"

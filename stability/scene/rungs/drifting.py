@@ -191,17 +191,7 @@ def thin(problem: Problem) -> bool:
 
 
 def drifting(problem: Problem) -> Track | Refused:
-    """The track of a rolling body that drifts, and of its fast modes while they decay.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-
-    Returns
-    -------
-    Track or Refused
-    """
+    """The track of a rolling body that drifts, and of its fast modes while they decay."""
     if problem.launches.law not in (Viscous, LinearViscous):
         return Refused("no rolling drifts under this law")
     near = problem.near
@@ -283,7 +273,7 @@ def _track(
     times = problem.times
     errors = np.interp(times, every, np.append(size[0], size))
     note = f"drift from omega3 = {manifold.spin:.6g} to {spins[-1]:.6g} (dimensionless)"
-    return Track(times, at(times), errors, at, None, 0, (note,), where)
+    return Track(times, at(times), errors, at, notes=(note,), indicators=where)
 
 
 @dataclass(frozen=True, eq=False)
@@ -342,13 +332,8 @@ def _phase(problem: Problem, start: Modes, fast: Any, every: Floats, moved: Floa
     """Error of the fast modes: their rates change by tilt, spin and their own size.
 
     They may decay so slowly that a small change of a frequency is a large phase in the end.
-
-    Parameters
-    ----------
-    problem, start, fast
-        The problem, and the fast modes of its start.
-    every, moved
-        Times from 0 on, and by how much the drift of the spin has moved each rate, shape (t, 6).
+    `moved` says by how much the drift of the spin has moved each rate at each time of `every`,
+    shape (t, 6).
     """
     kept = np.where(fast == 0, 0.0, 1.0)
     shares = np.arange(1, SAMPLES + 1) / SAMPLES

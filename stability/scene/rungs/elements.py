@@ -13,6 +13,7 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg.lapack import dtbtrs
 
 from ...algebra.program import Program
@@ -107,33 +108,19 @@ class Elements:
         found: Floats = (self.lengths[:, None] * _midpoints(self.points)[1])[..., None, None]
         return found
 
-    def derivative(self, values: Floats) -> Floats:
-        """Values of the time derivative.
+    def halved(self, which: NDArray[np.bool_]) -> Elements:
+        """The elements, of which some are halved."""
+        halves = (self.edges[:-1] + self.edges[1:])[which] / 2
+        return Elements(np.union1d(self.edges, halves), self.points)
 
-        Parameters
-        ----------
-        values
-            Values at the points, shape (E, N, n).
-        """
+    def derivative(self, values: Floats) -> Floats:
+        """Time derivative of values at the points, shape (E, N, n)."""
         matrix = chebyshev(self.points)[1]
         found: Floats = matrix @ values / self.lengths[:, None, None]
         return found
 
     def at(self, times: Floats, values: Floats) -> Floats:
-        """Values at other times, by barycentric interpolation.
-
-        Parameters
-        ----------
-        times
-            Times between the first and the last edge, shape (t,).
-        values
-            Values at the points, shape (E, N, n).
-
-        Returns
-        -------
-        ndarray
-            Shape (t, n).
-        """
+        """Values at other times, shape (t, n), by barycentric interpolation."""
         share, _, weights = chebyshev(self.points)
         which = np.clip(np.searchsorted(self.edges, times, side="right") - 1, 0, len(values) - 1)
         apart = (times - self.edges[which])[:, None] / self.lengths[which, None] - share
@@ -148,15 +135,7 @@ class Elements:
     def tails(self, values: Floats) -> Floats:
         """Size of the last two Chebyshev coefficients of each element: what is not resolved.
 
-        Parameters
-        ----------
-        values
-            Values at the points, shape (E, N, n).
-
-        Returns
-        -------
-        ndarray
-            The largest over the n values, each over 1 or its own size, shape (E,).
+        The largest over the n values, each over 1 or its own size, shape (E,).
         """
         matrix = coefficients(self.points)[-2:]
         size = np.maximum(1.0, np.abs(values).max(axis=1))
@@ -167,11 +146,6 @@ class Elements:
 @lru_cache(maxsize=8)
 def coefficients(count: int) -> Floats:
     """Rows that take values at Chebyshev points to the coefficients of their polynomial.
-
-    Parameters
-    ----------
-    count
-        Number of points.
 
     Examples
     --------
@@ -221,19 +195,7 @@ class Linear:
 
     @classmethod
     def along(cls, elements: Elements, matrices: Floats) -> Linear:
-        """The equation with the matrices A at the points.
-
-        Parameters
-        ----------
-        elements
-            Division of time.
-        matrices
-            A at the points, shape (E, N, n, n).
-
-        Returns
-        -------
-        Linear
-        """
+        """The equation with the matrices A at the points, shape (E, N, n, n)."""
         middle, h = _between(elements, matrices), elements.gaps
         first, last, n = matrices[:, :-1], matrices[:, 1:], matrices.shape[-1]
         if n > MOST_COMPILED or not available():
@@ -266,19 +228,9 @@ class Linear:
         return band.T  # as LAPACK stores it
 
     def solve(self, defect: Floats, start: Floats) -> Floats:
-        """The solution for a defect and a start.
+        """The solution e at the points for a defect δ there and a start.
 
-        Parameters
-        ----------
-        defect
-            δ at the points, shape (E, N, n), or (E, N, n, c) for c solutions at once.
-        start
-            e at the first edge, shape (n,), or (n, c).
-
-        Returns
-        -------
-        ndarray
-            e at the points, of the shape of the defect.
+        Shapes (E, N, n) and (n,), or (E, N, n, c) and (n, c) for c solutions at once.
         """
         count, points, n = defect.shape[:3]
         every = defect.reshape(count, points, n, -1)
@@ -322,24 +274,8 @@ def _program(n: int) -> Program:
 def carried(elements: Elements, matrices: Floats, defect: Floats, start: Floats) -> Floats:
     """The solution of e' = A(t) e + δ(t), stiff or not, by collocation on each element.
 
-    The equation holds at all points but the first.  The end of an element is a point, so that a
-    part that decays fast is small there.
-
-    Parameters
-    ----------
-    elements
-        Division of time.
-    matrices
-        A at the points, shape (E, N, n, n).
-    defect
-        δ at the points, shape (E, N, n), or (E, N, n, c) for c solutions at once.
-    start
-        e at the first edge, shape (n,), or (n, c).
-
-    Returns
-    -------
-    ndarray
-        e at the points, of the shape of the defect.
+    Shapes are those of `Linear.along` and `Linear.solve`.  The equation holds at all points but the
+    first.  The end of an element is a point, so that a part that decays fast is small there.
 
     Examples
     --------

@@ -41,21 +41,9 @@ def full(
 ) -> Track:
     """The track of the full model, at tolerances that fall until the error is small enough.
 
-    Parameters
-    ----------
-    problem
-        The problem.
-    begin, start
-        Time and states from which the model runs; the problem's own if left out.
-    carried
-        Error of that state, shape (s,): a second run from the displaced state carries it on.
-    last
-        Time at which the run ends; that of the problem if left out.
-
-    Returns
-    -------
-    Track
-        With the smallest error that was found, and a note if that is above the tolerance.
+    It runs from `start` at `begin` to `last`, by default as the problem does.  `carried` is the
+    error of that state, shape (s,): a second run from the displaced state carries it on.  Where no
+    tolerance is enough, the smallest error counts.
     """
     end = problem.last if last is None else last
     times = problem.times[(problem.times >= begin) & (problem.times < end)]
@@ -84,13 +72,7 @@ def _parted(track: Track, carried: Floats | None) -> bool:
 
 
 def truth_of(problem: Problem) -> tuple[Problem, Track]:
-    """The full model at a much finer tolerance: the problem with it, and its track.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    """
+    """The full model at a much finer tolerance: the problem with it, and its track."""
     tolerance = max(TRUEST, min(TRUTH * problem.tolerance, COARSE_TRUTH))
     fine = replace(problem, tolerance=tolerance)
     return fine, full(fine)
@@ -99,15 +81,8 @@ def truth_of(problem: Problem) -> tuple[Problem, Track]:
 def kept_until(problem: Problem, track: Track) -> float:
     """The time up to which an answer that misses the tolerance at its end holds.
 
-    Up to there two fine runs of the full model, and runs from starts that differ from the given
-    one by rounding, agree within the tolerance, and the track agrees with these.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    track
-        The track of the model that gave the answer.
+    Up to there two fine runs of the full model, and runs from starts that differ from the given one
+    by rounding, agree within the tolerance, and the track agrees with these.
     """
     times = np.linspace(0.0, problem.last, LOOKS)
     brief = replace(problem, max_seconds=BRIEF * problem.max_seconds)
@@ -250,24 +225,7 @@ def _track(problem: Problem, begin: float, times: Floats, one: Result, tolerance
 def between(
     problem: Problem, when: Floats, states: Floats, asked: Floats, tolerance: float
 ) -> Floats:
-    """States of the full model at any times: short runs from the samples before them.
-
-    Parameters
-    ----------
-    problem
-        The problem.
-    when, states
-        Times and states of the samples, shapes (m,) and (m, s).
-    asked
-        Times between the first and the last, shape (t,).
-    tolerance
-        Tolerance of the integrator.
-
-    Returns
-    -------
-    ndarray
-        Shape (t, s).
-    """
+    """States of the full model at times `asked`: short runs from the samples before them."""
     when_there = np.isin(asked, when)
     if when_there.all():
         return states[np.searchsorted(when, asked)]

@@ -138,28 +138,14 @@ class Modes:
         return np.ascontiguousarray((modal @ self.vectors.T).real)
 
     def only(self, some: Any) -> Modes:
-        """The motion in some of the modes, as if the start had no others.
-
-        Parameters
-        ----------
-        some
-            1 for each mode that is kept and 0 for the others, shape (n,).
-        """
+        """The motion in those modes for which `some` is 1, as if the start had no others."""
         one, other = _pairs(len(self.values))
         return replace(self, first=self.first * some, pairs=self.pairs * some[one] * some[other])
 
     def third(self, times: Floats) -> tuple[Floats, Floats]:
-        """Sampled size of the third order.
+        """Sampled size of the third order at some of the times, the last among them.
 
-        Parameters
-        ----------
-        times
-            Last time of each stretch with one sample, shape (t,); the first begins at 0.
-
-        Returns
-        -------
-        ends, size
-            Some of these times, the last among them, and the size there, both of shape (m,).
+        Of each stretch, from 0 to the first of `times` and so on, there is one sample.
         """
         edges = np.concatenate([[0.0], times])
         width = np.diff(edges)
@@ -186,13 +172,7 @@ class Modes:
 
 
 def modes_of(matrix: Floats) -> tuple[Any, Any, Any]:
-    """Eigenvalues, modes and their inverse, which is None where two modes are parallel.
-
-    Parameters
-    ----------
-    matrix
-        J, shape (n, n).
-    """
+    """Eigenvalues of J, modes, and their inverse, which is None where two modes are parallel."""
     clean = np.where(np.abs(matrix) < ROUNDING * np.abs(matrix).max(), 0.0, matrix)
     for tried in (matrix, clean):  # an entry of rounding may join two zeros
         values, vectors = eigenpairs(tried)
@@ -223,22 +203,8 @@ def modes(
 ) -> Modes | Refused:
     """The modes of a member, and the start in them.
 
-    Parameters
-    ----------
-    problem
-        The problem.
-    member
-        States of the steady motion, shape (n,) at least.
-    family
-        Its family.
-    always
-        Whether they are computed even where no closed form can be fine enough.
-    price
-        Expected time of the full model [s].
-
-    Returns
-    -------
-    Modes or Refused
+    `always` asks for them even where no closed form can be fine enough; `price` is the expected
+    time of the full model [s].
     """
     n, system = problem.own, problem.flow.system
     at = member[:n]
@@ -273,24 +239,11 @@ def modes(
 
 def near_steady(
     problem: Problem, *, always: bool = False, price: float = np.inf
-) -> dict[str, Track | Refused]:
-    """The three rungs near the nearest steady motion, cheapest first.
+) -> dict[str, Track] | Refused:
+    """The three rungs near the nearest steady motion, cheapest first, or why there is none.
 
-    Parameters
-    ----------
-    problem
-        The problem.
-    always
-        Whether the closed forms are computed even where none can be fine enough.
-    price
-        Expected time of the full model [s].
-
-    Returns
-    -------
-    dict
-        Track or refusal by name.
+    Options are those of `modes`.
     """
-    every = CLOSED_FORMS
     near = problem.near
     if near.member is None:
         why = "no steady motion is known near the start"
@@ -299,32 +252,37 @@ def near_steady(
             why += f": {near.evidence}" if named else "; name some with families="
         elif near.family:
             why = f"near {near.family} the heading turns without end, and no closed form follows it"
-        return dict.fromkeys(every, Refused(why))
+        return Refused(why)
     size = float(relative(problem.start - near.member, near.member))
     where = {f"distance from {near.family}": size}
     if size > FAR:
         why = f"the start is {size:.2g} from {near.family}, the nearest steady motion"
-        return dict.fromkeys(every, Refused(why, where))
+        return Refused(why, where)
     if not always and _hopeless(problem, size):
         cube = f"{size:.2g}³ = {size**3:.2g} is above the tolerance"
-        why = f"the start is {size:.2g} from {near.family}, and {cube}"
-        return dict.fromkeys(every, Refused(why, where))
+        return Refused(f"the start is {size:.2g} from {near.family}, and {cube}", where)
     if not always and _vain(problem, size, price, problem.last):
-        return dict.fromkeys(every, Refused(VAIN, where))
+        return Refused(VAIN, where)
     found = modes(problem, near.member, near.family, always=always, price=price)
     if isinstance(found, Refused):
-        return dict.fromkeys(every, Refused(found.why, where | found.indicators))
-    where["growth exponent to the horizon"] = (
-        float(found.values.real.max(initial=0.0)) * problem.last
-    )
-    return _three(problem, found, where)
+        return Refused(found.why, where | found.indicators)
+    growth = float(found.values.real.max(initial=0.0)) * problem.last
+    return _three(problem, found, where | {"growth exponent to the horizon": growth})
 
 
-def _three(problem: Problem, found: Modes, where: dict[str, float]) -> dict[str, Track | Refused]:
+def _three(problem: Problem, found: Modes, where: dict[str, float]) -> dict[str, Track] | Refused:
     """The tracks of a motion near a member."""
     times, n = problem.times, problem.own
     looks, sizes = found.third(problem.last * (np.arange(1, SAMPLES + 1) / SAMPLES) ** 2)
-    every, why = np.concatenate([looks, times]), ""
+    every = np.concatenate([looks, times])
+    member = np.zeros(len(problem.start))
+    member[:n] = found.member
+
+    def lifted(deviations: Floats) -> Floats:
+        states = np.tile(member, (len(deviations), 1))
+        states[:, :n] += deviations
+        return states
+
     for when in (looks, every) if len(times) > len(looks) else (every,):  # few say no at once
         one, two = found.states(found.linear(when)), found.states(found.second(when))
         small, middle = relative(one, found.member), relative(two, found.member)
@@ -332,26 +290,20 @@ def _three(problem: Problem, found: Modes, where: dict[str, float]) -> dict[str,
             "size of the second order": float(middle.max()),
             "size of the third order": float(sizes.max()),
         }
+        if not problem.stands(lifted((one + two)[: len(looks)])):
+            return Refused("a guard of the full model fails on the way", where)
         if not middle.max() + sizes.max() <= max(TRUSTED * small.max(), 1e-14):
-            why = f"the orders of the deviation from {found.family} do not fall"
-        why = _fails(problem, found, one[: len(looks)] + two[: len(looks)]) or why
-        if why:
-            return dict.fromkeys(CLOSED_FORMS, Refused(why, where))
+            return Refused(f"the orders of the deviation from {found.family} do not fall", where)
     here = slice(len(looks), None)
     third = np.interp(times, np.append(0.0, looks), np.append(0.0, np.maximum.accumulate(sizes)))
     third += 1e-15 * (1 + np.abs(found.values).max() * times)
-    member = np.zeros(len(problem.start))
-    member[:n] = found.member
 
     def track(name: str, modal: Any, own: Floats, errors: Floats) -> Track:
         def at(when: Floats) -> Floats:
-            states = np.tile(member, (len(when), 1))
-            states[:, :n] += found.states(modal(when))
-            return states
+            return lifted(found.states(modal(when)))
 
-        states = np.tile(member, (len(times), 1))
-        states[:, :n] += own
-        return Track(times, states, errors, at, None, 0, (f"{name} at {found.family}",), where)
+        notes = (f"{name} at {found.family}",)
+        return Track(times, lifted(own), errors, at, notes=notes, indicators=where)
 
     def still(when: Floats) -> Any:
         return np.zeros((len(when), n))
@@ -365,11 +317,3 @@ def _three(problem: Problem, found: Modes, where: dict[str, float]) -> dict[str,
         LINEARISED: track("linear motion", found.linear, one[here], middle[here] + third),
         SECOND: track("linear motion and its second order", both, whole, third),
     }
-
-
-def _fails(problem: Problem, found: Modes, deviations: Floats) -> str:
-    """The reason why a guard of the full model fails on the way; empty where none does."""
-    states = np.zeros((len(deviations), len(problem.start)))
-    states[:, : problem.own] = found.member + deviations
-    values, _ = problem.flow.margins(problem.flow.pack(states), problem.flow_p)
-    return "" if (values > 0).all() else "a guard of the full model fails on the way"

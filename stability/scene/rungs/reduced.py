@@ -89,19 +89,7 @@ class ReducedModel(Record):
 
 
 def reduced(problem: Problem, model: ReducedModel) -> Track | Refused:
-    """The track of a reduced model.
-
-    Parameters
-    ----------
-    problem
-        The problem of the full model.
-    model
-        The reduced model.
-
-    Returns
-    -------
-    Track or Refused
-    """
+    """The track of a reduced model."""
     given = model.down(problem.start.copy(), problem.p.copy())  # a map may write into them
     if not isinstance(given, (tuple, list)) or len(given) != 2:
         raise ParameterError(
@@ -144,8 +132,7 @@ def reduced(problem: Problem, model: ReducedModel) -> Track | Refused:
     if not np.isfinite(errors).all() or relative(errors, states).max() > DOUBT:
         return Refused(f"the defect of {model.name} grows beyond any linear estimate")
     size = relative(errors, states)
-    values, _ = problem.flow.margins(problem.flow.pack(states), problem.flow_p)
-    if values.size and not (values > 0).all():
+    if not problem.stands(states):
         return Refused("a condition of the full system fails on the way")
     tail = float(elements.tails(states).max())
 

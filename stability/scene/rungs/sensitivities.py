@@ -187,25 +187,9 @@ def forward(
 ) -> Forward | Refused:
     """The sensitivities of a track along directions.
 
-    Parameters
-    ----------
-    problem
-        The problem.
-    track
-        Its track by any model.
-    starts
-        Change of the start along each direction, shape (n, c).
-    parameters
-        Change of the system's parameters along each, shape (m, c).
-    exact
-        Whether the track is that of the full model.  The path of another model is corrected first,
-        by its defect in the full equations.
-    seconds
-        Time that the linear equations are expected to take at most [s].
-
-    Returns
-    -------
-    Forward or Refused
+    `starts` and `parameters` change along each direction, shapes (n, c) and (m, c).  The path of a
+    model that is not the full one, `exact`, is corrected first, by its defect in the full
+    equations.  The linear equations may take `seconds` as expected.
 
     Source: tests/scene/test_sensitivities.py holds them against closed forms and differences.
     """
@@ -228,8 +212,7 @@ def forward(
             coarse = _rough_in(found, max(SMOOTH, limit))
             if not coarse.any():
                 return found
-        halves = (elements.edges[:-1] + elements.edges[1:])[coarse] / 2
-        elements = Elements(np.union1d(elements.edges, halves), POINTS)
+        elements = elements.halved(coarse)
     return Refused("the path is not smooth enough")
 
 

@@ -89,6 +89,11 @@ class Problem:
         unit = "" if self.launches.unit("time") == "1" else f" {self.launches.unit('time')}"
         return f"{float(time) * float(self.launches.size(Kind.TIME)):.4g}{unit}"
 
+    def stands(self, states: Floats) -> bool:
+        """Whether all guards of the full model are positive at states, shape (…, s)."""
+        values, _ = self.flow.margins(self.flow.pack(states), self.flow_p)
+        return bool((values > 0).all())
+
     @property
     def last(self) -> float:
         """The horizon."""
