@@ -180,6 +180,9 @@ def member(family: str) -> Quantity | None:
 
 K = Column("k", "inertia factor", latex="k", form="{:g}")
 MU = Column("mu", "friction coefficient", Kind.INVERSE_VELOCITY, r"\mu", "{:g}")
+FREQUENCY = Column(
+    "frequency", "frequency of the crossing pair", Kind.ANGULAR_VELOCITY, r"\omega", "{:.10g}"
+)
 TABLE = Definition(
     "where the verdict changes along each family, for several k and mu",
     (
@@ -197,13 +200,7 @@ TABLE = Definition(
             "family",
         ),
         word("crossing", "static, flutter or none"),
-        Column(
-            "frequency",
-            "frequency of the crossing pair",
-            Kind.ANGULAR_VELOCITY,
-            r"\omega",
-            "{:.10g}",
-        ),
+        FREQUENCY,
         word("below", "verdict below at, or everywhere"),
         word("above", "verdict above at, or everywhere"),
     ),

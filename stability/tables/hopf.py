@@ -8,12 +8,11 @@ from typing import Any
 
 from ..base.citation import MODEL
 from ..base.errors import listed
-from ..base.quantities import Kind
 from ..base.types import Progress
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES
 from ..boundary.hopf import hopf
-from .conditions import MU, K, member
+from .conditions import FREQUENCY, MU, K, member
 from .drift import law_of
 from .table import About, Column, Definition, Standing, units_note, word
 
@@ -95,13 +94,7 @@ TABLE = Definition(
         MU,
         Column("at", "member at the boundary", member, "", "{:.12g}", "family"),
         word("stable", "stable side of the boundary"),
-        Column(
-            "frequency",
-            "frequency of the crossing pair",
-            Kind.ANGULAR_VELOCITY,
-            r"\omega",
-            "{:.10g}",
-        ),
+        FREQUENCY,
         Column("crossing", "Re μ' along the family, dimensionless", latex=r"\mathrm{Re}\,\mu'"),
         Column("push", "coefficient of the drift, dimensionless", latex="c"),
         word("kind", "elliptic, hyperbolic, degenerate, or none"),

@@ -224,31 +224,21 @@ STRUCTURES: tuple[type[Case], ...] = (
 )
 
 
-class _Limit(Case):
-    """A limit of friction."""
-
-    group = "limits of friction"
-    family: ClassVar[str]
-    at: ClassVar[float]
-    mus: ClassVar[tuple[float, ...]]
-
-    def points(self) -> Points:
-        """Points over many decades of mu."""
-        mu = np.array(self.mus)
-        return _points(self.family, "viscous", 0.3, mu, np.full(len(mu), self.at))
-
-
 def _limit(family: str, at: float, question: str, *, large: bool) -> type[Case]:
-    mus = tuple(10.0**d for d in (range(2, 9) if large else range(-10, -1)))
+    """A limit of friction: points over many decades of mu."""
+    mus = [10.0**d for d in (range(2, 9) if large else range(-10, -1))]
     limit = "mu → ∞ (1e2…1e8)" if large else "mu → 0 (1e-2…1e-10)"
     physics = (
         "growth rates O(1/mu) next to decay rates O(mu): they look like round-off"
         if large
         else "the limit is singular: the smooth disk's zeros split by O(mu)"
     )
-    name = f"{family}, {limit}: {question}"
-    return _Limit.variant(
-        name=name, question=question, family=family, at=at, mus=mus, physics=physics
+    return _case(
+        f"{family}, {limit}: {question}",
+        "limits of friction",
+        physics,
+        lambda: _points(family, "viscous", 0.3, mus, np.full(len(mus), at)),
+        question,
     )
 
 
@@ -260,22 +250,16 @@ LIMITS: tuple[type[Case], ...] = tuple(
 )
 
 
-class _Flat(Case):
-    """A hoop that tumbles nearly flat."""
-
-    group = "tumbling hoop"
-    physics = "growth rates down to 1e-12 next to frequencies of 30: real, not round-off"
-    degrees: ClassVar[float]
-
-    def points(self) -> Points:
-        """Points at several mu, for many of which the hoop is truly unstable."""
-        theta = math.radians(self.degrees)
-        return _points("tumbling", "viscous", 0.5, [0.1, 1.0, 3.0], [theta] * 3)
-
-
 def _flat(degrees: float, question: str) -> type[Case]:
-    name = f"hoop at {degrees:g}° from flat: {question}"
-    return _Flat.variant(name=name, question=question, degrees=degrees)
+    """A hoop that tumbles nearly flat, at several mu, for many of which it is truly unstable."""
+    theta = math.radians(degrees)
+    return _case(
+        f"hoop at {degrees:g}° from flat: {question}",
+        "tumbling hoop",
+        "growth rates down to 1e-12 next to frequencies of 30: real, not round-off",
+        lambda: _points("tumbling", "viscous", 0.5, [0.1, 1.0, 3.0], [theta] * 3),
+        question,
+    )
 
 
 FLATS: tuple[type[Case], ...] = tuple(_flat(d, q) for d in DEGREES for q in ("verdict", "growth"))
