@@ -155,26 +155,16 @@ def scene(count: int, repeats: int, horizon: float) -> None:
 def predicted() -> None:
     """The cost that is predicted, over that which it takes."""
     for family, own in SCENES.items():
-        plan = planned(
-            None,
-            "viscous",
-            mu=MU,
-            family=family,
-            horizon=300.0,
-            x=(own, 0.3, 4.0, 64),
-            y=("tilt", 0.01, 0.6, 32),
-        )
-        cost = predict(plan)
+        asked: dict[str, Any] = {
+            "mu": MU,
+            "family": family,
+            "horizon": 300.0,
+            "x": (own, 0.3, 4.0, 64),
+            "y": ("tilt", 0.01, 0.6, 32),
+        }
+        cost = predict(planned(None, "viscous", **asked))
         begin = time.process_time()
-        st.basins(
-            contact="viscous",
-            mu=MU,
-            family=family,
-            horizon=300.0,
-            workers=1,
-            x=(own, 0.3, 4.0, 64),
-            y=("tilt", 0.01, 0.6, 32),
-        )
+        st.basins(contact="viscous", workers=1, **asked)
         real = time.process_time() - begin
         print(f"predicted cost, {family}: {cost.computing:.1f} s, real {real:.1f} s")
 

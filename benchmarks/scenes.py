@@ -25,25 +25,24 @@ from stability.scene.chart import chart
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples" / "scenes"
 STIFF = ("stiff-300", "stiff-10000", "stiff-100000")
+
+
+def leaning(
+    contact: st.Contact, horizon: float, theta: float, omega3: float, **more: Any
+) -> st.Scene:
+    """A scene of a disk that leans and rolls; `more` has other rates, or a tolerance."""
+    tolerance = more.pop("tolerance", 1e-6)
+    start = {"theta": theta, "omega3": omega3, **more}
+    return st.Scene(contact=contact, start=start, horizon=horizon, tolerance=tolerance)
+
+
 REDUCED = {
-    "friction 3000": st.Scene(
-        contact=st.Viscous(3e3), start={"theta": 1.3, "omega3": 2.0}, horizon=20.0
-    ),
-    "friction 1e5": st.Scene(
-        contact=st.Viscous(1e5), start={"theta": 1.3, "omega3": 2.0}, horizon=20.0
-    ),
-    "near rolling, long": st.Scene(
-        contact=st.Viscous(0.3), horizon=1000.0, start={"theta": 1.5706, "omega3": 2.2}
-    ),
-    "friction 3e3, long": st.Scene(
-        contact=st.Viscous(3e3), start={"theta": 1.3, "omega3": 2.0}, horizon=200.0, tolerance=1e-8
-    ),
-    "friction 1e5, long": st.Scene(
-        contact=st.Viscous(1e5), start={"theta": 1.3, "omega3": 2.0}, horizon=200.0, tolerance=1e-8
-    ),
-    "near rolling, stiff": st.Scene(
-        contact=st.Viscous(300.0), horizon=1000.0, start={"theta": 1.5706, "omega3": 1.2}
-    ),
+    "friction 3000": leaning(st.Viscous(3e3), 20.0, 1.3, 2.0),
+    "friction 1e5": leaning(st.Viscous(1e5), 20.0, 1.3, 2.0),
+    "near rolling, long": leaning(st.Viscous(0.3), 1000.0, 1.5706, 2.2),
+    "friction 3e3, long": leaning(st.Viscous(3e3), 200.0, 1.3, 2.0, tolerance=1e-8),
+    "friction 1e5, long": leaning(st.Viscous(1e5), 200.0, 1.3, 2.0, tolerance=1e-8),
+    "near rolling, stiff": leaning(st.Viscous(300.0), 1000.0, 1.5706, 1.2),
     "drift of rolling": st.Scene(
         contact=st.Viscous(1.0),
         horizon=1e4,
@@ -56,23 +55,11 @@ REDUCED = {
 }
 """Scenes that a reduced model answers."""
 WHOLE = {
-    "friction 0.3": st.Scene(
-        contact=st.Viscous(0.3), start={"theta": 1.2, "omega3": 1.2}, horizon=100.0
-    ),
-    "friction 30": st.Scene(
-        contact=st.Viscous(30.0), start={"theta": 1.2, "omega3": 1.2}, horizon=100.0
-    ),
-    "smooth": st.Scene(
-        contact=st.Smooth(), start={"theta": 1.2, "phi_dot": 1.0, "omega3": 1.2}, horizon=100.0
-    ),
-    "rough": st.Scene(
-        contact=st.Rough(), start={"theta": 1.2, "phi_dot": 1.0, "omega3": 1.2}, horizon=100.0
-    ),
-    "dry friction": st.Scene(
-        contact=st.Coulomb(0.15),
-        horizon=10.0,
-        start={"theta": 1.12, "omega3": -1.45, "slip_x": -0.49},
-    ),
+    "friction 0.3": leaning(st.Viscous(0.3), 100.0, 1.2, 1.2),
+    "friction 30": leaning(st.Viscous(30.0), 100.0, 1.2, 1.2),
+    "smooth": leaning(st.Smooth(), 100.0, 1.2, 1.2, phi_dot=1.0),
+    "rough": leaning(st.Rough(), 100.0, 1.2, 1.2, phi_dot=1.0),
+    "dry friction": leaning(st.Coulomb(0.15), 10.0, 1.12, -1.45, slip_x=-0.49),
 }
 """Scenes that the full model alone answers."""
 

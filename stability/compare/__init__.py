@@ -2,7 +2,7 @@
 
 Compares routes to one answer on this machine, and shows where methods fail.
 May import `figures`, `tables`, `export` and the floors below.
-To add a route, a driver or a hard case: one class, as `docs/explanation/compare.md` shows.
+To add a route, a driver or a hard case: a class or a record, as `docs/explanation/compare.md` says.
 The names for it are listed here.  Each name loads its module at first use.
 """
 

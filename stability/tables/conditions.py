@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 from ..base.citation import cited
@@ -59,8 +59,7 @@ def conditions(
     >>> [(r["family"], r["crossing"]) for r in rows]
     [('rolling', 'flutter'), ('spinning', 'static'), ('tumbling', 'none')]
     """
-    base = Disk() if disk is None else disk
-    bodies = [Disk(base.mass, base.radius, inertia, base.gravity) for inertia in k]
+    bodies = [replace(disk or Disk(), k=inertia) for inertia in k]
     asked = [
         (family, body, contact)
         for family in FAMILIES.values()
@@ -181,6 +180,9 @@ def member(family: str) -> Quantity | None:
 
 K = Column("k", "inertia factor", latex="k", form="{:g}")
 MU = Column("mu", "friction coefficient", Kind.INVERSE_VELOCITY, r"\mu", "{:g}")
+FREQUENCY = Column(
+    "frequency", "frequency of the crossing pair", Kind.ANGULAR_VELOCITY, r"\omega", "{:.10g}"
+)
 TABLE = Definition(
     "where the verdict changes along each family, for several k and mu",
     (
@@ -198,13 +200,7 @@ TABLE = Definition(
             "family",
         ),
         word("crossing", "static, flutter or none"),
-        Column(
-            "frequency",
-            "frequency of the crossing pair",
-            Kind.ANGULAR_VELOCITY,
-            r"\omega",
-            "{:.10g}",
-        ),
+        FREQUENCY,
         word("below", "verdict below at, or everywhere"),
         word("above", "verdict above at, or everywhere"),
     ),
@@ -273,7 +269,7 @@ def formula_latex(found: Sequence[Formulas]) -> str:
 
     Examples
     --------
-    >>> from dataclasses import asdict
+    >>> from dataclasses import asdict, replace
     >>> from stability.derivation.formulas import formulas
     >>> text = formula_latex([asdict(formulas("spinning", "rough"))])
     >>> print(text[text.index(r"\item static b"):].splitlines()[0])

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from ..base.citation import MODEL
 from ..base.errors import NameUnknownError, shown
 from ..base.quantities import Kind
-from ..bodies.contact_laws import Contact, LinearViscous, Viscous
+from ..bodies.contact_laws import Contact, law_named
 from ..bodies.disk import Disk
 from ..boundary.drift import FORMULAS, drift
 from .conditions import MU, K
@@ -46,7 +47,7 @@ def drift_rows(
     """
     rows = []
     for inertia in k:
-        body = _body(disk, inertia)
+        body = replace(disk or Disk(), k=inertia)
         threshold = float(body.rate) / (2 * inertia) ** 0.5
         for value in mu:
             for angle in tilt:
@@ -90,12 +91,7 @@ def law_of(name: str, mu: float) -> Contact:
         raise NameUnknownError(
             f"contact is {shown(name)}; this table has viscous and linear-viscous."
         )
-    return Viscous(mu) if name == "viscous" else LinearViscous(mu=mu)
-
-
-def _body(disk: Disk | None, k: float) -> Disk:
-    base = Disk() if disk is None else disk
-    return Disk(base.mass, base.radius, k, base.gravity)
+    return law_named(name, mu)
 
 
 DRIFT_NOTES = [

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from ..base.citation import MODEL
 from ..base.errors import listed
-from ..base.quantities import Kind
 from ..base.types import Progress
 from ..bodies.disk import Disk
 from ..bodies.families import FAMILIES
 from ..boundary.hopf import hopf
-from .conditions import MU, K, member
-from .drift import _body, law_of
+from .conditions import FREQUENCY, MU, K, member
+from .drift import law_of
 from .table import About, Column, Definition, Standing, units_note, word
 
 NONE: dict[str, Any] = {
@@ -56,7 +56,7 @@ def hopf_rows(
     lines = [name for name, family in FAMILIES.items() if family.flutter]
     asked = [(f, inertia, value) for f in lines for inertia in k for value in mu]
     for done, (family, inertia, value) in enumerate(asked, start=1):
-        found = hopf(family, contact=law_of(law, value), disk=_body(disk, inertia))
+        found = hopf(family, contact=law_of(law, value), disk=replace(disk or Disk(), k=inertia))
         line = {"family": family, "k": inertia, "mu": value}
         points = [
             {
@@ -94,13 +94,7 @@ TABLE = Definition(
         MU,
         Column("at", "member at the boundary", member, "", "{:.12g}", "family"),
         word("stable", "stable side of the boundary"),
-        Column(
-            "frequency",
-            "frequency of the crossing pair",
-            Kind.ANGULAR_VELOCITY,
-            r"\omega",
-            "{:.10g}",
-        ),
+        FREQUENCY,
         Column("crossing", "Re μ' along the family, dimensionless", latex=r"\mathrm{Re}\,\mu'"),
         Column("push", "coefficient of the drift, dimensionless", latex="c"),
         word("kind", "elliptic, hyperbolic, degenerate, or none"),

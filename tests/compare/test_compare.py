@@ -23,7 +23,7 @@ from stability.compare.motion.drivers import DRIVERS, Answer, Driver, driver, si
 from stability.compare.motion.reference_motions import ReferenceMotion, scene, scenes
 from stability.compare.spectrum import chart as spectrum_chart
 from stability.compare.spectrum import routes as routes
-from stability.compare.spectrum.cases import CASES, LADDERS, Case, DoubleZero, NonSteady
+from stability.compare.spectrum.cases import CASES, LADDERS, Case, NonSteady
 from stability.compare.spectrum.points import (
     EDGES,
     MEETINGS,
@@ -322,19 +322,20 @@ def marks(route: Route, names: Any = None) -> dict[str, Mark]:
     return found
 
 
+TWO_ZEROS = "two structural zeros"
 OPEN = ["rolling, viscous, k = 0.25, mu = 0.3", "spinning, viscous, k = 0.25, mu = 0.3"]
 
 
 @pytest.mark.parametrize("broken", [WrongSign, Loose, AutomaticRaw, Lying])
 def test_a_broken_route_is_caught_as_wrong(broken: type[Route]) -> None:
-    names = [*OPEN, DoubleZero.name, "hoop at 1° from flat: verdict"]
+    names = [*OPEN, TWO_ZEROS, "hoop at 1° from flat: verdict"]
     assert Mark.WRONG in marks(broken(), names).values()
 
 
 def test_each_break_is_caught_where_it_should_be() -> None:
     assert marks(WrongSign(), OPEN) == dict.fromkeys(OPEN, Mark.WRONG)
-    assert marks(AutomaticJacobian(), [DoubleZero.name]) == {DoubleZero.name: Mark.RIGHT}
-    assert marks(AutomaticRaw(), [DoubleZero.name]) == {DoubleZero.name: Mark.WRONG}
+    assert marks(AutomaticJacobian(), [TWO_ZEROS]) == {TWO_ZEROS: Mark.RIGHT}
+    assert marks(AutomaticRaw(), [TWO_ZEROS]) == {TWO_ZEROS: Mark.WRONG}
     far = LADDERS[0]().steps(Loose())
     assert far[0] == "right" and "wrong" in far[:5]
     # the same ladder, for a route that holds
@@ -404,7 +405,7 @@ class Shaped(AutomaticJacobian):
 def test_an_answer_of_a_wrong_shape_is_no_answer(change: Any) -> None:
     route = Shaped()
     route.change = change
-    assert set(marks(route, [OPEN[0], DoubleZero.name, "coalescing eigenvalues"]).values()) == {
+    assert set(marks(route, [OPEN[0], TWO_ZEROS, "coalescing eigenvalues"]).values()) == {
         Mark.CRASHED
     }
 

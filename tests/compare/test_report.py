@@ -419,7 +419,7 @@ def test_a_part_of_which_no_cell_has_ended_has_a_page(name: str, tmp_path: Path)
 
     none = report.part(name, {})
     assert not none.plates
-    report._write(tmp_path, none, {})
+    report._write(tmp_path, none)
     text = write(tmp_path, [none]).read_text("utf-8")
     assert ("No cell of this part has ended" in text) is (name != "scenes")
     assert {path.name for path in tmp_path.iterdir()} == {"index.html", *none.data}

@@ -6,7 +6,7 @@ A case is one class with its physics, the source of its truth, its points and it
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import Any, ClassVar
 
@@ -145,143 +145,100 @@ def _rung(where: Sequence[Any]) -> type[Case]:
 LADDERS: tuple[type[Case], ...] = tuple(_rung(e) for e in EDGES)
 
 
-class DoubleZero(Case):
-    """Two structural zeros of rolling."""
-
-    name = "two structural zeros"
-    group = "structure and coalescence"
-    physics = "stable rolling: two eigenvalues are zero by structure, and computed as ±1e-17"
-
-    def points(self) -> Points:
-        """Points well inside the stable region."""
-        return _points("rolling", "viscous", 0.25, [0.3, 1.0, 3.0, 10.0], [2.0, 2.5, 3.0, 5.0])
-
-
-class JordanSmooth(Case):
-    """Smooth rolling exactly on its threshold."""
-
-    name = "Jordan block, smooth disk"
-    group = DoubleZero.group
-    physics = "exactly at omega3² = 1/(4k) two further zeros join in a Jordan block"
-    known = "exact: k = 1/4, omega3 = 1, where the reduced polynomial is λ²"
-
-    def points(self) -> Points:
-        """Doubles that lie on the threshold."""
-        return _points("rolling", "smooth", [0.25, 0.0625], None, [1.0, 2.0])
+def _case(
+    name: str,
+    group: str,
+    physics: str,
+    points: Callable[[], Points],
+    question: str = "verdict",
+    known: str = IN_BALLS,
+) -> type[Case]:
+    """A case whose points are all there is to it."""
+    fields = {"name": name, "group": group, "physics": physics, "question": question}
+    return Case.variant(**fields, known=known, points=staticmethod(points))
 
 
-class JordanSpinning(JordanSmooth):
-    """Smooth spinning exactly on its threshold."""
-
-    name = "Jordan block, smooth disk spinning"
-    physics = "exactly at phi_dot² = 1/k"
-    known = "exact: k = 1/4, phi_dot = 2"
-
-    def points(self) -> Points:
-        """Doubles that lie on the threshold."""
-        return _points("spinning", "smooth", [0.25, 0.0625], None, [2.0, 4.0])
+def _meeting(which: int) -> Points:
+    """Doubles on both sides of a place at which two eigenvalues meet."""
+    family, k, mu, low, high = MEETINGS[which]
+    at = coalescence(family, k, mu, low, high)
+    return _points(family, "viscous", k, mu, [at, math.nextafter(at, math.inf)])
 
 
-class JordanRough(JordanSmooth):
-    """Rough rolling exactly on its threshold."""
-
-    name = "Jordan block, rough disk"
-    physics = "a hoop exactly at omega3² = 1/(2(2k+1)) = 1/4"
-    known = "exact: k = 1/2, omega3 = 1/2"
-
-    def points(self) -> Points:
-        """The double that lies on the threshold."""
-        return _points("rolling", "rough", 0.5, None, [0.5])
-
-
-class ViscousAtRough(Case):
-    """Viscous rolling at the rough threshold, where a third zero joins the two structural ones."""
-
-    name = "viscous rolling at the rough threshold"
-    group = DoubleZero.group
-    question = "eigenvalues"
-    physics = "a third zero joins the two by structure in a Jordan block; the others are asked"
-
-    def points(self) -> Points:
-        """A hoop at omega3 = 1/2."""
-        return _points("rolling", "viscous", 0.5, [0.1, 1.0, 10.0], [0.5, 0.5, 0.5])
-
-
-class Coalescing(Case):
-    """Two eigenvalues that meet."""
-
-    name = "coalescing eigenvalues"
-    group = DoubleZero.group
-    question = "eigenvalues"
-    physics = "double, with one eigenvector: it moves by the root of any change, 1e-16 → 1e-8"
-    where: ClassVar[tuple[Any, ...]] = MEETINGS[0]
-
-    def points(self) -> Points:
-        """Doubles on both sides of the coalescence."""
-        family, k, mu, low, high = self.where
-        at = coalescence(family, k, mu, low, high)
-        return _points(family, "viscous", k, mu, [at, math.nextafter(at, math.inf)])
-
-
-class CoalescingTumbling(Coalescing):
-    """Two eigenvalues of tumbling that meet."""
-
-    name = "coalescing eigenvalues, tumbling"
-    where = MEETINGS[3]
-
-
-class BranchPoint(Case):
-    """Spinning exactly where tumbling leaves it."""
-
-    name = "branch point, on spinning"
-    group = DoubleZero.group
-    physics = "spinning at phi_dot² = 1/k, where tumbling leaves it: one more zero"
-    known = "exact: k = 1/4, phi_dot = 2; and k = 1/16, phi_dot = 4"
-
-    def points(self) -> Points:
-        """Doubles on the branch point, at several mu."""
-        return _points(
+STRUCTURE = "structure and coalescence"
+DOUBLE = "double, with one eigenvector: it moves by the root of any change, 1e-16 → 1e-8"
+STRUCTURES: tuple[type[Case], ...] = (
+    _case(
+        "two structural zeros",
+        STRUCTURE,
+        "stable rolling: two eigenvalues are zero by structure, and computed as ±1e-17",
+        lambda: _points("rolling", "viscous", 0.25, [0.3, 1.0, 3.0, 10.0], [2.0, 2.5, 3.0, 5.0]),
+    ),
+    _case(
+        "Jordan block, smooth disk",
+        STRUCTURE,
+        "exactly at omega3² = 1/(4k) two further zeros join in a Jordan block",
+        lambda: _points("rolling", "smooth", [0.25, 0.0625], None, [1.0, 2.0]),
+        known="exact: k = 1/4, omega3 = 1, where the reduced polynomial is λ²",
+    ),
+    _case(
+        "Jordan block, smooth disk spinning",
+        STRUCTURE,
+        "exactly at phi_dot² = 1/k",
+        lambda: _points("spinning", "smooth", [0.25, 0.0625], None, [2.0, 4.0]),
+        known="exact: k = 1/4, phi_dot = 2",
+    ),
+    _case(
+        "Jordan block, rough disk",
+        STRUCTURE,
+        "a hoop exactly at omega3² = 1/(2(2k+1)) = 1/4",
+        lambda: _points("rolling", "rough", 0.5, None, [0.5]),
+        known="exact: k = 1/2, omega3 = 1/2",
+    ),
+    _case(
+        "viscous rolling at the rough threshold",
+        STRUCTURE,
+        "a third zero joins the two by structure in a Jordan block; the others are asked",
+        lambda: _points("rolling", "viscous", 0.5, [0.1, 1.0, 10.0], [0.5, 0.5, 0.5]),
+        question="eigenvalues",
+    ),
+    _case("coalescing eigenvalues", STRUCTURE, DOUBLE, lambda: _meeting(0), "eigenvalues"),
+    _case(
+        "coalescing eigenvalues, tumbling", STRUCTURE, DOUBLE, lambda: _meeting(3), "eigenvalues"
+    ),
+    _case(
+        "branch point, on spinning",
+        STRUCTURE,
+        "spinning at phi_dot² = 1/k, where tumbling leaves it: one more zero",
+        lambda: _points(
             "spinning", "viscous", [0.25, 0.25, 0.0625], [0.3, 4.0, 1.0], [2.0, 2.0, 4.0]
-        )
-
-
-class BesideBranch(Case):
-    """Tumbling that has just left spinning."""
-
-    name = "branch point, on tumbling"
-    group = DoubleZero.group
-    physics = "tumbling that leans by 1e-3 to 1e-7: an eigenvalue of order lean² next to the zero"
-
-    def points(self) -> Points:
-        """Points that lean a little from the double nearest π/2."""
-        return _points("tumbling", "viscous", 0.25, 4.0, np.pi / 2 - np.array([1e-3, 1e-5, 1e-7]))
-
-
-class _Limit(Case):
-    """A limit of friction."""
-
-    group = "limits of friction"
-    family: ClassVar[str]
-    at: ClassVar[float]
-    mus: ClassVar[tuple[float, ...]]
-
-    def points(self) -> Points:
-        """Points over many decades of mu."""
-        mu = np.array(self.mus)
-        return _points(self.family, "viscous", 0.3, mu, np.full(len(mu), self.at))
+        ),
+        known="exact: k = 1/4, phi_dot = 2; and k = 1/16, phi_dot = 4",
+    ),
+    _case(
+        "branch point, on tumbling",
+        STRUCTURE,
+        "tumbling that leans by 1e-3 to 1e-7: an eigenvalue of order lean² next to the zero",
+        lambda: _points("tumbling", "viscous", 0.25, 4.0, np.pi / 2 - np.array([1e-3, 1e-5, 1e-7])),
+    ),
+)
 
 
 def _limit(family: str, at: float, question: str, *, large: bool) -> type[Case]:
-    mus = tuple(10.0**d for d in (range(2, 9) if large else range(-10, -1)))
+    """A limit of friction: points over many decades of mu."""
+    mus = [10.0**d for d in (range(2, 9) if large else range(-10, -1))]
     limit = "mu → ∞ (1e2…1e8)" if large else "mu → 0 (1e-2…1e-10)"
     physics = (
         "growth rates O(1/mu) next to decay rates O(mu): they look like round-off"
         if large
         else "the limit is singular: the smooth disk's zeros split by O(mu)"
     )
-    name = f"{family}, {limit}: {question}"
-    return _Limit.variant(
-        name=name, question=question, family=family, at=at, mus=mus, physics=physics
+    return _case(
+        f"{family}, {limit}: {question}",
+        "limits of friction",
+        physics,
+        lambda: _points(family, "viscous", 0.3, mus, np.full(len(mus), at)),
+        question,
     )
 
 
@@ -293,60 +250,45 @@ LIMITS: tuple[type[Case], ...] = tuple(
 )
 
 
-class _Flat(Case):
-    """A hoop that tumbles nearly flat."""
-
-    group = "tumbling hoop"
-    physics = "growth rates down to 1e-12 next to frequencies of 30: real, not round-off"
-    degrees: ClassVar[float]
-
-    def points(self) -> Points:
-        """Points at several mu, for many of which the hoop is truly unstable."""
-        theta = math.radians(self.degrees)
-        return _points("tumbling", "viscous", 0.5, [0.1, 1.0, 3.0], [theta] * 3)
-
-
 def _flat(degrees: float, question: str) -> type[Case]:
-    name = f"hoop at {degrees:g}° from flat: {question}"
-    return _Flat.variant(name=name, question=question, degrees=degrees)
+    """A hoop that tumbles nearly flat, at several mu, for many of which it is truly unstable."""
+    theta = math.radians(degrees)
+    return _case(
+        f"hoop at {degrees:g}° from flat: {question}",
+        "tumbling hoop",
+        "growth rates down to 1e-12 next to frequencies of 30: real, not round-off",
+        lambda: _points("tumbling", "viscous", 0.5, [0.1, 1.0, 3.0], [theta] * 3),
+        question,
+    )
 
 
 FLATS: tuple[type[Case], ...] = tuple(_flat(d, q) for d in DEGREES for q in ("verdict", "growth"))
 
 
-class Upright(Case):
-    """Upright rolling, at which formulas solved by computer algebra are 0/0."""
-
-    name = "1/cosθ left by computer algebra"
-    group = "how the Jacobian is made"
-    question = "eigenvalues"
-    physics = "rolling is upright, where cosθ/cosθ is 0/0, and the double π/2 is not upright"
-
-    def points(self) -> Points:
-        """Points of rolling."""
-        return _points("rolling", "viscous", 0.25, [0.3, 1.0], [1.2, 2.0])
-
-
-class DifferenceStep(Case):
-    """Tumbling that no step of a finite difference suits."""
-
-    name = "step of a finite difference"
-    group = Upright.group
-    question = "growth"
-    physics = (
-        "tumbling 1e-3 rad from flat: growth of 4e-7 next to rates of 60, and no step suits both"
-    )
-
-    def points(self) -> Points:
-        """One point, mu = 1."""
-        return _points("tumbling", "viscous", 0.25, [1.0], [1e-3])
+JACOBIAN = "how the Jacobian is made"
+JACOBIANS: tuple[type[Case], ...] = (
+    _case(
+        "1/cosθ left by computer algebra",
+        JACOBIAN,
+        "rolling is upright, where cosθ/cosθ is 0/0, and the double π/2 is not upright",
+        lambda: _points("rolling", "viscous", 0.25, [0.3, 1.0], [1.2, 2.0]),
+        question="eigenvalues",
+    ),
+    _case(
+        "step of a finite difference",
+        JACOBIAN,
+        "tumbling 1e-3 rad from flat: growth of 4e-7 next to rates of 60, and no step suits both",
+        lambda: _points("tumbling", "viscous", 0.25, [1.0], [1e-3]),
+        question="growth",
+    ),
+)
 
 
 class NonSteady(Case):
     """A state that is no steady motion."""
 
     name = "non-steady operating point"
-    group = Upright.group
+    group = JACOBIAN
     physics = "rolling with a tilt and slip: a Jacobian exists, a spectrum of a motion does not"
     known = "its rates do not vanish: the right answer is to refuse"
 
@@ -370,22 +312,6 @@ class NonSteady(Case):
         return Judgement(Mark.WRONG, note="a verdict of a motion that is not steady")
 
 
-_EVERY: tuple[type[Case], ...] = (
-    *LADDERS,
-    DoubleZero,
-    JordanSmooth,
-    JordanSpinning,
-    JordanRough,
-    ViscousAtRough,
-    Coalescing,
-    CoalescingTumbling,
-    BranchPoint,
-    BesideBranch,
-    *FLATS,
-    *LIMITS,
-    Upright,
-    DifferenceStep,
-    NonSteady,
-)
+_EVERY: tuple[type[Case], ...] = (*LADDERS, *STRUCTURES, *FLATS, *LIMITS, *JACOBIANS, NonSteady)
 CASES = {c.name: c for c in _EVERY}
 """Every case of the linear analysis by name."""

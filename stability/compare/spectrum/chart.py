@@ -270,8 +270,6 @@ def _proved(where: Any, near: float) -> tuple[float | None, float | None]:
 
 FORMAT = "stability chart spectrum 1"
 """Attribute `format` of a file of this chart."""
-QUANTITIES = ("eigenvalues", "abscissa", "verdict", "boundary")
-"""Quantities of the chart."""
 
 
 def dataset(cells: Mapping[str, Cell]) -> xarray.Dataset:

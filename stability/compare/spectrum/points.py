@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -54,7 +54,7 @@ class Points:
     lean: Floats | None = None
     """For tumbling, in place of `at`: π/2 - theta exactly, shape (N,)."""
     label: str = ""
-    """Description of the points."""
+    """Description of the points, for a reader."""
     given: Floats | None = None
     """States in place of the family's, perhaps not steady, shape (N, n); None for the family's."""
 
@@ -63,12 +63,8 @@ class Points:
 
     def __getitem__(self, index: Any) -> Points:
         """Some of the points, by a slice, a mask or an array of numbers."""
-        mu, lean, given = (
-            None if v is None else v[index] for v in (self.mu, self.lean, self.given)
-        )
-        return Points(
-            self.family, self.law, self.k[index], mu, self.at[index], lean, self.label, given
-        )
+        arrays = {n: getattr(self, n) for n in ("k", "mu", "at", "lean", "given")}
+        return replace(self, **{n: v[index] for n, v in arrays.items() if v is not None})
 
     @property
     def member(self) -> Family:
@@ -299,17 +295,16 @@ def close_to(
     family, law, k, mu, low, high = where
     value = edge(family, law, k, mu, low, high)
     at = np.array([value * (1 + side * d) for d in distances for side in (-1, 1)])
-    friction = "" if mu is None else f", mu = {mu:g}"
-    return _points(family, law, k, mu, at, f"{family}, {law}, k = {k:g}{friction}")
+    return _points(family, law, k, mu, at)
 
 
-def _points(family: str, law: str, k: Any, mu: Any, at: Any, label: str = "") -> Points:
+def _points(family: str, law: str, k: Any, mu: Any, at: Any) -> Points:
     at = np.asarray(at, dtype=float)
 
     def full(value: Any) -> Floats:
         return np.broadcast_to(np.asarray(value, dtype=float), at.shape).copy()
 
-    return Points(family, law, full(k), None if mu is None else full(mu), at, label=label)
+    return Points(family, law, full(k), None if mu is None else full(mu), at)
 
 
 def _random(least: float, most: float) -> list[Points]:

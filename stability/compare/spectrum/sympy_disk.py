@@ -66,8 +66,13 @@ def residual(law: str) -> tuple[sympy.Matrix, list[Any], list[Any]]:
 
 def _accelerations(unknowns: Sequence[Any], states: Sequence[Any]) -> list[int]:
     """Index of the unknown that is the rate of each state, from theta_dot on."""
-    wanted = [*RATES[:3], *RATES[3:]][: len(states) - 1]
+    wanted = RATES[: len(states) - 1]
     return [list(unknowns).index(symbol) for symbol in wanted]
+
+
+def _numbers(parameters: Floats) -> list[Any]:
+    """K and mu of each point; 0 for a law without friction."""
+    return [parameters[:, 0], parameters[:, 1] if parameters.shape[1] > 1 else 0.0]
 
 
 def _compiled(arguments: Sequence[Any], expressions: Sequence[Any]) -> Callable[..., list[Any]]:
@@ -96,7 +101,7 @@ def kept_mass(law: str) -> Matrices:
 
     def matrices(x: Floats, parameters: Floats) -> Floats:
         count = len(x)
-        q = [parameters[:, 0], parameters[:, 1] if parameters.shape[1] > 1 else 0.0]
+        q = _numbers(parameters)
         both = _filled(first(*x.T, *q), (count, m * m + m))
         left, right = both[:, : m * m].reshape(count, m, m), both[:, m * m :, None]
         solved = np.linalg.solve(left, right)[..., 0]
@@ -125,8 +130,7 @@ def solved(law: str) -> Matrices:
     n = len(states)
 
     def matrices(x: Floats, parameters: Floats) -> Floats:
-        q = [parameters[:, 0], parameters[:, 1] if parameters.shape[1] > 1 else 0.0]
         with np.errstate(all="ignore"):
-            return _filled(compiled(*x.T, *q), (len(x), n, n))
+            return _filled(compiled(*x.T, *_numbers(parameters)), (len(x), n, n))
 
     return matrices
