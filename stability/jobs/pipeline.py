@@ -240,26 +240,23 @@ def ordered(
                         future.cancel()
 
 
+@dataclass
 class _Work(Generic[K, T]):
     """Pieces in flight, each with a list for its result."""
 
-    def __init__(
-        self,
-        pool: Executor | None,
-        task: Callable[[K], Callable[[], T] | Future[T]],
-        keep: Pieces[K, T] | None,
-        progress: Counted | None,
-        size: Callable[[K], int],
-        in_order: bool,
-        lost: Callable[[K, Exception], T] | None,
-    ) -> None:
-        self.pool, self.task, self.keep = pool, task, keep
-        self.progress, self.size = progress, size
-        self.in_order, self.lost = in_order, lost
-        self.flight = 0
-        self.queue: deque[tuple[K, list[T]]] = deque()
-        self.unfinished: dict[Future[T], tuple[K, list[T]]] = {}
-        self.ended: SimpleQueue[Future[T]] = SimpleQueue()
+    pool: Executor | None
+    task: Callable[[K], Callable[[], T] | Future[T]]
+    keep: Pieces[K, T] | None
+    progress: Counted | None
+    size: Callable[[K], int]
+    in_order: bool
+    lost: Callable[[K, Exception], T] | None
+    flight: int = 0
+    """Pieces that were begun and not taken."""
+    queue: deque[tuple[K, list[T]]] = field(default_factory=deque)
+    """Pieces to take, in order; without an order those that have a result."""
+    unfinished: dict[Future[T], tuple[K, list[T]]] = field(default_factory=dict)
+    ended: SimpleQueue[Future[T]] = field(default_factory=SimpleQueue)
 
     def begin(self, key: K) -> None:
         """Fetch a stored piece, or send its work."""
