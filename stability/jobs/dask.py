@@ -178,16 +178,6 @@ address of a scheduler such as tcp://127.0.0.1:8786, or a concurrent.futures.Exe
 def workers_of(name: str, workers: int | None = None) -> int:
     """Number of workers of an engine, none of which is started.
 
-    Parameters
-    ----------
-    name, workers
-        As for `engine`; a running scheduler is asked.
-
-    Raises
-    ------
-    StabilityError
-        As for `engine`.
-
     Examples
     --------
     >>> workers_of("dask", 3)

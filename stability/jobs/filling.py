@@ -145,15 +145,7 @@ def fill(
 
 @contextmanager
 def kept_on_stop(store: Store, count: Counted) -> Iterator[None]:
-    """Say on Ctrl-C how many cells are kept, those of workers that have ended meanwhile too.
-
-    Parameters
-    ----------
-    store
-        The store; one in memory keeps nothing.
-    count
-        Count of its cells.
-    """
+    """Say on Ctrl-C how many cells are kept, those of workers that have ended meanwhile too."""
     if store.folder is None:
         yield
         return

@@ -60,13 +60,6 @@ _THREAD = threading.local()
 class Counted:
     """A progress function and its count, which never falls.
 
-    Parameters
-    ----------
-    progress
-        Called with (done, total), or None.
-    total
-        The last count.
-
     Examples
     --------
     >>> counted = Counted(lambda done, total: print(done, "of", total), 5)
@@ -85,22 +78,7 @@ class Counted:
 
 
 def check_run(workers: Any, progress: Any, executor: Any = None) -> None:
-    """Refuse an invalid number of workers, progress function or executor.
-
-    Parameters
-    ----------
-    workers
-        A whole number of at least 1, or None.
-    progress
-        A function of two numbers, or None.
-    executor
-        An executor of `concurrent.futures`, or None.
-
-    Raises
-    ------
-    ParameterError
-        With the value.
-    """
+    """Refuse an invalid number of workers, progress function or executor."""
     if workers is not None:
         whole_number("workers", workers, most=MOST_WORKERS)
     callback(progress)
@@ -118,19 +96,7 @@ def resumable(
 ) -> Iterator[None]:
     """Say where the finished work is, and how to continue, when a job is interrupted.
 
-    Parameters
-    ----------
-    folder
-        Folder of the finished work.
-    count
-        Count of the finished work, or None.
-    said, then
-        Words before the folder, and at the end of the sentence.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        With one sentence.
+    `said` stands before the folder, and `then` at the end of the sentence.
     """
     try:
         yield

@@ -70,15 +70,7 @@ def content_of(path: Path) -> bytes | None:
 
 
 def sealed_head(head: bytes, files: Mapping[str, bytes]) -> bytes:
-    """Metadata of a store with the checksums of its files that are no chunks, and of itself.
-
-    Parameters
-    ----------
-    head
-        The metadata, as Zarr writes them.
-    files
-        Content of the files by name.
-    """
+    """Metadata of a store with the checksums of its files that are no chunks, and of itself."""
     record = json.loads(head)
     sums = {name: digest_of(content) for name, content in sorted(files.items())}
     record["attributes"][FILES] = json.dumps(sums)
@@ -151,22 +143,7 @@ class Seals:
             return sum(n.startswith("whole.") for n in os.listdir(self.folder / self.marker))
 
     def checked(self, name: str, content: bytes | None, *, complete: bool) -> bytes | None:
-        """Content of a file of the store, or None where its chunk is not there.
-
-        Parameters
-        ----------
-        name
-            Name of the file in the store.
-        content
-            What was read.
-        complete
-            Whether every chunk must be there.
-
-        Raises
-        ------
-        FileError
-            If the file is damaged, or missing from a chunk that is there.
-        """
+        """Content of a file of the store, or None where its chunk is not there."""
         found = CHUNK.fullmatch(name)
         if found is None:
             return content
@@ -231,12 +208,7 @@ def _checking_store(seals: Seals, complete: bool) -> Any:  # noqa: FBT001
 def dataset_of(seals: Seals, *, complete: bool = False) -> xarray.Dataset:
     """The dataset of a store, read when it is used; each chunk is checked as it is read.
 
-    Parameters
-    ----------
-    seals
-        Records of its chunks.
-    complete
-        Whether every chunk must be there; otherwise those that are not hold fill values.
+    Chunks that are not there are refused if it must be complete, and hold fill values otherwise.
     """
     import xarray
 
