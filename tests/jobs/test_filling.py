@@ -188,7 +188,7 @@ def killed(self, content):
     write_bytes(self, content[:10])
     os.kill(os.getpid(), signal.SIGKILL)
 
-write_bytes, write_chunk, ChunkFiles.write = Path.write_bytes, ChunkFiles.write, write
+write_bytes, write_chunk, ChunkFiles.add = Path.write_bytes, ChunkFiles.add, write
 if __name__ == "__main__":
     found = c.run("processes", 0.0)
     print(found.ended, found.lost, found.computed)
