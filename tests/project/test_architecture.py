@@ -26,6 +26,7 @@ CHANGES = (
     "table",
     "command",
     "hard case",
+    "format of datasets",
     "output format",
     "eigenvalue backend",
 )
