@@ -164,17 +164,7 @@ def figures(
     executor: Executor | None,
     keep: Pieces[Job, T] | None = None,
 ) -> dict[Job, T]:
-    """Draw the figures of an atlas, each job in a process.
-
-    Parameters
-    ----------
-    jobs, task, keep
-        As for `stability.jobs.pipeline.ordered`.
-    counted
-        Count of the jobs.
-    workers, executor
-        As for `atlas`.
-    """
+    """Draw the figures of an atlas, each job in a process."""
     counted.add(0)
     with closing(
         ordered(
@@ -348,16 +338,8 @@ def _lines(spectra: Any) -> str:
 def zeros_of_rates(spectra: Any) -> list[float]:
     """Where a growth rate of a sweep of `at` passes through zero, to the last digits of a double.
 
-    Parameters
-    ----------
-    spectra
-        Spectrum of a disk along `at`, fine enough to part the zeros.
-
-    Returns
-    -------
-    list of float
-        Rising; each is a zero of the constant term or of the Hurwitz determinant, whose signs at
-        its neighbours are proved.
+    The sweep is fine enough to part the zeros.  Each is one of the constant term or of the Hurwitz
+    determinant, whose signs at its neighbours are proved.
     """
     from ..boundary.brackets import AxisScan, zeros
     from ..figures.modes import changes_of_sign, crossings, swept, tracked

@@ -211,18 +211,7 @@ def _figure(picture: Picture, diagram: bool, draft: bool = False) -> str:
 
 
 def summary(page: Path) -> dict[str, Any]:
-    """Contents of an atlas, for JSON.
-
-    Parameters
-    ----------
-    page
-        Path of `index.html` of the atlas.
-
-    Returns
-    -------
-    dict
-        `page`, and in `files` the number of files by suffix.
-    """
+    """Contents of an atlas, for JSON."""
     names = sorted(p.name for p in page.parent.iterdir())
     kinds = {s: sum(n.endswith(s) for n in names) for s in (".png", ".pdf", ".nc", ".csv")}
     out: dict[str, Any] = json.loads(json.dumps({"page": str(page), "files": kinds}))

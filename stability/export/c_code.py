@@ -146,17 +146,7 @@ def c_code(
 
 
 def dense(subject: Any, name: str | None = None) -> ca.Function:
-    """A function with dense inputs and outputs of a subject.
-
-    Parameters
-    ----------
-    subject, name
-        As in `c_code`.
-
-    Returns
-    -------
-    casadi.Function
-    """
+    """A function with dense inputs and outputs of a subject."""
     if isinstance(subject, Family):
         subject = subject.system
     if isinstance(subject, NumericSystem):
@@ -181,11 +171,6 @@ def dense(subject: Any, name: str | None = None) -> ca.Function:
 def c_name(text: str) -> str:
     """A name as one of C.
 
-    Parameters
-    ----------
-    text
-        Any name.
-
     Examples
     --------
     >>> c_name("disk, viscous")
@@ -196,13 +181,7 @@ def c_name(text: str) -> str:
 
 
 def generated(function: ca.Function) -> tuple[str, str]:
-    """C source and header of a function.
-
-    Parameters
-    ----------
-    function
-        The function.
-    """
+    """C source and header of a function."""
     generator = ca.CodeGenerator(f"{function.name()}.c", {"with_header": True})
     generator.add(function)
     name = function.name()
@@ -277,27 +256,7 @@ def _points(function: ca.Function, points: int) -> tuple[Floats, Floats]:
 
 
 def write_folder(out: str | Path, files: Mapping[str, str], *, overwrite: bool) -> Path:
-    """Write texts into a folder, which is made if needed; all of them or none.
-
-    Parameters
-    ----------
-    out
-        The folder.
-    files
-        Texts by the names of their files.
-    overwrite
-        Whether existing files may be replaced.
-
-    Returns
-    -------
-    Path
-        The folder.
-
-    Raises
-    ------
-    FileError
-        If a file exists, or the folder cannot be written.
-    """
+    """Write texts into a folder, which is made if needed; all of them or none."""
     folder = place(out)
     if folder.exists() and not folder.is_dir():
         raise FileError(f"{path_text(folder)} is a file; give a folder.")

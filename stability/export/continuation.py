@@ -329,11 +329,6 @@ def auto_input(
 def places(count: int) -> list[int]:
     """Place of each parameter in PAR, counted from 1, without those that AUTO uses itself.
 
-    Parameters
-    ----------
-    count
-        Number of parameters.
-
     Examples
     --------
     >>> places(11)

@@ -241,13 +241,6 @@ def _power(symbol: str, n: int) -> str:
 def polynomial(p: Polynomial, names: Mapping[str, str]) -> str:
     r"""A polynomial in LaTeX, its highest terms first, broken into lines of an `align*`.
 
-    Parameters
-    ----------
-    p
-        The polynomial.
-    names
-        Symbol of each variable.
-
     Examples
     --------
     >>> p = Polynomial(("k", "z"), ((2, (1, 1)), (-1, (0, 0))))
@@ -330,23 +323,12 @@ class Node:
 
 
 def node(value: Any) -> Node:
-    """A number as a node; a node as it is.
-
-    Parameters
-    ----------
-    value
-        A number or a node.
-    """
+    """A number as a node; a node as it is."""
     return value if isinstance(value, Node) else Node("number", text=number(float(value)))
 
 
 def number(value: float) -> str:
     r"""A double in LaTeX, with the digits that give it back.
-
-    Parameters
-    ----------
-    value
-        A finite double.
 
     Examples
     --------
@@ -396,13 +378,7 @@ class Sheet:
     _done: dict[int, tuple[str, int]] = field(default_factory=dict)
 
     def typeset(self, values: Sequence[Any]) -> list[str]:
-        """Expressions of values, after those lines that they need.
-
-        Parameters
-        ----------
-        values
-            Nodes or numbers.
-        """
+        """Expressions of values, after those lines that they need."""
         nodes = [node(v) for v in values]
         order = _ordered(nodes)
         for one in order:
@@ -502,11 +478,6 @@ FUNCTIONS = ("sin", "cos", "tan", "exp", "log", "sinh", "cosh", "tanh")
 def symbols(names: Iterable[str]) -> dict[str, str]:
     r"""A symbol for each name; two names never share one.
 
-    Parameters
-    ----------
-    names
-        Names of states, parameters and unknowns.
-
     Examples
     --------
     >>> symbols(["theta", "x_1", "speed", "sin(theta)"])["sin(theta)"]
@@ -525,11 +496,6 @@ def symbols(names: Iterable[str]) -> dict[str, str]:
 
 def symbol(name: str) -> str:
     r"""One name in mathematics of LaTeX.
-
-    Parameters
-    ----------
-    name
-        Name such as `phi_dot`, `x_1` or `sqrt(b)`.
 
     Examples
     --------

@@ -87,7 +87,7 @@ def engine(name: str, workers: int | None = None) -> Iterator[tuple[Executor, in
         with _cluster(count) as found:
             yield found
     else:
-        with _client(name) as client, _scheduled(client) as executor:
+        with _client(name) as client, _Scheduled(client) as executor:
             yield executor, _workers(client, name)
 
 
@@ -178,16 +178,6 @@ address of a scheduler such as tcp://127.0.0.1:8786, or a concurrent.futures.Exe
 def workers_of(name: str, workers: int | None = None) -> int:
     """Number of workers of an engine, none of which is started.
 
-    Parameters
-    ----------
-    name, workers
-        As for `engine`; a running scheduler is asked.
-
-    Raises
-    ------
-    StabilityError
-        As for `engine`.
-
     Examples
     --------
     >>> workers_of("dask", 3)
@@ -223,7 +213,7 @@ class _Scheduled(Executor):
     The executor of `distributed` never answers for a piece whose result was lost with its worker.
     """
 
-    def __init__(self, client: Any, revive: Callable[[], object]) -> None:
+    def __init__(self, client: Any, revive: Callable[[], object] = lambda: None) -> None:
         self._client, self._revive = client, revive
         self._futures: WeakSet[Future[Any]] = WeakSet()
         self._ended = threading.Event()
@@ -239,10 +229,11 @@ class _Scheduled(Executor):
         sent.add_done_callback(partial(_passed_on, future))
         return future
 
-    def close(self) -> None:
+    def shutdown(self, wait: bool = True, **_: Any) -> None:
         """End the watch."""
         self._ended.set()
-        self._thread.join()
+        if wait:
+            self._thread.join()
 
     def _watch(self) -> None:
         seen = time.monotonic()
@@ -273,19 +264,6 @@ def _passed_on(future: Future[Any], sent: Any) -> None:
         return
     with suppress(InvalidStateError):  # cancelled meanwhile
         future.set_result(result)
-
-
-def _nothing() -> None:
-    pass
-
-
-@contextmanager
-def _scheduled(client: Any, revive: Callable[[], object] = _nothing) -> Iterator[Executor]:
-    executor = _Scheduled(client, revive)
-    try:
-        yield executor
-    finally:
-        executor.close()
 
 
 class _Workers:
@@ -345,7 +323,7 @@ def _cluster(workers: int) -> Iterator[tuple[Any, int]]:
     ):  # fmt: skip
         own = _Workers(cluster.scheduler_address, workers)
         try:
-            with _scheduled(client, own.revive) as executor:
+            with _Scheduled(client, own.revive) as executor:
                 client.wait_for_workers(workers, timeout=ABANDONED)
                 yield executor, workers
         except distributed.TimeoutError:

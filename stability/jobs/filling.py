@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from contextlib import closing, contextmanager, nullcontext
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -29,18 +30,11 @@ MOST_ENDED = 1000
 """Workers that may end in a run: more is no accident of single cells."""
 
 
-class Work(Protocol):
-    """Work of a chunk; picklable where the workers are processes."""
-
-    def __call__(self, block: Block, part: slice, /) -> Arrays:
-        """Arrays of a part of the chunk's cells, in row-major order; normally of all."""
-
-
-class Blank(Protocol):
-    """Arrays for cells without a result."""
-
-    def __call__(self, count: int, /) -> Arrays:
-        """Arrays of this many cells."""
+Work = Callable[[Block, slice], Arrays]
+"""Arrays of a part of a chunk's cells, in row-major order, normally of all; picklable where the
+workers are processes."""
+Blank = Callable[[int], Arrays]
+"""Arrays of this many cells without a result."""
 
 
 @dataclass(frozen=True)
@@ -145,15 +139,7 @@ def fill(
 
 @contextmanager
 def kept_on_stop(store: Store, count: Counted) -> Iterator[None]:
-    """Say on Ctrl-C how many cells are kept, those of workers that have ended meanwhile too.
-
-    Parameters
-    ----------
-    store
-        The store; one in memory keeps nothing.
-    count
-        Count of its cells.
-    """
+    """Say on Ctrl-C how many cells are kept, those of workers that have ended meanwhile too."""
     if store.folder is None:
         yield
         return
@@ -176,35 +162,15 @@ class _Done:
     """Its arrays, where the driver writes them."""
 
 
-@dataclass(frozen=True)
-class _Chunk:
-    """One chunk for a worker."""
-
-    work: Work
-    writer: Writer | None
-    block: Block
-    cells: int
-
-    def __call__(self) -> _Done:
-        begin = time.perf_counter()
-        if self.writer is not None and self.writer.done(self.block):  # of another run
-            return _Done(0.0, None)
-        arrays = self.work(self.block, slice(0, self.cells))
-        if self.writer is not None:
-            self.writer.add(self.block, arrays)
-        return _Done(time.perf_counter() - begin, arrays if self.writer is None else None)
-
-
-@dataclass(frozen=True)
-class _Part:
-    """Cells of a chunk for a worker."""
-
-    work: Work
-    block: Block
-    part: slice
-
-    def __call__(self) -> _Done:
-        return _Done(0.0, self.work(self.block, self.part))
+def _compute(work: Work, writer: Writer | None, block: Block, part: slice) -> _Done:
+    """Cells of a chunk, which a worker with a writer writes too: then all of them."""
+    begin = time.perf_counter()
+    if writer is not None and writer.done(block):  # of another run
+        return _Done(0.0, None)
+    arrays = work(block, part)
+    if writer is not None:
+        writer.add(block, arrays)
+    return _Done(time.perf_counter() - begin, arrays if writer is None else None)
 
 
 @dataclass
@@ -249,8 +215,11 @@ class _Filling:
             broken=self._broken(),
         )
 
-    def _task(self, block: Block) -> _Chunk:
-        return _Chunk(self.work, self.store.writer, block, self.store.layout.count(block))
+    def _task(self, block: Block) -> Callable[[], _Done]:
+        return partial(_compute, self.work, self.store.writer, block, self._cells(block))
+
+    def _cells(self, block: Block) -> slice:
+        return slice(0, self.store.layout.count(block))
 
     def _alone(self, task: Any) -> _Done | None:
         """A piece of work while nothing else runs."""
@@ -275,7 +244,7 @@ class _Filling:
             if done is not None:
                 self._finish(block, done)
                 return
-        arrays = self._divided(block, slice(0, task.cells))
+        arrays = self._divided(block, self._cells(block))
         self._finish(block, _Done(0.0, arrays))
 
     def _divided(self, block: Block, part: slice) -> Arrays:
@@ -293,7 +262,7 @@ class _Filling:
     def _half(self, block: Block, part: slice) -> Arrays:
         """A half is tried once, a single cell as often as a chunk."""
         for _ in range(self.tries if part.stop - part.start == 1 else 1):
-            done = self._alone(_Part(self.work, block, part))
+            done = self._alone(partial(_compute, self.work, None, block, part))
             if done is not None and done.arrays is not None:
                 return done.arrays
         return self._divided(block, part)

@@ -280,10 +280,6 @@ def _cell(record: dict[str, Any]) -> Cell:
 def fingerprint() -> str:
     """Checksum of what cells depend on: sources of the package, versions and the machine.
 
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> fingerprint() == fingerprint()

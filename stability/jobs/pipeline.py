@@ -60,13 +60,6 @@ _THREAD = threading.local()
 class Counted:
     """A progress function and its count, which never falls.
 
-    Parameters
-    ----------
-    progress
-        Called with (done, total), or None.
-    total
-        The last count.
-
     Examples
     --------
     >>> counted = Counted(lambda done, total: print(done, "of", total), 5)
@@ -85,22 +78,7 @@ class Counted:
 
 
 def check_run(workers: Any, progress: Any, executor: Any = None) -> None:
-    """Refuse an invalid number of workers, progress function or executor.
-
-    Parameters
-    ----------
-    workers
-        A whole number of at least 1, or None.
-    progress
-        A function of two numbers, or None.
-    executor
-        An executor of `concurrent.futures`, or None.
-
-    Raises
-    ------
-    ParameterError
-        With the value.
-    """
+    """Refuse an invalid number of workers, progress function or executor."""
     if workers is not None:
         whole_number("workers", workers, most=MOST_WORKERS)
     callback(progress)
@@ -118,19 +96,7 @@ def resumable(
 ) -> Iterator[None]:
     """Say where the finished work is, and how to continue, when a job is interrupted.
 
-    Parameters
-    ----------
-    folder
-        Folder of the finished work.
-    count
-        Count of the finished work, or None.
-    said, then
-        Words before the folder, and at the end of the sentence.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        With one sentence.
+    `said` stands before the folder, and `then` at the end of the sentence.
     """
     try:
         yield
@@ -240,26 +206,23 @@ def ordered(
                         future.cancel()
 
 
+@dataclass
 class _Work(Generic[K, T]):
     """Pieces in flight, each with a list for its result."""
 
-    def __init__(
-        self,
-        pool: Executor | None,
-        task: Callable[[K], Callable[[], T] | Future[T]],
-        keep: Pieces[K, T] | None,
-        progress: Counted | None,
-        size: Callable[[K], int],
-        in_order: bool,
-        lost: Callable[[K, Exception], T] | None,
-    ) -> None:
-        self.pool, self.task, self.keep = pool, task, keep
-        self.progress, self.size = progress, size
-        self.in_order, self.lost = in_order, lost
-        self.flight = 0
-        self.queue: deque[tuple[K, list[T]]] = deque()
-        self.unfinished: dict[Future[T], tuple[K, list[T]]] = {}
-        self.ended: SimpleQueue[Future[T]] = SimpleQueue()
+    pool: Executor | None
+    task: Callable[[K], Callable[[], T] | Future[T]]
+    keep: Pieces[K, T] | None
+    progress: Counted | None
+    size: Callable[[K], int]
+    in_order: bool
+    lost: Callable[[K, Exception], T] | None
+    flight: int = 0
+    """Pieces that were begun and not taken."""
+    queue: deque[tuple[K, list[T]]] = field(default_factory=deque)
+    """Pieces to take, in order; without an order those that have a result."""
+    unfinished: dict[Future[T], tuple[K, list[T]]] = field(default_factory=dict)
+    ended: SimpleQueue[Future[T]] = field(default_factory=SimpleQueue)
 
     def begin(self, key: K) -> None:
         """Fetch a stored piece, or send its work."""

@@ -41,11 +41,6 @@ def follow(parent: int) -> None:
 
     On Linux the kernel sends the signal, even in the middle of a long call.  On every system a
     thread also looks twice a second.
-
-    Parameters
-    ----------
-    parent
-        Process number of the parent.
     """
     if sys.platform.startswith("linux"):
         with suppress(OSError, AttributeError):
@@ -90,17 +85,7 @@ class WorkerLate(WorkerEnded):
 
 
 def worker_ended(error: BaseException) -> bool:
-    """Whether an error says that a worker ended, while its executor takes more work.
-
-    Parameters
-    ----------
-    error
-        What a future raised: our own, or that of `distributed`, which is not imported for this.
-
-    Returns
-    -------
-    bool
-    """
+    """Whether an error says that a worker ended, while its executor takes more work."""
     kind = type(error)
     return isinstance(error, WorkerEnded) or (
         kind.__name__ == "KilledWorker" and kind.__module__.startswith("distributed")

@@ -1,4 +1,4 @@
-"""Files and folders that are whole, or not there.
+"""Files that are whole, or not there.
 
 Datasets in the format of their ending, finished pieces of work, stores of chunks; checksums, JSON,
 CSV, names of files to write.  May import `base` only.

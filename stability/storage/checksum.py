@@ -20,18 +20,7 @@ NEAR = 2**13
 
 
 def sealed(content: bytes | memoryview, label: str = "") -> bytes:
-    """Content followed by a line with its checksum.
-
-    Parameters
-    ----------
-    content
-        Bytes to protect.
-    label
-        Name of the content, part of the checksum: content of another name does not pass.
-
-    Returns
-    -------
-    bytes
+    """Content followed by a line with its checksum; content of another label does not pass.
 
     Examples
     --------
@@ -44,48 +33,20 @@ def sealed(content: bytes | memoryview, label: str = "") -> bytes:
 
 
 def unsealed(content: bytes, label: str = "") -> bytes | None:
-    """Content without its checksum, or None where it is missing or wrong.
-
-    Parameters
-    ----------
-    content
-        From `sealed`.
-    label
-        Label that `sealed` was given.
-
-    Returns
-    -------
-    bytes or None
-    """
+    """Content without its checksum, or None where it is missing or wrong."""
     body = content[:-LENGTH]
     return body if len(content) >= LENGTH and sealed(body, label) == content else None
 
 
 def seal(path: Path) -> None:
-    """Append a line with its checksum to a file.
-
-    Parameters
-    ----------
-    path
-        The file, which has none yet.
-    """
+    """Append a line with its checksum to a file."""
     digest = _digest(path, path.stat().st_size)
     with path.open("ab") as handle:
         handle.write(_line(digest))
 
 
 def intact(path: Path) -> bool | None:
-    """Whether a file is as it was written; None where it has no checksum.
-
-    Parameters
-    ----------
-    path
-        The file.
-
-    Returns
-    -------
-    bool or None
-    """
+    """Whether a file is as it was written; None where it has no checksum."""
     size = path.stat().st_size
     if size < LENGTH:
         return None

@@ -110,13 +110,6 @@ class Layout:
 def even_chunk(shape: tuple[int, ...], size: int) -> tuple[int, ...]:
     """A chunk of about `size` cells, as even as the axes allow.
 
-    Parameters
-    ----------
-    shape
-        Number of cells along each axis.
-    size
-        Number of cells of a chunk, about.
-
     Examples
     --------
     >>> even_chunk((10, 1000), 400)
@@ -152,20 +145,7 @@ class Variable:
     """Whether it says which cells these are, so that it is a coordinate of the dataset."""
 
     def checked(self, values: Any, cells: int) -> NDArray[Any]:
-        """Values of some cells as an array of the variable.
-
-        Parameters
-        ----------
-        values
-            Shape (cells, *lengths of the further axes).
-        cells
-            Number of cells.
-
-        Raises
-        ------
-        ParameterError
-            If the shape is another, or the type cannot hold the values.
-        """
+        """Values of some cells as an array of the variable."""
         given, shape = np.asarray(values), (cells, *(n for _, n in self.more))
         if given.shape != shape or not np.can_cast(given.dtype, self.dtype, "same_kind"):
             raise ParameterError(
@@ -176,22 +156,7 @@ class Variable:
 
 
 def check_chunk(variables: tuple[Variable, ...], arrays: Arrays, cells: int) -> Arrays:
-    """Arrays of a chunk, checked: every variable, the right shapes, a result in every cell.
-
-    Parameters
-    ----------
-    variables
-        Variables of the store, the marker first.
-    arrays
-        What the work gave.
-    cells
-        Number of cells.
-
-    Raises
-    ------
-    ParameterError
-        If an array is missing or does not fit, or the marker holds its fill value.
-    """
+    """Arrays of a chunk, checked: every variable, the right shapes, a result in every cell."""
     names = [v.name for v in variables]
     if set(arrays) != set(names):
         raise ParameterError(f"the work gave {shown(sorted(arrays))}; it must give {names}.")

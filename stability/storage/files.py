@@ -73,23 +73,12 @@ _named: list[Path] = []
 
 
 def named() -> list[Path]:
-    """The files and folders that this process has written so far, in order.
-
-    Returns
-    -------
-    list of Path
-    """
+    """The files and folders that this process has written so far, in order."""
     return list(_named)
 
 
 def record(path: Path) -> None:
-    """Add a file or folder to those that this process has written.
-
-    Parameters
-    ----------
-    path
-        Path of the file or folder.
-    """
+    """Add a file or folder to those that this process has written."""
     _named.append(path)
 
 

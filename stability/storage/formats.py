@@ -72,7 +72,7 @@ NETCDF = Format(
 ZARR = Format(
     "a Zarr store",
     (".zarr",),
-    read=_deferred("zarr_folder", "opened_store"),
+    read=_deferred("zarr_store", "opened_store"),
     chunks=_deferred("zarr_store", "ZarrStore"),
     check=_deferred("zarr_store", "head_of"),
     package="zarr",

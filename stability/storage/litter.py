@@ -26,15 +26,6 @@ _searched: dict[str, float] = {}
 def temporary(suffix: str = "") -> str:
     """A new name for a temporary file of this process.
 
-    Parameters
-    ----------
-    suffix
-        Ending of the name, which tells writers the format.
-
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> PATTERN.fullmatch(temporary(".nc")) is not None
@@ -46,15 +37,7 @@ def temporary(suffix: str = "") -> str:
 
 
 def clear(folder: Path, *, always: bool = False) -> None:
-    """Remove temporary files of ended processes from a folder; those of live processes stay.
-
-    Parameters
-    ----------
-    folder
-        Folder to search; folders inside are not searched.
-    always
-        Whether to search even if this process searched the folder less than `AGAIN` ago.
-    """
+    """Remove temporary files of ended processes from a folder; those of live processes stay."""
     here, now = str(folder), time.monotonic()
     if not always and now - _searched.get(here, -AGAIN) < AGAIN:
         return

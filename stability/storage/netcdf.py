@@ -54,22 +54,7 @@ def write(dataset: xarray.Dataset, path: Path) -> None:
 
 
 def loaded(source: Path, form: str, what: str, *, lazy: bool) -> xarray.Dataset:
-    """Load a NetCDF file; it is refused before its data are read where it declares too much.
-
-    Parameters
-    ----------
-    source, form, what, lazy
-        As for `opened`.
-
-    Returns
-    -------
-    xarray.Dataset
-
-    Raises
-    ------
-    FileError
-        If the file cannot be read, or is not of that format.
-    """
+    """Load a NetCDF file; it is refused before its data are read where it declares too much."""
     import xarray
 
     try:
@@ -105,26 +90,7 @@ def loaded(source: Path, form: str, what: str, *, lazy: bool) -> xarray.Dataset:
 
 
 def check_sizes(source: Path, *, lazy: bool) -> int:
-    """Compare what the variables declare with what the file holds and with the memory.
-
-    Parameters
-    ----------
-    source
-        The file.
-    lazy
-        Whether the data stay in the file, so that free memory does not matter.
-
-    Returns
-    -------
-    int
-        Bytes of all variables.
-
-    Raises
-    ------
-    FileError
-        If a variable declares more than its part of the file can hold, or all together more than
-        the memory that is free.
-    """
+    """Compare what the variables declare with what the file holds and with the memory."""
     import h5py
 
     total = 0
@@ -172,12 +138,7 @@ def _twice(variable: Any) -> bool:
 
 
 def available() -> int | None:
-    """Bytes of memory that are free for this process; None where the system does not tell.
-
-    Returns
-    -------
-    int or None
-    """
+    """Bytes of memory that are free for this process; None where the system does not tell."""
     with suppress(OSError, ValueError, IndexError):
         for line in Path("/proc/meminfo").read_text(encoding="ascii").splitlines():
             if line.startswith("MemAvailable:"):
@@ -188,28 +149,7 @@ def available() -> int | None:
 def opened(
     path: str | os.PathLike[str], form: str, what: str, *, lazy: bool = False
 ) -> xarray.Dataset:
-    """Open a NetCDF file of this package as a dataset.
-
-    Parameters
-    ----------
-    path
-        File to read.
-    form
-        Required value of the attribute `format`.
-    what
-        Expected content, in words.
-    lazy
-        Whether to leave the data in the file.
-
-    Returns
-    -------
-    xarray.Dataset
-
-    Raises
-    ------
-    FileError
-        If there is no such file, or it is damaged, or not a NetCDF file, or not of that format.
-    """
+    """Open a NetCDF file of this package as a dataset."""
     source = place(path)
     with refusing(source, "read"):
         if not source.is_file():

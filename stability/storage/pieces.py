@@ -178,31 +178,11 @@ class Checkpoint:
                 write_file(note, wanted, result=False)
 
     def done(self, key: int) -> bool:
-        """Whether a chunk is there; it may still be damaged.
-
-        Parameters
-        ----------
-        key
-            First cell of the chunk.
-
-        Returns
-        -------
-        bool
-        """
+        """Whether a chunk is there; it may still be damaged."""
         return self._path(key).is_file()
 
     def get(self, key: int) -> Chunk | None:
-        """A finished chunk, or None where it is missing, damaged or of another map.
-
-        Parameters
-        ----------
-        key
-            First cell of the chunk.
-
-        Returns
-        -------
-        dict of ndarray or None
-        """
+        """A finished chunk, or None where it is missing, damaged or of another map."""
         with suppress(OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
             content = unsealed(self._path(key).read_bytes(), f"{self.label} {key}")
             if content is not None:
@@ -212,15 +192,7 @@ class Checkpoint:
         return None
 
     def add(self, key: int, value: Chunk) -> None:
-        """Write a finished chunk with its checksum.
-
-        Parameters
-        ----------
-        key
-            First cell of the chunk.
-        value
-            Arrays of the chunk by name.
-        """
+        """Write a finished chunk with its checksum."""
         content = io.BytesIO()
         np.savez(content, allow_pickle=False, **value)
         whole = sealed(content.getbuffer(), f"{self.label} {key}")
@@ -231,13 +203,7 @@ class Checkpoint:
 
 
 def remove_parts(folder: str | PathLike[str]) -> None:
-    """Remove the files that `Checkpoint` wrote, and the folder if nothing else is in it.
-
-    Parameters
-    ----------
-    folder
-        The checkpoint folder.
-    """
+    """Remove the files that `Checkpoint` wrote, and the folder if nothing else is in it."""
     where = place(folder)
     with suppress(OSError):
         if not (where / Checkpoint.NAME).is_file():

@@ -25,15 +25,6 @@ OTHER = (".csv", ".json", ".txt", ".md", ".py", ".jpg", ".jpeg", ".webp", ".zip"
 def path_text(path: Any) -> str:
     """A path for a message: one line, its middle left out where it is long.
 
-    Parameters
-    ----------
-    path
-        The path.
-
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> path_text("maps/a.nc")
@@ -43,22 +34,7 @@ def path_text(path: Any) -> str:
 
 
 def place(path: Any) -> Path:
-    """A path from a user's value, refused where it cannot name a file.
-
-    Parameters
-    ----------
-    path
-        A string or a path.
-
-    Returns
-    -------
-    Path
-
-    Raises
-    ------
-    FileError
-        If it is no string or path, or holds NUL or a character that the system cannot write.
-    """
+    """A path from a user's value, refused where it cannot name a file."""
     try:
         found = Path(path)
     except TypeError:
@@ -76,20 +52,7 @@ def place(path: Any) -> Path:
 
 @contextmanager
 def refusing(path: Any, what: str = "written") -> Iterator[None]:
-    """Turn an error of the operating system into a sentence about a path.
-
-    Parameters
-    ----------
-    path
-        The path.
-    what
-        The action that fails, as a participle: written, read or used.
-
-    Raises
-    ------
-    FileError
-        With the system's reason.
-    """
+    """Turn an error of the operating system into a sentence: a path cannot be `what`, and why."""
     try:
         yield
     except OSError as error:
@@ -99,24 +62,6 @@ def refusing(path: Any, what: str = "written") -> Iterator[None]:
 
 def check_suffix(path: Any, endings: Sequence[str], option: str = "") -> Path:
     """A path with an ending that fits the content.
-
-    Parameters
-    ----------
-    path
-        The file to write.
-    endings
-        Endings that are accepted, lower case, the usual one first.
-    option
-        Name of the path's option on the command line, or empty.
-
-    Returns
-    -------
-    Path
-
-    Raises
-    ------
-    FileError
-        If the path has another ending.
 
     Examples
     --------
@@ -131,24 +76,7 @@ def check_suffix(path: Any, endings: Sequence[str], option: str = "") -> Path:
 
 
 def check_target(path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
-    """Check that a file can be written, and resolve links; nothing is created.
-
-    Parameters
-    ----------
-    path
-        The file to write.
-    overwrite
-        Whether an existing file may be replaced.
-
-    Returns
-    -------
-    Path
-
-    Raises
-    ------
-    FileError
-        If it exists, is a folder, or its folder is missing or not writable.
-    """
+    """Check that a file can be written, and resolve links; nothing is created."""
     from ..base.checks import flag  # here, so that a command starts without NumPy
 
     overwrite = flag("overwrite", overwrite)
@@ -183,25 +111,7 @@ def check_target(path: str | os.PathLike[str], *, overwrite: bool = False) -> Pa
 
 
 def check_folder(path: str | os.PathLike[str], *, empty: bool = False) -> Path:
-    """Check that a folder can be created or written into; nothing is created, litter is removed.
-
-    Parameters
-    ----------
-    path
-        The folder.
-    empty
-        Whether a folder with files is refused.
-
-    Returns
-    -------
-    Path
-
-    Raises
-    ------
-    FileError
-        If it is a file or named like one, holds files where none may be, or its place is missing
-        or not writable.
-    """
+    """Check that a folder can be created or written into; nothing is created, litter is removed."""
     target = place(path)
     with refusing(target):
         if target.is_symlink() and not target.is_dir():

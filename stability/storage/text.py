@@ -18,15 +18,6 @@ NUMBER = "number"
 def strict(value: Any) -> Any:
     """A value in the types of JSON; a number that is not finite is None.
 
-    Parameters
-    ----------
-    value
-        Numbers, texts, NumPy scalars and arrays, mappings and sequences of these.
-
-    Returns
-    -------
-    object
-
     Examples
     --------
     >>> strict({"mu": [0.5, float("inf")]})
@@ -48,15 +39,6 @@ def strict(value: Any) -> Any:
 def json_text(record: Any) -> str:
     """A record as strict JSON.
 
-    Parameters
-    ----------
-    record
-        Record to print.
-
-    Returns
-    -------
-    str
-
     Examples
     --------
     >>> print(json_text({"mu_high": float("inf")}))
@@ -69,15 +51,6 @@ def json_text(record: Any) -> str:
 
 def marked(value: Any) -> Any:
     """A value for a file that is read again: a number that is not finite as `{"number": "inf"}`.
-
-    Parameters
-    ----------
-    value
-        Numbers, texts, mappings and sequences of these.
-
-    Returns
-    -------
-    object
 
     Examples
     --------
@@ -95,34 +68,12 @@ def marked(value: Any) -> Any:
 
 
 def unmarked(found: dict[str, Any]) -> Any:
-    """Decode an object of `marked`; for `object_hook` of `json.loads`.
-
-    Parameters
-    ----------
-    found
-        An object of JSON.
-
-    Returns
-    -------
-    object
-    """
+    """Decode an object of `marked`; for `object_hook` of `json.loads`."""
     return float(found[NUMBER]) if found.keys() == {NUMBER} else found
 
 
 def csv_text(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     """A table as CSV; an empty cell is a value that does not exist.
-
-    Parameters
-    ----------
-    header
-        Names of the columns.
-    rows
-        Values of each row, in the order of the columns; None for one that does not exist.  A float
-        has its shortest exact digits.
-
-    Returns
-    -------
-    str
 
     Examples
     --------

@@ -16,7 +16,7 @@ from chunk_work import LAYOUT, tree, values
 from damage import damage
 
 import stability as st
-from stability.storage.zarr_folder import FILES, HEAD, ITSELF, plain_json
+from stability.storage.zarr_store import FILES, HEAD, ITSELF, plain_json
 
 SEED = int(os.environ.get("STABILITY_SEED", "20261128"))
 AXES: dict[str, Any] = {"x": ("at", 0.5, 4, 24), "y": ("mu", 0.1, 2, 12)}
@@ -188,7 +188,7 @@ def test_a_store_of_an_earlier_version_is_read_with_a_sentence(tmp_path: Path) -
     """As they were: no records of chunks, no checksums in the head."""
     import json
 
-    from stability.storage.zarr_folder import PRINT, QUESTION, fingerprint_of
+    from stability.storage.zarr_store import PRINT, QUESTION, fingerprint_of
 
     folder = st.stream_map("rolling", **AXES, out=tmp_path / "map.zarr")
     right = st.read_map(folder)

@@ -39,7 +39,7 @@ from kills import MARK, alive, soon
 import stability as st
 from stability.jobs.dask import engine
 from stability.jobs.filling import fill
-from stability.jobs.pipeline import here, threads
+from stability.jobs.pipeline import Pool, here, threads
 from stability.jobs.processes import processes
 from stability.storage.chunks import Layout, Memory
 
@@ -188,7 +188,7 @@ def killed(self, content):
     write_bytes(self, content[:10])
     os.kill(os.getpid(), signal.SIGKILL)
 
-write_bytes, write_chunk, ChunkFiles.write = Path.write_bytes, ChunkFiles.write, write
+write_bytes, write_chunk, ChunkFiles.add = Path.write_bytes, ChunkFiles.add, write
 if __name__ == "__main__":
     found = c.run("processes", 0.0)
     print(found.ended, found.lost, found.computed)
@@ -345,7 +345,8 @@ def test_an_error_of_the_work_is_the_callers_and_what_is_done_is_kept(tmp_path: 
 @pytest.mark.parametrize("kind", ["own threads", "here", "processes"])
 def test_ctrl_c_keeps_every_finished_cell_and_says_where(kind: str, tmp_path: Path) -> None:
     log = tmp_path / "log"
-    own = {"here": here, "processes": processes}.get(kind, threads)
+    kinds: dict[str, Pool] = {"here": here, "processes": processes}
+    own = kinds.get(kind, threads)
 
     def stop(finished: int, _: int) -> None:
         if finished > 30:

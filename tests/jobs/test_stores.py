@@ -18,8 +18,7 @@ from chunk_work import ATTRS, COORDS, LAYOUT, VARIABLES, store, tree, undisturbe
 import stability as st
 from stability.storage.chunks import Layout, Memory, Variable
 from stability.storage.files import write_file
-from stability.storage.zarr_folder import FORMAT
-from stability.storage.zarr_store import ZarrStore, file_name
+from stability.storage.zarr_store import FORMAT, ZarrStore, file_name
 
 ALL = values(np.arange(90))
 TOOLS = Path(chunk_work.__file__).parent
@@ -217,7 +216,7 @@ def test_another_version_of_the_format_is_another_question(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     store(tmp_path / "a.zarr")
-    monkeypatch.setattr("stability.storage.zarr_folder.FORMAT", FORMAT + 1)
+    monkeypatch.setattr("stability.storage.zarr_store.FORMAT", FORMAT + 1)
     with pytest.raises(st.StabilityError, match="format: "):
         store(tmp_path / "a.zarr")
 

@@ -28,6 +28,7 @@ CHANGES = (
     "table",
     "command",
     "hard case",
+    "format of datasets",
     "output format",
     "eigenvalue backend",
 )
