@@ -1,13 +1,10 @@
-"""Motions as NetCDF files; outcome and finiteness of a motion."""
+"""Motions as NetCDF files."""
 
 from __future__ import annotations
 
-import math
 import os
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from ..base.errors import FileError
 from .dataset import FORMAT
@@ -99,24 +96,3 @@ def read_motion(path: str | os.PathLike[str]) -> xarray.Dataset:
     from ..storage.netcdf import opened
 
     return opened(path, FORMAT, "a motion")
-
-
-def is_finite(dataset: xarray.Dataset) -> bool:
-    """Whether every number of a motion is finite, which `simulate` promises.
-
-    Estimates of errors are left out: they are infinite where the final state is unknown.
-
-    Parameters
-    ----------
-    dataset
-        Dataset from `simulate`.
-
-    Returns
-    -------
-    bool
-    """
-    return all(
-        bool(np.isfinite(v.values).all())
-        for name, v in dataset.variables.items()
-        if v.dtype.kind == "f" and name not in ("final_error", "end_time_error")
-    ) and math.isfinite(float(dataset.attrs["tolerance"]))
