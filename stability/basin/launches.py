@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -51,7 +51,7 @@ class Steady:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Launches:
+class Launches(ABC):
     """Launches of one body or system: some numbers vary, all others have one value."""
 
     varied: tuple[str, ...]

@@ -183,6 +183,8 @@ class Disk(Record):
 
     def having(self, numbers: Mapping[str, Any]) -> Disk:
         """The same disk with other values of some of its numbers, by name."""
+        for name in numbers:
+            known("number of the disk", name, self.given)
         return replace(self, **numbers)
 
     @property

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -31,7 +31,7 @@ Unfit = dict[int, str]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Subject:
+class Subject(ABC):
     """What moves, as the datasets of its motions tell of it.
 
     Who checks the launches builds it, for a body or for a user's system; all others read it.
