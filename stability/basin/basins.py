@@ -61,8 +61,6 @@ if TYPE_CHECKING:
 TILE, LARGE, PIECES = 4096, 16384, 64
 """Launches of a chunk, about: at least, at most, and so that a map has this many chunks.  The last
 launches of a chunk run alone, so that large ones cost less."""
-LEAST = 512
-"""Fewest launches of a chunk: fewer would leave lanes idle."""
 MOST_LEVELS = 20
 """Most halvings of a map's steps."""
 MOST = 1_000_000_000
