@@ -377,12 +377,14 @@ def _family(body: Disk | Body, family: Any, theta: Any, pole: Any) -> tuple[str,
         if pole is not None:
             raise ParameterError("pole belongs to the family vertical; name the family.")
         return "", {}
-    single = isinstance(body, Body)  # whose members have formulas wherever one number names them
-    lines = [n for n, one in FAMILIES.items() if (len(one.at) == 1 if single else one.line)]
+    outline = body if isinstance(body, Body) else None  # whose members all have formulas
+    lines = [
+        n for n, one in FAMILIES.items() if (len(one.at) == 1 if outline is not None else one.line)
+    ]
     if name not in lines:
         raise NameUnknownError(f"family is {shown(family)}; give one of {', '.join(lines)}.")
-    if isinstance(body, Body):
-        place_of(body, name, theta, pole)
+    if outline is not None:
+        place_of(outline, name, theta, pole)
     elif where:
         raise ParameterError(
             f"{next(iter(where))} belongs to a stability.Body; leave it out for a disk."

@@ -195,8 +195,9 @@ def _gathered(
     pose: bool,
     mark: bool,
 ) -> Starts:
-    disk, law = isinstance(body, Disk), type(contact)
+    law = type(contact)
     outline: RoundShape = unit_disk() if isinstance(body, Disk) else body
+    disk = outline is unit_disk()
     against = _acting(outline, contact, resistance)
     every = outline, law, law.symbols(), tuple(type(r) for r in against)
     settling = body_settling(*every)
