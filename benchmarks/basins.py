@@ -41,10 +41,19 @@ BODIES = {"uniform disk": 0.25, "annulus": 0.4, "hoop": 0.5}
 def launches(family: str, k: float, count: int, seed: int, horizon: float) -> Starts:
     """Random launches of the scene: angular velocity 0.3 to 4, tilt 0 to 0.6."""
     own = SCENES[family]
-    asked = prepare(st.Disk(k=k), "viscous", (own, "tilt"), {}, family, (), {"mu": MU})
+    asked = prepare(
+        st.Disk(k=k),
+        "viscous",
+        (own, "tilt"),
+        {},
+        horizon,
+        Settings(),
+        family=family,
+        parameters={"mu": MU},
+    )
     rng = np.random.default_rng(seed)
     points = {own: rng.uniform(0.3, 4, count), "tilt": rng.uniform(0, 0.6, count)}
-    return asked.starts(points, horizon)
+    return asked.starts(points)
 
 
 def raw(some: Starts, tolerance: float, most: int, *, short: bool = False) -> float:
@@ -101,8 +110,8 @@ def reference(count: int, repeats: int) -> None:
     rng = np.random.default_rng(7)
     start = st.launch("rolling", at=1.2) + rng.uniform(-0.01, 0.01, (count, 6))
     names = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
-    asked = prepare(None, "viscous", names, {}, "", (), {"mu": MU})
-    some = asked.starts(dict(zip(names, start.T, strict=True)), 100.0)
+    asked = prepare(st.Disk(), "viscous", names, {}, 100.0, Settings(), parameters={"mu": MU})
+    some = asked.starts(dict(zip(names, start.T, strict=True)))
     shares = []
     outcomes(some, Settings(check=False))
     for _ in range(repeats):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
@@ -51,7 +51,7 @@ from .dataset import (
 )
 from .launch_labels import LaunchLabels
 from .launches import Launches, Steady, prepare
-from .outcomes import last_time, outcomes
+from .outcomes import outcomes
 from .refinement import refine
 from .statistics.samples import DistributionLike, Independent, check_distribution, sample
 
@@ -62,8 +62,6 @@ if TYPE_CHECKING:
 TILE, LARGE, PIECES = 4096, 16384, 64
 """Launches of a chunk, about: at least, at most, and so that a map has this many chunks.  The last
 launches of a chunk run alone, so that large ones cost less."""
-LEAST = 512
-"""Fewest launches of a chunk: fewer would leave lanes idle."""
 MOST_LEVELS = 20
 """Most halvings of a map's steps."""
 MOST = 1_000_000_000
@@ -80,10 +78,6 @@ class Plan:
 
     launches: Launches
     """What is launched."""
-    horizon: float
-    """Last time."""
-    settings: Settings
-    """Settings of the runs."""
     layout: Layout
     """The grid of chunks."""
     axes: tuple[Axis, ...] = ()
@@ -123,21 +117,15 @@ class Plan:
 
     def starts(self, block: Block, part: slice) -> Starts:
         """The launches of a part of a chunk, checked."""
-        return self.launches.starts(self.points(block, part), self.horizon)
+        return self.launches.starts(self.points(block, part))
 
 
-@dataclass(frozen=True)
-class _Work:
-    """Work of a chunk, for any thread or process."""
-
-    plan: Any
-    """Function that gives this worker's copy of the plan."""
-
-    def __call__(self, block: Block, part: slice) -> Arrays:
-        plan: Plan = self.plan()
-        launches = plan.starts(block, part)
-        found = arrays(outcomes(launches, plan.settings), launches)
-        return found | (plan.points(block, part) if plan.distribution is not None else {})
+def _work(shared_plan: Callable[[], Plan], block: Block, part: slice) -> Arrays:
+    """The arrays of a part of a chunk, for any thread or process."""
+    plan = shared_plan()
+    launches = plan.starts(block, part)
+    found = arrays(outcomes(launches, plan.launches.settings), launches)
+    return found | (plan.points(block, part) if plan.distribution is not None else {})
 
 
 def basins(
@@ -295,11 +283,7 @@ def planned(*given: Any, **named: Any) -> Plan:
 
 def _plan(asked: SimpleNamespace) -> Plan:
     """The plan of a call of `basins`, whose arguments are checked here."""
-    thing, family, distribution = moving(asked.disk, asked.body), asked.family, asked.distribution
-    runs = "tolerance", "check", "settle", "flat", "max_steps", "max_seconds"
-    settings = Settings(**{n: getattr(asked, n) for n in runs})
-    settings.refuse()
-    last = last_time(asked.horizon)
+    mover, family, distribution = moving(asked.disk, asked.body), asked.family, asked.distribution
     axes: tuple[Axis, ...] = ()
     if distribution is None:
         axes = _axes(asked.x, asked.y, asked.more, family)
@@ -319,24 +303,27 @@ def _plan(asked: SimpleNamespace) -> Plan:
     held = asked.held
     if isinstance(held, Mapping):
         held = {_named(n, family): v for n, v in held.items()}
+    runs = "tolerance", "check", "settle", "flat", "max_steps", "max_seconds"
     launches = prepare(
-        thing,
+        mover,
         asked.contact,
         names,
         held,
-        family,
-        asked.families,
-        dict(asked.parameters),
-        asked.theta,
-        asked.pole,
+        asked.horizon,
+        Settings(**{n: getattr(asked, n) for n in runs}),
+        family=family,
+        families=asked.families,
+        parameters=asked.parameters,
+        theta=asked.theta,
+        pole=asked.pole,
     )
     size = min(max(TILE, math.prod(shape) // PIECES), LARGE)
     size = size if asked.chunk is None else whole_number("chunk", asked.chunk, most=MOST)
     seed = whole_number("seed", asked.seed, least=0)
     layout = Layout(names if axes else ("launch",), shape, even_chunk(shape, size))
     if axes:
-        launches.check_edges(axes, last)
-    return Plan(launches, last, settings, layout, axes, distribution, seed)
+        launches.check_edges(axes)
+    return Plan(launches, layout, axes, distribution, seed)
 
 
 def _axes(x: Any, y: Any, more: Sequence[Any], family: str) -> tuple[Axis, ...]:
@@ -387,7 +374,7 @@ def run(
     with ExitStack() as stack:
         with kept_on_stop(kept, Counted(None, plan.layout.total)):  # workers may take seconds
             pool, number = stack.enter_context(pool_of(executor, workers))
-            work = _Work(shared(plan, pool))
+            work = partial(_work, shared(plan, pool))
         told = progress and (lambda done, total: progress(done, total + later))
         fill(
             kept,
@@ -400,7 +387,7 @@ def run(
         if levels:
             axes = plan.axes[1], plan.axes[0]
             order = replace(plan.launches, varied=tuple(a.name for a in axes))
-            labels = LaunchLabels(order, plan.horizon, plan.settings)
+            labels = LaunchLabels(order)
             refine(kept, labels, axes, levels, pool, number, progress)
     return kept
 
@@ -421,11 +408,11 @@ def store_of(plan: Plan, store: Any = None, overwrite: bool = False) -> Store:
     )
     coords = coordinates(plan.launches, some, plan.axes)
     coords |= _linear_verdict(plan.launches, plan.axes)
-    told = attributes(plan.launches, some, plan.horizon, plan.settings, more)
+    told = attributes(plan.launches, some, more)
     told["citation"] = works(some, linear=LINEAR in coords)
     if store is None:
         return Memory(plan.layout, plan.arrays, coords, told)
-    about = question(plan.launches, some, plan.horizon, plan.settings, more)
+    about = question(plan.launches, some, more)
     about["axes"] = [[a.name, a.low, a.high, a.count, a.log] for a in plan.axes]
     chunks: Any = format_named(place(store), ZARR, "chunks").chunks
     kept: Store = chunks(store, plan.layout, plan.arrays, coords, told, about, overwrite=overwrite)

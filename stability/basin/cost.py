@@ -202,10 +202,10 @@ def _trials(
 
 def _run(plan: Plan, cells: NDArray[np.intp], clock: Callable[[], float]) -> _Trial:
     """Some launches, and what they cost."""
-    launches = plan.launches.starts(_points(plan, cells), plan.horizon)
+    launches = plan.launches.starts(_points(plan, cells))
     begin = clock()
     middle: list[float] = []
-    done = outcomes(launches, plan.settings, lambda: middle.append(clock()))
+    done = outcomes(launches, plan.launches.settings, lambda: middle.append(clock()))
     found, end = arrays(done, launches), clock()
     [parting] = middle or [begin]  # none ran on lanes
     strides = np.ceil(np.sort(done.steps) / STRIDE) * STRIDE

@@ -16,7 +16,7 @@ from ..base.quantities import Kind
 from ..base.version import __version__
 from ..bodies.families import named_by
 from ..integrators.selection import HEYOKA, works_of
-from ..motion.result import CODES, Outcome, Settings, outcome_flags
+from ..motion.result import CODES, Outcome, outcome_flags
 from ..motion.starts import Starts
 from ..storage.chunks import Arrays, Store, Variable
 from ..storage.datasets import read_dataset
@@ -204,22 +204,21 @@ def coordinates(launches: Launches, sample: Starts, axes: tuple[Axis, ...]) -> d
     return found
 
 
-def attributes(
-    launches: Launches, sample: Starts, horizon: float, settings: Settings, more: Mapping[str, Any]
-) -> dict[str, Any]:
+def attributes(launches: Launches, sample: Starts, more: Mapping[str, Any]) -> dict[str, Any]:
     """Provenance, without a date: two runs of one question give the same bytes.
 
     Parameters
     ----------
-    launches, sample, horizon, settings
-        What is launched, some of it, until when, and how.
+    launches, sample
+        What is launched, and some of it.
     more
         Further attributes, such as the seed of a sample.
     """
+    settings = launches.settings
     found: dict[str, Any] = {
         "format": FORMAT,
         "title": f"outcomes of launches: {sample.model.title}",
-        "horizon": horizon,
+        "horizon": launches.horizon,
         "tolerance": settings.tolerance,
         "checked": int(settings.check),
         "settle": settings.settle,
@@ -228,7 +227,7 @@ def attributes(
         "source": sample.model.source,
         "Conventions": "CF-1.11",
     }
-    found |= launches.attributes(sample, settings.flat)
+    found |= launches.attributes(sample)
     return found | dict(more)
 
 
@@ -246,16 +245,14 @@ def works(sample: Starts, *, linear: bool) -> str:
     return sample.subject.cited(eigenvalues=linear, proofs=linear, methods=methods)
 
 
-def question(
-    launches: Launches, sample: Starts, horizon: float, settings: Settings, more: Mapping[str, Any]
-) -> dict[str, Any]:
+def question(launches: Launches, sample: Starts, more: Mapping[str, Any]) -> dict[str, Any]:
     """Everything that the numbers depend on, for the fingerprint of a store."""
-    return attributes(launches, sample, horizon, settings, more) | {
+    return attributes(launches, sample, more) | {
         "graph": str(sample.model.rhs),
         "varied": list(launches.varied),
         "held": dict(launches.held),
-        "flat": settings.flat,
-        "most": settings.max_steps,
+        "flat": launches.settings.flat,
+        "most": launches.settings.max_steps,
         "families": [f"{f.name} {f.held} {f.unknown}" for f in launches.families],
     }
 

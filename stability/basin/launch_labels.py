@@ -20,7 +20,7 @@ from ..motion.result import BY_CODE, Settings
 from .dataset import works
 from .labels import Ints
 from .launches import Launches, prepare
-from .outcomes import last_time, outcomes
+from .outcomes import outcomes
 
 FAMILIES = 64
 """Most families of one question: a label is the outcome's code times this, plus the family's."""
@@ -45,10 +45,6 @@ class LaunchLabels:
 
     launches: Launches
     """What is launched; columns of a call are the numbers that vary."""
-    horizon: float
-    """Last time."""
-    settings: Settings
-    """Settings of the runs."""
     executor: Executor | None = None
     """Executor of the runs; None for threads of this process."""
     workers: int | None = None
@@ -58,7 +54,7 @@ class LaunchLabels:
     def citation(self) -> str:
         """Keys of the works to cite, for `stability.citation`."""
         one = {name: np.ones(1) for name in self.launches.varied}
-        return works(self.launches.starts(one, self.horizon), linear=False)
+        return works(self.launches.starts(one), linear=False)
 
     def __call__(self, points: Floats) -> Ints:
         """The labels of launches."""
@@ -88,7 +84,7 @@ class LaunchLabels:
     def of(self, points: Floats) -> Ints:
         """The labels of some launches, computed at once and here."""
         table = dict(zip(self.launches.varied, points.T, strict=True))
-        found = outcomes(self.launches.starts(table, self.horizon), self.settings)
+        found = outcomes(self.launches.starts(table), self.launches.settings)
         return coded(found.outcome, found.family + 1)
 
     def words(self, label: int) -> str:
@@ -101,7 +97,7 @@ class LaunchLabels:
     def names(self) -> tuple[str, ...]:
         """Names of the families that launches may settle on."""
         point = {n: np.array([1.0]) for n in self.launches.varied}
-        return self.launches.starts(point, self.horizon).settling.names
+        return self.launches.starts(point).settling.names
 
 
 def _labels(labels: Any, points: Floats) -> Ints:
@@ -182,9 +178,18 @@ def launch_labels(
     """
     if isinstance(varied, str):
         raise ParameterError(f"varied is {shown(varied)}; give a list of names.")
-    thing = moving(disk, body)
-    asked = prepare(thing, contact, tuple(varied), held, family, families, parameters, theta, pole)
     check_run(workers, None, executor)
-    settings = Settings(tolerance=tolerance, check=check)
-    settings.refuse()
-    return LaunchLabels(asked, last_time(horizon), settings, executor, workers)
+    launches = prepare(
+        moving(disk, body),
+        contact,
+        tuple(varied),
+        held,
+        horizon,
+        Settings(tolerance=tolerance, check=check),
+        family=family,
+        families=families,
+        parameters=parameters,
+        theta=theta,
+        pole=pole,
+    )
+    return LaunchLabels(launches, executor, workers)

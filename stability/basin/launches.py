@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -27,6 +27,7 @@ from ..bodies.round_body.families import place_of
 from ..bodies.round_body.shape import refuse_constants
 from ..integrators.flow import CASADI
 from ..motion.gather import launches_of
+from ..motion.result import Settings
 from ..motion.starts import Starts
 from ..systems.family import Family
 from ..systems.system import System
@@ -50,13 +51,17 @@ class Steady:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Launches:
+class Launches(ABC):
     """Launches of one body or system: some numbers vary, all others have one value."""
 
     varied: tuple[str, ...]
     """Names of the numbers that vary."""
     held: Mapping[str, float]
     """Values of others by name."""
+    horizon: float
+    """Last time."""
+    settings: Settings
+    """Settings of the runs."""
     families: tuple[Family, ...] = ()
     """Families on which a user's system may settle; a body has its own."""
 
@@ -79,22 +84,20 @@ class Launches:
         """Name in words and units of a number that varies or is held."""
 
     @abstractmethod
-    def attributes(self, sample: Starts, flat: float) -> dict[str, Any]:
-        """What is launched, for the attributes of a dataset; `flat` as for `basins`."""
+    def attributes(self, sample: Starts) -> dict[str, Any]:
+        """What is launched, for the attributes of a dataset."""
 
     def steady(self, axes: Sequence[Axis]) -> Steady | None:  # noqa: ARG002
         """The steady motions near which they start; None where no axis alone names them."""
         return None
 
-    def starts(self, points: Mapping[str, Floats], horizon: float) -> Starts:
+    def starts(self, points: Mapping[str, Floats]) -> Starts:
         """The launches at some values of the numbers that vary.
 
         Parameters
         ----------
         points
             Values of every number that varies, shape (N,) each.
-        horizon
-            Last time.
 
         Returns
         -------
@@ -106,9 +109,9 @@ class Launches:
             n: np.asarray(v, dtype=float) for n, v in points.items()
         }
         with CASADI:  # calls from several threads take turns
-            return self.gathered(given, [0.0, horizon])
+            return self.gathered(given, [0.0, self.horizon])
 
-    def check_edges(self, axes: Sequence[Axis], horizon: float) -> None:
+    def check_edges(self, axes: Sequence[Axis]) -> None:
         """Refuse a map with launches that do not exist before any of them runs.
 
         Members exist or not by the numbers of one axis, and tilts are largest at ends: along every
@@ -118,8 +121,6 @@ class Launches:
         ----------
         axes
             Axes of the map.
-        horizon
-            Last time.
 
         Raises
         ------
@@ -131,7 +132,7 @@ class Launches:
             sides = [a.values if a is along else a.values[[0, -1]] for a in axes]
             rows.append(np.stack([v.ravel() for v in np.meshgrid(*sides, indexing="ij")]))
         edges = np.concatenate(rows, axis=1)
-        self.starts({a.name: edges[i] for i, a in enumerate(axes)}, horizon)
+        self.starts({a.name: edges[i] for i, a in enumerate(axes)})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -159,7 +160,7 @@ class SystemLaunches(Launches):
         """As the system states them."""
         return sample.model.attributes(name, dimensionless=True)
 
-    def attributes(self, sample: Starts, flat: float) -> dict[str, Any]:  # noqa: ARG002
+    def attributes(self, sample: Starts) -> dict[str, Any]:  # noqa: ARG002
         """Its name."""
         return {"system": self.system.name}
 
@@ -254,7 +255,7 @@ class BodyLaunches(Launches):
             return own.attributes(dimensionless=sample.dimensionless)
         return sample.model.attributes(name, dimensionless=sample.dimensionless)
 
-    def attributes(self, sample: Starts, flat: float) -> dict[str, Any]:
+    def attributes(self, sample: Starts) -> dict[str, Any]:
         """Body, law, their fixed numbers, and the family nearby."""
         swept = {*self.varied, *self.held}
         numbers = {**self.body.given, **self.contact.given}
@@ -262,7 +263,7 @@ class BodyLaunches(Launches):
         found = {
             "body": sample.subject.attributes.get("body", "disk"),
             "contact": self.contact.name,
-            "flat": flat,
+            "flat": self.settings.flat,
             "dimensionless": int(sample.dimensionless),
             "parameters": json.dumps(fixed, sort_keys=True),
         }
@@ -270,10 +271,13 @@ class BodyLaunches(Launches):
 
 
 def prepare(
-    thing: Any,
+    mover: Any,
     contact: Any,
     varied: Sequence[str],
     held: Mapping[str, Any] | None,
+    horizon: Any,
+    settings: Settings,
+    *,
     family: str = "",
     families: Any = (),
     parameters: Mapping[str, Any] | None = None,
@@ -284,12 +288,16 @@ def prepare(
 
     Parameters
     ----------
-    thing, contact, families
+    mover, contact, families
         As for `simulate`.
     varied
         Names of the numbers that vary.
     held
         Values of others by name.
+    horizon
+        Last time.
+    settings
+        Settings of the runs, which are checked here.
     family
         Family near which launches start; empty where states are given.
     parameters
@@ -306,9 +314,14 @@ def prepare(
     StabilityError
         In one sentence, if a name is unknown, given twice or missing.
     """
+    settings.refuse()
+    last = one_number("horizon", horizon)
+    if not last > 0:
+        raise ParameterError(f"horizon is {last:g}; give a last time above 0.")
     known: dict[str, Any] = {"varied": tuple(varied), "held": _held(held)}
+    known |= {"horizon": last, "settings": settings}
     parameters = dict(parameters or {})
-    if isinstance(thing, System):
+    if isinstance(mover, System):
         others = ("contact", contact), ("family", family or None), ("theta", theta), ("pole", pole)
         for name, value in others:
             if value is not None:
@@ -316,7 +329,7 @@ def prepare(
                     f"{name} is {shown(value)}, which a system does not take; leave it out."
                 )
         known["held"] |= _held(parameters)
-        found: Launches = SystemLaunches(system=thing, families=_families(families), **known)
+        found: Launches = SystemLaunches(system=mover, families=_families(families), **known)
     else:
         if families is not None and not (isinstance(families, (tuple, list)) and not families):
             raise ParameterError("families belong to a stability.System; leave them out.")
@@ -329,9 +342,9 @@ def prepare(
             raise law_missing(MOTION_LAWS)
         if not isinstance(contact, Contact) or not contact.name:
             raise NameUnknownError(f"contact is {shown(contact)}; give a contact law.")
-        near, where = _family(thing, family, theta, pole)
-        found = BodyLaunches(body=thing, contact=contact, family=near, where=where, **known)
-    refuse_constants(thing, (*found.varied, *found.held))
+        near, where = _family(mover, family, theta, pole)
+        found = BodyLaunches(body=mover, contact=contact, family=near, where=where, **known)
+    refuse_constants(mover, (*found.varied, *found.held))
     _complete(found)
     return found
 
@@ -351,9 +364,7 @@ def _families(families: Any) -> tuple[Family, ...]:
     return tuple(given)
 
 
-def _family(
-    thing: Disk | Body, family: Any, theta: Any, pole: Any
-) -> tuple[str, Mapping[str, Any]]:
+def _family(body: Disk | Body, family: Any, theta: Any, pole: Any) -> tuple[str, Mapping[str, Any]]:
     """The family near which launches start, and where it is."""
     where = {n: v for n, v in (("theta", theta), ("pole", pole)) if v is not None}
     name = str("" if family is None else family)
@@ -366,12 +377,14 @@ def _family(
         if pole is not None:
             raise ParameterError("pole belongs to the family vertical; name the family.")
         return "", {}
-    single = isinstance(thing, Body)  # whose members have formulas wherever one number names them
-    lines = [n for n, one in FAMILIES.items() if (len(one.at) == 1 if single else one.line)]
+    outline = body if isinstance(body, Body) else None  # whose members all have formulas
+    lines = [
+        n for n, one in FAMILIES.items() if (len(one.at) == 1 if outline is not None else one.line)
+    ]
     if name not in lines:
         raise NameUnknownError(f"family is {shown(family)}; give one of {', '.join(lines)}.")
-    if isinstance(thing, Body):
-        place_of(thing, name, theta, pole)
+    if outline is not None:
+        place_of(outline, name, theta, pole)
     elif where:
         raise ParameterError(
             f"{next(iter(where))} belongs to a stability.Body; leave it out for a disk."

@@ -18,8 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..algebra.program import Program
-from ..base.checks import one_number
-from ..base.errors import ParameterError
 from ..base.types import Floats
 from ..bodies.model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.flow import ASKING, Flow, flow_of
@@ -37,20 +35,6 @@ ROUNDING = 2.0**-53
 """Relative size of a rounding error."""
 PARTED = 0.01
 """Error of a steady motion or final state beyond which the two runs of a launch have parted."""
-
-
-def last_time(horizon: Any) -> float:
-    """The last time of launches, refused unless it is above 0.
-
-    Parameters
-    ----------
-    horizon
-        A user's value.
-    """
-    last = one_number("horizon", horizon)
-    if not last > 0:
-        raise ParameterError(f"horizon is {last:g}; give a last time above 0.")
-    return last
 
 
 @dataclass(frozen=True, eq=False)

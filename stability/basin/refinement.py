@@ -6,8 +6,10 @@ Each wave of launches is kept like a map.
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -110,7 +112,7 @@ class Waves:
         self.count += 1
         fill(
             store,
-            _Wave(shared((self.labels, points), self.pool), layout),
+            partial(_labelled, shared((self.labels, points), self.pool), layout),
             blank=_unresolved,
             executor=self.pool,
             workers=self.workers,
@@ -140,18 +142,12 @@ class Waves:
         return ZarrStore(name, layout, (LABEL,), question={"launches": asked}, overwrite=True)
 
 
-@dataclass(frozen=True)
-class _Wave:
-    """Work of a chunk of a wave."""
-
-    content: Any
-    """Function that gives this worker's labels and launches."""
-    layout: Layout
-    """The grid of chunks."""
-
-    def __call__(self, block: Block, part: slice) -> Arrays:
-        labels, points = self.content()
-        return {LABEL.name: labels.of(points[self.layout.slices(block)][part])}
+def _labelled(
+    content: Callable[[], tuple[LaunchLabels, Floats]], layout: Layout, block: Block, part: slice
+) -> Arrays:
+    """The labels of a part of a chunk of a wave."""
+    labels, points = content()
+    return {LABEL.name: labels.of(points[layout.slices(block)][part])}
 
 
 def _unresolved(count: int) -> Arrays:

@@ -179,10 +179,12 @@ class Disk(Record):
     @property
     def given(self) -> dict[str, Number]:
         """Every number of the disk by name, as that of a body."""
-        return {n: getattr(self, n) for n in ("k", "mass", "radius", "gravity")}
+        return {n: getattr(self, n) for n in ("mass", "radius", "gravity", "k")}
 
     def having(self, numbers: Mapping[str, Any]) -> Disk:
         """The same disk with other values of some of its numbers, by name."""
+        for name in numbers:
+            known("number of the disk", name, self.given)
         return replace(self, **numbers)
 
     @property

@@ -306,17 +306,29 @@ def _disk_data(dataset: xarray.Dataset, motion: dict[str, Any], times: Any) -> d
 
 
 def _body_data(motion: dict[str, Any], times: Any, body: Body) -> dict[str, Any]:
-    """The body and its shape at times of the page."""
-    series = on_page(motion, body, times)
-    shape, turn = series.pop("shape"), series.pop("turn")
-    size = series.pop("size")
+    """The body and its shape at times of the page.
+
+    `turn` holds quaternions (x, y, z, w) whose signs do not jump.  Centre, contact point and forces
+    are along fixed axes.
+    """
+    found = placed(motion, body, times)
+    turn = Rotation.from_matrix(found["turn"]).as_quat()
+    jumps = np.sum(turn[1:] * turn[:-1], axis=1) < 0
+    turn[1:] *= np.where(np.cumsum(jumps) % 2, -1.0, 1.0)[:, None]
+    # x̂ turns with phi: forces are turned into fixed axes before they are interpolated
+    force = (motion["force_x"] + 1j * motion["force_y"]) * np.exp(1j * motion["phi"])
+    across = {"normal_force": motion["normal_force"], "push_x": force.real, "push_y": force.imag}
+    series = {n: np.interp(times, motion["time"], v) for n, v in across.items()}
+    names = "theta", "centre_x", "centre_y", "contact_x", "contact_y", "time", "phi"
+    series |= {n: found[n] for n in names} | {"centre_z": found["placed"].centre[:, 2]}
     data: dict[str, Any] = {n: _digits(v, 9) for n, v in series.items()}
     data["turn"] = [_digits(row, 9) for row in turn]
+    shape = surface(body)
     normal = {"across": np.sin(shape.theta), "along": -np.cos(shape.theta)}
     rows = {"r": shape.r, "z": shape.z} | normal
     data["shape"] = {n: _digits(v, 6) for n, v in rows.items()}
     data["shape"]["mark"] = shape.mark.astype(int).tolist()
-    return data | {"radius": float(body.length), "size": size}
+    return data | {"radius": float(body.length), "size": found["placed"].radius}
 
 
 def _digits(values: Any, digits: int) -> list[float]:
@@ -792,45 +804,6 @@ def placed(motion: Mapping[str, Floats], body: Body, times: Floats) -> dict[str,
         np.stack([found["contact_x"], found["contact_y"], flat], axis=-1),
     )
     return found | {"time": times, "phi": motion["phi"][:1]}
-
-
-def on_page(motion: Mapping[str, Floats], body: Body, times: Floats) -> dict[str, Any]:
-    """Series and shape of a body for a page that a reader turns.
-
-    Parameters
-    ----------
-    motion
-        Series of a run with pose.
-    body
-        The body.
-    times
-        Times within those of the motion, shape (n,).
-
-    Returns
-    -------
-    dict
-        `turn`, quaternions (x, y, z, w) whose signs do not jump; centre, contact point and forces
-        along fixed axes; `shape`, the surface; `size`, its largest distance from the centre.
-    """
-    found = placed(motion, body, times)
-    turn = Rotation.from_matrix(found["turn"]).as_quat()
-    jumps = np.sum(turn[1:] * turn[:-1], axis=1) < 0
-    turn[1:] *= np.where(np.cumsum(jumps) % 2, -1.0, 1.0)[:, None]
-    # x̂ turns with phi: forces are turned into fixed axes before they are interpolated
-    force = (motion["force_x"] + 1j * motion["force_y"]) * np.exp(1j * motion["phi"])
-    across = {"normal_force": motion["normal_force"], "push_x": force.real, "push_y": force.imag}
-    series = {n: np.interp(times, motion["time"], v) for n, v in across.items()}
-    names = "theta", "centre_x", "centre_y", "contact_x", "contact_y"
-    series |= {n: found[n] for n in names}
-    shape = surface(body)
-    return series | {
-        "time": times,
-        "phi": found["phi"],
-        "centre_z": found["placed"].centre[:, 2],
-        "turn": turn,
-        "shape": shape,
-        "size": found["placed"].radius,
-    }
 
 
 class BodyCamera(Camera):

@@ -3,35 +3,29 @@
 from __future__ import annotations
 
 import json
-import platform
 from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from datetime import UTC, datetime
 from functools import cache, lru_cache, partial
-from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
 import numpy as np
 
 from ..algebra.program import Program, entries
+from ..base.provenance import today, versions
 from ..base.quantities import Kind
 from ..base.types import Floats
 from ..base.version import __version__
 from ..bodies.model import POSE, POSE_UNIT, Model
 from ..integrators.flow import flow_of
 from ..integrators.selection import works_of
-from ..integrators.stick_slip import REST, SLIDING, STICKING
-from .result import Outcome, outcome_flags
+from ..integrators.stick_slip import REST, SLIDING, STICKING, Transition
+from .result import Outcome, Result, Settings, outcome_flags
 from .starts import Starts
 
 if TYPE_CHECKING:
     import xarray
-
-    from ..bodies.model import Model
-    from .result import Result, Settings
-    from .starts import Starts
 
 
 FORMAT = "stability trajectory 1"
@@ -39,17 +33,6 @@ FORMAT = "stability trajectory 1"
 ACCOUNT = 1e-2
 """Largest `energy_error` of a run with an outcome."""
 LIBRARIES = ("casadi", "numpy", "scipy", "heyoka", "xarray")
-
-
-@cache
-def _versions() -> str:
-    found = []
-    for name in LIBRARIES:
-        try:
-            found.append(f"{name} {version(name)}")
-        except PackageNotFoundError:  # noqa: PERF203 - heyoka is optional
-            continue
-    return ", ".join(found) + f", python {platform.python_version()}"
 
 
 @lru_cache(maxsize=64)
@@ -78,7 +61,7 @@ def assemble(launches: Starts, settings: Settings, results: list[Result]) -> xar
     y, running, modes, times = _samples(launches, results)
     heading = None
     if launches.dry:  # a start at rest from which slip sets in at once
-        first = [r.transitions[0].direction if r.transitions else 0.0 for r in results]
+        first = [log[0].direction if (log := _transitions(r)) else 0.0 for r in results]
         heading = np.broadcast_to(np.array(first)[:, None], y.shape[:2])
     series = _series(launches, settings, y, modes, heading)
     labels = _labels(launches.model, launches.dimensionless)
@@ -179,16 +162,21 @@ def _samples(
         times = np.append(before[:kept], end)
     y = np.empty((len(results), len(times), len(results[0].final)))
     running = np.ones(y.shape[:2], dtype=np.int8)
-    modes = np.zeros(y.shape[:2]) if results[0].modes is not None else None
+    modes = np.zeros(y.shape[:2]) if launches.dry else None
     for i, result in enumerate(results):
         rows = result.path.states[skip:][:kept]
         y[i, : len(rows)] = rows
         y[i, len(rows) :] = result.final
         running[i, len(rows) :] = 0
-        if modes is not None and result.modes is not None:
-            modes[i, : len(rows)] = result.modes[skip:][:kept]
-            modes[i, len(rows) :] = result.last_mode
+        if modes is not None and result.dry is not None:
+            modes[i, : len(rows)] = result.dry.modes[skip:][:kept]
+            modes[i, len(rows) :] = result.dry.mode
     return y, running, modes, times
+
+
+def _transitions(result: Result) -> list[Transition]:
+    """The transitions between sliding and sticking."""
+    return result.dry.transitions if result.dry else []
 
 
 def _series(
@@ -309,9 +297,9 @@ def _provenance(launches: Starts, settings: Settings, results: list[Result]) -> 
         "max_steps": settings.max_steps,
         "citation": subject.cited(methods=works_of(used)),
         "software": f"stability {__version__}",
-        "versions": _versions(),
+        "versions": versions(LIBRARIES),
         "source": launches.model.source,
-        "created": datetime.now(UTC).isoformat(timespec="seconds"),
+        "created": today(),
         "Conventions": "CF-1.11",
     }
     if launches.shape == ():
@@ -414,7 +402,7 @@ def event_log(launches: Starts, results: list[Result]) -> dict[str, Any]:
     motion = flow_of(launches.model)
     rows: list[tuple[int, float, str, Floats, float]] = []
     for i, result in enumerate(results):
-        for t in result.transitions:
+        for t in _transitions(result):
             rows.append((i, t.time, t.kind, t.state[:6], t.direction))
         end = result.path.end
         if end is not None:

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra.program import Program, entries
-from ..base.checks import broadcast, checked, rows
+from ..base.checks import broadcast, rows
 from ..base.citation import cited
-from ..base.errors import DomainError, NameUnknownError, ParameterError, listed, shown
+from ..base.errors import DomainError, ParameterError, listed, shown
 from ..base.quantities import Units
 from ..base.types import Floats
 from ..bodies.disk import Disk
@@ -28,7 +28,7 @@ from ..systems.sources.numeric import NumericSystem
 from ..systems.system import System
 from .result import OF_BODY, Outcome
 from .round_starts import gather_round
-from .starts import Starts, Subject, counted, nearest_families, place_in, times_of
+from .starts import Starts, Subject, by_name, counted, nearest_families, place_in, times_of
 
 Moving = Disk | Body | System
 """What moves."""
@@ -69,13 +69,13 @@ def moving(first: Any, body: Any = None) -> Moving:
 
 
 def launches_of(
-    thing: Moving, contact: Any, start: Any, times: ArrayLike | None, **more: Any
+    mover: Moving, contact: Any, start: Any, times: ArrayLike | None, **more: Any
 ) -> Starts:
     """The launches of a call, checked and dimensionless.
 
     Parameters
     ----------
-    thing
+    mover
         What moves.
     contact, start, times
         As for `simulate`.
@@ -88,8 +88,8 @@ def launches_of(
     StabilityError
         In one sentence, if something is not accepted.
     """
-    gather: Any = gather_system if isinstance(thing, System) else gather_round
-    found: Starts = gather(thing, contact, start, times, **more)
+    gather: Any = gather_system if isinstance(mover, System) else gather_round
+    found: Starts = gather(mover, contact, start, times, **more)
     return found
 
 
@@ -243,20 +243,7 @@ def _table(what: str, given: Any, names: tuple[str, ...]) -> Floats:
             every = ", ".join(names) or "none, an empty mapping"
             raise ParameterError(f"{what} is {shown(given)}; give by name or in order: {every}.")
         return rows(what, given, list(names))
-    for name in given:
-        if name not in names:
-            known = ", ".join(names) or "none"
-            raise NameUnknownError(f"{what} names {shown(name)}; known are {known}.")
-    missing = [n for n in names if n not in given]
-    if missing:
-        raise ParameterError(f"{what} does not name {listed(missing)}; give {', '.join(names)}.")
-    columns = [np.asarray(checked(f"{what} {n}", given[n]), dtype=float) for n in names]
-    try:
-        return np.stack(np.broadcast_arrays(*columns), axis=-1) if columns else np.zeros(0)
-    except ValueError:
-        raise ParameterError(
-            f"{what} has shapes {[c.shape for c in columns]}; make them fit."
-        ) from None
+    return by_name(what, given, names)
 
 
 def _families(system: System, families: Any, starts: Floats, values: Floats) -> tuple[Family, ...]:

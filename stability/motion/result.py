@@ -15,7 +15,7 @@ from ..base.types import Floats, Sentences
 from ..bodies.model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.leg import UNRESOLVED, Path
 from ..integrators.selection import Choice
-from ..integrators.stick_slip import NON_UNIQUE, Transition
+from ..integrators.stick_slip import NON_UNIQUE, DryPath
 from ..settling.settling import SETTLE, Nearest
 
 
@@ -37,12 +37,8 @@ class Result:
     """The nearest steady motion."""
     settled_at: float
     """Time from which the distance stayed within `settle`; that of the end where not settled."""
-    modes: Floats | None
-    """Sliding or sticking at each sample, for dry friction."""
-    last_mode: int
-    """The mode at the end."""
-    transitions: tuple[Transition, ...]
-    """Transitions between sliding and sticking."""
+    dry: DryPath | None
+    """Sliding and sticking, for dry friction."""
     evidence: str
     """Reason for the outcome."""
     tolerance: float

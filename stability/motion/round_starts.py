@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..algebra.program import Program
-from ..base.checks import broadcast, checked
+from ..base.checks import broadcast, checked, rows
 from ..base.citation import cited
 from ..base.errors import (
     DomainError,
@@ -30,7 +30,7 @@ from ..bodies.disk import Disk
 from ..bodies.families import named_by
 from ..bodies.model import FLAT, LIFT_OFF, NO_CONTACT, TAKEN, Dry, Model
 from ..bodies.newton_euler import STATES
-from ..bodies.quantities import PHYSICAL, SYSTEM
+from ..bodies.quantities import SYSTEM
 from ..bodies.resistance import UNITS, Resistance, resistances
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.equations import Resistances
@@ -38,15 +38,15 @@ from ..bodies.round_body.models.angle_model import round_model
 from ..bodies.round_body.models.pole_model import pole_model
 from ..bodies.round_body.pole_equations import smooth_at
 from ..bodies.round_body.shape import RoundShape
-from ..bodies.round_body.thin import thin_body
+from ..bodies.round_body.thin import unit_disk
 from ..bodies.thin_disk import disk_model
 from ..integrators.flow import flow_of
 from ..integrators.stick_slip import REST, continuations
-from ..settling.body_lines import body_settling, disk_settling
+from ..settling.body_lines import body_settling
 from ..settling.settling import Nearest, Settling
 from ..systems.system import System
 from .result import Outcome
-from .starts import Starts, Subject, Unfit, counted, nearest_families, place_in, times_of
+from .starts import Starts, Subject, Unfit, by_name, counted, nearest_families, place_in, times_of
 
 FASTEST = 1e9
 """Largest dimensionless rate or slip of a start: beyond it forces are lost in rounding."""
@@ -61,28 +61,8 @@ LONGEST, BRIEFEST = 1e12, 1e-200
 """Range of the last time, dimensionless."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Round:
-    """What a launch of a disk or body needs: its equations, its numbers, and where they hold."""
-
-    model: Model
-    fields: Mapping[str, Any]
-    """Every number by name, in the user's units."""
-    length: str
-    """Name of the unit of length among them."""
-    scaled: Callable[[Mapping[str, Floats], Units], Mapping[str, Any]]
-    """(numbers, units) → those that are no pure numbers, dimensionless."""
-    coefficients: tuple[str, ...]
-    """Names of the law's coefficients among the parameters of the system."""
-    settling: Settling
-    between: tuple[float, float]
-    """Range of theta."""
-    ends: str
-    """Why it has ends, in words."""
-
-
 def gather_round(
-    thing: Disk | Body,
+    body: Disk | Body,
     contact: Any,
     start: Any,
     times: ArrayLike | None,
@@ -99,8 +79,7 @@ def gather_round(
         raise ParameterError("families belong to a stability.System; leave them out.")
     accepted(contact)
     with np.errstate(all="ignore"):  # an overflow is refused by _check
-        setting = _setting(thing, contact, resistance, pose=pose)
-        return _gathered(setting, thing, contact, start, times, mark=mark)
+        return _gathered(body, contact, start, times, resistance, pose=pose, mark=mark)
 
 
 def accepted(contact: Any) -> type[Contact]:
@@ -121,42 +100,6 @@ def accepted(contact: Any) -> type[Contact]:
     if not isinstance(contact, Contact) or not contact.name:
         raise NameUnknownError(f"contact is {shown(contact)}; give one of {spelled(MOTION_LAWS)}.")
     return law_class(type(contact))
-
-
-def _setting(thing: Disk | Body, contact: Contact, resistance: Any, *, pose: bool) -> _Round:
-    body: RoundShape = thin_body(thing) if isinstance(thing, Disk) else thing
-    against, law = _acting(body, contact, resistance), type(contact)
-    given, kinds = law.symbols(), tuple(type(r) for r in against)
-    if isinstance(thing, Disk):
-        length, why = "radius", FLAT_AT_BOTH
-        numbers = {n: getattr(thing, n) for n in (*PHYSICAL, "k")}
-        model, settling = disk_model(law, pose=pose, resistance=kinds), disk_settling(law, kinds)
-    else:
-        low, high = body.between
-        length, why = "length", f"the height of {body.name} holds for theta between "
-        why, numbers = f"{why}{low:.6g} and {high:.6g}", body.given
-        model = _model(body, law, given, kinds, pose=pose)
-        settling = body_settling(body, law, given, kinds)
-    _check_names(body, model)
-
-    def scaled(flat: Mapping[str, Floats], units: Units) -> Mapping[str, Any]:
-        own = flat["mass"], flat[length], units.time, units.force
-        sizes = dict(zip(UNITS, own, strict=True))
-        return contact.arguments(flat, units) | {
-            r.coefficient: replace(r, **{r.coefficient: flat[r.coefficient]}).dimensionless(sizes)
-            for r in against
-        }
-
-    return _Round(
-        model,
-        numbers | contact.given | {r.coefficient: r.value for r in against},
-        length,
-        scaled,
-        given,
-        settling,
-        body.between,
-        why,
-    )
 
 
 def _acting(body: RoundShape, contact: Contact, given: Any) -> tuple[Resistance, ...]:
@@ -225,16 +168,15 @@ class _BodySubject(Subject):
         return nearest_families(near, variable, words) | {"nearest_at": variable(at, **self.member)}
 
 
-def _subject(
-    name: str, law: type[Contact], settling: Settling, *, dimensionless: bool
-) -> _BodySubject:
+@lru_cache(maxsize=64)
+def _subject(name: str, law: str, settling: Settling, *, dimensionless: bool) -> _BodySubject:
     numbers = list(dict.fromkeys(line.along[0] for line in settling.lines))
     words = f"its {listed(numbers, 'or')}" if numbers else "the number that names it"
     rate = f"{Kind.ANGULAR_VELOCITY.si} (theta: {Kind.ANGLE.si})"
     body = {} if name.startswith(SYSTEM) else {"body": name.rpartition(", ")[0]}
     return _BodySubject(
-        attributes=body | {"contact": law.name, "dimensionless": int(dimensionless)},
-        cited=partial(cited, law.name, model=True),
+        attributes=body | {"contact": law, "dimensionless": int(dimensionless)},
+        cited=partial(cited, law, model=True),
         outcomes=tuple(Outcome),
         energy_error="largest |audit| over the energy at the start",
         member={"long_name": words, "units": "1" if dimensionless else rate},
@@ -244,16 +186,25 @@ def _subject(
 
 
 def _gathered(
-    setting: _Round,
-    thing: Disk | Body,
+    body: Disk | Body,
     contact: Contact,
     start: Any,
     times: ArrayLike | None,
+    resistance: Any,
     *,
+    pose: bool,
     mark: bool,
 ) -> Starts:
+    law = type(contact)
+    outline: RoundShape = unit_disk() if isinstance(body, Disk) else body
+    disk = outline is unit_disk()
+    against = _acting(outline, contact, resistance)
+    every = outline, law, law.symbols(), tuple(type(r) for r in against)
+    settling = body_settling(*every)
+    model = disk_model(law, pose=pose, resistance=every[-1]) if disk else _model(*every, pose=pose)
+    _check_names(outline, model)
     six, when = six_states(start, contact), times_of(times)
-    model, fields, law = setting.model, setting.fields, type(contact)
+    fields = body.given | contact.given | {r.coefficient: r.value for r in against}
     shape = broadcast(start=six.shape[:-1], **{n: np.shape(v) for n, v in fields.items()})
     count = counted(shape, when)
     flat = {
@@ -262,7 +213,7 @@ def _gathered(
         else np.broadcast_to(a, shape).reshape(-1)
         for n, v in fields.items()
     }
-    units = Units(flat["mass"], flat[setting.length], flat["gravity"], np.sqrt)
+    units = Units(flat["mass"], flat["radius" if disk else "length"], flat["gravity"], np.sqrt)
     starts = np.empty((*shape, 6))
     starts[...] = six
     starts = starts.reshape(count, 6)
@@ -270,18 +221,20 @@ def _gathered(
     starts[:, 4:] /= np.asarray(units.speed)[..., None]
     if law.holds:
         starts[:, 4:] = 0.0
-    own = {**flat, **setting.scaled(flat, units)}
+    own = {**flat, **contact.arguments(flat, units)}
+    sizes = dict(zip(UNITS, (units.mass, units.length, units.time, units.force), strict=True))
+    for r in against:
+        own[r.coefficient] = replace(r, **{r.coefficient: flat[r.coefficient]}).dimensionless(sizes)
     p = np.empty((count, len(model.system.parameters)))
     for column, name in zip(p.T, model.system.parameters, strict=True):
         column[:] = own[name]
     last = when[-1] / units.time
     if not (np.all(last <= LONGEST) and np.all(last >= BRIEFEST)):
-        unit = "R" if setting.length == "radius" else "length"
         raise ParameterError(
-            f"times end at {when[-1]:g}; in units of √({unit}/g) give a last time from "
-            f"{BRIEFEST:g} to {LONGEST:g}."
+            f"times end at {when[-1]:g}; in units of √({'R' if disk else 'length'}/g) give a last "
+            f"time from {BRIEFEST:g} to {LONGEST:g}."
         )
-    energies, unfit = _check(setting, thing, contact, shape, starts, p, mark=mark)
+    energies, unfit = _check(outline, model, contact, shape, starts, p, mark=mark)
     return Starts(
         model,
         shape,
@@ -290,10 +243,10 @@ def _gathered(
         when,
         flat,
         units,
-        thing.dimensionless,
+        body.dimensionless,
         energies,
-        setting.settling,
-        _subject(model.system.name, law, setting.settling, dimensionless=thing.dimensionless),
+        settling,
+        _subject(model.system.name, contact.name, settling, dimensionless=body.dimensionless),
         law,
         unfit,
         law.name,
@@ -307,30 +260,14 @@ def six_states(start: Any, contact: Contact) -> Floats:
             "start is missing; give the states by name or in order: theta at least."
         )
     if isinstance(start, Mapping):
-        unknown = [n for n in start if n not in STATES]
-        if unknown:
-            raise NameUnknownError(
-                f"start names {shown(unknown[0])}; known are {', '.join(STATES)}."
-            )
+        six = by_name("start", start, STATES, 0.0)
         if "theta" not in start:
             raise ParameterError("start does not name theta; give at least theta [rad].")
-        columns = [np.asarray(checked(f"start {n}", start.get(n, 0.0))) for n in STATES]
-        try:
-            six = np.stack(np.broadcast_arrays(*columns), axis=-1)
-        except ValueError:
-            raise ParameterError(
-                f"the states of start have shapes {[c.shape for c in columns]}; make them fit."
-            ) from None
     else:
         six = np.asarray(checked("start", start), dtype=float)
-        width = six.shape[-1] if six.ndim else 0
-        if width == 4 and not contact.slips:
+        if six.shape[-1:] == (4,) and not contact.slips:
             six = np.concatenate([six, np.zeros((*six.shape[:-1], 2))], axis=-1)
-        elif width != 6:
-            raise ParameterError(
-                f"start has shape {six.shape}; its last axis must hold 6 values "
-                f"({', '.join(STATES)})."
-            )
+        six = rows("start", six, STATES)
     if contact.holds and (six[..., 4:] != 0).any():
         why = "follows from the other states" if contact.given else "is 0"
         raise ParameterError(
@@ -392,8 +329,8 @@ def _look_at_rest(dry: Dry, starts: Floats, p: Floats, values: Floats) -> None:
 
 
 def _check(
-    setting: _Round,
-    thing: Disk | Body,
+    outline: RoundShape,
+    model: Model,
     contact: Contact,
     shape: tuple[int, ...],
     starts: Floats,
@@ -402,9 +339,9 @@ def _check(
     mark: bool,
 ) -> tuple[Floats, Unfit | None]:
     """Energies of the starts; a start without contact is marked, or refused with the reason."""
-    model, theta = setting.model, starts[:, 0]
-    system, zeros = model.system, {one.place for one in contact.parameters if one.zero}
-    forces = {n: p[:, system.parameters.index(n)] for n in setting.coefficients}
+    system, theta = model.system, starts[:, 0]
+    zeros = {one.place for one in contact.parameters if one.zero}
+    forces = {n: p[:, system.parameters.index(n)] for n in contact.symbols()}
     lost = any((v < 0).any() or (n not in zeros and (v == 0).any()) for n, v in forces.items())
     if lost or not (np.isfinite(p).all() and np.abs(starts).max() < FASTEST):
         raise ParameterError(
@@ -417,15 +354,18 @@ def _check(
                 f"the dimensionless {name} is {values.max():.3g}, above {ROUGHEST:g}, where double "
                 "precision cannot resolve the slip; take Rough(), to which the motion tends."
             )
-    low, high = setting.between
+    low, high = outline.between
     inside = (theta > low) & (theta < high)
-    if model.chart and isinstance(thing, Body):  # a smooth pole belongs to the motion
+    if model.chart:  # a smooth pole belongs to the motion
         for pole, end in ((1, low), (-1, high)):
-            inside |= (theta == end) & smooth_at(thing, pole)
+            inside |= (theta == end) & smooth_at(outline, pole)
+    disk = outline is unit_disk()
     if not (mark or inside.all()):
         row = int(np.argmin(inside))
+        why = f"the height of {outline.name} holds for theta between {low:.6g} and {high:.6g}"
+        why = FLAT_AT_BOTH if disk else why
         raise DomainError(
-            f"start{place_in(shape, row)}: theta is {theta[row]:g}; {setting.ends}"
+            f"start{place_in(shape, row)}: theta is {theta[row]:g}; {why}"
             f"{if_degrees(float(theta[row]))}."
         )
     own = flow_of(model).pack(starts)[:, : len(system.states)]
@@ -438,10 +378,9 @@ def _check(
         where, value = place_in(shape, row), float(seen[row, column])
         if column < len(system.conditions):
             raise DomainError(f"start{where}: {system.conditions[column].refusal(value)}")
-        what = "disk" if isinstance(thing, Disk) else "body"
         raise DomainError(
             f"start{where}: the normal force is {value:.4g} m g, which is not positive: "
-            f"the {what} is not in contact; turn it slower."
+            f"the {'disk' if disk else 'body'} is not in contact; turn it slower."
         )
     energies: Floats = seen[:, -1]
     fit = np.column_stack([inside, positive])

@@ -20,7 +20,7 @@ from ..integrators.painleve import OPEN_END, closer
 from ..integrators.scipy_methods import Trail
 from ..integrators.scipy_methods import integrate as integrate_by_steps
 from ..integrators.selection import METHODS, Choice, explicit, run
-from ..integrators.stick_slip import SLIDING, DryPath
+from ..integrators.stick_slip import DryPath
 from ..integrators.stick_slip import integrate as integrate_dry
 from ..integrators.taylor import CORES
 from ..jobs.pipeline import Counted, here, ordered, shared
@@ -354,9 +354,7 @@ def _judge(  # noqa: PLR0913
         final,
         near,
         since,
-        dry.modes if dry else None,
-        dry.mode if dry else SLIDING,
-        tuple(dry.transitions) if dry else (),
+        dry,
         evidence + ("" if launches.dimensionless else " (dimensionless numbers)"),
         max(leg.tolerance, METHODS[choice.method].finest),
         leg.flow.compared,

@@ -183,10 +183,10 @@ def simulate(
         executor,
     )
     settings.refuse()
-    thing = moving(disk, body)
+    mover = moving(disk, body)
     with CASADI:  # calls from several threads take turns; a batch uses its own threads
         launches = launches_of(
-            thing,
+            mover,
             contact,
             start,
             times,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.checks import checked
-from ..base.errors import ParameterError
+from ..base.errors import NameUnknownError, ParameterError, listed, shown
 from ..base.quantities import Kind, Units
 from ..base.types import Floats
 from ..bodies.contact_laws import Contact
@@ -31,7 +31,7 @@ Unfit = dict[int, str]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Subject:
+class Subject(ABC):
     """What moves, as the datasets of its motions tell of it.
 
     Who checks the launches builds it, for a body or for a user's system; all others read it.
@@ -190,6 +190,26 @@ def counted(shape: tuple[int, ...], when: Floats) -> int:
             f"launches and {MOST_SAMPLES} samples in all, and call again for more."
         )
     return count
+
+
+def by_name(
+    what: str, given: Mapping[str, Any], names: Sequence[str], missing: float | None = None
+) -> Floats:
+    """Values by name as columns in the order of the names; `missing` for one that is left out."""
+    for name in given:
+        if name not in names:
+            known = ", ".join(names) or "none"
+            raise NameUnknownError(f"{what} names {shown(name)}; known are {known}.")
+    lost = [n for n in names if n not in given]
+    if lost and missing is None:
+        raise ParameterError(f"{what} does not name {listed(lost)}; give {', '.join(names)}.")
+    columns = [np.asarray(checked(f"{what} {n}", given.get(n, missing)), float) for n in names]
+    try:
+        return np.stack(np.broadcast_arrays(*columns), axis=-1) if columns else np.zeros(0)
+    except ValueError:
+        raise ParameterError(
+            f"{what} has shapes {[c.shape for c in columns]}; make them fit."
+        ) from None
 
 
 def times_of(times: Any) -> Floats:

@@ -66,7 +66,7 @@ APART = 0.05
 """Largest part of the slowest rate by which a shared basis may change a launch's slopes."""
 JUST = 4.0
 """Rates by which a proof may miss and is tried again, in the launch's own two bases."""
-NEARER, MARGIN, LEAST = 0.6, 0.8, 0.05
+NEARER, MARGIN, NEAREST = 0.6, 0.8, 0.05
 """Part of the distance where the next proof may succeed: without an estimate, over the estimate,
 and at least."""
 SPARE = 2.0**-46
@@ -275,6 +275,12 @@ class Settled:
     nearer: Floats
     """Part of its distance at which a launch that is not proved may be, an estimate in (0, 1)."""
 
+    def put(self, rows: NDArray[np.intp], other: Settled) -> None:
+        """Write the proofs of some launches, whose families may have fewer states y."""
+        self.limit[rows, : other.limit.shape[1]] = other.limit
+        for name in ("proved", "error", "rate", "reach", "nearer"):
+            getattr(self, name)[rows] = getattr(other, name)
+
 
 def nothing(count: int, n: int) -> Settled:
     """Proofs of no launch.
@@ -456,7 +462,7 @@ class _Test:
             j, rj = (v[:cut].reshape(-1, m, len(some)) for v in (mid, rad))
             beta, error = loops.turn(z, x, ell, j, rj, f, kappa, r, eta)
             if not turn:  # the rate of a box falls in proportion to its size, about
-                share = np.maximum(MARGIN * rate / (rate - beta), LEAST)
+                share = np.maximum(MARGIN * rate / (rate - beta), NEAREST)
                 before = np.where(self.just[some], self.found.nearer[some], 0.0)
                 self.found.nearer[some] = np.maximum(np.where(beta < 0, share, NEARER), before)
                 self.just[some] |= beta > -JUST * rate
@@ -505,10 +511,16 @@ def _modal(a: Floats) -> Bases:
 
     The columns of X are real and imaginary parts of the eigenvectors.
     """
-    stable, values, vectors, rate = _eigen(a)
-    x = np.where(values.imag[:, None] < 0, vectors.imag, vectors.real)
+    stable, values, vectors, rate = eigen(a)
+    x = real_basis(values, vectors)
     z = _solved(x, np.broadcast_to(np.eye(x.shape[1]), x.shape))
     return stable & np.isfinite(z).all((1, 2)), z, x, rate
+
+
+def real_basis(values: Any, vectors: Any) -> Floats:
+    """Real and imaginary parts of eigenvectors, as columns in the place of each pair."""
+    found: Floats = np.where(values.imag[:, None] < 0, vectors.imag, vectors.real)
+    return found
 
 
 def _lyapunov(a: Floats) -> Bases:
@@ -516,7 +528,7 @@ def _lyapunov(a: Floats) -> Bases:
 
     With A = V Λ V⁻¹ entry (i, j) of VᴴPV is that of VᴴV over -(λ̄_i + λ_j).
     """
-    stable, values, v, rate = _eigen(a)
+    stable, values, v, rate = eigen(a)
     w = _solved(v, np.broadcast_to(np.eye(v.shape[1]), v.shape))
     falls = -(values.conj()[:, :, None] + values[:, None, :])
     p = (w.conj().swapaxes(1, 2) @ (v.conj().swapaxes(1, 2) @ v / falls) @ w).real
@@ -527,7 +539,7 @@ def _lyapunov(a: Floats) -> Bases:
     return stable, (q * root).swapaxes(1, 2), q / root, rate
 
 
-def _eigen(a: Floats) -> tuple[NDArray[np.bool_], Any, Any, Floats]:
+def eigen(a: Floats) -> tuple[NDArray[np.bool_], Any, Any, Floats]:
     """Whether matrices are stable, eigenvalues, eigenvectors, and slowest rates."""
     whole: Any = np.isfinite(a).all((1, 2))
     values, vectors = np.linalg.eig(np.where(whole[:, None, None], a, 0.0))

@@ -32,6 +32,7 @@ from ..algebra.kernels.tape import Tape, recorded
 from ..algebra.number_types import Algebra
 from ..algebra.program import Program
 from ..base.types import Floats
+from .box import eigen, real_basis
 from .surroundings import Surroundings
 
 ROOM = 2.0**-9
@@ -122,22 +123,14 @@ def normal_form(made: Derivatives, y: Floats, given: Floats) -> tuple[Form, Boun
     with np.errstate(all="ignore"):  # nan is never proved
         exact = at_members(made, y, 0.0, given)
         about = at_members(made, y, ROOM, given)
-        values, basis = _eigen(exact[0][:, :-1])
+        _, values, vectors, rate = eigen(exact[0][:, :-1])
+        values, basis = values.astype(complex), real_basis(values, vectors)
         z = _inverse(basis)
         ell = slow_rows(exact[0])
         s = _shear(z, ell)
         parts = _Parts(s, basis, exact, about)
-        rate = -values.real.max(1)
         form = _removed(values, parts, rate, ell, z)
         return form, parts.bounds(_block(values), rate, form)
-
-
-def _eigen(a: Floats) -> tuple[Any, Floats]:
-    """Eigenvalues, pairs next to each other, and real and imaginary parts of the vectors."""
-    whole: Any = np.isfinite(a).all((1, 2))
-    values, vectors = np.linalg.eig(np.where(whole[:, None, None], a, 0.0))
-    basis: Floats = np.where(values.imag[:, None] < 0, vectors.imag, vectors.real)
-    return values.astype(complex), basis
 
 
 def _inverse(a: Floats) -> Floats:

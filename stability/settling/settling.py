@@ -21,13 +21,11 @@ from numpy.typing import NDArray
 
 from ..base.errors import StabilityError
 from ..base.types import Floats
-from .box import LEAST, NEARER, Balls, Settled, attraction, boxes, nothing, tapes
+from .box import Balls, Settled, attraction, boxes, nothing, tapes
 from .line import Line, Near, nearest
 from .surroundings import NOT_PROVED, Surroundings
 from .tube import in_tube
 
-INSIDE = 0.98
-"""Part of a tube's radius over the distance at which the next try is made."""
 SETTLE = 1e-3
 """Largest distance from a steady motion, dimensionless, at which a motion counts as settled: the
 default of launches, basins and scenes.  No eye sees such a distance; its convergence is proved."""
@@ -108,14 +106,9 @@ def _by_tubes(
     if not near.any():
         return near
     balls = (y.mid[near, 0], y.rad[near, 0]), (e.mid[near], e.rad[near])
-    told = in_tube(around, balls[0], given[near], balls[1])
-    some = np.flatnonzero(near)
-    fine = some[told.proved]
-    found.proved[fine], found.limit[fine, 0] = True, told.limit[told.proved]
-    for name, values in (("error", told.error), ("rate", told.rate), ("reach", told.half)):
-        getattr(found, name)[fine] = values[told.proved]
-    found.nearer[some] = np.where(told.known, np.clip(INSIDE * told.share, LEAST, INSIDE), NEARER)
-    near[some] = told.known
+    known, proofs = in_tube(around, balls[0], given[near], balls[1])
+    found.put(np.flatnonzero(near), proofs)
+    near[near] = known
     return near
 
 
@@ -265,9 +258,7 @@ class Settling:
             with np.errstate(all="ignore"):
                 y, e = line.enclosed(states[some], one.given[some], plain=plain or alone)
             found = settled(around, y, one.given[some], e, alone=alone, plain=plain)
-            whole.limit[some, : one.y.shape[1]] = found.limit
-            for name in ("proved", "error", "rate", "reach", "nearer"):
-                getattr(whole, name)[some] = getattr(found, name)
+            whole.put(some, found)
         return NearestMany(self.names, family, distance, close, whole, tuple(near), states, p)
 
     def closest(self, state: Floats, p: Floats) -> Nearest:

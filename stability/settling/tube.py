@@ -29,6 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.types import Floats
+from .box import NEARER, NEAREST, Settled
 from .normal_form import (
     LOOSE,
     ROOM,
@@ -43,6 +44,8 @@ from .normal_form import (
 )
 from .surroundings import Surroundings
 
+INSIDE = 0.98
+"""Part of a tube's radius over the distance at which the next try is made."""
 LEAST, MOST = 1e-3, 0.16
 """Radii r between which the largest one is sought, by halving their logarithm."""
 HALVINGS = 7
@@ -212,26 +215,9 @@ def _left_over(
     return k, k_w
 
 
-class InTube(NamedTuple):
-    """What tubes say of launches; each has shape (launches,)."""
-
-    known: NDArray[np.bool_]
-    """Whether the member nearby has a tube."""
-    proved: NDArray[np.bool_]
-    """Whether the launch is in it."""
-    limit: Floats
-    """Parameter of a member near the one that it converges to."""
-    error: Floats
-    """Bound on the distance of the two."""
-    rate: Floats
-    """Least rate at which the deviation falls, in the tube's coordinates."""
-    half: Floats
-    """Half the diagonal of a box across the family that holds the tube."""
-    share: Floats
-    """Radius of the tube over the launch's distance, in the tube's coordinates."""
-
-
-def in_tube(around: Surroundings, y: Any, given: Floats, e: Any) -> InTube:
+def in_tube(
+    around: Surroundings, y: Any, given: Floats, e: Any
+) -> tuple[NDArray[np.bool_], Settled]:
     """Which launches are in a tube in which every motion converges to the family.
 
     Parameters
@@ -246,7 +232,8 @@ def in_tube(around: Surroundings, y: Any, given: Floats, e: Any) -> InTube:
 
     Returns
     -------
-    InTube
+    known, proofs
+        Whether the members nearby have a tube, shape (launches,), and which launches are in one.
 
     Raises
     ------
@@ -259,16 +246,16 @@ def in_tube(around: Surroundings, y: Any, given: Floats, e: Any) -> InTube:
         node = np.rint((at - (slow * off).sum(1)) / STEP)
         for _ in range(2):
             own = kept.rows(node, given)
-            found, along = _told(own, node * STEP, y, e)
+            found, along = _proofs(own, node * STEP, y, e)
             aside = np.abs(along) > OFF
             if not aside.any():
-                return found
+                break
             node = np.where(aside, np.rint(node + along / STEP), node)
-        return found
+        return own.reach > 0, found
 
 
-def _told(own: Tubes, centre: Floats, y: Any, e: Any) -> tuple[InTube, Floats]:
-    """What the tubes about centres say of launches, and W."""
+def _proofs(own: Tubes, centre: Floats, y: Any, e: Any) -> tuple[Settled, Floats]:
+    """Which launches are in the tubes about centres, and W."""
     (at, r_at), (off, r_off) = y, e
     z = _times(own.z, off)
     r_z = _times(np.abs(own.z), r_off + LOOSE * np.abs(off)) * WIDE
@@ -285,8 +272,10 @@ def _told(own: Tubes, centre: Floats, y: Any, e: Any) -> tuple[InTube, Floats]:
     error = drift * far * WIDE + r_along + LOOSE * (1 + np.abs(limit))
     known = own.reach > 0
     proved = known & (far <= own.reach) & ((np.abs(along) + r_along) * WIDE <= OFF)
-    share = own.reach / far
-    return InTube(known, proved, limit, error * WIDE, own.rate, own.half, share), along
+    share = np.where(known, np.clip(INSIDE * (own.reach / far), NEAREST, INSIDE), NEARER)
+    parts = (limit, error * WIDE, own.rate, own.half)
+    at, error, rate, half = (np.where(proved, v, np.nan) for v in parts)
+    return Settled(proved, at[:, None], error, rate, half, share), along
 
 
 def _times(a: Floats, b: Floats) -> Floats:

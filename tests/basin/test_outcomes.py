@@ -22,9 +22,18 @@ DISKS = {"uniform": 0.25, "annulus": 0.4, "hoop": 0.5}
 
 def launched(family: str, own: str, count: int, seed: int, horizon: float, k: float = 0.25) -> Any:
     rng = np.random.default_rng(seed)
-    asked = prepare(st.Disk(k=k), "viscous", (own, "tilt"), {}, family, (), {"mu": 0.3})
+    asked = prepare(
+        st.Disk(k=k),
+        "viscous",
+        (own, "tilt"),
+        {},
+        horizon,
+        Settings(),
+        family=family,
+        parameters={"mu": 0.3},
+    )
     points = {own: rng.uniform(0.3, 4, count), "tilt": rng.uniform(0.0, 0.6, count)}
-    return asked.starts(points, horizon)
+    return asked.starts(points)
 
 
 def compared(found: Outcomes, run: Any, open_: int) -> int:
@@ -112,13 +121,21 @@ def test_outcomes_do_not_depend_on_the_company() -> None:
 
 
 def test_a_start_without_contact_has_ended_already() -> None:
-    asked = prepare(st.Disk(), "viscous", ("theta", "theta_dot", "slip_x"), {}, "", (), {"mu": 3.0})
+    asked = prepare(
+        st.Disk(),
+        "viscous",
+        ("theta", "theta_dot", "slip_x"),
+        {},
+        1.0,
+        Settings(),
+        parameters={"mu": 3.0},
+    )
     points = {
         "theta": np.array([1.5, 1.0, 1e-7, 4.0, 1.0]),
         "theta_dot": np.array([0.0, 3, 0, 0, 0]),
         "slip_x": np.array([0.0, 0, 0, 0, 5.0]),
     }
-    found = outcomes(asked.starts(points, 1.0), Settings())
+    found = outcomes(asked.starts(points), Settings())
     words = [BY_CODE[c].word for c in found.outcome.tolist()]
     assert words == ["moving", "lift-off", "flat", "flat", "no-contact"]
     assert (found.time[1:] == 0).all() and found.time[0] == 1.0
@@ -190,11 +207,11 @@ def test_the_error_of_a_late_departure_reaches_down_to_rounding(
     horizon: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     system, away = late_departure()
-    asked = prepare(system, None, ("x", "y", "s", "w"), {}, "", (), {})
+    asked = prepare(system, None, ("x", "y", "s", "w"), {}, horizon, Settings())
     points = {n: np.full(1, v) for n, v in zip("xysw", (1.0, 0.0, 2.0**-106, 0.0), strict=True)}
     runs, judged = [], engine._judged
     monkeypatch.setattr(engine, "_judged", lambda *a: runs.append(judged(*a)) or runs[-1])
-    found = outcomes(asked.starts(points, horizon), Settings())
+    found = outcomes(asked.starts(points), Settings())
     assert found.outcome[0] == CODES[Outcome.MOVING]
     first, second = (run.state[0] for run in runs)
     late = abs(first[3] - away(horizon))  # w, in closed form
@@ -229,10 +246,12 @@ def test_a_systems_launches_settle_where_an_independent_integration_ends(
     count: int, last: float, seed: int
 ) -> None:
     system, rests = pendulum()
-    asked = prepare(system, None, ("angle", "rate"), {"c": 0.3}, "", rests, {})
+    asked = prepare(
+        system, None, ("angle", "rate"), {"c": 0.3}, 2 * last, Settings(), families=rests
+    )
     rng = np.random.default_rng(seed)
     points = {"angle": rng.uniform(-3, 3, count), "rate": rng.uniform(-4, 4, count)}
-    found = outcomes(asked.starts(points, 2 * last), Settings())
+    found = outcomes(asked.starts(points), Settings())
     for row in range(count):
         end = solve_ivp(
             lambda _, y: [y[1], -np.sin(y[0]) - 0.3 * y[1]],
@@ -251,9 +270,9 @@ def test_a_systems_launches_settle_where_an_independent_integration_ends(
 @pytest.mark.few(1)
 @pytest.mark.parametrize("contact", [st.Rough(), st.Smooth(), st.Coulomb(0.3)])
 def test_laws_that_settle_on_nothing_give_the_outcomes_of_simulate(contact: Any) -> None:
-    asked = prepare(st.Disk(), contact, ("phi_dot", "tilt"), {}, "spinning", (), {})
+    asked = prepare(st.Disk(), contact, ("phi_dot", "tilt"), {}, 8.0, Settings(), family="spinning")
     points = {"phi_dot": np.array([0.5, 1.5, 2.5, 3.4]), "tilt": np.array([0.5, 0.3, 0.2, 0.5])}
-    launches = asked.starts(points, 8.0)
+    launches = asked.starts(points)
     found = outcomes(launches, Settings())
     fit = np.array([i not in (launches.unfit or {}) for i in range(4)])
     run = st.simulate(st.Disk(), contact, launches.starts[fit], 8.0)
@@ -262,9 +281,9 @@ def test_laws_that_settle_on_nothing_give_the_outcomes_of_simulate(contact: Any)
 
 def test_a_body_that_passes_its_pole_is_launched_too() -> None:
     top = st.EccentricSphere(0.2)
-    asked = prepare(top, st.Viscous(0.3), ("theta", "phi_dot"), {}, "", (), {})
+    asked = prepare(top, st.Viscous(0.3), ("theta", "phi_dot"), {}, 20.0, Settings())
     points = {"theta": np.array([0.1, 0.5, 2.8]), "phi_dot": np.array([0.5, 2.0, 1.0])}
-    launches = asked.starts(points, 20.0)
+    launches = asked.starts(points)
     found = outcomes(launches, Settings())
     run = st.simulate(top, st.Viscous(0.3), launches.starts, 20.0)
     assert (found.outcome == run.outcome.values).all()
@@ -286,8 +305,8 @@ def test_an_event_moves_by_a_share_of_the_run_as_that_of_a_single_run(
         parameters=("rate",),
         conditions=(st.Condition(x, "left is {value}"),),
     )
-    asked = prepare(system, None, ("left",), {"rate": 1.0}, "", (), {})
-    flow = engine.flow_of(asked.starts({"left": np.array([1.0])}, span).model)
+    asked = prepare(system, None, ("left",), {"rate": 1.0}, span, Settings())
+    flow = engine.flow_of(asked.starts({"left": np.array([1.0])}).model)
     off = 5e-4  # from the guard's zero, which is reached after the same time
     state = np.zeros((1, len(flow.names)))
     state[0, flow.names.index("left")] = off

@@ -156,3 +156,13 @@ def test_boundaries_of_a_body_that_are_proved_say_of_what() -> None:
     )
     assert found.complete
     assert found.how.endswith("or a single crossing, on one branch of steady motions")
+
+
+def test_the_same_disk_or_body_with_other_numbers() -> None:
+    quarter = st.Disk.named("quarter")
+    assert quarter.having({"k": 0.3}).given == quarter.given | {"k": 0.3}
+    torus = st.Torus(0.3).having({"tube": 0.2, "mass": 2.0})
+    assert torus == st.Torus(0.2, mass=2.0)
+    for body, name in ((quarter, "tube"), (torus, "k")):
+        with pytest.raises(st.StabilityError, match=f"'{name}'; known are mass, "):
+            body.having({name: 0.2})

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...base.checks import Number, broadcast, checked, one_number, positive, real_numbers
+from ...base.checks import Number, broadcast, checked, known, one_number, positive, real_numbers
 from ...base.errors import NameUnknownError, ParameterError, shown
 from ...systems.family import Family
 from ...systems.system_checks import mapping, title
@@ -211,6 +211,8 @@ class Body(RoundShape):
 
     def having(self, numbers: Mapping[str, Any]) -> Body:
         """The same body with other values of some of its numbers, by name."""
+        for name in numbers:
+            known(f"number of {self.name}", name, self.given)
         shape = {n: numbers.get(n, v) for n, v in self.shape.items()}
         others: dict[str, Any] = {n: v for n, v in numbers.items() if n not in shape}
         return replace(self, shape=shape, **others)
