@@ -29,6 +29,7 @@ class Kind(Enum):
     ENERGY = "J", "m g R"
     POWER = "W", "m g √(gR)"
     INVERSE_VELOCITY = "s/m", "1/√(gR)"
+    INVERSE_SQUARE_VELOCITY = "s2/m2", "1/(gR)"
     DRAG = "kg/s", "m √(g/R)"
 
     def __init__(self, si: str, words: str) -> None:
@@ -132,6 +133,7 @@ _SIZES: dict[Kind, Callable[[Units], Any]] = {
     Kind.ENERGY: lambda u: u.energy,
     Kind.POWER: lambda u: u.force * u.speed,
     Kind.INVERSE_VELOCITY: lambda u: 1 / u.speed,
+    Kind.INVERSE_SQUARE_VELOCITY: lambda u: 1 / (u.gravity * u.length),
     Kind.DRAG: lambda u: u.mass * u.rate,
 }
 """Size of a dimensionless 1 of each kind: the one place where a kind meets the units of a body."""

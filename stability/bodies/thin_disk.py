@@ -14,7 +14,8 @@ from ..base.checks import flag, known
 from ..base.errors import NameUnknownError, ParameterError, listed
 from ..systems.family import Family
 from ..systems.system import System
-from .contact_laws import DIRECTION, LAWS, Contact, CoulombAlong, Smooth, law_class, stored
+from .contact_laws import DIRECTION, LAWS, Contact, CoulombAlong, Smooth, law_class
+from .disk_polynomials import stored
 from .families import FAMILIES, SteadyFamily, families_of_disk, families_under
 from .model import Model
 from .round_body.equations import Resistances, round_system

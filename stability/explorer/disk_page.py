@@ -11,6 +11,7 @@ from ..base.axis import Axis
 from ..base.errors import NameUnknownError, ParameterError, listed, shown
 from ..bodies.contact_laws import LAWS
 from ..bodies.disk import Disk
+from ..bodies.disk_polynomials import known_polynomial, stored_laws
 from ..bodies.families import FAMILIES
 from ..bodies.quantities import QUANTITIES
 from ..bodies.round_body.thin import thin_body
@@ -59,7 +60,14 @@ def disk_page(
     disk = disk or Disk()
     units = units_of(disk)
     law, values = law_of(contact, dict(parameters), units)
-    subjects = {(n, word): disk_subject(n, word) for n in FAMILY_NAMES for word in LAWS}
+    laws = stored_laws()
+    stored = [(n, word) for n in FAMILY_NAMES for word in laws if known_polynomial(n, word)]
+    if (family, law) not in stored:
+        raise NameUnknownError(
+            f"{family} under the {law} law has no stored polynomial; the page draws "
+            f"{listed(laws, 'or')}, each with the families that have one."
+        )
+    subjects = {pair: disk_subject(*pair) for pair in stored}
     start = subjects[family, law]
     values["k"] = start.quantities["k"].checked(disk.k)
     if at is not None:
@@ -71,7 +79,7 @@ def disk_page(
         values,
         axes,
         units=units,
-        motions={n: motion_of(disk_model(n, pose=True), solid=True) for n in LAWS},
+        motions={n: motion_of(disk_model(n, pose=True), solid=True) for n in laws},
         certificates={s.key: _certificates(s, values["k"]) for s in subjects.values() if certify},
         families={n: n.capitalize() for n in FAMILY_NAMES},
         says="A thin disk, ring or hoop on a plane",
@@ -93,7 +101,8 @@ def disk_subject(name: str, law: str) -> Subject:
     ends: dict[str, Any] = {}
     if record.by_angle:
         high, ends = round(high, 2), {"least": 0.0, "most": math.pi}
-    quantities = {state.name: Quantity.of(state, low, high, STARTS[name], name="at", **ends)}
+    first = STARTS.get(name, (low + high) / 2)
+    quantities = {state.name: Quantity.of(state, low, high, first, name="at", **ends)}
     renamed = {}
     for number in LAWS[law].parameters[:1]:
         renamed = {number.place: number.name} if number.name != number.place else {}

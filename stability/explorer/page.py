@@ -112,8 +112,11 @@ def page_data(
         "certificates": certificates,
         "names": {
             "families": families,
-            "laws": {law: LAW_NAMES[law] for law in laws if law},
-            "says": {law: f"{says}; {WORDS[law]}." if law else f"{says}." for law in laws},
+            "laws": {law: LAW_NAMES.get(law, law.capitalize()) for law in laws if law},
+            "says": {
+                law: f"{says}; {WORDS.get(law, f'{law} contact')}." if law else f"{says}."
+                for law in laws
+            },
         },
         "foot": foot(source, units) + more,
     }

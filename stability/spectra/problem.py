@@ -38,9 +38,9 @@ from ..base.errors import (
 from ..base.exact_numbers import double, no_double, warn_rounded
 from ..base.quantities import Units, without_dimension
 from ..base.types import Floats
-from ..bodies.contact_laws import LAWS, Contact, spelled, stored
+from ..bodies.contact_laws import LAWS, Contact, spelled
 from ..bodies.disk import Disk
-from ..bodies.disk_polynomials import disk_polynomial
+from ..bodies.disk_polynomials import disk_polynomial, stored
 from ..bodies.families import FAMILIES, leaning
 from ..bodies.quantities import PHYSICAL, is_angle
 from ..bodies.thin_disk import disk_family
