@@ -21,8 +21,10 @@ from numpy.typing import NDArray
 
 import stability as st
 from stability.algebra.upright import UPRIGHT
+from stability.base.errors import StabilityError
 from stability.bodies.families import FAMILIES, SteadyFamily
 from stability.cli import main
+from stability.derivation.characteristic import derive
 from stability.tables.registry import definition
 
 EDGE_ON = SteadyFamily(
@@ -324,6 +326,8 @@ def test_a_family_of_one_law_alone_is_refused_under_others(monkeypatch: Any) -> 
         motion="circling at an inclination of one radian",
     )
     monkeypatch.setitem(FAMILIES, "banking", held)
+    with pytest.raises(StabilityError, match="banking holds theta at 1.0, whose sine"):
+        derive("banking", "rough")  # `make derive` ended in a TypeError
     mine = st.spectrum("banking", at=1.3, contact=st.Rough())
     same = st.spectrum("circling", at=[1.0, 1.3], contact=st.Rough())
     nonzero = same.eigenvalues[np.abs(same.eigenvalues) > 1e-9]
