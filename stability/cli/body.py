@@ -9,7 +9,7 @@ from inspect import Parameter, signature
 from typing import Any
 
 from ..base.errors import NameUnknownError, ParameterError, StabilityError, shown
-from .modules import contents
+from .modules import named_in
 from .options import nearest
 
 ACCURACY = "tolerance"
@@ -103,14 +103,8 @@ def _own_body(place: str, named: Collection[str]) -> Any:
             f"body is {shown(place)}; known are {', '.join(named)}, or give `module:body` or "
             "`file.py:body`."
         )
-    module, name, table = contents("body", "body", place)
-    found = table.get(name)
-    if isinstance(found, Body) or (callable(found) and not isinstance(found, type)):
-        return found
-    bodies = sorted(n for n, v in table.items() if isinstance(v, Body)) or ["none"]
-    raise NameUnknownError(
-        f"{shown(name)} is no body of {module} and no function; its bodies are {', '.join(bodies)}."
-    )
+    words = "body and no function", "its bodies"
+    return named_in("body", place, *words, (Body,), made=True)[0]
 
 
 def _made(

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..base.errors import ParameterError
 from .options import AXIS, CERTIFY, answer, axis_of, flags
-from .subject import Subject, add_subject, behind, subject_of
+from .subject import Subject, add_subject, behind, doubles, subject_of
 from .terminal import waiting
 
 EXAMPLES = (
@@ -42,7 +42,7 @@ def run(options: argparse.Namespace) -> None:
         found = boundaries(subject.family, axis=axis, **subject.arguments)
     record: dict[str, Any] = {
         **subject.who,
-        "parameters": subject.record(subject.beyond((axis[0],))),
+        "parameters": doubles(subject.beyond((axis[0],))),
         **subject.member,
         "axis": axis[0],
         "low": axis[1],

@@ -9,7 +9,7 @@ from typing import Any
 from ..base.errors import ParameterError, shown
 from ..base.exact_numbers import ratio_of_text
 from .options import answer, number, overwriting, targets_of, values, words_of
-from .subject import PLACE, add_subject, doubles, exact_numbers, subject_of
+from .subject import PLACE, add_subject, doubles, exact_numbers, refuse_option, subject_of
 
 FORMATS = ("latex", "c", "auto", "bifurcationkit")
 """Words after `export`."""
@@ -46,7 +46,7 @@ def run(options: argparse.Namespace) -> None:
 def _equations(
     options: argparse.Namespace, swept: Mapping[str, Any] | None = None, *, motion: bool = False
 ) -> tuple[Any, dict[str, Any], dict[str, Any]]:
-    """The family or system, the numbers of its body, and further numbers exactly as written."""
+    """The family or system, numbers that it has anyhow, and those given, exactly as written."""
     texts, options.set = options.set, None  # names of states too, which no law has
     subject = subject_of(options, swept or {}, motion=motion, shown_first=True)
     assert subject.equations is not None
@@ -60,16 +60,13 @@ def _equations(
         )
     names = (*equations.at, *equations.parameters)
     given: dict[str, Any] = exact_numbers("set", texts, names, equations.name)
+    for name in given:
+        refuse_option(options, name, "by --set")
     for name in ("mu", "k"):
-        value = getattr(options, name)
-        if value is not None and name in given:
-            raise ParameterError(f"{name} is given as --{name} and by --set; give it once.")
-        if value is not None:
-            given[name] = ratio_of_text(name, repr(value))
-    own = {n: v for n, v in subject.given.items() if n in equations.parameters}
-    for name in sorted(own.keys() & given.keys()):
-        raise ParameterError(f"{name} is a number of the body; give it there alone.")
-    return equations, own, given
+        if getattr(options, name) is not None:
+            given[name] = ratio_of_text(name, repr(getattr(options, name)))
+    usual = {n: v for n, v in subject.numbers.items() if n in equations.parameters}
+    return equations, usual, given
 
 
 def _latex(options: argparse.Namespace) -> dict[str, Any]:
@@ -111,8 +108,8 @@ def _continuation(options: argparse.Namespace) -> dict[str, Any]:
     if len(ends) != 2:
         raise ParameterError(f"--axis is {shown(options.axis)}; give NAME:START:STOP.")
     start, stop = (number(end, "--axis") for end in ends)
-    family, own, given = _equations(options, {free: (free, start, stop)})
-    own.pop(free, None)
+    family, usual, given = _equations(options, {free: (free, start, stop)})
+    usual.pop(free, None)
     path = write(
         family,
         options.out,
@@ -120,7 +117,7 @@ def _continuation(options: argparse.Namespace) -> dict[str, Any]:
         start=start,
         stop=stop,
         overwrite=options.force,
-        **doubles(own | given),
+        **doubles(usual | given),
     )
     return {"out": str(path), "files": sorted(p.name for p in path.iterdir())}
 

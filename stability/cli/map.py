@@ -21,7 +21,7 @@ from .options import (
     targets_of,
     values,
 )
-from .subject import add_subject, subject_of
+from .subject import add_subject, doubles, subject_of
 from .terminal import progress_bar
 
 EXAMPLES = (
@@ -119,7 +119,7 @@ def run(options: argparse.Namespace) -> None:
         "out": str(targets["out"]),
         "plot": str(targets["plot"]) if options.plot else None,
         **subject.who,
-        "parameters": subject.record(subject.beyond([axis[0] for axis in axes.values()])),
+        "parameters": doubles(subject.beyond([axis[0] for axis in axes.values()])),
         **subject.member,
         "verdicts": {v.word: int((dataset.verdict == c).sum()) for v, c in CODES.items()},
         "boundary_points": dataset.sizes["boundary_point"],

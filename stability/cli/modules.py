@@ -14,41 +14,53 @@ from ..base.user_code import imported
 
 
 def family_named(place: str) -> Any:
-    """The family at `module:name` or `file.py:name`; what the module prints is dropped.
+    """The family of that place."""
+    from ..systems.family import Family
+
+    return named_in("system", place, "family", "its families", (Family,))[0]
+
+
+def system_with_families(place: str) -> tuple[Any, list[Any]]:
+    """The system of that place, or that of the family there, and its families in the module."""
+    from ..systems.equations import Equations
+    from ..systems.family import Family
+
+    words = "system and no family", "these"
+    value, table = named_in("system", place, *words, (Equations, Family))
+    system = value.system if isinstance(value, Family) else value
+    families = [f for f in table.values() if isinstance(f, Family) and f.system == system]
+    return system, list(dict.fromkeys(families))
+
+
+def named_in(
+    option: str, place: str, what: str, known: str, kinds: tuple[type, ...], *, made: bool = False
+) -> tuple[Any, dict[str, Any]]:
+    """What a module of the user calls by a name, and all its names; what it prints is dropped.
 
     Parameters
     ----------
+    option
+        The option that names the place.
     place
-        Module on Python's path or in this folder, or a file; then the name of a `Family`.
-
-    Returns
-    -------
-    Family
+        Module on Python's path or in this folder, or a file; then a name in it.
+    what, known
+        What it must be, and all of these, in words.
+    kinds
+        Classes that it may have.
+    made
+        Whether it may be a function that makes one.
 
     Raises
     ------
     NameUnknownError
-        If there is no such module, or no family of that name in it.
+        If there is no such module, or nothing of that kind and name in it.
     """
-    from ..systems.family import Family
-
-    module, name, table = contents("system", "family", place)
-    if not isinstance(table.get(name), Family):
-        names = sorted(n for n, v in table.items() if isinstance(v, Family)) or ["none"]
-        raise NameUnknownError(
-            f"{shown(name)} is no family of {module}; its families are {', '.join(names)}."
-        )
-    found: Any = table[name]
-    return found
-
-
-def contents(option: str, what: str, place: str) -> tuple[str, str, dict[str, Any]]:
-    """Module, name, and all names of the module, from `module:name` or `file.py:name`."""
     module, colon, name = place.rpartition(":")
+    word = what.split()[0]
     dotted = all(part.isidentifier() for part in module.split("."))
     if not colon or not name.isidentifier() or not (dotted or module.endswith(".py")):
         raise NameUnknownError(
-            f"{option} is {shown(place)}; give `module:{what}` or `file.py:{what}`."
+            f"{option} is {shown(place)}; give `module:{word}` or `file.py:{word}`."
         )
     folder = os.path.dirname(module) if module.endswith(".py") else os.getcwd()
 
@@ -58,48 +70,14 @@ def contents(option: str, what: str, place: str) -> tuple[str, str, dict[str, An
                 return runpy.run_path(module)
             return vars(import_module(module))
 
-    table = imported(
-        option,
-        place,
-        names_of,
-        folder or os.getcwd(),
-        f"give a module on Python's path or a file, and a {what} in it",
-    )
-    return module, name, table
-
-
-def system_with_families(place: str) -> tuple[Any, list[Any]]:
-    """The system at `module:name` or `file.py:name`, and its families in the same module.
-
-    Parameters
-    ----------
-    place
-        Module on Python's path or in this folder, or a file; then the name of a `System`, or of a
-        `Family`, whose system is meant.
-
-    Returns
-    -------
-    system
-        The system.
-    families
-        The families of it that the module names, each once.
-
-    Raises
-    ------
-    NameUnknownError
-        If there is no such module, or no system or family of that name in it.
-    """
-    from ..systems.equations import Equations
-    from ..systems.family import Family
-
-    module, name, table = contents("system", "name", place)
-    found = table.get(name)
-    system = found.system if isinstance(found, Family) else found
-    if not isinstance(system, Equations):
-        known = (n for n, v in table.items() if isinstance(v, Equations | Family))
-        names = sorted(known) or ["none"]
+    remedy = f"give a module on Python's path or a file, and a {word} in it"
+    table = imported(option, place, names_of, folder or os.getcwd(), remedy)
+    value = table.get(name)
+    if not isinstance(value, kinds) and not (
+        made and callable(value) and not isinstance(value, type)
+    ):
+        names = sorted(n for n, v in table.items() if isinstance(v, kinds)) or ["none"]
         raise NameUnknownError(
-            f"{shown(name)} is no system and no family of {module}; these are {', '.join(names)}."
+            f"{shown(name)} is no {what} of {module}; {known} are {', '.join(names)}."
         )
-    own = [f for f in table.values() if isinstance(f, Family) and f.system == system]
-    return system, list(dict.fromkeys(own))
+    return value, table

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from .options import CERTIFY, answer, flags
-from .subject import Subject, add_member, add_subject, subject_of
+from .subject import Subject, add_member, add_subject, doubles, subject_of
 
 EXAMPLES = (
     "stability spectrum tumbling --at 0.5 --mu 0.3 --json",
@@ -39,7 +39,7 @@ def run(options: argparse.Namespace) -> None:
     member = subject.member if "at" in subject.member else {"at": float(result.at[0])}
     record = {
         **subject.who,
-        "parameters": subject.record(subject.numbers),
+        "parameters": doubles(subject.numbers),
         **(member | subject.member),
         "eigenvalues": [[float(v.real) + 0.0, float(v.imag) + 0.0] for v in result.eigenvalues],
         "structural_zeros": result.structural_zeros,

@@ -181,8 +181,6 @@ class Subject:
     """What names the member, each number by its own name."""
     numbers: dict[str, Any] = field(default_factory=dict)
     """Every other number of the body and its law, or of the system, by name."""
-    given: dict[str, Any] = field(default_factory=dict)
-    """Those of the numbers that the body was made with."""
     units: Mapping[str, str] = field(default_factory=dict)
     """Unit of each number, in words where it is dimensionless."""
     rate: str = "1"
@@ -206,10 +204,6 @@ class Subject:
         """The numbers that no axis has; without those that follow from an axis."""
         left = {*swept, *(self.derived if set(swept) & set(self.shape) else ())}
         return {n: v for n, v in self.numbers.items() if n not in left}
-
-    def record(self, numbers: Mapping[str, Any]) -> dict[str, float]:
-        """Numbers as doubles."""
-        return {n: float(v) for n, v in numbers.items()}
 
     def own_name(self, axis: str) -> str:
         """Name of an axis; of `at` that of the number which it means."""
@@ -286,9 +280,9 @@ def subject_of(
     numbers = {} if held else set_numbers(options)
     if not shown_first:
         for name in swept:
-            _refuse_option(options, name, "as an axis")
+            refuse_option(options, name, "as an axis")
     for name in held:
-        _refuse_option(options, name, "by --set")
+        refuse_option(options, name, "by --set")
     body = body_of(options, swept)
     member = {} if motion else _member(options, needed=single and not shown_first)
     free = () if shown_first else (*swept, *held)
@@ -310,19 +304,12 @@ class _Body:
     """Name of a body; empty for the disk, which needs none."""
     numbers: dict[str, Any]
     """Every number of it by name."""
-    given: dict[str, Any]
-    """Those that it was made with; none of the disk, all of whose numbers have a default."""
     family: Callable[..., Any]
     """The function of name and law that makes a family of it."""
     derived: Collection[str] = ()
     """Those that are not given but follow from others."""
     shape: Collection[str] = ()
     """Those that are its shape."""
-
-    @property
-    def record(self) -> dict[str, str]:
-        """Its name, for a record."""
-        return {"body": self.name} if self.name else {}
 
 
 def _body_subject(
@@ -343,25 +330,25 @@ def _body_subject(
     launch = _launch_of(options) if hasattr(options, "start") else where_of(options)
     plain = body.body.dimensionless and not {*SCALES, "length"} & set(swept)
     known = round_quantities(body.name or THIN, kind, body.shape, [*names, *at, *numbers, *swept])
+    who = {"body": body.name, "family": family, "contact": kind.name}
     return Subject(
-        family,
-        {body.argument: body.body, "contact": law, **member, **launch},
-        body.record | ({"family": family} if family else {}) | {"contact": kind.name},
-        f"{family}{f' of {body.name}' if body.name else ''}, {kind.name} contact",
-        names,
-        {**member, **where_of(options)},
-        at,
-        numbers,
-        body.given,
-        {n: q.kind.label(dimensionless=plain) for n, q in known.items()},
-        Kind.GROWTH_RATE.label(dimensionless=plain),
-        scales_of(body.body),
-        plain,
-        body.shape,
-        body.derived,
-        tuple(STATES),
-        "the initial energy",
-        lambda: body.family(family, law, **where_of(options)),
+        family=family,
+        arguments={body.argument: body.body, "contact": law, **member, **launch},
+        who={word: name for word, name in who.items() if name},
+        title=f"{family}{f' of {body.name}' if body.name else ''}, {kind.name} contact",
+        names=names,
+        member={**member, **where_of(options)},
+        at=at,
+        numbers=numbers,
+        units={n: q.kind.label(dimensionless=plain) for n, q in known.items()},
+        rate=Kind.GROWTH_RATE.label(dimensionless=plain),
+        scales=scales_of(body.body),
+        dimensionless=plain,
+        shape=body.shape,
+        derived=body.derived,
+        states=tuple(STATES),
+        energy="the initial energy",
+        equations=lambda: body.family(family, law, **where_of(options)),
     )
 
 
@@ -416,7 +403,7 @@ def where_of(options: argparse.Namespace) -> dict[str, Any]:
     return {n: v for n, v in given.items() if v is not None}
 
 
-def _refuse_option(options: argparse.Namespace, name: str, how: str) -> None:
+def refuse_option(options: argparse.Namespace, name: str, how: str) -> None:
     """Refuse a number that has an option of its own too."""
     direct = {n: getattr(options, n, None) for n in ("at", *NUMBERS)} | options.numbers
     if direct.get(name) is not None:
@@ -436,15 +423,14 @@ def body_of(options: argparse.Namespace, swept: Mapping[str, Any]) -> _Body:
     if options.body is None:
         _refuse_round(options)
         disk = _disk_of(options)
-        return _Body(disk, "disk", "", {n: getattr(disk, n) for n in OF_DISK}, {}, _family_of_disk)
+        return _Body(disk, "disk", "", {n: getattr(disk, n) for n in OF_DISK}, _family_of_disk)
     from ..bodies.round_body.shape import MOMENTS
 
     body = round_body(options, swept)
     moments = dict(zip(MOMENTS, body.moments(), strict=True))
     numbers = {**body.constants, **body.given, **moments}
     derived = [n for n in numbers if n not in body.given]
-    given = dict(body.given)
-    return _Body(body, "body", body.name, numbers, given, body.family, derived, tuple(body.shape))
+    return _Body(body, "body", body.name, numbers, body.family, derived, tuple(body.shape))
 
 
 def _refuse_round(options: argparse.Namespace) -> None:
@@ -518,7 +504,7 @@ def set_numbers(options: argparse.Namespace) -> dict[str, float]:
     law = class_named(options.contact or "viscous", motion=True)
     coefficients: dict[str, float] = {}
     for name, text in named_texts("set", options.set).items():
-        _refuse_option(options, name, "by --set")
+        refuse_option(options, name, "by --set")
         value = number(text, name)
         if name in NUMBERS and hasattr(options, name):
             setattr(options, name, value)
@@ -656,14 +642,14 @@ def _system_subject(
         numbers = {n: numbers[n] for n in (*family.at, *family.parameters)}
     at = {n: numbers[n] for n in family.at} if single else {}
     return Subject(
-        family,
-        {"parameters": numbers if exact else doubles(numbers)},
-        {"system": family.system.name, "family": family.name},
-        f"{family.system.name}, {family.name}",
-        tuple(family.at),
-        {"at": doubles(at)} if single else {},
-        at,
-        {n: v for n, v in numbers.items() if n not in at},
+        family=family,
+        arguments={"parameters": numbers if exact else doubles(numbers)},
+        who={"system": family.system.name, "family": family.name},
+        title=f"{family.system.name}, {family.name}",
+        names=tuple(family.at),
+        member={"at": doubles(at)} if single else {},
+        at=at,
+        numbers={n: v for n, v in numbers.items() if n not in at},
         units=family.system.units,
         rate=rate_unit(family.system.units),
         equations=lambda: family,
@@ -698,10 +684,10 @@ def _system_launched(options: argparse.Namespace) -> Subject:
         require(numbers, system.parameters)
         arguments |= {"start": doubles(start), "contact": doubles(numbers)}
     return Subject(
-        None,
-        arguments,
-        {"system": system.name},
-        system.name,
+        family=None,
+        arguments=arguments,
+        who={"system": system.name},
+        title=system.name,
         units=system.units,
         states=tuple(system.states),
         equations=lambda: system,
