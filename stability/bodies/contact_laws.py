@@ -737,9 +737,9 @@ def law_named(
     for n in given:
         if n not in [p.name for p in law.parameters]:
             if n == "mu":
-                raise ParameterError(
-                    f"mu is given but the {law.name} law has no coefficient; leave it out."
-                )
+                own = listed([p.name for p in law.parameters] or ["no coefficient"])
+                remedy = f"takes {own}" if law.parameters else f"has {own}; leave it out"
+                raise ParameterError(f"mu is given but the {law.name} law {remedy}.")
             owners = [w for w, o in MOTION_LAWS.items() if o.alternatives(n)]
             where = f"; it belongs to {listed(owners)}" if owners else ""
             raise ParameterError(f"{n} is given but the {law.name} law has none{where}.")

@@ -58,8 +58,7 @@ def condition(name: str) -> str:
     if record.solution is not None:  # other roots belong to other families
         wanted = record.solution(sympy, symbols[family.at[0]], symbols["k"], 1)
         roots = [root for root in roots if sympy.simplify(root - wanted) == 0]
-    [root] = roots
-    return f"{unknown} = {sympy.simplify(root)}"
+    return " or ".join(f"{unknown} = {sympy.simplify(root)}" for root in roots)
 
 
 def families() -> list[dict[str, Any]]:

@@ -304,6 +304,14 @@ def test_a_family_whose_graph_has_another_form_gets_no_polynomial(
     assert list(hurwitz.catalogue()["cases"]) == ["rolling rough"]
 
 
+def test_a_condition_with_several_roots_names_them_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    from stability.tables.families import condition
+
+    monkeypatch.setitem(FAMILIES, "nodding", replace(CONING, name="nodding", solution=None))
+    roots = condition("nodding").split(" or ")
+    assert "theta = asin(1/(k*phi_dot**2))" in roots and len(roots) > 1
+
+
 def test_methods_are_compared_on_it(family: str) -> None:
     from stability.compare.spectrum.points import Points
     from stability.compare.spectrum.routes import ManyDigits

@@ -14,6 +14,7 @@ from stability.bodies.contact_laws import LAWS, MOTION_LAWS
 from stability.bodies.disk_polynomials import stored, stored_laws
 from stability.derivation import hurwitz
 from stability.derivation.characteristic import derive
+from stability.tables.conditions import _contacts
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,6 +111,21 @@ def test_the_refusal_of_a_missing_number_shows_a_call_that_works(law: type[st.Co
         arguments = eval(f"dict({shown})")
         assert arguments == {"contact": kind.name, **names}
         st.simulate(st.Disk(), start={"theta": 1.2}, times=0.01, **arguments)
+
+
+def test_a_table_takes_a_law_whose_coefficient_has_another_name(
+    law: type[st.Contact],
+) -> None:
+    if len(law.parameters) > 1:
+        with pytest.raises(st.StabilityError, match="of laws of one coefficient"):
+            _contacts(law.name, [0.3])
+        return
+    assert [contact.given for contact in _contacts(law.name, [0.3, 1.0])] == [
+        {"nu": 0.3},
+        {"nu": 1.0},
+    ]
+    with pytest.raises(st.StabilityError, match="mu is given but the weakening law takes nu"):
+        st.table("conditions", contact=law.name, k=0.25, mu=0.3)
 
 
 def test_a_number_of_another_law_names_its_owners() -> None:
