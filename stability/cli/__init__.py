@@ -5,8 +5,8 @@ A thin layer on the public names.  `commands.py` parses a command line and runs 
 revolution and `modules.py` for what a user's module names; `options.py` holds the parser and the
 options and answers that commands share.
 May import `explorer` and the floors below.
-To add a command: a module with `EXAMPLES`, `add_arguments` and `run`, and its entry in `COMMANDS` of
-`commands.py`.
+To add a command: a module with `EXAMPLES`, `add_arguments` and `run`, and its entry in `COMMANDS`
+of `commands.py`.
 """
 
 from collections.abc import Sequence

@@ -24,6 +24,7 @@ CHANGES = (
     "route to a verdict",
     "figure",
     "table",
+    "option of a command",
     "command",
     "hard case",
     "output format",
