@@ -10,7 +10,7 @@ from typing import Any
 
 from ..base.errors import NameUnknownError, ParameterError, StabilityError, shown
 from .modules import named_in
-from .options import nearest
+from .options import given, nearest
 
 ACCURACY = "tolerance"
 """Argument of a body's function that is no number of its shape."""
@@ -84,13 +84,12 @@ def round_body(options: argparse.Namespace, swept: Mapping[str, Any]) -> Any:
     from ..bodies.round_body.shape import SCALES
     from ..bodies.round_body.shapes.named import NAMED
 
-    for key in ("system", "disk", "k", "radius", "lean"):
-        if getattr(options, key, None) is not None:
-            raise ParameterError(f"--{key} does not go with --body; leave one of them out.")
-    solid = {} if options.solid is None else {"solid": options.solid}
-    scales = {n: getattr(options, n) for n in SCALES if getattr(options, n) is not None}
+    for key in given(options, "system", "disk", "k", "radius", "lean"):
+        raise ParameterError(f"--{key} does not go with --body; leave one of them out.")
+    numbers, scales = options.numbers | given(options, "solid"), given(options, *SCALES)
     source = NAMED.get(options.body) or _own_body(options.body, NAMED)
-    body = _made(options, source, {**options.numbers, **solid}, swept)
+    make = _made if callable(source) else _renumbered
+    body = make(options, source, numbers, swept)
     return replace(body, **scales) if scales else body
 
 
@@ -108,26 +107,20 @@ def _own_body(place: str, named: Collection[str]) -> Any:
 
 
 def _made(
-    options: argparse.Namespace, source: Any, given: dict[str, Any], swept: Mapping[str, Any]
+    options: argparse.Namespace, source: Any, numbers: dict[str, Any], swept: Mapping[str, Any]
 ) -> Any:
-    """A body with numbers given by options; one on an axis has the middle of the axis."""
+    """A body that a function makes of numbers; one on an axis has the middle of the axis."""
     from ..bodies.round_body.body import Body
 
     label = options.body
-    if isinstance(source, Body):
-        own = {n: v for n, v in source.given.items() if n not in ("mass", "gravity", "length")}
-        _refuse_others(options, given, own)
-        shape = {n: given.get(n, v) for n, v in source.shape.items()}
-        moments = {n: v for n, v in given.items() if n not in shape}
-        return replace(source, shape=shape, **moments)
     known = _numbers_of(source)
-    _refuse_others(options, given, known)
-    middle = {n: (a[1] + a[2]) / 2 for n, a in swept.items() if n in known and n not in given}
-    missing = [n for n, p in known.items() if p.default is p.empty and n not in given | middle]
+    _refuse_others(options, numbers, known)
+    middle = {n: (a[1] + a[2]) / 2 for n, a in swept.items() if n in known and n not in numbers}
+    missing = [n for n, p in known.items() if p.default is p.empty and n not in numbers | middle]
     if missing:
         raise ParameterError(f"--{missing[0]} is missing; {label} needs it.")
     try:
-        body = source(**given, **middle)
+        body = source(**numbers, **middle)
     except StabilityError:
         raise
     except Exception as error:  # a user's function may raise anything
@@ -136,16 +129,31 @@ def _made(
         ) from None
     if not isinstance(body, Body):
         raise ParameterError(f"{label} returns {shown(body)}; a stability.Body is needed.")
-    every = {n: p.default for n, p in known.items()} | given | middle
+    every = {n: p.default for n, p in known.items()} | numbers | middle
     own = {n: v for n, v in every.items() if type(v) in (int, float) and n not in body.given}
     return replace(body, constants={**own, **body.constants}) if own else body
 
 
+def _renumbered(
+    options: argparse.Namespace,
+    body: Any,
+    numbers: Mapping[str, Any],
+    swept: Mapping[str, Any],  # noqa: ARG001
+) -> Any:
+    """A user's body with other numbers in place of its own."""
+    from ..bodies.round_body.shape import SCALES
+
+    _refuse_others(options, numbers, [n for n in body.given if n not in SCALES])
+    shape = {n: numbers.get(n, v) for n, v in body.shape.items()}
+    moments = {n: v for n, v in numbers.items() if n not in shape}
+    return replace(body, shape=shape, **moments)
+
+
 def _refuse_others(
-    options: argparse.Namespace, given: Collection[str], known: Collection[str]
+    options: argparse.Namespace, numbers: Collection[str], known: Collection[str]
 ) -> None:
     """Refuse numbers that the body does not have."""
-    for name in given:
+    for name in numbers:
         if name not in known:
             word = "solid or --hollow" if name == "solid" else name
             own = " or ".join(f"--{n}" for n in known) or "no numbers"

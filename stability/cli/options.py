@@ -177,6 +177,12 @@ def values(
 # --- what they hold ---
 
 
+def given(options: argparse.Namespace, *names: str) -> dict[str, Any]:
+    """Those of the options that the command has and that the line gives, by name."""
+    every = {name: getattr(options, name, None) for name in names}
+    return {name: value for name, value in every.items() if value is not None}
+
+
 def number(text: str, name: str) -> float:
     """A number that an option gives, by the name that a message uses."""
     try:
@@ -234,11 +240,9 @@ def axis_of(text: str, which: str, *, points: bool = True) -> Any:
 
 def axes_of(options: argparse.Namespace, *names: str, points: bool = True) -> dict[str, Any]:
     """The axes that are given, by the names of their options."""
-    texts = {name: getattr(options, name) for name in names}
     return {
         name: axis_of(text, f"--{name}", points=points)
-        for name, text in texts.items()
-        if text is not None
+        for name, text in given(options, *names).items()
     }
 
 
@@ -255,11 +259,8 @@ def targets_of(options: argparse.Namespace, kinds: Mapping[str, Iterable[str]]) 
     from ..storage.targets import STORES, check_folder, check_suffix, check_target
 
     targets: dict[str, Path] = {}
-    for name, endings in kinds.items():
-        text = getattr(options, name)
-        if text is None:
-            continue
-        path = check_suffix(text, tuple(endings), f"--{name}")
+    for name, text in given(options, *kinds).items():
+        path = check_suffix(text, tuple(kinds[name]), f"--{name}")
         stored = path.suffix.lower() in STORES
         target = check_folder(path) if stored else check_target(path, overwrite=options.force)
         if target.resolve() in [t.resolve() for t in targets.values()]:

@@ -23,7 +23,7 @@ from ..bodies.families import FAMILIES, leaning
 from ..bodies.quantities import THIN, round_quantities
 from .body import add_body, round_body
 from .modules import family_named, system_with_families
-from .options import number, values
+from .options import given, number, values
 
 SCALES = {"mass": ("body", "kg"), "radius": ("disk", "m"), "gravity": ("body", "m/s²")}
 """Options of dimensional numbers: of what, and their units."""
@@ -367,24 +367,18 @@ def _member(options: argparse.Namespace, *, needed: bool) -> dict[str, Any]:
         )
     if ":" in family:
         raise ParameterError(f"FAMILY is {shown(family)}; give --system {family} instead.")
-    at, lean = at_of(options), getattr(options, "lean", None)
+    member = given(options, "at", "lean")
     remedy = f"give --at, or for {leaning()} --lean"
-    if at is not None and lean is not None:
+    if len(member) > 1:
         raise ParameterError(f"--at and --lean are both given; {remedy}, and not both.")
-    if needed and at is None and lean is None:
+    if needed and not member:
         raise ParameterError(f"at is missing; {remedy}.")
-    if isinstance(at, list) and family in FAMILIES:
-        _count(options.at, len(at), FAMILIES[family].at, family)
-    return {n: v for n, v in (("at", at), ("lean", lean)) if v is not None}
-
-
-def at_of(options: argparse.Namespace) -> float | list[float] | None:
-    """The numbers of --at, where the command has it."""
-    text = getattr(options, "at", None)
-    if text is None:
-        return None
-    parts = [number(part, "at") for part in text.split(",")]
-    return parts[0] if len(parts) == 1 else parts
+    if "at" in member:
+        parts = [number(part, "at") for part in options.at.split(",")]
+        if len(parts) > 1 and family in FAMILIES:
+            _count(options.at, len(parts), FAMILIES[family].at, family)
+        member["at"] = parts if len(parts) > 1 else parts[0]
+    return member
 
 
 def _count(text: str, count: int, names: Sequence[str], owner: str) -> None:
@@ -397,16 +391,13 @@ def _count(text: str, count: int, names: Sequence[str], owner: str) -> None:
 
 def where_of(options: argparse.Namespace) -> dict[str, Any]:
     """What tells members apart whose numbers are the same: an inclination, or a pole."""
-    given = {n: getattr(options, n, None) for n in ("theta", "pole")}
-    if given["pole"] == "0":
-        given["pole"] = 0
-    return {n: v for n, v in given.items() if v is not None}
+    where = given(options, "theta", "pole")
+    return where | ({"pole": 0} if where.get("pole") == "0" else {})
 
 
 def refuse_option(options: argparse.Namespace, name: str, how: str) -> None:
     """Refuse a number that has an option of its own too."""
-    direct = {n: getattr(options, n, None) for n in ("at", *NUMBERS)} | options.numbers
-    if direct.get(name) is not None:
+    if name in given(options, "at", *NUMBERS) | options.numbers:
         raise ParameterError(f"{name} is given as --{name} and {how}; give it once.")
 
 
@@ -436,11 +427,10 @@ def body_of(options: argparse.Namespace, swept: Mapping[str, Any]) -> _Body:
 def _refuse_round(options: argparse.Namespace) -> None:
     """Refuse options that the disk does not take."""
     place = () if hasattr(options, "start") else ("theta", "pole")
-    for name in ("length", "solid", *place):
-        if getattr(options, name, None) is not None:
-            word = "solid or --hollow" if name == "solid" else name
-            member = "; --at takes theta of the steady motion" * (name == "theta")
-            raise ParameterError(f"--{word} is given without --body; leave it out{member}.")
+    for name in given(options, "length", "solid", *place):
+        word = "solid or --hollow" if name == "solid" else name
+        member = "; --at takes theta of the steady motion" * (name == "theta")
+        raise ParameterError(f"--{word} is given without --body; leave it out{member}.")
 
 
 def _family_of_disk(name: str, law: Any) -> Any:
@@ -450,12 +440,11 @@ def _family_of_disk(name: str, law: Any) -> Any:
 
 
 def _disk_of(options: argparse.Namespace) -> Disk:
-    every = {n: getattr(options, n, None) for n in OF_DISK}
-    given: dict[str, Any] = {n: v for n, v in every.items() if v is not None}
+    numbers = given(options, *OF_DISK)
     if options.disk is None:
-        return Disk(**given)
-    if given:
-        raise ParameterError(f"--{next(iter(given))} and --disk are both given; give one of them.")
+        return Disk(**numbers)
+    for name in numbers:
+        raise ParameterError(f"--{name} and --disk are both given; give one of them.")
     return Disk.named(options.disk)
 
 
@@ -487,8 +476,7 @@ def _law_of(
     """
     name = options.contact or "viscous"
     law = class_named(name, motion=motion)
-    direct = {n: getattr(options, n, None) for n in COEFFICIENTS}
-    coefficients = dict(numbers) | {n: v for n, v in direct.items() if v is not None}
+    coefficients = {**numbers, **given(options, *COEFFICIENTS)}
     for n in free:
         if n in coefficients:
             raise ParameterError(f"{n} is given as a number and as an axis; give it once.")
@@ -560,14 +548,14 @@ def exact_numbers(
     return out
 
 
-def doubles(given: Mapping[str, Fraction]) -> dict[str, Any]:
+def doubles(numbers: Mapping[str, Any]) -> dict[str, Any]:
     """Numbers as their nearest doubles."""
-    return {n: float(v) for n, v in given.items()}
+    return {n: float(v) for n, v in numbers.items()}
 
 
-def require(given: Collection[str], names: Sequence[str]) -> None:
+def require(numbers: Collection[str], names: Sequence[str]) -> None:
     """Refuse numbers of a system that are missing."""
-    missing = [n for n in names if n not in given]
+    missing = [n for n in names if n not in numbers]
     if missing:
         how = " ".join(f"--set {n}=NUMBER" for n in missing)
         raise ParameterError(f"{absent(missing)}; give {how}.")
@@ -584,11 +572,11 @@ def _launch_of(options: argparse.Namespace) -> dict[str, Any]:
         raise ParameterError("--start belongs to --system; a disk takes --theta and the others.")
     _needed(options, "theta")
     kinds = (resistance.RollingResistance, resistance.PivotingResistance, resistance.AirTorque)
-    given = zip(kinds, (getattr(options, n) for n in RESISTANCES), strict=True)
+    moments = zip(kinds, (getattr(options, n) for n in RESISTANCES), strict=True)
     return {
         "start": [getattr(options, name) or 0.0 for name in STATES],
         "pose": options.pose or options.film is not None or options.plot is not None,
-        "resistance": [kind(value) for kind, value in given if value is not None] or None,
+        "resistance": [kind(value) for kind, value in moments if value is not None] or None,
     }
 
 
@@ -607,9 +595,8 @@ def _needed(options: argparse.Namespace, *names: str) -> None:
 
 def refuse_of_body(options: argparse.Namespace, *more: str) -> None:
     """Refuse options of the disk and bodies with --system."""
-    for key in (*OF_BODY, *more):
-        given = getattr(options, key, None)
-        if given is not None and given is not False:
+    for key, value in given(options, *OF_BODY, *more).items():
+        if value is not False or key == "solid":  # which --hollow sets to False
             raise ParameterError(f"{_option(key)} belongs to the disk; with --system leave it out.")
 
 

@@ -6,9 +6,10 @@ import argparse
 from typing import Any
 
 from ..base.errors import ParameterError, listed
+from ..bodies.disk import Disk
 from .body import add_body
 from .modules import family_named
-from .options import AXIS, axes_of, flags, numbers, overwriting, targets_of, values, words_of
+from .options import AXIS, axes_of, flags, given, numbers, overwriting, targets_of, values, words_of
 from .subject import (
     PLACE,
     SCALES,
@@ -59,15 +60,11 @@ def run(options: argparse.Namespace) -> None:
 def _settings(options: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
     """The family and the keyword arguments of `stability.table`; what is not given is left out."""
     family: Any = options.family
-    plain = ("k", "mu", "contact", "tilt", "at", "systems")
-    settings = {n: getattr(options, n) for n in plain if getattr(options, n) is not None}
-    scales = {n: getattr(options, n) for n in SCALES}
-    scales = {n: v for n, v in scales.items() if v is not None}
+    settings = given(options, "k", "mu", "contact", "tilt", "at", "systems")
+    scales = given(options, *SCALES)
     if options.body is not None:
         settings["body"] = body_of(options, {}).body
     elif scales:
-        from ..bodies.disk import Disk
-
         settings["disk"] = Disk(**scales)
     settings |= axes_of(options, "x", "y")
     if options.positive:
@@ -82,8 +79,8 @@ def _settings(options: argparse.Namespace) -> tuple[Any, dict[str, Any]]:
         raise ParameterError("give --system MODULE:FAMILY or --family, one of them.")
     family = family_named(options.system)
     names = (*family.at, *family.parameters)
-    given: dict[str, Any] = exact_numbers("set", options.set, names, family.name)
-    return family, settings | (given if options.name == "conditions" else doubles(given))
+    exact: dict[str, Any] = exact_numbers("set", options.set, names, family.name)
+    return family, settings | (exact if options.name == "conditions" else doubles(exact))
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
