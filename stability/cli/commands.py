@@ -52,7 +52,7 @@ COMMANDS: dict[str, tuple[Any, str]] = {
     "cite": (cite, "What to cite for this package, or for a file that it wrote"),
     "chart": (compare.CHART, "Time against error, by every route to a spectrum or a motion"),
     "failures": (
-        compare.FAILURES,
+        compare.CATALOGUE,
         "Hard cases against every method: right, degraded, wrong, refused, crashed",
     ),
     "report": (compare.REPORT, "Both charts and the catalogue of failures on one page"),

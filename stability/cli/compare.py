@@ -76,7 +76,7 @@ class Command:
 
 
 CHART = Command(("stability chart spectrum --out chart",), None)
-FAILURES = Command(("stability failures --out failures",), ("failures",))
+CATALOGUE = Command(("stability failures --out failures",), ("failures",))
 REPORT = Command(("stability report --out report",), ())
 
 
