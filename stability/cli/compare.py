@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -113,11 +114,10 @@ def summary(folder: Path, plan: Mapping[str, Sequence[Sequence[Task]]]) -> dict[
         if name != FAILURES:
             out[name] = {"files": files, "standings": [vars(s) for s in standings(one)]}
             continue
-        marks: dict[str, dict[str, int]] = {}
+        marks: defaultdict[str, Counter[str]] = defaultdict(Counter)
         for e in one.chart:
             if e.mark is not None:
-                mine = marks.setdefault(e.method, {})
-                mine[e.mark.word] = mine.get(e.mark.word, 0) + 1
+                marks[e.method][e.mark.word] += 1
         bad = [[e.case, e.method, e.note] for e in catalogue.misleading(one.chart)]
         out[name] = {"files": files, "marks": marks, "misleading": bad}
     return out

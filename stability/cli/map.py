@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +21,7 @@ from .options import (
     targets_of,
     values,
 )
-from .subject import add_subject, doubles, subject_of
+from .subject import Subject, add_subject, doubles, subject_of
 from .terminal import progress_bar
 
 EXAMPLES = (
@@ -111,46 +111,45 @@ def run(options: argparse.Namespace) -> None:
                 raise
     if options.checkpoint is not None:
         remove_parts(options.checkpoint)
+    _report(options, subject, axes, dataset, targets)
+
+
+def _report(
+    options: argparse.Namespace,
+    subject: Subject,
+    axes: Mapping[str, Any],
+    dataset: Any,
+    targets: Mapping[str, Path],
+) -> None:
+    """Print what the map holds."""
     from ..base.verdict import CODES
     from ..maps.dataset import points_of
-    from ..tables.beyond_linear import point_records
+    from ..storage.targets import path_text
+    from ..tables.beyond_linear import point_records, point_text
 
+    counts = {v.word: int((dataset.verdict == c).sum()) for v, c in CODES.items()}
     record: dict[str, Any] = {
         "out": str(targets["out"]),
         "plot": str(targets["plot"]) if options.plot else None,
         **subject.who,
         "parameters": doubles(subject.beyond([axis[0] for axis in axes.values()])),
         **subject.member,
-        "verdicts": {v.word: int((dataset.verdict == c).sum()) for v, c in CODES.items()},
+        "verdicts": counts,
         "boundary_points": dataset.sizes["boundary_point"],
         "boundary_unresolved": int(dataset.attrs["boundary_unresolved"]),
         "citation": dataset.attrs["citation"],
     }
+    cells = ", ".join(f"{n} {word}" for word, n in counts.items() if n)
+    wrote = " and ".join(map(path_text, targets.values()))
+    lines = [f"{wrote}: {cells}; {record['boundary_points']} boundary points"]
     if options.certify:
         record |= {"certified": True, "proved_area": float(dataset.attrs["box_proved"])}
+        lines[0] += f"; {dataset.attrs['box_comment']}"
     points = points_of(dataset)
     if points is not None:
         record["points"] = point_records(points)
-    answer(options, record, _lines(options, record, dataset, targets))
-
-
-def _lines(
-    options: argparse.Namespace,
-    record: Mapping[str, Any],
-    dataset: Any,
-    targets: Mapping[str, Path],
-) -> Iterator[str]:
-    from ..maps.dataset import points_of
-    from ..storage.targets import path_text
-    from ..tables.beyond_linear import point_text
-
-    cells = ", ".join(f"{n} {word}" for word, n in record["verdicts"].items() if n)
-    proved = f"; {dataset.attrs['box_comment']}" if options.certify else ""
-    wrote = " and ".join(map(path_text, targets.values()))
-    yield f"{wrote}: {cells}; {record['boundary_points']} boundary points" + proved
-    points = points_of(dataset)
-    if points is not None:
-        yield point_text(str(dataset.attrs["family"]), points)
+        lines.append(point_text(str(dataset.attrs["family"]), points))
+    answer(options, record, lines)
 
 
 def _targets(options: argparse.Namespace) -> dict[str, Path]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ..base.errors import ParameterError
 from .options import answer as print_answer
 from .options import flags, overwriting, plotting, targets_of, values
-from .subject import scales_of
+from .subject import ones_of, scales_of
 from .terminal import progress_bar, waiting
 
 if TYPE_CHECKING:
@@ -202,11 +202,6 @@ def _about(answer: Answer, names: tuple[str, ...]) -> dict[str, Any]:
     }
 
 
-def _length(scene: Scene) -> str:
-    """The length that is 1 where numbers have no units."""
-    return "R" if hasattr(scene.disk, "radius") else "length"
-
-
 def _units(answer: Answer, names: tuple[str, ...], *, plain: bool) -> dict[str, str]:
     """Units in words of all numbers of the answer."""
     from ..bodies.newton_euler import STATES
@@ -262,8 +257,7 @@ def _table_and_ladders(
     yield ""
     of = getattr(scene.disk, "name", "disk")
     yield (
-        f"Errors are over 1 or the size of the value, in units of the {of} "
-        f"(m = {_length(scene)} = g = 1)."
+        f"Errors are over 1 or the size of the value, in units of the {of} ({ones_of(scene.disk)})."
     )
     for name, one in columns.items():
         yield ""

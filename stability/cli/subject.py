@@ -354,8 +354,12 @@ def _body_subject(
 
 def scales_of(body: Any) -> str:
     """The units of a body's numbers in words."""
-    length = "R" if hasattr(body, "radius") else "length"
-    return f"dimensionless (m = {length} = g = 1)" if body.dimensionless else "SI"
+    return f"dimensionless ({ones_of(body)})" if body.dimensionless else "SI"
+
+
+def ones_of(body: Any) -> str:
+    """What is 1 where the numbers of a body have no unit."""
+    return f"m = {'R' if hasattr(body, 'radius') else 'length'} = g = 1"
 
 
 def _member(options: argparse.Namespace, *, needed: bool) -> dict[str, Any]:

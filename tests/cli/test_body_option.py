@@ -115,6 +115,8 @@ def test_a_users_body_takes_the_numbers_of_its_function_or_shape(
     assert "rolling of egg, viscous contact, at omega3 = 1, a = 0.1, sharp = 0.08," in text
     other = output(capsys, "spectrum", "rolling", "--body=egg.py:egg", "--a=0.1", *ASK)
     assert other == text
+    named = output(capsys, "spectrum", "rolling", "--body", "egg.py:egg", "--set", "a=0.1", *ASK)
+    assert named == text
     found = spectrum(capsys, "rolling", "--body", "egg:coin", "--rim", "0.1", *ASK)
     same = spectrum(capsys, "rolling", "--body", "egg:coin", *ASK)
     told = found["parameters"], same["parameters"]

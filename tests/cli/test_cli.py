@@ -291,6 +291,32 @@ def test_every_number_may_be_set_by_name(capsys: pytest.CaptureFixture[str]) -> 
         assert sentence in capsys.readouterr().err
 
 
+def test_export_takes_the_options_of_every_command(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """It took --set alone, no law of one's own, and no k that is left out."""
+
+    def written(name: str, *words: str) -> dict[str, str]:
+        folder = tmp_path / name
+        ask = ["export", "auto", "spinning", "--axis", "phi_dot:5:1.8", "--out", str(folder)]
+        output(capsys, *ask, *words)
+        return {p.name: p.read_text().replace(str(folder), "") for p in folder.iterdir()}
+
+    known = written("one/spin", "--set", "mu=0.8", "--set", "k=1/4")
+    assert written("two/spin", "--mu", "0.8", "--k", "0.25") == known
+    assert written("three/spin", "--mu", "0.8") == known
+    assert written("four/spin", "--mu", "0.8", "--k", "0.5") != known
+    ask = ["export", "c", "spinning", "--out", str(tmp_path / "c")]
+    output(capsys, *ask, "--contact", "own_law:Weakening")
+    more = ["export", "auto", "spinning", "--axis", "phi_dot:5:1.8", "--out", str(tmp_path / "n")]
+    for words, sentence in (
+        (["--mu", "1", "--set", "mu=2"], "mu is given as --mu and by --set"),
+        (["--mu", "1", "--disk", "quarter"], "the disk is exported without units"),
+        (["--mu", "1", "--contact", "rough"], "mu is given but the rough law has no coefficient"),
+    ):
+        assert sentence in refused(capsys, *more, *words)
+
+
 def test_numbers_of_ones_own_system_are_exact_as_they_are_written(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
