@@ -61,6 +61,7 @@ def option(action: argparse.Action) -> str:
 
 def section(name: str, parser: argparse.ArgumentParser) -> str:
     """One command: what it does, its use, its options, an example."""
+    parser.format_help()  # some lists of the help are read only there
     title = f"stability {name}"
     lines = [f".. program:: {title}\n", title, "-" * len(title), "", plain(parser.description), ""]
     usage = " ".join(parser.format_usage().split()).removeprefix("usage: ")

@@ -33,6 +33,11 @@ class Kind(Enum):
     ENERGY = "J", "m g R", lambda units: units.energy
     POWER = "W", "m g √(gR)", lambda units: units.force * units.speed
     INVERSE_VELOCITY = "s/m", "1/√(gR)", lambda units: 1 / units.speed
+    INVERSE_SQUARE_VELOCITY = (
+        "s2/m2",
+        "1/(gR)",
+        lambda units: 1 / (units.gravity * units.length),
+    )
     DRAG = "kg/s", "m √(g/R)", lambda units: units.mass * units.rate
 
     def __new__(cls, si: str, words: str, size: Callable[[Units], Any]) -> Self:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from ..base.checks import Number, broadcast, instance, known, positive, whole_number
 from ..base.errors import NameUnknownError, ParameterError, listed, meant, shown
-from ..base.quantities import Units
+from ..base.quantities import Kind, Units
 from ..base.types import Record
 from ..base.user_code import arithmetic, imported
 from .disk import Disk
@@ -47,7 +47,7 @@ class Parameter:
     name: str
     """Name of the field."""
     unit: str
-    """SI unit, `1` for a number without one."""
+    """SI unit, one of those of `stability.base.quantities.Kind`; `1` for a number without one."""
     dimensionless: Callable[[Any, Units], Any] = plain
     """(value in SI, units of the body) → the number in the equations, by + - * / alone."""
     symbol: str = ""
@@ -59,6 +59,23 @@ class Parameter:
     def place(self) -> str:
         """Name in the equations."""
         return self.symbol or self.name
+
+    @property
+    def kind(self) -> Kind:
+        """Kind of the number, by its unit.
+
+        Raises
+        ------
+        ParameterError
+            If no kind has this unit: its label in files and figures would be wrong.
+        """
+        units = {kind.si: kind for kind in Kind}
+        if self.unit not in units:
+            raise ParameterError(
+                f"the unit of the parameter {self.name} is {shown(self.unit)}; known are "
+                f"{', '.join(units)}."
+            )
+        return units[self.unit]
 
 
 @dataclass(frozen=True, eq=False)
@@ -557,11 +574,19 @@ class RegularisedCoulomb(Contact):
 
 CREEP: tuple[type[Contact], ...] = (Rough, Creep, Creep2, Creep3)
 """The slow manifold of viscous contact by order; order 0 is the rough disk."""
-LAWS: dict[str, type[Contact]] = {law.name: law for law in (Smooth, Viscous, LinearViscous, Rough)}
-"""The stored contact laws that `spectrum` accepts, by name."""
-_FURTHER: tuple[type[Contact], ...] = (Coulomb, RegularisedCoulomb, *CREEP[1:])
-MOTION_LAWS: dict[str, type[Contact]] = LAWS | {law.name: law for law in _FURTHER}
-"""The stored contact laws that `simulate` accepts, by name."""
+_EVERY: tuple[type[Contact], ...] = (
+    Smooth,
+    Viscous,
+    LinearViscous,
+    Rough,
+    Coulomb,
+    RegularisedCoulomb,
+    *CREEP[1:],
+)
+MOTION_LAWS: dict[str, type[Contact]] = {law.name: law for law in _EVERY}
+"""The contact laws of the package by name: `simulate` accepts them all."""
+LAWS = {n: law for n, law in MOTION_LAWS.items() if law.linearises and law not in CREEP[1:]}
+"""Those with a linearisation that are no approximation of another one."""
 
 
 def law_class(law: str | Contact | type[Contact] | None, *, motion: bool = True) -> type[Contact]:
@@ -667,24 +692,12 @@ def as_called(law: type[Contact], *names: str) -> str:
     return f"{law.__name__}({', '.join(names)})"
 
 
-def stored(law: type[Contact]) -> bool:
-    """Whether the package has exact polynomials and proofs for a law; false for a user's law.
-
-    Parameters
-    ----------
-    law
-        Class of the law.
-    """
-    return LAWS.get(law.name) is law
-
-
 def law_named(
     name: str,
     mu: float | None,
     *,
     needed: bool = True,
     motion: bool = False,
-    epsilon: float | None = None,
     others: Mapping[str, float] | None = None,
 ) -> Contact:
     """The contact law of that name, with its parameters.
@@ -700,10 +713,8 @@ def law_named(
         Whether a missing coefficient is an error; otherwise its value is 1.
     motion
         Whether the law is for a motion; dry friction is accepted only then.
-    epsilon
-        Slip speed of `coulomb-regularised` [m/s].
     others
-        Parameters of a user's law by name.
+        Further parameters of the law by name.
 
     Returns
     -------
@@ -722,15 +733,16 @@ def law_named(
     0.3
     """
     law = class_named(name, motion=motion)
-    given = {"mu": mu, "epsilon": epsilon} | dict(others or {})
+    given = {"mu": mu} | dict(others or {})
     given = {n: v for n, v in given.items() if v is not None}
     for n in given:
         if n not in [p.name for p in law.parameters]:
             if n == "mu":
-                raise ParameterError(
-                    f"mu is given but the {law.name} law has no coefficient; leave it out."
-                )
-            where = "; it belongs to coulomb-regularised" if n == "epsilon" else ""
+                own = listed([p.name for p in law.parameters] or ["no coefficient"])
+                remedy = f"takes {own}" if law.parameters else f"has {own}; leave it out"
+                raise ParameterError(f"mu is given but the {law.name} law {remedy}.")
+            owners = [w for w, o in MOTION_LAWS.items() if o.alternatives(n)]
+            where = f"; it belongs to {listed(owners)}" if owners else ""
             raise ParameterError(f"{n} is given but the {law.name} law has none{where}.")
     for p in law.parameters:
         if not set(law.alternatives(p.name)) & set(given):
@@ -789,10 +801,14 @@ def law_given(
     for p in law.parameters:
         if not set(law.alternatives(p.name)) & set(own):
             refuse_misspelt(law, given)
+            words = dict.fromkeys(
+                "mu" if "mu" in law.alternatives(n) else n for n in (q.name for q in law.parameters)
+            )
             word = "mu" if "mu" in law.alternatives(p.name) else p.name
-            named = f", or contact={law.name!r} with {word}=NUMBER" * (law in MOTION_LAWS.values())
+            numbers = listed([f"{n}=NUMBER" for n in words])
+            named = f", or contact={law.name!r} with {numbers}" * (law in MOTION_LAWS.values())
             axis = f", or make {word} an axis" * bool(swept)
-            raise ParameterError(f"{word} is missing; give {as_called(law, word)}{named}{axis}.")
+            raise ParameterError(f"{word} is missing; give {as_called(law, *words)}{named}{axis}.")
     return law(**own)
 
 
@@ -856,11 +872,6 @@ def class_named(name: str, *, motion: bool = False) -> type[Contact]:
 
 def _supply(law: type[Contact], name: str, given: dict[str, Any], *, needed: bool) -> None:
     """Set a coefficient that is not needed to 1, or refuse one that is missing."""
-    if name == "epsilon" and law is RegularisedCoulomb:
-        raise ParameterError(
-            "epsilon is missing; coulomb-regularised needs the slip speed below which its "
-            "force gives way (--epsilon)."
-        )
     name = "mu" if "mu" in law.alternatives(name) else name
     if needed:
         option = "--mu" if name == "mu" else f"--set {name}=VALUE"

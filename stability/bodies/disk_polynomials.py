@@ -20,7 +20,7 @@ from ..algebra.number_types import Algebra
 from ..algebra.polynomial import Exact, Polynomial, TabulatedPolynomial
 from ..base.checks import known
 from ..base.errors import NameUnknownError, NoMemberError, StabilityError, shown
-from .contact_laws import Contact, law_class, stored
+from .contact_laws import MOTION_LAWS, Contact, law_class
 from .families import FAMILIES
 
 DATA = "disk_polynomials.json"
@@ -29,6 +29,8 @@ DIGEST = "d60731b19cd4d14caabd9d683c1229d5ee419c736590ce8994c1b54211caac27"
 """SHA-256 of that file, written by `make derive`; a file with another digest is refused."""
 
 
+FRICTION = {"mu": "s/m", "c": "kg/s"}
+"""Numbers of friction that a polynomial depends on, with their units: `point` makes M of them."""
 INPUT = {"k": 0, "M": 5, "z": 5, "s": 2}
 """Most roundings in each variable: mu·mu·(g·R), at·at·(R/g), the sine within one unit in the last
 place."""
@@ -142,6 +144,17 @@ def exact_polynomial(family: str, law: str | Contact | type[Contact] | None = No
             f"{shown(f'{family} {kind.name}')} has no polynomial; there is one for {cases}."
         )
     return found
+
+
+def stored_laws() -> list[str]:
+    """Names of the contact laws with a stored polynomial, in the order of the list of laws."""
+    names = {key.split()[1] for key in _catalogue()}
+    return [name for name in MOTION_LAWS if name in names]
+
+
+def stored(law: type[Contact]) -> bool:
+    """Whether a polynomial is stored under a law; false for a user's law, whatever its name."""
+    return MOTION_LAWS.get(law.name) is law and law.name in stored_laws()
 
 
 def disk_polynomial(family: str, law: str) -> DiskPolynomial | None:

@@ -69,9 +69,8 @@ def disk_quantities(law: type[Contact] | None = None) -> Mapping[str, Quantity]:
     """The quantities under a contact law, with those of its parameters."""
     own = {}
     for p in law.parameters if law else ():
-        kind = next((k for k in Kind if k.si == p.unit), Kind.NUMBER)
-        one = QUANTITIES.get(p.name) or Quantity(p.name, p.name, p.name, kind)
-        own[p.name] = replace(one, kind=kind)
+        known = QUANTITIES.get(p.name) or Quantity(p.name, p.name, p.name, p.kind)
+        own[p.name] = replace(known, kind=p.kind)
     return {**QUANTITIES, **own}
 
 

@@ -27,9 +27,9 @@ from .contact_laws import (
     law_only,
     refuse_misspelt,
     spelled,
-    stored,
 )
 from .disk import Disk
+from .disk_polynomials import stored
 from .families import (
     FAMILIES,
     SteadyFamily,

@@ -20,8 +20,9 @@ from ..base.checks import checked, flag
 from ..base.citation import MODEL
 from ..base.errors import ParameterError, if_degrees, shown
 from ..base.types import Floats, Record
-from ..bodies.contact_laws import Contact, LinearViscous, Viscous, law_missing, law_only, stored
+from ..bodies.contact_laws import Contact, LinearViscous, Viscous, law_missing, law_only
 from ..bodies.disk import Disk
+from ..bodies.disk_polynomials import stored
 from ..spectra.problem import disk_problem
 
 FORMULAS = {

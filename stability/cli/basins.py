@@ -9,9 +9,23 @@ from typing import TYPE_CHECKING, Any
 
 from ..base.checks import whole_number
 from ..base.errors import FileError, NameUnknownError, ParameterError, absent, listed, shown
-from ..storage.text import json_text
-from .options import _axis, number, overwriting, scheduling, step_error, targets
-from .subject import add_subject, moving, refuse_of_body, where_of
+from ..bodies.families import FAMILIES, at_name
+from .options import (
+    AXIS,
+    answer,
+    axes_of,
+    axis_of,
+    flags,
+    number,
+    overwriting,
+    plotting,
+    save,
+    scheduling,
+    step_error,
+    targets_of,
+    values,
+)
+from .subject import add_subject, named_texts, subject_of
 from .terminal import progress_bar, say
 
 if TYPE_CHECKING:
@@ -36,84 +50,47 @@ FEW = 0.7
 """Share of a time below which it is stated what is left without the slow launches."""
 
 
-def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None) -> None:
-    """Arguments of `stability basins`.
-
-    Parameters
-    ----------
-    sub
-        The command's parser.
-    words
-        The command line, as for `add_body`.
-    """
-    for axis in ("--x", "--y"):
-        sub.add_argument(
-            axis,
-            metavar="NAME:LO:HI:N[:log]",
-            help="axis: a state at the start (theta, phi_dot, omega3, …), a number of "
-            "the body (k) or of the law (mu); with --family also tilt, and at for "
-            "what names its members",
-        )
-    sub.add_argument(
-        "--more",
-        action="append",
-        metavar="NAME:LO:HI:N[:log]",
-        help="a further axis; once for each",
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    axis = (
+        "axis: a state at the start (theta, phi_dot, omega3, …), a number of the body (k) or of "
+        "the law (mu); with --family also tilt, and at for what names its members"
     )
+    values(parser, str, {"--x": (AXIS, axis), "--y": (AXIS, axis)})
     kinds = ", ".join(f"NAME:{kind}:{numbers}" for kind, numbers in KINDS.items())
-    sub.add_argument(
-        "--sample",
-        action="append",
-        metavar="NAME:KIND:A:B",
-        help=f"a random sample in place of axes: {kinds}; once for each quantity",
+    sample = f"a random sample in place of axes: {kinds}; once for each quantity"
+    repeated = {
+        "--more": (AXIS, "a further axis; once for each"),
+        "--sample": ("NAME:KIND:A:B", sample),
+    }
+    values(parser, str, repeated, action="append")
+    whole = {
+        "--count": ("N", "launches of the sample"),
+        "--seed": ("S", "of the sample (default 0); launch i of a seed is always the same"),
+        "--chunk": ("N", "launches of a chunk, the work of a worker (default 4096)"),
+    }
+    values(parser, int, whole)
+    lines = ", ".join(f.name for f in FAMILIES.values() if f.line)
+    poles = listed([f.name for f in FAMILIES.values() if f.pole], "or")
+    family = f"launch near {lines} or, of a body, {poles}, the axis tilted"
+    parser.add_argument("--family", help=family)
+    add_subject(parser, motion=True, place=True)
+    parser.add_argument("--time", type=float, required=True, metavar="T", help="last time")
+    step_error(parser)
+    check = "run each launch once: no error estimate, half the time"
+    dry = "say what it would cost, from a few launches, and stop"
+    flags(parser, {"--no-check": check, "--dry-run": dry})
+    store = "Zarr store; finished launches are kept there, and the same command goes on"
+    parser.add_argument("--out", required=True, metavar="STORE.zarr", help=store)
+    plotting(parser)
+    levels = (
+        "halve the steps of a map this often along the borders between ends; the store gets the "
+        "borders, and the figure shows them"
     )
-    sub.add_argument("--count", type=int, metavar="N", help="launches of the sample")
-    sub.add_argument(
-        "--seed",
-        type=int,
-        metavar="S",
-        help="of the sample (default 0); launch i of a seed is always the same",
-    )
-    sub.add_argument(
-        "--family",
-        help="launch near rolling, spinning, tumbling or, of a body, vertical, the axis tilted",
-    )
-    add_subject(sub, words, motion=True, place=True)
-    sub.add_argument("--time", type=float, required=True, metavar="T", help="last time")
-    step_error(sub)
-    sub.add_argument(
-        "--no-check",
-        action="store_true",
-        help="run each launch once: no error estimate, half the time",
-    )
-    sub.add_argument(
-        "--out",
-        required=True,
-        metavar="STORE.zarr",
-        help="Zarr store; finished launches are kept there, and the same command goes on",
-    )
-    sub.add_argument("--plot", metavar="F.png", help="figure to write (PNG, PDF or SVG)")
-    sub.add_argument(
-        "--levels",
-        type=int,
-        default=0,
-        metavar="L",
-        help="halve the steps of a map this often along the borders between ends; the "
-        "store gets the borders, and the figure shows them",
-    )
-    scheduling(sub)
-    sub.add_argument(
-        "--chunk",
-        type=int,
-        metavar="N",
-        help="launches of a chunk, the work of a worker (default 4096)",
-    )
-    sub.add_argument(
-        "--dry-run",
-        action="store_true",
-        help="say what it would cost, from a few launches, and stop",
-    )
-    overwriting(sub, "replace a store that was made with other arguments, and an existing figure")
+    parser.add_argument("--levels", type=int, default=0, metavar="L", help=levels)
+    scheduling(parser)
+    replaced = "replace a store that was made with other arguments, and an existing figure"
+    overwriting(parser, replaced)
 
 
 def run(options: argparse.Namespace) -> None:
@@ -145,9 +122,11 @@ def run(options: argparse.Namespace) -> None:
             )
             dataset, numbers = kept.dataset(), lost(kept)
             if picture is not None:
-                _draw(dataset, picture, options)
+                from ..figures.basins import plot_basins
+
+                save(plot_basins(dataset), picture, overwrite=options.force)
     if options.dry_run:
-        print(json_text({"cost": _record(cost)}) if options.json else _in_words(cost))
+        answer(options, {"cost": _record(cost)}, [_in_words(cost)])
         return
     _report(options, dataset, cost, out, picture, numbers)
 
@@ -156,23 +135,19 @@ def _planned(options: argparse.Namespace) -> tuple[Plan, Path, Path | None]:
     """The plan and the targets, checked before anything is computed."""
     from ..basin.basins import MOST_LEVELS, planned
 
-    files = targets(options, "chunks")
+    files = targets_of(options, "chunks")
     picture = files.get("plot")
     if picture is not None and options.more:
         raise ParameterError("--plot draws a map of two axes or a sample; leave it out.")
     whole_number("levels", options.levels, 0, MOST_LEVELS)
     if options.levels and (options.sample or options.more):
         raise ParameterError("--levels refines a map of two axes; leave it out.")
-    given = _launched(options)
-    thing = given.pop("disk")
     plan = planned(
-        thing,
-        given.pop("contact", None),
         horizon=options.time,
         tolerance=options.tolerance,
         check=not options.no_check,
         chunk=options.chunk,
-        **given,
+        **_launched(options),
     )
     return plan, files["out"], picture
 
@@ -196,15 +171,6 @@ def _cost(plan: Plan, out: Path, options: argparse.Namespace) -> Cost:
                 raise
     number = workers_of(options.scheduler, options.workers)
     return predict(plan, number, missing, levels=levels)
-
-
-def _draw(dataset: Any, picture: Path, options: argparse.Namespace) -> None:
-    from ..figures.basins import plot_basins
-    from ..figures.canvas import save_figure
-    from ..storage.files import atomic_write
-
-    with atomic_write(picture, overwrite=options.force) as draft:
-        save_figure(plot_basins(dataset), draft)
 
 
 def _record(cost: Cost) -> dict[str, Any]:
@@ -291,13 +257,10 @@ def _report(
         "citation": dataset.attrs["citation"],
         **_borders(dataset),
     }
-    if options.json:
-        print(json_text(record))
-        return
     ends = ", ".join(f"{n} {word}" for word, n in counts.items() if n)
     wrote = " and ".join(path_text(p) for p in (out, picture) if p is not None)
     parts = [f"{wrote}: {ends}", told_of_lost(numbers), _sensitivity(record)]
-    print("; ".join(part for part in parts if part))
+    answer(options, record, ["; ".join(part for part in parts if part)])
 
 
 def _borders(dataset: Any) -> dict[str, Any]:
@@ -332,27 +295,17 @@ def _sensitivity(record: dict[str, Any]) -> str:
 
 KINDS = {"uniform": "LOW:HIGH", "log": "LOW:HIGH", "normal": "MEAN:DEVIATION"}
 """Distributions of --sample, and their two numbers."""
-NUMBERS = ("mu", "k", "mass", "radius", "gravity")
-"""Options that may be axes too."""
 
 
 def _launched(options: argparse.Namespace) -> dict[str, Any]:
     """What is launched, and over which numbers, as arguments of `st.basins`."""
     varied = _varied(options)
     axes = [varied[n] for n in ("x", "y") if n in varied] + varied.get("more", [])
-    names = [a[0] for a in axes] or list(varied["distribution"])
+    names = [axis[0] for axis in axes] or list(varied["distribution"])
     held = _held(options, names)
-    if options.system is not None:
-        refuse_of_body(options, "family", "body")
-        return varied | moving(options) | {"held": held}
-    for name in NUMBERS:
-        if name in (*names, *held) and getattr(options, name) is not None:
-            twice = "as an axis" if name in names else "by --set"
-            raise ParameterError(f"{name} is given as --{name} and {twice}; give it once.")
-    options.family = options.family or ""
-    found = moving(options, {a[0]: a for a in axes}, coefficients={*names, *held})
-    where = {} if options.body is None else where_of(options)
-    return varied | where | found | {"held": held, "family": options.family}
+    swept = {n: axis for n, axis in zip(names, axes or names, strict=True)}
+    subject = subject_of(options, swept, held=held, motion=True)
+    return varied | subject.arguments | {"held": held, "family": options.family or ""}
 
 
 def _varied(options: argparse.Namespace) -> dict[str, Any]:
@@ -373,8 +326,8 @@ def _varied(options: argparse.Namespace) -> dict[str, Any]:
     missing = [f"--{n}" for n in ("x", "y") if getattr(options, n) is None]
     if missing:
         raise ParameterError(f"{absent(missing)}; give NAME:LO:HI:N, or a sample by --sample.")
-    axes: dict[str, Any] = {n: _axis(getattr(options, n), f"--{n}") for n in ("x", "y")}
-    return axes | {"more": [_axis(text, "--more") for text in options.more or ()]}
+    more = [axis_of(text, "--more") for text in options.more or ()]
+    return axes_of(options, "x", "y") | {"more": more}
 
 
 def _distribution(text: str) -> tuple[str, Any]:
@@ -396,18 +349,12 @@ def _distribution(text: str) -> tuple[str, Any]:
 
 def _held(options: argparse.Namespace, varied: Sequence[str]) -> dict[str, float]:
     """Numbers of --set by name; `at` is the one that names the family's members."""
-    from ..bodies.families import at_name
-
-    found: dict[str, float] = {}
-    for text in options.set or ():
-        name, equals, value = text.partition("=")
-        if not equals:
-            raise ParameterError(f"--set is {shown(text)}; give NAME=NUMBER.")
-        if name == "at":
-            name = at_name(options.family)
-        if name in found:
+    held: dict[str, float] = {}
+    for word, text in named_texts("set", options.set).items():
+        name = at_name(options.family) if word == "at" else word
+        if name in held:
             raise ParameterError(f"{name} is set twice; give it once.")
         if name in varied:
             raise ParameterError(f"{name} varies and is set; give it once.")
-        found[name] = number(value, name)
-    return found
+        held[name] = number(text, name)
+    return held

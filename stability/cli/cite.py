@@ -6,24 +6,18 @@ import argparse
 from contextlib import suppress
 
 from ..base.citation import Citation, citation
-from ..storage.text import json_text
+from .options import answer
+
+EXAMPLES = ("stability cite --bibtex", "stability cite map.nc")
+"""Examples of the help."""
 
 
 def run(options: argparse.Namespace) -> None:
-    """Run the command.
-
-    Parameters
-    ----------
-    options
-        Parsed options.
-    """
-    found = citation() if options.file is None else _of_file(options.file)
-    if options.json:
-        fields = ("key", "role", "text", "doi", "bibtex")
-        works = [{n: getattr(work, n) for n in fields} for work in found.works]
-        print(json_text({"works": works}))
-    else:
-        print(found.bibtex if options.bibtex else found.text)
+    """Print what to cite."""
+    cited = citation() if options.file is None else _of_file(options.file)
+    fields = ("key", "role", "text", "doi", "bibtex")
+    works = [{n: getattr(work, n) for n in fields} for work in cited.works]
+    answer(options, {"works": works}, [cited.bibtex if options.bibtex else cited.text])
 
 
 def _of_file(path: str) -> Citation:
@@ -44,13 +38,7 @@ def _of_file(path: str) -> Citation:
 
 
 def add_arguments(sub: argparse.ArgumentParser) -> None:
-    """Arguments of the command.
-
-    Parameters
-    ----------
-    sub
-        The command's parser.
-    """
+    """Add the options of the command."""
     sub.add_argument(
         "file",
         metavar="FILE",

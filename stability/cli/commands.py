@@ -7,29 +7,57 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any, cast
+from typing import Any
 
-from ..base.errors import ParameterError, StabilityError, StabilityWarning
+from ..base.errors import StabilityError, StabilityWarning
 from ..base.version import __version__
-from ..storage.text import HELP, json_text
-from . import basins, cite, compare, explore, export, scene, simulate, table
-from .map import _boundaries, _map
-from .options import _Parser, _Unasked, of_own_body, overwriting, scheduling
-from .spectrum import _spectrum
-from .subject import add_member, add_subject
-from .terminal import (
-    LEAST_MEMORY,
-    allowed_memory,
-    drop_output,
-    prepare,
-    progress_bar,
-    say,
-    starved,
-    stoppable,
+from ..storage.text import HELP
+from . import (
+    atlas,
+    basins,
+    boundaries,
+    cite,
+    compare,
+    explore,
+    export,
+    map,  # noqa: A004  # the name of the command
+    scene,
+    simulate,
+    spectrum,
+    table,
 )
+from .options import _Parser
+from .terminal import LEAST_MEMORY, allowed_memory, drop_output, prepare, say, starved, stoppable
 
-CERTIFY = "prove every verdict, in rational arithmetic or balls"
-"""Help of an option."""
+COMMANDS: dict[str, tuple[Any, str]] = {
+    "spectrum": (spectrum, "Eigenvalues and verdict of one steady motion"),
+    "map": (map, "Verdict and growth rate over two parameters"),
+    "boundaries": (
+        boundaries,
+        "Every change of verdict along one axis, proved, and whether these are all",
+    ),
+    "atlas": (
+        atlas,
+        "The families' diagrams for disk, annulus and hoop, or for other bodies of revolution",
+    ),
+    "explore": (explore, "The diagrams alive in a browser: one page, no network"),
+    "simulate": (
+        simulate,
+        "Launch a disk, another body, or a system, and say what becomes of it",
+    ),
+    "basins": (basins, "Which launch ends where, over two numbers or a random sample"),
+    "scene": (scene, "A scene of a TOML file, answered by the least model"),
+    "table": (table, "A table, recomputed: families, conditions, drift, hopf, …"),
+    "export": (export, "A system or family for LaTeX, C, AUTO-07p or BifurcationKit.jl"),
+    "cite": (cite, "What to cite for this package, or for a file that it wrote"),
+    "chart": (compare.CHART, "Time against error, by every route to a spectrum or a motion"),
+    "failures": (
+        compare.CATALOGUE,
+        "Hard cases against every method: right, degraded, wrong, refused, crashed",
+    ),
+    "report": (compare.REPORT, "Both charts and the catalogue of failures on one page"),
+}
+"""Every command: its module, with `EXAMPLES`, `add_arguments` and `run`, and what it does."""
 
 
 @contextmanager
@@ -98,7 +126,7 @@ def _run(arguments: Sequence[str] | None) -> None:
         if not words:
             parser.print_help()
             return
-        options = parser.parse_args(arguments)
+        options = parser.parse_args(words)
         run: Callable[[argparse.Namespace], None] = options.run
         with _warnings():
             run(options)
@@ -125,184 +153,22 @@ def _code(reason: BaseException) -> int:
     return 2
 
 
-def _atlas(options: argparse.Namespace) -> None:
-    if options.bodies and options.draft is not None:
-        raise ParameterError("--draft belongs to the atlas of the disk; leave it or --bodies out.")
-    finer = {} if options.resolution is None else {"resolution": options.resolution}
-    with progress_bar("figures") as progress:
-        from ..atlas.bodies import atlas_of_bodies
-        from ..atlas.build import atlas
-        from ..atlas.page import summary
-
-        if options.bodies:
-            page = atlas_of_bodies(options.out, overwrite=options.force, progress=progress, **finer)
-        else:
-            page = atlas(
-                options.out, draft=options.draft, overwrite=options.force, progress=progress,
-                **finer,
-            )  # fmt: skip
-    if options.json:
-        print(json_text(summary(page)))
-    else:
-        print(f"open {page}")
-
-
-# --- arguments ---
-
-
 def _parser(words: Sequence[str] | None = None) -> argparse.ArgumentParser:
-    """The parser of all commands, for a command line."""
+    """The parser of a command line: of every command, with the options of those that it names."""
     parser = _Parser(
         prog="stability",
         description="Which steady motions of a thin disk on a plane can be seen?",
         epilog="example: stability spectrum rolling --at 1.8 --mu 0.3",
     )
     parser.add_argument("--version", action="version", version=f"stability {__version__}")
-
-    def empty_unless_named(**given: Any) -> _Parser:
-        named = not words or given["prog"].split()[-1] in words
-        return (_Parser if named else _Unasked)(**given)
-
-    kind = cast("type[_Parser]", empty_unless_named)
-    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND",
-                                     parser_class=kind)  # fmt: skip
-
-    def command(name: str, run: Any, what: str, *examples: str) -> argparse.ArgumentParser:
-        shown = "; ".join(f"example: {one}" for one in examples)
-        sub: argparse.ArgumentParser = commands.add_parser(
-            name, help=what, description=f"{what}.", epilog=shown,
-            allow_abbrev=not of_own_body(words or ()),
-        )  # fmt: skip
-        sub.set_defaults(run=run)
-        sub.add_argument("--json", action="store_true", help=HELP)
-        return sub
-
-    sub = command("spectrum", _spectrum, "Eigenvalues and verdict of one steady motion",
-                  "stability spectrum tumbling --at 0.5 --mu 0.3 --json",
-                  "stability spectrum spinning --body torus --tube 0.2 --at 2 --mu 0.3",
-                  "stability spectrum --system examples/bicycle.py:upright --at 5 --set "
-                  "g=9.81 --certify")  # fmt: skip
-    add_subject(sub, words)
-    add_member(sub)
-    sub.add_argument("--no-escalate", action="store_true",
-                     help="leave undecided what double precision does not decide")  # fmt: skip
-    sub.add_argument("--certify", action="store_true", help=CERTIFY)
-
-    sub = command("map", _map, "Verdict and growth rate over two parameters",
-                  "stability map spinning --x at:0.5:5:400 --y mu:0.01:10:300:log "
-                  "--out spinning.nc --plot spinning.png",
-                  "stability map spinning --body torus --x at:0.5:5:80 --y tube:0.05:0.5:60 "
-                  "--mu 0.3 --out torus.nc",
-                  "stability map --system examples/bicycle.py:upright --x v:0.1:10:200 "
-                  "--y g:1:20:100 --out bicycle.nc --plot bicycle.png",
-                  "stability map spinning --x at:0.5:5:20000 --y mu:0.01:10:20000:log "
-                  "--out large.zarr --scheduler processes --workers 8")  # fmt: skip
-    add_subject(sub, words)
-    for axis in ("--x", "--y"):
-        sub.add_argument(axis, required=True, metavar="NAME:LO:HI:N[:log]",
-                         help="axis: at, lean, k, mu, mass, radius or gravity; with --body or "
-                         "--system one of the family's own quantities, such as tube")  # fmt: skip
-    sub.add_argument("--at", default=None, help="what names the member, where it is no axis")
-    sub.add_argument("--certify", action="store_true", help=CERTIFY)
-    sub.add_argument("--out", required=True, metavar="F.nc",
-                     help="NetCDF file to write; F.zarr is a folder that a map of any size is "
-                     "computed into, chunk by chunk, and the same command goes on")  # fmt: skip
-    sub.add_argument("--plot", metavar="F.png", help="figure to write (PNG, PDF or SVG)")
-    sub.add_argument("--levels", type=int, metavar="L",
-                     help="with --certify: halve the map this often at most")  # fmt: skip
-    sub.add_argument(
-        "--modes", action="store_true", help="keep all eigenvalues, not only the first"
-    )
-    sub.add_argument("--points", action="store_true",
-                     help="find, mark and list points of codimension two")  # fmt: skip
-    sub.add_argument("--verdict-only", action="store_true",
-                     help="proved verdicts alone, streamed to the file, however large")  # fmt: skip
-    sub.add_argument("--checkpoint", metavar="DIR",
-                     help="keep finished cells there, to go on after an interruption")  # fmt: skip
-    scheduling(sub, None)
-    overwriting(sub, "replace existing files")
-
-    sub = command("boundaries", _boundaries,
-                  "Every change of verdict along one axis, proved, and whether these are all",
-                  "stability boundaries spinning --axis at:0.1:5:9 --mu 0.97",
-                  "stability boundaries rolling --body spheroid --aspect 0.5 --axis omega3:0.1:3:9 "
-                  "--contact rough",
-                  "stability boundaries --system examples/bicycle.py:upright --axis v:0.1:10:50 "
-                  "--set g=9.81 --json")  # fmt: skip
-    add_subject(sub, words)
-    sub.add_argument("--axis", required=True, metavar="NAME:LO:HI:N[:log]",
-                     help="axis, both ends included; N points are scanned where pieces of it stay "
-                     "without proof")  # fmt: skip
-    sub.add_argument("--at", default=None, help="what names the member, where it is no axis")
-    sub.add_argument("--certify", action="store_true", help=CERTIFY)
-
-    sub = command("atlas", _atlas, "The families' diagrams for disk, annulus and hoop, or for "
-                  "other bodies of revolution", "stability atlas --out atlas",
-                  "stability atlas --bodies --out bodies")  # fmt: skip
-    sub.add_argument("--bodies", action="store_true",
-                     help="torus, spheroids, eccentric sphere, thick disk and egg, a page for "
-                     "each; finished figures are kept in DIR.parts until all are done")  # fmt: skip
-    sub.add_argument("--out", required=True, metavar="DIR", help="folder to write")
-    sub.add_argument("--resolution", type=int, metavar="N",
-                     help="points along the family's axis (default 400, of bodies 96)")  # fmt: skip
-    sub.add_argument("--draft", action=argparse.BooleanOptionalAction, default=None,
-                     help="the diagrams alone, as PNG, without loci and PDFs; the default below "
-                     "100 points, not with --bodies")  # fmt: skip
-    overwriting(sub, "replace files in an existing folder")
-
-    sub = command("explore", explore.run, "The diagrams alive in a browser: one page, no network",
-                  *explore.EXAMPLES)  # fmt: skip
-    add_subject(sub, words)
-    sub.add_argument("--at", default=None, help="member that is shown at first")
-    explore.add_arguments(sub)
-    overwriting(sub, "replace an existing file")
-
-    sub = command("simulate", simulate.run,
-                  "Launch a disk, another body, or a system, and say what becomes of it",
-                  "stability simulate --theta 1.47 --omega3 1.2 --mu 0.3 --time 100 "
-                  "--out run.nc --plot run.png --film run.html",
-                  "stability simulate --body eccentric-sphere --offset 0.15 --theta 0.1 --omega3 5 "
-                  "--mu 0.3 --time 200 --points 2001 --film top.gif",
-                  "stability simulate --system examples/watt_governor.py:running --start "
-                  "x=1,y=0,z=1.4 --set e=0.8 --set a=0.5 --set b=0.5 "
-                  "--time 200")  # fmt: skip
-    simulate.add_arguments(sub, words)
-
-    sub = command("basins", basins.run,
-                  "Which launch ends where, over two numbers or a random sample",
-                  *basins.EXAMPLES)  # fmt: skip
-    basins.add_arguments(sub, words)
-
-    sub = command("scene", scene.run, "A scene of a TOML file, answered by the least model",
-                  "stability scene examples/scenes/rolled-coin.toml --json")  # fmt: skip
-    scene.add_arguments(sub)
-
-    table.add_arguments(command(
-        "table", table.run, "A table, recomputed: families, conditions, drift, hopf, …",
-        "stability table --list",
-        "stability table conditions --k 0.25,0.5 --mu 0.1,1,10",
-        "stability table drift --k 0.25 --mu 0.3 --out drift.tex",
-        "stability table painleve --body torus --tube 0.2",
-        "stability table conditions --system examples/bicycle.py:upright --positive v,g --decimals",
-        "stability table hopf --system examples/railway_wheelset.py:centred --x v:1:50:50 "
-        "--set m=1",
-    ), words)  # fmt: skip
-    what = "A system or family for LaTeX, C, AUTO-07p or BifurcationKit.jl"
-    export.add_arguments(command("export", export.run, what, *export.EXAMPLES), words)
-    what = "What to cite for this package, or for a file that it wrote"
-    bibtex = "stability cite --bibtex"
-    cite.add_arguments(command("cite", cite.run, what, bibtex, "stability cite map.nc"))
-    for name, what, example in (
-        ("chart", "Time against error, by every route to a spectrum or a motion",
-         "stability chart spectrum --out chart"),
-        ("failures", "Hard cases against every method: right, degraded, wrong, refused, crashed",
-         "stability failures --out failures"),
-        ("report", "Both charts and the catalogue of failures on one page",
-         "stability report --out report"),
-    ):  # fmt: skip
-        sub = command(name, compare.run, what, example)
-        sub.set_defaults(command=name)
-        compare.add_arguments(sub, chart=name == "chart")
+    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
+    for name, (module, what) in COMMANDS.items():
+        examples = "; ".join(f"example: {line}" for line in module.EXAMPLES)
+        command = commands.add_parser(name, help=what, description=f"{what}.", epilog=examples)
+        command.set_defaults(run=module.run)
+        if not words or name in words:  # the options of the others would take time
+            command.add_argument("--json", action="store_true", help=HELP)
+            module.add_arguments(command)
     return parser
 
 

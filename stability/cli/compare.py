@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import argparse
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..base.errors import NameUnknownError, ParameterError, shown
-from ..storage.text import json_text
-from .options import overwriting
+from ..base.errors import NameUnknownError, ParameterError, listed, shown
+from .options import answer, overwriting, values
 from .terminal import progress_bar
 
 if TYPE_CHECKING:
@@ -19,103 +20,73 @@ CHARTS = ("spectrum", "motion")
 """Subjects of a chart."""
 
 
-def add_arguments(parser: argparse.ArgumentParser, *, chart: bool) -> None:
-    """Arguments of the three commands.
+@dataclass(frozen=True)
+class Command:
+    """One of the three commands."""
 
-    Parameters
-    ----------
-    parser
-        The command's parser.
-    chart
-        Whether the command is `chart`, which takes a subject.
-    """
-    if chart:
-        parser.add_argument("what", metavar="WHAT", help="spectrum or motion")
-    parser.add_argument(
-        "--out",
-        required=True,
-        metavar="DIR",
-        help="folder to write; finished cells are kept there, and a run "
-        "that was stopped is resumed",
-    )
-    parser.add_argument(
-        "--workers",
-        type=int,
-        metavar="N",
-        help="processes for the catalogue (default: all cores); charts are timed, and take one",
-    )
-    what = "hardness classes, `boundary`, or motions" if chart else "hard cases"
-    parser.add_argument(
-        "--cases",
-        metavar="NAMES",
-        help=f"{what}, comma-separated; a word of a name or of a heading "
-        "chooses all that have it (default: all)",
-    )
-    parser.add_argument(
-        "--methods", metavar="NAMES", help="routes or integrators, in the same way (default: all)"
-    )
-    overwriting(parser, "write into a folder that holds other files")
+    EXAMPLES: tuple[str, ...]
+    """Examples of the help."""
+    parts: tuple[str, ...] | None
+    """Parts of the report that it makes: those of `PARTS` if empty; of None one of `CHARTS`."""
 
+    def add_arguments(self, parser: argparse.ArgumentParser) -> None:
+        """Add the options of the command."""
+        if self.parts is None:
+            parser.add_argument("what", metavar="WHAT", help=listed(CHARTS, "or"))
+        out = (
+            "folder to write; finished cells are kept there, and a run that was stopped is resumed"
+        )
+        parser.add_argument("--out", required=True, metavar="DIR", help=out)
+        workers = "processes for the catalogue (default: all cores); charts are timed, and take one"
+        parser.add_argument("--workers", type=int, metavar="N", help=workers)
+        charted = "hardness classes, `boundary`, or motions"
+        of = charted if self.parts is None else "hard cases"
+        cases = (
+            f"{of}, comma-separated; a word of a name or of a heading chooses all that have it "
+            "(default: all)"
+        )
+        methods = "routes or integrators, in the same way (default: all)"
+        values(parser, str, {"--cases": ("NAMES", cases), "--methods": ("NAMES", methods)})
+        overwriting(parser, "write into a folder that holds other files")
 
-def run(options: argparse.Namespace) -> None:
-    """Write a chart, the catalogue or the whole report, and print a summary.
-
-    Parameters
-    ----------
-    options
-        Parsed options of `add_arguments`; `command` is the command's name.
-    """
-    parts: tuple[str, ...] | None = None
-    if options.command == "chart":
-        if options.what not in CHARTS:
+    def run(self, options: argparse.Namespace) -> None:
+        """Write a chart, the catalogue or the whole report, and print a summary."""
+        parts = (options.what,) if self.parts is None else self.parts
+        if self.parts is None and options.what not in CHARTS:
             raise NameUnknownError(
                 f"chart is {shown(options.what)}; known are {', '.join(CHARTS)}."
             )
-        parts = (options.what,)
-    elif options.command == "failures":
-        parts = ("failures",)
-    if options.workers is not None and options.workers < 1:
-        raise ParameterError(f"--workers is {options.workers}; give a whole number above 0.")
-    choice = {"cases": options.cases, "methods": options.methods}
-    with progress_bar("cells") as progress:
-        from ..compare.plan import PARTS, planned
-        from ..compare.report import report
+        if options.workers is not None and options.workers < 1:
+            raise ParameterError(f"--workers is {options.workers}; give a whole number above 0.")
+        choice = {"cases": options.cases, "methods": options.methods}
+        with progress_bar("cells") as progress:
+            from ..compare.plan import PARTS, planned
+            from ..compare.report import report
 
-        parts = parts or tuple(PARTS)
-        page = report(
-            options.out,
-            parts,
-            **choice,
-            overwrite=options.force,
-            workers=options.workers,
-            progress=progress,
-        )
-        found = summary(page.parent, planned(parts, **choice))
-    if options.json:
-        print(json_text(found))
-        return
-    for line in lines(found):
-        print(line)
-    print(f"open {page}")
+            parts = parts or tuple(PARTS)
+            page = report(
+                options.out,
+                parts,
+                **choice,
+                overwrite=options.force,
+                workers=options.workers,
+                progress=progress,
+            )
+            record = summary(page.parent, planned(parts, **choice))
+        answer(options, record, [*lines(record), f"open {page}"])
+
+
+CHART = Command(("stability chart spectrum --out chart",), None)
+CATALOGUE = Command(("stability failures --out failures",), ("failures",))
+REPORT = Command(("stability report --out report",), ())
 
 
 def summary(folder: Path, plan: Mapping[str, Sequence[Sequence[Task]]]) -> dict[str, Any]:
-    """Contents of a folder, for JSON.
+    """Contents of the folder of a report, for JSON: page, machine, files and results of each part.
 
-    Parameters
-    ----------
-    folder
-        Folder of a report.
-    plan
-        Tasks of the parts to describe.
-
-    Returns
-    -------
-    dict
-        `page`, `machine`, and for each part its files and results.  Results of a chart: the
-        standings of the package's default routes; of scenes the model that answers and the cheapest
-        that could.  Results of failures: the marks of each method,
-        and the cells in which a default route misleads.
+    Results of a chart are the standings of the package's default routes; of scenes the model that
+    answers and the cheapest that could; of failures the marks of each method, and the cells in
+    which a default route misleads.
     """
     from ..base.provenance import machine
     from ..compare import failures as catalogue
@@ -143,28 +114,17 @@ def summary(folder: Path, plan: Mapping[str, Sequence[Sequence[Task]]]) -> dict[
         if name != FAILURES:
             out[name] = {"files": files, "standings": [vars(s) for s in standings(one)]}
             continue
-        marks: dict[str, dict[str, int]] = {}
+        marks: defaultdict[str, Counter[str]] = defaultdict(Counter)
         for e in one.chart:
             if e.mark is not None:
-                mine = marks.setdefault(e.method, {})
-                mine[e.mark.word] = mine.get(e.mark.word, 0) + 1
+                marks[e.method][e.mark.word] += 1
         bad = [[e.case, e.method, e.note] for e in catalogue.misleading(one.chart)]
         out[name] = {"files": files, "marks": marks, "misleading": bad}
     return out
 
 
 def lines(found: dict[str, Any]) -> list[str]:
-    """A summary as lines of text.
-
-    Parameters
-    ----------
-    found
-        From `summary`.
-
-    Returns
-    -------
-    list of str
-    """
+    """A summary as lines of text."""
     from ..compare.plan import Standing, nearest
 
     out = []

@@ -3,24 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from ..base.errors import ParameterError, shown
-from ..storage.text import json_text
-from .options import number, overwriting
-from .subject import (
-    CONTACTS,
-    add_body,
-    add_family,
-    add_numbers,
-    body_of,
-    doubles,
-    exact_numbers,
-    family_named,
-    system_with_families,
-    where_of,
-)
+from ..base.exact_numbers import ratio_of_text
+from .options import answer, number, overwriting, targets_of, values, words_of
+from .subject import PLACE, add_subject, doubles, exact_numbers, refuse_option, subject_of
 
 FORMATS = ("latex", "c", "auto", "bifurcationkit")
 """Words after `export`."""
@@ -41,66 +30,55 @@ EXAMPLES = (
 
 
 def run(options: argparse.Namespace) -> None:
-    """Run the command.
-
-    Parameters
-    ----------
-    options
-        Parsed options.
-    """
+    """Write the export, and print where it is."""
     if (options.axis is None) == (options.format in CONTINUED):
         what = "needs" if options.axis is None else "has no"
         raise ParameterError(f"`export {options.format}` {what} --axis NAME:START:STOP.")
-    if options.format not in ("latex",) and options.positive:
+    if options.format != "latex" and options.positive:
         raise ParameterError("--positive belongs to `export latex`; leave it out.")
-    if options.format == "c":
-        written = _c(options)
-    elif options.format == "latex":
-        written = _latex(options)
-    else:
-        written = _continuation(options)
-    print(json_text(written) if options.json else written["out"])
-
-
-def _subject(options: argparse.Namespace) -> Any:
-    """The family that the options name."""
-    return _with_body(options, {})[0]
-
-
-def _with_body(options: argparse.Namespace, swept: Mapping[str, Any]) -> tuple[Any, Any]:
-    """The family that the options name, and its body or None."""
-    body = body_of(options, swept)
     if (options.family is None) == (options.system is None):
         raise ParameterError("give FAMILY, or --system MODULE:FAMILY, one of them.")
-    if options.system is not None:
-        if options.contact is not None:
-            raise ParameterError("--contact belongs to the disk; with --system leave it out.")
-        return family_named(options.system), None
-    law = options.contact or "viscous"
-    if body is not None:
-        return body.family(options.family, law, **where_of(options)), body
-    from ..bodies.subject import disk_family
-
-    return disk_family(options.family, law), None
+    write = {"c": _c, "latex": _latex}.get(options.format, _continuation)
+    written = write(options)
+    answer(options, written, [written["out"]])
 
 
-def _numbers(options: argparse.Namespace, family: Any) -> dict[str, Any]:
-    """Numbers of --set, exactly as they are written."""
-    return dict(exact_numbers("set", options.set, (*family.at, *family.parameters), family.name))
+def _equations(
+    options: argparse.Namespace, swept: Mapping[str, Any] | None = None, *, motion: bool = False
+) -> tuple[Any, dict[str, Any], dict[str, Any]]:
+    """The family or system, numbers that it has anyhow, and those given, exactly as written."""
+    texts, options.set = options.set, None  # names of states too, which no law has
+    subject = subject_of(options, swept or {}, motion=motion, shown_first=True)
+    assert subject.equations is not None
+    equations = subject.equations()
+    if motion:
+        return equations, {}, {}
+    if subject.scales == "SI" and "mass" not in equations.parameters:
+        raise ParameterError(
+            "the disk is exported without units, m = R = g = 1; leave --disk, --mass, --radius and "
+            "--gravity out."
+        )
+    names = (*equations.at, *equations.parameters)
+    given: dict[str, Any] = exact_numbers("set", texts, names, equations.name)
+    for name in given:
+        refuse_option(options, name, "by --set")
+    for name in ("mu", "k"):
+        if getattr(options, name) is not None:
+            given[name] = ratio_of_text(name, repr(getattr(options, name)))
+    usual = {n: v for n, v in subject.numbers.items() if n in equations.parameters}
+    return equations, usual, given
 
 
 def _latex(options: argparse.Namespace) -> dict[str, Any]:
     from ..export.latex import latex
     from ..storage.files import write_file
-    from ..storage.targets import check_suffix, check_target
 
-    target = check_target(check_suffix(options.out, (".tex",), "--out"), overwrite=options.force)
-    family = _subject(options)
-    positive = tuple(options.positive.split(",")) if options.positive else ()
-    if options.system is None and not options.positive:
+    [target] = targets_of(options, out=(".tex",)).values()
+    family, _, given = _equations(options)
+    positive = words_of(options.positive)
+    if options.system is None and not positive:
         positive = tuple(n for n in POSITIVE if n in family.parameters)
-    given = _numbers(options, family)
-    text = latex(family, positive=positive, **dict[str, Any](given))
+    text = latex(family, positive=positive, **given)
     write_file(target, text, overwrite=options.force)
     return {"out": str(target)}
 
@@ -110,10 +88,7 @@ def _c(options: argparse.Namespace) -> dict[str, Any]:
 
     if options.set:
         raise ParameterError("--set is no option of `export c`, whose code takes numbers.")
-    if options.system is not None:
-        subject = system_with_families(options.system)[0]
-    else:
-        subject = _subject(options)
+    subject, _, _ = _equations(options, motion=options.family is None)
     code = c_code(subject, options.out, overwrite=options.force)
     return {
         "out": str(code.folder),
@@ -132,61 +107,32 @@ def _continuation(options: argparse.Namespace) -> dict[str, Any]:
     if len(ends) != 2:
         raise ParameterError(f"--axis is {shown(options.axis)}; give NAME:START:STOP.")
     start, stop = (number(end, "--axis") for end in ends)
-    family, body = _with_body(options, {free: (free, start, stop)})
-    numbers_of = {} if body is None else body.given
-    own: dict[str, Any] = {
-        n: float(v) for n, v in numbers_of.items() if n in family.parameters and n != free
-    }
-    given = doubles(_numbers(options, family))
-    for name in sorted(own.keys() & given.keys()):
-        raise ParameterError(f"{name} is a number of the body; give it there alone.")
-    found = write(
+    family, usual, given = _equations(options, {free: (free, start, stop)})
+    usual.pop(free, None)
+    path = write(
         family,
         options.out,
         free=free,
         start=start,
         stop=stop,
         overwrite=options.force,
-        **own,
-        **given,
+        **doubles(usual | given),
     )
-    return {"out": str(found), "files": sorted(p.name for p in found.iterdir())}
+    return {"out": str(path), "files": sorted(p.name for p in path.iterdir())}
 
 
-def add_arguments(sub: argparse.ArgumentParser, words: Sequence[str] | None) -> None:
-    """Arguments of the command.
-
-    Parameters
-    ----------
-    sub
-        The command's parser.
-    words
-        The command line, or None.
-    """
-    sub.add_argument("format", choices=FORMATS, help="format of the export")
-    add_family(sub)
-    sub.add_argument(
-        "--system",
-        metavar="MODULE:FAMILY",
-        help="a family of your own: module:name, or file.py:name; `c` takes a System too",
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    parser.add_argument("format", choices=FORMATS, help="format of the export")
+    add_subject(
+        parser,
+        system=f"a family of your own: {PLACE}; `c` takes a System too",
+        numbers="a number, such as k=1/4, once for each: all others for a continuation; for "
+        "`latex` those that the conditions take as numbers",
     )
-    add_body(sub, words)
-    sub.add_argument(
-        "--contact", help=f"{CONTACTS}, or module:Class for a law of your own (default viscous)"
-    )
-    sub.add_argument("--mass", type=float, help="mass of --body [kg] (default 1)")
-    sub.add_argument("--gravity", type=float, help="gravity of --body [m/s²] (default 1)")
-    ends = "`auto`, `bifurcationkit`: what is continued, from where, to where"
-    sub.add_argument("--axis", metavar="NAME:START:STOP", help=ends)
-    add_numbers(
-        sub,
-        "a number, such as k=1/4, once for each: all others for a continuation; "
-        "for `latex` those that the conditions take as numbers",
-    )
-    sub.add_argument(
-        "--positive",
-        metavar="NAMES",
-        help="`latex`: positive names in the conditions, comma-separated (of the disk: k and mu)",
-    )
-    sub.add_argument("--out", required=True, help="`latex`: a .tex file; the others: a folder")
-    overwriting(sub, "replace existing files")
+    axis = "`auto`, `bifurcationkit`: what is continued, from where, to where"
+    positive = "`latex`: positive names in the conditions, comma-separated (of the disk: k and mu)"
+    words = {"--axis": ("NAME:START:STOP", axis), "--positive": ("NAMES", positive)}
+    values(parser, str, words)
+    parser.add_argument("--out", required=True, help="`latex`: a .tex file; the others: a folder")
+    overwriting(parser, "replace existing files")

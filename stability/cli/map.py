@@ -1,79 +1,157 @@
-"""The commands `map`, over two parameters, and `boundaries`, along one."""
+"""The command `map`: verdict and growth rate over two parameters."""
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from ..base.errors import ParameterError, shown
-from ..storage.text import json_text
-from .options import _axis, targets
-from .subject import members
-from .terminal import progress_bar, waiting
+from .options import (
+    AXIS,
+    CERTIFY,
+    answer,
+    axes_of,
+    flags,
+    overwriting,
+    plotting,
+    save,
+    scheduling,
+    targets_of,
+    values,
+)
+from .subject import Subject, add_subject, doubles, subject_of
+from .terminal import progress_bar
+
+EXAMPLES = (
+    "stability map spinning --x at:0.5:5:400 --y mu:0.01:10:300:log --out spinning.nc "
+    "--plot spinning.png",
+    "stability map spinning --body torus --x at:0.5:5:80 --y tube:0.05:0.5:60 --mu 0.3 "
+    "--out torus.nc",
+    "stability map --system examples/bicycle.py:upright --x v:0.1:10:200 --y g:1:20:100 "
+    "--out bicycle.nc --plot bicycle.png",
+    "stability map spinning --x at:0.5:5:20000 --y mu:0.01:10:20000:log --out large.zarr "
+    "--scheduler processes --workers 8",
+)
+"""Examples of the help."""
 
 
-def _map(options: argparse.Namespace) -> None:
-    x, y = _axis(options.x, "--x"), _axis(options.y, "--y")
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    add_subject(parser)
+    axis = (
+        "axis: at, lean, k, mu, mass, radius or gravity; with --body or --system one of the "
+        "family's own quantities, such as tube"
+    )
+    values(parser, str, {"--x": (AXIS, axis), "--y": (AXIS, axis)}, required=True)
+    parser.add_argument("--at", help="what names the member, where it is no axis")
+    parser.add_argument(
+        "--out",
+        required=True,
+        metavar="F.nc",
+        help="NetCDF file to write; F.zarr is a folder that a map of any size is computed into, "
+        "chunk by chunk, and the same command goes on",
+    )
+    plotting(parser)
+    levels = "with --certify: halve the map this often at most"
+    parser.add_argument("--levels", type=int, metavar="L", help=levels)
+    flags(
+        parser,
+        {
+            "--certify": CERTIFY,
+            "--modes": "keep all eigenvalues, not only the first",
+            "--points": "find, mark and list points of codimension two",
+            "--verdict-only": "proved verdicts alone, streamed to the file, however large",
+        },
+    )
+    checkpoint = "keep finished cells there, to go on after an interruption"
+    parser.add_argument("--checkpoint", metavar="DIR", help=checkpoint)
+    scheduling(parser, None)
+    overwriting(parser, "replace existing files")
+
+
+def run(options: argparse.Namespace) -> None:
+    """Compute a map, write it and its figure, and print what it holds."""
+    from ..storage.datasets import format_to_write
+
+    axes = axes_of(options, "x", "y")
     if options.levels is not None and not options.certify:
         raise ParameterError("--levels belongs to --certify; leave it out or certify.")
-    if options.verdict_only or _stored(options):
-        _stream(options, x, y)
+    folder = format_to_write(options.out, *_ways(options), option="--out").folder
+    if options.verdict_only or folder:
+        _stream(options, axes)
         return
     with progress_bar("cells") as progress:
         from ..jobs.pipeline import resumable
-        from ..maps.dataset import points_of
         from ..maps.stability_map import stability_map
         from ..storage.files import named
-        from ..storage.pieces import remove_parts
-        from ..storage.targets import path_text
-        from ..tables.beyond_linear import point_records, point_text
 
-        subject = members(options, {axis[0]: axis for axis in (x, y)})
-        files = targets(options, *_ways(options))
+        subject = subject_of(options, {axis[0]: axis for axis in axes.values()})
+        targets = _targets(options)
         try:
             dataset = stability_map(
-                subject.family, x=x, y=y, certify=options.certify, levels=options.levels,
-                modes=options.modes, points=options.points, progress=progress,
-                checkpoint=options.checkpoint, executor=options.scheduler,
-                workers=options.workers, **subject.arguments,
-            )  # fmt: skip
-            _write(options, dataset, files)
+                subject.family,
+                **axes,
+                certify=options.certify,
+                levels=options.levels,
+                modes=options.modes,
+                points=options.points,
+                progress=progress,
+                checkpoint=options.checkpoint,
+                executor=options.scheduler,
+                workers=options.workers,
+                **subject.arguments,
+            )
+            _write(options, dataset, targets)
         except KeyboardInterrupt:
-            if options.checkpoint is None or files["out"] in named():
+            if options.checkpoint is None or targets["out"] in named():
                 raise
             with resumable(options.checkpoint):
                 raise
     if options.checkpoint is not None:
+        from ..storage.pieces import remove_parts
+
         remove_parts(options.checkpoint)
+    _report(options, subject, axes, dataset, targets)
+
+
+def _report(
+    options: argparse.Namespace,
+    subject: Subject,
+    axes: Mapping[str, Any],
+    dataset: Any,
+    targets: Mapping[str, Path],
+) -> None:
+    """Print what the map holds."""
     from ..base.verdict import CODES
+    from ..maps.dataset import points_of
+    from ..storage.targets import path_text
+    from ..tables.beyond_linear import point_records, point_text
 
     counts = {v.word: int((dataset.verdict == c).sum()) for v, c in CODES.items()}
     record: dict[str, Any] = {
-        "out": str(files["out"]),
-        "plot": str(files["plot"]) if options.plot else None,
+        "out": str(targets["out"]),
+        "plot": str(targets["plot"]) if options.plot else None,
         **subject.who,
-        "parameters": subject.beyond((x[0], y[0])),
+        "parameters": doubles(subject.beyond([axis[0] for axis in axes.values()])),
+        **subject.member,
         "verdicts": counts,
         "boundary_points": dataset.sizes["boundary_point"],
         "boundary_unresolved": int(dataset.attrs["boundary_unresolved"]),
         "citation": dataset.attrs["citation"],
     }
-    if options.certify:
-        record["certified"] = True
-        record["proved_area"] = float(dataset.attrs["box_proved"])
-    found = points_of(dataset)
-    if found is not None:
-        record["points"] = point_records(found)
-    if options.json:
-        print(json_text(record))
-        return
     cells = ", ".join(f"{n} {word}" for word, n in counts.items() if n)
-    proved = f"; {dataset.attrs['box_comment']}" if options.certify else ""
-    wrote = " and ".join(map(path_text, files.values()))
-    print(f"{wrote}: {cells}; {record['boundary_points']} boundary points" + proved)
-    if found is not None:
-        print(point_text(str(dataset.attrs["family"]), found))
+    wrote = " and ".join(map(path_text, targets.values()))
+    lines = [f"{wrote}: {cells}; {record['boundary_points']} boundary points"]
+    if options.certify:
+        record |= {"certified": True, "proved_area": float(dataset.attrs["box_proved"])}
+        lines[0] += f"; {dataset.attrs['box_comment']}"
+    points = points_of(dataset)
+    if points is not None:
+        record["points"] = point_records(points)
+        lines.append(point_text(str(dataset.attrs["family"]), points))
+    answer(options, record, lines)
 
 
 def _ways(options: argparse.Namespace) -> tuple[str, str]:
@@ -81,106 +159,58 @@ def _ways(options: argparse.Namespace) -> tuple[str, str]:
     return ("rows" if options.verdict_only else "write"), "chunks"
 
 
-def _stored(options: argparse.Namespace) -> bool:
-    """Whether the map goes to a folder of chunks."""
-    from ..storage.datasets import format_to_write
-
-    return format_to_write(options.out, *_ways(options), option="--out").folder
+def _targets(options: argparse.Namespace) -> dict[str, Path]:
+    """The map and the figure to write, checked before anything is computed."""
+    return targets_of(options, *_ways(options))
 
 
-def _write(options: argparse.Namespace, dataset: Any, files: dict[str, Path]) -> None:
+def _write(options: argparse.Namespace, dataset: Any, targets: Mapping[str, Path]) -> None:
     from ..maps.files import write_map
-    from ..storage.files import atomic_write, together
+    from ..storage.files import together
 
     with together():
-        if options.plot:
-            with atomic_write(files["plot"], overwrite=options.force) as picture:
-                _draw(dataset, picture)
-        write_map(dataset, files["out"], overwrite=options.force)
+        if "plot" in targets:
+            from ..figures.diagram import plot_map
+
+            figure = plot_map(dataset, title=str(dataset.attrs["title"]).split(":")[0])
+            save(figure, targets["plot"], overwrite=options.force)
+        write_map(dataset, targets["out"], overwrite=options.force)
 
 
-def _stream(options: argparse.Namespace, x: Any, y: Any) -> None:
+def _stream(options: argparse.Namespace, axes: Mapping[str, Any]) -> None:
+    """Compute a map of any size into its file or folder."""
     with progress_bar("cells") as progress:
         from ..maps.files import read_map
         from ..maps.stream import stream_map
         from ..storage.targets import path_text
 
-        subject = members(options, {axis[0]: axis for axis in (x, y)})
-        targets(options, *_ways(options))
+        subject = subject_of(options, {axis[0]: axis for axis in axes.values()})
+        _targets(options)
         for name in ("plot", "points", "certify", "modes", "checkpoint"):
             if getattr(options, name):
                 raise ParameterError(
                     f"--{name} does not go with --verdict-only; leave one of them out."
-                    if options.verdict_only else
-                    f"--{name} does not go with --out {shown(options.out)}, which is written in "
-                    "chunks and goes on by itself; leave it out, or give --out F.nc."
-                )  # fmt: skip
+                    if options.verdict_only
+                    else f"--{name} does not go with --out {shown(options.out)}, which is written "
+                    "in chunks and goes on by itself; leave it out, or give --out F.nc."
+                )
         path = stream_map(
-            subject.family, x=x, y=y, out=options.out, growth=not options.verdict_only,
-            executor=options.scheduler, workers=options.workers, overwrite=options.force,
-            progress=progress, **subject.arguments,
-        )  # fmt: skip
+            subject.family,
+            **axes,
+            out=options.out,
+            growth=not options.verdict_only,
+            executor=options.scheduler,
+            workers=options.workers,
+            overwrite=options.force,
+            progress=progress,
+            **subject.arguments,
+        )
     with read_map(path, lazy=True) as dataset:
-        record = {"out": str(path), "cells": dataset.verdict.size, "method": dataset.method,
-                  "citation": dataset.attrs["citation"]}  # fmt: skip
-    if options.json:
-        print(json_text(record))
-    else:
-        what = "verdicts" if options.verdict_only else "verdicts and growth rates"
-        print(f"{path_text(path)}: {record['cells']} {what}; {record['method']}")
-
-
-def _draw(dataset: Any, target: Any) -> None:
-    from ..figures.canvas import save_figure
-    from ..figures.diagram import plot_map
-
-    figure = plot_map(dataset, title=str(dataset.attrs["title"]).split(":")[0])
-    save_figure(figure, target)
-
-
-def _boundaries(options: argparse.Namespace) -> None:
-    axis = _axis(options.axis, "--axis")
-    if options.certify:
-        raise ParameterError("every boundary here is proved; leave --certify out.")
-    with waiting("searching"):
-        from ..base.verdict import Verdict
-        from ..boundary.changes import boundaries
-        from ..tables.beyond_linear import to_bound
-
-        subject = members(options, {axis[0]: axis}, exact=True)
-        found = boundaries(subject.family, axis=axis, **subject.arguments)
-    numbers = subject.beyond((axis[0],))
-    record: dict[str, Any] = {
-        **subject.who,
-        "parameters": numbers,
-        "axis": axis[0],
-        "low": axis[1],
-        "high": axis[2],
-        "boundaries": [
-            {"value": b.value, "error": b.error, "crossing": b.crossing.word,
-             "frequency": b.frequency, "frequencies": list(b.frequencies),
-             "stable_below": b.stable_below, "good": b.good.word}
-            for b in found
-        ],
-        "touching": list(found.touching),
-        "complete": found.complete,
-        "unresolved": [u._asdict() for u in found.unresolved],
-        "statement": found.statement(axis[0]),
-        "citation": found.citation,
-    }  # fmt: skip
-    if options.json:
-        print(json_text(record))
-        return
-    exact = subject.arguments["parameters"] if subject.thing is None else numbers
-    at = subject.place(exact)
-    where = f"{subject.title}, along {axis[0]} from {axis[1]:g} to {axis[2]:g}"
-    print(where + f", at {at}" * bool(at))
-    for b in found:
-        side = "below" if b.stable_below else "above"
-        word = "not unstable" if b.good is Verdict.UNDECIDED else b.good.word
-        pair = f", frequency {b.frequency:.12g}" if b.frequency else ""
-        if b.frequencies:
-            pair = f", frequencies {', '.join(f'{w:.12g}' for w in b.frequencies)}"
-        kind = b.crossing.word.replace("_", " ")
-        print(f"  {axis[0]} = {to_bound(b.value, b.error)}   {kind}, {word} {side}{pair}")
-    print(record["statement"])
+        record = {
+            "out": str(path),
+            "cells": dataset.verdict.size,
+            "method": dataset.method,
+            "citation": dataset.attrs["citation"],
+        }
+    what = "verdicts" if options.verdict_only else "verdicts and growth rates"
+    answer(options, record, [f"{path_text(path)}: {record['cells']} {what}; {record['method']}"])

@@ -1,75 +1,133 @@
-"""Options that commands share, and their help."""
+"""The parser of a command, options that commands share, and how an answer is printed."""
 
 from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import takewhile
 from pathlib import Path
 from typing import Any, NoReturn
 
-from ..base.errors import ParameterError, meant, shown
+from ..base.errors import ParameterError, listed, meant, shown
 from ..bodies.families import leaning
+from ..storage.text import json_text
 from .terminal import say
 
+AXIS = "NAME:LO:HI:N[:log]"
+"""How an axis is written."""
+CERTIFY = "prove every verdict, in rational arithmetic or balls"
+"""Help of an option."""
 MOST_VALUES = 1000
 """Most numbers in a list of a table; each takes a line or more."""
-
-
-def of_own_body(words: Sequence[str]) -> bool:
-    """Whether a command line names a user's body, whose numbers are options too."""
-    joined = zip(words, [*words, ""][1:], strict=True)
-    return any(
-        ":" in (w if w.startswith("--body=") else n if w == "--body" else "") for w, n in joined
-    )
+RENAMED = {"--parameter": "--set"}
+"""Options of earlier versions, and their names now."""
 
 
 class _Parser(argparse.ArgumentParser):
     """A parser that answers a bad argument with one sentence and exit code 2."""
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
-        super().__init__(*arguments, **options)
+        super().__init__(*arguments, **options | {"allow_abbrev": False})
         # argparse reads -1e-3, -inf and -1,2 as options; here they are numbers, checked later
         self._negative_number_matcher = re.compile(r"^-(\d|\.\d|inf|nan).*$")
+        self._texts: list[tuple[argparse.Action, Callable[[], str]]] = []
 
-    def parse_args(self, *arguments: Any) -> Any:  # type: ignore[override]
-        """Options; those that no parser knows are numbers of a user's body, if one is named."""
-        options, options.rest = self.parse_known_args(*arguments)
-        return options
+    def add_argument(self, *names: Any, **settings: Any) -> Any:
+        """As argparse does; a help that is a function is called where help is asked for."""
+        text = settings.get("help")
+        if not callable(text):
+            return super().add_argument(*names, **settings)
+        action = super().add_argument(*names, **settings | {"help": ""})
+        self._texts.append((action, text))
+        return action
+
+    def format_help(self) -> str:
+        """The help, with the lists that it names read from their places."""
+        for action, text in self._texts:
+            action.help = text()
+        return super().format_help()
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """As argparse does; a command refuses an option that it does not know by itself."""
-        found, extra = super().parse_known_args(args, namespace)
-        if extra and ":" not in (getattr(found, "body", None) or ""):
+        """As argparse does, but an unknown option is refused first, with the nearest known one.
+
+        With --body an unknown option with a number is one of the numbers of the body.
+        """
+        words: list[str] = list(args or ())
+        numbers: dict[str, float] = {}
+        if self._subparsers is None:
+            words, numbers = self._without_numbers(words)
+        before = takewhile(lambda word: word != "--", words)
+        if self._subparsers is not None:  # the words after the command are that parser's
+            before = takewhile(lambda word: word.startswith("-"), before)
+        for word in before:
+            option = word.partition("=")[0]
+            if word.startswith("--") and option not in self._option_string_actions:
+                self.error(self._no_option(option))
+        options, extra = super().parse_known_args(words, namespace)
+        if extra:
             self.error(f"unrecognized arguments: {' '.join(extra)}")
-        return found, extra
+        if self._subparsers is None:
+            options.numbers, options.known = numbers, list(self._option_string_actions)
+        return options, extra
+
+    def _without_numbers(self, words: Sequence[str]) -> tuple[list[str], dict[str, float]]:
+        """A command line without the numbers of its body, --NAME X or --NAME=X, and these."""
+        options = self._option_string_actions
+        if "--body" not in options or not any(w.partition("=")[0] == "--body" for w in words):
+            return list(words), {}
+        kept: list[str] = []
+        numbers: dict[str, float] = {}
+        rest = iter(words)
+        for word in rest:
+            option, equals, text = word.partition("=")
+            if not option.startswith("--") or option == "--" or option in options:
+                kept.append(word)
+                continue
+            name = option[2:].replace("-", "_")
+            value = text if equals else next(rest, "")
+            if name in numbers:
+                self.error(f"{option} is given twice; give it once")
+            try:
+                numbers[name] = float(value)
+            except ValueError:
+                near = nearest(option, options)
+                other = f", and an option of the command is {near}" if near else ""
+                self.error(f"{name} is {shown(value)}; a number is needed{other}")
+        return kept, numbers
 
     def error(self, message: str) -> NoReturn:
-        member = re.search(r"unrecognized arguments: .*?--(omega3|phi[-_]dot|theta)\b", message)
-        if member:
-            typed, name = member[1], member[1].replace("-", "_")
-            message = f"--{typed} is not an option here; --at takes {name} of the steady motion"
-        wrong = re.match(r"unrecognized arguments: (--[\w-]+)", message)
-        if wrong and not member and self._instead(wrong[1]):
-            message = f"{wrong[1]} is not an option here{self._instead(wrong[1])}"
         say(f"{message.rstrip('.')}; see `{self.prog} --help`.")
         raise SystemExit(2)
 
-    def _instead(self, wrong: str) -> str:
-        """What to give in place of an option that does not exist."""
+    def _no_option(self, wrong: str) -> str:
+        """That there is no such option, and what to give in its place."""
+        known = self._option_string_actions
+        states = [wrong[2:].replace("-", "_")] if "--at" in known else []
+        if states and states[0] in ("omega3", "phi_dot", "theta"):
+            return f"{wrong} is not an option here; --at takes {states[0]} of the steady motion"
         if wrong == "--lean":
-            axis = ", or --x lean:LO:HI:N" * ("--x" in self._option_string_actions)
-            return f"; give --at, for {leaning()} π/2 less the lean{axis}"
-        known = [n[2:] for n in self._option_string_actions if n.startswith("--")]
-        near = meant(wrong[2:], known)
-        return f"; --{near} is" if near else ""
+            axis = ", or --x lean:LO:HI:N" * ("--x" in known)
+            return (
+                f"--lean is not an option here; give --at, for {leaning()} π/2 less the lean{axis}"
+            )
+        near = RENAMED.get(wrong) or nearest(wrong, known)
+        return (
+            f"{wrong} is not an option here; {near} is"
+            if near
+            else (f"unrecognized arguments: {wrong}")
+        )
 
 
-class _Unasked(_Parser):
-    """A command that the line does not name: a line of help, without the time its options take."""
+def nearest(wrong: str, known: Iterable[str]) -> str:
+    """The options for which a wrong one may stand: those that it begins, or one like it."""
+    full = [n for n in known if n.startswith("--")]
+    begun = [n for n in full if n.startswith(wrong)]
+    like = meant(wrong[2:], [n[2:] for n in full])
+    return listed(begun, "or") if begun else f"--{like}" if like else ""
 
-    def add_argument(self, *_: Any, **__: Any) -> Any:
-        """Nothing."""
+
+# --- options that commands share ---
 
 
 def overwriting(parser: argparse.ArgumentParser, what: str) -> None:
@@ -77,27 +135,52 @@ def overwriting(parser: argparse.ArgumentParser, what: str) -> None:
     parser.add_argument("--overwrite", "--force", dest="force", action="store_true", help=what)
 
 
+def plotting(parser: argparse.ArgumentParser, what: str = "") -> None:
+    """The option of a figure; `what` says which one."""
+    text = f"figure to write (PNG, PDF or SVG){what}"
+    parser.add_argument("--plot", metavar="F.png", help=text)
+
+
 def step_error(parser: argparse.ArgumentParser) -> None:
     """The error that commands of motions allow in a step."""
-    parser.add_argument(
-        "--tolerance",
-        type=float,
-        default=1e-9,
-        metavar="E",
-        help="error allowed in a step (default 1e-9)",
-    )
+    text = "error allowed in a step (default 1e-9)"
+    parser.add_argument("--tolerance", type=float, default=1e-9, metavar="E", help=text)
 
 
 def scheduling(parser: argparse.ArgumentParser, default: str | None = "threads") -> None:
     """Options of the workers of a job; `default` is the scheduler where none is given."""
-    parser.add_argument(
-        "--scheduler",
-        metavar="WHERE",
-        default=default,
-        help="threads (default), processes, dask, or the address of a scheduler of "
-        "dask such as tcp://127.0.0.1:8786",
+    where = (
+        "threads (default), processes, dask, or the address of a scheduler of dask such as "
+        "tcp://127.0.0.1:8786"
     )
+    parser.add_argument("--scheduler", metavar="WHERE", default=default, help=where)
     parser.add_argument("--workers", type=int, metavar="N", help="workers (default: all cores)")
+
+
+def flags(parser: argparse.ArgumentParser, texts: Mapping[str, str]) -> None:
+    """Options without a value, with their help."""
+    for name, text in texts.items():
+        parser.add_argument(name, action="store_true", help=text)
+
+
+def values(
+    parser: argparse.ArgumentParser,
+    kind: Any,
+    texts: Mapping[str, tuple[str, str]],
+    **settings: Any,
+) -> None:
+    """Options with a value of one kind, each with the value's name and its help."""
+    for name, (value, text) in texts.items():
+        parser.add_argument(name, type=kind, metavar=value, help=text, **settings)
+
+
+# --- what they hold ---
+
+
+def given(options: argparse.Namespace, *names: str) -> dict[str, Any]:
+    """Those of the options that the command has and that the line gives, by name."""
+    every = {name: getattr(options, name, None) for name in names}
+    return {name: value for name, value in every.items() if value is not None}
 
 
 def number(text: str, name: str) -> float:
@@ -108,7 +191,8 @@ def number(text: str, name: str) -> float:
         raise ParameterError(f"{name} is {shown(text)}; a number is needed.") from None
 
 
-def _list(text: str) -> list[float]:
+def numbers(text: str) -> list[float]:
+    """A list of numbers, as the type of an option."""
     if text.count(",") >= MOST_VALUES:
         raise argparse.ArgumentTypeError(
             f"{text.count(',') + 1} numbers are given, at most {MOST_VALUES}; make several tables"
@@ -121,46 +205,93 @@ def _list(text: str) -> list[float]:
         ) from None
 
 
-def _axis(text: str, which: str) -> Any:
-    parts = text.split(":")
-    if len(parts) not in (4, 5):
-        raise ParameterError(f"{which} is {shown(text)}; give NAME:LO:HI:N or NAME:LO:HI:N:log.")
-    name, low, high, count, *rest = parts
+def words_of(text: str | None) -> tuple[str, ...]:
+    """The words of a list that is separated by commas; none where it is left out."""
+    return tuple(text.split(",")) if text else ()
+
+
+def axis_of(text: str, which: str, *, points: bool = True) -> Any:
+    """An axis as a tuple: its name, its ends, its number of points if it has one, and its spacing.
+
+    Parameters
+    ----------
+    text
+        What the option holds.
+    which
+        The option.
+    points
+        Whether the number of points is given too.
+    """
+    form = "NAME:LO:HI:N" if points else "NAME:LO:HI"
+    name, *parts = text.split(":")
+    ends, rest = parts[:2], parts[2:]
+    count, spacing = (rest[:1], rest[1:]) if points else ([], rest)
+    if len(ends) < 2 or len(count) != points or len(spacing) > 1:
+        raise ParameterError(f"{which} is {shown(text)}; give {form} or {form}:log.")
     try:
-        points = int(count)
+        whole = [int(n) for n in count]
     except ValueError:
         raise ParameterError(
-            f"{which} is {shown(text)}, with {shown(count)} points; a whole number is needed."
+            f"{which} is {shown(text)}, with {shown(count[0])} points; a whole number is needed."
         ) from None
-    ends = [number(v, f"an end of {which} {shown(text)}") for v in (low, high)]
-    return (name, *ends, points, *rest)
+    limits = [number(v, f"an end of {which} {shown(text)}") for v in ends]
+    return (name, *limits, *whole, *spacing)
 
 
-def targets(options: argparse.Namespace, *ways: str) -> dict[str, Path]:
-    """The files that a command writes by `--out`, `--plot` and `--film`, checked at first.
+def axes_of(options: argparse.Namespace, *names: str, points: bool = True) -> dict[str, Any]:
+    """The axes that are given, by the names of their options."""
+    return {
+        name: axis_of(text, f"--{name}", points=points)
+        for name, text in given(options, *names).items()
+    }
+
+
+def targets_of(options: argparse.Namespace, *ways: str, out: Sequence[str] = ()) -> dict[str, Path]:
+    """The files of `--out`, `--plot` and `--film`, checked before anything is computed.
 
     Parameters
     ----------
     options
         Parsed options.
     *ways
-        Ways to write the dataset, one of which its format needs: see `formats_for`.
+        Ways to write a dataset, one of which the format of `--out` needs: see `formats_for`.
+    out
+        Endings of `--out` where it is no dataset.
     """
     from ..storage.datasets import dataset_target
     from ..storage.targets import FILMS, PICTURES, check_suffix, check_target
 
-    found: dict[str, Path] = {}
-    for name, endings in (("out", ()), ("plot", PICTURES), ("film", FILMS)):
-        path, option = getattr(options, name, None), f"--{name}"
-        if path is None:
-            continue
-        if name == "out":
-            target = dataset_target(path, *ways, overwrite=options.force, option=option)
+    targets: dict[str, Path] = {}
+    for name, text in given(options, "out", "plot", "film").items():
+        endings, option = {"out": out, "plot": PICTURES, "film": FILMS}[name], f"--{name}"
+        if endings:
+            target = check_target(check_suffix(text, endings, option), overwrite=options.force)
         else:
-            target = check_target(check_suffix(path, endings, option), overwrite=options.force)
-        if target.resolve() in [t.resolve() for t in found.values()]:
+            target = dataset_target(text, *ways, overwrite=options.force, option=option)
+        if target.resolve() in [t.resolve() for t in targets.values()]:
             raise ParameterError(
-                f"{option} is {shown(path)}, which another file has; give two names."
+                f"{option} is {shown(text)}, which another file has; give two names."
             )
-        found[name] = target
-    return found
+        targets[name] = target
+    return targets
+
+
+# --- the answer ---
+
+
+def answer(options: argparse.Namespace, record: Any, lines: Iterable[str]) -> None:
+    """Print the answer: one JSON object with `--json`, otherwise lines."""
+    if options.json:
+        print(json_text(record))
+        return
+    for line in lines:
+        print(line)
+
+
+def save(figure: Any, target: Path, *, overwrite: bool) -> None:
+    """Write a figure."""
+    from ..figures.canvas import save_figure
+    from ..storage.files import atomic_write
+
+    with atomic_write(target, overwrite=overwrite) as draft:
+        save_figure(figure, draft)

@@ -10,14 +10,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..base.errors import ParameterError
-from ..storage.text import json_text
-from .options import overwriting, targets
+from .options import answer as print_answer
+from .options import flags, overwriting, plotting, targets_of, values
+from .subject import ones_of, scales_of
 from .terminal import progress_bar, waiting
 
 if TYPE_CHECKING:
     from ..scene.answer import Answer
     from ..scene.scene import Scene
 
+EXAMPLES = ("stability scene examples/scenes/rolled-coin.toml --json",)
+"""Examples of the help."""
 SPREAD = ("inputs", "moves", "outcomes", "contrary", "size", "wasted", "routes", "enough")
 """What is told of how inputs that are known roughly move an answer."""
 GAP = 2
@@ -25,47 +28,25 @@ GAP = 2
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Arguments of `stability scene`.
-
-    Parameters
-    ----------
-    parser
-        The command's parser.
-    """
+    """Add the options of the command."""
     parser.add_argument("file", metavar="FILE.toml", help="the scene; see examples/scenes")
-    parser.add_argument(
-        "--verify",
-        action="store_true",
-        help="run the full model at a finer tolerance too, and tell the true error",
+    verify = "run the full model at a finer tolerance too, and tell the true error"
+    flags(parser, {"--verify": verify})
+    only = (
+        "run one model, with its error: steady, linearised, second-order, creep, or the name of "
+        "the law"
     )
-    parser.add_argument(
-        "--only",
-        metavar="RUNG",
-        help="run one model, with its error: steady, linearised, second-order, "
-        "creep, or the name of the law",
+    motion = "NetCDF file to write: the motion at many times, each within the tolerance"
+    values(parser, str, {"--only": ("RUNG", only), "--out": ("F.nc", motion)})
+    chart = (
+        "time against true error of every model; of several laws the first is taken for the truth"
     )
-    parser.add_argument(
-        "--out",
-        metavar="F.nc",
-        help="NetCDF file to write: the motion at many times, each within the tolerance",
-    )
-    parser.add_argument(
-        "--plot",
-        metavar="F.png",
-        help="figure to write (PNG, PDF or SVG): time against true error of every "
-        "model; of several laws the first is taken for the truth",
-    )
+    plotting(parser, f": {chart}")
     overwriting(parser, "replace existing files")
 
 
 def run(options: argparse.Namespace) -> None:
-    """Answer the scene of a file, write the motion and the chart, and print the answer.
-
-    Parameters
-    ----------
-    options
-        Parsed options of `add_arguments`.
-    """
+    """Answer the scene of a file, write the motion and the chart, and print the answer."""
     from ..storage.files import together
 
     with waiting():
@@ -76,25 +57,18 @@ def run(options: argparse.Namespace) -> None:
         scene = Scene(**given)
         names = tuple(scene.quantities)
         _refuse(options, scene)
-        files, asked = targets(options, "write"), scene
-        if "out" in files and "path" not in names:
+        targets, asked = targets_of(options, "write"), scene
+        if "out" in targets and "path" not in names:
             scene = replace(scene, quantities=(*names, "path"))
         answer = scene.verify() if options.verify else scene.answer(only=options.only)
     with together():
-        if "out" in files:
-            _write(options, answer, files["out"], getattr(scene.disk, "name", "thin disk"))
-        if "plot" in files:
+        if "out" in targets:
+            _write(options, answer, targets["out"], getattr(scene.disk, "name", "thin disk"))
+        if "plot" in targets:
             with progress_bar("models") as progress:
-                asked.plot(files["plot"], overwrite=options.force, progress=progress)
-    if options.json:
-        print(json_text(_record(title, scene, answer, names, options)))
-        return
-    for line in _lines(title, scene, answer, names):
-        print(line)
-    if files:
-        from ..storage.targets import path_text
-
-        print("\n" + "\n".join(f"wrote {path_text(path)}" for path in files.values()))
+                asked.plot(targets["plot"], overwrite=options.force, progress=progress)
+    record = _record(title, scene, answer, names, options)
+    print_answer(options, record, _lines(title, scene, answer, names, targets))
 
 
 def _refuse(options: argparse.Namespace, scene: Scene) -> None:
@@ -192,7 +166,7 @@ def _record(
         **_about(answer, names),
         "tolerance": answer.tolerance,
         "horizon": scene.horizon,
-        "unit": f"dimensionless (m = {_length(scene)} = g = 1)" if plain else "SI",
+        "unit": scales_of(scene.disk),
         "units": _units(answer, names, plain=plain),
         "citation": answer.citation,
     }
@@ -223,11 +197,6 @@ def _about(answer: Answer, names: tuple[str, ...]) -> dict[str, Any]:
     }
 
 
-def _length(scene: Scene) -> str:
-    """The length that is 1 where numbers have no units."""
-    return "R" if hasattr(scene.disk, "radius") else "length"
-
-
 def _units(answer: Answer, names: tuple[str, ...], *, plain: bool) -> dict[str, str]:
     """Units in words of all numbers of the answer."""
     from ..bodies.newton_euler import STATES
@@ -246,8 +215,26 @@ def _units(answer: Answer, names: tuple[str, ...], *, plain: bool) -> dict[str, 
 # --- for a reader ---
 
 
-def _lines(title: str, scene: Scene, answer: Answer, names: tuple[str, ...]) -> Iterator[str]:
-    """The title, the answer in words, a table of the values, and every ladder."""
+def _lines(
+    title: str,
+    scene: Scene,
+    answer: Answer,
+    names: tuple[str, ...],
+    targets: Mapping[str, Path],
+) -> Iterator[str]:
+    """The title, the answer in words, a table of the values, every ladder, and the files."""
+    from ..storage.targets import path_text
+
+    yield from _table_and_ladders(title, scene, answer, names)
+    if targets:
+        yield ""
+    for path in targets.values():
+        yield f"wrote {path_text(path)}"
+
+
+def _table_and_ladders(
+    title: str, scene: Scene, answer: Answer, names: tuple[str, ...]
+) -> Iterator[str]:
     yield from (title, *answer.setting, "", answer.sentence)
     columns = _parts(answer)
     if all(one.model == "none" for one in columns.values()):
@@ -265,8 +252,7 @@ def _lines(title: str, scene: Scene, answer: Answer, names: tuple[str, ...]) -> 
     yield ""
     of = getattr(scene.disk, "name", "disk")
     yield (
-        f"Errors are over 1 or the size of the value, in units of the {of} "
-        f"(m = {_length(scene)} = g = 1)."
+        f"Errors are over 1 or the size of the value, in units of the {of} ({ones_of(scene.disk)})."
     )
     for name, one in columns.items():
         yield ""

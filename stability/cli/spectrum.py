@@ -3,27 +3,44 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
 from typing import Any
 
-import numpy as np
+from .options import CERTIFY, answer, flags
+from .subject import Subject, add_member, add_subject, doubles, subject_of
 
-from ..storage.text import json_text
-from .subject import Subject, members
+EXAMPLES = (
+    "stability spectrum tumbling --at 0.5 --mu 0.3 --json",
+    "stability spectrum spinning --body torus --tube 0.2 --at 2 --mu 0.3",
+    "stability spectrum --system examples/bicycle.py:upright --at 5 --set g=9.81 --certify",
+)
+"""Examples of the help."""
 
 
-def _spectrum(options: argparse.Namespace) -> None:
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of the command."""
+    add_subject(parser)
+    add_member(parser)
+    escalate = "leave undecided what double precision does not decide"
+    flags(parser, {"--no-escalate": escalate, "--certify": CERTIFY})
+
+
+def run(options: argparse.Namespace) -> None:
+    """Print eigenvalues and verdict of one steady motion."""
     from ..spectra.spectrum import spectrum
 
-    subject = members(options)
+    subject = subject_of(options)
     result = spectrum(
         subject.family,
         certify=options.certify,
         escalate=not options.no_escalate,
         **subject.arguments,
     )
+    member = subject.member if "at" in subject.member else {"at": float(result.at[0])}
     record = {
         **subject.who,
-        **_member(options, subject, result),
+        "parameters": doubles(subject.numbers),
+        **(member | subject.member),
         "eigenvalues": [[float(v.real) + 0.0, float(v.imag) + 0.0] for v in result.eigenvalues],
         "structural_zeros": result.structural_zeros,
         "abscissa": result.abscissa + 0.0,
@@ -37,40 +54,15 @@ def _spectrum(options: argparse.Namespace) -> None:
         "citation": result.citation,
         "unit": result.rate_unit,
     }
-    if options.json:
-        print(json_text(record))
-        return
-    print(f"{subject.title}, at {_place(options, subject, result)}")
-    print(f"verdict     {result.verdict.value}")
-    print(f"nonlinear   {result.nonlinear.value}")
-    print(f"reason      {result.reason}")
-    print(f"eigenvalues [{record['unit']}]")
+    answer(options, record, _lines(subject, result))
+
+
+def _lines(subject: Subject, result: Any) -> Iterator[str]:
+    yield f"{subject.title}, at {subject.place({**subject.at, **subject.numbers})}"
+    yield f"verdict     {result.verdict.value}"
+    yield f"nonlinear   {result.nonlinear.value}"
+    yield f"reason      {result.reason}"
+    yield f"eigenvalues [{result.rate_unit}]"
     for value, r, label in zip(result.eigenvalues, result.radius, result.modes.labels, strict=True):
         off = f"   within {r:.0e}" if result.certified else ""
-        print(f"  {value.real + 0.0:+.12e} {value.imag + 0.0:+.12e}i{off}   {label}")
-
-
-def _member(options: argparse.Namespace, subject: Subject, result: Any) -> dict[str, Any]:
-    """The member and all numbers, for the record."""
-    numbers = subject.numbers
-    if subject.thing is None:
-        names = subject.family.at
-        return {
-            "parameters": {n: v for n, v in numbers.items() if n not in names},
-            "at": {n: numbers[n] for n in names},
-        }
-    at = subject.arguments["at"]
-    if at is None:  # named by its lean
-        return {"parameters": numbers, "at": float(result.at[0]), "lean": options.lean}
-    where = {n: v for n, v in subject.arguments.items() if n in ("theta", "pole")}
-    return {"parameters": numbers, "at": at, **where}
-
-
-def _place(options: argparse.Namespace, subject: Subject, result: Any) -> str:
-    """The member and all numbers in words."""
-    if subject.thing is None:
-        return subject.place(subject.arguments["parameters"])
-    named = dict(zip(result.family.at, np.ravel(result.at), strict=True))
-    if subject.arguments["at"] is None:
-        named = {"lean": options.lean}
-    return subject.place({**named, **subject.numbers})
+        yield f"  {value.real + 0.0:+.12e} {value.imag + 0.0:+.12e}i{off}   {label}"

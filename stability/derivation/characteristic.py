@@ -13,7 +13,10 @@ from dataclasses import dataclass, replace
 import sympy
 
 from ..algebra.number_types import Algebra, sympy_algebra
-from ..base.errors import StabilityError
+from ..algebra.upright import UPRIGHT
+from ..base.errors import StabilityError, listed
+from ..bodies.contact_laws import law_class
+from ..bodies.disk_polynomials import FRICTION
 from ..bodies.families import FAMILIES
 from ..bodies.subject import disk_family
 from ..systems.family import Family
@@ -48,6 +51,7 @@ def derive(family: str, law: str) -> Derived:
     >>> derive("spinning", "rough").factors[0].as_expr()
     k*lam**2 + k*z + lam**2 + z - 1
     """
+    _refuse_form(family, law)
     resolved = disk_family(family, law)
     matrix, relation = _matrix(resolved)
     whole = sympy.Poly(matrix.charpoly(LAM).as_expr(), LAM)
@@ -60,6 +64,23 @@ def derive(family: str, law: str) -> Derived:
     even = all(_even(f) for f in rest)
     polys = tuple(_scaled(f, variables(family), even) for f in rest)
     return Derived(zeros, even, tuple(sorted(polys, key=lambda p: (p.degree(), str(p)))))
+
+
+def _refuse_form(family: str, law: str) -> None:
+    """Refuse a law or a family whose numbers are no variables of the stored polynomials."""
+    numbers = {p.name: p.unit for p in law_class(law).parameters}
+    if not numbers.items() <= FRICTION.items():
+        known = listed([f"{n} [{unit}]" for n, unit in FRICTION.items()], "or")
+        own = listed([f"{n} [{unit}]" for n, unit in numbers.items()])
+        raise StabilityError(
+            f"the {law} law has {own}; polynomials are derived for laws of {known} alone."
+        )
+    theta = FAMILIES[family].disk_held.get("theta", UPRIGHT)
+    if theta is not UPRIGHT:
+        raise StabilityError(
+            f"{family} holds theta at {theta}, whose sine is no rational number; polynomials are "
+            "derived for families that are upright or named by theta."
+        )
 
 
 def variables(family: str) -> tuple[sympy.Symbol, ...]:

@@ -101,9 +101,12 @@ class Contents:
             "certificates": self.certificates,
             "names": {
                 "families": self.families,
-                "laws": {law: LAW_NAMES[law] for law in laws if law},
+                "laws": {law: LAW_NAMES.get(law, law.capitalize()) for law in laws if law},
                 "says": {
-                    law: f"{self.says}; {WORDS[law]}." if law else f"{self.says}." for law in laws
+                    law: f"{self.says}; {WORDS.get(law, f'{law} contact')}."
+                    if law
+                    else f"{self.says}."
+                    for law in laws
                 },
             },
             "looks": {**page_looks(), "letters": {LETTERS[v.code]: v.word for v in Verdict}},

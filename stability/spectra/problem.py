@@ -37,9 +37,9 @@ from ..base.errors import (
 from ..base.exact_numbers import double, no_double, warn_rounded
 from ..base.quantities import Kind, Units, without_dimension
 from ..base.types import Floats
-from ..bodies.contact_laws import Contact, stored
+from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
-from ..bodies.disk_polynomials import disk_polynomial
+from ..bodies.disk_polynomials import disk_polynomial, stored
 from ..bodies.quantities import PHYSICAL, QUANTITIES
 from ..bodies.subject import LEAN, Subject, subject_of
 from ..systems.closed_form import ClosedForm

@@ -84,8 +84,8 @@ def _contacts(law: str, mu: Sequence[float]) -> list[Contact]:
         return [LAWS[law]()]
     if len(LAWS[law].symbols()) > 1:
         raise ParameterError(f"contact is {law}; the table is of laws of one coefficient, mu.")
-    of_mu: Any = LAWS[law]
-    return [of_mu(mu=m) for m in mu]
+    [*_, coefficient] = LAWS[law].parameters
+    return [LAWS[law](**{coefficient.name: m}) for m in mu]
 
 
 def scan(family: SteadyFamily, disk: Disk, contact: Contact) -> list[BoundaryPoint]:

@@ -67,8 +67,7 @@ def condition(name: str) -> str:
                 f"solution of {name} is no root of its equation for {unknown}; correct it, or "
                 "leave it out."
             )
-    [root] = roots
-    return f"{unknown} = {sympy.simplify(root)}"
+    return " or ".join(f"{unknown} = {sympy.simplify(root)}" for root in roots)
 
 
 def _is_closed_form(record: SteadyFamily, root: Any, symbols: Mapping[str, Any]) -> bool:

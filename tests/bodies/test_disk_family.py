@@ -21,8 +21,10 @@ from numpy.typing import NDArray
 
 import stability as st
 from stability.algebra.upright import UPRIGHT
+from stability.base.errors import StabilityError
 from stability.bodies.families import FAMILIES, SteadyFamily
 from stability.cli import main
+from stability.derivation.characteristic import derive
 from stability.tables.registry import definition
 
 EDGE_ON = SteadyFamily(
@@ -302,6 +304,14 @@ def test_a_family_whose_graph_has_another_form_gets_no_polynomial(
     assert list(hurwitz.catalogue()["cases"]) == ["rolling rough"]
 
 
+def test_a_condition_with_several_roots_names_them_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    from stability.tables.families import condition
+
+    monkeypatch.setitem(FAMILIES, "nodding", replace(CONING, name="nodding", solution=None))
+    roots = condition("nodding").split(" or ")
+    assert "theta = asin(1/(k*phi_dot**2))" in roots and len(roots) > 1
+
+
 def test_methods_are_compared_on_it(family: str) -> None:
     from stability.compare.spectrum.points import Points
     from stability.compare.spectrum.routes import ManyDigits
@@ -370,6 +380,8 @@ def test_a_family_of_one_law_alone_is_refused_under_others(monkeypatch: Any) -> 
         motion="circling at an inclination of one radian",
     )
     monkeypatch.setitem(FAMILIES, "banking", held)
+    with pytest.raises(StabilityError, match="banking holds theta at 1.0, whose sine"):
+        derive("banking", "rough")  # `make derive` ended in a TypeError
     mine = st.spectrum("banking", at=1.3, contact=st.Rough())
     same = st.spectrum("circling", at=[1.0, 1.3], contact=st.Rough())
     nonzero = same.eigenvalues[np.abs(same.eigenvalues) > 1e-9]

@@ -83,7 +83,7 @@ def test_units_hollowness_and_moments_reach_the_body(capsys: pytest.CaptureFixtu
         contact=st.Viscous(0.2),
         body=st.Torus(0.2, solid=False, mass=0.5, gravity=9.81, length=0.3),
     )
-    assert "rolling of hollow torus, viscous contact, at omega3 = 9, mass = 0.5" in text
+    assert "rolling of hollow torus, viscous contact, at omega3 = 9 rad/s, mass = 0.5 kg" in text
     assert "[1/s]" in text
     assert f"{own.eigenvalues[-1].real:+.12e}" in text
     ball = [
@@ -115,6 +115,8 @@ def test_a_users_body_takes_the_numbers_of_its_function_or_shape(
     assert "rolling of egg, viscous contact, at omega3 = 1, a = 0.1, sharp = 0.08," in text
     other = output(capsys, "spectrum", "rolling", "--body=egg.py:egg", "--a=0.1", *ASK)
     assert other == text
+    named = output(capsys, "spectrum", "rolling", "--body", "egg.py:egg", "--set", "a=0.1", *ASK)
+    assert named == text
     found = spectrum(capsys, "rolling", "--body", "egg:coin", "--rim", "0.1", *ASK)
     same = spectrum(capsys, "rolling", "--body", "egg:coin", *ASK)
     told = found["parameters"], same["parameters"]
@@ -185,7 +187,7 @@ def test_help_lists_the_bodies_with_an_example(capsys: pytest.CaptureFixture[str
         assert all(name in text for name in NAMED)
         assert "--body torus --tube 0.2" in text
         assert "--offset X" in text
-    assert _parser().parse_args(["spectrum", "rolling", *TORUS]).tube == 0.2
+    assert _parser().parse_args(["spectrum", "rolling", *TORUS]).numbers == {"tube": 0.2}
 
 
 @pytest.mark.usefixtures("file")
@@ -204,7 +206,7 @@ def test_help_lists_the_bodies_with_an_example(capsys: pytest.CaptureFixture[str
         (["rolling", *TORUS, "--mu", "1"], "at is missing"),
         (["rolling", *TORUS, "--at", "1"], "mu is missing"),
         (["rolling", "--tube", "0.2", *ASK], "unrecognized arguments: --tube"),
-        (["rolling", *TORUS, "--bulge", "0.2", *ASK], "unrecognized arguments: --bulge"),
+        (["rolling", *TORUS, "--bulge", "0.2", *ASK], "--bulge is no number of torus; it takes"),
         (["spinning", "--body", "thick-disk", "--thickness", "0.2", *ASK], "has no spinning"),
         (["rolling", "--body", "egg.py:seven", *ASK], "its bodies are coin"),
         (["rolling", "--body", "egg.py:ovo", *ASK], "its bodies are coin"),
@@ -214,7 +216,12 @@ def test_help_lists_the_bodies_with_an_example(capsys: pytest.CaptureFixture[str
         (["rolling", "--body", "egg.py:egg", "--a", "x", *ASK], "a is 'x'; a number is needed"),
         (["rolling", "--body", "egg.py:egg", "--a", "3", *ASK], "must lie above the plane"),
         (["rolling", "--body", "egg.py:coin", "--a", "3", *ASK], "it takes --rim"),
-        (["rolling", "--body", "egg.py:egg", "3", *ASK], "no list of --NAME X"),
+        (["rolling", "--body", "egg.py:egg", "3", *ASK], "unrecognized arguments: 3"),
+        (["rolling", *TORUS, "--bulge", *ASK], "bulge is '--at'; a number is needed"),
+        (["rolling", *TORUS, "--conta", "rough", *ASK], "an option of the command is --contact"),
+        (["rolling", *TORUS, "--certif", "1", *ASK], "an option of the command is --certify"),
+        (["rolling", "--solid", *ASK], "--solid or --hollow is given without --body"),
+        (["rolling", "--length", "2", *ASK], "--length is given without --body"),
         (["rolling", "--body", "egg.py:fails", *ASK], "RuntimeError: no egg today"),
         (["rolling", "--body", "egg.py:nothing", *ASK], "returns 3; a stability.Body is needed"),
         (["rolling", "--body", "egg", "--taper", "0.5", *ASK], "it must lie in [0, 0.4]"),

@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import time
-from argparse import ArgumentParser
+from argparse import ArgumentParser, _SubParsersAction
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -99,6 +99,23 @@ def test_si_units_are_named(capsys: pytest.CaptureFixture[str]) -> None:
     assert output(capsys, *words[:6], *same) == text
 
 
+def test_every_number_of_boundaries_has_its_name_and_unit(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """`at` was no name that a reader knows, and what --at holds was not printed."""
+    coin = ["boundaries", "rolling", "--disk", "quarter"]
+    text = output(capsys, *coin, "--axis", "at:1:90:9", "--mu", "0.3")
+    assert "along omega3 from 1 to 90 rad/s, at mass = 0.00567 kg, radius = 0.01213 m" in text
+    assert "gravity = 9.81 m/s², mu = 0.3 s/m\n  omega3 = 40.21787" in text
+    assert " rad/s   flutter, stable above, frequency 56.8766618032 1/s\n" in text
+    plain = ["boundaries", "spinning", "--axis", "mu:0.1:5:9", "--at", "2.5"]
+    text = output(capsys, *plain)
+    assert "along mu from 0.1 to 5 1/√(gR), at phi_dot = 2.5 √(g/R), k = 0.25\n" in text
+    assert json.loads(output(capsys, *plain, "--json"))["at"] == 2.5
+    heavy = ["boundaries", "rolling", "--axis", "mass:1:2:9", "--at", "2", "--mu", "1"]
+    assert "from 1 to 2 kg, at omega3 = 2 rad/s, radius = 1 m" in output(capsys, *heavy)
+
+
 def test_map_writes_its_files_and_says_what_they_hold(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
@@ -157,6 +174,68 @@ def test_every_command_has_help_with_an_example_that_parses(
         assert whole_parser().parse_args(example.rstrip("; ").split()).run
 
 
+@pytest.mark.parametrize("command", [*COMMANDS, "chart", "failures", "report"])
+def test_no_option_is_read_from_a_part_of_its_name(
+    capsys: pytest.CaptureFixture[str], command: str
+) -> None:
+    """`--a 1` was read as `--at 1`, and `--ver` as `--version`."""
+    [commands] = [a for a in whole_parser()._actions if isinstance(a, _SubParsersAction)]
+    parser = commands.choices[command]
+    options = [n for n in parser._option_string_actions if n.startswith("--")]
+    for option in options:
+        part = option[:-1]
+        if part in ("--", *options):
+            continue
+        said = refused(capsys, command, part, "1")
+        assert f"{part} is not an option here; " in said
+        assert option in said.split("; ")[1]
+    assert "--ver is not an option here; --version is" in refused(capsys, "--ver", command)
+
+
+def test_a_part_of_several_names_is_answered_with_all_of_them(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    said = refused(capsys, "spectrum", "rolling", "--c", "rough", "--at", "1")
+    assert "--c is not an option here; --contact or --certify is" in said
+    said = refused(capsys, "map", "spinning", "--o", "m.nc")  # before the axes are asked for
+    assert "--o is not an option here; --out or --overwrite is" in said
+
+
+def test_lists_in_help_are_those_of_the_registries(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from own_law import Weakening
+
+    from stability.bodies.contact_laws import MOTION_LAWS
+    from stability.bodies.disk import REAL_DISKS
+    from stability.bodies.families import FAMILIES, SteadyFamily
+    from stability.bodies.round_body.shapes.named import NAMED
+    from stability.integrators.selection import METHODS
+    from stability.tables.registry import PLACES
+
+    def cone(slope: float, tip: float = 0.25) -> None:
+        """A body that is never made."""
+
+    monkeypatch.setitem(MOTION_LAWS, "weakening", Weakening)
+    monkeypatch.setitem(REAL_DISKS, "penny", REAL_DISKS["quarter"])
+    monkeypatch.setitem(NAMED, "cone", cone)
+    monkeypatch.setitem(METHODS, "leapfrog", METHODS["dop853"])
+    monkeypatch.setitem(PLACES, "ghosts", "drift")
+    record = SteadyFamily("gliding", ("omega3",), {}, {"phi_dot": 1.0}, "gliding")
+    monkeypatch.setitem(FAMILIES, "gliding", record)
+    for command, words in {
+        "spectrum": ("weakening", "penny", "gliding", "cone --slope X [--tip 0.25]"),
+        "simulate": ("weakening", "coulomb-regularised", "penny", "leapfrog", "cone"),
+        "basins": ("weakening", "penny", "launch near rolling, spinning, tumbling"),
+        "table": ("weakening", "ghosts"),
+        "export": ("weakening", "gliding", "cone"),
+    }.items():
+        with pytest.raises(SystemExit):
+            main([command, "--help"])
+        text = " ".join(capsys.readouterr().out.split())
+        assert all(word in text for word in words), command
+
+
 def test_help_of_table_names_every_table_and_what_each_axis_belongs_to(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
@@ -196,9 +275,9 @@ def test_spectrum_of_ones_own_system(capsys: pytest.CaptureFixture[str]) -> None
 def test_every_number_may_be_set_by_name(capsys: pytest.CaptureFixture[str]) -> None:
     words = ["spectrum", "rolling", "--at", "1.2", "--json"]
     known = json.loads(output(capsys, *words, "--mu", "0.4", "--k", "0.5"))
-    for option in ("--set", "--parameter"):
-        named = json.loads(output(capsys, *words, option, "mu=0.4", option, "k=0.5"))
-        assert named == known
+    assert json.loads(output(capsys, *words, "--set", "mu=0.4", "--set", "k=0.5")) == known
+    said = refused(capsys, *words, "--parameter", "mu=0.4")
+    assert "--parameter is not an option here; --set is" in said
     tyre = ["boundaries", "rolling", "--body", "torus", "--axis", "at:0.1:3:9", "--json"]
     known = json.loads(output(capsys, *tyre, "--tube", "0.2", "--mu", "0.3"))
     assert json.loads(output(capsys, *tyre, "--set", "tube=0.2", "--set", "mu=0.3")) == known
@@ -210,6 +289,32 @@ def test_every_number_may_be_set_by_name(capsys: pytest.CaptureFixture[str]) -> 
     ):
         assert main([*words, *more]) == 2
         assert sentence in capsys.readouterr().err
+
+
+def test_export_takes_the_options_of_every_command(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    """It took --set alone, no law of one's own, and no k that is left out."""
+
+    def written(name: str, *words: str) -> dict[str, str]:
+        folder = tmp_path / name
+        ask = ["export", "auto", "spinning", "--axis", "phi_dot:5:1.8", "--out", str(folder)]
+        output(capsys, *ask, *words)
+        return {p.name: p.read_text().replace(str(folder), "") for p in folder.iterdir()}
+
+    known = written("one/spin", "--set", "mu=0.8", "--set", "k=1/4")
+    assert written("two/spin", "--mu", "0.8", "--k", "0.25") == known
+    assert written("three/spin", "--mu", "0.8") == known
+    assert written("four/spin", "--mu", "0.8", "--k", "0.5") != known
+    ask = ["export", "c", "spinning", "--out", str(tmp_path / "c")]
+    output(capsys, *ask, "--contact", "own_law:Weakening")
+    more = ["export", "auto", "spinning", "--axis", "phi_dot:5:1.8", "--out", str(tmp_path / "n")]
+    for words, sentence in (
+        (["--mu", "1", "--set", "mu=2"], "mu is given as --mu and by --set"),
+        (["--mu", "1", "--disk", "quarter"], "the disk is exported without units"),
+        (["--mu", "1", "--contact", "rough"], "mu is given but the rough law has no coefficient"),
+    ):
+        assert sentence in refused(capsys, *more, *words)
 
 
 def test_numbers_of_ones_own_system_are_exact_as_they_are_written(

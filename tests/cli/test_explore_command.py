@@ -33,9 +33,10 @@ def test_a_page_is_written_for_the_disk_a_body_and_a_system(
     [
         (["rolling", "--k", "0.7"], "k is 0.7"),
         (["wobbling"], "wobbling"),
-        (["--set", "nu=1"], "nu is no number of the page"),
+        (["--set", "nu=1"], "nu is given but the viscous law has none"),
         (["--positive", "v"], "--positive"),
-        (["--contact", "mylaw:Law"], "stored laws"),
+        (["--contact", "mylaw:Law"], "cannot be imported"),
+        (["--contact", "own_law:Weakening", "--set", "nu=1"], "the page draws smooth, viscous"),
         (["--x", "at:1"], "NAME:LO:HI"),
         (["--x", "at:one:2"], "one"),
         (["--mass", "-2"], "mass is -2"),

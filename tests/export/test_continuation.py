@@ -339,7 +339,7 @@ def test_the_command_takes_the_numbers_of_a_body(
         for path in one.iterdir():
             assert path.read_bytes() == (tmp_path / other / path.name).read_bytes()
     assert main([*start, *mu, "--set", "tube=0.3", *rest, str(tmp_path / "e")]) == 2
-    assert "tube is a number of the body; give it there alone" in capsys.readouterr().err
+    assert "tube is given as --tube and by --set; give it once" in capsys.readouterr().err
 
 
 # --- AUTO itself ---

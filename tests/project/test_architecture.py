@@ -26,6 +26,7 @@ CHANGES = (
     "method to compare with",
     "figure",
     "table",
+    "option of a command",
     "command",
     "hard case",
     "format of datasets",
