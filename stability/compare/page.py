@@ -138,8 +138,8 @@ def _section(one: Part) -> list[str]:
     if not one.plates and one.name != "scenes":
         found.append("<p>No cell of this part has ended, so no figure is drawn.</p>")
     found.append('<div class="figures">')
-    files = {"png": "PNG", "pdf": "PDF"}
-    found += [figure(p.stem, p.caption, p.caption[:90], files) for p in one.plates]
+    endings = {"png": "PNG", "pdf": "PDF"}
+    found += [figure(p.stem, p.caption, p.caption[:90], endings) for p in one.plates]
     found += ["</div>", *_methods(one)]
     if one.name == "failures":
         found += _tables(one.chart)

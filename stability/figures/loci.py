@@ -211,7 +211,7 @@ def _growth(
         ("growth", (1 + zero) / 2, "#7f2704"),
         ("decay", zero / 2, LIGHT.ramp[0]),
     ):
-        look = {"ha": "left", "rotation": 90, "color": colour}
+        look: dict[str, Any] = {"ha": "left", "rotation": 90, "color": colour}
         write(axes, 1.015, height, word, transform=axes.transAxes, **look)
     found = crossings(at, values.real, radius, known)
     if found:

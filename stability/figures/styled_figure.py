@@ -288,7 +288,7 @@ def halo(width: float) -> list[Any]:
 
 def write(axes: Axes, x: float, y: float, word: str, *, edge: float = 0.0, **look: Any) -> Any:
     """Write a small word, centred on its place, perhaps with a white edge [pt]."""
-    usual = {"ha": "center", "va": "center", "fontsize": small()}
+    usual: dict[str, Any] = {"ha": "center", "va": "center", "fontsize": small()}
     return axes.text(x, y, word, path_effects=halo(edge) if edge else None, **usual | look)
 
 
