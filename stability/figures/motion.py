@@ -340,13 +340,13 @@ def _keys(sticks: bool, first: str) -> list[Any]:
     path: dict[str, Any] = {"linewidth": 1.8, "color": "#303030"}
     ends: dict[str, Any] = {"marker": square, "markersize": large, "markevery": [1]}
     centre = path | {"marker": ring, "markersize": little, "markevery": [1], "linewidth": 0.8}
-    alone = {"ls": "", "marker": square, "markersize": large, "color": "black"}
+    alone: dict[str, Any] = {"ls": "", "marker": square, "markersize": large, "color": "black"}
     name = "contact, sliding" if sticks else "contact point"
     stuck = [entry("contact, sticking", dashes=(1.7, 1), **path)] if sticks else []
     return [
-        Line2D([0, 1], [0, 0], label=name, **path, **ends),
+        entry(name, **path, **ends),
         *stuck,
-        Line2D([0, 1], [0, 0], label="centre", **centre),
+        entry("centre", **centre),
         entry(f"{first} (hollow)", markerfacecolor="none", **alone),
         entry("end (filled)", **alone),
     ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from .canvas import COLUMN, STYLE, figure_style  # isort: skip
 from .styled_figure import drawing, entry, spacing  # isort: skip
 
 from typing import TYPE_CHECKING, Any
@@ -58,7 +57,7 @@ def plot_retrograde(dataset: xarray.Dataset, *, width: float | None = None) -> F
     _check(dataset)
     x, y = dataset.share.values, dataset.inner.values
     values = dataset.largest_ratio.values
-    with figure_style(STYLE), drawing(None, width or COLUMN, None, lambda w: 0.98 * w) as figure:
+    with drawing(None, width, None, lambda wide: 0.98 * wide) as figure:
         axes = figure.add_subplot()
         first = values[0]
         reach = max(float(np.nanmax(np.abs(first - 1))), 0.01)
@@ -96,15 +95,11 @@ def _check(dataset: Any) -> None:
 def _lines(axes: Axes, x: Any, y: Any, values: Any) -> None:
     for index, ratio in enumerate(values):
         if np.nanmin(ratio) < 1 < np.nanmax(ratio):
-            axes.contour(
-                x,
-                y,
-                ratio,
-                levels=[1.0],
-                colors=CURVE,
-                linestyles=LINES[index % len(LINES)],
-                linewidths=1.4 if index == 0 else 1.1,
-            )
+            look: dict[str, Any] = {
+                "linestyles": LINES[index % len(LINES)],
+                "linewidths": 1.1 if index else 1.4,
+            }
+            axes.contour(x, y, ratio, levels=[1.0], colors=CURVE, **look)
 
 
 def _words(axes: Axes, x: Any, y: Any, first: Any) -> None:
@@ -114,18 +109,12 @@ def _words(axes: Axes, x: Any, y: Any, first: Any) -> None:
     where = first <= 1
     if where.mean() > 0.02:
         upright = x[np.nonzero(where)[1]].max() - x[0] < 0.3 * wide
-        axes.text(
-            x[0] + 0.02 * wide,
-            y[0] + 0.03 * tall,
-            "does not",
-            ha="left",
-            va="bottom",
-            rotation=90 if upright else 0,
-        )
+        turn = 90 if upright else 0
+        place = x[0] + 0.02 * wide, y[0] + 0.03 * tall
+        axes.text(*place, "does not", ha="left", va="bottom", rotation=turn)
     if first[-1, -1] > 1:
-        axes.text(
-            x[-1] - 0.04 * wide, y[-1] - 0.04 * tall, "turns back", ha="right", va="top", bbox=white
-        )
+        place = x[-1] - 0.04 * wide, y[-1] - 0.04 * tall
+        axes.text(*place, "turns back", ha="right", va="top", bbox=white)
 
 
 def _keys(dataset: xarray.Dataset) -> list[Line2D]:

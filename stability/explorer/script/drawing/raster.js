@@ -82,11 +82,7 @@ export class Raster {
       subject.solved(q).forEach((v, k) => { found[4 * n + k] = Number.isFinite(v) ? v : NONE; });
     }
     gl.activeTexture(gl.TEXTURE1);
-    if (!this.roots) {
-      this.roots = gl.createTexture();
-      gl.bindTexture(gl.TEXTURE_2D, this.roots);
-      for (const name of ["TEXTURE_MIN_FILTER", "TEXTURE_MAG_FILTER"]) gl.texParameteri(gl.TEXTURE_2D, gl[name], gl.NEAREST);
-    }
+    if (!this.roots) this.roots = unblended(gl);
     gl.bindTexture(gl.TEXTURE_2D, this.roots);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, columns, rows, 0, gl.RGBA, gl.FLOAT, found);
     gl.activeTexture(gl.TEXTURE0);
@@ -117,9 +113,7 @@ export class Raster {
     const gl = this.gl;
     if (!this.frame) {
       this.frame = gl.createFramebuffer();
-      this.texture = gl.createTexture();
-      gl.bindTexture(gl.TEXTURE_2D, this.texture);
-      for (const name of ["TEXTURE_MIN_FILTER", "TEXTURE_MAG_FILTER"]) gl.texParameteri(gl.TEXTURE_2D, gl[name], gl.NEAREST);
+      this.texture = unblended(gl);
       gl.bindFramebuffer(gl.FRAMEBUFFER, this.frame);
       gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, this.texture, 0);
     }
@@ -175,4 +169,12 @@ export class Raster {
     }
     this.pen.putImageData(image, 0, 0);
   }
+}
+
+/** A texture whose entries are read as they are, bound. */
+function unblended(gl) {
+  const texture = gl.createTexture();
+  gl.bindTexture(gl.TEXTURE_2D, texture);
+  for (const name of ["TEXTURE_MIN_FILTER", "TEXTURE_MAG_FILTER"]) gl.texParameteri(gl.TEXTURE_2D, gl[name], gl.NEAREST);
+  return texture;
 }

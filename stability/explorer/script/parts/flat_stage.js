@@ -1,8 +1,8 @@
 // The disk, or a body by circles and stripes, on its plane without WebGL: outlines in perspective.
 
-import {TurnedView, placed} from "./turned_view.js";
+import {TurnedView, innerRadius, placed, sizeOf} from "./turned_view.js";
 
-const POINTS = 72, GRID = 6, THIN = 0.93, CIRCLES = 7, STRIPES = 8;
+const POINTS = 72, GRID = 6, CIRCLES = 7, STRIPES = 8;
 const SIGHT = 3.08; // half the height of the picture is this much of the distance
 
 export class FlatStage extends TurnedView {
@@ -16,8 +16,8 @@ export class FlatStage extends TurnedView {
 
   shapeOf(name, {k, rows}) {
     this.rows = rows;
-    this.size = rows ? Math.max(0.5, ...rows.map(([r, z]) => Math.hypot(r, z))) : 1;
-    if (!rows) this.inner = Math.min(THIN, Math.sqrt(Math.max(0, 4 * k - 1)));
+    this.size = sizeOf(rows);
+    if (!rows) this.inner = innerRadius(k);
   }
 
   /** Draw a pose, with the contact points of the path so far. */
@@ -68,9 +68,8 @@ export class FlatStage extends TurnedView {
   }
 
   aim(centre, box) {
-    const [x, y] = this.follow(centre), {azimuth, height} = this.angle, away = this.size * this.angle.away;
+    const {azimuth, height} = this.angle, {at: eye} = this.eye(centre, this.size);
     const [ca, sa, ch, sh] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(height), Math.sin(height)];
-    const eye = [x + away * ch * ca, y + away * ch * sa, 0.8 * this.size + away * sh];
     const back = [ch * ca, ch * sa, sh], right = [-sa, ca, 0], up = [-sh * ca, -sh * sa, ch];
     const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     this.flat = (p) => {

@@ -1,8 +1,7 @@
 // The disk or a body of revolution in three dimensions on its plane, with the path of its contact point.
 
-import {TurnedView, placed} from "./turned_view.js";
+import {TurnedView, innerRadius, placed, sizeOf} from "./turned_view.js";
 
-const THIN = 0.93; // largest inner radius that is drawn
 const TRAIL = 4000, GRID = 14, ROUND = 72;
 const STRIPES = [[0, 0.1, "mark"], [0.25, 0.02, "spoke"], [0.5, 0.02, "spoke"], [0.75, 0.02, "spoke"]]; // turn, half width [rad]
 const OVER = 1.004; // of a stripe over the surface
@@ -48,11 +47,6 @@ export class Stage extends TurnedView {
     this.recolour();
   }
 
-  /** Look from farther away at a larger body, largest distance from its centre. */
-  grown(size) {
-    this.size3d = Math.max(0.5, size);
-  }
-
   recolour() {
     const {style} = this, T = this.three;
     for (const name of ["face", "edge", "mark", "spoke"]) this.colour[name].color.set(style.colour(name));
@@ -70,7 +64,7 @@ export class Stage extends TurnedView {
     this.body.clear();
     this.shadow.clear();
     this.lift = rows ? 0 : 0.012; // half the thickness that the disk is drawn with
-    this.grown(rows ? Math.max(...rows.map(([r, z]) => Math.hypot(r, z))) : 1);
+    this.distance = sizeOf(rows); // from farther away at a larger body
     if (rows) this.revolved(rows); else this.disk(k);
   }
 
@@ -83,7 +77,7 @@ export class Stage extends TurnedView {
 
   /** A uniform disk, or the ring that has this inertia factor. */
   disk(k) {
-    const T = this.three, inner = Math.min(THIN, Math.sqrt(Math.max(0, 4 * k - 1)));
+    const T = this.three, inner = innerRadius(k);
     const outline = new T.Shape().absarc(0, 0, 1, 0, 2 * Math.PI);
     if (inner > 0) outline.holes.push(new T.Path().absarc(0, 0, inner, 0, 2 * Math.PI));
     const depth = 0.05, solid = new T.ExtrudeGeometry(outline, {depth, bevelEnabled: false, curveSegments: 72});
@@ -122,12 +116,10 @@ export class Stage extends TurnedView {
   }
 
   look3d(centre, box) {
-    const {azimuth, height} = this.angle, away = this.size3d * this.angle.away, middle = 0.8 * this.size3d;
-    const [x, y] = this.follow(centre), ratio = Math.min(2, window.devicePixelRatio || 1);
-    this.camera.position.set(x + away * Math.cos(height) * Math.cos(azimuth), y + away * Math.cos(height) * Math.sin(azimuth),
-      middle + away * Math.sin(height));
-    this.camera.lookAt(x, y, middle);
-    this.grid.position.set(Math.round(x), Math.round(y), 0);
+    const {at, to} = this.eye(centre, this.distance), ratio = Math.min(2, window.devicePixelRatio || 1);
+    this.camera.position.set(...at);
+    this.camera.lookAt(...to);
+    this.grid.position.set(Math.round(to[0]), Math.round(to[1]), 0);
     if (this.size !== `${box.width} ${box.height}`) {
       this.size = `${box.width} ${box.height}`;
       this.renderer.setPixelRatio(ratio);

@@ -8,6 +8,8 @@ const ROWS = 60, END = 1e-9, HALF = 0.55; // points of a meridian; distance from
 
 const RAISED = 0.004; // of the path over the plane, so that it is seen
 
+const THIN = 0.93; // largest inner radius of a disk that is drawn
+
 /** Where the parts of a body are in space, from the twelve numbers of its place. */
 export function placed(frame) {
   const [axis, mark, centre, contact] = [0, 3, 6, 9].map((n) => frame.slice(n, n + 3));
@@ -26,6 +28,16 @@ export function surface({point, low, high}, p) {
   return rows;
 }
 
+/** Inner radius of the ring that has an inertia factor, as it is drawn; 0 for a disk. */
+export function innerRadius(k) {
+  return Math.min(THIN, Math.sqrt(Math.max(0, 4 * k - 1)));
+}
+
+/** Largest distance of a surface from its centre, at least so large that the eye keeps away from it; 1 for a disk. */
+export function sizeOf(rows) {
+  return rows ? Math.max(0.5, ...rows.map(([r, z]) => Math.hypot(r, z))) : 1;
+}
+
 /** A canvas that is looked at from an angle, which drag, pinch and keys change. */
 export class TurnedView {
   constructor() {
@@ -35,6 +47,13 @@ export class TurnedView {
     this.target = [0, 0];
     this.box = boxOf(this.canvas, () => this.changed && this.changed());
     this.turned();
+  }
+
+  /** Where the eye is, and the point of the axis that it looks at, while the view follows the centre of a body. */
+  eye(centre, size) {
+    const [x, y] = this.follow(centre), {azimuth, height} = this.angle, away = size * this.angle.away, middle = 0.8 * size;
+    const level = away * Math.cos(height);
+    return {at: [x + level * Math.cos(azimuth), y + level * Math.sin(azimuth), middle + away * Math.sin(height)], to: [x, y, middle]};
   }
 
   /** Let the view follow the centre of the body, smoothly. */
