@@ -176,7 +176,7 @@ class BodyLaunches(Launches):
     body: Disk | Body
     """The disk or body, with any value for a number that varies."""
     contact: Contact
-    """The contact law, likewise."""
+    """The contact law, with any value for a number that varies."""
     family: str = ""
     """Family near which launches start; empty where the states are given."""
     where: Mapping[str, Any] = field(default_factory=dict)

@@ -153,7 +153,7 @@ def stored_laws() -> list[str]:
 
 
 def stored(law: type[Contact]) -> bool:
-    """Whether a polynomial is stored under a law; false for a user's law, whatever its name."""
+    """Whether a polynomial is stored under a law; false for every law of a user."""
     return MOTION_LAWS.get(law.name) is law and law.name in stored_laws()
 
 

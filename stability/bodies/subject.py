@@ -55,7 +55,7 @@ LEAN = ("lean",)
 class Subject:
     """A family with the numbers that the caller gave.
 
-    A disk is told apart where its numbers become dimensionless, and nowhere else.
+    Only where its numbers become dimensionless does a disk differ from a body.
     """
 
     family: Family

@@ -25,7 +25,7 @@ from .options import (
     targets_of,
     values,
 )
-from .subject import add_subject, named_texts, subject_of
+from .subject import add_subject, named_texts, options_subject
 from .terminal import progress_bar, say
 
 if TYPE_CHECKING:
@@ -304,7 +304,7 @@ def _launched(options: argparse.Namespace) -> dict[str, Any]:
     names = [axis[0] for axis in axes] or list(varied["distribution"])
     held = _held(options, names)
     swept = {n: axis for n, axis in zip(names, axes or names, strict=True)}
-    subject = subject_of(options, swept, held=held, motion=True)
+    subject = options_subject(options, swept, held=held, motion=True)
     return varied | subject.arguments | {"held": held, "family": options.family or ""}
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..base.errors import ParameterError
 from .options import AXIS, CERTIFY, answer, axis_of, flags
-from .subject import Subject, add_subject, behind, doubles, subject_of
+from .subject import CommandSubject, add_subject, behind, doubles, options_subject
 from .terminal import waiting
 
 EXAMPLES = (
@@ -38,7 +38,7 @@ def run(options: argparse.Namespace) -> None:
     with waiting("searching"):
         from ..boundary.changes import boundaries
 
-        subject = subject_of(options, {axis[0]: axis}, exact=True)
+        subject = options_subject(options, {axis[0]: axis}, exact=True)
         found = boundaries(subject.family, axis=axis, **subject.arguments)
     record: dict[str, Any] = {
         **subject.who,
@@ -68,7 +68,7 @@ def run(options: argparse.Namespace) -> None:
     answer(options, record, _lines(subject, axis, found))
 
 
-def _lines(subject: Subject, axis: Sequence[Any], found: Any) -> Iterator[str]:
+def _lines(subject: CommandSubject, axis: Sequence[Any], found: Any) -> Iterator[str]:
     from ..base.verdict import Verdict
     from ..tables.beyond_linear import to_bound
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from ..base.errors import ParameterError
 from .options import answer, axes_of, overwriting, values, words_of
-from .subject import add_subject, subject_of
+from .subject import add_subject, options_subject
 
 EXAMPLES = (
     "stability explore --out page.html",
@@ -43,7 +43,7 @@ def run(options: argparse.Namespace) -> None:
         raise ParameterError("--positive belongs to --system; leave it out.")
     if options.family is None and options.system is None:
         options.family = "spinning"
-    subject = subject_of(options, {axis[0]: axis for axis in axes.values()}, shown_first=True)
+    subject = options_subject(options, {axis[0]: axis for axis in axes.values()}, shown_first=True)
     arguments: dict[str, Any] = dict(subject.arguments)
     numbers = arguments.pop("parameters", {})
     path = explore(

@@ -9,7 +9,7 @@ from typing import Any
 from ..base.errors import ParameterError, shown
 from ..base.exact_numbers import ratio_of_text
 from .options import answer, number, overwriting, targets_of, values, words_of
-from .subject import PLACE, add_subject, doubles, exact_numbers, refuse_option, subject_of
+from .subject import PLACE, add_subject, doubles, exact_numbers, options_subject, refuse_option
 
 FORMATS = ("latex", "c", "auto", "bifurcationkit")
 """Words after `export`."""
@@ -48,7 +48,7 @@ def _equations(
 ) -> tuple[Any, dict[str, Any], dict[str, Any]]:
     """The family or system, numbers that it has anyhow, and those given, exactly as written."""
     texts, options.set = options.set, None  # names of states too, which no law has
-    subject = subject_of(options, swept or {}, motion=motion, shown_first=True)
+    subject = options_subject(options, swept or {}, motion=motion, shown_first=True)
     assert subject.equations is not None
     equations = subject.equations()
     if motion:

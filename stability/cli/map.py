@@ -21,7 +21,7 @@ from .options import (
     targets_of,
     values,
 )
-from .subject import Subject, add_subject, doubles, subject_of
+from .subject import CommandSubject, add_subject, doubles, options_subject
 from .terminal import progress_bar
 
 EXAMPLES = (
@@ -87,7 +87,7 @@ def run(options: argparse.Namespace) -> None:
         from ..maps.stability_map import stability_map
         from ..storage.files import named
 
-        subject = subject_of(options, {axis[0]: axis for axis in axes.values()})
+        subject = options_subject(options, {axis[0]: axis for axis in axes.values()})
         targets = _targets(options)
         try:
             dataset = stability_map(
@@ -118,7 +118,7 @@ def run(options: argparse.Namespace) -> None:
 
 def _report(
     options: argparse.Namespace,
-    subject: Subject,
+    subject: CommandSubject,
     axes: Mapping[str, Any],
     dataset: Any,
     targets: Mapping[str, Path],
@@ -184,7 +184,7 @@ def _stream(options: argparse.Namespace, axes: Mapping[str, Any]) -> None:
         from ..maps.stream import stream_map
         from ..storage.targets import path_text
 
-        subject = subject_of(options, {axis[0]: axis for axis in axes.values()})
+        subject = options_subject(options, {axis[0]: axis for axis in axes.values()})
         _targets(options)
         for name in ("plot", "points", "certify", "modes", "checkpoint"):
             if getattr(options, name):

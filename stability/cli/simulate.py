@@ -10,7 +10,7 @@ from typing import Any
 
 from ..base.errors import ParameterError
 from .options import answer, flags, overwriting, plotting, save, step_error, targets_of
-from .subject import Subject, add_launch, behind, subject_of
+from .subject import CommandSubject, add_launch, behind, options_subject
 from .terminal import progress_bar, waiting
 
 EXAMPLES = (
@@ -55,7 +55,7 @@ def run(options: argparse.Namespace) -> None:
 
     targets = targets_of(options, "write")
     with waiting("integrating"):
-        subject = subject_of(options, motion=True)
+        subject = options_subject(options, motion=True)
         from ..motion.simulate import simulate
 
         dataset = simulate(
@@ -91,7 +91,7 @@ def _times(options: argparse.Namespace) -> Any:
 
 
 def _draw(
-    options: argparse.Namespace, dataset: Any, targets: Mapping[str, Path], subject: Subject
+    options: argparse.Namespace, dataset: Any, targets: Mapping[str, Path], subject: CommandSubject
 ) -> None:
     if "plot" in targets:
         with waiting("drawing"):
@@ -107,7 +107,7 @@ def _draw(
 
 
 def _record(
-    options: argparse.Namespace, dataset: Any, subject: Subject, targets: Mapping[str, Path]
+    options: argparse.Namespace, dataset: Any, subject: CommandSubject, targets: Mapping[str, Path]
 ) -> dict[str, Any]:
     from ..motion.result import BY_CODE
 
@@ -141,7 +141,7 @@ ERRORS = ("energy_error", "final_error", "end_time_error")
 
 
 def _lines(
-    record: Mapping[str, Any], dataset: Any, targets: Mapping[str, Path], subject: Subject
+    record: Mapping[str, Any], dataset: Any, targets: Mapping[str, Path], subject: CommandSubject
 ) -> Iterator[str]:
     from ..motion.result import BY_CODE
     from ..storage.targets import path_text
@@ -166,7 +166,7 @@ def _lines(
         yield f"wrote     {path_text(path)}"
 
 
-def _nearest(dataset: Any, subject: Subject) -> dict[str, Any] | None:
+def _nearest(dataset: Any, subject: CommandSubject) -> dict[str, Any] | None:
     """The nearest steady motion; None where a system has none."""
     if "nearest_family" not in dataset:
         return None
@@ -179,7 +179,7 @@ def _nearest(dataset: Any, subject: Subject) -> dict[str, Any] | None:
     return nearest | {"distance": float(dataset.nearest_distance)}
 
 
-def _units(dataset: Any, subject: Subject) -> dict[str, Any]:
+def _units(dataset: Any, subject: CommandSubject) -> dict[str, Any]:
     """The units of all numbers in words, or that of each number."""
     if subject.scales:
         return {"unit": subject.scales}

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from .options import CERTIFY, answer, flags
-from .subject import Subject, add_member, add_subject, doubles, subject_of
+from .subject import CommandSubject, add_member, add_subject, doubles, options_subject
 
 EXAMPLES = (
     "stability spectrum tumbling --at 0.5 --mu 0.3 --json",
@@ -29,7 +29,7 @@ def run(options: argparse.Namespace) -> None:
     """Print eigenvalues and verdict of one steady motion."""
     from ..spectra.spectrum import spectrum
 
-    subject = subject_of(options)
+    subject = options_subject(options)
     result = spectrum(
         subject.family,
         certify=options.certify,
@@ -57,7 +57,7 @@ def run(options: argparse.Namespace) -> None:
     answer(options, record, _lines(subject, result))
 
 
-def _lines(subject: Subject, result: Any) -> Iterator[str]:
+def _lines(subject: CommandSubject, result: Any) -> Iterator[str]:
     yield f"{subject.title}, at {subject.place({**subject.at, **subject.numbers})}"
     yield f"verdict     {result.verdict.value}"
     yield f"nonlinear   {result.nonlinear.value}"

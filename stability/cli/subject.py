@@ -1,7 +1,7 @@
 """What a command is about: a body under a contact law, or a system of the user.
 
-Every command takes the same options for it.  They are read here once, into a `Subject`, which
-holds the arguments of the public functions and what an answer says of the body or system.
+Every command takes the same options for it.  They are read here once, into a `CommandSubject`,
+which holds the arguments of the public functions and what an answer says of the body or system.
 """
 
 from __future__ import annotations
@@ -159,7 +159,7 @@ def add_numbers(parser: argparse.ArgumentParser, text: str) -> None:
 
 
 @dataclass(frozen=True)
-class Subject:
+class CommandSubject:
     """A body under a contact law or a user's system, and a family of it, as the options name them.
 
     What differs between them is read here once; commands ask these fields alone.
@@ -238,7 +238,7 @@ def _digits(value: Any) -> str:
     return written(value) if isinstance(value, Fraction) else f"{value:.15g}"
 
 
-def subject_of(
+def options_subject(
     options: argparse.Namespace,
     axes: Mapping[str, Any] | None = None,
     *,
@@ -246,7 +246,7 @@ def subject_of(
     motion: bool = False,
     exact: bool = False,
     shown_first: bool = False,
-) -> Subject:
+) -> CommandSubject:
     """What the options are about, with all its numbers but those of the axes.
 
     Parameters
@@ -318,7 +318,7 @@ def _body_subject(
     law: Any,
     member: Mapping[str, Any],
     swept: Mapping[str, Any],
-) -> Subject:
+) -> CommandSubject:
     """The body under its law, with its member or its launch."""
     kind: Any = law if isinstance(law, type) else type(law)
     numbers = body.numbers | ({} if law is kind else law.given)
@@ -331,7 +331,7 @@ def _body_subject(
     plain = body.body.dimensionless and not {*SCALES, "length"} & set(swept)
     known = round_quantities(body.name or THIN, kind, body.shape, [*names, *at, *numbers, *swept])
     who = {"body": body.name, "family": family, "contact": kind.name}
-    return Subject(
+    return CommandSubject(
         family=family,
         arguments={body.argument: body.body, "contact": law, **member, **launch},
         who={word: name for word, name in who.items() if name},
@@ -617,7 +617,7 @@ def family_of_user(options: argparse.Namespace) -> Any:
 
 def _system_subject(
     options: argparse.Namespace, swept: Mapping[str, Any], *, single: bool, exact: bool
-) -> Subject:
+) -> CommandSubject:
     """A user's family with its numbers."""
     family = family_of_user(options)
     if swept and options.at is not None and (len(family.at) > 1 or family.at[0] in swept):
@@ -632,7 +632,7 @@ def _system_subject(
         require(numbers, (*family.at, *family.parameters))
         numbers = {n: numbers[n] for n in (*family.at, *family.parameters)}
     at = {n: numbers[n] for n in family.at} if single else {}
-    return Subject(
+    return CommandSubject(
         family=family,
         arguments={"parameters": numbers if exact else doubles(numbers)},
         who={"system": family.system.name, "family": family.name},
@@ -661,7 +661,7 @@ def _numbers_and_at(options: argparse.Namespace, family: Any) -> dict[str, Fract
     return numbers
 
 
-def _system_launched(options: argparse.Namespace) -> Subject:
+def _system_launched(options: argparse.Namespace) -> CommandSubject:
     """A user's system with the families on which it may settle, and its start."""
     launched = hasattr(options, "start")
     refuse_of_body(options, "family")
@@ -674,7 +674,7 @@ def _system_launched(options: argparse.Namespace) -> Subject:
         numbers = exact_numbers("set", options.set, system.parameters, system.name)
         require(numbers, system.parameters)
         arguments |= {"start": doubles(start), "contact": doubles(numbers)}
-    return Subject(
+    return CommandSubject(
         family=None,
         arguments=arguments,
         who={"system": system.name},

@@ -14,7 +14,7 @@ from ..base.verdict import CODES
 from ..maps.verdicts import Boxes, prove_boxes
 from ..spectra.axes import swept
 from ..spectra.problem import Problem
-from .subject import Subject
+from .subject import PageSubject
 
 OWN_LEVELS = 5
 """Halvings of a diagram in both directions where the verdict is proved from a graph."""
@@ -23,7 +23,7 @@ SPLIT, LETTERS = "+", {code: verdict.name[0] for verdict, code in CODES.items()}
 
 
 def certificate(
-    subject: Subject,
+    subject: PageSubject,
     held: Mapping[str, float],
     levels: int,
     problem: Callable[[list[Axis], dict[str, float]], Problem],
@@ -60,7 +60,7 @@ def certificate(
     }
 
 
-def own_certificates(subject: Subject) -> list[Any]:
+def own_certificates(subject: PageSubject) -> list[Any]:
     """What is proved over the first axes of a family by its graph; none where nothing is.
 
     Its quantities have in calls the names that they have in the family.

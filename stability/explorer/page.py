@@ -19,7 +19,7 @@ from ..base.verdict import Verdict
 from ..base.version import __version__
 from .certificates import LETTERS
 from .quantities import CURVES, PageUnits
-from .subject import Subject
+from .subject import PageSubject
 
 LAW_NAMES = {
     "smooth": "Smooth",
@@ -49,12 +49,12 @@ class Contents:
 
     title: str
     """Title of the page."""
-    subjects: Sequence[Subject]
+    subjects: Sequence[PageSubject]
     """Every family under its laws."""
-    start: Subject
+    start: PageSubject
     """The one at first."""
     motions: Mapping[str, Any]
-    """Equations of launches by `Subject.model`."""
+    """Equations of launches by `PageSubject.model`."""
     certificates: Mapping[str, list[Any]]
     """Proved rectangles by the key of a subject."""
     families: Mapping[str, str]

@@ -18,6 +18,7 @@ from ..base.errors import NameUnknownError, ParameterError, StabilityError, list
 from ..base.quantities import Kind
 from ..bodies.contact_laws import LAWS, Viscous, law_given
 from ..bodies.disk import Disk
+from ..bodies.disk_polynomials import stored_laws
 from ..bodies.families import FAMILIES
 from ..bodies.quantities import QUANTITIES
 from ..bodies.round_body.body import Body
@@ -35,7 +36,7 @@ from .formulas import Formulas
 from .motion import body_of, launch_model, meridian, motion_of, start_along_axes, through_poles
 from .page import LAW_NAMES, Contents, shared
 from .quantities import PageUnits, Quantity
-from .subject import Subject
+from .subject import PageSubject
 from .verdicts import closed_formulas, derived_formulas, stored_formulas
 
 FRICTION = 0.02, 3.0, 0.3
@@ -117,11 +118,11 @@ class _Source(ABC):
         """The surface that is drawn; a disk is drawn by its k."""
         return {}
 
-    def certificates(self, subject: Subject) -> list[Any]:
+    def certificates(self, subject: PageSubject) -> list[Any]:
         """Proved rectangles of a subject."""
         return own_certificates(subject)
 
-    def subject(self, choice: Choice, law: str, at: Any = None) -> Subject:
+    def subject(self, choice: Choice, law: str, at: Any = None) -> PageSubject:
         """A family under a law, with its member at first."""
         family = self.family(choice, law)
         state = family.system.quantities[family.at[0]]
@@ -137,7 +138,7 @@ class _Source(ABC):
         if poles:
             start = start_along_axes(family, formulas, launch_model(self.shape, law), choice.pole)
         names = [q.name for q in quantities.values()]
-        return Subject(
+        return PageSubject(
             key=f"{choice.key} {law}",
             family=family,
             button=choice.key,
@@ -172,7 +173,6 @@ class _Disk(_Source):
     """The disk: its families under every stored law, by the stored polynomials."""
 
     argument = "disk"
-    laws = tuple(LAWS)
     says = "A thin disk, ring or hoop"
     computed_from = "the exact polynomials and the equations of motion of the package"
     title = "Steady motions of a disk"
@@ -196,6 +196,7 @@ class _Disk(_Source):
     """Halvings of a diagram in both directions for proved rectangles."""
 
     def __init__(self, disk: Disk) -> None:
+        self.laws = tuple(stored_laws())
         self.units = PageUnits.of(disk, "radius")
         self.k = self.inertia.at(disk.k)
         self.shape = unit_disk()
@@ -209,7 +210,11 @@ class _Disk(_Source):
     def members(self, name: str) -> tuple[float, float, float]:
         record = FAMILIES[name]
         low, high = record.drawn or (0.0, 1.0)
-        return low, round(high, 2) if record.by_angle else high, self.first[name]
+        return (
+            low,
+            round(high, 2) if record.by_angle else high,
+            self.first.get(name, (low + high) / 2),
+        )
 
     def numbers(self, family: Family, law: str) -> dict[str, Quantity]:  # noqa: ARG002
         """Friction, in words that are the same for every law, and the inertia factor."""
@@ -224,7 +229,7 @@ class _Disk(_Source):
     def formulas(self, family: Family, law: str, quantities: Mapping[str, Quantity]) -> Formulas:
         return stored_formulas(family, law, quantities)
 
-    def certificates(self, subject: Subject) -> list[Any]:
+    def certificates(self, subject: PageSubject) -> list[Any]:
         def problem(axes: list[Axis], held: dict[str, float]) -> Problem:
             disk = Disk(k=held["k"]) if "k" in held else None
             called = {a.name: a for a in axes}
@@ -435,15 +440,15 @@ def _chosen(source: _Source, name: str, pole: Any, theta: Any) -> Choice:
 
 
 def _fitting(
-    subjects: Sequence[Subject], motions: Mapping[str, Any], first: Subject
-) -> list[Subject]:
+    subjects: Sequence[PageSubject], motions: Mapping[str, Any], first: PageSubject
+) -> list[PageSubject]:
     """What fits into the size of a page: that asked for, its other laws, then whole families."""
-    groups: dict[str, list[Subject]] = {first.key: [first]}
+    groups: dict[str, list[PageSubject]] = {first.key: [first]}
     for subject in subjects:
         if subject is not first:
             group = subject.key if subject.button == first.button else subject.button
             groups.setdefault(group, []).append(subject)
-    kept: list[Subject] = []
+    kept: list[PageSubject] = []
     for group_subjects in groups.values():
         more = [*kept, *group_subjects]
         data = {
@@ -456,11 +461,14 @@ def _fitting(
 
 
 def _left_out(
-    choices: Sequence[Choice], subjects: Sequence[Subject], kept: Sequence[Subject], first: Choice
+    choices: Sequence[Choice],
+    subjects: Sequence[PageSubject],
+    kept: Sequence[PageSubject],
+    first: Choice,
 ) -> str:
     """The sentence that names the families and laws without room on the page."""
     gone = [s for s in subjects if s not in kept]
-    laws = [LAW_NAMES[s.law] for s in gone if s.button == first.key]
+    laws = [LAW_NAMES.get(s.law, s.law) for s in gone if s.button == first.key]
     names = {s.button for s in gone} - {first.key}
     words = [c.button for c in choices if c.key in names]
     words += [f"{first.button} ({law.lower()})" for law in laws]

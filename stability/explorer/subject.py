@@ -19,7 +19,7 @@ from .source import JAVASCRIPT, Seen, graph, javascript, look
 
 
 @dataclass(frozen=True)
-class Subject:
+class PageSubject:
     """A family on the page; of the disk, of a body and of a user's system it differs by data."""
 
     key: str

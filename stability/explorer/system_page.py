@@ -20,7 +20,7 @@ from .certificates import own_certificates
 from .motion import motion_of
 from .page import Contents
 from .quantities import Quantity
-from .subject import Subject
+from .subject import PageSubject
 from .verdicts import derived_formulas
 
 DECIMALS = (
@@ -56,7 +56,7 @@ def system_page(
     formulas = derived_formulas(family, quantities, positive)
     if not isinstance(family.system, System):
         raise StabilityError(f"{family.name}: the page needs a family of a stability.System.")
-    subject = Subject(
+    subject = PageSubject(
         key=family.name,
         family=family,
         title=f"{family.system.name}: {family.name}",

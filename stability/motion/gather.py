@@ -28,7 +28,7 @@ from ..systems.sources.numeric import NumericSystem
 from ..systems.system import System
 from .result import OF_BODY, Outcome
 from .round_starts import gather_round
-from .starts import Starts, Subject, by_name, counted, nearest_families, place_in, times_of
+from .starts import MotionSubject, Starts, by_name, counted, nearest_families, place_in, times_of
 
 Moving = Disk | Body | System
 """What moves."""
@@ -179,7 +179,7 @@ def _rates(system: System, starts: Floats, values: Floats) -> tuple[Floats, dict
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class _SystemSubject(Subject):
+class _SystemSubject(MotionSubject):
     """A user's system, whose numbers are in its own units and whose energy may have any zero."""
 
     def in_units(self, launches: Starts, series: dict[str, Floats]) -> dict[str, Floats]:

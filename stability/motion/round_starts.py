@@ -46,7 +46,16 @@ from ..settling.body_lines import body_settling
 from ..settling.settling import Nearest, Settling
 from ..systems.system import System
 from .result import Outcome
-from .starts import Starts, Subject, Unfit, by_name, counted, nearest_families, place_in, times_of
+from .starts import (
+    MotionSubject,
+    Starts,
+    Unfit,
+    by_name,
+    counted,
+    nearest_families,
+    place_in,
+    times_of,
+)
 
 FASTEST = 1e9
 """Largest dimensionless rate or slip of a start: beyond it forces are lost in rounding."""
@@ -144,7 +153,7 @@ def _check_names(body: RoundShape, model: Model) -> None:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class _BodySubject(Subject):
+class _BodySubject(MotionSubject):
     """A disk or another body, whose quantities have kinds."""
 
     def in_units(self, launches: Starts, series: dict[str, Floats]) -> dict[str, Floats]:

@@ -31,7 +31,7 @@ Unfit = dict[int, str]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Subject(ABC):
+class MotionSubject(ABC):
     """What moves, as the datasets of its motions tell of it.
 
     Who checks the launches builds it, for a body or for a user's system; all others read it.
@@ -91,7 +91,7 @@ class Starts:
     """Energy at the start, shape (N,); 0 where none is counted."""
     settling: Settling
     """The steady motions that the launches may settle on."""
-    subject: Subject
+    subject: MotionSubject
     """What moves."""
     law: type[Contact] | None = None
     """The contact law; None for a user's system."""

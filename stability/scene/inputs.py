@@ -30,7 +30,7 @@ from ..systems.system import System
 
 
 @dataclass(frozen=True, eq=False)
-class Subject(ABC):
+class SceneSubject(ABC):
     """What a scene is about: everything in which a body and a user's system differ."""
 
     moving: Any
@@ -85,7 +85,7 @@ class Subject(ABC):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class BodySubject(Subject):
+class BodySubject(SceneSubject):
     """A disk or another body on a plane, under one contact law or several."""
 
     numbers: Mapping[str, Any]
@@ -143,7 +143,7 @@ class BodySubject(Subject):
 
 
 @dataclass(frozen=True, eq=False)
-class SystemSubject(Subject):
+class SystemSubject(SceneSubject):
     """A user's system with its parameters."""
 
     touches = False
@@ -172,7 +172,9 @@ class SystemSubject(Subject):
         return system_model(self.moving).attributes(name, dimensionless=True)
 
 
-def subject_of(moving: Disk | Body | System, contact: Any, mu: float | None = None) -> Subject:
+def scene_subject(
+    moving: Disk | Body | System, contact: Any, mu: float | None = None
+) -> SceneSubject:
     """The subject of a scene.
 
     Parameters
@@ -276,7 +278,7 @@ def unit_of(launches: Starts, kind: Kind) -> str:
     return "" if unit == "1" else readable(unit)
 
 
-def setting(subject: Subject, start: Any, horizon: float, tolerance: float) -> tuple[str, ...]:
+def setting(subject: SceneSubject, start: Any, horizon: float, tolerance: float) -> tuple[str, ...]:
     """The question of a scene in some lines, with units: what moves, its laws, start, horizon."""
     states = _named(start, subject.states)
     moved = [subject.with_unit(n, v) for n, v in states.items() if np.any(v)]
@@ -293,7 +295,7 @@ def _digits(value: Any) -> str:
 
 
 def launched(
-    subject: Subject,
+    subject: SceneSubject,
     law: Any,
     start: Any,
     horizon: float,

@@ -14,7 +14,7 @@ from ..base.quantities import Kind
 from ..base.types import Floats
 from ..integrators.selection import works_of as integrators_cited
 from .answer import Answer, single
-from .inputs import Subject
+from .inputs import SceneSubject
 from .rungs.track import Problem, Track, relative
 from .uncertain import apart as distance
 
@@ -139,7 +139,7 @@ def _states(problem: Problem, track: Track, *, angles: bool) -> tuple[Floats, Fl
     return track.times * float(problem.launches.size(Kind.TIME)), states[:, :-2]
 
 
-def works_of(subject: Subject, answer: Answer) -> str:
+def works_of(subject: SceneSubject, answer: Answer) -> str:
     """Keys of the works to cite: of the model, and of the rung that answered."""
     if answer.parts:
         return joined(part.citation for part in answer.parts.values())

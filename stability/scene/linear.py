@@ -17,7 +17,7 @@ from ..boundary.changes import boundaries
 from ..spectra.result import Spectrum
 from ..spectra.spectrum import spectrum
 from .answer import Answer, single
-from .inputs import Subject, unit_of
+from .inputs import SceneSubject, unit_of
 from .ladder import Rung
 from .questions import QUESTIONS, Found, Question, relative_error
 from .rungs.track import Problem
@@ -120,7 +120,7 @@ EVERY: Mapping[str, Question | LinearQuestion] = ChainMap(LINEAR, QUESTIONS)  # 
 
 def about_nearest(
     problem: Problem,
-    subject: Subject,
+    subject: SceneSubject,
     law: Any,
     names: tuple[str, ...],
     horizon: float,

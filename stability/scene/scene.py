@@ -19,7 +19,7 @@ from ..motion.gather import moving
 from ..storage.files import atomic_write
 from ..storage.targets import PICTURES, check_suffix, check_target
 from .answer import Answer, held_against, single, tell
-from .inputs import Subject, launched, setting, subject_of, weights_of
+from .inputs import SceneSubject, launched, scene_subject, setting, weights_of
 from .ladder import Climbed, climb
 from .laws import compare, works_of
 from .linear import EVERY, LINEAR, about_nearest
@@ -114,13 +114,13 @@ class Scene(Record):
     """Reduced models of a user's system."""
     families: Any = ()
     """Families of a user's system."""
-    subject: Subject = field(init=False, repr=False, compare=False)
+    subject: SceneSubject = field(init=False, repr=False, compare=False)
     """What moves, and its laws, resolved once."""
     mu: InitVar[float | None] = None
     body: InitVar[Any] = None
 
     def __post_init__(self, mu: float | None, body: Any) -> None:
-        subject = subject_of(moving(self.disk, body), self.contact, mu)
+        subject = scene_subject(moving(self.disk, body), self.contact, mu)
         object.__setattr__(self, "subject", subject)
         object.__setattr__(self, "disk", subject.moving)
         object.__setattr__(self, "contact", subject.contact)

@@ -311,7 +311,7 @@ def test_the_command_line_takes_a_law_from_a_module(
         (["own_law:Weakening", "--set", "nu"], "give NAME=NUMBER"),
         (["own_law:Weakening", "--set", "nu=a"], "a number is needed"),
         (["own_law:Weakening", "--set", "nu=1", "--set", "nu=2"], "given twice"),
-        (["own_law:Weakening", "--set", "nu=1", "--mu", "2"], "has no coefficient"),
+        (["own_law:Weakening", "--set", "nu=1", "--mu", "2"], "the weakening law takes nu"),
         (["viscous", "--mu", "2", "--set", "nu=1"], "the viscous law has none"),
     ],
 )

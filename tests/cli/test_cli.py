@@ -210,7 +210,7 @@ def test_lists_in_help_are_those_of_the_registries(
     from stability.bodies.disk import REAL_DISKS
     from stability.bodies.families import FAMILIES, SteadyFamily
     from stability.bodies.round_body.shapes.named import NAMED
-    from stability.integrators.selection import METHODS
+    from stability.integrators.registry import PLACES as INTEGRATORS
     from stability.tables.registry import PLACES
 
     def cone(slope: float, tip: float = 0.25) -> None:
@@ -219,7 +219,7 @@ def test_lists_in_help_are_those_of_the_registries(
     monkeypatch.setitem(MOTION_LAWS, "weakening", Weakening)
     monkeypatch.setitem(REAL_DISKS, "penny", REAL_DISKS["quarter"])
     monkeypatch.setitem(NAMED, "cone", cone)
-    monkeypatch.setitem(METHODS, "leapfrog", METHODS["dop853"])
+    monkeypatch.setitem(INTEGRATORS, "leapfrog", "scipy_methods")
     monkeypatch.setitem(PLACES, "ghosts", "drift")
     record = SteadyFamily("gliding", ("omega3",), {}, {"phi_dot": 1.0}, "gliding")
     monkeypatch.setitem(FAMILIES, "gliding", record)
