@@ -157,9 +157,10 @@ def stored(law: type[Contact]) -> bool:
     return MOTION_LAWS.get(law.name) is law and law.name in stored_laws()
 
 
-def disk_polynomial(family: str, law: str) -> DiskPolynomial | None:
-    """The stored polynomial in a user's units, by names; None where there is none."""
-    known = known_polynomial(family, law)
+@lru_cache(maxsize=64)
+def disk_polynomial(family: str, law: type[Contact]) -> DiskPolynomial | None:
+    """The stored polynomial of a family in a user's units; None where there is none."""
+    known = known_polynomial(family, law.name) if stored(law) else None
     return None if known is None else DiskPolynomial(known)
 
 

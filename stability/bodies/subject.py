@@ -165,9 +165,7 @@ def subject_of(
         return _with_numbers(subject, at, _opened(family, numbers), axes, whole=whole)
     if shape is not None:
         return _of_body(family, shape, contact, numbers, at, lean, axes, whole=whole)
-    if not isinstance(family, str):
-        raise NameUnknownError(f"family is {shown(family)}; give a name or a stability.Family.")
-    record = FAMILIES[known("family", family, families_of_disk())]
+    record = _of_disk(family)
     if axes:
         check_names(family, axes, contact)
     open_ = not whole or lean is not None
@@ -252,7 +250,7 @@ def disk_family(name: str, law: str | Contact | type[Contact] | None = None) -> 
     >>> st.disk_family("tumbling", "viscous").member([math.pi / 6], [0.5, 1.0]).round(12)[2]
     np.float64(2.0)
     """
-    record = FAMILIES[known("family", name, families_of_disk())]
+    record = _of_disk(name)
     contact = law_class(law, motion=False)
     word = contact.name
     if record.law and (record.law != word or not stored(contact)):
@@ -262,6 +260,17 @@ def disk_family(name: str, law: str | Contact | type[Contact] | None = None) -> 
             f"{listed([f.name for f in own])}."
         )
     return _disk_family(record, contact)  # type: ignore[arg-type]  # a class is hashable
+
+
+def _of_disk(name: Any) -> SteadyFamily:
+    """The record of a family of the disk by its name."""
+    if not isinstance(name, str):
+        raise NameUnknownError(f"family is {shown(name)}; give a name or a stability.Family.")
+    record = FAMILIES.get(name)
+    if record is None or record.pole:
+        known("family", name, families_of_disk())
+    assert record
+    return record
 
 
 @lru_cache(maxsize=32)

@@ -20,6 +20,8 @@ from ..base.types import Complexes, Floats
 from ..base.verdict import CODES, Verdict
 from .deflation import Reduced
 
+STABLE, UNSTABLE, NEUTRAL = (CODES[v] for v in (Verdict.STABLE, Verdict.UNSTABLE, Verdict.NEUTRAL))
+"""Flag values of verdicts."""
 NOT_STEADY = -2
 """Value instead of bits, where a rate is proved nonzero at the root of the equations."""
 BY_ACCIDENT = -3
@@ -235,8 +237,8 @@ def _decide(values: Complexes, radius: Floats) -> NDArray[np.int8]:
     mixed = (touching & right[:, :, None] & ~right[:, None, :]).any(axis=(1, 2))
     unstable = right.any(axis=1) & ~mixed
     codes = np.zeros(len(values), dtype=np.int8)
-    codes[stable] = CODES[Verdict.STABLE]
-    codes[unstable] = CODES[Verdict.UNSTABLE]
+    codes[stable] = STABLE
+    codes[unstable] = UNSTABLE
     return codes
 
 
@@ -250,8 +252,8 @@ def _decide_even(values: Complexes, radius: Floats) -> NDArray[np.int8]:
     neutral = alone & (np.abs(values.real) <= radius).all(axis=1)
     unstable = alone & (values.real - radius > 0).any(axis=1)
     codes = np.zeros(len(values), dtype=np.int8)
-    codes[neutral] = CODES[Verdict.NEUTRAL]
-    codes[unstable] = CODES[Verdict.UNSTABLE]
+    codes[neutral] = NEUTRAL
+    codes[unstable] = UNSTABLE
     return codes
 
 

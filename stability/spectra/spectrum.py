@@ -39,6 +39,8 @@ if TYPE_CHECKING:
     from .certificate import Certificate
 
 
+UNDECIDED = CODES[Verdict.UNDECIDED]
+"""Flag value of that verdict."""
 NOTE = (
     "not proved: the linearisation is a numerical derivative of a Python function, and the discs "
     "rest on an estimate of its error"
@@ -459,7 +461,7 @@ def spectrum(
     )
     asked = np.full(len(rate), certify)
     if escalate:
-        asked |= codes == CODES[Verdict.UNDECIDED]
+        asked |= codes == UNDECIDED
     return proved(found, rows, asked, shape, escalated=not certify) if asked.any() else found
 
 

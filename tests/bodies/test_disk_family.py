@@ -278,13 +278,17 @@ def test_a_polynomial_is_derived_from_the_record(monkeypatch: pytest.MonkeyPatch
     assert [str(f.as_expr()) for f in found.factors] == ["k*lam**2 + k*z + lam**2 + z - 1"]
 
 
-def test_a_stored_polynomial_makes_its_answers_exact(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_stored_polynomial_makes_its_answers_exact(
+    monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
+) -> None:
     from stability.bodies import disk_polynomials
 
     monkeypatch.setitem(FAMILIES, "edge-on", EDGE_ON)
     stored = dict(disk_polynomials._catalogue())
     stored["edge-on viscous"] = replace(stored["spinning viscous"], family="edge-on")
     monkeypatch.setattr(disk_polynomials, "_catalogue", lambda: stored)
+    disk_polynomials.disk_polynomial.cache_clear()
+    request.addfinalizer(disk_polynomials.disk_polynomial.cache_clear)
     found = st.boundaries("edge-on", axis=("at", 0.5, 3.0, 9), contact=st.Viscous(0.97))
     assert found.complete
     # k phi_dot² = 1; the other to 20 digits in tests/boundary/test_boundaries.py
