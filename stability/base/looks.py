@@ -66,7 +66,7 @@ class Look:
     sign: str
     """Sign next to its word, or in its place."""
     word: str = ""
-    """Word that is shown, where it is not the verdict's own."""
+    """Word of what is no verdict, where that is not its name in the table."""
     pattern: str = ""
     """Hatching of its regions, a key of `PATTERNS`; colours there are those of growth rates."""
     shade: float = 0.5

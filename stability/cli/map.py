@@ -13,6 +13,7 @@ from .options import (
     CERTIFY,
     answer,
     axes_of,
+    dataset_help,
     flags,
     overwriting,
     plotting,
@@ -50,8 +51,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out",
         required=True,
         metavar="F.nc",
-        help="NetCDF file to write; F.zarr is a folder that a map of any size is computed into, "
-        "chunk by chunk, and the same command goes on",
+        help=dataset_help(  # type: ignore[arg-type]
+            "write",
+            "chunks",
+            more="; F.zarr is a folder that a map of any size is computed into, chunk by chunk, "
+            "and the same command goes on",
+        ),
     )
     plotting(parser)
     levels = "with --certify: halve the map this often at most"

@@ -174,6 +174,18 @@ def values(
         parser.add_argument(name, type=kind, metavar=value, help=text, **settings)
 
 
+def dataset_help(*ways: str, more: str = "") -> Callable[[], str]:
+    """The help of an option that names a dataset to write in one of some ways, with its endings."""
+
+    def text() -> str:
+        from ..storage.formats import formats_for
+
+        endings = [ending for format_ in formats_for(*ways) for ending in format_.endings]
+        return f"dataset to write, by its ending: {', '.join(endings)}{more}"
+
+    return text
+
+
 # --- what they hold ---
 
 

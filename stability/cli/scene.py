@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..base.errors import ParameterError
 from .options import answer as print_answer
-from .options import flags, overwriting, plotting, targets_of, values
+from .options import dataset_help, flags, overwriting, plotting, targets_of, values
 from .subject import ones_of, scales_of
 from .terminal import progress_bar, waiting
 
@@ -36,8 +36,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "run one model, with its error: steady, linearised, second-order, creep, or the name of "
         "the law"
     )
-    motion = "NetCDF file to write: the motion at many times, each within the tolerance"
-    values(parser, str, {"--only": ("RUNG", only), "--out": ("F.nc", motion)})
+    motion = dataset_help("write", more="; the motion at many times, each within the tolerance")
+    values(parser, str, {"--only": ("RUNG", only)})
+    parser.add_argument("--out", metavar="F.nc", help=motion)  # type: ignore[arg-type]
     chart = (
         "time against true error of every model; of several laws the first is taken for the truth"
     )

@@ -9,7 +9,16 @@ from pathlib import Path
 from typing import Any
 
 from ..base.errors import ParameterError
-from .options import answer, flags, overwriting, plotting, save, step_error, targets_of
+from .options import (
+    answer,
+    dataset_help,
+    flags,
+    overwriting,
+    plotting,
+    save,
+    step_error,
+    targets_of,
+)
 from .subject import CommandSubject, add_launch, behind, options_subject
 from .terminal import progress_bar, waiting
 
@@ -37,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--max-seconds", type=float, default=8.0, metavar="S", help=seconds)
     check = "do not run the neighbours of each launch, which tell the error of its end: faster"
     flags(parser, {"--no-check": check, "--pose": "φ, ψ and the paths in the plane too"})
-    parser.add_argument("--out", metavar="F.nc", help="NetCDF file to write")
+    parser.add_argument("--out", metavar="F.nc", help=dataset_help("write"))  # type: ignore[arg-type]
     plotting(parser)
     parser.add_argument("--film", metavar="F.html", help="animation to write (GIF, MP4 or HTML)")
     overwriting(parser, "replace existing files")

@@ -15,7 +15,7 @@ from ..base.types import Floats
 from ..bodies.round_body.pole_equations import AXIS
 from ..motion.error_estimate import signs
 from ..settling.fixed_axes import STATES
-from ..settling.settling import Nearest, last_outside
+from ..settling.settling import Nearest, is_close, last_outside
 from .rungs.elements import chebyshev, coefficients
 from .rungs.track import Problem, Track
 
@@ -72,7 +72,8 @@ def outcome(problem: Problem, track: Track) -> Found:
     [near] = _near(problem, track)
     sides = [near.settled]
     room = float(np.linalg.norm(track.errors[-1] * np.maximum(1.0, np.abs(track.states[-1]))))
-    if room > SMALL * near.reach or near.distance + room > problem.settle > near.distance:
+    here, there = is_close(np.array([near.distance, near.distance + room]), problem.settle)
+    if room > SMALL * near.reach or here != there:
         sides += [one.settled for one in _near(problem, track, SIDES)]
     if len(set(sides)) > 1:
         said = "settling is proved for the end, and not for another within its error"

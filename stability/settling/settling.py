@@ -39,8 +39,8 @@ def is_close(distance: Floats, within: float | Floats) -> NDArray[np.bool_]:
 
 
 def last_outside(distance: Floats, within: float) -> int:
-    """The last of some samples whose distance is above the limit; -1 for none."""
-    outside = np.flatnonzero(distance > within)
+    """The last of some samples that is not close; -1 for none."""
+    outside = np.flatnonzero(~is_close(distance, within))
     return int(outside[-1]) if outside.size else -1
 
 

@@ -2,7 +2,9 @@
 
 A route is a `VerdictRoute`: what it needs of a `Point`, what it proves, and one attempt.  `ROUTES`
 lists them, and `first_proof` is the one loop over the list.  Certificates, boundaries and open
-cells of maps ask it.  A new route is a `VerdictRoute` in its own module, and a line of `ROUTES`.
+cells of maps ask it.  A new route is a function, here or in a module that does not import this one,
+and its `VerdictRoute` in `ROUTES`; one of your own is added to `ROUTES` by your module.  A route is
+asked at a point that no route before it decides.
 
 A known polynomial and the point's doubles are rational.  The sine of a double is transcendental
 (Lindemann), so that no condition of the disk vanishes there and some precision decides.  A graph
@@ -32,13 +34,20 @@ from ..algebra.exact.routh import (
     verdict_polynomial,
 )
 from ..algebra.number_types import MIXED, Algebra, precision
+from ..base.errors import ParameterError
 from ..base.verdict import Verdict, best
 from ..systems.family import Family
 from ..systems.structure.identities import certain, symmetric
 from ..systems.structure.member import Member, exact_verdict
 from ..systems.structure.structural_zeros import structure
 from ..systems.structure.zero_blocks import zero_power
-from .eigenvalues import BY_ACCIDENT, NO_PROOF_OF_BLOCKS, NO_PROOF_OF_ZERO, NOT_STEADY
+from .eigenvalues import (
+    BY_ACCIDENT,
+    NO_PROOF_OF_BLOCKS,
+    NO_PROOF_OF_ZERO,
+    NOT_STEADY,
+    REASONS,
+)
 from .problem import Problem
 
 BITS = 128
@@ -217,6 +226,10 @@ def first_proof(point: Point, zeros: int) -> Proof:
 # --- the routes ---
 
 
+ROUTES: list[VerdictRoute] = []
+"""Every route, in the order in which they are tried."""
+
+
 @dataclass(frozen=True)
 class VerdictRoute:
     """One way to prove a verdict."""
@@ -233,6 +246,15 @@ class VerdictRoute:
     """For arithmetic that is neither over Q nor in balls: the negative number in place of bits."""
     arithmetic: str = ""
     """This arithmetic in words."""
+
+    def __post_init__(self) -> None:
+        taken = {r.code: r.name for r in ROUTES if r.name != self.name} | REASONS
+        if self.code > 0 or (self.code < 0 and self.code in taken):
+            raise ParameterError(
+                f"the code of the route {self.name} is {self.code}, "
+                + (f"which means: {taken[self.code]}" if self.code < 0 else "and not negative")
+                + f"; give {min(taken) - 1}, or 0 for balls and rational numbers."
+            )
 
 
 def _quick_array(point: Point, zeros: int) -> Proof | None:
@@ -327,7 +349,7 @@ FIELD, FIELD_IN_WORDS = -5, "exact algebra modulo the member's equations"
 FIRST = partial(_graph_in_balls, BITS, FINE_BITS)
 LAST = partial(_graph_in_balls, 2 * FINE_BITS, MOST_BITS)
 
-ROUTES: list[VerdictRoute] = [
+ROUTES += [
     VerdictRoute("Routh's array of the graph in balls", ALONE, INSIDE, _quick_array),
     VerdictRoute("signs of conditions over Q", POLYNOMIAL, INSIDE, _signs_over_q),
     VerdictRoute("known polynomial over Q", POLYNOMIAL, ALL, _polynomial_over_q),
@@ -339,7 +361,6 @@ ROUTES: list[VerdictRoute] = [
     VerdictRoute("field of the unknowns", GRAPH, ALL, _field_of_unknowns, FIELD, FIELD_IN_WORDS),
     VerdictRoute("polynomial of the graph in more digits", GRAPH, SEEN, LAST),
 ]
-"""All routes, in the order of trial."""
 
 
 def in_words(bits: int) -> str:

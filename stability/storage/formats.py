@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from pathlib import PurePath
 from typing import Any
 
-from ..base.errors import StabilityError
+from ..base.errors import ParameterError, StabilityError, shown
 
 
 @dataclass(frozen=True)
@@ -38,6 +38,14 @@ class Format:
     """Package that it needs beyond those of every installation."""
     extra: str = ""
     """Extra of this package that installs it."""
+
+    def __post_init__(self) -> None:
+        for ending in self.endings:
+            if PurePath(f"a{ending}").suffix != ending or ending != ending.lower():
+                raise ParameterError(
+                    f"an ending of {self.name} is {shown(ending)}; give a dot and one word in "
+                    "lower case, such as .nc."
+                )
 
     @property
     def folder(self) -> bool:

@@ -27,7 +27,7 @@ CHANGES = (
     "a production route to a verdict",
     "a method to compare with",
     "a figure",
-    "how a verdict is drawn: colour, hatching, sign, word",
+    "how a verdict is drawn: hatching, sign, colour of boxes and marks",
     "a table",
     "a column of a table",
     "an option of a command",

@@ -1,5 +1,7 @@
 """Production routes to a verdict: one list that certificates, boundaries and maps read."""
 
+from dataclasses import replace
+
 import casadi as ca
 import pytest
 from flint import arb
@@ -103,3 +105,9 @@ def test_a_route_that_proves_nothing_passes_on(monkeypatch: pytest.MonkeyPatch) 
     assert found.verdict is Verdict.UNSTABLE and "balls of 128 bits" in found.reason
     monkeypatch.setattr(verdict_routes, "ROUTES", [silent])
     assert st.spectrum(oscillator(), at=0.5, certify=True).verdict is Verdict.UNDECIDED
+
+
+@pytest.mark.parametrize(("code", "words"), [(-6, "which means"), (3, "and not negative")])
+def test_a_code_that_is_taken_is_refused(code: int, words: str) -> None:
+    with pytest.raises(st.StabilityError, match=words):
+        replace(ROUTES[0], name="toy", code=code)

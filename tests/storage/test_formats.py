@@ -189,3 +189,9 @@ def test_an_ending_that_nobody_knows_is_read_as_the_usual_format(folder: Path) -
     path = st.write_map(found, folder / "a.nc").rename(folder / "a.data")
     back = read_dataset(path, found.attrs["format"], "a map")
     assert back.identical(found) and ATTRIBUTE not in back.attrs
+
+
+@pytest.mark.parametrize("ending", [".csv.zip", ".NC", "nc"])
+def test_an_ending_that_no_name_is_read_by_is_refused(ending: str) -> None:
+    with pytest.raises(st.StabilityError, match="give a dot and one word"):
+        Format("toy", (ending,), read=print)
