@@ -23,6 +23,7 @@ from ..algebra.upright import UPRIGHT
 from ..base.errors import NoMemberError
 from ..base.types import Floats
 from ..bodies.contact_laws import Contact, Creep
+from ..bodies.explicit import surface
 from ..bodies.families import FAMILIES, SteadyFamily, lines_under, tumbling
 from ..bodies.newton_euler import STATES
 from ..bodies.round_body.equations import Resistances, round_system
@@ -176,15 +177,12 @@ def _tumbling(
 ) -> dict[str, ca.SX]:
     """The rates of tumbling at an inclination."""
     shape = ca.vertsplit(p)[: len(body.shape)]
-    h, slope, _ = body.slopes()
     axial, transverse = (
         p[names.index(n)] if n in names else ca.SX(getattr(body, n)(*shape))
         for n in ("axial", "transverse")
     )
-    sine, cosine = ca.sin(y), ca.cos(y)
-    high, steep = h(y, *shape), slope(y, *shape)
-    r, z = high * sine + steep * cosine, high * cosine - steep * sine
-    square, share = tumbling(steep, r, z, sine, cosine, transverse, axial)
+    at = surface(y, ca.SX(body.height(y, *shape)), transverse, axial)
+    square, share = tumbling(at.slope, at.outward, at.along, at.sine, at.cosine, transverse, axial)
     turning = sign * ca.sqrt(square)
     return {"phi_dot": turning, "omega3": turning * share}
 
