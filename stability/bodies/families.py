@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ..algebra.upright import UPRIGHT, Upright
-from ..base.errors import listed
+from ..base.errors import ParameterError, listed
 from ..base.quantities import Kind
 
 # the command line reads the records for its help, so nothing heavy is imported here
@@ -89,6 +89,13 @@ class SteadyFamily:
     a flutter boundary is not a Hopf bifurcation without parameters."""
     sampled: Interval | None = None
     """Dimensionless interval of `at` of the random members in the comparison of methods."""
+
+    def __post_init__(self) -> None:
+        if self.law and (self.drawn or self.sampled):
+            raise ParameterError(
+                f"{self.name} exists under the {self.law} law alone, and drawn and sampled belong "
+                "to families under every law; leave them out."
+            )
 
     @property
     def disk_motion(self) -> str:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..base.errors import ParameterError
+from ..base.quantities import readable
 from .options import answer as print_answer
 from .options import dataset_help, flags, overwriting, plotting, targets_of, values
 from .subject import ones_of, scales_of
@@ -276,11 +277,13 @@ def _cells(
     cells = {}
     if name == "final":
         for state, number in value.items():
-            cells[f"{state} [{units[state]}]"] = answer.number(state, number, name, digits)
+            cells[f"{state} [{readable(units[state])}]"] = answer.number(
+                state, number, name, digits
+            )
     elif name == "path":
         cells["path"] = f"{value.sizes['time']} samples"
     elif isinstance(value, float):
-        unit = f" [{units[name]}]" if name in units else ""
+        unit = f" [{readable(units[name])}]" if name in units else ""
         cells[f"{name}{unit}"] = answer.number(name, value, name, digits)
     else:
         cells[name] = value or EVERY[name].none

@@ -12,6 +12,7 @@ from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.quantities import Kind, Quantity
 from ..bodies.contact_laws import LAWS, Contact
 from ..bodies.disk import Disk
+from ..bodies.disk_polynomials import known_polynomial, stored_laws
 from ..bodies.families import FAMILIES, SteadyFamily
 from ..bodies.quantities import QUANTITIES
 from ..boundary.brackets import BoundaryPoint
@@ -152,15 +153,22 @@ def _notes(table: Table) -> list[str]:
             unit = kind.label(dimensionless=table.dimensionless)
             kinds.setdefault(unit, []).append(f"{family.at[0]} ({family.name})")
     names = ", ".join(f"{', '.join(words)} in {u}" for u, words in kinds.items())
-    ranges = [
-        f"{f.name} {f.searched[0]:g}…{f.searched[1]:.4g}" for f in FAMILIES.values() if f.searched
-    ]
+    searched = [f for f in FAMILIES.values() if f.searched]
+    ranges = {
+        f.name: f"{f.name} {f.searched[0]:g}…{f.searched[1]:.4g}" for f in searched if f.searched
+    }
+    stored = {n for n in ranges if any(known_polynomial(n, law) for law in stored_laws())}
     frequency = Kind.ANGULAR_VELOCITY.label(dimensionless=table.dimensionless)
     return [
         f"at: {names}; frequency in {frequency}.",
-        f"Searched: {', '.join(ranges)} "
+        f"Searched: {', '.join(ranges[n] for n in ranges if n in stored)} "
         "(dimensionless), completely: every real root of the conditions over Q is isolated; each "
         "place is a bracket proved in ball arithmetic.",
+        *[
+            f"{ranges[n]}: no polynomial is stored; the places are those that `boundaries` finds."
+            for n in ranges
+            if n not in stored
+        ],
     ]
 
 

@@ -342,11 +342,17 @@ def _head(column: Column) -> str:
 
 
 def _unit(column: Column, table: Table) -> str:
-    text = column.unit(dimensionless=table.dimensionless)
-    if not text or column.latex == r"\pm":  # an error has the unit of the column before it
+    words = _measure(column, table)
+    if not words or column.latex == r"\pm":  # an error has the unit of the column before it
         return ""
+    return f"{{[{words}]}}"  # a bare [ would belong to the line before
+
+
+def _measure(column: Column, table: Table) -> str:
+    """The unit of a column in LaTeX; empty where it has none."""
+    text = column.unit(dimensionless=table.dimensionless)
     plain = table.dimensionless and not isinstance(column.kind, str)
-    return f"{{[{unit(text, dimensionless=plain)}]}}"  # a bare [ would belong to the line before
+    return unit(text, dimensionless=plain) if text else ""
 
 
 def _blocks(table: Table) -> list[list[str]]:
@@ -367,7 +373,7 @@ def _blocks(table: Table) -> list[list[str]]:
             block.append(line if len(title) < SHORT else across(len(cells), rf"\textit{{{title}}}"))
             last = title
         block.append(" & ".join(cell(c, row) for c in cells) + r" \\" + "*" * bool(below))
-        said = [_said(c, row) for c in below if row[c.name] not in (None, "")]
+        said = [_said(c, row, table) for c in below if row[c.name] not in (None, "")]
         block += [across(len(cells), "; ".join(said), r"\quad ")] if said else []
         out.append(block)
     return out
@@ -378,9 +384,12 @@ def _titled(column: Column, row: Mapping[str, Any]) -> str:
     return f"${column.latex}={number(text).strip('$')}$" if column.latex else prose(text)
 
 
-def _said(column: Column, row: Mapping[str, Any]) -> str:
+def _said(column: Column, row: Mapping[str, Any], table: Table) -> str:
     text = prose(column.written(row[column.name]))
-    return text if column.name in ("why", "status", "origin") else f"{column.name}: {text}"
+    if column.name in ("why", "status", "origin"):
+        return text
+    measure = _measure(column, table)
+    return f"{prose(column.name)}: {text}{' ' * bool(measure)}{measure}"
 
 
 def cell(column: Column, row: Mapping[str, Any]) -> str:

@@ -394,3 +394,17 @@ def test_a_family_of_one_law_alone_is_refused_under_others(monkeypatch: Any) -> 
         st.launch("banking", at=1.3)
     with pytest.raises(st.StabilityError, match="banking is a family of the rough disk"):
         st.spectrum("banking", at=1.3, contact=st.Smooth())
+
+
+def test_a_family_under_one_law_is_neither_drawn_nor_sampled() -> None:
+    with pytest.raises(st.StabilityError, match="under the smooth law alone"):
+        replace(EDGE_ON, law="smooth")
+
+
+def test_a_family_without_a_polynomial_is_not_said_to_be_searched_over_q(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(FAMILIES, "edge-on", EDGE_ON)
+    notes = "\n".join(st.table("conditions", k=0.25).notes)
+    assert "edge-on 0.1…5: no polynomial is stored" in notes
+    assert "rolling 0.02…50, spinning" in notes.split("completely")[0]

@@ -46,7 +46,7 @@ def law(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> type
 def test_the_laws_with_polynomials_are_those_of_the_data() -> None:
     assert stored_laws() == ["smooth", "viscous", "linear-viscous", "rough"]
     assert [name for name, law in MOTION_LAWS.items() if stored(law)] == stored_laws()
-    assert list(LAWS) == stored_laws()
+    assert set(stored_laws()) <= set(LAWS)
     assert not any(stored(law) for law in (st.Creep, st.Coulomb, Weakening))
 
 

@@ -575,3 +575,11 @@ def test_every_public_name_of_the_comparison_is_there() -> None:
     import stability.compare
 
     assert all(getattr(stability.compare, name) is not None for name in stability.compare.__all__)
+
+
+def test_an_integrator_with_the_name_of_another_driver_is_compared_too() -> None:
+    from stability.compare.motion.drivers import FixedStep, _single
+
+    assert _single("dop853", [FixedStep.name]).name == "dop853"
+    named_alike = _single("dop853", ["dop853"])
+    assert (named_alike.name, named_alike().method) == ("simulate-dop853", "dop853")

@@ -6,7 +6,7 @@ A driver is one class with `run`.  Its `tolerances` go from loose to tight.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, ClassVar
@@ -106,9 +106,11 @@ class Fine(Simulated):
     method, check, usual = "auto", True, 1e-14
 
 
-def _single(method: str) -> type[Driver]:
+def _single(method: str, taken: Collection[str]) -> type[Driver]:
+    """`simulate` by one integrator, whose name is told from that of another driver."""
     title = f"simulate(method='{method}', check=False): {METHODS[method].about}"
-    return Simulated.variant(name=method, title=title, method=method)
+    name = f"simulate-{method}" if method in taken else method
+    return Simulated.variant(name=name, title=title, method=method)
 
 
 def simulated(scene: ReferenceMotion, contact: Any, times: Floats, **options: Any) -> Answer:
@@ -309,11 +311,12 @@ class Regularised(Driver):
         return simulated(scene, law, times, method="auto", tolerance=1e-9, check=False)
 
 
-SINGLE: tuple[type[Driver], ...] = tuple(_single(m) for m in METHODS)
-OWN: tuple[type[Driver], ...] = (Default, Unchecked, *SINGLE)
-"""The package's integrators."""
 PEOPLE: tuple[type[Driver], ...] = (RungeKutta45, FixedStep)
 MODELS: tuple[type[Driver], ...] = (RoughInstead, SmoothInstead, Regularised)
+_OTHERS: tuple[type[Driver], ...] = (Default, Unchecked, *PEOPLE, *MODELS, Fine, AsItComes)
+SINGLE: tuple[type[Driver], ...] = tuple(_single(m, [d.name for d in _OTHERS]) for m in METHODS)
+OWN: tuple[type[Driver], ...] = (Default, Unchecked, *SINGLE)
+"""The package's integrators."""
 _EVERY: tuple[type[Driver], ...] = (*OWN, *PEOPLE, *MODELS, Fine, AsItComes)
 DRIVERS = {d.name: d for d in _EVERY}
 """Every driver by name."""

@@ -87,6 +87,11 @@ COLUMNS = (
     word("above", "certified verdict above a threshold", "below"),
 )
 """The fields of a row, as columns of a table."""
+IN_SENTENCES = (
+    *("system", "quantity", "unit", "source", "origin", "known"),
+    *("recomputed", "difference", "status", "below", "above"),
+)
+"""Columns that the sentences of the text name; any further one has a line of its own."""
 
 
 def compared(
@@ -283,6 +288,10 @@ def _lines_of(row: dict[str, object]) -> list[str]:
     ]
     if row["below"]:
         lines += [f"        below {row['below']}, above {row['above']} (certified)"]
+    further = [c for c in COLUMNS if c.name not in IN_SENTENCES and row[c.name] not in (None, "")]
+    for column in further:
+        written = f"{column.written(row[column.name])} {column.unit(dimensionless=False)}"
+        lines += [f"        {column.name} {written.rstrip()}"]
     return lines
 
 
