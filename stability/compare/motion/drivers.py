@@ -106,7 +106,7 @@ class Fine(Simulated):
     method, check, usual = "auto", True, 1e-14
 
 
-def _single(method: str, taken: Collection[str]) -> type[Driver]:
+def _single(method: str, taken: Collection[str] = ()) -> type[Driver]:
     """`simulate` by one integrator, whose name is told from that of another driver."""
     title = f"simulate(method='{method}', check=False): {METHODS[method].about}"
     name = f"simulate-{method}" if method in taken else method
