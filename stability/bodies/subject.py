@@ -165,55 +165,40 @@ def subject_of(
         return _with_numbers(subject, at, _opened(family, numbers), axes, whole=whole)
     if shape is not None:
         return _of_body(family, shape, contact, numbers, at, lean, axes, whole=whole)
-    record = _of_disk(family)
-    if axes:
-        check_names(family, axes, contact)
-    open_ = not whole or lean is not None
-    member = _member(family, record.at, _keys(record.at), at, numbers, axes, whole=not open_)
-    law = _stated(law_only(contact, numbers, swept=axes), numbers, axes, laws)
     thin = next((d for d in (body, disk) if d is not None), Disk())
-    leans = lean is not None or "lean" in axes
-    return disk_subject(family, thin, law, member, lean, leans=leans)
+    return _of_thin(family, thin, contact, numbers, at, lean, axes, whole, laws)
 
 
-def disk_subject(
-    family: str,
-    disk: Disk,
-    law: Contact,
-    member: Mapping[str, Any] = NONE,
-    lean: ArrayLike | None = None,
-    *,
-    leans: bool = False,
+def _of_thin(  # noqa: PLR0913
+    name: Any,
+    disk: Any,
+    contact: Any,
+    numbers: dict[str, Any],
+    at: Any,
+    lean: Any,
+    axes: Collection[str],
+    whole: bool,
+    laws: Mapping[str, type[Contact]],
 ) -> Subject:
-    """A family of the disk by its name, with its numbers.
-
-    Parameters
-    ----------
-    family
-        A key of `FAMILIES`.
-    disk, law
-        The disk and its contact law; their fields may be arrays.
-    member
-        The numbers of the member, by `at` or, of several, by their names.
-    lean
-        As for `subject_of`.
-    leans
-        Whether a lean names the member, though its value may be set later.
-    """
+    record, leans = _of_disk(name), lean is not None or "lean" in axes
+    if axes:
+        check_names(name, axes, contact)
+    keys = _keys(record.at)
+    member = _member(name, record.at, keys, at, numbers, axes, whole=whole and lean is None)
+    law = _stated(law_only(contact, numbers, swept=axes), numbers, axes, laws)
     instance("disk", disk, Disk, "give a stability.Disk")
-    resolved = disk_family(family, type(law))
-    keys = _keys(resolved.at)
+    family = disk_family(name, law)
     member = {key: checked(key, value) for key, value in member.items()}
-    for part, key in zip(resolved.at, keys, strict=True):
+    for part, key in zip(record.at, keys, strict=True):
         if key in member:
-            check_angle(family, part, np.asarray(member[key]))
+            check_angle(name, part, np.asarray(member[key]))
     if leans:
-        if not FAMILIES[family].by_angle:
-            raise ParameterError(f"lean names a member of {leaning()}; for {family} give at.")
+        if not record.by_angle:
+            raise ParameterError(f"lean names a member of {leaning()}; for {name} give at.")
         if member:
-            raise ParameterError(f"{resolved.at[0]} and lean are both given; give one of them.")
+            raise ParameterError(f"{record.at[0]} and lean are both given; give one of them.")
         keys, member = LEAN, {} if lean is None else {"lean": checked_lean(lean)}
-    return Subject(resolved, keys, member, {}, disk=disk, law=law, record=FAMILIES[family])
+    return Subject(family, keys, member, {}, disk=disk, law=law, record=record)
 
 
 def disk_family(name: str, law: str | Contact | type[Contact] | None = None) -> Family:
@@ -344,12 +329,14 @@ def check_names(family: str, axes: Collection[str], contact: Any) -> None:
     if record is None or not isinstance(law, (type, Contact)) or not hasattr(law, "parameters"):
         return
     single = ("at", *record.at, *LEAN[: record.by_angle]) if len(record.at) == 1 else record.at
-    names = dict.fromkeys((*single, *_numbers_of(law)))
     for name in axes:
-        if name not in names:
-            raise NameUnknownError(
-                f"axis is {shown(name)}; known for {family} are {', '.join(names)}."
-            )
+        refuse_unknown(name, family, dict.fromkeys((*single, *_numbers_of(law))))
+
+
+def refuse_unknown(axis: str, family: str, names: Collection[str]) -> None:
+    """Refuse an axis that a family does not have."""
+    if axis not in names:
+        raise NameUnknownError(f"axis is {shown(axis)}; known for {family} are {', '.join(names)}.")
 
 
 def check_angle(family: str, part: str, values: Any) -> None:

@@ -6,9 +6,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..base.errors import FileError
 from ..spectra.labels import FORMAT
-from ..storage.datasets import read_dataset, write_dataset
+from ..storage.datasets import read_dataset, refuse_other, write_dataset
 
 if TYPE_CHECKING:
     import xarray
@@ -55,13 +54,8 @@ def write_map(
     True
     """
     import numpy as np
-    import xarray
 
-    if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != FORMAT:
-        raise FileError(
-            f"dataset is {type(dataset).__name__}; give what stability_map returns, or "
-            "Spectrum.to_xarray."
-        )
+    refuse_other(dataset, FORMAT, "stability_map returns, or Spectrum.to_xarray")
     encoded = dataset.copy()
     for name in dataset.data_vars:
         variable = encoded.variables[name]

@@ -6,8 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..base.errors import FileError
-from ..storage.datasets import read_dataset, write_dataset
+from ..storage.datasets import read_dataset, refuse_other, write_dataset
 from .dataset import FORMAT
 
 if TYPE_CHECKING:
@@ -50,10 +49,7 @@ def write_motion(
     >>> back.identical(run)
     True
     """
-    import xarray
-
-    if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != FORMAT:
-        raise FileError(f"dataset is {type(dataset).__name__}; give what simulate returns.")
+    refuse_other(dataset, FORMAT, "simulate returns")
     return write_dataset(dataset, path, overwrite=overwrite)
 
 

@@ -19,8 +19,8 @@ from ..bodies.model import system_model
 from ..bodies.newton_euler import STATES
 from ..bodies.quantities import QUANTITIES
 from ..bodies.round_body.body import Body
-from ..bodies.round_body.shape import SCALES, RoundShape
-from ..bodies.round_body.thin import thin_body
+from ..bodies.round_body.shape import SCALES
+from ..bodies.round_body.thin import round_shape
 from ..integrators.flow import flow_of
 from ..motion.gather import launches_of
 from ..motion.round_starts import accepted
@@ -196,7 +196,7 @@ def scene_subject(
         laws, needed = {"": contact}, listed(list(names))
         return SystemSubject(moving, contact, laws, names, needed, rungs=(moving.name,))
     contact = law_only(contact, {} if mu is None else {"mu": mu}, motion=True)
-    body: RoundShape = thin_body(moving) if isinstance(moving, Disk) else moving
+    body = round_shape(moving)
     thin = body is not moving
     return BodySubject(
         moving,

@@ -16,7 +16,7 @@ from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
 from ..bodies.quantities import PHYSICAL
 from ..bodies.round_body.body import Body
-from ..bodies.subject import NONE, Subject, subject_of
+from ..bodies.subject import NONE, Subject, refuse_unknown, subject_of
 from ..systems.family import Family
 from ..systems.structure.structural_zeros import steady_where
 from .problem import Problem, disk_roundings, problem_of
@@ -156,11 +156,7 @@ def _word(subject: Subject, key: str) -> str:
 
 def _check_name(subject: Subject, name: str, *, alone: bool) -> None:
     """Refuse an axis that the family does not have, or whose name the map needs."""
-    if name not in subject.names:
-        raise NameUnknownError(
-            f"axis is {shown(name)}; known for {subject.family.name} are "
-            f"{', '.join(subject.names)}."
-        )
+    refuse_unknown(name, subject.family.name, subject.names)
     taken = not name or name in RESERVED or name.startswith(("boundary_", "box_", "point_"))
     if taken or "/" in name or (name in COLUMNS and not alone):
         raise NameUnknownError(

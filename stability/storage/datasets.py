@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..base.errors import FileError
 from .files import atomic_write
@@ -105,6 +105,14 @@ def write_dataset(
     with atomic_write(path, overwrite=overwrite) as draft:
         found.write(encoded, draft)
     return Path(path)
+
+
+def refuse_other(dataset: Any, form: str, source: str) -> None:
+    """Refuse to write what is no dataset of a form, named by what returns one."""
+    import xarray
+
+    if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != form:
+        raise FileError(f"dataset is {type(dataset).__name__}; give what {source}.")
 
 
 def read_dataset(

@@ -153,10 +153,8 @@ def _notes(table: Table) -> list[str]:
             unit = kind.label(dimensionless=table.dimensionless)
             kinds.setdefault(unit, []).append(f"{family.at[0]} ({family.name})")
     names = ", ".join(f"{', '.join(words)} in {u}" for u, words in kinds.items())
-    searched = [f for f in FAMILIES.values() if f.searched]
-    ranges = {
-        f.name: f"{f.name} {f.searched[0]:g}…{f.searched[1]:.4g}" for f in searched if f.searched
-    }
+    ends = {n: f.searched for n, f in FAMILIES.items() if f.searched}
+    ranges = {n: f"{n} {low:g}…{high:.4g}" for n, (low, high) in ends.items()}
     stored = {n for n in ranges if any(known_polynomial(n, law) for law in stored_laws())}
     frequency = Kind.ANGULAR_VELOCITY.label(dimensionless=table.dimensionless)
     return [

@@ -17,7 +17,7 @@ from typing import Any, ClassVar
 import numpy as np
 import own_law
 import pytest
-from own_law import Weakening, by_speed
+from own_law import Cubic, Weakening, by_speed
 
 import stability as st
 from stability.cli import main
@@ -326,23 +326,6 @@ def test_a_wrong_law_on_the_command_line_is_one_sentence(
 
 
 # --- a law of two numbers, one of which may be zero ---
-
-
-@dataclass(frozen=True, eq=False)
-class Cubic(st.Contact):
-    """Viscous friction that grows with the slip: -mu gn (1 + beta |v|²) v."""
-
-    mu: Any
-    beta: Any
-    name: ClassVar[str] = "cubic"
-    parameters: ClassVar[tuple[st.Parameter, ...]] = (
-        st.Parameter("mu", "s/m", by_speed),
-        st.Parameter("beta", "s2/m2", lambda v, s: v * s.speed * s.speed, zero=True),
-    )
-
-    def force(self, slip: Any, normal: Any, p: Any) -> Any:
-        share = p[0] * normal * (1 + p[1] * (slip[0] ** 2 + slip[1] ** 2))
-        return [-share * slip[0], -share * slip[1]]
 
 
 def test_a_number_that_may_be_zero_is_accepted_at_zero_and_not_below() -> None:

@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import pytest
-from own_law import Weakening, by_speed
+from own_law import Cubic, Weakening
 
 import stability as st
 from stability.bodies import contact_laws
@@ -15,23 +15,6 @@ from stability.bodies.disk_polynomials import stored, stored_laws
 from stability.derivation import hurwitz
 from stability.derivation.characteristic import derive
 from stability.tables.conditions import _contacts
-
-
-@dataclass(frozen=True, eq=False)
-class Cubic(st.Contact):
-    """Viscous friction that grows with the slip, a law of two numbers."""
-
-    mu: Any
-    beta: Any
-    name: ClassVar[str] = "cubic"
-    parameters: ClassVar[tuple[st.Parameter, ...]] = (
-        st.Parameter("mu", "s/m", by_speed),
-        st.Parameter("beta", "s2/m2", lambda v, s: v * s.speed * s.speed, zero=True),
-    )
-
-    def force(self, slip: Any, normal: Any, p: Any) -> Any:
-        share = p[0] * normal * (1 + p[1] * (slip[0] ** 2 + slip[1] ** 2))
-        return [-share * slip[0], -share * slip[1]]
 
 
 @pytest.fixture(params=[Weakening, Cubic])
