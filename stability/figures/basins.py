@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .styled_figure import drawing, entry, fixed, halo, key, label_axes, note  # isort: skip
+from .styled_figure import checked_title, drawing, entry, fixed, halo, key, label_axes, note  # isort: skip
 from .styled_figure import points, settle, small, wide, with_strips  # isort: skip
 
 import json
@@ -102,6 +102,7 @@ def plot_basins(
     >>> round(float(st.plot_basins(found).get_figwidth()), 2)
     3.39
     """
+    title = checked_title(title)
     x, y = _axes_of(dataset, x, y)
     strip = None if ax is not None else linear_strip(dataset, x)
     present = fates(dataset)

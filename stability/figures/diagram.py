@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .styled_figure import drawing, fixed, halo, key, label_axes, note, points  # isort: skip
+from .styled_figure import checked_title, drawing, fixed, halo, key, label_axes, note, points  # isort: skip
 from .styled_figure import settle, small, with_strips, write  # isort: skip
 
 import json
@@ -106,6 +106,7 @@ def plot_map(
     >>> round(float(figure.get_figwidth()), 2)
     3.39
     """
+    title = checked_title(title)
     if not {"abscissa", "verdict"} <= set(getattr(dataset, "data_vars", ())) or (
         dataset.abscissa.ndim != 2
     ):

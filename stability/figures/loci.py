@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .styled_figure import drawing, entry, fixed, key, note, panels, points  # isort: skip
+from .styled_figure import checked_title, drawing, entry, fixed, key, note, panels, points  # isort: skip
 from .styled_figure import settle, signed_ticks, ticks_along, write  # isort: skip
 
 import math
@@ -113,6 +113,7 @@ def plot_locus(
     >>> st.plot_locus(s).axes[0].get_ylabel()
     'growth rate\nRe $\\lambda$  [$\\sqrt{g/R}$]'
     """
+    title = checked_title(title)
     instance("spectrum", spectrum, Spectrum, "give what spectrum returns, or plot_map for a map")
     if spectrum.codes.size == 1:
         if np.size(thresholds):

@@ -186,6 +186,22 @@ def checked_size(name: str, value: Any, low: float, unit: str) -> float:
     return number
 
 
+def checked_title(title: Any) -> str:
+    """A title, or an error where Matplotlib could not draw it."""
+    if not isinstance(title, str):
+        raise ParameterError(f"title is {shown(title)}; give a text.")
+    if is_math_text(title):
+        try:
+            text_to_path.mathtext_parser.parse(title)
+        except ValueError as error:
+            reason = str(error).strip().splitlines()[-1].split("  (")[0].split(": ", 1)[-1]
+            raise ParameterError(
+                f"title is {shown(title)}, which Matplotlib cannot read as a formula ({reason}); "
+                r"write a dollar sign that begins none as \$."
+            ) from None
+    return title
+
+
 def small() -> float:
     """Size of the smallest text in the current style [pt]."""
     return float(matplotlib.rcParams["legend.fontsize"])
@@ -278,7 +294,19 @@ def key(
         )
         pad += float(legend.get_window_extent().height) * points(axes)
     if title:
-        axes.set_title(title, pad=pad)
+        larger = matplotlib.rcParams["axes.titlesize"] / small()
+        lines = broken(title, lambda line: larger * wide(line) <= _above(axes), " ")
+        axes.set_title(lines, pad=pad)
+
+
+def _above(axes: Axes) -> float:
+    """Width of a line that is centred above a panel [pt]; the axes of a user have neighbours."""
+    figure: Any = axes.get_figure(root=True)
+    box, whole = axes.get_window_extent(), figure.bbox
+    middle = (box.x0 + box.x1) / 2
+    own = isinstance(figure, StyledFigure)
+    width = 2 * min(middle - whole.x0, whole.x1 - middle) if own else box.width
+    return float(width) * points(axes) - 8
 
 
 def halo(width: float) -> list[Any]:
@@ -344,8 +372,17 @@ def note(axes: Axes, text: str) -> None:
     figure.text(0.5, 3 / tall, lines, va="bottom", **look)
 
 
-def broken(text: str, fits: Callable[[str], bool]) -> str:
+def broken(text: str, fits: Callable[[str], bool], between: str = ", ") -> str:
     r"""Lines that fit; they end after a comma, never between a number and its unit.
+
+    Parameters
+    ----------
+    text
+        One line.
+    fits
+        Whether a line does.
+    between
+        What stands between two parts that may be on two lines.
 
     Examples
     --------
@@ -353,12 +390,12 @@ def broken(text: str, fits: Callable[[str], bool]) -> str:
     'a = 1 m, b = 2 m,\nc = 3 m'
     """
     lines: list[str] = []
-    for part in text.split(", "):
-        if lines and fits(f"{lines[-1]}, {part}"):
-            lines[-1] += f", {part}"
+    for part in text.split(between):
+        if lines and fits(f"{lines[-1]}{between}{part}"):
+            lines[-1] += f"{between}{part}"
         else:
             lines.append(part)
-    return ",\n".join(lines)
+    return f"{between.rstrip()}\n".join(lines)
 
 
 def fixed(

@@ -408,3 +408,30 @@ def test_a_figure_is_a_sharp_picture_in_a_notebook(quarter: Any) -> None:
         size = shown["image/png"]
         assert image.size == (2 * size["width"], 2 * size["height"])
         assert 450 < size["width"] < 550  # a phone shows it whole
+
+
+# --- titles ---
+
+
+def _titled() -> list[Callable[[Any], Figure]]:
+    chart = st.stability_map("spinning", x=("at", 1, 4, 9), y=("mu", 0.1, 2, 9))
+    along = st.spectrum("rolling", at=[1.5, 2.0], contact=st.Viscous(0.3))
+    return [
+        lambda title: st.plot_map(chart, title=title),
+        lambda title: st.plot_locus(along, title=title),
+    ]
+
+
+def test_a_long_title_is_broken_into_lines_that_the_figure_holds() -> None:
+    for draw in _titled():
+        assert faults(draw("a title of many words that says which question this one answers")) == []
+
+
+@pytest.mark.parametrize(
+    ("title", "why"),
+    [(r"$\frac{x$", r"cannot read as a formula \(Expected"), (5, "title is 5; give a text")],
+)
+def test_a_title_that_cannot_be_drawn_is_refused(title: Any, why: str) -> None:
+    for draw in _titled():
+        with pytest.raises(ParameterError, match=why):
+            draw(title)
