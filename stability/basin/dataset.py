@@ -292,4 +292,4 @@ def read_basins(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.D
     (2, 2)
     """
     lazy = flag("lazy", lazy)
-    return read_dataset(path, FORMAT, "a store of launches", lazy=lazy, usual=ZARR)
+    return read_dataset(path, {FORMAT: "a store of launches"}, lazy=lazy, usual=ZARR)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from contextlib import suppress
 
 from ..base.citation import Citation, citation
 from .options import answer
@@ -22,18 +21,14 @@ def run(options: argparse.Namespace) -> None:
 
 def _of_file(path: str) -> Citation:
     """What a file says; the readers check it as ever."""
-    from ..base.errors import FileError
     from ..basin.dataset import FORMAT as BASINS
     from ..motion.dataset import FORMAT as MOTION
+    from ..scene.answer import FORMAT as PATH
     from ..spectra.labels import FORMAT as MAP
     from ..storage.datasets import read_dataset
 
-    forms = {MAP: "a map", MOTION: "a motion", BASINS: "launches"}
-    *others, last = forms
-    for form in others:
-        with suppress(FileError), read_dataset(path, form, forms[form], lazy=True) as dataset:
-            return citation(dataset)
-    with read_dataset(path, last, "a map, a motion or launches", lazy=True) as dataset:
+    kinds = {MAP: "a map", MOTION: "a motion", PATH: "the motion of a scene", BASINS: "launches"}
+    with read_dataset(path, kinds, lazy=True) as dataset:
         return citation(dataset)
 
 
@@ -43,7 +38,7 @@ def add_arguments(sub: argparse.ArgumentParser) -> None:
         "file",
         metavar="FILE",
         nargs="?",
-        help="a map, motion or store of launches that this package wrote (.nc or "
+        help="a map, motion (also of a scene) or store of launches that this package wrote (.nc or "
         ".zarr); without it: this package, and the paper of the disk",
     )
     sub.add_argument("--bibtex", action="store_true", help="entries of BibTeX alone")

@@ -114,6 +114,7 @@ def _write(options: argparse.Namespace, answer: Answer, target: Path, name: str)
             list(parts.values()), "law", join="outer", combine_attrs="drop_conflicts"
         ).assign_coords(law=("law", list(parts), {"long_name": "contact law"}))
         dataset.attrs["title"] = f"{name} under several contact laws"
+        dataset.attrs["citation"] = answer.citation
         dataset.attrs["model"] = ", ".join(answer.parts[n].model for n in parts)
     else:
         [dataset] = parts.values()

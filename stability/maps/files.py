@@ -103,4 +103,4 @@ def read_map(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Data
     ...     st.read_map(st.write_map(m, Path(folder) / "map.nc")).identical(m)
     True
     """
-    return read_dataset(path, FORMAT, "a map", lazy=lazy)
+    return read_dataset(path, {FORMAT: "a map"}, lazy=lazy)

@@ -83,4 +83,4 @@ def read_motion(path: str | os.PathLike[str]) -> xarray.Dataset:
     ...     st.read_motion(st.write_motion(run, Path(folder) / "run.nc")).identical(run)
     True
     """
-    return read_dataset(path, FORMAT, "a motion")
+    return read_dataset(path, {FORMAT: "a motion"})

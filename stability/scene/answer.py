@@ -25,6 +25,9 @@ from .rungs.full import kept_until
 from .rungs.track import Finish, Problem, Track
 from .uncertain import Spread, apart
 
+FORMAT = "stability scene 1"
+"""Mark of the motion of a scene."""
+
 
 @dataclass(frozen=True, eq=False)
 class Answer(Record):
@@ -82,7 +85,9 @@ class Answer(Record):
     @cached_property
     def path(self) -> xarray.Dataset | None:
         """The motion, with units and an error at each time; None where there is none."""
-        return None if self.motion is None else dataset(*self.motion, self.model)
+        if self.motion is None:
+            return None
+        return dataset(*self.motion, self.model).assign_attrs(citation=self.citation)
 
     @property
     def chosen(self) -> Rung | None:
@@ -348,6 +353,7 @@ def dataset(problem: Problem, track: Track, model: str) -> xarray.Dataset:
         variables,
         {"time": ("time", track.times * clock, about(launches, "time"))},
         {
+            "format": FORMAT,
             "title": f"{launches.model.title}, by the model {model}",
             "model": model,
             "tolerance": problem.tolerance,

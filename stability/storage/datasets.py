@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..base.errors import FileError
+from ..base.errors import FileError, listed
 from .files import atomic_write
 from .formats import FORMATS, NETCDF, Format, format_named, formats_for
 from .litter import temporary
@@ -117,8 +118,7 @@ def refuse_other(dataset: Any, form: str, source: str) -> None:
 
 def read_dataset(
     path: str | os.PathLike[str],
-    form: str,
-    what: str,
+    kinds: Mapping[str, str],
     *,
     lazy: bool = False,
     usual: Format = NETCDF,
@@ -129,10 +129,8 @@ def read_dataset(
     ----------
     path
         File or folder.
-    form
-        Required value of the attribute `format`.
-    what
-        Expected content, in words.
+    kinds
+        Accepted contents, in words, by the attribute `format` of each.
     lazy
         Whether to leave the data in the file until it is used.
     usual
@@ -147,10 +145,11 @@ def read_dataset(
 
     found = format_named(place(path), usual)
     found.check_installed()
-    dataset: xarray.Dataset = found.read(path, form, what, lazy=lazy)
-    if dataset.attrs.get("format") != form:
+    dataset: xarray.Dataset = found.read(path, lazy=lazy)
+    if str(dataset.attrs.get("format")) not in kinds:
         dataset.close()
-        raise FileError(f"{path_text(path)} is not {what} of this package.")
+        what = listed([*kinds.values()], "or")
+        raise FileError(f"{path_text(path)} is {found.name} but not {what} written by stability.")
     for name, variable in list(dataset.variables.items()):
         if PARTS in variable.dims:
             values = variable.values[..., 0] + 1j * variable.values[..., 1]

@@ -24,8 +24,7 @@ class Format:
     endings: tuple[str, ...]
     """Endings of file names, lower case, the usual one first."""
     read: Callable[..., Any]
-    """(path, form, what, lazy=…) to the dataset whose attribute `format` is `form`, or an error
-    that says that it is not `what`."""
+    """(path, lazy=…) to the dataset, or an error that says why it cannot be read."""
     write: Callable[[Any, Any], None] | None = None
     """Writes a dataset of real arrays to a path, whole."""
     rows: Callable[..., Any] | None = None

@@ -53,7 +53,7 @@ def write(dataset: xarray.Dataset, path: Path) -> None:
     path.write_bytes(sealed(marked.to_netcdf(engine=ENGINE)))
 
 
-def loaded(source: Path, form: str, what: str, *, lazy: bool) -> xarray.Dataset:
+def loaded(source: Path, *, lazy: bool) -> xarray.Dataset:
     """Load a NetCDF file; it is refused before its data are read where it declares too much."""
     import xarray
 
@@ -61,11 +61,6 @@ def loaded(source: Path, form: str, what: str, *, lazy: bool) -> xarray.Dataset:
         check_sizes(source, lazy=lazy)
         file = xarray.open_dataset(source, engine=ENGINE)
         try:
-            markers = {"outcome", "verdict"} & set(file.variables)
-            if str(file.attrs.get("format")) != form or not markers:
-                raise FileError(
-                    f"{path_text(source)} is a NetCDF file but not {what} written by stability."
-                )
             if not lazy:
                 file.load()
         except BaseException:
@@ -146,14 +141,12 @@ def available() -> int | None:
     return None
 
 
-def opened(
-    path: str | os.PathLike[str], form: str, what: str, *, lazy: bool = False
-) -> xarray.Dataset:
+def opened(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Dataset:
     """Open a NetCDF file of this package as a dataset."""
     source = place(path)
     with refusing(source, "read"):
         if not source.is_file():
-            raise FileError(f"{path_text(source)} is not a file; give {what} written by stability.")
+            raise FileError(f"{path_text(source)} is not a file; give one that stability wrote.")
         right = intact(source)
     if right is None:
         _check_head(source)
@@ -163,8 +156,8 @@ def opened(
             "wrong."
         )
     if right is None:  # nothing in the file can be trusted, not even that HDF5 comes to an end
-        _inspect(source, form, what, lazy=lazy)
-    dataset = loaded(source, form, what, lazy=lazy)
+        _inspect(source, lazy=lazy)
+    dataset = loaded(source, lazy=lazy)
     if right is None and (ATTRIBUTE in dataset.attrs or not (lazy or _plausible(dataset))):
         dataset.close()
         raise FileError(
@@ -203,7 +196,7 @@ def _plausible(dataset: xarray.Dataset) -> bool:
     )
 
 
-def _inspect(source: Path, form: str, what: str, *, lazy: bool) -> None:
+def _inspect(source: Path, *, lazy: bool) -> None:
     """Let another process read a file, and refuse the file if the process fails."""
     if not sys.executable:  # Python is embedded: no other process can be started
         return
@@ -213,7 +206,7 @@ def _inspect(source: Path, form: str, what: str, *, lazy: bool) -> None:
         "from stability.storage.netcdf import read_apart; read_apart(*sys.argv[1:])"
     )
     how = "lazy" if lazy else "all"
-    words = [sys.executable, "-c", code, os.fspath(source.absolute()), form, what, how]
+    words = [sys.executable, "-c", code, os.fspath(source.absolute()), how]
     calm = {n: "1" for n in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")}
     try:
         done = subprocess.run(
@@ -247,7 +240,7 @@ def _endless(source: Path) -> str:
     return f"{path_text(source)} is damaged: reading it comes to no end."
 
 
-def read_apart(path: str, form: str, what: str, how: str) -> None:
+def read_apart(path: str, how: str) -> None:
     """Read a file within bounds; for a refused file the process ends with code 2 and a sentence."""
     import h5netcdf  # noqa: F401  # before time and memory are counted
     import xarray  # noqa: F401
@@ -257,7 +250,7 @@ def read_apart(path: str, form: str, what: str, how: str) -> None:
         _bound(SECONDS, MEMORY)
         total = 0 if lazy else check_sizes(source, lazy=False)
         _bound(SECONDS + int(total / RATE), MEMORY + 3 * total)
-        loaded(source, form, what, lazy=lazy).close()
+        loaded(source, lazy=lazy).close()
         answer = ""
     except FileError as error:
         answer = str(error)

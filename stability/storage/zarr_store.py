@@ -237,19 +237,13 @@ def dataset_of(seals: Seals, *, complete: bool = False) -> xarray.Dataset:
     return found
 
 
-def opened_store(
-    path: str | os.PathLike[str], form: str, what: str, *, lazy: bool = False
-) -> xarray.Dataset:
+def opened_store(path: str | os.PathLike[str], *, lazy: bool = False) -> xarray.Dataset:
     """A dataset from a Zarr folder, refused where chunks are missing or damaged.
 
     Parameters
     ----------
     path
         The folder.
-    form
-        Value that its attribute `format` must have.
-    what
-        Words for its content, such as "a map".
     lazy
         Whether to leave the data in the folder until it is used; a damaged chunk is then refused
         when it is read.
@@ -271,7 +265,6 @@ def opened_store(
     try:
         head = json.loads((folder / HEAD).read_bytes())["attributes"]
         asked = json.loads(head[QUESTION])
-        ours = head.get("format") == form
         right = head[PRINT] == fingerprint_of(asked)
         checked = json.loads(asked["the format"])[0] >= CHECKED
         marker = str(head[MARKER])
@@ -283,8 +276,6 @@ def opened_store(
         ) from None
     if bad or not right:
         raise FileError(f"{path_text(path)}: {named(bad or [HEAD])} is damaged; {AGAIN}.")
-    if not ours:
-        raise FileError(f"{path_text(path)} is not {what} of this package.")
     if not checked:
         warned(
             f"{path_text(path)} was written by an earlier version, without checksums, so that "

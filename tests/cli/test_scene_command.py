@@ -274,6 +274,7 @@ def test_the_motion_is_written_with_units_and_its_error(
     assert motion.time.values[[0, -1]].tolist() == [0.0, 2.0]
     assert len(motion.time) > 100
     assert motion.omega3.attrs["unit_in_words"] == "√(g/R)"
+    assert output(capsys, "cite", str(target)) == st.citation(motion).text + "\n"
     scene = st.Scene.from_toml(path)
     run = st.simulate(
         scene.disk, scene.contact, scene.start, motion.time.values[1:], tolerance=1e-12, check=False
@@ -293,6 +294,7 @@ def test_motions_under_several_laws_are_one_file(
     with xarray.open_dataset(target, engine="h5netcdf") as file:
         motion = file.load()
     assert motion.law.values.tolist() == ["viscous", "linear", "dry", "rough", "smooth"]
+    assert "przybylska2016" in motion.attrs["citation"]
     parts = st.Scene.from_toml(FOLDER / "rolled-coin.toml").answer().parts
     for name, part in parts.items():
         assert part.path is not None
