@@ -7,6 +7,7 @@ import json
 import math
 import re
 import runpy
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -100,7 +101,18 @@ def _run(page: str) -> dict[str, Any]:
     assert blocks
     space: dict[str, Any] = {}
     for block in blocks:
+        printed: dict[int, list[str]] = {}
+
+        def record(*values: Any, _printed: dict[int, list[str]] = printed) -> None:
+            line = sys._getframe(1).f_lineno
+            _printed.setdefault(line, []).append(" ".join(map(str, values)))
+
+        space["print"] = record
         exec(compile(block, page, "exec"), space)
+        for number, line in enumerate(block.splitlines(), 1):
+            if said := re.search(r"  # prints (.*?)(…?)$", line):
+                first = printed[number][0]
+                assert first.startswith(said[1]) if said[2] else first == said[1], line
     return space
 
 
