@@ -16,6 +16,8 @@ from judged_systems import Oracle, accept, judge_all
 from random_boundaries import judge_search, search
 from random_systems import MAKERS, case, hop
 
+from stability.base.verdict import Verdict
+
 SEED = int(os.environ.get("STABILITY_SEED", "1"))
 SYSTEMS = int(os.environ.get("STABILITY_SYSTEMS", "20000"))
 
@@ -93,8 +95,8 @@ def wrong_claims(kind: str, seeds: range) -> tuple[list[str], Counter[str]]:
 
 def answered(count: Counter[str]) -> float:
     """Share of what was asked that has a verdict."""
-    decided = sum(n for word, n in count.items() if word.split()[-1] in ("stable", "unstable"))
-    decided += count["certified neutral"] + count["default neutral"]
+    words = {v.word for v in Verdict} - {Verdict.UNDECIDED.word}
+    decided = sum(n for word, n in count.items() if word.split()[-1] in words)
     return decided / max(1, count.total() - count["not judged"])
 
 
