@@ -10,7 +10,6 @@ from operator import itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from ..base.types import Floats
 from ..storage.chunks import Arrays, Block
@@ -175,6 +174,8 @@ def _along_borders(
     A line of length L parts a share f of the pairs at distance r, f = 2 L r/(π A), and passes
     through 4 L/π cells of a lattice (Buffon).
     """
+    from scipy.spatial import KDTree
+
     labels, near = coded(found["outcome"], found["family"]), min(NEAR, len(cells) - 1)
     if not near:
         return 0
