@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.types import Floats
+from ..integrators.lanes import STRIDE, lanes_of_batch
 from ..storage.chunks import Arrays, Block
 from .basins import Plan
 from .dataset import arrays
-from .lanes import STRIDE, lanes_of_batch
 from .launch_labels import coded
 from .outcomes import outcomes
 from .refinement import expected_launches
