@@ -39,8 +39,9 @@ from .taylor import (
     sound,
 )
 
-STRIDE = 128
-"""Steps of a lane between two looks of the watcher."""
+STRIDE, UNSEEN = 128, 256
+"""Steps of a lane between two looks of the watcher, and of a lane without one: its launches are
+replaced later, but fewer calls are made."""
 WIDTH = 2
 """Lanes of a batch over those of the processor's registers: fewer calls of the library."""
 TURNS = 256
@@ -266,7 +267,7 @@ class _Run:
         carried, stride = self.lanes[at], STRIDE
         if self.watch is None:
             mine = carried[carried >= 0]
-            stride = int(min(STRIDE, (self.most[mine] - self.found.steps[mine]).min()))
+            stride = int(min(UNSEEN, (self.most[mine] - self.found.steps[mine]).min()))
         results = self._propagate(at, self.last[at], stride)
         # the library says of all lanes at once that they have reached their limit of steps
         if results[0][0] == self.full and (batch.time < self.last[at]).all():

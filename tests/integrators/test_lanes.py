@@ -139,7 +139,10 @@ def test_samples_are_those_of_each_launch_alone_whatever_its_neighbours_do() -> 
     assert (some.steps == found.steps[order]).all()
 
 
-def test_a_launch_that_stops_just_before_a_sample_fails_and_the_others_go_on() -> None:
+def test_a_launch_that_stops_just_before_a_sample_fails_and_the_others_go_on(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(lanes, "STRIDE", lanes.UNSEEN)
     f, (y, p) = flow("viscous"), many(2, 0.05)
     stops: list[float] = []
 
