@@ -24,11 +24,11 @@ import numpy as np
 import stability as st
 from stability.basin.basins import planned
 from stability.basin.cost import predict
-from stability.basin.lanes import lean_of
 from stability.basin.launches import prepare
 from stability.basin.outcomes import outcomes
 from stability.integrators import taylor
 from stability.integrators.flow import flow, flow_of
+from stability.integrators.lanes import lean_of
 from stability.motion.result import BY_CODE, Settings
 from stability.motion.starts import Starts
 
@@ -95,13 +95,17 @@ def raw(some: Starts, tolerance: float, most: int, *, short: bool = False) -> fl
 
 
 class _Park:
-    """Puts an ended lane on a motion that needs few steps."""
+    """Puts an ended lane on a stable upright spin without friction, which needs few steps."""
 
     def __init__(self, some: Starts) -> None:
-        self.park = some.model.parking
+        p = some.model.system.parameters
+        self.friction = [p.index(n) for n in ("mu",) if n in p]
 
     def __call__(self, batch: Any, _sign: int, lane: int) -> bool:
-        self.park(batch.state, batch.pars, lane)
+        batch.state[:, lane] = 0.0
+        batch.state[0, lane] = np.pi / 2
+        batch.state[2, lane] = 2.0 / np.sqrt(batch.pars[0, lane])
+        batch.pars[self.friction, lane] = 0.0
         return True
 
 

@@ -21,9 +21,17 @@ from pathlib import Path
 SIMULATE = "import stability as st; st.simulate(st.Disk(), st.Viscous(0.3), {}, {})"
 START = {"theta": 1.5, "phi_dot": 0.1, "omega3": 1.8}
 COMMAND = ["-m", "stability"]
+CALL = "import stability as st; st."
 WAITS = {
     "python": ["-c", "pass"],
+    "casadi, numpy": ["-c", "import casadi, numpy"],
+    "and xarray": ["-c", "import casadi, numpy, xarray"],
     "import stability": ["-c", "import stability"],
+    "spectrum, call": ["-c", CALL + "spectrum('rolling', at=1.8, contact=st.Viscous(0.3))"],
+    "map, 80 x 60": [
+        "-c",
+        CALL + "stability_map('rolling', x=('at', 0, 2, 80), y=('mu', 0.1, 2, 60))",
+    ],
     "spectrum": [*COMMAND, "spectrum", "rolling", "--at", "1.8", "--mu", "0.3"],
     "simulate, 10": ["-c", SIMULATE.format(START, 10.0)],
     "simulate, 100": ["-c", SIMULATE.format(START, 100.0)],

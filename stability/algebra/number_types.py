@@ -10,7 +10,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache, lru_cache, partial
 from importlib import import_module
-from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from math import prod
 from threading import RLock
@@ -225,6 +224,8 @@ class _FunctionsLater:
 
 def _known() -> bool:
     """Whether this heyoka was tested with the stand-in; another one may use SymPy on import."""
+    from importlib.metadata import PackageNotFoundError, version  # slow to import
+
     try:
         return version("heyoka") in TESTED
     except PackageNotFoundError:

@@ -55,7 +55,7 @@ def real_numbers(name: str, value: Any) -> NDArray[np.float64]:
         given = np.asarray(value)
         if given.dtype.kind not in "iufO":
             raise TypeError  # truth values, complex numbers, text, dates, records
-        if np.ma.is_masked(value):
+        if hasattr(value, "mask") and np.ma.is_masked(value):  # the module is slow to import
             raise ParameterError(f"{name} has masked entries; give numbers only.")
         if given.dtype.kind == "O" and any(
             entry is None or isinstance(entry, (str, bytes, bool, complex)) for entry in given.flat

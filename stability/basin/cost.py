@@ -10,13 +10,12 @@ from operator import itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 
 from ..base.types import Floats
+from ..integrators.lanes import STRIDE, lanes_of_batch
 from ..storage.chunks import Arrays, Block
 from .basins import Plan
 from .dataset import arrays
-from .lanes import STRIDE, lanes_of_batch
 from .launch_labels import coded
 from .outcomes import outcomes
 from .refinement import expected_launches
@@ -175,6 +174,8 @@ def _along_borders(
     A line of length L parts a share f of the pairs at distance r, f = 2 L r/(π A), and passes
     through 4 L/π cells of a lattice (Buffon).
     """
+    from scipy.spatial import KDTree
+
     labels, near = coded(found["outcome"], found["family"]), min(NEAR, len(cells) - 1)
     if not near:
         return 0

@@ -11,23 +11,21 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..algebra.program import Program
 from ..base.types import Floats
 from ..bodies.model import FLAT, LIFT_OFF, NO_CONTACT
 from ..integrators.flow import ASKING, Flow, flow_of
-from ..integrators.taylor import NEWTON, available, longest_shift, unread
+from ..integrators.lanes import EVENT, FAILED, LASTED, PROVED, ends, lean_of
+from ..integrators.taylor import at_guards, available, unread
 from ..motion.error_estimate import signs
 from ..motion.result import CODES, OF_END, Outcome, Settings
 from ..motion.run import TOGETHER, results
 from ..motion.starts import Starts
 from ..settling.settling import NONE, Settling, Watcher
-from .lanes import EVENT, FAILED, LASTED, PROVED, ends, lean_of
 
 LOOSER = 100.0
 """Tolerance of the second run over that of the first."""
@@ -198,33 +196,10 @@ def _judged(
     return run
 
 
-@lru_cache(maxsize=64)
-def _rates(flow: Flow) -> Program:
-    """The rates of many states; read from the graph once for each flow."""
-    return Program(flow.rates)
-
-
 def _events(run: _Run, flow: Flow, rows: NDArray[np.intp], p: Floats, horizon: Floats) -> None:
-    """Move events along the motion to their guards' zeros, and name them.
-
-    An event lies on the polynomial of a step, next to the zero.
-    """
-    names = list(flow.guards)
-    y, times, given = run.state[rows].copy(), run.time[rows].copy(), p[rows]
-    values, _ = flow.margins(y, given)
-    which = np.argmin(np.abs(values), axis=1)
-    pick = np.arange(len(rows))
-    rates, most = _rates(flow), longest_shift(flow, horizon[rows])
-    for _ in range(NEWTON):
-        values, speeds = flow.margins(y, given)
-        value, speed = values[pick, which], speeds[pick, which]
-        with np.errstate(all="ignore"):
-            step = np.where(speed < 0, -value / speed, 0.0)
-            moving = rates.arrays([list(y.T), list(given.T)], y.shape[:1])[0][..., 0]
-            good = (np.abs(step) < most) & np.isfinite(moving).all(axis=1)
-        step = np.where(good, step, 0.0)
-        times += step
-        y += step[:, None] * np.where(good[:, None], moving, 0.0)
+    """Name events, and move them along the motion to the zeros of their guards."""
+    names, given = list(flow.guards), p[rows]
+    which, times, y = at_guards(flow, given, run.state[rows], run.time[rows], horizon[rows])
     run.state[rows], run.time[rows] = y, times
     for kind in set(which.tolist()):
         mine = rows[which == kind]

@@ -162,10 +162,9 @@ class Model:
     """Indices in y of the angular velocities, which give the pace of the motion."""
     sliding: tuple[int, ...] = ()
     """Indices in y of the entries that soon decay if stiff; stiffness is found without them too."""
-    parking: Callable[[Any, Any, int], None] | None = None
-    """Puts one lane of a batch (states, parameters, lane) on a motion that needs few steps."""
     sound: Callable[[Any], bool] | None = None
-    """Cheap test that no guard failed at states, shape (t, n); None: all guards are evaluated."""
+    """Cheap test that no guard failed at states, shape (t, n), by which heyoka may watch for one
+    event, the product of the guards; None: it watches for each, and all guards are evaluated."""
     chart: Chart | None = None
     """How reported states follow from y; None where y begins with them."""
     short: Callable[[Model], Model] | None = None

@@ -21,14 +21,14 @@ import numpy as np
 
 from ..base.types import Floats
 from .contact_laws import Contact
-from .model import Chart, Model
+from .model import WORK, Chart, Model
 
 NAMES = ("theta", "theta_dot", "momentum", "omega3", "velocity_x", "velocity_y")
 """Names of the states: the momentum is φ̇ sinθ, the velocity that of the centre."""
 
 
 def momenta_model(law: type[Contact], whole: Model) -> Model:
-    """The disk in momenta under a law whose slip is a state; the energy lost is not counted.
+    """The disk in momenta under a law whose slip is a state.
 
     Parameters
     ----------
@@ -46,15 +46,17 @@ def momenta_model(law: type[Contact], whole: Model) -> Model:
     >>> from stability.bodies.contact_laws import Viscous
     >>> from stability.bodies.thin_disk import disk_model
     >>> momenta_model(Viscous, disk_model("viscous")).names
-    ('theta', 'theta_dot', 'momentum', 'omega3', 'velocity_x', 'velocity_y')
+    ('theta', 'theta_dot', 'momentum', 'omega3', 'velocity_x', 'velocity_y', 'work')
     """
-    z = ca.SX.sym("z", len(NAMES))
+    z, work = ca.SX.sym("z", len(NAMES)), ca.SX.sym(WORK)
     k, flat = whole.p[0], whole.p[-1]
     theta, turning, momentum, omega3, vx, vy = ca.vertsplit(z)
     s, c = ca.sin(theta), ca.cos(theta)
     rising = turning * s
     slip = [vx - rising, vy + omega3]
-    bare, share = _parts(law, slip, ca.vertsplit(whole.p[1:-1]))
+    mu = ca.vertsplit(whole.p[1:-1])
+    stated, numbers = law.__new__(law), mu[0] if len(mu) == 1 else tuple(mu)
+    bare, share = _parts(stated, slip, numbers)
     phi_dot = momentum / s
     excess = phi_dot * c - 2 * omega3
     gyroscopic = momentum * excess
@@ -70,21 +72,21 @@ def momenta_model(law: type[Contact], whole: Model) -> Model:
         (fy / k) / 2,
         phi_dot * vy + fx,
         fy - phi_dot * vx,
+        stated.power(slip, normal, numbers),
     )
     guards = dict(zip(whole.guards, (pressing, s - flat, determinant), strict=False))
     return Model(
         whole.system,
         whole.states,
-        z,
+        ca.vertcat(z, work),
         whole.p,
         rates,
-        NAMES,
+        (*NAMES, WORK),
         guards,
         whole.words,
         quantities=whole.quantities,
         friction=whole.friction,
         turning=(1, 3),
-        parking=whole.parking,
         sound=whole.sound,
         chart=Chart(pack, report, _along),
         title=whole.title,
@@ -92,18 +94,17 @@ def momenta_model(law: type[Contact], whole: Model) -> Model:
     )
 
 
-def _parts(law: type[Contact], slip: list[ca.SX], mu: list[ca.SX]) -> tuple[Any, Any]:
+def _parts(law: Contact, slip: list[ca.SX], numbers: Any) -> tuple[Any, Any]:
     """The parts f and h of the law's force f + N h, which is linear in the normal force."""
     normal = ca.SX.sym("normal")
-    numbers: Any = mu[0] if len(mu) == 1 else tuple(mu)
-    force = ca.vertcat(*law.__new__(law).force(slip, normal, numbers))
+    force = ca.vertcat(*law.force(slip, normal, numbers))
     share = ca.jacobian(force, normal)
     bare = ca.substitute(force, normal, ca.SX(0))
     return ca.vertsplit(bare), ca.vertsplit(share)
 
 
 def pack(states: Floats) -> Floats:
-    """The six states in momenta.
+    """The six states in momenta; no work is done.
 
     Parameters
     ----------
@@ -113,12 +114,12 @@ def pack(states: Floats) -> Floats:
     Examples
     --------
     >>> pack(np.array([np.pi / 2, 0.1, 2.0, 0.5, 0.0, 0.25])).tolist()
-    [1.5707963267948966, 0.1, 2.0, 0.5, 0.1, -0.25]
+    [1.5707963267948966, 0.1, 2.0, 0.5, 0.1, -0.25, 0.0]
     """
     theta, turning, phi_dot, omega3, slip_x, slip_y = np.moveaxis(states, -1, 0)
     s = np.sin(theta)
     own = [theta, turning, phi_dot * s, omega3, slip_x + turning * s, slip_y - omega3]
-    return np.stack(own, axis=-1)
+    return np.stack([*own, np.zeros_like(theta)], axis=-1)
 
 
 def report(z: Floats) -> Floats:
@@ -127,9 +128,9 @@ def report(z: Floats) -> Floats:
     Parameters
     ----------
     z
-        States in momenta, shape (…, 6).
+        States in momenta, and possibly the work, shape (…, 6) or (…, 7).
     """
-    theta, turning, momentum, omega3, vx, vy = np.moveaxis(z, -1, 0)
+    theta, turning, momentum, omega3, vx, vy = np.moveaxis(z[..., :6], -1, 0)
     s = np.sin(theta)
     return np.stack([theta, turning, momentum / s, omega3, vx - turning * s, vy + omega3], axis=-1)
 

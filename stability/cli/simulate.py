@@ -122,7 +122,7 @@ def _record(
 
     errors = {n: float(dataset[n]) if n in dataset else None for n in ERRORS}
     return {
-        "final": {name: float(dataset[name][-1]) for name in subject.states},
+        "final": {name: float(dataset[name].values[-1]) for name in subject.states},
         "time": float(dataset.end_time),
         "outcome": BY_CODE[int(dataset.outcome)].word,
         **errors,

@@ -125,6 +125,15 @@ class Flow:
         )
 
     @cached_property
+    def _rates_program(self) -> Program:
+        return Program(self.rates)
+
+    def rates_at(self, y: Floats, p: Floats) -> Floats:
+        """dy/dt at many points, shapes (N, n) and (N, m) to (N, n)."""
+        found: Floats = self._rates_program.arrays([list(y.T), list(p.T)], y.shape[:1])[0][..., 0]
+        return found
+
+    @cached_property
     def _jacobian_program(self) -> Program:
         return Program(self.jacobian)
 

@@ -227,9 +227,3 @@ class Integrator:
     def __call__(self, leg: Leg) -> Path:
         """Run a leg."""
         return self.run(leg)
-
-
-def guard_at(flow: Flow, p: Floats, state: Floats) -> str:
-    """The guard that is zero at an event: the guard of least absolute value."""
-    values, _ = flow.margins(state, p)
-    return list(flow.guards)[int(np.argmin(np.abs(values)))]

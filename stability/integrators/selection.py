@@ -20,6 +20,7 @@ from ..base.types import Floats, Progress
 from ..jobs.pipeline import Counted, here, ordered, shared
 from . import taylor
 from .flow import ASKING, Evaluator, Flow
+from .lanes import ALONE, integrate_many
 from .leg import UNRESOLVED, Budget, End, Integrator, Leg, Path
 from .registry import PLACES
 
@@ -162,7 +163,7 @@ def _unfit(flow: Flow) -> str:
     """Why heyoka does not take a flow; empty where it does."""
     if flow.length > COMPILED:
         return "is long in compiling the graph"
-    if flow.model.parking is None and taylor.unread(flow):
+    if taylor.unread(flow):
         return "cannot read the graph"
     return ""
 
@@ -174,18 +175,18 @@ def choose(legs: Sequence[Leg]) -> list[Choice]:
     the stiffness.  The number of an implicit method's steps does not, but grows faster as the
     tolerance falls.  `benchmarks/motion.py` draws both curves.
     """
-    turns = np.array([_turn(leg) for leg in legs])
+    turns, name = _turns(legs), explicit(legs[0].flow)
     found = zip(legs, turns.tolist(), stiffness(legs, turns).tolist(), strict=True)
-    return [_choice(leg, turn, stiff) for leg, turn, stiff in found]
+    return [_choice(leg, name, turn, stiff) for leg, turn, stiff in found]
 
 
-def _choice(leg: Leg, turn: float, stiff: float) -> Choice:
+def _choice(leg: Leg, name: str, turn: float, stiff: float) -> Choice:
     if stiff > turn:
         return Choice("cvodes", f"stiffness {stiff:.3g} above {turn:.3g}: implicit is cheaper")
-    name, only = explicit(leg.flow), ""
+    only = ""
     if name != HEYOKA and taylor.available():
         only = f", and heyoka {_unfit(leg.flow)}"
-    elif not taylor.available():
+    elif name != HEYOKA:
         only = ", and heyoka is not installed"
         if leg.tolerance > EXPLICIT_TIGHT:
             name, only = "cvodes", ", but heyoka is not installed"
@@ -193,8 +194,11 @@ def _choice(leg: Leg, turn: float, stiff: float) -> Choice:
     return Choice(name, why)
 
 
-def _turn(leg: Leg) -> float:
-    return float(METHODS[explicit(leg.flow)].turn * (leg.tolerance / 1e-6) ** -TURN_POWER)
+def _turns(legs: Sequence[Leg]) -> Floats:
+    """Stiffness of each leg of one flow above which an implicit method is cheaper."""
+    tolerances = np.array([leg.tolerance for leg in legs])
+    turns: Floats = METHODS[explicit(legs[0].flow)].turn * (tolerances / 1e-6) ** -TURN_POWER
+    return turns
 
 
 def _share(leg: Leg) -> int:
@@ -202,13 +206,17 @@ def _share(leg: Leg) -> int:
     return max(leg.max_steps // SHARE, 1)
 
 
-def _patient(leg: Leg) -> Leg:
-    """The leg with at most the steps of an explicit method where that is the cheaper one."""
-    length = leg.times[-1:] - leg.times[:1]
+def _patient(legs: Sequence[Leg], choices: Sequence[Choice]) -> list[Leg]:
+    """The legs, with few steps where an explicit method was chosen: then implicit is cheaper."""
+    starts, p = np.array([leg.start for leg in legs]), np.array([leg.p for leg in legs])
+    lengths = np.array([leg.times[-1] - leg.times[0] for leg in legs])
     with np.errstate(over="ignore"):  # an endless span asks for the steps that a leg has
-        span = float((length * leg.flow.paces(leg.start[None], leg.p[None], length))[0])
-    most = 20_000 + PATIENCE * _turn(leg) * span
-    return replace(leg, max_steps=int(min(_share(leg), most)))
+        spans = lengths * legs[0].flow.paces(starts, p, lengths)
+        most = 20_000 + PATIENCE * _turns(legs) * spans
+    return [
+        leg if choice.method == "cvodes" else replace(leg, max_steps=int(min(_share(leg), steps)))
+        for leg, choice, steps in zip(legs, choices, most.tolist(), strict=True)
+    ]
 
 
 def run(
@@ -243,10 +251,7 @@ def run(
     choices = choose(legs) if auto else [Choice(method, "asked for")] * len(legs)
     asked = legs
     if auto:
-        legs = [
-            _patient(leg) if choice.method != "cvodes" else leg
-            for leg, choice in zip(legs, choices, strict=True)
-        ]
+        legs = _patient(legs, choices)
     paths: list[Path | None] = [None] * len(legs)
     counted = Counted(progress, len(legs))
     groups: dict[float, list[int]] = {}
@@ -254,10 +259,9 @@ def run(
         if choice.method == HEYOKA:
             groups.setdefault(leg.tolerance, []).append(i)
     for mine in groups.values():
-        which = legs[mine[0]].flow
-        if len(mine) == 1 or (which.guards and which.model.parking is None):
+        if len(mine) <= ALONE:
             continue
-        found = taylor.integrate_many([legs[i] for i in mine], workers, counted, executor)
+        found = integrate_many([legs[i] for i in mine], workers, counted, executor)
         for i, path in zip(mine, found, strict=True):
             paths[i] = path
     left = [i for i, p in enumerate(paths) if p is None or (auto and _gave_up(p, asked[i]))]
@@ -311,7 +315,7 @@ def _stiff_at(leg: Leg, end: End) -> bool:
     """Whether a leg is stiff where an explicit method gave up; at the start it was not."""
     here = replace(leg, start=end.state)
     with np.errstate(all="ignore"):
-        return bool(stiffness([here])[0] > _turn(leg))
+        return bool(stiffness([here])[0] > _turns([leg])[0])
 
 
 def _timed(method: str, leg: Leg) -> Path:

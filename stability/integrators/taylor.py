@@ -1,4 +1,4 @@
-"""The Taylor route: heyoka integrates the same graph, one launch or many at once (optional)."""
+"""The Taylor route: heyoka integrates the same graph (optional); many launches are in `lanes`."""
 
 from __future__ import annotations
 
@@ -6,25 +6,24 @@ import copy
 import importlib.util
 import math
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor
-from contextlib import closing, contextmanager
-from dataclasses import dataclass, replace
-from functools import cache, lru_cache, partial
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from functools import cache, lru_cache
 from threading import Lock
 from typing import Any
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from ..algebra.number_types import heyoka, heyoka_algebra
 from ..algebra.program import Program
 from ..base.errors import StabilityError
 from ..base.types import Floats
 from ..bodies.model import NO_CONTACT
-from ..jobs.pipeline import Counted, here, ordered, shared, threads
-from .flow import ASKING, Flow
-from .leg import UNRESOLVED, Budget, End, Integrator, Leg, Path, guard_at, lost, too_many
+from .flow import Flow
+from .leg import UNRESOLVED, Budget, End, Integrator, Leg, Path, lost, too_many
 
 CORES = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 """Default number of threads for batches."""
@@ -42,8 +41,6 @@ QUIET = 20_000
 take less time than optimising their machine code: it is optimised for longer runs alone."""
 QUICK, OPTIMISED = 0, 3
 """Effort of the compiler."""
-FEW = 64
-"""Largest number of launches that first run by code made quickly."""
 
 
 @cache
@@ -64,10 +61,11 @@ def unread(flow: Flow) -> str:
     return ""
 
 
+@lru_cache(maxsize=64)
 def expressions(flow: Flow) -> tuple[list[Any], list[Any], list[Any]]:
-    """Symbols, rates and events; lanes of a batch have one event, the product of the guards."""
+    """Symbols, rates and events: the guards, or their product where `sound` tells what it hides."""
     hy = heyoka()
-    product, own = ca.SX(1), flow.model.parking is None
+    product, own = ca.SX(1), flow.model.sound is None
     for name, guard in flow.guards.items():
         if name == NO_CONTACT and flow.friction:
             continue  # it vanishes with gn D only: a change of both signs would hide in the product
@@ -90,17 +88,20 @@ def compact(flow: Flow) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class _Held:
+class Compiled:
     """A compiled integrator, lent to one thread at a time."""
 
-    spare: list[Any]
-    """Copies that are not in use."""
     build: Callable[[], Any]
     """Function that makes the first copy."""
-    lock: Any
+    most: int = CORES
+    """Most copies that are kept."""
+    spare: list[Any] = field(default_factory=list)
+    """Copies that are not in use."""
+    lock: Any = field(default_factory=Lock)
     """Lock of the list."""
 
     def take(self) -> Any:
+        """A copy for the calling thread."""
         with self.lock:
             if len(self.spare) > 1:
                 return self.spare.pop()
@@ -109,13 +110,14 @@ class _Held:
             return copy.deepcopy(self.spare[0])
 
     def give(self, integrator: Any) -> None:
+        """Take a copy back."""
         with self.lock:
-            if len(self.spare) <= CORES:
+            if len(self.spare) <= self.most:
                 self.spare.append(integrator)
 
 
 @lru_cache(maxsize=64)
-def _single(flow: Flow, tolerance: float, effort: int) -> _Held:
+def _single(flow: Flow, tolerance: float, effort: int) -> Compiled:
     def build() -> Any:
         hy = heyoka()
         symbols, rates, guards = expressions(flow)
@@ -129,10 +131,10 @@ def _single(flow: Flow, tolerance: float, effort: int) -> _Held:
             t_events=[hy.t_event(guard, direction=down) for guard in guards],
         )
 
-    return _Held([], build, Lock())
+    return Compiled(build)
 
 
-def _taken(leg: Leg, effort: int) -> tuple[_Held, Any]:
+def _taken(leg: Leg, effort: int) -> tuple[Compiled, Any]:
     """A compiled integrator at the start of a leg, and what it is to be given back to."""
     held = _single(leg.flow, max(leg.tolerance, FINEST), effort)
     ta = held.take()
@@ -179,7 +181,7 @@ def integrate(leg: Leg) -> Path:
             end = replace(end, message=message)
         states = states[: max(1, int(np.searchsorted(leg.times, end.time)))]
     held.give(ta)
-    return _sound(leg, Path(np.asarray(states), end, int(steps)))
+    return sound(leg, Path(np.asarray(states), end, int(steps)))
 
 
 def _longest(leg: Leg) -> float:
@@ -189,7 +191,7 @@ def _longest(leg: Leg) -> float:
     return float(leg.times[-1] - leg.times[0]) / (PIECES + 7 * abs(math.log10(leg.tolerance)))
 
 
-def _sound(leg: Leg, path: Path) -> Path:
+def sound(leg: Leg, path: Path) -> Path:
     """The path, or an unresolved one where an event was lost: a guard is not positive at a sample.
 
     heyoka logs a root that it could not isolate, and continues.
@@ -211,182 +213,59 @@ def _end(leg: Leg, outcome: Any, ta: Any, states: Floats) -> End:
         good = max(0, int(np.isfinite(states).all(axis=1).sum()) - 1)  # the start is one of them
         time, state = float(leg.times[good]), states[good] if len(states) else leg.start
     elif int(outcome) > -(2**32) - 1:
-        return _on_guard(leg, time, state)
+        return on_guards([leg], np.array([time]), state[None])[0]
     why = too_many(leg.max_steps) if outcome.name == "step_limit" else lost("heyoka", state)
     return End(UNRESOLVED, time, state, why)
 
 
-def longest_shift(flow: Flow, span: Any) -> Any:
-    """Longest step that moves an event to its guard's zero in a run of some length."""
-    return SHIFT if flow.model.turning else SHIFT * np.minimum(1.0, span)
+def at_guards(
+    flow: Flow, p: Floats, states: Floats, times: Floats, spans: Floats
+) -> tuple[NDArray[np.intp], Floats, Floats]:
+    """Events moved along the motion to where their guards are zero.
 
-
-def _on_guard(leg: Leg, time: float, state: Floats) -> End:
-    """The end at an event, moved along the motion to where its guard is zero.
-
-    At a loose tolerance the event lies on the step's polynomial, next to the guard's zero.
-    """
-    kind = guard_at(leg.flow, leg.p, state)
-    index = list(leg.flow.guards).index(kind)
-    rates = leg.flow.quick.rates
-    most = longest_shift(leg.flow, float(leg.times[-1] - leg.times[0]))
-    for _ in range(NEWTON):
-        value, rate = (float(part[index]) for part in leg.flow.margins(state, leg.p))
-        step = -value / rate if rate < 0 else 0.0
-        moving = rates(leg.p, state)
-        # no step at a crossing that flattens, or where the force has no value
-        if not abs(step) < most or not np.isfinite(moving).all():
-            break
-        time, state = time + step, state + step * moving
-    return End(kind, time, state)
-
-
-class _Stop:
-    """Records the end of a lane of a batch, and parks the lane.
-
-    The other lanes continue, so the ended lane must follow a motion: that of the model's parking.
-    """
-
-    def __init__(self, parking: Callable[[Any, Any, int], None]) -> None:
-        self.ends: dict[int, tuple[float, Floats]] = {}
-        self.parking = parking
-
-    def __call__(self, ta: Any, _sign: Any, lane: int) -> bool:
-        if lane not in self.ends:
-            self.ends[lane] = float(ta.time[lane]), ta.state[:, lane].copy()
-        self.parking(ta.state, ta.pars, lane)
-        return True
-
-
-@lru_cache(maxsize=64)
-def _batch(flow: Flow, tolerance: float, width: int, effort: int) -> _Held:
-    def build() -> Any:
-        hy = heyoka()
-        symbols, rates, guards = expressions(flow)
-        down, events, more = hy.event_direction.negative, [], {}
-        if flow.model.parking is not None:
-            more = {"pars": np.ones((flow.p.numel(), width))}
-            stop = _Stop(flow.model.parking)
-            events = [hy.t_event_batch(guards[0], callback=stop, direction=down)]
-        return hy.taylor_adaptive_batch(
-            list(zip(symbols, rates, strict=True)),
-            np.zeros((len(symbols), width)),
-            tol=tolerance,
-            t_events=events,
-            compact_mode=compact(flow),
-            opt_level=effort,
-            **more,
-        )
-
-    return _Held([], build, Lock())
-
-
-def integrate_many(
-    legs: Sequence[Leg],
-    workers: int | None = None,
-    progress: Counted | None = None,
-    executor: Executor | None = None,
-) -> list[Path]:
-    """Run many legs of one flow and tolerance: as many at once as the processor has lanes.
-
-    A flow with guards needs a model that parks the lanes that have ended.
+    At a loose tolerance an event lies on the polynomial of a step, next to the guard's zero.
 
     Parameters
     ----------
-    legs
-        Legs that share flow, number of times and tolerance.
-    workers
-        Number of threads; by default that of the cores.  Each has its own integrator.
-    progress
-        Counts the legs of each batch when the batch is finished.
-    executor
-        Executor in place of the threads, or None.
+    flow
+        The flow.
+    p, states
+        Its parameters and y at the events, shapes (N, m) and (N, n).
+    times, spans
+        Times of the events, and lengths of their runs, shape (N,).
 
     Returns
     -------
-    list of Path
-        In the order of the legs; a lane's result does not depend on the number of workers.
+    which, times, states
+        Number of the guard that is zero, and the moved event.
     """
-    hy = heyoka()
-    width: int = hy.recommended_simd_size()
-    groups = [range(i, min(i + width, len(legs))) for i in range(0, len(legs), width)]
-    flow, count = shared(legs[0].flow, executor), min(workers or CORES, len(groups))
-    first = QUICK if len(legs) <= FEW else OPTIMISED
-
-    def task(group: range) -> Callable[[], list[Path]]:
-        return partial(_together, flow, width, first, [legs[i].numbers for i in group])
-
-    with closing(
-        ordered(
-            groups,
-            task,
-            executor=executor,
-            workers=count,
-            own=threads if count > 1 else here,
-            progress=progress,
-            size=len,
-        )
-    ) as results:
-        return [path for _, paths in results for path in paths]
+    which, pick = np.argmin(np.abs(flow.margins(states, p)[0]), axis=1), np.arange(len(states))
+    longest = SHIFT if flow.model.turning else SHIFT * np.minimum(1.0, spans)
+    for _ in range(NEWTON):
+        values, rates = (part[pick, which] for part in flow.margins(states, p))
+        with np.errstate(all="ignore"):
+            step = np.where(rates < 0, -values / rates, 0.0)
+            moving = flow.rates_at(states, p)
+            # no step at a crossing that flattens, or where the force has no value
+            good = (np.abs(step) < longest) & np.isfinite(moving).all(axis=1)
+        step = np.where(good, step, 0.0)
+        times = times + step
+        states = states + step[:, None] * np.where(good[:, None], moving, 0.0)
+    return which, times, states
 
 
-def _together(
-    flow: Callable[[], Flow], width: int, effort: int, numbers: list[tuple[Any, ...]]
-) -> list[Path]:
-    """One batch, in a worker."""
-    return _lanes([Leg(flow(), *some) for some in numbers], width, effort)
-
-
-def _lanes(legs: list[Leg], width: int, effort: int, budget: Budget | None = None) -> list[Path]:
-    """One batch; lanes that have no launch repeat the last one.
-
-    Without a budget it begins with `QUIET` steps; where they do not suffice it runs again with one.
-    """
-    hy = heyoka()
-    held = _batch(legs[0].flow, max(legs[0].tolerance, FINEST), width, effort)
-    ta = held.take()
-    filled = legs + legs[-1:] * (width - len(legs))
-    ends = ta.t_events[0].callback.ends if ta.with_events else {}
-    ta.state[:] = np.column_stack([leg.start for leg in filled])
-    ta.pars[:] = np.column_stack([leg.p for leg in filled])[: len(ta.pars)]
-    ta.set_time([float(leg.times[0]) for leg in filled])
-    if ta.with_events:
-        ta.reset_cooldowns()
-    ends.clear()
-    most = max(leg.max_steps for leg in legs)
-    steps, watch = (min(QUIET, most), {}) if budget is None else (most, {"callback": budget})
-    states = ta.propagate_grid(
-        np.column_stack([leg.times for leg in filled]),
-        max_steps=steps,
-        max_delta_t=[_longest(leg) for leg in filled],
-        **watch,
-    )[1]
-    if steps < most and any(r[0] == hy.taylor_outcome.step_limit for r in ta.propagate_res):
-        held.give(ta)
-        return _lanes(legs, width, OPTIMISED, Budget(sum(leg.seconds for leg in legs)))
-    with ASKING:
-        paths = _read(ta, legs, states, ends)
-    held.give(ta)
-    return paths
-
-
-def _read(
-    ta: Any, legs: list[Leg], states: Floats, ends: Mapping[int, tuple[float, Floats]]
-) -> list[Path]:
-    """The paths of a batch that has run; evaluates the guards."""
-    hy = heyoka()
-    paths = []
-    for lane, leg in enumerate(legs):
-        outcome, _, _, steps = ta.propagate_res[lane]
-        mine, end = states[:, :, lane], None
-        if lane in ends:
-            end = _on_guard(leg, *ends[lane])
-            mine = mine[: np.searchsorted(leg.times, end.time)]
-        if outcome != hy.taylor_outcome.time_limit or not np.isfinite(mine).all():
-            paths.append(integrate(leg))  # one lane failed and stopped all: each runs alone
-            continue
-        paths.append(_sound(leg, Path(mine, end, int(steps))))
-    return paths
+def on_guards(legs: Sequence[Leg], times: Floats, states: Floats) -> list[End]:
+    """The ends of legs of one flow at events."""
+    if not legs:
+        return []
+    flow, p = legs[0].flow, np.array([leg.p for leg in legs])
+    spans = np.array([leg.times[-1] - leg.times[0] for leg in legs])
+    which, times, states = at_guards(flow, p, states, times, spans)
+    names = list(flow.guards)
+    return [
+        End(names[k], time, state)
+        for k, time, state in zip(which.tolist(), times.tolist(), states, strict=True)
+    ]
 
 
 def _refuses(flow: Flow) -> str:

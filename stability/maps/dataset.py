@@ -25,6 +25,7 @@ from ..spectra.labels import (
     verdict_attributes,
 )
 from ..spectra.problem import Problem
+from ..storage.datasets import labelled
 from ..systems.structure.structural_zeros import structure
 
 if TYPE_CHECKING:
@@ -225,8 +226,6 @@ def assemble(
     points: CodimensionTwo | None = None,
 ) -> xarray.Dataset:
     """The dataset of a map."""
-    import xarray
-
     dims = axes[1].name, axes[0].name
     words = rate_attributes(problem)
     flags = verdict_attributes()
@@ -270,7 +269,7 @@ def assemble(
             f"encloses every change of verdict is made of boxes 2^-{boxes.levels} of each axis "
             "wide; a logarithmic axis is measured in its logarithm",
         }
-    return xarray.Dataset(variables, coordinates(problem, axes), attributes)
+    return labelled(variables, coordinates(problem, axes), attributes)
 
 
 def coordinates(problem: Problem, axes: tuple[Axis, Axis]) -> dict[str, tuple[str, Floats, Any]]:

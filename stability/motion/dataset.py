@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, lru_cache, partial
 from typing import TYPE_CHECKING, Any
@@ -21,6 +21,7 @@ from ..bodies.model import POSE, POSE_UNIT, Model
 from ..integrators.flow import flow_of
 from ..integrators.selection import works_of
 from ..integrators.stick_slip import REST, SLIDING, STICKING, Transition
+from ..storage.datasets import labelled
 from .result import Outcome, Result, Settings, outcome_flags
 from .starts import Starts
 
@@ -67,7 +68,7 @@ def assemble(launches: Starts, settings: Settings, results: list[Result]) -> xar
     labels = _labels(launches.model, launches.dimensionless)
 
     def along(values: Any, **attributes: Any) -> Any:
-        return _variable((*dims, "time"), values.reshape(*launches.shape, -1), attributes)
+        return (*dims, "time"), values.reshape(*launches.shape, -1), attributes
 
     variables = {n: along(v, **labels(n)) for n, v in series.items()}
     if not single:
@@ -92,55 +93,21 @@ def assemble(launches: Starts, settings: Settings, results: list[Result]) -> xar
     states = launches.states_in_units(launches.starts).reshape(*launches.shape, -1)
     coordinates = {  # a launch is known by its start
         "start_state": _states((*dims, "state"), launches, states, "at time 0"),
-        "time": _variable("time", times, labels("time")),
+        "time": ("time", times, labels("time")),
     }
     for name, value in launches.given.items():
         own, kept = (dims, value.reshape(launches.shape)) if value.ndim else ((), value)
-        coordinates[name] = _variable(own, kept, launches.subject.numbers.get(name, {}))
+        coordinates[name] = own, kept, launches.subject.numbers.get(name, {})
     if not single:  # a slice keeps it to find its own events
         numbers = np.arange(launches.count).reshape(launches.shape)
-        coordinates["number"] = _variable(dims, numbers, {"long_name": "launch, counted flat"})
-    return _dataset(variables, coordinates, _provenance(launches, settings, results))
-
-
-def _variable(dims: Any, values: Any, attributes: Mapping[str, Any]) -> Any:
-    """A labelled array that is known to fit."""
-    import xarray
-
-    make: Any = xarray.Variable
-    return make(dims, values, dict(attributes), fastpath=True)
+        coordinates["number"] = dims, numbers, {"long_name": "launch, counted flat"}
+    return labelled(variables, coordinates, _provenance(launches, settings, results))
 
 
 def _states(dims: tuple[str, ...], launches: Starts, states: Floats, when: str) -> Any:
     """States in the user's units, shape (…, s), as a labelled array."""
     names = " ".join(launches.model.states)
-    return _variable(dims, states, {"long_name": f"state {when}", "columns": names})
-
-
-def _dataset(
-    variables: dict[str, Any], coordinates: dict[str, Any], attributes: dict[str, Any]
-) -> xarray.Dataset:
-    """A dataset from variables that are known to fit.
-
-    xarray's constructor aligns and copies, which for a short run takes as long as the integration.
-    Where its direct constructor is missing, the public one gives the same dataset
-    (tests/motion/test_trajectory.py).
-    """
-    import xarray
-
-    try:
-        import pandas
-        from xarray.core.indexes import PandasIndex
-
-        index = PandasIndex(pandas.Index(coordinates["time"].values, name="time"), "time")
-        coordinates |= index.create_variables({"time": coordinates["time"]})
-        every = coordinates | variables
-        sizes = {d: n for v in every.values() for d, n in zip(v.dims, v.shape, strict=True)}
-        return xarray.Dataset._construct_direct(
-            every, set(coordinates), sizes, attributes, {"time": index}
-        )
-    except (ImportError, AttributeError, TypeError):
-        return xarray.Dataset(variables, coordinates, attributes)
+    return dims, states, {"long_name": f"state {when}", "columns": names}
 
 
 def _dims(shape: tuple[int, ...]) -> tuple[str, ...]:
@@ -211,7 +178,7 @@ def _summary(
     clock = launches.size(Kind.TIME)
 
     def variable(values: Any, **attributes: Any) -> Any:
-        return _variable(dims, np.asarray(values).reshape(launches.shape), attributes)
+        return dims, np.asarray(values).reshape(launches.shape), attributes
 
     second = launches.unit("time")
     subject, account = launches.subject, {}
@@ -412,14 +379,14 @@ def event_log(launches: Starts, results: list[Result]) -> dict[str, Any]:
     states = np.array([r[3] for r in rows]).reshape(len(rows), len(launches.model.states))
     states = launches.states_in_units(states, which)
     log: dict[str, Any] = {
-        "event_launch": _variable("event", which, {"long_name": "launch, counted flat"}),
-        "event_time": _variable("event", times, {"units": launches.unit("time")}),
-        "event_kind": _variable("event", np.array([r[2] for r in rows], dtype="U12"), {}),
+        "event_launch": ("event", which, {"long_name": "launch, counted flat"}),
+        "event_time": ("event", times, {"units": launches.unit("time")}),
+        "event_kind": ("event", np.array([r[2] for r in rows], dtype="U12"), {}),
         "event_state": _states(("event", "state"), launches, states, "at the event"),
     }
     if launches.subject.slips:
         words = "direction of slip from x̂, before sticking or at its onset"
         angles = np.array([r[4] for r in rows], dtype=float)
         label = {"long_name": words, "units": Kind.ANGLE.si}
-        log["event_direction"] = _variable("event", angles, label)
+        log["event_direction"] = "event", angles, label
     return log

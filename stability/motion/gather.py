@@ -209,8 +209,8 @@ class _SystemSubject(MotionSubject):
         states = launches.model.states
         label = {"long_name": "states of the steady motion", "columns": " ".join(states)}
         member = np.array([n.member for n in near]).reshape(*launches.shape, -1)
-        one = found["nearest_family"]
-        return found | {"nearest_member": type(one)((*one.dims, "state"), member, label)}
+        dims = found["nearest_family"][0]
+        return found | {"nearest_member": ((*dims, "state"), member, label)}
 
 
 @lru_cache(maxsize=64)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import ParameterError, shown
+from .datasets import Labelled, labelled
 
 if TYPE_CHECKING:
     import xarray
@@ -225,7 +226,7 @@ class Memory:
     variables
         The arrays, the marker first.
     coords
-        Coordinates by name, as `xarray.Dataset` takes them.
+        Dimensions, values and attributes of coordinates by name.
     attrs
         Attributes of the dataset.
 
@@ -244,7 +245,7 @@ class Memory:
         self,
         layout: Layout,
         variables: tuple[Variable, ...],
-        coords: Mapping[str, Any] | None = None,
+        coords: Mapping[str, Labelled] | None = None,
         attrs: Mapping[str, Any] | None = None,
     ) -> None:
         self.layout, self.variables = layout, tuple(variables)
@@ -277,17 +278,12 @@ class Memory:
 
     def dataset(self) -> xarray.Dataset:
         """All arrays with their coordinates and attributes, without a copy."""
-        import xarray
-
-        arrays = {
-            v.name: (
-                (*self.layout.dims, *(n for n, _ in v.more)),
-                self._arrays[v.name],
-                dict(v.attrs),
-            )
-            for v in self.variables
-        }
-        found = xarray.Dataset(arrays, self.coords, self.attrs)
-        found = found.set_coords([v.name for v in self.variables if v.coordinate])
+        variables: dict[str, Labelled] = {}
+        coordinates: dict[str, Labelled] = {}
+        for v in self.variables:
+            dims = (*self.layout.dims, *(n for n, _ in v.more))
+            kind = coordinates if v.coordinate else variables
+            kind[v.name] = dims, self._arrays[v.name], v.attrs
+        found = labelled(variables, coordinates | self.coords, self.attrs)
         more = self._attached
         return found if more is None else found.assign(more.variables).assign_attrs(more.attrs)

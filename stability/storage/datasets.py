@@ -16,8 +16,55 @@ from .targets import check_folder, check_suffix, check_target, path_text, place,
 if TYPE_CHECKING:
     import xarray
 
+Labelled = tuple[str | tuple[str, ...], Any, Mapping[str, Any]]
+"""Dimensions, values and attributes of an array."""
 PARTS = "complex_part"
 """Dimension that holds the real and imaginary part of complex data in a file."""
+
+
+def labelled(
+    variables: Mapping[str, Labelled],
+    coordinates: Mapping[str, Labelled],
+    attributes: Mapping[str, Any],
+) -> xarray.Dataset:
+    """A dataset from arrays that are known to fit.
+
+    xarray's constructor aligns and copies, and imports dask where that is installed.  For a small
+    result this takes longer than the result.  Where its direct constructor is missing, the public
+    one gives the same dataset (tests/storage/test_datasets.py).
+
+    Parameters
+    ----------
+    variables, coordinates
+        Dimensions, values and attributes by name.  A coordinate along its own name is an index.
+    attributes
+        Attributes of the dataset.
+    """
+    import numpy as np
+    import xarray
+
+    try:
+        import pandas
+        from xarray.core.indexes import PandasIndex
+
+        make: Any = xarray.Variable
+        every = {
+            name: make(dims, np.asarray(values), dict(more), fastpath=True)
+            for name, (dims, values, more) in {**variables, **coordinates}.items()
+        }
+        indexes: dict[Any, Any] = {
+            name: PandasIndex(pandas.Index(v.values, name=name), name, coord_dtype=v.dtype)
+            for name, v in every.items()
+            if name in coordinates and v.dims == (name,)
+        }
+        for name, index in indexes.items():
+            every |= index.create_variables({name: every[name]})
+        sizes = {d: n for v in every.values() for d, n in zip(v.dims, v.shape, strict=True)}
+        return xarray.Dataset._construct_direct(
+            every, set(coordinates), sizes, dict(attributes), indexes
+        )
+    except (ImportError, AttributeError, TypeError):
+        return xarray.Dataset(variables, coordinates, attributes)
 
 
 def format_to_write(path: str | os.PathLike[str], *ways: str, option: str = "") -> Format:

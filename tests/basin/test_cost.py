@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.basin import cost, lanes
+from stability.basin import cost
 from stability.basin.basins import Plan, planned, run
 from stability.basin.cost import Cost, predict
+from stability.integrators import lanes
 
 SCENES: dict[str, dict[str, Any]] = {
     "rolling": {"family": "rolling", "x": ("at", 0.1, 3.0, 60), "y": ("tilt", 0.01, 1.2, 40)},

@@ -11,8 +11,6 @@ import stability as st
 from stability.basin import outcomes as engine
 from stability.basin.launches import prepare
 from stability.basin.outcomes import Outcomes, outcomes
-from stability.integrators.leg import Leg
-from stability.integrators.taylor import _on_guard
 from stability.motion.result import BY_CODE, CODES, Outcome, Settings
 from stability.settling.settling import SETTLE
 
@@ -287,34 +285,3 @@ def test_a_body_that_passes_its_pole_is_launched_too() -> None:
     found = outcomes(launches, Settings())
     run = st.simulate(top, st.Viscous(0.3), launches.starts, 20.0)
     assert (found.outcome == run.outcome.values).all()
-
-
-@pytest.mark.parametrize(("span", "moved"), [(1e-2, False), (1.0, True)])
-def test_an_event_moves_by_a_share_of_the_run_as_that_of_a_single_run(
-    span: float, moved: bool
-) -> None:
-    """The unit of time is the user's: no event of a short run moves beyond a thousandth of it."""
-    x = ca.SX.sym("x")
-    rate = ca.SX.sym("rate")
-    system = st.System(
-        "clock",
-        x,
-        rate,
-        -rate,
-        states=("left",),
-        parameters=("rate",),
-        conditions=(st.Condition(x, "left is {value}"),),
-    )
-    asked = prepare(system, None, ("left",), {"rate": 1.0}, span, Settings())
-    flow = engine.flow_of(asked.starts({"left": np.array([1.0])}).model)
-    off = 5e-4  # from the guard's zero, which is reached after the same time
-    state = np.zeros((1, len(flow.names)))
-    state[0, flow.names.index("left")] = off
-    many = engine._Run(**vars(engine._blank(1)), state=state.copy())
-    many.time[:] = span - off
-    p = np.ones((1, flow.p.numel()))
-    engine._events(many, flow, np.array([0]), p, np.array([span]))
-    leg = Leg(flow, p[0], state[0], np.array([0.0, span]), 1e-9, 10)
-    single = _on_guard(leg, span - off, state[0])
-    assert single.time == pytest.approx(many.time[0], abs=1e-15)
-    assert many.time[0] == pytest.approx(span if moved else span - off, abs=1e-12)

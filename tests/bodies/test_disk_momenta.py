@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import stability as st
-from stability.basin.lanes import lean_of
 from stability.bodies.contact_laws import Contact, Parameter, law_class
 from stability.bodies.thin_disk import disk_model
 from stability.integrators.flow import flow_of
+from stability.integrators.lanes import lean_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,7 @@ def test_rates_and_guards_are_those_of_the_graph(law: Any) -> None:
     theta, turning, phi_dot, omega3, slip_x, slip_y = ca.vertsplit(whole.x[:6])
     sine = ca.sin(theta)
     there = ca.vertcat(
-        theta, turning, phi_dot * sine, omega3, slip_x + turning * sine, slip_y - omega3
+        theta, turning, phi_dot * sine, omega3, slip_x + turning * sine, slip_y - omega3, whole.x[6]
     )
     slow = ca.jtimes(there, whole.x, whole.rhs)
     graph = ca.Function(
@@ -59,7 +59,7 @@ def test_rates_and_guards_are_those_of_the_graph(law: Any) -> None:
 
 
 def test_states_come_back_from_momenta() -> None:
-    lean = lean_of(flow_of(disk_model("viscous")))
+    lean = lean_of(flow_of(disk_model("viscous")), account=True)
     rng = np.random.default_rng(1)
     y = np.zeros((50, 7))
     y[:, :6] = rng.uniform(-2, 2, (50, 6))
@@ -72,3 +72,4 @@ def test_states_come_back_from_momenta() -> None:
 def test_a_disk_without_slip_of_its_own_has_no_momenta(contact: Any) -> None:
     assert disk_model(type(contact)).short is None
     assert disk_model("viscous", pose=True).short is None
+    assert disk_model("viscous", resistance=(st.RollingResistance,)).short is None

@@ -12,8 +12,8 @@ import stability as st
 from stability.cli.commands import main
 from stability.compare.figures import _driver_handles
 from stability.compare.motion.drivers import _single
+from stability.integrators import lanes, taylor
 from stability.integrators import selection as integrators
-from stability.integrators import taylor
 from stability.integrators.flow import flow
 from stability.integrators.leg import UNRESOLVED, Leg, Path
 from stability.integrators.registry import PLACES
@@ -188,9 +188,9 @@ def test_a_failed_lane_is_run_again_by_itself() -> None:
         pytest.skip("heyoka is an extra")
     legs = [leg(0.3, start=LAUNCH + 0.01 * i) for i in range(5)]
     starved = [replace(one, max_steps=30) for one in legs]
-    paths = taylor.integrate_many(starved, 1)
+    paths = lanes.integrate_many(starved, 1)
     assert all(p.end is not None and p.end.kind == UNRESOLVED for p in paths)
-    whole = taylor.integrate_many(legs, 1)
+    whole = lanes.integrate_many(legs, 1)
     assert all(p.end is None for p in whole)
     for one, path in zip(legs, whole, strict=True):
         assert np.abs(taylor.integrate(one).states - path.states).max() < 1e-7
@@ -213,7 +213,7 @@ def test_the_file_records_the_tolerance_that_a_fast_spin_was_given() -> None:
 
 
 @pytest.mark.skipif(not taylor.available(), reason="heyoka is an extra")
-@pytest.mark.parametrize("count", [1, 3])
+@pytest.mark.parametrize("count", [1, lanes.ALONE + 1])
 def test_optimised_code_goes_on_where_quickly_made_code_stops(
     count: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -222,11 +222,11 @@ def test_optimised_code_goes_on_where_quickly_made_code_stops(
     starts = start + 0.01 * np.arange(count)[:, None]
     given: dict[str, Any] = {"tolerance": 1e-13, "method": "heyoka", "check": False}
     known = st.simulate(st.Disk(), st.Viscous(3.0), starts, 3.0, **given)
-    monkeypatch.setattr(taylor, "QUIET", 5)
     made: list[int] = []
-    single, batch = taylor._single, taylor._batch
-    monkeypatch.setattr(taylor, "_single", lambda *a: made.append(a[-1]) or single(*a))
-    monkeypatch.setattr(taylor, "_batch", lambda *a: made.append(a[-1]) or batch(*a))
+    single, batch = taylor._single, lanes._batch
+    for module, name, plain in ((taylor, "_single", single), (lanes, "_batch", batch)):
+        monkeypatch.setattr(module, "QUIET", 5)
+        monkeypatch.setattr(module, name, lambda *a, plain=plain: made.append(a[-1]) or plain(*a))
     found = st.simulate(st.Disk(), st.Viscous(3.0), starts, 3.0, **given)
     assert made == [taylor.QUICK, taylor.OPTIMISED]
     assert (found.outcome.values == known.outcome.values).all()

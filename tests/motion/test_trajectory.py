@@ -12,7 +12,6 @@ import xarray
 import stability as st
 from stability.bodies.newton_euler import STATES
 from stability.integrators import taylor
-from stability.motion import dataset as trajectory
 from stability.motion.result import BY_CODE, Outcome
 
 LAUNCH = st.launch("rolling", at=1.2)
@@ -101,47 +100,6 @@ def test_the_energy_account_is_what_it_says() -> None:
     assert lost == pytest.approx(float(run.dissipated[-1]), rel=1e-4)
     slip = np.hypot(run.slip_x, run.slip_y)
     assert np.allclose(run.power, 0.5 * run.normal_force * slip**2)
-
-
-def test_the_direct_dataset_is_the_one_the_constructor_makes(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    arguments = (st.Disk(), st.Viscous([0.3, 0.4]), LAUNCH, np.linspace(0, 3, 5))
-    direct = st.simulate(*arguments)
-    built: dict[str, Any] = {}
-
-    def public(variables: Any, coordinates: Any, attributes: Any) -> Any:
-        built["it"] = xarray.Dataset(variables, coordinates, attributes)
-        return built["it"]
-
-    monkeypatch.setattr(trajectory, "_dataset", public)
-    other = st.simulate(*arguments)
-    assert built["it"] is other
-    other.attrs["created"] = direct.attrs["created"]
-    assert direct.identical(other)
-
-
-def test_without_the_direct_constructor_the_public_one_is_taken(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    def gone(*_: Any, **__: Any) -> None:
-        raise AttributeError("_construct_direct")
-
-    before = st.simulate(st.Disk(), st.Viscous(0.3), LAUNCH, [1.0, 2.0])
-    real = xarray.Dataset._construct_direct
-    calls = []
-
-    def once(*arguments: Any, **options: Any) -> Any:
-        if not calls:
-            calls.append(1)
-            return gone()
-        return real(*arguments, **options)
-
-    monkeypatch.setattr(xarray.Dataset, "_construct_direct", once)
-    after = st.simulate(st.Disk(), st.Viscous(0.3), LAUNCH, [1.0, 2.0])
-    after.attrs["created"] = before.attrs["created"]
-    assert calls
-    assert after.identical(before)
 
 
 def test_a_batch_is_its_launches_one_by_one() -> None:

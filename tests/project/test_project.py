@@ -41,6 +41,33 @@ def test_importing_the_package_loads_nothing_heavy() -> None:
     assert not loaded & heavy
 
 
+FIRST_CALLS = {
+    "st.spectrum('rolling', at=1.2, contact=st.Viscous(0.3))": {"scipy", "xarray"},
+    "st.boundaries('rolling', axis=('at', 0.1, 2, 9), contact=st.Viscous(0.3))": {
+        "scipy",
+        "xarray",
+    },
+    "st.stability_map('rolling', x=('at', 1, 2, 8), y=('mu', 0.1, 2, 6))": set(),
+    "st.simulate(st.Disk(), st.Viscous(0.3), {'theta': 1.5, 'omega3': 1.8}, 5.0)": {"scipy"},
+    "st.basins(st.Disk(), st.Viscous(0.3), x=('at', 1, 2, 2), y=('tilt', 0.1, 0.5, 2), "
+    "family='rolling', horizon=5.0)": {"scipy"},
+    "main('simulate --theta 1.5 --omega3 1.8 --mu 0.3 --time 5'.split())": {"scipy"},
+}
+"""Calls in a fresh process, and libraries that each does without; none needs those of `IDLE`."""
+IDLE = {"sympy", "numba", "dask", "matplotlib", "h5py"}
+"""Libraries whose import takes longer than the rest of such a call."""
+
+
+@pytest.mark.few(2)
+@pytest.mark.parametrize("call", FIRST_CALLS)
+def test_a_first_call_imports_only_what_it_needs(call: str) -> None:
+    code = f"import sys, stability as st; from stability.cli.commands import main; {call}"
+    code += "; print(sorted({m.split('.')[0] for m in sys.modules}))"
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = set(ast.literal_eval(out.stdout.splitlines()[-1]))
+    assert not loaded & (IDLE | FIRST_CALLS[call])
+
+
 def test_every_public_name_loads_and_is_documented() -> None:
     for name in stability.__all__:
         value = getattr(stability, name)

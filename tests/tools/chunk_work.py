@@ -34,9 +34,9 @@ VARIABLES = (
 )
 COORDS: dict[str, Any] = {
     "x": ("x", np.linspace(0.0, 1.0, 10), {"units": "rad"}),
-    "y": ("y", np.arange(9.0)),
+    "y": ("y", np.arange(9.0), {}),
     "start": (("y", "x"), np.arange(90.0).reshape(9, 10) ** 2, {"units": "m/s"}),
-    "state": ["theta", "phi", "psi"],
+    "state": ("state", ["theta", "phi", "psi"], {}),
 }
 ATTRS = {"title": "numbers of cells", "lengths": np.array([1, 2])}
 

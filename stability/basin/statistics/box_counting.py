@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import t as student
 
 from ...base.checks import whole_number
 from ...base.errors import ParameterError
@@ -96,6 +95,8 @@ def box_dimension(found: Borders) -> BoxDimension:
 
 def _dimension(pairs: Ints) -> BoxDimension | None:
     """The dimension by the pairs along one axis; None where these are too few."""
+    from scipy.stats import t as student
+
     enough = pairs >= FEWEST
     start = int(np.argmax(enough)) if enough.any() else len(pairs)
     counts = pairs[start:].astype(float)

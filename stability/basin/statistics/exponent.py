@@ -22,9 +22,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq, minimize_scalar
-from scipy.stats import chi2
-from scipy.stats import f as fisher
 
 from ...base.checks import checked, whole_number
 from ...base.citation import joined
@@ -302,6 +299,9 @@ def _fit_power_law(
     >>> print(f"{law.exponent:.2f}")
     0.50
     """
+    from scipy.optimize import minimize_scalar
+    from scipy.stats import f as fisher
+
     counts = np.asarray(table).sum(axis=0)
     if (counts > 0).sum() < 2 or len(counts) < 3:
         raise ParameterError(
@@ -332,6 +332,8 @@ def _fit_power_law(
 
 def _end(excess: Callable[[float], float], middle: float, side: int) -> float:
     """Where the profile has fallen by the critical amount, on one side."""
+    from scipy.optimize import brentq
+
     width = 1e-3
     while excess(middle + side * width) < 0:
         width *= 2
@@ -345,6 +347,8 @@ def _misfit(law: _Likelihood, p: Floats, design: Floats, inverse: Floats) -> flo
 
     Rao & Scott, Ann. Statist. 12 (1984) 46: two moments of the weighted sum of chi squares.
     """
+    from scipy.stats import chi2
+
     spread = np.cov(law.table.T, bias=True)
     slope = p[:, None] * design
     left = np.eye(len(p)) - slope @ inverse @ (slope / (p * (1 - p))[:, None]).T

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import ndtri
 
 from ...base.checks import one_number
 from ...base.errors import ParameterError, shown
@@ -151,6 +150,8 @@ def quantile(level: float) -> float:
     >>> round(quantile(0.95), 4)
     1.96
     """
+    from scipy.special import ndtri
+
     return float(ndtri(0.5 + checked_level(level) / 2))
 
 

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-from scipy.special import ndtri
 
 from ...base.checks import one_number, positive, whole_number
 from ...base.errors import ParameterError, shown
@@ -113,6 +112,8 @@ class Normal:
 
     def at(self, share: Floats) -> Floats:
         """Quantiles at shares in (0, 1)."""
+        from scipy.special import ndtri
+
         return np.asarray(self.mean + self.deviation * ndtri(share))
 
 
@@ -330,6 +331,8 @@ def on_sphere(shares: Floats) -> Floats:
     >>> np.linalg.norm(on_sphere(shares(6, 0, 2)), axis=1).round(12)
     array([1., 1.])
     """
+    from scipy.special import ndtri
+
     normal = ndtri(shares)
     return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
 

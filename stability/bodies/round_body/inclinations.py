@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 
 from ...base.checks import one_number
 from ...base.errors import NoMemberError
@@ -196,6 +195,8 @@ def _levels(
     for i in np.flatnonzero(slopes[:-1] * slopes[1:] < 0):
         (a, b), (f, g) = grid[i : i + 2].tolist(), slopes[i : i + 2].tolist()
         if not (upright and a <= math.pi / 2 <= b):
+            from scipy.optimize import brentq  # slow to import, and a disk needs no search
+
             root = float(brentq(slope, a, b, xtol=1e-15))
             if abs(slope(root)) < 1e-3 * (abs(f) + abs(g)):  # a corner of the height has no zero
                 found.append(root)

@@ -94,14 +94,13 @@ def of_thin(model: Model, law: type[Contact]) -> Model:
     law
         Class of the law.
     """
+    unresisted = model.system.parameters == ("k", *law.symbols())
     whole = len(model.names) == len(model.states) + 1 and not (law.sticks or law.holds)
-    p = model.system.parameters
     return replace(
         model,
         quantities={**model.quantities, **QUANTITIES},
-        parking=partial(_park, [p.index(n) for n in ("mu",) if n in p]),
         sound=_stands,
-        short=partial(momenta_model, law) if whole else None,
+        short=partial(momenta_model, law) if whole and unresisted else None,
         dry=None if model.dry is None else replace(model.dry, unique=_unique),
         title=f"motion of a disk, {law.name} contact",
         source="equations of Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) "
@@ -113,15 +112,6 @@ def _unique(p: Floats) -> bool:
     """Whether mu < 2√(k(k+1)), where docs/explanation/dry-friction.md proves it."""
     k, mu = p
     return bool(mu < 2 * math.sqrt(k * (k + 1)))
-
-
-def _park(friction: list[int], states: Any, parameters: Any, lane: int) -> None:
-    """Put a lane on a stable upright spin without friction, which needs few steps."""
-    states[:, lane] = 0.0
-    states[0, lane] = math.pi / 2
-    states[2, lane] = 2.0 / math.sqrt(parameters[0, lane])
-    for index in friction:
-        parameters[index, lane] = 0.0
 
 
 def _stands(states: Any) -> bool:
