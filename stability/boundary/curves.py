@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -15,6 +17,7 @@ from ..base.types import Floats, Progress
 from ..base.verdict import CODES, DECAYING, NO_MEMBER, Verdict
 from ..spectra.problem import Problem
 from .brackets import AxisScan, BoundaryPoint, Crossing, refine
+from .grid_edges import Edges, GridPolynomials, bracketed
 
 KINDS = {crossing: crossing.code for crossing in Crossing}
 """Flag value of each crossing in files."""
@@ -84,31 +87,21 @@ def trace(
     signs = scans.signs(codes, abscissa)
     sign = np.ma.masked_where(codes == NO_MEMBER, signs)
     lines = contour_generator(z=sign, line_type=LineType.Separate).lines(0.0)
+    places = [_edges(np.asarray(line)) for line in lines]
+    total = sum(map(len, lines))
+    known = scans.changes(np.concatenate([np.empty((0, 3), dtype=int), *places]), progress)
     xs, ys = axes[0].values, axes[1].values
     tips = Tips(scans)
-    found: dict[tuple[int, int, int], BoundaryPoint | None] = {}
     rows: list[_Placed] = []
     missing = 0
-    total = sum(len(line) for line in lines)
-    done = 0
-    for curve, line in enumerate(lines):
+    for curve, (line, edges) in enumerate(zip(lines, places, strict=True)):
         points: list[_Placed | None] = []
-        for column, row in np.asarray(line):
-            done += 1
-            if progress and done % 64 == 0:
-                progress(done, total)
-            # contourpy puts the zero of a ±1 field at the middle of a grid edge
-            axis = 0 if row == math.floor(row) else 1
-            i, j = math.floor(row), math.floor(column)
-            where = float(xs[j]), float(ys[i])
-            if (axis, i, j) not in found:
-                end = float((xs, ys)[axis][(j, i)[axis] + 1])
-                found[axis, i, j] = scans.edge(axis, where, end)
-            point = found[axis, i, j]
+        for axis, i, j in edges.tolist():
+            point = known[axis, i, j]
             missing += point is None
-            placed = _Placed(point, axis, where[1 - axis], curve) if point is not None else None
-            points.append(placed)
-        rows += [p for p in tips.continued(np.asarray(line), points) if p is not None]
+            other = float(xs[j] if axis else ys[i])
+            points.append(None if point is None else _Placed(point, axis, other, curve))
+        rows += [p for p in tips.continued(line.tolist(), points) if p is not None]
     if progress:
         progress(total, total)
     return Curves(
@@ -121,6 +114,16 @@ def trace(
         np.array([r.curve for r in rows], dtype=np.int32),
         missing,
     )
+
+
+def _edges(line: Floats) -> NDArray[np.int_]:
+    """(axis, row, column) of the first end of each grid edge that a line of contourpy crosses.
+
+    The zero of a field of 1 and -1 is at the middle of an edge.
+    """
+    columns, rows = line.T
+    first = [(rows != np.floor(rows)), np.floor(rows), np.floor(columns)]
+    return np.array(first, dtype=int).T
 
 
 class GridScans:
@@ -137,6 +140,7 @@ class GridScans:
     def __init__(self, problem: Problem, axes: tuple[Axis, Axis], *, neutral: bool) -> None:
         self.problem, self.axes, self.neutral = problem, axes, neutral
         self.fixed = {n: float(v) for n, v in problem.values.items()}
+        self.polynomials = GridPolynomials(problem, (axes[0].name, axes[1].name))
 
     def along(self, axis: int, other: float) -> AxisScan:
         """The line along one axis at a value of the other."""
@@ -145,12 +149,35 @@ class GridScans:
         line.neutral = self.neutral
         return line
 
-    def edge(self, axis: int, where: tuple[float, float], end: float) -> BoundaryPoint | None:
-        """The change of verdict between a grid point and the next one along an axis."""
-        try:
-            return refine(self.along(axis, where[1 - axis]), where[axis], end)
-        except StabilityError:  # no member between two cells that have one, as behind a fold
-            return None
+    def changes(
+        self, edges: NDArray[np.int_], progress: Progress | None
+    ) -> dict[tuple[int, int, int], BoundaryPoint | None]:
+        """The change of verdict on each edge: all together, then in balls what is left open.
+
+        Parameters
+        ----------
+        edges
+            (axis, row, column) of the first end of each.
+        progress
+            As for `trace`.
+        """
+        axis, i, j = different = np.unique(edges, axis=0).T
+        total, xs, ys = len(edges), self.axes[0].values, self.axes[1].values
+        row, column = i + (axis == 1), j + (axis == 0)
+        along = Edges(
+            axis,
+            np.where(axis == 0, xs[j], ys[i]),
+            np.where(axis == 0, xs[column % len(xs)], ys[row % len(ys)]),
+            np.where(axis == 0, ys[i], xs[j]),
+        )
+        points = bracketed(self.polynomials, along)
+        for k in [k for k, point in enumerate(points) if point is None]:
+            with suppress(StabilityError):  # no member between two cells that have one, as a fold
+                line = self.along(int(axis[k]), float(along.other[k]))
+                points[k] = refine(line, float(along.low[k]), float(along.high[k]))
+            if progress:
+                progress(min(k, total), total)
+        return dict(zip(map(tuple, different.T.tolist()), points, strict=True))
 
     def signs(self, codes: NDArray[np.int8], abscissa: Floats) -> Floats:
         """+1 good, -1 unstable; balls settle cells that double precision leaves open."""
@@ -198,7 +225,9 @@ class Tips:
     def __init__(self, lines: GridScans) -> None:
         self.lines, self.axes = lines, lines.axes
 
-    def continued(self, line: Floats, points: list[_Placed | None]) -> list[_Placed | None]:
+    def continued(
+        self, line: Sequence[tuple[float, float]], points: list[_Placed | None]
+    ) -> list[_Placed | None]:
         """Points of a curve, with the two sides of each tip continued as far as they are apart.
 
         Parameters
@@ -311,7 +340,7 @@ class Tips:
         return (placed[1], placed[0]) if flip else (placed[0], placed[1])
 
 
-def _tip(line: Floats) -> int:
+def _tip(line: Sequence[tuple[float, float]]) -> int:
     """Number of steps in which a curve turns round a few grid points of one row; 0 if it does not.
 
     Parameters
@@ -319,14 +348,13 @@ def _tip(line: Floats) -> int:
     line
         Middles of grid edges from the first one on.
     """
-    for axis in (0, 1):  # a middle of an edge along x has a whole row
-        first = line[0, 1 - axis]
-        if first != math.floor(first) or len(line) < 3:
-            continue
-        off = line[1:, 1 - axis] - first
-        back = np.flatnonzero(off == 0)
-        if len(back) and back[0] and abs(off[0]) == 0.5 and (off[: back[0]] == off[0]).all():
-            return int(back[0]) + 1
+    for axis in (0, 1) if len(line) >= 3 else ():  # a middle of an edge along x has a whole row
+        first = line[0][1 - axis]
+        off = [place[1 - axis] - first for place in line[1:]]
+        if first == math.floor(first) and abs(off[0]) == 0.5 and 0 in off:
+            back = off.index(0)
+            if all(v == off[0] for v in off[:back]):
+                return back + 1
     return 0
 
 
