@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +15,8 @@ from ..base.errors import StabilityError
 from ..base.types import Floats, Progress
 from ..base.verdict import CODES, DECAYING, NO_MEMBER, Verdict
 from ..spectra.problem import Problem
-from .brackets import AxisScan, BoundaryPoint, Crossing, refine
+from .brackets import AxisScan, Crossing, refine
+from .curve_crossings import Placed, Turn, linked
 from .grid_edges import Edges, GridPolynomials, bracketed
 
 KINDS = {crossing: crossing.code for crossing in Crossing}
@@ -87,21 +87,22 @@ def trace(
     signs = scans.signs(codes, abscissa)
     sign = np.ma.masked_where(codes == NO_MEMBER, signs)
     lines = contour_generator(z=sign, line_type=LineType.Separate).lines(0.0)
-    places = [_edges(np.asarray(line)) for line in lines]
+    places = [_edges(line) for line in lines]
     total = sum(map(len, lines))
     known = scans.changes(np.concatenate([np.empty((0, 3), dtype=int), *places]), progress)
-    xs, ys = axes[0].values, axes[1].values
-    tips = Tips(scans)
-    rows: list[_Placed] = []
+    turns = _saddles(signs, known)
+    tips, xs, ys = Tips(scans), axes[0].values, axes[1].values
+    curves: list[Sequence[Placed | Turn]] = []
     missing = 0
-    for curve, (line, edges) in enumerate(zip(lines, places, strict=True)):
-        points: list[_Placed | None] = []
-        for axis, i, j in edges.tolist():
-            point = known[axis, i, j]
-            missing += point is None
-            other = float(xs[j] if axis else ys[i])
-            points.append(None if point is None else _Placed(point, axis, other, curve))
-        rows += [p for p in tips.continued(line.tolist(), points) if p is not None]
+    for line, edges in zip(lines, places, strict=True):
+        points = [known[axis, i, j] for axis, i, j in edges.tolist()]
+        missing += points.count(None)
+        cells = np.floor((line[1:] + line[:-1]) / 2).astype(int).tolist()
+        between = [turns.get((i, j), []) for j, i in cells]
+        curves.append(tips.continued(line.tolist(), points, between))
+    through = linked(curves, scans.polynomials, (xs, ys))
+    rows = [p for points in through for p in points]
+    number = [k for k, points in enumerate(through) for _ in points]
     if progress:
         progress(total, total)
     return Curves(
@@ -111,7 +112,7 @@ def trace(
         np.array([r.point.error for r in rows]),
         np.array([KINDS[r.point.crossing] for r in rows], dtype=np.int8),
         np.array([r.point.frequency for r in rows]),
-        np.array([r.curve for r in rows], dtype=np.int32),
+        np.array(number, dtype=np.int32),
         missing,
     )
 
@@ -124,6 +125,31 @@ def _edges(line: Floats) -> NDArray[np.int_]:
     columns, rows = line.T
     first = [(rows != np.floor(rows)), np.floor(rows), np.floor(columns)]
     return np.array(first, dtype=int).T
+
+
+def _saddles(
+    signs: Floats, known: dict[tuple[int, int, int], Placed | None]
+) -> dict[tuple[int, int], list[Turn]]:
+    """Where straight lines through the four points of a cell cross, by its row and column."""
+    odd = signs[:-1] * signs[1:] < 0
+    both = odd[:, :-1] & odd[:, 1:] & (signs[:-1, :-1] * signs[:-1, 1:] < 0)
+    turns: dict[tuple[int, int], list[Turn]] = {}
+    for i, j in np.argwhere(both).tolist():
+        ends = [known.get(e) for e in ((0, i, j), (0, i + 1, j), (1, i, j), (1, i, j + 1))]
+        placed = [end for end in ends if end is not None]
+        if len(placed) == len(ends):
+            turns[i, j] = _meeting(*placed)
+    return turns
+
+
+def _meeting(a: Placed, b: Placed, c: Placed, d: Placed) -> list[Turn]:
+    """Where the lines through two points each meet; none where they are parallel."""
+    (ax, ay), (bx, by), (cx, cy), (dx, dy) = ([p.place(0), p.place(1)] for p in (a, b, c, d))
+    across = (bx - ax) * (dy - cy) - (by - ay) * (dx - cx)
+    if not across:
+        return []
+    share = ((cx - ax) * (dy - cy) - (cy - ay) * (dx - cx)) / across
+    return [Turn(ax + share * (bx - ax), ay + share * (by - ay))]
 
 
 class GridScans:
@@ -151,7 +177,7 @@ class GridScans:
 
     def changes(
         self, edges: NDArray[np.int_], progress: Progress | None
-    ) -> dict[tuple[int, int, int], BoundaryPoint | None]:
+    ) -> dict[tuple[int, int, int], Placed | None]:
         """The change of verdict on each edge: all together, then in balls what is left open.
 
         Parameters
@@ -177,7 +203,11 @@ class GridScans:
                 points[k] = refine(line, float(along.low[k]), float(along.high[k]))
             if progress:
                 progress(min(k, total), total)
-        return dict(zip(map(tuple, different.T.tolist()), points, strict=True))
+        placed = [
+            None if point is None else Placed(point, *where)
+            for point, *where in zip(points, axis.tolist(), along.other.tolist(), strict=True)
+        ]
+        return dict(zip(map(tuple, different.T.tolist()), placed, strict=True))
 
     def signs(self, codes: NDArray[np.int8], abscissa: Floats) -> Floats:
         """+1 good, -1 unstable; balls settle cells that double precision leaves open."""
@@ -200,21 +230,6 @@ class GridScans:
         return np.where(sign == 0, np.where(around > 0, 1.0, -1.0), sign)
 
 
-class _Placed(NamedTuple):
-    """A boundary point in the plane of a map."""
-
-    point: BoundaryPoint
-    axis: int
-    """Axis along which it was refined."""
-    other: float
-    """Value of the other axis."""
-    curve: int
-
-    def place(self, axis: int) -> float:
-        """Its value along one of the axes."""
-        return self.point.value if axis == self.axis else self.other
-
-
 class Tips:
     """Wedges between two boundaries that are narrower than a cell, followed to their ends.
 
@@ -226,8 +241,11 @@ class Tips:
         self.lines, self.axes = lines, lines.axes
 
     def continued(
-        self, line: Sequence[tuple[float, float]], points: list[_Placed | None]
-    ) -> list[_Placed | None]:
+        self,
+        line: Sequence[tuple[float, float]],
+        points: Sequence[Placed | None],
+        between: Sequence[Sequence[Turn]],
+    ) -> list[Placed | Turn]:
         """Points of a curve, with the two sides of each tip continued as far as they are apart.
 
         Parameters
@@ -236,29 +254,51 @@ class Tips:
             Middles of grid edges from contourpy, (column, row).
         points
             The boundary point on each, or None.
+        between
+            Where two curves may cross between a point and the next one.
         """
-        out: list[_Placed | None] = []
+        out: list[Placed | Turn] = []
         k = 0
         while k < len(points):
             end = _tip(line[k : k + WIDEST + 2])
             turn = [p for p in points[k : k + end + 1] if p is not None]
-            if end and len(turn) == end + 1:
-                out += [turn[0], *self._walls(turn[0], turn[1:-1], turn[-1])]
+            outside = (points[k - 1] if k else None), next(iter(points[k + end + 1 :]), None)
+            sides = self._walls(turn, outside) if end and len(turn) > end else []
+            if sides:
+                out += [turn[0], *sides]
                 k += end
-            else:
-                out.append(points[k])
-                k += 1
+                continue
+            here, following = points[k], points[k + 1 : k + 2]
+            if here is not None:
+                out.append(here)
+                out += between[k] if following and following[0] is not None else ()
+            k += 1
         return out
 
-    def _walls(self, first: _Placed, middle: list[_Placed], last: _Placed) -> list[_Placed]:
-        """Points between both sides of a tip: up along one side and down along the other."""
+    def _walls(
+        self, turn: list[Placed], outside: tuple[Placed | None, Placed | None]
+    ) -> list[Placed | Turn]:
+        """Points between both sides of a tip: up along one side, and down along the other.
+
+        Parameters
+        ----------
+        turn
+            The tip's own points.
+        outside
+            The point before them and the one after them, for the first slopes.
+        """
+        first, *middle, last = turn
         across, along = first.axis, 1 - first.axis
         ends = self.axes[along].values
         index = int(np.argmin(np.abs(ends - first.other)))
         step = 1 if middle[0].place(along) > first.other else -1
         height, to = first.other, float(ends[index + step])
         whole = to - height
-        pairs = [(first, last)]
+        before, after = outside
+        pairs = (
+            [(first, last)] if before is None or after is None else [(before, after), (first, last)]
+        )
+        known = len(pairs)
         grid = self.axes[across].values
         margin = float(np.diff(grid).max())
         while abs(to - height) > abs(whole) * LEAST_STEP and ends[0] <= to <= ends[-1]:
@@ -268,23 +308,21 @@ class Tips:
                 continue
             pairs.append(pair)
             height, to = to, 2 * to - height
-        up, down = [p for p, _ in pairs[1:]], [p for _, p in pairs[1:]]
-        return self._with(middle, first, up, last, down)
+        up, down = [p for p, _ in pairs[known:]], [p for _, p in pairs[known:]]
+        return self._with(middle, first, up, last, down) if up else []
 
     def _with(
         self,
-        middle: list[_Placed],
-        first: _Placed,
-        up: list[_Placed],
-        last: _Placed,
-        down: list[_Placed],
-    ) -> list[_Placed]:
+        middle: list[Placed],
+        first: Placed,
+        up: list[Placed],
+        last: Placed,
+        down: list[Placed],
+    ) -> list[Placed | Turn]:
         """Both sides, and each of the tip's own points on the side that it belongs to."""
         axis = first.axis
-        if not up:
-            return middle
 
-        def off(side: list[_Placed], one: _Placed) -> float:
+        def off(side: list[Placed], one: Placed) -> float:
             order = sorted(side, key=lambda p: p.place(1 - axis))
             at = np.interp(
                 one.place(1 - axis),
@@ -299,11 +337,12 @@ class Tips:
             (up if off(sides[0], one) <= off(sides[1], one) else down).append(one)
         up.sort(key=lambda p: way * p.place(1 - axis))
         down.sort(key=lambda p: -way * p.place(1 - axis))
-        return [*up, *down]
+        meeting = _meeting(*[first, *up][-2:], *[*down, last][:2])
+        return [*up, *meeting, *down]
 
     def _across(
-        self, axis: int, height: float, pairs: list[tuple[_Placed, _Placed]], margin: float
-    ) -> tuple[_Placed, _Placed] | None:
+        self, axis: int, height: float, pairs: list[tuple[Placed, Placed]], margin: float
+    ) -> tuple[Placed, Placed] | None:
         """Both sides of the wedge at a height, looked for where straight lines meet that height."""
         line = self.lines.along(axis, height)
         low, high = (_extended(side, axis, height) for side in zip(*pairs[-2:], strict=True))
@@ -335,8 +374,7 @@ class Tips:
             return None
         if sides[1].value - sides[0].value > WIDER * abs(before[1] - before[0]):
             return None  # it is the wedge beyond the point where they meet
-        curve = pairs[0][0].curve
-        placed = [_Placed(p, axis, height, curve) for p in sides if p is not None]
+        placed = [Placed(p, axis, height) for p in sides if p is not None]
         return (placed[1], placed[0]) if flip else (placed[0], placed[1])
 
 
@@ -358,11 +396,11 @@ def _tip(line: Sequence[tuple[float, float]]) -> int:
     return 0
 
 
-def _extended(side: tuple[_Placed, ...], axis: int, height: float) -> float:
+def _extended(side: tuple[Placed, ...], axis: int, height: float) -> float:
     """Where the straight line through the last points of a side meets a height."""
     *earlier, last = side
     if not earlier:
         return last.place(axis)
     rise = last.place(1 - axis) - earlier[-1].place(1 - axis)
-    slope = (last.place(axis) - earlier[-1].place(axis)) / rise
+    slope = (last.place(axis) - earlier[-1].place(axis)) / rise if rise else 0.0
     return last.place(axis) + slope * (height - last.place(1 - axis))

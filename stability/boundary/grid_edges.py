@@ -146,13 +146,6 @@ class GridPolynomials:
             table[i][j] = value
         return [characteristic(table)[structure(family).zeros :]], ()
 
-    def units(self, x: Floats, y: Floats) -> tuple[Any, Any]:
-        """(unit, None) of λ in the user's unit of rate, or (None, unit of λ²)."""
-        values = {**self.fixed, self.names[0]: x, self.names[1]: y}
-        if self.stored is not None:
-            return self.stored.scale(values)
-        return self.problem.arrays(values)[2], None
-
     def __call__(self, algebra: Algebra, x: Any, y: Any) -> Reading:
         """Routh's array at points, numbers of an algebra: doubles, or with proved signs."""
         values: dict[str, Any] = dict(self.fixed)
@@ -165,11 +158,16 @@ class GridPolynomials:
             sign = reduce(_both, (r.sign for r in readings))
             for number in positive:
                 sign = np.where(_sign(number) > 0, sign, 0)
+        shape = np.shape(_double(x))
+
+        def spread(numbers: Iterator[Any]) -> list[Any]:
+            return [np.broadcast_to(v, shape) for v in numbers]
+
         return Reading(
-            [f for r in readings for f in r.functions],
-            [c for r in readings for c in r.constants],
-            sign,
-            [s for r in readings for s in r.squares],
+            spread(f for r in readings for f in r.functions),
+            spread(c for r in readings for c in r.constants),
+            np.broadcast_to(sign, shape),
+            spread(s for r in readings for s in r.squares),
         )
 
     def _routh(self, factor: Sequence[Any]) -> Reading:
@@ -193,6 +191,27 @@ class GridPolynomials:
         square = constant / _double(column[-3]) if len(column) > 2 else np.nan * constant
         verdict = np.where(unstable & (lead != 0), -1, np.where(stable, 1, 0))
         return Reading([constant, determinant], [_sign(p[0])], verdict, [square])
+
+
+def rates(polynomials: GridPolynomials, x: Floats, y: Floats, square: Floats) -> Floats:
+    """Frequencies in the user's unit of rate.
+
+    Parameters
+    ----------
+    polynomials
+        The polynomial.
+    x, y
+        Points.
+    square
+        Squares of the frequencies in the unit of the polynomial.
+    """
+    values = {**polynomials.fixed, **dict(zip(polynomials.names, (x, y), strict=True))}
+    if polynomials.stored is not None:
+        unit, unit_square = polynomials.stored.scale(values)
+    else:
+        unit, unit_square = polynomials.problem.arrays(values)[2], None
+    found: Floats = np.sqrt(square * unit_square) if unit is None else np.sqrt(square) * unit
+    return found
 
 
 def _double(number: Any) -> Any:
@@ -252,11 +271,7 @@ class EdgeSearch:
 
     def _largest(self) -> list[Floats]:
         ends = [self._at(PLAIN, v).functions for v in (self.edges.low, self.edges.high)]
-        shape = self.edges.low.shape
-        return [
-            np.broadcast_to(np.maximum(np.abs(a), np.abs(b)), shape)
-            for a, b in zip(*ends, strict=True)
-        ]
+        return [np.maximum(np.abs(a), np.abs(b)) for a, b in zip(*ends, strict=True)]
 
     def _at(
         self, algebra: Algebra, root: Floats, some: Any = slice(None), error: Any = 0.0
@@ -274,7 +289,7 @@ class EdgeSearch:
     def _least(self, reading: Reading, some: Any = slice(None)) -> Floats:
         """The least function over its size; not negative where the member is not unstable."""
         scaled = [f / s[some] for f, s in zip(reading.functions, self.sizes, strict=True)]
-        out: Floats = np.min(np.broadcast_arrays(*scaled), axis=0)
+        out: Floats = np.min(scaled, axis=0)
         return out
 
     def between(self) -> Floats:
@@ -330,6 +345,7 @@ class EdgeSearch:
             below, above, _ = np.reshape(reading.sign, (3, -1))
             kind, square = _crossings(reading, len(left))
             sure = (below * above < 0) & (kind >= 0)
+            sure &= (self.edges.low[left] <= here + width) & (here - width <= self.edges.high[left])
             yield from self._points(
                 left[sure], here[sure], width[sure], kind[sure], square[sure], below[sure]
             )
@@ -341,10 +357,11 @@ class EdgeSearch:
     def _points(
         self, some: Any, root: Floats, width: Floats, kind: Any, square: Floats, below: Any
     ) -> Iterator[tuple[int, BoundaryPoint]]:
+        if not len(some):
+            return
         edges = self.edges[some]
         x, y = (np.where(edges.axis == k, root, edges.other) for k in (0, 1))
-        unit, unit_square = self.polynomials.units(x, y)
-        rate = np.sqrt(square * unit_square) if unit is None else np.sqrt(square) * unit
+        rate = rates(self.polynomials, x, y, square)
         rate = np.where(kind == Crossing.STATIC.code, 0.0, rate)
         kinds = list(Crossing)
         for k, value, error, code, frequency, sign in zip(
@@ -364,11 +381,11 @@ def _crossings(reading: Reading, count: int) -> tuple[Any, Floats]:
     static, open_ = np.zeros((2, count), dtype=bool)
     square = np.full(count, np.nan)
     for k, sign in enumerate(reading.constants):
-        below, above, over = np.broadcast_to(sign, 3 * count).reshape(3, count)
+        below, above, over = sign.reshape(3, count)
         static = static | (below * above < 0)
         open_ = open_ | (over == 0)
-        ends = np.broadcast_to(reading.functions[2 * k + 1], 3 * count).reshape(3, count)
-        squares = np.broadcast_to(reading.squares[k], 3 * count).reshape(3, count)
+        ends = reading.functions[2 * k + 1].reshape(3, count)
+        squares = reading.squares[k].reshape(3, count)
         turns = ends[0] * ends[1] < 0
         square = np.where(turns, (squares[0] + squares[1]) / 2, square)
     kind = np.where(open_ | ~(square > 0), -1, Crossing.FLUTTER.code)
