@@ -66,7 +66,8 @@ class DoubleDouble:
 
     def __init__(self, hi: Any, lo: Any = 0.0, error: Any = 0.0) -> None:
         self.hi, self.lo, self.error = hi, lo, error
-        self._size = self._parts = None
+        self._size: Any = None
+        self._parts: Any = None
         self.waves: Any = None
         """Sine and cosine, where these were asked for."""
 
@@ -88,7 +89,7 @@ class DoubleDouble:
         return np.maximum(self.size - ROOM * self.error, 0.0) / ROOM
 
     @property
-    def parts(self) -> tuple[Any, Any]:
+    def parts(self) -> Any:
         """Hi in two halves."""
         if self._parts is None:
             self._parts = _halves(self.hi)
@@ -222,10 +223,12 @@ def _wave(shift: int) -> Callable[[Any], DoubleDouble]:
         x = exact(number)
         if x.waves is None:  # a graph asks for both, and often
             turns = np.rint(x.hi / QUARTER.hi)
-            if not np.all((np.abs(turns) <= TURNS) & (x.error <= NARROW)):
+            near = (np.abs(turns) <= TURNS) & (x.error <= NARROW)
+            if not np.all(near | ~np.isfinite(x.hi + x.error)):
                 return by_balls(x)
             x.waves = _waves(x - QUARTER * turns, turns)
-        return x.waves[shift]
+        found: DoubleDouble = x.waves[shift]
+        return found
 
     return apply
 

@@ -147,7 +147,7 @@ def _resolved(
     signs = read(np.moveaxis(points, 1, 0).reshape(2, -1)).sign.reshape(6, lanes)
     crossed = (signs[2:] == np.array([1, -1, 1, -1])[:, None]).all(axis=0)
     square = np.reshape(reading.squares, (-1, 9, lanes))[chosen // 2, 4, np.arange(lanes)]
-    frequency = np.where(chosen % 2, rates(polynomials, *place, square), 0.0)
+    frequency = np.where(chosen % 2, rates(polynomials, place[0], place[1], square), 0.0)
     near = (np.abs(place - start) <= cell).all(axis=0) & (determinant < 0)
     for k in np.flatnonzero(near & (crossed | (signs[0] != 0))):
         kind = Crossing.FLUTTER if chosen[k] % 2 else Crossing.STATIC

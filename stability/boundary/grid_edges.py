@@ -16,7 +16,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, reduce
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from ..algebra.double_double import DOUBLE_DOUBLE, DoubleDouble, exact
 from ..algebra.exact.number_fields import characteristic
 from ..algebra.exact.routh import routh, verdict_polynomial
+from ..algebra.krawczyk import many_proved
 from ..algebra.number_types import Algebra, numpy_algebra
 from ..algebra.polynomial import TabulatedPolynomial
 from ..base.errors import StabilityError
@@ -43,12 +44,10 @@ AT_END = 1e-12
 """Value at an end, over the other one, at which the root is taken to be that end."""
 APART = 1e-5
 """Distance of the points between which a slope is taken, over the edge."""
-ROUNDS = 4
-"""Brackets that are tried, each twice as wide as the one before."""
+ROUNDS = 6
+"""Brackets that are tried, about a nearer root or twice as wide as the one before."""
 NEAR_ZERO = 1e-15
 """Root, over the edge, that is taken to be 0."""
-FAR = 64
-"""Most half-widths by which a root is moved between two of these."""
 LEAST = 1e-300
 """Half-width of a bracket about 0."""
 PLAIN = numpy_algebra()
@@ -83,6 +82,27 @@ class Reading:
     """Proved verdict: 1, -1, or 0."""
     squares: list[Any]
     """For each factor the square of the frequency of a pair that crosses."""
+    boxes: Sequence[DoubleDouble] = ()
+    """Where unknowns are solved for: boxes in which each is the only root."""
+
+    def joined(self, count: int) -> Any:
+        """Whether members at both ends of brackets are in the box of the members between them."""
+        same = np.ones(count, dtype=bool)
+        for box in self.boxes:
+            (*ends, middle), (*_, width) = (v.reshape(3, count) for v in (box.hi, box.error))
+            same &= np.all([np.abs(end - middle) < width / 2 for end in ends], axis=0)
+        return same
+
+
+class _Polynomials(NamedTuple):
+    """The characteristic polynomial at points, in a number type."""
+
+    factors: Sequence[Sequence[Any]]
+    """Coefficients of each factor, lowest first."""
+    positive: Sequence[Any] = ()
+    """Numbers that are positive at members."""
+    boxes: Sequence[DoubleDouble] = ()
+    """As in `Reading`."""
 
 
 class GridPolynomials:
@@ -121,30 +141,45 @@ class GridPolynomials:
             return True
         if not certain(family):
             return False
-        return formulas_of(family) is not None or (
-            len(family.system.states) <= MOST_STATES and (not family.unknown or family.closed)
-        )
+        return formulas_of(family) is not None or len(family.system.states) <= MOST_STATES
 
-    def factors(
-        self, algebra: Algebra, values: dict[str, Any]
-    ) -> tuple[list[Sequence[Any]], Sequence[Any]]:
-        """Coefficients of each factor, lowest first, and numbers that are positive at members."""
+    def _read(self, algebra: Algebra, values: dict[str, Any]) -> _Polynomials:
         if self.stored is not None:
-            return [list(f) for f in self.stored.coefficients(values, algebra)], ()
+            return _Polynomials([list(f) for f in self.stored.coefficients(values, algebra)])
         family = self.problem.family
         a, q, _ = self.problem.reduce(values, algebra.functions["sqrt"])
         formulas = formulas_of(family)
         if formulas is not None:
             coefficients, _, positive = formulas(algebra, a, q)
-            return [coefficients], positive
-        u = [algebra.constant(v) for v in family.unknown.values()]
+            return _Polynomials([coefficients], positive)
+        u, boxes = self._unknowns(algebra, a, q)
         matrix = family.graph.matrix
-        table: list[list[Any]] = [
-            [0] * len(family.system.states) for _ in range(matrix.shapes[0][0])
-        ]
+        table: list[list[Any]] = [[0] * matrix.shapes[0][1] for _ in range(matrix.shapes[0][0])]
         for (i, j), value in zip(matrix.places[0], matrix.run(algebra, [a, u, q])[0], strict=True):
             table[i][j] = value
-        return [characteristic(table)[structure(family).zeros :]], ()
+        positive = [v for n, v in zip(family.unknown, u, strict=True) if n in family.positive]
+        return _Polynomials([characteristic(table)[structure(family).zeros :]], positive, boxes)
+
+    def _unknowns(
+        self, algebra: Algebra, a: list[Any], q: list[Any]
+    ) -> tuple[list[Any], list[DoubleDouble]]:
+        """Unknowns of members, and boxes in which each is the only root, where one is sought."""
+        family = self.problem.family
+        if not family.unknown or family.closed:
+            return [algebra.constant(v) for v in family.unknown.values()], []
+        rows = np.array(np.broadcast_arrays(*map(_double, (*a, *q)))).T
+        found = family.search(rows[:, : len(a)], rows[:, len(a) :])
+        near = np.where(found.good[:, None], found.u, np.nan)
+        if algebra is PLAIN:
+            return list(near.T), []
+
+        def equations(u: list[Any]) -> Any:
+            values, slopes = family.graph.residual.run(algebra, [a, u, q])
+            return values, family.graph.place(slopes)
+
+        proved, widths = many_proved(equations, near)
+        boxes = [DoubleDouble(v.hi, v.lo, w) for v, w in zip(proved, widths.T, strict=True)]
+        return proved, boxes
 
     def __call__(self, algebra: Algebra, x: Any, y: Any) -> Reading:
         """Routh's array at points, numbers of an algebra: doubles, or with proved signs."""
@@ -153,10 +188,10 @@ class GridPolynomials:
             values = {n: exact(v) for n, v in self.problem.rationals(self.fixed).items()}
         values |= dict(zip(self.names, (x, y), strict=True))
         with np.errstate(all="ignore"):
-            factors, positive = self.factors(algebra, values)
-            readings = [self._routh(f) for f in factors if len(f) > 1]
+            polynomials = self._read(algebra, values)
+            readings = [self._routh(f) for f in polynomials.factors if len(f) > 1]
             sign = reduce(_both, (r.sign for r in readings))
-            for number in positive:
+            for number in polynomials.positive:
                 sign = np.where(_sign(number) > 0, sign, 0)
         shape = np.shape(_double(x))
 
@@ -168,6 +203,7 @@ class GridPolynomials:
             spread(c for r in readings for c in r.constants),
             np.broadcast_to(sign, shape),
             spread(s for r in readings for s in r.squares),
+            polynomials.boxes,
         )
 
     def _routh(self, factor: Sequence[Any]) -> Reading:
@@ -334,25 +370,27 @@ class EdgeSearch:
 
     def proved(self, root: Floats) -> Iterator[tuple[int, BoundaryPoint]]:
         """Place and point of each edge on which a bracket is proved, the narrowest that is."""
-        left, factor = np.flatnonzero(np.isfinite(root)), 1.0
+        left = np.flatnonzero(np.isfinite(root))
+        factor = np.ones(len(root))
         for _ in range(ROUNDS):
             if not len(left):
                 return
             here, three, none = root[left], np.tile(left, 3), np.zeros(2 * len(left))
-            width = factor * np.where(here == 0, LEAST, np.spacing(np.abs(here)))
+            width = factor[left] * np.where(here == 0, LEAST, np.spacing(np.abs(here)))
             places = np.concatenate([here - width, here + width, here])
             reading = self._at(DOUBLE_DOUBLE, places, three, np.concatenate([none, width]))
             below, above, _ = np.reshape(reading.sign, (3, -1))
             kind, square = _crossings(reading, len(left))
-            sure = (below * above < 0) & (kind >= 0)
+            sure = (below * above < 0) & (kind >= 0) & reading.joined(len(left))
             sure &= (self.edges.low[left] <= here + width) & (here - width <= self.edges.high[left])
             yield from self._points(
                 left[sure], here[sure], width[sure], kind[sure], square[sure], below[sure]
             )
             low, high, middle = self._least(reading, three).reshape(3, -1)
             step = middle * (2 * width) / (high - low)
-            root[left] -= np.where(np.abs(step) < FAR * width, step, 0.0)
-            left, factor = left[~sure], 2 * factor
+            root[left] -= np.where(np.abs(step) < APART * self.width[left], step, 0.0)
+            factor[left[root[left] == here]] *= 2  # the bracket is wider only about the same root
+            left = left[~sure]
 
     def _points(
         self, some: Any, root: Floats, width: Floats, kind: Any, square: Floats, below: Any
