@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -196,18 +196,25 @@ class GridScans:
             np.where(axis == 0, xs[column % len(xs)], ys[row % len(ys)]),
             np.where(axis == 0, ys[i], xs[j]),
         )
-        points = bracketed(self.polynomials, along)
+        done = None if progress is None else lambda k: progress(min(k, total), total)
+        placed = self.placed(along, done)
+        return dict(zip(map(tuple, different.T.tolist()), placed, strict=True))
+
+    def placed(
+        self, edges: Edges, done: Callable[[int], None] | None = None
+    ) -> list[Placed | None]:
+        """The change of verdict on each of some edges."""
+        points = bracketed(self.polynomials, edges)
         for k in [k for k, point in enumerate(points) if point is None]:
             with suppress(StabilityError):  # no member between two cells that have one, as a fold
-                line = self.along(int(axis[k]), float(along.other[k]))
-                points[k] = refine(line, float(along.low[k]), float(along.high[k]))
-            if progress:
-                progress(min(k, total), total)
-        placed = [
+                line = self.along(int(edges.axis[k]), float(edges.other[k]))
+                points[k] = refine(line, float(edges.low[k]), float(edges.high[k]))
+            if done:
+                done(k)
+        return [
             None if point is None else Placed(point, *where)
-            for point, *where in zip(points, axis.tolist(), along.other.tolist(), strict=True)
+            for point, *where in zip(points, edges.axis.tolist(), edges.other.tolist(), strict=True)
         ]
-        return dict(zip(map(tuple, different.T.tolist()), placed, strict=True))
 
     def signs(self, codes: NDArray[np.int8], abscissa: Floats) -> Floats:
         """+1 good, -1 unstable; balls settle cells that double precision leaves open."""
@@ -216,8 +223,11 @@ class GridScans:
         open_ = codes == CODES[Verdict.UNDECIDED]
         sign[open_] = -np.sign(abscissa[open_])
         doubtful = np.argwhere(open_)
+        doubtful = doubtful[: len(doubtful) * (len(doubtful) <= MOST_DOUBTFUL)]
         xs, ys = self.axes[0].values, self.axes[1].values
-        for i, j in doubtful if len(doubtful) <= MOST_DOUBTFUL else ():
+        proved = self.polynomials.signs(xs[doubtful[:, 1]], ys[doubtful[:, 0]])
+        sign[tuple(doubtful[proved != 0].T)] = proved[proved != 0]
+        for i, j in doubtful[proved == 0]:
             try:
                 sign[i, j] = self.along(0, float(ys[i])).quick_sign(float(xs[j]))
             except StabilityError:  # no member is proved there, as where branches cross
@@ -354,28 +364,30 @@ class Tips:
         limits = self.axes[axis].low, self.axes[axis].high
         outer = max(low - margin, limits[0]), min(high + margin, limits[1])
         tries = [(low + high) / 2, *np.linspace(low, high, TRIES)]
-        tries += np.linspace(outer[0], outer[1], TRIES).tolist()
+        values = np.array([*outer, *tries, *np.linspace(*outer, TRIES)])
+        heights = np.full(len(values), height)
+        known = self.lines.polynomials.signs(
+            *((values, heights) if axis == 0 else (heights, values))
+        )
+
+        def sign(k: int) -> int:
+            return int(known[k]) or line.quick_sign(float(values[k]))
+
         try:
-            ground = line.quick_sign(outer[0])
-            inside = next(
-                (
-                    float(v)
-                    for v in tries
-                    if outer[0] < v < outer[1] and line.quick_sign(float(v)) == -ground
-                ),
-                None,
-            )
-            if not ground or inside is None or line.quick_sign(outer[1]) != ground:
+            ground = sign(0)
+            between = (k for k in range(2, len(values)) if outer[0] < values[k] < outer[1])
+            inside = next((float(values[k]) for k in between if sign(k) == -ground), None)
+            if not ground or inside is None or sign(1) != ground:
                 return None
-            sides = refine(line, outer[0], inside), refine(line, inside, outer[1])
         except StabilityError:  # no member there
             return None
-        if sides[0] is None or sides[1] is None:
+        ends = np.array([[outer[0], inside], [inside, outer[1]], [height, height]])
+        left, right = self.lines.placed(Edges(np.full(2, axis, dtype=np.int8), *ends))
+        if left is None or right is None:
             return None
-        if sides[1].value - sides[0].value > WIDER * abs(before[1] - before[0]):
+        if right.point.value - left.point.value > WIDER * abs(before[1] - before[0]):
             return None  # it is the wedge beyond the point where they meet
-        placed = [Placed(p, axis, height) for p in sides if p is not None]
-        return (placed[1], placed[0]) if flip else (placed[0], placed[1])
+        return (right, left) if flip else (left, right)
 
 
 def _tip(line: Sequence[tuple[float, float]]) -> int:

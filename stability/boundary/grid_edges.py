@@ -89,8 +89,9 @@ class Reading:
         """Whether members at both ends of brackets are in the box of the members between them."""
         same = np.ones(count, dtype=bool)
         for box in self.boxes:
-            (*ends, middle), (*_, width) = (v.reshape(3, count) for v in (box.hi, box.error))
-            same &= np.all([np.abs(end - middle) < width / 2 for end in ends], axis=0)
+            (*hi, middle), (*lo, rest) = box.hi.reshape(3, count), box.lo.reshape(3, count)
+            for end, small in zip(hi, lo, strict=True):
+                same &= np.abs((end - middle) + (small - rest)) < box.error.reshape(3, count)[2] / 2
         return same
 
 
@@ -142,6 +143,19 @@ class GridPolynomials:
         if not certain(family):
             return False
         return formulas_of(family) is not None or len(family.system.states) <= MOST_STATES
+
+    def signs(self, x: Floats, y: Floats) -> NDArray[np.int_]:
+        """Proved verdicts at points: 1, -1, or 0 where open.
+
+        Parameters
+        ----------
+        x, y
+            Values of both axes.
+        """
+        if len(x) and self.readable:
+            with suppress(StabilityError, ArithmeticError):
+                return np.asarray(self(DOUBLE_DOUBLE, DoubleDouble(x), DoubleDouble(y)).sign)
+        return np.zeros(len(x), dtype=int)
 
     def _read(self, algebra: Algebra, values: dict[str, Any]) -> _Polynomials:
         if self.stored is not None:
