@@ -73,12 +73,9 @@ class Saddle(NamedTuple):
         x, y = ((other.place(k) - self.place.place(k)) / self.cell[k] for k in (0, 1))
         return math.atan2(y, x)
 
-    def near(self, other: Saddle) -> bool:
-        """Whether another saddle is this one."""
-        places = (self.place, other.place)
-        return all(
-            abs(places[0].place(k) - places[1].place(k)) < SAME * self.cell[k] for k in (0, 1)
-        )
+    def far(self, other: Sequence[float]) -> float:
+        """Distance of a place, over the widths of a cell."""
+        return max(abs(other[k] - self.place.place(k)) / self.cell[k] for k in (0, 1))
 
     def partners(self, angles: Sequence[float]) -> list[int]:
         """The end with which each of four ends of curves is linked, by their angles in order."""
@@ -187,9 +184,14 @@ def linked(
     groups: list[tuple[Saddle, list[int]]] = []
     for k, saddle in enumerate(saddles(polynomials, turns, grid)):
         if saddle is not None:
-            same = [some for one, some in groups if one.near(saddle)]
+            place = saddle.place.place(0), saddle.place.place(1)
+            same = [some for one, some in groups if one.far(place) < SAME]
             same[0].append(k) if same else groups.append((saddle, [k]))
-    groups = [(saddle, some) for saddle, some in groups if len(some) == 2]
+    groups = [
+        (saddle, sorted(some, key=lambda k: saddle.far(turns[k]))[:2])
+        for saddle, some in groups
+        if len(some) > 1
+    ]
     number = {k: place for place, (_, some) in enumerate(groups) for k in some}
     order = count()
     arms = [arm for curve in curves for arm in _arms(curve, number, order)]

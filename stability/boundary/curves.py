@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -31,6 +31,9 @@ TRIES = 9
 """Points across a wedge at which its verdict is looked for."""
 MOST_DOUBTFUL = 20_000
 """Most undecided cells that are settled in balls; with more, by the sign of the abscissa."""
+
+Cell = tuple[int, int]
+"""Row and column."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +93,7 @@ def trace(
     places = [_edges(line) for line in lines]
     total = sum(map(len, lines))
     known = scans.changes(np.concatenate([np.empty((0, 3), dtype=int), *places]), progress)
-    turns = _saddles(signs, known)
+    turns = _turns(known)
     tips, xs, ys = Tips(scans), axes[0].values, axes[1].values
     curves: list[Sequence[Placed | Turn]] = []
     missing = 0
@@ -127,18 +130,30 @@ def _edges(line: Floats) -> NDArray[np.int_]:
     return np.array(first, dtype=int).T
 
 
-def _saddles(
-    signs: Floats, known: dict[tuple[int, int, int], Placed | None]
-) -> dict[tuple[int, int], list[Turn]]:
-    """Where straight lines through the four points of a cell cross, by its row and column."""
-    odd = signs[:-1] * signs[1:] < 0
-    both = odd[:, :-1] & odd[:, 1:] & (signs[:-1, :-1] * signs[:-1, 1:] < 0)
-    turns: dict[tuple[int, int], list[Turn]] = {}
-    for i, j in np.argwhere(both).tolist():
-        ends = [known.get(e) for e in ((0, i, j), (0, i + 1, j), (1, i, j), (1, i, j + 1))]
-        placed = [end for end in ends if end is not None]
-        if len(placed) == len(ends):
-            turns[i, j] = _meeting(*placed)
+def _turns(known: Mapping[tuple[int, int, int], Placed | None]) -> dict[Cell, list[Turn]]:
+    """Where two curves may cross within a cell, by its row and column.
+
+    All four edges of the cell change, or two curves come near to each other on both sides of a row
+    (or column) of grid points, and their lines meet between two of these points.
+    """
+    turns: dict[Cell, list[Turn]] = {}
+    for axis, i, j in known:
+        if axis == 0:
+            sides = (0, i, j), (0, i + 1, j), (1, i, j), (1, i, j + 1)
+            ends = [end for side in sides if (end := known.get(side)) is not None]
+            if len(ends) == len(sides):
+                turns[i, j] = _meeting(*ends)
+        up, right = axis, 1 - axis  # from the edge before, over the grid point between them
+        if known.get((axis, i - up, j - right)) is None:
+            continue
+        ahead = [(i + k * right, j + k * up) for k in (-1, 0, 1, 2)]
+        after = [end for r, c in ahead if (end := known.get((axis, r, c))) is not None]
+        before = [e for r, c in ahead if (e := known.get((axis, r - up, c - right))) is not None]
+        if len(after) == len(before) == len(ahead):
+            apart = [a.point.value - b.point.value for a, b in zip(after, before, strict=True)]
+            if apart[0] >= 2 * apart[1] and apart[3] >= 2 * apart[2]:
+                turn = _meeting(*after[:2], *before[:2])
+                turns[i, j] = turns[i - up, j - right] = turn
     return turns
 
 
