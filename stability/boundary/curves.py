@@ -26,7 +26,7 @@ WIDEST = 3
 LEAST_STEP = 1 / 64
 """Share of a cell in which the two sides of a wedge may meet unseen."""
 WIDER = 1.1
-"""Largest ratio of the widths of a wedge at two heights, towards its end."""
+"""Largest width of a wedge towards its end, over the least one before."""
 TRIES = 9
 """Points across a wedge at which its verdict is looked for."""
 MOST_DOUBTFUL = 20_000
@@ -327,12 +327,14 @@ class Tips:
         grid = self.axes[across].values
         margin = float(np.diff(grid).max())
         while abs(to - height) > abs(whole) * LEAST_STEP and ends[0] <= to <= ends[-1]:
-            pair = self._across(across, to, pairs, margin)
+            narrow = min(abs(a.place(across) - b.place(across)) for a, b in pairs[known - 1 :])
+            pair = self._across(across, to, pairs, margin, narrow)
             if pair is None:
                 to = (to + height) / 2
                 continue
             pairs.append(pair)
-            height, to = to, 2 * to - height
+            step = 2 * (to - height)
+            height, to = to, to + (step if abs(step) < abs(whole) else whole)
         up, down = [p for p, _ in pairs[known:]], [p for _, p in pairs[known:]]
         return self._with(middle, first, up, last, down) if up else []
 
@@ -366,9 +368,28 @@ class Tips:
         return [*up, *meeting, *down]
 
     def _across(
-        self, axis: int, height: float, pairs: list[tuple[Placed, Placed]], margin: float
+        self,
+        axis: int,
+        height: float,
+        pairs: list[tuple[Placed, Placed]],
+        margin: float,
+        narrow: float,
     ) -> tuple[Placed, Placed] | None:
-        """Both sides of the wedge at a height, looked for where straight lines meet that height."""
+        """Both sides of the wedge at a height, looked for where straight lines meet that height.
+
+        Parameters
+        ----------
+        axis
+            The axis from side to side.
+        height
+            Value of the other axis.
+        pairs
+            Points of both sides so far.
+        margin
+            Way beyond the sides that is looked at.
+        narrow
+            Least distance of the sides so far.
+        """
         line = self.lines.along(axis, height)
         low, high = (_extended(side, axis, height) for side in zip(*pairs[-2:], strict=True))
         before = [pair.place(axis) for pair in pairs[-1]]
@@ -400,7 +421,7 @@ class Tips:
         left, right = self.lines.placed(Edges(np.full(2, axis, dtype=np.int8), *ends))
         if left is None or right is None:
             return None
-        if right.point.value - left.point.value > WIDER * abs(before[1] - before[0]):
+        if right.point.value - left.point.value > WIDER * narrow:
             return None  # it is the wedge beyond the point where they meet
         return (right, left) if flip else (left, right)
 
