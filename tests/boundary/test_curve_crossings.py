@@ -93,6 +93,17 @@ def test_a_line_through_a_circle_crosses_it_twice() -> None:
         assert np.hypot(along, up).max() < 0.12
 
 
+def test_a_wedge_round_one_grid_point_is_not_followed_across_the_map() -> None:
+    """It once had 1271 points, and a line of eleven cells from one side to the other."""
+    (a, b), (u, v) = (2.35744043, 1.80473973), (0.11727214, 0.00655149)
+    lines = [lambda p, q, t=t: np.cos(t) * (p - u) + np.sin(t) * (q - v) for t in (a, b)]
+    drawn = planted(lambda p, q: lines[0](p, q) * lines[1](p, q), True)
+    assert drawn.sizes["boundary_point"] < 200
+    for x, y, _ in pieces(drawn):
+        assert np.minimum(*(np.abs(line(x, y)) for line in lines)).max() < 1e-11
+        assert np.hypot(np.diff(x), np.diff(y)).max() < 0.12
+
+
 @pytest.mark.parametrize("count", [(41, 41), (40, 37)])
 def test_the_euler_tops_lines_cross_where_all_moments_are_equal(count: tuple[int, int]) -> None:
     """Rotation about the first axis is neutral where I₁ is the largest or the least moment."""

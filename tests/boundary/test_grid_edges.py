@@ -6,6 +6,7 @@ Oracle: `mpmath.eig` of the linearisation written out by hand, and the search in
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import casadi as ca
@@ -14,10 +15,11 @@ import numpy as np
 import pytest
 
 import stability as st
+from stability.algebra.double_double import DoubleDouble
 from stability.base.axis import Axis
-from stability.boundary import curves
+from stability.boundary import curves, grid_edges
 from stability.boundary.brackets import AxisScan, refine
-from stability.boundary.grid_edges import Edges, GridPolynomials, bracketed
+from stability.boundary.grid_edges import Edges, GridPolynomials, Reading, bracketed
 from stability.spectra.axes import swept
 
 STATES = ("a", "b", "c", "d")
@@ -209,12 +211,51 @@ def test_a_map_needs_no_search_edge_by_edge(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_an_edge_that_stays_open_is_left_to_balls() -> None:
-    """A real part of third order changes sign: no bracket of a few units is proved."""
-    family = rest(lambda p, q, _: [[-((p - q) ** 3), -1], [1, -((p - q) ** 3)]], 2)
+    """A real part of third order, expanded: its sign near the root is below all rounding."""
+
+    def cubed(p: Any, q: Any, _: Any) -> list[list[Any]]:
+        rate = -(p * p * p) + 3 * p * p * q - 3 * p * q * q + q * q * q
+        return [[rate, -1], [1, rate]]
+
+    family = rest(cubed, 2)
     problem, _ = swept(family, {"x": ("p", -1.0, 1.0, 9), "y": ("q", -1.0, 1.0, 9)})
-    edges = Edges(np.zeros(1, dtype=np.int8), *(np.array([v]) for v in (0.25, 0.5, 1 / 3)))
-    [open_] = bracketed(GridPolynomials(problem, ("p", "q")), edges)
+    ends = (np.array([v]) for v in (0.25, 0.5, 0.37))
+    edges = Edges(np.zeros(1, dtype=np.int8), *ends)
+    assert bracketed(GridPolynomials(problem, ("p", "q")), edges) == [None]
     drawn = st.stability_map(family, x=("p", -1, 1, 8), y=("q", -0.9, 1.1, 7))
     assert drawn.attrs["boundary_unresolved"] == 0
     assert np.abs(drawn.boundary_p - drawn.boundary_q).max() < 1e-12
-    assert open_ is None or open_.error < 1e-15
+
+
+def test_no_verdict_is_proved_where_a_number_of_members_is_not_positive(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    family = rest(lambda p, q, _: [[-1, p], [q, -2]], 2)
+    problem, _ = swept(family, {"x": ("p", -1.0, 1.0, 9), "y": ("q", -1.0, 1.0, 9)})
+
+    def formulas(_: Any, a: list[Any], __: Any) -> Any:
+        return [2 - a[0] * 0, 3, 1], [], [a[0]]
+
+    monkeypatch.setattr(grid_edges, "formulas_of", lambda _: formulas)
+    p = np.array([-0.5, 0.0, 0.5])
+    assert GridPolynomials(problem, ("p", "q")).signs(p, 0 * p).tolist() == [0, 0, 1]
+
+
+def test_members_of_two_branches_are_not_joined() -> None:
+    """Ends and middle of two brackets, each middle with its box of one root."""
+    places, width = np.array([1.0, 1.0, 1.1, 5.0, 1.05, 1.05]), np.full(6, 0.3)
+    reading = Reading([], [], None, [], [DoubleDouble(places, np.zeros(6), width)])
+    assert reading.joined(2).tolist() == [True, False]
+
+
+def test_no_point_is_named_without_two_proved_verdicts(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem, _ = swept("rolling", {"x": ("at", 0.2, 3.0, 9), "y": ("mu", 0.1, 1.0, 9)})
+    edges = Edges(np.zeros(1, dtype=np.int8), *(np.array([v]) for v in (1.0, 2.0, 0.3)))
+    polynomials = GridPolynomials(problem, ("at", "mu"))
+    [point] = bracketed(polynomials, edges)
+    assert point is not None and point.value == pytest.approx(2**0.5, rel=1e-15)
+    read = GridPolynomials.__call__
+    monkeypatch.setattr(
+        GridPolynomials, "__call__", lambda *given: replace(read(*given), sign=np.zeros(3))
+    )
+    assert bracketed(polynomials, edges) == [None]
