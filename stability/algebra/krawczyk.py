@@ -1,11 +1,20 @@
-"""Proof of a solution of a square system of equations in balls (Krawczyk's test)."""
+"""Proof of a solution of a square system of equations (Krawczyk's test).
+
+One system in balls, or many at once in numbers of two doubles.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
 from flint import arb, arb_mat, ctx
+
+from ..base.types import Floats
+from .double_double import DoubleDouble, exact
+from .linear_systems import inverse_of, solve
+from .running_error import UNIT
 
 Values = list[Any]
 System = Callable[[Values], tuple[Values, list[Values]]]
@@ -14,6 +23,12 @@ NEWTON = 60
 """Most steps of Newton's method."""
 INFLATIONS = 6
 """Most boxes in one test; each next box is twice the last image."""
+
+
+WIDER = 4.0
+"""Factor from the first bound on an error to the box that proves it."""
+LEAST = 1e-300
+"""Least half-width of a box."""
 
 
 class NotProvedError(ArithmeticError):
@@ -147,3 +162,56 @@ def operator(inverse: Any, slope: Any, box: Any, shift: Any) -> Any:
     size = inverse.nrows()
     identity = arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
     return (identity - inverse * slope) * box - shift
+
+
+def many_proved(system: System, start: Floats) -> tuple[list[DoubleDouble], Floats]:
+    """Solutions of many systems, and half-widths of boxes about them without another one.
+
+    Parameters
+    ----------
+    system
+        Function as for one system, of numbers of two doubles, arrays with an entry for each system.
+    start
+        Solutions to double precision, shape (N, unknowns).
+
+    Returns
+    -------
+    solutions, widths
+        Errors are infinite where none is proved; widths, shape (N, unknowns).
+
+    Source: tests/algebra/test_double_double.py.
+    """
+    x = [DoubleDouble(v) for v in start.T]
+    for _ in range(2):  # each step doubles the digits of a double
+        values, slopes = _read(system, x)
+        step = (inverse_of(slopes[0]) @ values[0])[..., 0]
+        moved = [v - s for v, s in zip(x, step.T, strict=True)]
+        x = [DoubleDouble(v.hi, v.lo) for v in moved]
+    width = np.zeros_like(start)
+    values, _ = _read(system, x)
+    for _ in range(2):  # at the point, then over a box
+        box = [DoubleDouble(v.hi, v.lo, w) for v, w in zip(x, width.T, strict=True)]
+        shift, error = solve(*_read(system, box)[1], *values)
+        image = (np.abs(shift) + error)[..., 0]
+        proved = (image < width).all(axis=1, keepdims=True)
+        width = np.where(proved, width, WIDER * image + LEAST)
+    radius = np.where(proved, image, np.inf)
+    return [DoubleDouble(v.hi, v.lo, r) for v, r in zip(x, radius.T, strict=True)], width
+
+
+def _read(system: System, x: list[DoubleDouble]) -> list[tuple[Floats, Floats]]:
+    """Values and slopes as doubles with bounds, shapes (N, n, 1) and (N, n, n)."""
+    values, slopes = system(x)
+    shape, found = np.shape(x[0].hi), []
+    for rows in ([[v] for v in values], slopes):
+        numbers = [[exact(v) for v in row] for row in rows]
+        middle, error = (
+            np.moveaxis(
+                np.array([[np.broadcast_to(getattr(v, n), shape) for v in row] for row in numbers]),
+                -1,
+                0,
+            )
+            for n in ("hi", "error")
+        )
+        found.append((middle, 1.01 * error + 2 * UNIT * np.abs(middle)))
+    return found

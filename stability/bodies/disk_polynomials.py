@@ -64,7 +64,7 @@ class DiskPolynomial(TabulatedPolynomial):
             found["M"] = drag * drag * length
         turn = next((n for n in ("phi_dot", "at") if n in v), None)
         if turn and "z" in self.known.variables:
-            if turn == "phi_dot" and np.any(np.equal(v[turn], 0)):
+            if turn == "phi_dot" and np.any(v[turn] == 0):
                 raise NoMemberError(
                     f"{self.known.family} has no member at phi_dot = 0; give another phi_dot."
                 )

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,9 @@ from ..base.errors import StabilityError
 from ..base.types import Floats, Progress
 from ..base.verdict import CODES, DECAYING, NO_MEMBER, Verdict
 from ..spectra.problem import Problem
-from .brackets import AxisScan, BoundaryPoint, Crossing, refine
+from .brackets import AxisScan, Crossing, refine
+from .curve_crossings import Placed, Turn, linked
+from .grid_edges import Edges, GridPolynomials, bracketed
 
 KINDS = {crossing: crossing.code for crossing in Crossing}
 """Flag value of each crossing in files."""
@@ -23,11 +26,14 @@ WIDEST = 3
 LEAST_STEP = 1 / 64
 """Share of a cell in which the two sides of a wedge may meet unseen."""
 WIDER = 1.1
-"""Largest ratio of the widths of a wedge at two heights, towards its end."""
+"""Largest width of a wedge towards its end, over the least one before."""
 TRIES = 9
 """Points across a wedge at which its verdict is looked for."""
 MOST_DOUBTFUL = 20_000
 """Most undecided cells that are settled in balls; with more, by the sign of the abscissa."""
+
+Cell = tuple[int, int]
+"""Row and column."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,31 +90,22 @@ def trace(
     signs = scans.signs(codes, abscissa)
     sign = np.ma.masked_where(codes == NO_MEMBER, signs)
     lines = contour_generator(z=sign, line_type=LineType.Separate).lines(0.0)
-    xs, ys = axes[0].values, axes[1].values
-    tips = Tips(scans)
-    found: dict[tuple[int, int, int], BoundaryPoint | None] = {}
-    rows: list[_Placed] = []
+    places = [_edges(line) for line in lines]
+    total = sum(map(len, lines))
+    known = scans.changes(np.concatenate([np.empty((0, 3), dtype=int), *places]), progress)
+    turns = _turns(known)
+    tips, xs, ys = Tips(scans), axes[0].values, axes[1].values
+    curves: list[Sequence[Placed | Turn]] = []
     missing = 0
-    total = sum(len(line) for line in lines)
-    done = 0
-    for curve, line in enumerate(lines):
-        points: list[_Placed | None] = []
-        for column, row in np.asarray(line):
-            done += 1
-            if progress and done % 64 == 0:
-                progress(done, total)
-            # contourpy puts the zero of a ±1 field at the middle of a grid edge
-            axis = 0 if row == math.floor(row) else 1
-            i, j = math.floor(row), math.floor(column)
-            where = float(xs[j]), float(ys[i])
-            if (axis, i, j) not in found:
-                end = float((xs, ys)[axis][(j, i)[axis] + 1])
-                found[axis, i, j] = scans.edge(axis, where, end)
-            point = found[axis, i, j]
-            missing += point is None
-            placed = _Placed(point, axis, where[1 - axis], curve) if point is not None else None
-            points.append(placed)
-        rows += [p for p in tips.continued(np.asarray(line), points) if p is not None]
+    for line, edges in zip(lines, places, strict=True):
+        points = [known[axis, i, j] for axis, i, j in edges.tolist()]
+        missing += points.count(None)
+        cells = np.floor((line[1:] + line[:-1]) / 2).astype(int).tolist()
+        between = [turns.get((i, j), []) for j, i in cells]
+        curves.append(tips.continued(line.tolist(), points, between))
+    through = linked(curves, scans.polynomials, (xs, ys))
+    rows = [p for points in through for p in points]
+    number = [k for k, points in enumerate(through) for _ in points]
     if progress:
         progress(total, total)
     return Curves(
@@ -118,9 +115,56 @@ def trace(
         np.array([r.point.error for r in rows]),
         np.array([KINDS[r.point.crossing] for r in rows], dtype=np.int8),
         np.array([r.point.frequency for r in rows]),
-        np.array([r.curve for r in rows], dtype=np.int32),
+        np.array(number, dtype=np.int32),
         missing,
     )
+
+
+def _edges(line: Floats) -> NDArray[np.int_]:
+    """(axis, row, column) of the first end of each grid edge that a line of contourpy crosses.
+
+    The zero of a field of 1 and -1 is at the middle of an edge.
+    """
+    columns, rows = line.T
+    first = [(rows != np.floor(rows)), np.floor(rows), np.floor(columns)]
+    return np.array(first, dtype=int).T
+
+
+def _turns(known: Mapping[tuple[int, int, int], Placed | None]) -> dict[Cell, list[Turn]]:
+    """Where two curves may cross within a cell, by its row and column.
+
+    All four edges of the cell change, or two curves come near to each other on both sides of a row
+    (or column) of grid points, and their lines meet between two of these points.
+    """
+    turns: dict[Cell, list[Turn]] = {}
+    for axis, i, j in known:
+        if axis == 0:
+            sides = (0, i, j), (0, i + 1, j), (1, i, j), (1, i, j + 1)
+            ends = [end for side in sides if (end := known.get(side)) is not None]
+            if len(ends) == len(sides):
+                turns[i, j] = _meeting(*ends)
+        up, right = axis, 1 - axis  # from the edge before, over the grid point between them
+        if known.get((axis, i - up, j - right)) is None:
+            continue
+        ahead = [(i + k * right, j + k * up) for k in (-1, 0, 1, 2)]
+        after = [end for r, c in ahead if (end := known.get((axis, r, c))) is not None]
+        before = [e for r, c in ahead if (e := known.get((axis, r - up, c - right))) is not None]
+        if len(after) == len(before) == len(ahead):
+            apart = [a.point.value - b.point.value for a, b in zip(after, before, strict=True)]
+            if apart[0] >= 2 * apart[1] and apart[3] >= 2 * apart[2]:
+                turn = _meeting(*after[:2], *before[:2])
+                turns[i, j] = turns[i - up, j - right] = turn
+    return turns
+
+
+def _meeting(a: Placed, b: Placed, c: Placed, d: Placed) -> list[Turn]:
+    """Where the lines through two points each meet; none where they are parallel."""
+    (ax, ay), (bx, by), (cx, cy), (dx, dy) = ([p.place(0), p.place(1)] for p in (a, b, c, d))
+    across = (bx - ax) * (dy - cy) - (by - ay) * (dx - cx)
+    if not across:
+        return []
+    share = ((cx - ax) * (dy - cy) - (cy - ay) * (dx - cx)) / across
+    return [Turn(ax + share * (bx - ax), ay + share * (by - ay))]
 
 
 class GridScans:
@@ -137,6 +181,7 @@ class GridScans:
     def __init__(self, problem: Problem, axes: tuple[Axis, Axis], *, neutral: bool) -> None:
         self.problem, self.axes, self.neutral = problem, axes, neutral
         self.fixed = {n: float(v) for n, v in problem.values.items()}
+        self.polynomials = GridPolynomials(problem, (axes[0].name, axes[1].name))
 
     def along(self, axis: int, other: float) -> AxisScan:
         """The line along one axis at a value of the other."""
@@ -145,12 +190,46 @@ class GridScans:
         line.neutral = self.neutral
         return line
 
-    def edge(self, axis: int, where: tuple[float, float], end: float) -> BoundaryPoint | None:
-        """The change of verdict between a grid point and the next one along an axis."""
-        try:
-            return refine(self.along(axis, where[1 - axis]), where[axis], end)
-        except StabilityError:  # no member between two cells that have one, as behind a fold
-            return None
+    def changes(
+        self, edges: NDArray[np.int_], progress: Progress | None
+    ) -> dict[tuple[int, int, int], Placed | None]:
+        """The change of verdict on each edge: all together, then in balls what is left open.
+
+        Parameters
+        ----------
+        edges
+            (axis, row, column) of the first end of each.
+        progress
+            As for `trace`.
+        """
+        axis, i, j = different = np.unique(edges, axis=0).T
+        total, xs, ys = len(edges), self.axes[0].values, self.axes[1].values
+        row, column = i + (axis == 1), j + (axis == 0)
+        along = Edges(
+            axis,
+            np.where(axis == 0, xs[j], ys[i]),
+            np.where(axis == 0, xs[column % len(xs)], ys[row % len(ys)]),
+            np.where(axis == 0, ys[i], xs[j]),
+        )
+        done = None if progress is None else lambda k: progress(min(k, total), total)
+        placed = self.placed(along, done)
+        return dict(zip(map(tuple, different.T.tolist()), placed, strict=True))
+
+    def placed(
+        self, edges: Edges, done: Callable[[int], None] | None = None
+    ) -> list[Placed | None]:
+        """The change of verdict on each of some edges."""
+        points = bracketed(self.polynomials, edges)
+        for k in [k for k, point in enumerate(points) if point is None]:
+            with suppress(StabilityError):  # no member between two cells that have one, as a fold
+                line = self.along(int(edges.axis[k]), float(edges.other[k]))
+                points[k] = refine(line, float(edges.low[k]), float(edges.high[k]))
+            if done:
+                done(k)
+        return [
+            None if point is None else Placed(point, *where)
+            for point, *where in zip(points, edges.axis.tolist(), edges.other.tolist(), strict=True)
+        ]
 
     def signs(self, codes: NDArray[np.int8], abscissa: Floats) -> Floats:
         """+1 good, -1 unstable; balls settle cells that double precision leaves open."""
@@ -159,8 +238,11 @@ class GridScans:
         open_ = codes == CODES[Verdict.UNDECIDED]
         sign[open_] = -np.sign(abscissa[open_])
         doubtful = np.argwhere(open_)
+        doubtful = doubtful[: len(doubtful) * (len(doubtful) <= MOST_DOUBTFUL)]
         xs, ys = self.axes[0].values, self.axes[1].values
-        for i, j in doubtful if len(doubtful) <= MOST_DOUBTFUL else ():
+        proved = self.polynomials.signs(xs[doubtful[:, 1]], ys[doubtful[:, 0]])
+        sign[tuple(doubtful[proved != 0].T)] = proved[proved != 0]
+        for i, j in doubtful[proved == 0]:
             try:
                 sign[i, j] = self.along(0, float(ys[i])).quick_sign(float(xs[j]))
             except StabilityError:  # no member is proved there, as where branches cross
@@ -173,21 +255,6 @@ class GridScans:
         return np.where(sign == 0, np.where(around > 0, 1.0, -1.0), sign)
 
 
-class _Placed(NamedTuple):
-    """A boundary point in the plane of a map."""
-
-    point: BoundaryPoint
-    axis: int
-    """Axis along which it was refined."""
-    other: float
-    """Value of the other axis."""
-    curve: int
-
-    def place(self, axis: int) -> float:
-        """Its value along one of the axes."""
-        return self.point.value if axis == self.axis else self.other
-
-
 class Tips:
     """Wedges between two boundaries that are narrower than a cell, followed to their ends.
 
@@ -198,7 +265,12 @@ class Tips:
     def __init__(self, lines: GridScans) -> None:
         self.lines, self.axes = lines, lines.axes
 
-    def continued(self, line: Floats, points: list[_Placed | None]) -> list[_Placed | None]:
+    def continued(
+        self,
+        line: Sequence[tuple[float, float]],
+        points: Sequence[Placed | None],
+        between: Sequence[Sequence[Turn]],
+    ) -> list[Placed | Turn]:
         """Points of a curve, with the two sides of each tip continued as far as they are apart.
 
         Parameters
@@ -207,55 +279,77 @@ class Tips:
             Middles of grid edges from contourpy, (column, row).
         points
             The boundary point on each, or None.
+        between
+            Where two curves may cross between a point and the next one.
         """
-        out: list[_Placed | None] = []
+        out: list[Placed | Turn] = []
         k = 0
         while k < len(points):
             end = _tip(line[k : k + WIDEST + 2])
             turn = [p for p in points[k : k + end + 1] if p is not None]
-            if end and len(turn) == end + 1:
-                out += [turn[0], *self._walls(turn[0], turn[1:-1], turn[-1])]
+            outside = (points[k - 1] if k else None), next(iter(points[k + end + 1 :]), None)
+            sides = self._walls(turn, outside) if end and len(turn) > end else []
+            if sides:
+                out += [turn[0], *sides]
                 k += end
-            else:
-                out.append(points[k])
-                k += 1
+                continue
+            here, following = points[k], points[k + 1 : k + 2]
+            if here is not None:
+                out.append(here)
+                out += between[k] if following and following[0] is not None else ()
+            k += 1
         return out
 
-    def _walls(self, first: _Placed, middle: list[_Placed], last: _Placed) -> list[_Placed]:
-        """Points between both sides of a tip: up along one side and down along the other."""
+    def _walls(
+        self, turn: list[Placed], outside: tuple[Placed | None, Placed | None]
+    ) -> list[Placed | Turn]:
+        """Points between both sides of a tip: up along one side, and down along the other.
+
+        Parameters
+        ----------
+        turn
+            The tip's own points.
+        outside
+            The point before them and the one after them, for the first slopes.
+        """
+        first, *middle, last = turn
         across, along = first.axis, 1 - first.axis
         ends = self.axes[along].values
         index = int(np.argmin(np.abs(ends - first.other)))
         step = 1 if middle[0].place(along) > first.other else -1
         height, to = first.other, float(ends[index + step])
         whole = to - height
-        pairs = [(first, last)]
+        before, after = outside
+        pairs = (
+            [(first, last)] if before is None or after is None else [(before, after), (first, last)]
+        )
+        known = len(pairs)
         grid = self.axes[across].values
         margin = float(np.diff(grid).max())
         while abs(to - height) > abs(whole) * LEAST_STEP and ends[0] <= to <= ends[-1]:
-            pair = self._across(across, to, pairs, margin)
+            narrow = min(abs(a.place(across) - b.place(across)) for a, b in pairs[known - 1 :])
+            pair = self._across(across, to, pairs, margin, narrow)
             if pair is None:
                 to = (to + height) / 2
                 continue
             pairs.append(pair)
-            height, to = to, 2 * to - height
-        up, down = [p for p, _ in pairs[1:]], [p for _, p in pairs[1:]]
-        return self._with(middle, first, up, last, down)
+            step = 2 * (to - height)
+            height, to = to, to + (step if abs(step) < abs(whole) else whole)
+        up, down = [p for p, _ in pairs[known:]], [p for _, p in pairs[known:]]
+        return self._with(middle, first, up, last, down) if up else []
 
     def _with(
         self,
-        middle: list[_Placed],
-        first: _Placed,
-        up: list[_Placed],
-        last: _Placed,
-        down: list[_Placed],
-    ) -> list[_Placed]:
+        middle: list[Placed],
+        first: Placed,
+        up: list[Placed],
+        last: Placed,
+        down: list[Placed],
+    ) -> list[Placed | Turn]:
         """Both sides, and each of the tip's own points on the side that it belongs to."""
         axis = first.axis
-        if not up:
-            return middle
 
-        def off(side: list[_Placed], one: _Placed) -> float:
+        def off(side: list[Placed], one: Placed) -> float:
             order = sorted(side, key=lambda p: p.place(1 - axis))
             at = np.interp(
                 one.place(1 - axis),
@@ -270,12 +364,32 @@ class Tips:
             (up if off(sides[0], one) <= off(sides[1], one) else down).append(one)
         up.sort(key=lambda p: way * p.place(1 - axis))
         down.sort(key=lambda p: -way * p.place(1 - axis))
-        return [*up, *down]
+        meeting = _meeting(*[first, *up][-2:], *[*down, last][:2])
+        return [*up, *meeting, *down]
 
     def _across(
-        self, axis: int, height: float, pairs: list[tuple[_Placed, _Placed]], margin: float
-    ) -> tuple[_Placed, _Placed] | None:
-        """Both sides of the wedge at a height, looked for where straight lines meet that height."""
+        self,
+        axis: int,
+        height: float,
+        pairs: list[tuple[Placed, Placed]],
+        margin: float,
+        narrow: float,
+    ) -> tuple[Placed, Placed] | None:
+        """Both sides of the wedge at a height, looked for where straight lines meet that height.
+
+        Parameters
+        ----------
+        axis
+            The axis from side to side.
+        height
+            Value of the other axis.
+        pairs
+            Points of both sides so far.
+        margin
+            Way beyond the sides that is looked at.
+        narrow
+            Least distance of the sides so far.
+        """
         line = self.lines.along(axis, height)
         low, high = (_extended(side, axis, height) for side in zip(*pairs[-2:], strict=True))
         before = [pair.place(axis) for pair in pairs[-1]]
@@ -286,32 +400,33 @@ class Tips:
         limits = self.axes[axis].low, self.axes[axis].high
         outer = max(low - margin, limits[0]), min(high + margin, limits[1])
         tries = [(low + high) / 2, *np.linspace(low, high, TRIES)]
-        tries += np.linspace(outer[0], outer[1], TRIES).tolist()
+        values = np.array([*outer, *tries, *np.linspace(*outer, TRIES)])
+        heights = np.full(len(values), height)
+        known = self.lines.polynomials.signs(
+            *((values, heights) if axis == 0 else (heights, values))
+        )
+
+        def sign(k: int) -> int:
+            return int(known[k]) or line.quick_sign(float(values[k]))
+
         try:
-            ground = line.quick_sign(outer[0])
-            inside = next(
-                (
-                    float(v)
-                    for v in tries
-                    if outer[0] < v < outer[1] and line.quick_sign(float(v)) == -ground
-                ),
-                None,
-            )
-            if not ground or inside is None or line.quick_sign(outer[1]) != ground:
+            ground = sign(0)
+            between = (k for k in range(2, len(values)) if outer[0] < values[k] < outer[1])
+            inside = next((float(values[k]) for k in between if sign(k) == -ground), None)
+            if not ground or inside is None or sign(1) != ground:
                 return None
-            sides = refine(line, outer[0], inside), refine(line, inside, outer[1])
         except StabilityError:  # no member there
             return None
-        if sides[0] is None or sides[1] is None:
+        ends = np.array([[outer[0], inside], [inside, outer[1]], [height, height]])
+        left, right = self.lines.placed(Edges(np.full(2, axis, dtype=np.int8), *ends))
+        if left is None or right is None:
             return None
-        if sides[1].value - sides[0].value > WIDER * abs(before[1] - before[0]):
+        if right.point.value - left.point.value > WIDER * narrow:
             return None  # it is the wedge beyond the point where they meet
-        curve = pairs[0][0].curve
-        placed = [_Placed(p, axis, height, curve) for p in sides if p is not None]
-        return (placed[1], placed[0]) if flip else (placed[0], placed[1])
+        return (right, left) if flip else (left, right)
 
 
-def _tip(line: Floats) -> int:
+def _tip(line: Sequence[tuple[float, float]]) -> int:
     """Number of steps in which a curve turns round a few grid points of one row; 0 if it does not.
 
     Parameters
@@ -319,22 +434,21 @@ def _tip(line: Floats) -> int:
     line
         Middles of grid edges from the first one on.
     """
-    for axis in (0, 1):  # a middle of an edge along x has a whole row
-        first = line[0, 1 - axis]
-        if first != math.floor(first) or len(line) < 3:
-            continue
-        off = line[1:, 1 - axis] - first
-        back = np.flatnonzero(off == 0)
-        if len(back) and back[0] and abs(off[0]) == 0.5 and (off[: back[0]] == off[0]).all():
-            return int(back[0]) + 1
+    for axis in (0, 1) if len(line) >= 3 else ():  # a middle of an edge along x has a whole row
+        first = line[0][1 - axis]
+        off = [place[1 - axis] - first for place in line[1:]]
+        if first == math.floor(first) and abs(off[0]) == 0.5 and 0 in off:
+            back = off.index(0)
+            if all(v == off[0] for v in off[:back]):
+                return back + 1
     return 0
 
 
-def _extended(side: tuple[_Placed, ...], axis: int, height: float) -> float:
+def _extended(side: tuple[Placed, ...], axis: int, height: float) -> float:
     """Where the straight line through the last points of a side meets a height."""
     *earlier, last = side
     if not earlier:
         return last.place(axis)
     rise = last.place(1 - axis) - earlier[-1].place(1 - axis)
-    slope = (last.place(axis) - earlier[-1].place(axis)) / rise
+    slope = (last.place(axis) - earlier[-1].place(axis)) / rise if rise else 0.0
     return last.place(axis) + slope * (height - last.place(1 - axis))

@@ -335,7 +335,10 @@ def _boundary_variables(
         "boundary_error": (
             d,
             curves.error,
-            {"long_name": "half-width of the proved bracket, in the unit of boundary_axis"},
+            {
+                "long_name": "half-width of the proved bracket, in the unit of boundary_axis; "
+                "where curves cross, distance at which verdicts alternate"
+            },
         ),
         "boundary_kind": (d, curves.kind, kinds),
         "boundary_frequency": (

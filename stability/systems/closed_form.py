@@ -21,6 +21,7 @@ import numpy as np
 from flint import arb, arb_series, ctx
 from numpy.typing import NDArray
 
+from ..algebra.double_double import DOUBLE_DOUBLE, DoubleDouble, exact
 from ..algebra.number_types import Algebra, balls, numpy_algebra
 from ..algebra.program import Program, Varying
 from ..algebra.running_error import TRACKED, RunningError, bounded
@@ -280,6 +281,8 @@ class ImplicitForm(ClosedForm):
             return self._series(algebra, q)
         if algebra is TRACKED:
             return self._tracked(q)
+        if algebra is DOUBLE_DOUBLE:
+            return self._in_two_doubles(q)
         if any(isinstance(v, arb) for v in q) or isinstance(algebra.constant(0.0), arb):
             return self._ball([v[0] if isinstance(v, arb_series) else arb(v) for v in q])
         return self.near([q[i] if i in self.used else 0.0 for i in range(len(q))])
@@ -380,6 +383,18 @@ class ImplicitForm(ClosedForm):
                 bound = np.where(found <= width, np.minimum(bound, found), bound)
                 width = WIDER * width
         return RunningError(u, bound)
+
+    def _in_two_doubles(self, q: Sequence[Any]) -> DoubleDouble:
+        """After a step of Newton's method, with a bound as `_tracked`."""
+        u = exact(self.near([exact(v).hi for v in q]))
+        with np.errstate(all="ignore"):
+            value, slope = self._both(DOUBLE_DOUBLE, u, q)
+            u = u - value / exact(slope).hi
+            value, slope = self._both(DOUBLE_DOUBLE, DoubleDouble(u.hi, u.lo), q)
+            width = WIDER * exact(value).most / exact(slope).size
+            _, over = self._both(DOUBLE_DOUBLE, DoubleDouble(u.hi, u.lo, width), q)
+            bound = exact(value).most / exact(over).least
+        return DoubleDouble(u.hi, u.lo, np.where(bound <= width, bound, np.inf))
 
     @cached_property
     def _known(self) -> dict[Any, Any]:

@@ -1,0 +1,316 @@
+"""Arrays of numbers of two doubles each, with a bound on how far each is from the exact result.
+
+A number is hi + lo with |lo| at most half a unit in the last place of hi: about 106 bits.  Sums
+and products of doubles are split exactly (T. J. Dekker, Numer. Math. 18 (1971) 224-242).  With
+u = 2⁻⁵³ a sum errs by at most 12 u² times the sizes of its terms, a product by at most 8 u² times
+its size (M. Joldes, J.-M. Muller and V. Popescu, ACM Trans. Math. Softw. 44 (2017) 15), beyond
+2⁻¹⁰⁶⁰ for all underflows; `ROUNDING` and `LOST` are larger.  Quotients and roots are judged by
+their residual, sines by Taylor's remainder.  Other functions are taken from balls, one by one.
+
+A number with a wide bound is a ball: its image then encloses the function over all of the ball.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from fractions import Fraction
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from flint import arb, fmpq
+
+from .number_types import MORE, UNARY, Algebra, balls, precision, upper
+
+ROUNDING = 2.0**-101
+"""Relative error of a sum, to the sizes of its terms, and of a product."""
+LOST = 2.0**-1050
+"""Largest loss by underflows."""
+SPLITTER = 2.0**27 + 1.0
+ROOM = 1.01
+"""Factor for the roundings of a bound itself."""
+BITS = 160
+"""Precision of functions that are taken from balls."""
+TURNS = 2.0**20
+"""Largest number of quarter turns of an angle whose sine is not taken from balls."""
+TERMS = 15
+"""Terms of Taylor's series of a sine or cosine."""
+REMAINDER = 2.0**-114
+"""Largest remainder of these series for |x| ≤ 0.79."""
+HEAD = 8
+"""Terms before those that need no more than a double: these are below 2⁻⁴⁴ z⁸, z < 0.63."""
+NARROW = 2.0**-20
+"""Largest error of such an angle."""
+
+
+def _halves(x: Any) -> tuple[Any, Any]:
+    """A double as a sum of two with at most 26 bits."""
+    wide = SPLITTER * x
+    high = wide - (wide - x)
+    return high, x - high
+
+
+class DoubleDouble:
+    """Numbers hi + lo within an error, arrays of one shape or plain numbers.
+
+    Examples
+    --------
+    >>> third = DoubleDouble(1.0) / 3
+    >>> third.hi == 1 / 3, 0 < third.lo < 2e-17, third.error < 1e-29
+    (True, True, True)
+    """
+
+    __slots__ = ("_parts", "_size", "error", "hi", "lo", "waves")
+    __array_ufunc__ = None
+
+    def __init__(self, hi: Any, lo: Any = 0.0, error: Any = 0.0) -> None:
+        self.hi, self.lo, self.error = hi, lo, error
+        self._size: Any = None
+        self._parts: Any = None
+        self.waves: Any = None
+        """Sine and cosine, where these were asked for."""
+
+    @property
+    def size(self) -> Any:
+        """|hi|."""
+        if self._size is None:
+            self._size = np.abs(self.hi)
+        return self._size
+
+    @property
+    def most(self) -> Any:
+        """A bound on the size."""
+        return ROOM * (self.size + self.error)
+
+    @property
+    def least(self) -> Any:
+        """A bound on the size from below."""
+        return np.maximum(self.size - ROOM * self.error, 0.0) / ROOM
+
+    @property
+    def parts(self) -> Any:
+        """Hi in two halves."""
+        if self._parts is None:
+            self._parts = _halves(self.hi)
+        return self._parts
+
+    def __add__(self, other: Any) -> DoubleDouble:
+        o = exact(other)
+        total = self.hi + o.hi
+        turn = total - self.hi
+        rest = (self.hi - (total - turn)) + (o.hi - turn) + (self.lo + o.lo)
+        hi = total + rest
+        error = self.error + o.error + ROUNDING * (self.size + o.size)
+        return DoubleDouble(hi, rest - (hi - total), error)
+
+    __radd__ = __add__
+
+    def __neg__(self) -> DoubleDouble:
+        return DoubleDouble(-self.hi, -self.lo, self.error)
+
+    def __sub__(self, other: Any) -> DoubleDouble:
+        return self + -exact(other)
+
+    def __rsub__(self, other: Any) -> DoubleDouble:
+        return exact(other) + -self
+
+    def __mul__(self, other: Any) -> DoubleDouble:
+        o = exact(other)
+        total = self.hi * o.hi
+        (a, b), (c, d) = self.parts, o.parts
+        rest = ((a * c - total) + a * d + b * c) + b * d
+        rest = rest + (self.hi * o.lo + self.lo * o.hi)
+        hi = total + rest
+        passed = self.size * o.error + (o.size + o.error) * self.error
+        return DoubleDouble(hi, rest - (hi - total), passed + (ROUNDING * np.abs(total) + LOST))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> DoubleDouble:
+        o = exact(other)
+        first = DoubleDouble(self.hi / o.hi)
+        rest = self - first * o
+        second = rest.hi / o.hi
+        hi = first.hi + second
+        found = DoubleDouble(hi, second - (hi - first.hi))
+        found.error = (self - found * o).most / o.least
+        return found
+
+    def __rtruediv__(self, other: Any) -> DoubleDouble:
+        return exact(other) / self
+
+    def sqrt(self) -> DoubleDouble:
+        """The root; its error is no number where the number may be negative."""
+        first = np.sqrt(self.hi)
+        second = (self - DoubleDouble(first) * DoubleDouble(first)).hi / (2 * first)
+        hi = first + second
+        found = DoubleDouble(hi, second - (hi - first))
+        sound = self.hi - ROOM * self.error >= 0
+        found.error = (self - found * found).most / np.where(sound, hi, np.nan)
+        return found
+
+    @staticmethod
+    def pi() -> DoubleDouble:
+        """π, by the name that balls have for it."""
+        return QUARTER * 2
+
+    def sign(self) -> Any:
+        """Proved signs, 0 where open."""
+        bound = ROOM * self.error + LOST
+        return np.where(self.hi > bound, 1, 0) - np.where(self.hi < -bound, 1, 0)
+
+
+def exact(number: Any) -> DoubleDouble:
+    """A number as one of two doubles: a double or a short whole number exactly.
+
+    Parameters
+    ----------
+    number
+        A number, or an array of doubles.
+
+    Examples
+    --------
+    >>> float(exact(2**70 + 1).lo)
+    1.0
+    """
+    if isinstance(number, DoubleDouble):
+        return number
+    if isinstance(number, (int, Fraction, fmpq)) and not isinstance(number, bool):
+        ratio = Fraction(int(number.p), int(number.q)) if isinstance(number, fmpq) else number
+        return _ratio(Fraction(ratio))
+    return DoubleDouble(np.float64(number) if np.ndim(number) == 0 else number)
+
+
+@lru_cache(maxsize=1024)
+def _ratio(number: Fraction) -> DoubleDouble:
+    hi = float(number)
+    lo = float(number - Fraction(hi))
+    rest = abs(number - Fraction(hi) - Fraction(lo))
+    return DoubleDouble(np.float64(hi), np.float64(lo), float(rest) * ROOM)
+
+
+def _from_balls(name: str) -> Callable[..., DoubleDouble]:
+    """A function that balls have, number by number."""
+
+    def apply(*given: Any) -> DoubleDouble:
+        numbers = [exact(v) for v in given]
+        parts = np.broadcast_arrays(*(w for v in numbers for w in (v.hi, v.lo, v.error)))
+        rows = np.array([v.ravel() for v in parts]).T
+        different, place = np.unique(rows, axis=0, return_inverse=True)
+        function, found = balls().functions[name], []
+        with precision(BITS):
+            for row in different.tolist():
+                inputs = [
+                    arb(row[i]) + row[i + 1] + arb(0, ROOM * row[i + 2])
+                    for i in range(0, len(row), 3)
+                ]
+                value = function(*inputs)
+                hi = float(value.mid())
+                lo = float((value - hi).mid()) if math.isfinite(hi) else math.nan
+                found.append((hi, lo, upper(value - hi - lo) if math.isfinite(lo) else math.nan))
+        shape = parts[0].shape
+        return DoubleDouble(*(v[place.ravel()].reshape(shape) for v in np.array(found).T))
+
+    return apply
+
+
+def _wave(shift: int) -> Callable[[Any], DoubleDouble]:
+    """The sine (shift 0) or cosine (1): by Taylor's series after quarter turns, or by balls."""
+    by_balls = _from_balls("cos" if shift else "sin")
+
+    def apply(number: Any) -> DoubleDouble:
+        x = exact(number)
+        if x.waves is None:  # a graph asks for both, and often
+            turns = np.rint(x.hi / QUARTER.hi)
+            near = (np.abs(turns) <= TURNS) & (x.error <= NARROW)
+            if not np.all(near | ~np.isfinite(x.hi + x.error)):
+                return by_balls(x)
+            x.waves = _waves(x - QUARTER * turns, turns)
+        found: DoubleDouble = x.waves[shift]
+        return found
+
+    return apply
+
+
+def _waves(y: DoubleDouble, turns: Any) -> tuple[DoubleDouble, DoubleDouble]:
+    """Sine and cosine of y and some quarter turns, |y| ≤ 0.79."""
+    z = y * y
+    both = _taylor(z, SINE) * y, _taylor(z, COSINE)
+    found = []
+    for shift in (0, 1):
+        odd = (turns + shift) % 2 == 1
+        sign = np.where((turns + shift) % 4 >= 2, -1.0, 1.0)
+        hi, lo, error = (
+            np.where(odd, *(getattr(v, n) for v in reversed(both))) for n in ("hi", "lo", "error")
+        )
+        found.append(DoubleDouble(sign * hi, sign * lo, error + REMAINDER))
+    return found[0], found[1]
+
+
+def _taylor(z: DoubleDouble, terms: list[DoubleDouble]) -> DoubleDouble:
+    """A series by powers of z, its last terms in doubles."""
+    rest = 0.0
+    for c in reversed(terms[HEAD:]):
+        rest = rest * z.hi + c.hi
+    value = DoubleDouble(rest, 0.0, 2.0**-44 * (z.error + 2.0**-52))
+    for c in reversed(terms[:HEAD]):
+        value = value * z + c
+    return value
+
+
+SINE, COSINE = (
+    [_ratio(Fraction((-1) ** k, math.factorial(2 * k + first))) for k in range(TERMS)]
+    for first in (1, 0)
+)
+"""Taylor's coefficients of sin(y)/y and cos(y) by squares of y."""
+
+
+def _quarter() -> DoubleDouble:
+    with precision(BITS):
+        exact = arb.pi() / 2
+        hi = float(exact.mid())
+        lo = float((exact - hi).mid())
+        return DoubleDouble(np.float64(hi), np.float64(lo), upper(exact - hi - lo))
+
+
+QUARTER = _quarter()
+"""π/2."""
+
+
+def _power(x: Any, y: Any) -> DoubleDouble:
+    """A power; a whole one is a product."""
+    exponent = exact(y)
+    if np.ndim(exponent.hi) == 0 and exponent.lo == 0 == exponent.error:
+        whole = int(exponent.hi)
+        if whole == exponent.hi and abs(whole) <= MOST_FACTORS:
+            value, number = DoubleDouble(np.float64(1.0)), exact(x)
+            for _ in range(abs(whole)):
+                value = value * number
+            return value if whole >= 0 else 1 / value
+    return BY_BALLS["pow"](x, exponent)
+
+
+def _size(x: Any) -> DoubleDouble:
+    x = exact(x)
+    sign = np.where(x.hi < 0, -1.0, 1.0)
+    return DoubleDouble(sign * x.hi, sign * x.lo, x.error)
+
+
+MOST_FACTORS = 16
+"""Largest whole exponent that is a product."""
+BY_BALLS = {name: _from_balls(name) for name in (*UNARY, *MORE, "pow", "atan2")}
+DOUBLE_DOUBLE = Algebra(
+    "double-double",
+    lambda constant: DoubleDouble(np.float64(constant)),
+    BY_BALLS
+    | {
+        "sin": _wave(0),
+        "cos": _wave(1),
+        "tan": lambda x: _wave(0)(x) / _wave(1)(x),
+        "sqrt": lambda x: exact(x).sqrt(),
+        "pow": _power,
+        "fabs": _size,
+    },
+)
+"""The algebra of these numbers."""
