@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import prod
 from typing import Any
 
 import numpy as np
-from flint import arb, arb_mat, ctx
+from flint import arb, arb_mat, arb_poly, ctx
 
 from ...algebra.krawczyk import contained, operator
 from ...algebra.number_types import balls, precision
 from ...algebra.program import Program
 from ...base.errors import NoMemberError, StabilityError, listing
 from ..family import Family
+from .places import LARGE, components
 
 
 def characteristic(family: Family, a: Sequence[Any], q: Sequence[Any]) -> list[Any]:
@@ -49,8 +51,13 @@ def matrix_polynomial(
     list of arb
         Coefficients, lowest first.
     """
-    matrix = arb_mat(family.graph.matrix.dense(balls(), [list(a), list(u), list(q)]))
-    out: list[Any] = matrix.charpoly().coeffs()
+    rows = family.graph.matrix.dense(balls(), [list(a), list(u), list(q)])
+    blocks = [rows]
+    if len(rows) > LARGE:
+        pattern = np.array([[not v == 0 for v in row] for row in rows])
+        blocks = [[[rows[i][j] for j in some] for i in some] for some in components(pattern)]
+    polynomials = (arb_mat(block).charpoly() for block in blocks)
+    out: list[Any] = prod(polynomials, start=arb_poly([1])).coeffs()
     return out
 
 

@@ -26,7 +26,6 @@ from ..family import Family
 from .enclosure import ball_unknowns
 from .identities import (
     MOST_STATES,
-    Pattern,
     constant_kernels,
     exact_matrix,
     field_of,
@@ -36,6 +35,7 @@ from .identities import (
     stored,
 )
 from .member import READINGS, ROOT_BITS, Member
+from .places import Pattern
 from .structural_zeros import SAMPLE_BITS, sampled, structure
 
 Rows = Sequence[Sequence[Any]]
