@@ -145,15 +145,14 @@ def _read(word: str, matrix: Any) -> Any:
         return ca.sparsify(matrix)
     if isinstance(matrix, (ca.SX, ca.DM)):
         matrix = ca.DM(matrix).full()
-    if sparse.issparse(matrix):
-        found = sparse.coo_array(matrix)
-        found.sum_duplicates()
-        numbers = np.asarray(checked(word, found.data)) if found.nnz else np.zeros(0)
-        return sparse.coo_array((numbers, found.coords), shape=found.shape)
-    array = checked(word, matrix)
-    if np.ndim(array) != 2:
-        raise ParameterError(f"{word} has shape {np.shape(array)}; give a matrix.")
-    return sparse.coo_array(array)
+    known = matrix if sparse.issparse(matrix) else np.asarray(checked(word, matrix))
+    if known.ndim != 2:
+        raise ParameterError(f"{word} has shape {known.shape}; give a matrix.")
+    found = sparse.coo_array(known)
+    found.sum_duplicates()
+    if found.nnz:
+        found.data = np.asarray(checked(word, found.data), dtype=float)
+    return found
 
 
 def _expression(matrix: Any) -> ca.SX:

@@ -52,13 +52,13 @@ def matrix_polynomial(
         Coefficients, lowest first.
     """
     rows = family.graph.matrix.dense(balls(), [list(a), list(u), list(q)])
-    blocks = [rows]
-    if len(rows) > LARGE:
-        pattern = np.array([[not v == 0 for v in row] for row in rows])
-        blocks = [[[rows[i][j] for j in some] for i in some] for some in components(pattern)]
-    polynomials = (arb_mat(block).charpoly() for block in blocks)
-    out: list[Any] = prod(polynomials, start=arb_poly([1])).coeffs()
-    return out
+    if len(rows) <= LARGE:
+        whole: list[Any] = arb_mat(rows).charpoly().coeffs()
+        return whole
+    places = components(np.array([[not v == 0 for v in row] for row in rows]))
+    blocks = [arb_mat([[rows[i][j] for j in some] for i in some]) for some in places]
+    product: list[Any] = prod((block.charpoly() for block in blocks), start=arb_poly([1])).coeffs()
+    return product
 
 
 def ball_unknowns(

@@ -76,7 +76,7 @@ def structure(family: Family) -> Structure:
     if len(family.system.states) > LARGE and (by_places := _by_places(family)) is not None:
         return by_places
     vanishing, steady = [True] * (len(family.system.states) + 1), True
-    for sample in range(SAMPLES):
+    for sample in _samples(family):
         found, rests = _vanishing(family, sample)
         steady = steady and rests
         vanishing = [v and f for v, f in zip(vanishing, found, strict=True)]
@@ -157,20 +157,21 @@ def _away(sample: int, count: int) -> list[arb]:
     return [(s - s.floor()) / 4 - arb(1) / 8 for s in spread]
 
 
+def _samples(family: Family) -> range:
+    return range(SAMPLES if family.at or family.parameters else 1)
+
+
 def _by_places(family: Family) -> Structure | None:
     """The structure of a large family without its polynomial, or None.
 
     Zeros are states of their own that no entry moves; all other blocks have a determinant that is
     not zero at a sample.  The spectrum is even by the places of the entries; it is not where the
-    sum of the eigenvalues, or of their cubes, is not zero at the sample.
+    sum of the eigenvalues is not zero at the sample.
     """
-    parts, steady = [], True
-    for sample in range(SAMPLES if family.at or family.parameters else 1):
-        with precision(SAMPLE_BITS):
-            place = _placed(family, sampled(family, sample))
-            steady = steady and _rest(family, place)
-            parts.append(ball_arrays(family.graph.matrix, place)[0])
-    matrix, error = (part[0] for part in parts[0])
+    with precision(SAMPLE_BITS):
+        places = [_placed(family, sampled(family, sample)) for sample in _samples(family)]
+        steady = all(_rest(family, place) for place in places)
+        matrix, error = (part[0] for part in ball_arrays(family.graph.matrix, places[0])[0])
     pattern = (matrix != 0) | (error != 0)
     blocks = [i for i in components(pattern) if len(i) > 1 or pattern[i, i]]
     for i in blocks:
@@ -178,21 +179,11 @@ def _by_places(family: Family) -> Structure | None:
         if not contraction(inverse_of(block), block, doubt).sum(axis=-1).max() < 0.5:
             return None
     even = mirrored(pattern)
-    if not even and not _odd_sum(matrix, error) or family.conservative and not even:
+    total, wide = np.trace(matrix), np.trace(error) + len(matrix) * UNIT * np.abs(matrix).trace()
+    if not even and (family.conservative or abs(total) <= 1.01 * wide):
         return None
     zeros = len(matrix) - sum(map(len, blocks))
-    return Structure(zeros, even, "places of entries, determinants proved nonzero", steady)
-
-
-def _odd_sum(matrix: Floats, error: Floats) -> bool:
-    """Whether the sum of the eigenvalues, or of their cubes, is proved not to be zero."""
-    n, size = len(matrix), np.abs(matrix) + error
-    if abs(np.trace(matrix)) > 1.01 * (np.trace(error) + n * UNIT * np.trace(size)):
-        return True
-    cube = (matrix @ matrix * matrix.T).sum()
-    wide = (size @ size * size.T).sum() - (np.abs(matrix) @ np.abs(matrix) * np.abs(matrix.T)).sum()
-    rounding = 4 * n * n * UNIT * (size @ size * size.T).sum()
-    return bool(abs(cube) > 1.01 * wide + rounding)
+    return Structure(zeros, even, "no entry; the determinant of the rest proved nonzero", steady)
 
 
 def _placed(family: Family, point: Sequence[Any]) -> list[Sequence[Any]]:
