@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from ..algebra.number_types import Algebra
 from ..algebra.program import Begun, Program, Varying
 from ..algebra.running_error import TINY, UNIT
-from ..base.types import Floats, Record
+from ..base.types import Floats
 
 
-class Coefficients(Record):
+class ConstantMatrix(Program):
     """A square matrix of doubles, each row over a double, by its entries that are not zero.
 
     Parameters
@@ -35,16 +35,25 @@ class Coefficients(Record):
     ) -> None:
         kept = values != 0
         self.rows, self.columns, self.values = rows[kept], columns[kept], values[kept]
-        self.divisors, self.size = divisors, len(divisors)
-
-    def _content(self) -> tuple[Any, ...]:
-        arrays = (self.rows, self.columns, self.values, self.divisors)
-        return (type(self), *(array.tobytes() for array in arrays))
+        self.divisors = divisors
+        self.name, self.inputs = "matrix", (0, 0, 0)
+        self.shapes, self.size = ((len(divisors), len(divisors)),), len(self.values)
 
     @cached_property
-    def doubles(self) -> tuple[Floats, Floats]:
+    def places(self) -> tuple[tuple[tuple[int, int], ...], ...]:  # type: ignore[override]
+        """(row, column) of each entry."""
+        return (tuple(zip(self.rows.tolist(), self.columns.tolist(), strict=True)),)
+
+    @property
+    def content(self) -> tuple[bytes, ...]:
+        """What makes two of them equal."""
+        arrays = (self.rows, self.columns, self.values, self.divisors)
+        return tuple(array.tobytes() for array in arrays)
+
+    @cached_property
+    def constant(self) -> tuple[Floats, Floats]:
         """The matrix in doubles, and a bound on the error of each entry."""
-        value, error = np.zeros((2, self.size, self.size))
+        value, error = np.zeros((2, *self.shapes[0]))
         divisors = self.divisors[self.rows]
         quotient = self.values / divisors
         value[self.rows, self.columns] = quotient
@@ -52,40 +61,11 @@ class Coefficients(Record):
         error[self.rows, self.columns] = np.where(divisors == 1, 0.0, rounding)
         return value, error
 
-
-class ConstantMatrix(Program):
-    """A program whose output no input changes.
-
-    Parameters
-    ----------
-    coefficients
-        The matrix.
-    inputs
-        Number of entries of each input.
-    """
-
-    def __init__(self, coefficients: Coefficients, inputs: tuple[int, ...]) -> None:
-        self.name, self.inputs, self._coefficients = "matrix", inputs, coefficients
-        self.shapes = ((coefficients.size, coefficients.size),)
-        self.size = len(coefficients.values)
-
-    @cached_property
-    def places(self) -> tuple[tuple[tuple[int, int], ...], ...]:  # type: ignore[override]
-        """(row, column) of each entry."""
-        known = self._coefficients
-        return (tuple(zip(known.rows.tolist(), known.columns.tolist(), strict=True)),)
-
-    @property
-    def constant(self) -> tuple[Floats, Floats]:
-        """The matrix in doubles, and a bound on the error of each entry."""
-        return self._coefficients.doubles
-
     def run(self, algebra: Algebra, _: Sequence[Sequence[Any]]) -> list[list[Any]]:
         """The entries in a number type, in the order of `places`."""
-        known = self._coefficients
-        entries = list(map(algebra.constant, known.values.tolist()))
-        for i in np.flatnonzero(known.divisors[known.rows] != 1):
-            entries[i] = entries[i] / algebra.constant(float(known.divisors[known.rows[i]]))
+        entries = list(map(algebra.constant, self.values.tolist()))
+        for i in np.flatnonzero(self.divisors[self.rows] != 1):
+            entries[i] = entries[i] / algebra.constant(float(self.divisors[self.rows[i]]))
         return [entries]
 
     def begun(self, algebra: Algebra, arguments: Sequence[Sequence[Any]], _: Varying) -> Begun:
@@ -94,5 +74,4 @@ class ConstantMatrix(Program):
 
     def arrays(self, _: Sequence[Sequence[Any]], shape: tuple[int, ...]) -> list[Any]:
         """The matrix at points of a shape."""
-        value = self.constant[0]
-        return [np.broadcast_to(value, (*shape, *value.shape)).copy()]
+        return [np.broadcast_to(self.constant[0], (*shape, *self.shapes[0])).copy()]

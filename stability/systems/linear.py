@@ -14,7 +14,7 @@ from scipy import sparse
 from ..base.checks import checked
 from ..base.errors import ParameterError
 from ..base.types import Floats
-from .constant_matrix import Coefficients
+from .constant_matrix import ConstantMatrix
 from .family import Family
 from .sources.exact_terms import no_folding
 from .system import System
@@ -37,9 +37,9 @@ class LinearSystem(System):
         The matrix.
     """
 
-    _matrix: Coefficients
+    _matrix: ConstantMatrix
 
-    def __init__(self, name: str, states: tuple[str, ...], coefficients: Coefficients) -> None:
+    def __init__(self, name: str, states: tuple[str, ...], coefficients: ConstantMatrix) -> None:
         vars(self).update(
             name=title("the system", name),
             states=states,
@@ -52,7 +52,7 @@ class LinearSystem(System):
         )
 
     @property
-    def coefficients(self) -> Coefficients:
+    def coefficients(self) -> ConstantMatrix:
         """The matrix."""
         return self._matrix
 
@@ -61,12 +61,12 @@ class LinearSystem(System):
         return {name: vars(self)[name] for name in STATE}
 
     def _content(self) -> tuple[Any, ...]:
-        return (type(self), self.name, self.states, self.coefficients)
+        return (type(self), self.name, self.states, self.coefficients.content)
 
     def rates(self, x: ArrayLike, p: ArrayLike, *, checked: bool = False) -> Floats:  # noqa: ARG002
         """A x, as of any system."""
         arguments, _ = self._arguments(x, p)
-        found = np.stack(arguments[0], axis=-1) @ self.coefficients.doubles[0].T
+        found = np.stack(arguments[0], axis=-1) @ self.coefficients.constant[0].T
         return self._finite(found[..., None], arguments)[..., 0]
 
     @cached_property
@@ -165,7 +165,7 @@ def _expression(matrix: Any) -> ca.SX:
 def _plain(name: str, states: tuple[str, ...], matrix: Any) -> System:
     if not isinstance(matrix, ca.SX):
         (rows, columns), ones = matrix.coords, np.ones(len(states))
-        return LinearSystem(name, states, Coefficients(rows, columns, matrix.data, ones))
+        return LinearSystem(name, states, ConstantMatrix(rows, columns, matrix.data, ones))
     symbols, x = ca.symvar(matrix), ca.SX.sym("x", len(states))
     rates = ca.densify(ca.mtimes(matrix, x))
     return System(name, x, ca.vertcat(*symbols), rates, states, tuple(map(str, symbols)))
@@ -184,7 +184,7 @@ def _with_mass(name: str, places: tuple[str, ...], mass: Any, damping: Any, stif
         columns = np.concatenate([own + n, stiff.coords[1], damping.coords[1] + n])
         values = np.concatenate([np.ones(n), -stiff.data, -damping.data])
         divisors = np.concatenate([np.ones(n), weights])
-        return LinearSystem(name, places + speeds, Coefficients(rows, columns, values, divisors))
+        return LinearSystem(name, places + speeds, ConstantMatrix(rows, columns, values, divisors))
     m, c, k = map(_expression, three)
     symbols, x = ca.symvar(ca.veccat(m, c, k)), ca.SX.sym("x", 2 * n)
     return System.from_mass_matrix(

@@ -27,7 +27,6 @@ from ...algebra.number_types import MORE, UNARY, Algebra
 from ...algebra.program import Program
 from ...algebra.upright import Upright
 from ...base.errors import StabilityError
-from ..constant_matrix import ConstantMatrix
 from ..equations import Equations
 from .constants import Constants, exact_numbers, rounded
 
@@ -522,7 +521,7 @@ class FamilyGraph:
         assert system.coefficients is not None
         self.closed = False
         self.rates = self._program("rates", ca.SX(len(system.states), 1))
-        self.matrix = ConstantMatrix(system.coefficients, tuple(map(ca.SX.numel, self._inputs)))
+        self.matrix = system.coefficients
         self._equations(ca.SX(0, 1), self._numbers(table, system.states))
         self._conditions(table)
 
