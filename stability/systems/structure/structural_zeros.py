@@ -178,9 +178,9 @@ def _by_places(family: Family) -> Structure | None:
         block, doubt = (some[None][:, i[:, None], i] for some in (matrix, error))
         if not contraction(inverse_of(block), block, doubt).sum(axis=-1).max() < 0.5:
             return None
-    even = mirrored(pattern)
+    even = bool(blocks) and mirrored(pattern)
     total, wide = np.trace(matrix), np.trace(error) + len(matrix) * UNIT * np.abs(matrix).trace()
-    if not even and (family.conservative or abs(total) <= 1.01 * wide):
+    if not even and (family.conservative or (blocks and abs(total) <= 1.01 * wide)):
         return None
     zeros = len(matrix) - sum(map(len, blocks))
     return Structure(zeros, even, "no entry; the determinant of the rest proved nonzero", steady)
