@@ -27,7 +27,7 @@ from ..systems.structure.enclosure import ball_unknowns, characteristic
 from ..systems.structure.identities import certain
 from ..systems.structure.member import Member
 from ..systems.structure.structural_zeros import structure
-from ..systems.structure.zero_blocks import kept_block, proved_power, semisimple, zero_power
+from ..systems.structure.zero_blocks import kept_block, proved_power, semisimple
 from .problem import Problem
 from .verdict_routes import (
     BITS,
@@ -39,7 +39,6 @@ from .verdict_routes import (
     exact_numbers,
     in_words,
     proved,
-    structural_zeros,
 )
 
 WANTED = 58
@@ -111,7 +110,7 @@ def certify(
         return Certificate(proof.verdict, (), (), np.inf, proof.bits)
     power = 0
     if proof.verdict is Verdict.DRIFTING:
-        power = zero_power(point.member, structural_zeros(point.member)) or 0
+        power = point.power or 0
     left_out = point.zeros if zeros is None else zeros
     blocks = point.blocks if proof.bits == BLOCKS and left_out == point.zeros else None
     if blocks is not None and np.isfinite(blocks.radius).all():

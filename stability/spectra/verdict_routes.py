@@ -135,6 +135,11 @@ class Point:
         return structure(self.problem.family).zeros
 
     @cached_property
+    def power(self) -> int | None:
+        """The power of time with which its zeros let a disturbance grow; None without a proof."""
+        return zero_power(self.member, self.zeros)
+
+    @cached_property
     def blocks(self) -> Blocks | None:
         """The blocks of a large member; None where its root is not proved, or a rate not zero."""
         member = self.member
@@ -201,10 +206,9 @@ def proved(point: Point) -> Proof:
         return proof
     if POLYNOMIAL in point.has and not point.problem.may_drift:
         return proof
-    power = zero_power(point.member, point.zeros)
-    if power is None:
+    if point.power is None:
         return Proof(Verdict.UNDECIDED, NO_PROOF_OF_BLOCKS)
-    return replace(proof, verdict=Verdict.DRIFTING) if power else proof
+    return replace(proof, verdict=Verdict.DRIFTING) if point.power else proof
 
 
 def decided(point: Point) -> Proof:
