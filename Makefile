@@ -92,6 +92,7 @@ test-long: $(READY)
 bench: $(READY)
 	$(BIN)/python benchmarks/maps.py $(ARGS)
 	$(BIN)/python benchmarks/bodies.py
+	$(BIN)/python benchmarks/large.py
 	$(BIN)/python benchmarks/kernels.py $(ARGS)
 	$(BIN)/python benchmarks/motion.py $(ARGS)
 	$(BIN)/python benchmarks/scenes.py $(ARGS)

@@ -34,6 +34,7 @@ _HOME = {
     ),
     "systems.system": ("System",),
     "systems.mechanics": ("mechanics",),
+    "systems.linear": ("linear",),
     "systems.equations": ("Condition",),
     "algebra.upright": ("UPRIGHT",),
     "systems.family": ("Family",),
@@ -202,6 +203,7 @@ if TYPE_CHECKING:
     from .systems.continuation import branch as branch
     from .systems.equations import Condition as Condition
     from .systems.family import Family as Family
+    from .systems.linear import linear as linear
     from .systems.mechanics import mechanics as mechanics
     from .systems.system import System as System
     from .tables.registry import table as table

@@ -46,7 +46,7 @@ GROUPS = (
         "systems",
         "Systems",
         "Equations of motion of your own, and what they say about themselves.",
-        ("systems.system", "systems.mechanics", "systems.condition"),
+        ("systems.system", "systems.mechanics", "systems.linear", "systems.condition"),
     ),
     Group(
         "families",

@@ -310,6 +310,11 @@ class Program:
         kept = fixed(algebra.functions, self._in(algebra), arguments)
         return Begun(run, algebra.functions, kept)
 
+    @property
+    def constant(self) -> tuple[Floats, Floats] | None:
+        """The one output and a bound on its error, where no input changes it."""
+        return None
+
     def _parts_of(self, varying: Varying) -> Parts:
         if varying not in self._parts:
             self._parts[varying] = split(self.name, self._steps, self._sizes, varying)

@@ -12,9 +12,10 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
+from flint import arb
 
 from ..base.types import Floats
-from .number_types import Algebra
+from .number_types import Algebra, balls, upper
 from .program import Program
 
 UNIT = 2.0**-53
@@ -234,6 +235,8 @@ def running_error_arrays(
         For each output, arrays of shape `shape + (rows, columns)`; the error bound is widened by
         1 % for its own roundings.
     """
+    if program.constant is not None:
+        return [_repeated(program.constant, shape)]
     pairs = [[_pair(v) for v in some] for some in arguments]
     kernel = program.enclosed(pairs, shape)
     with np.errstate(all="ignore"):
@@ -244,9 +247,48 @@ def running_error_arrays(
     ):
         value, error = np.zeros((2, *shape, rows, columns))
         for (row, column), entry in zip(places, entries, strict=True):
-            value[..., row, column], bound = entry if isinstance(entry, tuple) else _pair(entry)
-            # nan: 0/0, or the root of a number that may be negative
-            error[..., row, column] = np.where(np.isnan(bound), np.inf, 1.01 * bound)
+            pair = entry if isinstance(entry, tuple) else _pair(entry)
+            value[..., row, column], error[..., row, column] = pair
+        error *= 1.01
+        error[np.isnan(error)] = np.inf  # 0/0, or the root of a number that may be negative
+        results.append((value, error))
+    return results
+
+
+def _repeated(constant: tuple[Floats, Floats], shape: tuple[int, ...]) -> tuple[Floats, Floats]:
+    value, error = (np.broadcast_to(v, (*shape, *v.shape)).copy() for v in constant)
+    return value, error
+
+
+def ball_arrays(
+    program: Program, arguments: Sequence[Sequence[Any]]
+) -> list[tuple[Floats, Floats]]:
+    """Run a `Program` on balls at the current precision, for one point.
+
+    Parameters
+    ----------
+    program
+        The instruction list.
+    arguments
+        Entries of each input, balls.
+
+    Returns
+    -------
+    list of (value, error)
+        For each output, arrays of shape (1, rows, columns); an entry that the graph does not hold
+        is zero without an error.
+    """
+    if program.constant is not None:
+        return [_repeated(program.constant, (1,))]
+    results = []
+    for (rows, columns), places, entries in zip(
+        program.shapes, program.places, program.run(balls(), arguments), strict=True
+    ):
+        value, error = np.zeros((2, 1, rows, columns))
+        for (row, column), entry in zip(places, entries, strict=True):
+            ball = arb(entry)
+            value[0, row, column] = middle = float(ball.mid())
+            error[0, row, column] = upper(ball - middle)
         results.append((value, error))
     return results
 

@@ -20,16 +20,18 @@ from ..algebra.exact.roots import bounded_roots, clustered, isolated
 from ..algebra.exact.routh import is_even, monic
 from ..algebra.number_types import MIXED, balls, precision, upper
 from ..algebra.polynomial import ExactPolynomial
+from ..base.types import Complexes, Floats
 from ..base.verdict import Verdict
 from ..systems.family import Family
 from ..systems.structure.enclosure import ball_unknowns, characteristic
 from ..systems.structure.identities import certain
 from ..systems.structure.member import Member
 from ..systems.structure.structural_zeros import structure
-from ..systems.structure.zero_blocks import kept_block, proved_power, semisimple, zero_power
+from ..systems.structure.zero_blocks import kept_block, proved_power, semisimple
 from .problem import Problem
 from .verdict_routes import (
     BITS,
+    BLOCKS,
     FINE_BITS,
     Point,
     Proof,
@@ -37,7 +39,6 @@ from .verdict_routes import (
     exact_numbers,
     in_words,
     proved,
-    structural_zeros,
 )
 
 WANTED = 58
@@ -109,11 +110,14 @@ def certify(
         return Certificate(proof.verdict, (), (), np.inf, proof.bits)
     power = 0
     if proof.verdict is Verdict.DRIFTING:
-        power = zero_power(point.member, structural_zeros(point.member)) or 0
+        power = point.power or 0
+    left_out = point.zeros if zeros is None else zeros
+    blocks = point.blocks if proof.bits == BLOCKS and left_out == point.zeros else None
+    if blocks is not None and np.isfinite(blocks.radius).all():
+        return _of_discs(proof, blocks.values, blocks.radius, power)
     if problem.exact is not None:
         attempt = partial(_roots, problem.exact, problem, values)
     else:  # other members of a batch may have other counts of zeros
-        left_out = point.zeros if zeros is None else zeros
         attempt = partial(_member_roots, point.member, left_out, exact_numbers(problem, values)[2])
     precise = BITS
     while True:
@@ -207,6 +211,16 @@ def _member_roots(member: Member, zeros: int, unit: Any, *, last: bool) -> Balls
 
 def _sharp(root: Any) -> bool:
     return all(part == 0 or part.rel_accuracy_bits() >= WANTED for part in (root.real, root.imag))
+
+
+def _of_discs(proof: Proof, values: Complexes, radius: Floats, power: int) -> Certificate:
+    """A certificate from discs in doubles."""
+    order = np.lexsort((values.imag, values.real))
+    values, radius = values[order] + 0.0, radius[order]
+    error = float((radius + (values.real - values.real.max())).max())
+    return Certificate(
+        proof.verdict, tuple(values.tolist()), tuple(radius.tolist()), error, proof.bits, power
+    )
 
 
 def _rounded(proof: Proof, roots: Balls) -> Certificate:

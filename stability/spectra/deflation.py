@@ -6,19 +6,25 @@ null vectors of the remaining matrix, as many as the family's structure has.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..algebra.linear_systems import contraction, inverse_of, null_vector, solve
-from ..algebra.running_error import TINY, UNIT, RunningError, running_error_arrays
+from ..algebra.program import Program
+from ..algebra.running_error import TINY, UNIT, RunningError, ball_arrays, running_error_arrays
 from ..base.types import Floats, Record
 from ..base.verdict import CODES, Verdict
 from ..systems.family import Family
+from ..systems.structure.member import Member
 from ..systems.structure.structural_zeros import structure
+
+Reader = Callable[[Program], list[tuple[Floats, Floats]]]
+"""From a program of a family's graph to its outputs at members, each with a bound on its error."""
 
 
 def drift_powers(
@@ -190,29 +196,29 @@ def deflate(
     with np.errstate(all="ignore"):  # `eigenvalues` refuses matrices that are not finite
         count = structure(family).zeros if zeros is None else zeros
         given = roundings or [0] * (a.shape[1] + q.shape[1])
-        return _linearised(family, (a, q, u), given, count, watch)
+        arguments = _arguments(family, a, q, u, given)
+        read = partial(running_error_arrays, arguments=arguments, shape=a.shape[:1])
+        return _linearised(family, read, len(a), count, watch)
 
 
-def _linearised(
-    family: Family,
-    place: tuple[Floats, Floats, Floats],
-    roundings: Sequence[int],
-    zeros: int,
-    watch: bool,
-) -> Reduced:
-    a, q, u = place
-    arguments = _arguments(family, a, q, u, roundings)
-    graph = family.graph
-    matrix, error = running_error_arrays(graph.matrix, arguments, a.shape[:1])[0]
+def deflated(member: Member, zeros: int) -> Reduced:
+    """As `deflate`, for one member in balls at the current precision."""
+    place = [member.balls(member.a), member.unknowns_in_balls(), member.balls(member.q)]
+    with np.errstate(all="ignore"):
+        return _linearised(member.family, partial(ball_arrays, arguments=place), 1, zeros, False)
+
+
+def _linearised(family: Family, read: Reader, count: int, zeros: int, watch: bool) -> Reduced:
+    matrix, error = read(family.graph.matrix)[0]
     steps: list[Deflation] = []
     sound: list[NDArray[np.bool_]] = []
     states = list(family.system.states)
     for name in family.left_out[:zeros]:  # no other rate depends on it: no rounding at all
         matrix, error = _dropped(matrix, error, states.index(name), steps)
         states.remove(name)
-        sound.append(np.ones(len(a), dtype=bool))
+        sound.append(np.ones(count, dtype=bool))
     left = zeros - len(steps)
-    tangents, doubts = tangent_vectors(family, arguments, a.shape[:1])
+    tangents, doubts = tangent_vectors(family, read)
     for index in range(min(left, tangents.shape[-1])):
         vector, doubt = _push(tangents[..., index], doubts[..., index], steps)
         matrix, error, within = _deflate(matrix, error, vector, doubt, steps, watch)
@@ -223,7 +229,7 @@ def _linearised(
         vector, doubt = null_vector(matrix, error)
         matrix, error, within = _deflate(matrix, error, vector, doubt, steps, watch)
         sound.append(within)
-    supported = np.cumprod(np.array(sound, dtype=int).reshape(len(sound), len(a)), axis=0)
+    supported = np.cumprod(np.array(sound, dtype=int).reshape(len(sound), count), axis=0)
     return Reduced(matrix, error, steps, supported.sum(axis=0))
 
 
@@ -289,15 +295,13 @@ def _root_error(family: Family, given: list[list[RunningError]], u: Floats) -> F
     return np.where((change.sum(axis=-1).max(axis=-1) < 0.5)[:, None], reach, np.inf)
 
 
-def tangent_vectors(
-    family: Family, arguments: list[list[RunningError]], shape: tuple[int, ...]
-) -> tuple[Floats, Floats]:
+def tangent_vectors(family: Family, read: Reader) -> tuple[Floats, Floats]:
     """Tangents of the family and a bound on their error, which grows where the equations fold.
 
     Near a branch point the slope of the unknowns is a quotient of two small numbers.  Its error is
     then far above a few roundings and must enter the error discs.
     """
-    by_a, by_u, _, r_u, r_a = running_error_arrays(family.graph.tangent, arguments, shape)
+    by_a, by_u, _, r_u, r_a = read(family.graph.tangent)
     tangent, error = by_a
     if family.unknown and not family.closed:
         slope, doubt = solve(*r_u, *r_a)

@@ -182,12 +182,19 @@ def _even(reduced: Reduced) -> Enclosed:
     """Eigenvalues of a matrix whose characteristic polynomial is even by structure."""
     if reduced.matrix.shape[-1] == 2:
         return _one_square(reduced.matrix, reduced.error)
-    # If λ is an eigenvalue, -λ̄ is one too.  A disc that meets the imaginary axis is made symmetric
-    # to the axis; if no other disc touches it, its one eigenvalue is its own mirror image.
     values, radius, pairs = _general(reduced.matrix, reduced.error)
+    return Enclosed(*on_the_axis(values, radius), pairs)
+
+
+def on_the_axis(values: Complexes, radius: Floats) -> tuple[Complexes, Floats]:
+    """Discs of a symmetric spectrum, those that meet the imaginary axis symmetric to it.
+
+    If λ is an eigenvalue, -λ̄ is one too.  If no other disc touches a disc that is symmetric to the
+    axis, its one eigenvalue is its own mirror image.
+    """
     near = np.abs(values.real) <= radius
     radius = np.where(near, radius + np.abs(values.real), radius)
-    return Enclosed(np.where(near, 1j * values.imag, values), radius, pairs)
+    return np.where(near, 1j * values.imag, values), radius
 
 
 def _one_square(matrix: Floats, error: Floats) -> Enclosed:

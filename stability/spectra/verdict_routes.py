@@ -9,7 +9,8 @@ asked at a point that no route before it decides.
 A known polynomial and the point's doubles are rational.  The sine of a double is transcendental
 (Lindemann), so that no condition of the disk vanishes there and some precision decides.  A graph
 takes the same steps: over Q where its member is rational, otherwise in balls, and over the field
-of its unknowns where balls leave a zero open.
+of its unknowns where balls leave a zero open.  A graph with many states is first taken block by
+block, in double precision with proved bounds.
 """
 
 from __future__ import annotations
@@ -39,8 +40,10 @@ from ..base.verdict import Verdict, best
 from ..systems.family import Family
 from ..systems.structure.identities import certain, symmetric
 from ..systems.structure.member import Member, exact_verdict
+from ..systems.structure.places import LARGE
 from ..systems.structure.structural_zeros import structure
 from ..systems.structure.zero_blocks import zero_power
+from .blocks import Blocks
 from .eigenvalues import (
     BY_ACCIDENT,
     NO_PROOF_OF_BLOCKS,
@@ -131,6 +134,18 @@ class Point:
             return structural_zeros(self.member)
         return structure(self.problem.family).zeros
 
+    @cached_property
+    def power(self) -> int | None:
+        """The power of time with which its zeros let a disturbance grow; None without a proof."""
+        return zero_power(self.member, self.zeros)
+
+    @cached_property
+    def blocks(self) -> Blocks | None:
+        """The blocks of a large member; None where its root is not proved, or a rate not zero."""
+        member = self.member
+        large = len(member.family.system.states) > LARGE
+        return Blocks(member, self.zeros) if large and member.reached else None
+
     def coefficients(self, bits: int) -> Balls | None:
         """The characteristic polynomial in balls, no zero proved; None without a member."""
         member = self.member
@@ -191,10 +206,9 @@ def proved(point: Point) -> Proof:
         return proof
     if POLYNOMIAL in point.has and not point.problem.may_drift:
         return proof
-    power = zero_power(point.member, point.zeros)
-    if power is None:
+    if point.power is None:
         return Proof(Verdict.UNDECIDED, NO_PROOF_OF_BLOCKS)
-    return replace(proof, verdict=Verdict.DRIFTING) if power else proof
+    return replace(proof, verdict=Verdict.DRIFTING) if point.power else proof
 
 
 def decided(point: Point) -> Proof:
@@ -255,6 +269,13 @@ class VerdictRoute:
                 + (f"which means: {taken[self.code]}" if self.code < 0 else "and not negative")
                 + f"; give {min(taken) - 1}, or 0 for balls and rational numbers."
             )
+
+
+def _by_blocks(point: Point, zeros: int) -> Proof | None:
+    blocks = point.blocks if zeros == point.zeros else None
+    if blocks is None or blocks.verdict is Verdict.UNDECIDED:
+        return None
+    return Proof(blocks.verdict, BLOCKS)
 
 
 def _quick_array(point: Point, zeros: int) -> Proof | None:
@@ -346,10 +367,12 @@ INSIDE = "verdicts off the boundaries"
 SEEN = "verdicts off the boundaries, and with roots on the axis where balls show them"
 ALL = "every verdict"
 FIELD, FIELD_IN_WORDS = -5, "exact algebra modulo the member's equations"
+BLOCKS, BLOCKS_IN_WORDS = -7, "balls of doubles, block by block"
 FIRST = partial(_graph_in_balls, BITS, FINE_BITS)
 LAST = partial(_graph_in_balls, 2 * FINE_BITS, MOST_BITS)
 
 ROUTES += [
+    VerdictRoute("discs of a large member", GRAPH, SEEN, _by_blocks, BLOCKS, BLOCKS_IN_WORDS),
     VerdictRoute("Routh's array of the graph in balls", ALONE, INSIDE, _quick_array),
     VerdictRoute("signs of conditions over Q", POLYNOMIAL, INSIDE, _signs_over_q),
     VerdictRoute("known polynomial over Q", POLYNOMIAL, ALL, _polynomial_over_q),

@@ -20,6 +20,7 @@ from ..base.checks import broadcast, instance, known, real_numbers, rows
 from ..base.errors import DomainError, ParameterError, listing, shown
 from ..base.quantities import Quantity
 from ..base.types import Record, content, fields_of
+from .constant_matrix import ConstantMatrix
 from .system_checks import check_implicit, check_system, expression, mapping, names
 
 
@@ -265,6 +266,11 @@ class Equations(Portable, Record):
             unknowns=sought,
             **others,
         )
+
+    @property
+    def coefficients(self) -> ConstantMatrix | None:
+        """The constant matrix of a linear system, which needs no graph; None of any other."""
+        return None
 
     @cached_property
     def jacobian(self) -> ca.SX:

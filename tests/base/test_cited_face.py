@@ -144,6 +144,7 @@ REASONS = {
             "Creep",
             "System",
             "mechanics",
+            "linear",
             "Condition",
             "UPRIGHT",
             "Family",

@@ -14,6 +14,7 @@ from sympy.physics.mechanics import dynamicsymbols
 
 import stability as st
 from stability.systems.graph import family_graph
+from stability.systems.structure import structural_zeros
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -59,7 +60,6 @@ def test_a_chain_of_sixty_states_is_proved() -> None:
     assert found.abscissa == pytest.approx(true.real.max(), rel=1e-12)
 
 
-@pytest.mark.long
 def test_an_irrational_chain_of_sixty_states_is_proved() -> None:
     """Springs with the force sin(s + 0.3) - sin 0.3: stiffness k cos 0.3, no rational number."""
     system = chain(30, lambda s: ca.sin(s + 0.3) - np.sin(0.3), damped=True)
@@ -178,3 +178,32 @@ def test_an_absolute_value_of_a_state_is_refused_on_the_way(
     system = st.System("kink", x, ca.SX(0, 1), -ca.fabs(x), states=("q",))
     with pytest.raises(st.StabilityError, match="absolute value of a state"):
         st.spectrum(st.Family(system, "rest", at=("q",), held={}), at=0.0)
+
+
+def network(seed: int, n: int) -> st.Family:
+    """A sparse network; some states stand still, and others only drive."""
+    random = np.random.default_rng(seed)
+    matrix = np.where(random.random((n, n)) < 1.5 / n, random.normal(size=(n, n)), 0.0)
+    matrix -= np.diag((random.random(n) < 0.1 * seed) * 0.5)
+    matrix[random.random(n) < 0.1] = 0.0
+    return st.linear(matrix)
+
+
+def masses(seed: int, n: int) -> st.Family:
+    """A chain of n/2 masses, the ends free for odd seeds, and every third one without damping."""
+    free, damping = seed % 2, 0.0 if seed % 3 == 0 else 0.25
+    stiff = 2 * np.eye(n // 2) - np.eye(n // 2, k=1) - np.eye(n // 2, k=-1)
+    stiff[0, 0] -= free
+    stiff[-1, -1] -= free
+    return st.linear(np.eye(n // 2), damping * stiff, stiff)
+
+
+@pytest.mark.parametrize("family_of", [network, masses])
+@pytest.mark.parametrize("seed", range(6))
+def test_the_structure_by_places_is_that_of_the_polynomial(
+    family_of: Callable[[int, int], st.Family], seed: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    quick = structural_zeros.structure(family_of(seed, 36))
+    monkeypatch.setattr(structural_zeros, "LARGE", 100)
+    slow = structural_zeros.structure.__wrapped__(family_of(seed, 36))
+    assert (quick.zeros, quick.even, quick.steady) == (slow.zeros, slow.even, slow.steady)

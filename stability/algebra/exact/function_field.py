@@ -5,13 +5,16 @@ An expression that vanishes as a polynomial in its indeterminates vanishes at ev
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 from flint import Ordering, fmpq, fmpq_mpoly_ctx
 
-from .number_fields import Element, NotExact
+from ..number_types import Algebra
+from .number_fields import EXACT, RATIONAL_AT, Element, NotExact
 
 SPARE = 24
 """Number of indeterminates reserved for sines, roots and other functions."""
@@ -113,6 +116,23 @@ class FunctionField:
         self._work = 0
         self.integral = True
         """Whether a product of elements that are not zero is never zero: not with √ or |x|."""
+
+    @cached_property
+    def algebra(self) -> Algebra:
+        """Exact numbers, with an indeterminate where a function of a rational is irrational."""
+
+        def of(name: str) -> Callable[[Any], Any]:
+            plain = EXACT.functions[name]
+
+            def apply(x: Any) -> Any:
+                with suppress(NotExact):
+                    return plain(x)
+                return plain(x if isinstance(x, Element) else self.number(x))
+
+            return apply
+
+        table = {name: of(name) for name in (*RATIONAL_AT, "sqrt")}
+        return replace(EXACT, functions=EXACT.functions | table, lasting=False)
 
     def number(self, value: Any) -> Expression:
         """A rational as an element."""

@@ -493,6 +493,9 @@ class FamilyGraph:
         }
         guessed = known | {n: self._constants(v) for n, v in frame.unknown.items()}
         table = known | dict(zip(frame.unknown, u, strict=True))
+        if self._at_the_origin():
+            self._constant(table)
+            return
         self._seen = [n for n in frame.equations if n not in system.states]
         table_of_rows = [*system.states, *self._seen]
         rows = [table_of_rows.index(n) for n in frame.equations]
@@ -508,9 +511,25 @@ class FamilyGraph:
         if self.closed:
             values, slopes = at_guess
         self.rates = self._program("rates", values[: len(system.states)])
-        self.matrix = self._program("matrix", slopes)
+        self.matrix: Program = self._program("matrix", slopes)
         self._equations(residual, self._numbers(guessed if self.closed else table, system.states))
         self._conditions(table)
+
+    def _constant(self, table: Mapping[str, Any]) -> None:
+        """The programs of a linear system at its origin."""
+        system = self._system
+        assert system.coefficients is not None
+        self.closed = False
+        self.rates = self._program("rates", ca.SX(len(system.states), 1))
+        self.matrix = system.coefficients
+        self._equations(ca.SX(0, 1), self._numbers(table, system.states))
+        self._conditions(table)
+
+    def _at_the_origin(self) -> bool:
+        """Whether a linear system without a graph is asked for at its origin."""
+        frame = self._frame
+        held = not any(isinstance(v, Upright) or v != 0 for v in frame.held.values())
+        return frame.system.coefficients is not None and held and not (frame.at or frame.unknown)
 
     def _vanishing(self, values: ca.SX, table: Mapping[str, Any], rows: Sequence[int]) -> ca.SX:
         """What vanishes at a member: these rates, but F in place of M⁻¹ F where all of it does.

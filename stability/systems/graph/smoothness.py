@@ -243,6 +243,8 @@ _ALGEBRA = Algebra("slopes", _number, _TABLE)
 @lru_cache(maxsize=64)
 def _rates(system: Equations) -> tuple[Program, bool] | None:
     """The rates of a system, and whether a function in them may lack a slope."""
+    if system.coefficients is not None:
+        return None
     try:
         rates = ca.Function("rates", [system.x, system.p], [ca.densify(system.rhs)])
     except ParameterError:

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import prod
 from typing import Any
 
 import numpy as np
-from flint import arb, arb_mat, ctx
+from flint import arb, arb_mat, arb_poly, ctx
 
 from ...algebra.krawczyk import contained, operator
 from ...algebra.number_types import balls, precision
 from ...algebra.program import Program
 from ...base.errors import NoMemberError, StabilityError, listing
 from ..family import Family
+from .places import LARGE, components
 
 
 def characteristic(family: Family, a: Sequence[Any], q: Sequence[Any]) -> list[Any]:
@@ -49,9 +51,14 @@ def matrix_polynomial(
     list of arb
         Coefficients, lowest first.
     """
-    matrix = arb_mat(family.graph.matrix.dense(balls(), [list(a), list(u), list(q)]))
-    out: list[Any] = matrix.charpoly().coeffs()
-    return out
+    rows = family.graph.matrix.dense(balls(), [list(a), list(u), list(q)])
+    if len(rows) <= LARGE:
+        whole: list[Any] = arb_mat(rows).charpoly().coeffs()
+        return whole
+    places = components(np.array([[not v == 0 for v in row] for row in rows]))
+    blocks = [arb_mat([[rows[i][j] for j in some] for i in some]) for some in places]
+    product: list[Any] = prod((block.charpoly() for block in blocks), start=arb_poly([1])).coeffs()
+    return product
 
 
 def ball_unknowns(

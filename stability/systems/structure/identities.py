@@ -1,9 +1,5 @@
 """Zeros and symmetry of a family's spectrum at all members, by places, vectors and identities.
 
-A coefficient of det(λ - A) is a sum over sets of disjoint cycles in the graph of the entries that
-are not zero (F. Harary, SIAM Rev. 4 (1962) 202-210).  So sparsity proves zeros and symmetry for any
-values, at any size, without one product.
-
 The center of a free chain may lie anywhere and move at any constant speed: vectors without
 parameters say so.  If A maps V₁ to 0, V₂ to V₁, and so on, then A is nilpotent on the last of these
 spaces, so λ = 0 has at least its dimension as multiplicity.  No polynomial is multiplied out.
@@ -25,94 +21,15 @@ from typing import Any
 
 import numpy as np
 from flint import fmpq, fmpq_mat
-from numpy.typing import NDArray
 
 from ...algebra.exact.function_field import Expression, FunctionField
 from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, vanishes
 from ...base.errors import StabilityError
 from ..family import Family
+from .places import Pattern, components, mirrored, sparse_zeros
 from .structural_zeros import structure
 
-# --- what the places of zero entries prove ---
-
-
-Pattern = NDArray[np.bool_]
-
-
-def components(pattern: Pattern) -> list[NDArray[np.intp]]:
-    """Indices of the diagonal blocks of the block triangular form.
-
-    Parameters
-    ----------
-    pattern
-        Whether each entry may differ from zero, shape (n, n).
-
-    Examples
-    --------
-    >>> [c.tolist() for c in components(np.array([[1, 1], [0, 1]], dtype=bool))]
-    [[1], [0]]
-    """
-    from scipy.sparse.csgraph import connected_components
-
-    _, labels = connected_components(pattern, directed=True, connection="strong")
-    return [np.flatnonzero(labels == label) for label in np.unique(labels)]
-
-
-def sparse_zeros(pattern: Pattern) -> int:
-    """Number of eigenvalues that are zero for all values of the entries.
-
-    Returns
-    -------
-    int
-        n minus the largest number of states that disjoint cycles cover.
-
-    Examples
-    --------
-    >>> sparse_zeros(np.array([[0, 1, 0], [0, 0, 1], [0, 1, 0]], dtype=bool))  # a chain into a pair
-    1
-    """
-    from scipy.sparse import csr_array
-    from scipy.sparse.csgraph import min_weight_full_bipartite_matching
-
-    if not len(pattern):
-        return 0
-    cost = pattern.astype(float)
-    outside = np.flatnonzero(~np.diag(pattern))
-    cost[outside, outside] = 2.0  # a state outside every cycle
-    rows, columns = min_weight_full_bipartite_matching(csr_array(cost))
-    return int(cost[rows, columns].sum()) - len(pattern)
-
-
-def mirrored(pattern: Pattern) -> bool:
-    """Whether the spectrum is symmetric under λ → -λ for all values of the entries.
-
-    This holds if every cycle is even: within each block a change of the signs of some states R then
-    gives R A R = -A, as under a reversal of time.
-
-    Examples
-    --------
-    >>> mirrored(np.array([[0, 1], [1, 0]], dtype=bool)), mirrored(np.eye(2, dtype=bool))
-    (True, False)
-    """
-    return all(_two_sides(pattern[np.ix_(some, some)]) for some in components(pattern))
-
-
-def _two_sides(block: Pattern) -> bool:
-    """Whether signs ±1 of the states exist that differ wherever an entry is not zero."""
-    either = block | block.T
-    if np.diag(block).any():
-        return False
-    sign = np.zeros(len(block), dtype=int)
-    sign[0], waiting = 1, [0]
-    while waiting:
-        here = waiting.pop()
-        for there in np.flatnonzero(either[here]):
-            if sign[there] == 0:
-                sign[there] = -sign[here]
-                waiting.append(int(there))
-            elif sign[there] == sign[here]:
-                return False
-    return True
+# --- coefficients that vanish ---
 
 
 def known_coefficients(size: int, count: int, *, even: bool) -> list[bool]:
@@ -412,8 +329,10 @@ def exact_matrix(
     NotExact
         If an entry has no exact value, or is too large.
     """
+    fields = (v.field for v in (*a, *u, *q) if isinstance(v, Expression))
+    algebra = next((field.algebra for field in fields), EXACT)
     try:
-        return family.graph.matrix.dense(EXACT, [list(a), list(u), list(q)])
+        return family.graph.matrix.dense(algebra, [list(a), list(u), list(q)])
     except (ZeroDivisionError, StabilityError) as error:
         raise NotExact(str(error)) from None
 

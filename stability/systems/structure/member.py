@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from functools import cached_property
+from math import prod
 from typing import Any
 
 from flint import arb, arb_poly, ctx, fmpq, fmpq_mat, fmpq_poly, fmpz, fmpz_mat
@@ -43,13 +44,12 @@ from .identities import (
     exact_matrix,
     identity,
     known_coefficients,
-    mirrored,
     nonzero,
-    sparse_zeros,
     whole_polynomial,
     with_symbols,
     zeros_and_parity,
 )
+from .places import LARGE, mirrored, sparse_zeros
 
 # --- unknowns as exact numbers ---
 
@@ -271,7 +271,9 @@ class Member:
         """The polynomial over Q, or over Q[u]/(g) where one unknown is algebraic."""
         matrix = exact_matrix(self.family, self.a, self.unknowns(), self.q)
         if all(isinstance(entry, (int, fmpq)) for row in matrix for entry in row):
-            self._rational = poly = fmpq_mat(matrix).charpoly().coeffs()
+            blocks = [matrix] if len(matrix) <= LARGE else blocks_of(matrix)
+            polynomials = [fmpq_mat(block).charpoly() for block in blocks]
+            self._rational = poly = prod(polynomials, start=fmpq_poly([1])).coeffs()
         else:
             self._algebraic = poly = whole_polynomial(matrix)
         self._flags = [vanishes(c) for c in poly]
@@ -373,9 +375,14 @@ class Member:
         poly = matrix_polynomial(self.family, a, ball_unknowns(self.family, a, q, self.near), q)
         return [arb(0) if flag else c for flag, c in zip(self.flags, poly, strict=True)]
 
+    @property
+    def reached(self) -> bool:
+        """Whether the root is proved or needs no proof, and no rate differs from zero there."""
+        return self.steady and (self.near is None or self.root is not None)
+
     def plainly_enclosed(self) -> list[Any] | None:
         """Coefficients as balls at the current precision, no zero proved; None without a root."""
-        if not self.steady or (self.near is not None and self.root is None):
+        if not self.reached:
             return None
         a, q = self.balls(self.a), self.balls(self.q)
         return matrix_polynomial(self.family, a, self.unknowns_in_balls(), q)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -11,11 +11,14 @@ import numpy as np
 from flint import arb
 
 from ...algebra.exact.routh import ROUGH
+from ...algebra.linear_systems import contraction, inverse_of
 from ...algebra.number_types import balls, precision
+from ...algebra.running_error import UNIT, ball_arrays
 from ...base.errors import StabilityError
 from ...base.types import Floats
 from ..family import Family
 from .enclosure import ball_unknowns, matrix_polynomial
+from .places import LARGE, components, mirrored
 
 SAMPLES = 3
 """Random members at which the structure of a spectrum is established."""
@@ -70,8 +73,10 @@ def structure(family: Family) -> Structure:
     >>> structure(disk_family("rolling", "viscous")).zeros
     2
     """
+    if len(family.system.states) > LARGE and (by_places := _by_places(family)) is not None:
+        return by_places
     vanishing, steady = [True] * (len(family.system.states) + 1), True
-    for sample in range(SAMPLES):
+    for sample in _samples(family):
         found, rests = _vanishing(family, sample)
         steady = steady and rests
         vanishing = [v and f for v, f in zip(vanishing, found, strict=True)]
@@ -152,26 +157,68 @@ def _away(sample: int, count: int) -> list[arb]:
     return [(s - s.floor()) / 4 - arb(1) / 8 for s in spread]
 
 
+def _samples(family: Family) -> range:
+    return range(SAMPLES if family.at or family.parameters else 1)
+
+
+def _by_places(family: Family) -> Structure | None:
+    """The structure of a large family without its polynomial, or None.
+
+    Zeros are states of their own that no entry moves; all other blocks have a determinant that is
+    not zero at a sample.  The spectrum is even by the places of the entries; it is not where the
+    sum of the eigenvalues is not zero at the sample.
+    """
+    with precision(SAMPLE_BITS):
+        places = [_placed(family, sampled(family, sample)) for sample in _samples(family)]
+        steady = all(_rest(family, place) for place in places)
+        matrix, error = (part[0] for part in ball_arrays(family.graph.matrix, places[0])[0])
+    pattern = (matrix != 0) | (error != 0)
+    blocks = [i for i in components(pattern) if len(i) > 1 or pattern[i, i]]
+    for i in blocks:
+        block, doubt = (some[None][:, i[:, None], i] for some in (matrix, error))
+        if not contraction(inverse_of(block), block, doubt).sum(axis=-1).max() < 0.5:
+            return None
+    even = bool(blocks) and mirrored(pattern)
+    total, wide = np.trace(matrix), np.trace(error) + len(matrix) * UNIT * np.abs(matrix).trace()
+    if not even and (family.conservative or (blocks and abs(total) <= 1.01 * wide)):
+        return None
+    zeros = len(matrix) - sum(map(len, blocks))
+    return Structure(zeros, even, "no entry; the determinant of the rest proved nonzero", steady)
+
+
+def _placed(family: Family, point: Sequence[Any]) -> list[Sequence[Any]]:
+    """A point in balls with its unknowns: family parameters, unknowns, parameters."""
+    a, q = point[: len(family.at)], point[len(family.at) :]
+    return [a, ball_unknowns(family, a, q), q]
+
+
+def _rest(family: Family, place: Sequence[Sequence[Any]]) -> bool:
+    """Whether no rate is proved to differ from zero at a sample.
+
+    Held values may be rounded: rates vanish to a few digits only.
+    """
+    rates = family.graph.rates.dense(balls(), place)
+    solved = family.unknown and not family.closed  # another root may be arbitrarily close
+    return all(
+        arb(rates[i][0]).contains(0) if solved else arb(rates[i][0]).abs_lower() < ROUGH
+        for i in family.resting
+    )
+
+
 def _vanishing(family: Family, sample: int) -> tuple[list[bool], bool]:
     """Whether each coefficient vanishes to 200 bits at a random member, and whether its rates do.
 
-    Large entries need more bits.  Held values may be rounded: rates vanish to a few digits only.
+    Large entries need more bits.
     """
-    cut, least = len(family.at), 2.0 ** (-SAMPLE_BITS // 2)
+    least = 2.0 ** (-SAMPLE_BITS // 2)
     point = sampled(family, sample)
     for bits in (SAMPLE_BITS, 4 * SAMPLE_BITS, 16 * SAMPLE_BITS):
         with precision(bits):
-            a, q = point[:cut], point[cut:]
-            u = ball_unknowns(family, a, q)
-            found = matrix_polynomial(family, a, u, q)
-            rates = family.graph.rates.dense(balls(), [a, u, q])
+            place = _placed(family, point)
+            found = matrix_polynomial(family, *place)
+            rests = _rest(family, place)
         near = [bool(c.contains(0)) for c in found]
         small = [float(c.abs_upper()) < least for c in found]
         if all(s for s, n in zip(small, near, strict=True) if n):
             break
-    solved = family.unknown and not family.closed  # another root may be arbitrarily close
-    rests = [
-        arb(rates[i][0]).contains(0) if solved else arb(rates[i][0]).abs_lower() < ROUGH
-        for i in family.resting
-    ]
-    return [n and s for n, s in zip(near, small, strict=True)], all(rests)
+    return [n and s for n, s in zip(near, small, strict=True)], rests

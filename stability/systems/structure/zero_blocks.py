@@ -15,7 +15,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from flint import arb
+from flint import arb, fmpq, fmpq_mat
 
 from ...algebra.exact.hurwitz_forms import TooLarge
 from ...algebra.exact.number_fields import NotExact, vanishes
@@ -26,7 +26,6 @@ from ..family import Family
 from .enclosure import ball_unknowns
 from .identities import (
     MOST_STATES,
-    Pattern,
     constant_kernels,
     exact_matrix,
     field_of,
@@ -36,6 +35,7 @@ from .identities import (
     stored,
 )
 from .member import READINGS, ROOT_BITS, Member
+from .places import Pattern
 from .structural_zeros import SAMPLE_BITS, sampled, structure
 
 Rows = Sequence[Sequence[Any]]
@@ -199,6 +199,9 @@ def kept_block(family: Family, matrix: Rows) -> list[list[Any]]:
 def _powers(matrix: Rows, count: int) -> Any:
     """A, A², …, A^count, one after the other."""
     whole = [list(row) for row in matrix]
+    if _over_q(matrix):
+        yield from ((fmpq_mat(whole) ** p).tolist() for p in range(1, count + 1))
+        return
     for p in range(count):
         yield whole
         if p + 1 < count:
@@ -209,6 +212,10 @@ def _powers(matrix: Rows, count: int) -> Any:
                 ]
                 for row in whole
             ]
+
+
+def _over_q(matrix: Rows) -> bool:
+    return bool(len(matrix)) and all(isinstance(v, (int, fmpq)) for row in matrix for v in row)
 
 
 def _sum(terms: Any) -> Any:
@@ -236,6 +243,8 @@ def rank_of(matrix: Rows, nonzero: Callable[[Any], Any]) -> int:
     >>> rank_of([[fmpq(1), fmpq(2)], [fmpq(2), fmpq(4)]], bool)
     1
     """
+    if _over_q(matrix):
+        return int(fmpq_mat(matrix).rank())
     rows, rank = [list(row) for row in matrix], 0
     while rows and rows[0]:
         places = (
