@@ -22,7 +22,6 @@ from stability.boundary.algebraic import exact_search
 from stability.boundary.algebraic.candidates import least_size
 from stability.boundary.algebraic.tower import Along, Tower
 from stability.boundary.brackets import AxisScan
-from stability.derivation.elimination import whole
 from stability.spectra.axes import swept
 
 EXACT = "isolated exactly, with functions and unknowns as algebraic numbers"
@@ -369,7 +368,7 @@ def test_the_bound_for_a_zero_is_below_every_other_conjugate(shift: int, least: 
     problem = swept(family, {"axis": ("p", 1, 4, 2)})[0]
     budget = Budget(4000, 10)
     along = Along(AxisScan(problem, "p", {}), 1, 4, budget)
-    tower = Tower(along, whole(along))
+    tower = Tower(along, along.factored)
     z, root = tower.ring.gens()[0], tower.ring.gens()[tower.levels[0].index]
     bound = least_size(tower, root - shift, z - 2, budget)
     assert bound is not None and 0 < float(bound.p) / float(bound.q) <= least

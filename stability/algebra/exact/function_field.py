@@ -14,7 +14,7 @@ from flint import Ordering, fmpq, fmpq_mpoly_ctx
 from .number_fields import Element, NotExact
 
 SPARE = 24
-"""Number of indeterminates reserved for sines, roots and other functions."""
+"""Number of indeterminates reserved for sines, roots and other functions, unless said."""
 MOST_TERMS = 1500
 """Largest number of terms of a numerator or denominator; beyond it exact work ends."""
 MOST_WORK = 1_000_000
@@ -100,8 +100,8 @@ _QUOTIENTS = {"tan": ("sin", "cos"), "tanh": ("sinh", "cosh")}
 class FunctionField:
     """Quotients of polynomials over Q in named indeterminates and in values of functions."""
 
-    def __init__(self, names: Sequence[str]) -> None:
-        symbols = tuple(f"x{i}" for i in range(len(names) + SPARE))
+    def __init__(self, names: Sequence[str], spare: int = SPARE) -> None:
+        symbols = tuple(f"x{i}" for i in range(len(names) + spare))
         self.ring = fmpq_mpoly_ctx.get(symbols, Ordering.degrevlex)
         self._gens = self.ring.gens()
         self._used = len(names)

@@ -37,7 +37,6 @@ from ...algebra.exact.routh import (
 from ...algebra.exact.triangular import evaluate, occurring
 from ...algebra.number_types import precision
 from ...base.errors import NoMemberError, StabilityError
-from ...derivation.elimination import whole
 from ...systems.structure.structural_zeros import structure
 from ..brackets import (
     HERE,
@@ -362,7 +361,7 @@ def algebraic(line: AxisScan, low: float, high: float) -> Boundaries:
         raise NotExact("a rate does not vanish at typical members")
     budget = Budget(MOST_TERMS, SECONDS)
     along = Along(line, low, high, budget)
-    found = whole(along)
+    found = along.factored
     if found.zeros < zeros.zeros:
         raise NotExact("zeros by structure are not proved")
     tower = Tower(along, found)

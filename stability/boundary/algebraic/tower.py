@@ -23,7 +23,7 @@ from ...algebra.exact.roots import UnclearError
 from ...algebra.exact.triangular import occurring
 from ...algebra.number_types import Algebra, precision
 from ...base.errors import StabilityError
-from ...derivation.elimination import Reading, Whole
+from ...polynomials.characteristic import CharacteristicPolynomial, Factored
 from ...systems.structure.structural_zeros import SAMPLE_BITS, SAMPLES
 from ..brackets import AxisScan
 
@@ -35,7 +35,7 @@ KINDS = {"sin": "circle", "cos": "circle", "sinh": "hyperbola", "cosh": "hyperbo
 """Kind of a function of the axis, or of a number."""
 
 
-class Along(Reading):
+class Along(CharacteristicPolynomial):
     """A family's Jacobian along an axis, every other quantity an exact rational."""
 
     def __init__(self, line: AxisScan, low: float, high: float, budget: Budget) -> None:
@@ -69,6 +69,7 @@ class Along(Reading):
             if not below.is_constant():
                 self.triangular.nonzero.append(self.field.reduced(below))
 
+    @property
     def algebra(self) -> Algebra:
         """Rationals, with functions of numbers as variables too."""
 
@@ -251,7 +252,7 @@ class Tower:
         If the variables do not form a tower.
     """
 
-    def __init__(self, along: Along, whole: Whole) -> None:
+    def __init__(self, along: Along, whole: Factored) -> None:
         self.along, self.whole = along, whole
         count = len(whole.indices)
         names = ("z", "s", *(f"v{i}" for i in range(count + 2)), "w")
