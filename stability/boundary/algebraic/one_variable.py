@@ -56,6 +56,8 @@ SHORT = (8, 24)
 GUARD = 64
 """Bits beyond those of a root at which conditions are evaluated there."""
 X, S = (Ratio(g) for g in RING.gens())
+UPRIGHT = RING.gens()[0] - 1
+"""It vanishes where a sine or cosine is 1."""
 Row = list[Any]
 """Coefficients of a factor by powers of λ, lowest first: `fmpq_poly` in the variable."""
 
@@ -78,7 +80,7 @@ class Conditions:
 
     def watched(self) -> list[tuple[str, Any]]:
         """(kind, polynomial) of what can vanish where the verdict changes."""
-        return [p for p in self.polynomials if not p[1].is_constant()]
+        return [(k, p) for k, p in self.polynomials if not p.derivative("x").is_zero()]
 
     def sign(self, x: Any) -> int:
         """1 stable or neutral, -1 unstable, 0 on a boundary; at a rational value."""
@@ -172,9 +174,8 @@ class OneVariable(Members):
         self.line, self.source, self.dissipative = line, source, dissipative
         if line.problem.family.exact:
             self.how += ", from the family's polynomial"
-        x = RING.gens()[0]
-        found = [w for w in distinct(source.watched()) if not base.turned or w[1] != x - 1]
-        found += [("edge", x - 1)] if edge else []
+        found = _apart(source.watched(), turned=base.turned, whole=isinstance(source, Conditions))
+        found += [("edge", UPRIGHT)] if edge else []
         norms = ((p, Watched(kind, p, p)) for kind, p in found)
         self.candidates = Candidates(base, source.sine, norms, ends, bits)
         none = line.axis == "phi_dot" and not line.problem.plain
@@ -263,6 +264,17 @@ class OneVariable(Members):
             with precision(MEMBER_BITS):  # more digits than a double needs slow the roots down
                 return self.source.frequency((one.root * 1).mid().fmpq())
         return super().rate(one, root)
+
+
+def _apart(found: list[tuple[str, Any]], *, turned: bool, whole: bool) -> list[tuple[str, Any]]:
+    """Irreducible factors; or the polynomials as they are, where no two roots are the same."""
+    if whole and not any(
+        (turned and p.subs({"x": 1}).is_zero()) or not p.gcd(q).is_constant()
+        for i, (_, p) in enumerate(found)
+        for q in (p.derivative("x"), *(other for _, other in found[:i]))
+    ):
+        return found
+    return [w for w in distinct(found) if not turned or w[1] != UPRIGHT]
 
 
 def of_family(
