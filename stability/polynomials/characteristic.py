@@ -9,17 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import Any
 
 import casadi as ca
 import numpy as np
-from flint import Ordering, arb, fmpq_mpoly_ctx
+from flint import Ordering, arb, fmpq_mpoly_ctx, fmpq_poly, fmpz
 
 from ..algebra.exact.function_field import SPARE, Expression
 from ..algebra.exact.hurwitz_forms import Budget, coefficient_row, factors
 from ..algebra.exact.number_fields import EXACT, NotExact, characteristic, rational
-from ..algebra.exact.rational_functions import common_multiple, primitive
+from ..algebra.exact.rational_functions import common_multiple, primitive, univariate
 from ..algebra.exact.triangular import RecordingField, Triangular, evaluate, occurring
 from ..algebra.number_types import Algebra, precision
 from ..algebra.program import Program
@@ -203,15 +203,33 @@ class CharacteristicPolynomial:
 
     def _determinant(self, block: list[list[Any]], common: Poly) -> Poly:
         """A multiple of det(λ - A), without common factor of its coefficients."""
-        one = self.field.one
-        plain = [[Expression(self.field, e.num * (common / e.den), one) for e in r] for r in block]
-        powers = [self.element(c).num * common**k for k, c in enumerate(characteristic(plain))]
+        one, plain = self.field.one, [[e.num * (common / e.den) for e in row] for row in block]
+        if len(self.base) == 1 and not self.field.meaning:
+            powers = self._over_integers(plain, common)
+        else:
+            rows = [[Expression(self.field, p, one) for p in row] for row in plain]
+            found = [self.element(c).num for c in characteristic(rows)]
+            powers = primitive(self.triangular.reduce([c * common**k for k, c in enumerate(found)]))
         lam = self.field.generator(self.lam)
         total = self.field.ring.constant(0)
-        for k, c in enumerate(primitive(self.triangular.reduce(powers))):
+        for k, c in enumerate(powers):
             total = total + c * lam**k
         self.budget.watch(total)
         return total
+
+    def _over_integers(self, plain: list[list[Poly]], common: Poly) -> list[Poly]:
+        """The coefficients in one variable, over Z: products need no common denominators."""
+        entries = [[univariate(p) for p in row] for row in plain]
+        scale = reduce(fmpz.lcm, (p.denom() for row in entries for p in row), fmpz(1))
+        found = characteristic([[(p * scale).numer() if p != 0 else 0 for p in r] for r in entries])
+        below = univariate(common) * scale
+        powers = [fmpq_poly([c]) if isinstance(c, int) else fmpq_poly(c) for c in found]
+        powers = primitive([c * below**k for k, c in enumerate(powers)])
+        x = self.field.generator(0)
+        return [
+            sum((a * x**i for i, a in enumerate(c.coeffs())), self.field.ring.constant(0))
+            for c in powers
+        ]
 
     def _compact(
         self,

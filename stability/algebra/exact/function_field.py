@@ -21,6 +21,13 @@ MOST_WORK = 1_000_000
 """Largest number of terms that one calculation handles; a count, so that machines agree."""
 
 
+class TooManyFunctions(NotExact):
+    """More functions than the field has room for."""
+
+    def __init__(self) -> None:
+        super().__init__("too many functions")
+
+
 class Expression(Element):
     """A quotient of polynomials in indeterminates, reduced by their relations."""
 
@@ -162,7 +169,7 @@ class FunctionField:
 
     def _new(self) -> int:
         if self._used == len(self._gens):
-            raise NotExact("too many functions")
+            raise TooManyFunctions
         self._used += 1
         return self._used - 1
 

@@ -59,7 +59,11 @@ def watched(tower: Tower, budget: Budget) -> list[Watched]:
     ]
     found += [("end", p) for p, _ in form.required]
     for a, _ in form.factors:
-        found += critical(a, budget)
+        found += critical(
+            a,
+            lambda p: hurwitz_determinants(p, budget)[-1],
+            lambda q: subdiscriminants(q, budget)[-1],
+        )
     for level in tower.levels:
         if level.own is not None:
             # √ is the larger root on both sides, so nothing meets where its argument vanishes
@@ -82,15 +86,26 @@ def distinct(polynomials: Iterable[tuple[str, Any]]) -> Iterator[tuple[str, Any]
                 yield kind, factor
 
 
-def critical(a: Sequence[Any], budget: Budget) -> list[tuple[str, Any]]:
-    """Polynomials that vanish where a root of one factor meets the imaginary axis or infinity."""
+def critical(
+    a: Sequence[Any], pair: Callable[[Sequence[Any]], Any], meeting: Callable[[Sequence[Any]], Any]
+) -> list[tuple[str, Any]]:
+    """Polynomials that vanish where a root of one factor meets the imaginary axis or infinity.
+
+    Parameters
+    ----------
+    a
+        Coefficients of the factor, lowest first.
+    pair, meeting
+        Functions from coefficients to the Hurwitz determinant of order n - 1, and of q to the
+        discriminant of q, up to powers of the leading coefficient.
+    """
     n = len(a) - 1
     found = [("static", a[0]), ("pole", a[n])]
     even = is_even(a)
     if even and n > 2:
-        found.append(("flutter", subdiscriminants(a[::2], budget)[-1]))
+        found.append(("flutter", meeting(a[::2])))
     if not even and n > 1:
-        found.append(("flutter", hurwitz_determinants(a, budget)[-1]))
+        found.append(("flutter", pair(a)))
     return found
 
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from flint import arb
 
+from ...algebra.exact.function_field import TooManyFunctions
 from ...algebra.exact.hurwitz_forms import Budget
 from ...algebra.exact.number_fields import NotExact
 from ...algebra.exact.roots import BITS
@@ -68,14 +69,19 @@ def members_along(
     problem, family = line.problem, line.problem.family
     budget = Budget(MOST_TERMS, SECONDS)
     if problem.exact is not None:
-        return of_exact(line, problem.exact, ends, budget, bits)
+        return of_exact(line, problem.exact, ends, bits)
     if len(family.system.states) > MOST_STATES:
         raise NotExact(f"{len(family.system.states)} states, more than {MOST_STATES}")
     if "lean" in (line.axis, *line.fixed) and not problem.plain:
         raise NotExact("π is in it")
-    polynomial = AxisPolynomial(line, ends, budget)
+    try:  # a ring of few variables is faster
+        polynomial = AxisPolynomial(line, ends, budget, spare=0)
+    except TooManyFunctions:
+        if not problem.plain:
+            raise NotExact("functions of units or angles occur") from None
+        polynomial = AxisPolynomial(line, ends, budget)
     if polynomial.rational:
-        return of_family(line, polynomial, ends, budget, bits)
+        return of_family(line, polynomial, ends, bits)
     zeros = structure(family)
     if not zeros.steady:
         raise NotExact("a rate does not vanish at typical members")

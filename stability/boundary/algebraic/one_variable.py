@@ -18,12 +18,12 @@ the roots by another route.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from flint import arb, arb_poly, fmpq_poly
 
-from ...algebra.exact.hurwitz_forms import Budget, coefficient_row, factors
+from ...algebra.exact.hurwitz_forms import coefficient_row, factors
 from ...algebra.exact.number_fields import EXACT, NotExact, rational
 from ...algebra.exact.rational_functions import (
     RING,
@@ -44,8 +44,8 @@ from ...spectra.verdict_routes import BITS as MEMBER_BITS
 from ...spectra.verdict_routes import Point, decided
 from ...systems.structure.structural_zeros import structure
 from ..brackets import AxisScan
-from ..pairs import crossing, meeting
-from .candidates import Candidate, Candidates, Watched, critical, distinct
+from ..pairs import crossing, grows, meeting
+from .candidates import Candidate, Candidates, Watched, critical
 from .members import NEAR, SHARES, Cell, Look, Members, growing
 from .tower import AxisPolynomial, Base
 
@@ -103,21 +103,23 @@ class Factors:
     rows
         The factors other than λ, irreducible.
     poles
-        Polynomials at whose zeros there is no linearisation.
+        Polynomials at whose zeros there is no linearisation; None where these are not known, so
+        that leading coefficients count.
     """
 
     sine = None
 
-    def __init__(self, rows: Sequence[Row], poles: Sequence[Any], budget: Budget) -> None:
-        self.rows, self.poles, self.budget = rows, poles, budget
+    def __init__(self, rows: Sequence[Row], poles: Sequence[Any] | None) -> None:
+        self.rows, self.poles = rows, poles
         self.even = [is_even(row) for row in rows]
 
     def watched(self) -> list[tuple[str, Any]]:
         """(kind, polynomial) of what can vanish where the verdict changes."""
-        found = [("pole", multivariate(p)) for p in self.poles]
+        found = [("pole", multivariate(p)) for p in self.poles or ()]
         for row in self.rows:
-            found += critical([multivariate(c) for c in row], self.budget)
-        return found
+            some = critical([multivariate(c) for c in row], _pair, _meeting)
+            found += some if self.poles is None else [w for w in some if w[0] != "pole"]
+        return [(kind, p) for kind, p in found if not p.is_constant()]
 
     def verdict(self, x: Any) -> Verdict:
         """The verdict at a rational value; zeros by structure do not count."""
@@ -134,6 +136,19 @@ class Factors:
             p = fmpq_poly([c(x) for c in row])
             known += meeting(fmpq_poly(p.coeffs()[::2])) if even else crossing(p)
         return min(known, default=(math.inf, 0.0))[1]
+
+
+def _pair(a: Sequence[Any]) -> Any:
+    return _in_s(a[::2]).resultant(_in_s(a[1::2]), "s")
+
+
+def _meeting(q: Sequence[Any]) -> Any:
+    return _in_s(q).discriminant("s")
+
+
+def _in_s(coefficients: Sequence[Any]) -> Any:
+    s = RING.gens()[1]
+    return sum((c * s**k for k, c in enumerate(coefficients)), RING.constant(0))
 
 
 class OneVariable(Members):
@@ -174,7 +189,7 @@ class OneVariable(Members):
         self.line, self.source, self.dissipative = line, source, dissipative
         if line.problem.family.exact:
             self.how += ", from the family's polynomial"
-        found = _apart(source.watched(), turned=base.turned, whole=isinstance(source, Conditions))
+        found = [*_apart(source.watched(), turned=base.turned)]
         found += [("edge", UPRIGHT)] if edge else []
         norms = ((p, Watched(kind, p, p)) for kind, p in found)
         self.candidates = Candidates(base, source.sine, norms, ends, bits)
@@ -227,13 +242,18 @@ class OneVariable(Members):
 
     @staticmethod
     def _grows(source: Factors, one: Candidate) -> bool | None:
-        norm = univariate(one.norm)
+        balls = [[arb_poly(c)(one.root) for c in row] for row in source.rows]
+        if any(map(grows, balls)):
+            return True
+        norm = next(
+            p for p, _ in univariate(one.norm).factor()[1] if arb_poly(p)(one.root).contains(0)
+        )
         if norm.degree() == 1:
             said = source.verdict(-norm[0] / norm[1])
             return None if said is Verdict.STABLE else said is Verdict.UNSTABLE
         found = [
-            growing(row, [arb_poly(c)(one.root) for c in row], lambda c: (c % norm).is_zero())
-            for row in source.rows
+            growing(row, b, lambda c: (c % norm).is_zero())
+            for row, b in zip(source.rows, balls, strict=True)
         ]
         return True if True in found else None if None in found else False
 
@@ -266,28 +286,28 @@ class OneVariable(Members):
         return super().rate(one, root)
 
 
-def _apart(found: list[tuple[str, Any]], *, turned: bool, whole: bool) -> list[tuple[str, Any]]:
-    """Irreducible factors; or the polynomials as they are, where no two roots are the same."""
-    if whole and not any(
-        (turned and p.subs({"x": 1}).is_zero()) or not p.gcd(q).is_constant()
-        for i, (_, p) in enumerate(found)
-        for q in (p.derivative("x"), *(other for _, other in found[:i]))
-    ):
-        return found
-    return [w for w in distinct(found) if not turned or w[1] != UPRIGHT]
+def _apart(found: list[tuple[str, Any]], *, turned: bool) -> Iterator[tuple[str, Any]]:
+    """Polynomials without a common or multiple root; a pole, then a zero eigenvalue names it."""
+    known = [UPRIGHT] if turned else []
+    for kind, p in sorted(found, key=lambda w: ("pole", "static", w[0]).index(w[0])):
+        rest = p / p.gcd(p.derivative("x"))
+        for other in known:
+            rest = rest / rest.gcd(other)
+        if not rest.derivative("x").is_zero():
+            known.append(rest)
+            yield kind, rest
 
 
 def of_family(
     line: AxisScan,
     polynomial: AxisPolynomial,
     ends: tuple[float | None, float | None],
-    budget: Budget,
     bits: int = BITS,
 ) -> OneVariable:
     """The members of a family that is rational in the axis."""
     form, problem = polynomial.factored, line.problem
     rows = [[univariate(c) for c in row] for row, _ in form.factors]
-    source = Factors(rows, [univariate(p) for p in form.nonzero], budget)
+    source = Factors(rows, [univariate(p) for p in form.nonzero])
     zeros = structure(problem.family).zeros  # refuses what is declared conservative and is not
     base = Base("positive" if not problem.plain and line.axis in POSITIVE else "plain")
     good = form.zeros <= zeros and not any(source.even)
@@ -298,7 +318,6 @@ def of_exact(
     line: AxisScan,
     exact: ExactPolynomial,
     ends: tuple[float | None, float | None],
-    budget: Budget,
     bits: int = BITS,
 ) -> OneVariable:
     """The members of a family with a polynomial of its own, stored or stated.
@@ -324,19 +343,20 @@ def of_exact(
             return OneVariable(line, source, base, ends, dissipative=good, edge=edge, bits=bits)
     # a condition vanishes all along the axis, so that the polynomial itself is searched
     rows: list[Row] = []
-    poles = []
+    # a table's denominators are powers of positive axes
+    poles: list[Any] | None = None if isinstance(exact, TabulatedPolynomial) else []
     lam = RING.gens()[1]
     for factor in exact.coefficients(axes, over):
         ratios = [Ratio.of(c) for c in factor]
         common = common_multiple((r.bottom for r in ratios), RING.constant(1))
-        # a table's denominators are powers of positive axes
-        poles += [] if isinstance(exact, TabulatedPolynomial) else [univariate(common)]
+        if poles is not None:
+            poles.append(univariate(common))
         whole = RING.constant(0)
         for k, c in enumerate(primitive([r.top * (common / r.bottom) for r in ratios])):
             whole = whole + multivariate(univariate(c)) * lam**k
         some = (coefficient_row(p, 1) for p, _ in factors(whole)[1] if p != lam)
         rows += [[univariate(c) for c in row] for row in some if len(row) > 1]
-    source_ = Factors(rows, poles, budget)
+    source_ = Factors(rows, poles)
     return OneVariable(line, source_, base, ends, dissipative=not any(source_.even), bits=bits)
 
 

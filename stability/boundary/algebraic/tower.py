@@ -16,7 +16,7 @@ from typing import Any
 
 from flint import arb, fmpq, fmpq_mpoly_ctx
 
-from ...algebra.exact.function_field import Expression
+from ...algebra.exact.function_field import SPARE, Expression
 from ...algebra.exact.hurwitz_forms import Budget, by_power
 from ...algebra.exact.number_fields import EXACT, NotExact
 from ...algebra.exact.roots import UnclearError
@@ -51,23 +51,24 @@ class AxisPolynomial(CharacteristicPolynomial):
     """A family's characteristic polynomial along an axis, every other quantity a rational."""
 
     def __init__(
-        self, line: AxisScan, ends: tuple[float | None, float | None], budget: Budget
+        self,
+        line: AxisScan,
+        ends: tuple[float | None, float | None],
+        budget: Budget,
+        spare: int = SPARE,
     ) -> None:
         problem, self.axis, self.ends = line.problem, line.axis, ends
         fixed = problem.rationals(line.fixed)
-        if problem.plain:
-            super().__init__(problem.family, fixed, budget, free=(self.axis,))
-        else:
-            if problem.family.unknown and not problem.family.closed:
-                raise NotExact("no closed form")
-            super().__init__(
-                problem.family,
-                fixed,
-                budget,
-                free=(self.axis,),
-                numbers=lambda v: problem.reduce(v, lambda x: x.sqrt())[:2],
-                spare=0,
-            )
+        if not problem.plain and problem.family.unknown and not problem.family.closed:
+            raise NotExact("no closed form")
+        super().__init__(
+            problem.family,
+            fixed,
+            budget,
+            free=(self.axis,),
+            numbers=lambda v: problem.reduce(v, lambda x: x.sqrt())[:2],
+            spare=spare,
+        )
         if not self.family.closed:
             self.conditions = [(self._vanishing_with(name), name) for name in self.family.positive]
         self._exclude_denominators()
