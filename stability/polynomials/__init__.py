@@ -1,7 +1,7 @@
-"""The characteristic polynomial of any family over Q, with any of its numbers as variables.
+"""det(λ - A) over Q.
 
-`CharacteristicPolynomial` reads the graph once, with no number free, one (an axis), two (a plane),
-or all of them (conditions and formulas).
-May import `systems` and the floors below.
-To read a new function of a graph: an indeterminate of `algebra/exact/function_field.py`.
+`CharacteristicPolynomial` reads the graph of any family once, with any of its numbers as variables:
+none, one (an axis), two (a plane), or all of them (conditions and formulas).
+May import `systems`, `jobs` and the floors below.
+To add a function that graphs may hold: an indeterminate in `algebra/exact/function_field.py`.
 """

@@ -163,3 +163,33 @@ def test_a_result_names_the_value_at_which_alone_a_stable_member_is_neutral() ->
     assert "at 0 alone it is neutral" in repr(found)
     words = [st.spectrum(rest, at=v, certify=True).verdict.word for v in (-0.5, 0.0, 0.5)]
     assert words == ["stable", "neutral", "stable"]
+
+
+class Slow(st.ExactPolynomial):
+    """G λ + 1: the eigenvalue is infinite at g = 0."""
+
+    def coefficients(self, values: Any, _: Any) -> Any:
+        return [[1, values["g"]]]
+
+
+@pytest.mark.parametrize(
+    ("below", "slow", "said"),
+    [
+        (lambda g: g, True, "differs on the two sides"),
+        (lambda g: g, False, "is the same on both sides"),
+        (ca.sin, False, "is the same on both sides"),
+    ],
+    ids=["stated", "rational", "algebraic"],
+)
+def test_a_value_without_a_linearisation_is_left_open(below: Any, slow: bool, said: str) -> None:
+    """Also where the entry without a value lies between two strong components: y drives x."""
+    x, g = ca.SX.sym("x", 1 if slow else 2), ca.SX.sym("g")
+    rates = -x / g if slow else ca.vertcat(-x[0] + x[1] / below(g), -2 * x[1])
+    states = ("x", "y")[: len(rates.elements())]
+    system = st.System("pole", x, g, rates, states=states, parameters=("g",))
+    held = dict.fromkeys(states, 0.0)
+    family = st.Family(system, "rest", ("g",), held=held, exact=Slow() if slow else None)
+    with pytest.warns(st.StabilityWarning, match="no value there"):
+        found = st.boundaries(family, axis=("g", -1, 2, 9))
+    [left] = found.unresolved
+    assert found == [] and left.low <= 0 <= left.high and said in left.reason

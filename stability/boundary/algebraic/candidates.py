@@ -9,7 +9,7 @@ Source: B. L. van der Waerden, Algebra I, § 5.8 (the resultant lies in the idea
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -59,6 +59,7 @@ def watched(tower: Tower, budget: Budget) -> list[Watched]:
     ]
     found += [("end", p) for p, _ in form.required]
     for a, _ in form.factors:
+        found.append(("pole", a[-1]))
         found += critical(
             a,
             lambda p: hurwitz_determinants(p, budget)[-1],
@@ -72,24 +73,17 @@ def watched(tower: Tower, budget: Budget) -> list[Watched]:
             found.append((kind, level.own.derivative(level.place)))
             parts = by_power(level.own, level.place)
             found.append(("fold", parts[max(parts)]))
-    reduced = ((kind, _reduced(tower, poly)) for kind, poly in found)
-    return [Watched(kind, p, tower.image(p)) for kind, p in distinct(reduced)]
-
-
-def distinct(polynomials: Iterable[tuple[str, Any]]) -> Iterator[tuple[str, Any]]:
-    """The irreducible factors of polynomials that are not zero, each once for a kind."""
-    known = set()
-    for kind, poly in polynomials:
-        for factor, _ in factors(poly)[1]:
-            if (kind, str(factor)) not in known:
-                known.add((kind, str(factor)))
-                yield kind, factor
+    out: dict[tuple[str, str], Watched] = {}
+    for kind, poly in found:
+        for factor, _ in factors(_reduced(tower, poly))[1]:
+            out[kind, str(factor)] = Watched(kind, factor, tower.image(factor))
+    return list(out.values())
 
 
 def critical(
     a: Sequence[Any], pair: Callable[[Sequence[Any]], Any], meeting: Callable[[Sequence[Any]], Any]
 ) -> list[tuple[str, Any]]:
-    """Polynomials that vanish where a root of one factor meets the imaginary axis or infinity.
+    """Polynomials that vanish where a root of one factor meets the imaginary axis.
 
     Parameters
     ----------
@@ -100,8 +94,7 @@ def critical(
         discriminant of q, up to powers of the leading coefficient.
     """
     n = len(a) - 1
-    found = [("static", a[0]), ("pole", a[n])]
-    even = is_even(a)
+    found, even = [("static", a[0])], is_even(a)
     if even and n > 2:
         found.append(("flutter", meeting(a[::2])))
     if not even and n > 1:

@@ -103,22 +103,20 @@ class Factors:
     rows
         The factors other than λ, irreducible.
     poles
-        Polynomials at whose zeros there is no linearisation; None where these are not known, so
-        that leading coefficients count.
+        Polynomials at whose zeros there is no linearisation, or an eigenvalue is infinite.
     """
 
     sine = None
 
-    def __init__(self, rows: Sequence[Row], poles: Sequence[Any] | None) -> None:
+    def __init__(self, rows: Sequence[Row], poles: Sequence[Any]) -> None:
         self.rows, self.poles = rows, poles
         self.even = [is_even(row) for row in rows]
 
     def watched(self) -> list[tuple[str, Any]]:
         """(kind, polynomial) of what can vanish where the verdict changes."""
-        found = [("pole", multivariate(p)) for p in self.poles or ()]
+        found = [("pole", multivariate(p)) for p in self.poles]
         for row in self.rows:
-            some = critical([multivariate(c) for c in row], _pair, _meeting)
-            found += some if self.poles is None else [w for w in some if w[0] != "pole"]
+            found += critical([multivariate(c) for c in row], _pair, _meeting)
         return [(kind, p) for kind, p in found if not p.is_constant()]
 
     def verdict(self, x: Any) -> Verdict:
@@ -343,20 +341,19 @@ def of_exact(
             return OneVariable(line, source, base, ends, dissipative=good, edge=edge, bits=bits)
     # a condition vanishes all along the axis, so that the polynomial itself is searched
     rows: list[Row] = []
-    # a table's denominators are powers of positive axes
-    poles: list[Any] | None = None if isinstance(exact, TabulatedPolynomial) else []
+    poles: list[Any] = []
     lam = RING.gens()[1]
     for factor in exact.coefficients(axes, over):
         ratios = [Ratio.of(c) for c in factor]
         common = common_multiple((r.bottom for r in ratios), RING.constant(1))
-        if poles is not None:
+        if not isinstance(exact, TabulatedPolynomial):  # whose axes there are positive
             poles.append(univariate(common))
         whole = RING.constant(0)
         for k, c in enumerate(primitive([r.top * (common / r.bottom) for r in ratios])):
             whole = whole + multivariate(univariate(c)) * lam**k
         some = (coefficient_row(p, 1) for p, _ in factors(whole)[1] if p != lam)
         rows += [[univariate(c) for c in row] for row in some if len(row) > 1]
-    source_ = Factors(rows, poles)
+    source_ = Factors(rows, [*poles, *(row[-1] for row in rows)])
     return OneVariable(line, source_, base, ends, dissipative=not any(source_.even), bits=bits)
 
 
