@@ -36,7 +36,7 @@ from ..systems.structure.enclosure import (
 )
 from ..systems.structure.identities import certain, symmetric
 from ..systems.structure.structural_zeros import structure
-from .search import frequency
+from .pairs import frequency
 
 
 class Crossing(Sentences):

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..algebra.exact.number_fields import NotExact, rational
+from ..algebra.exact.number_fields import NotExact
 from ..algebra.exact.roots import UnclearError
-from ..algebra.number_types import precision
 from ..base.axis import Axis, AxisLike
 from ..base.citation import cited
 from ..base.errors import ParameterError, StabilityError
@@ -23,24 +22,10 @@ from ..spectra.axes import swept
 from ..spectra.certificate import verdict as certified
 from ..spectra.labels import of_package
 from ..spectra.problem import Problem
-from ..spectra.verdict_routes import BITS, Point, decided
 from ..systems.family import Family
-from ..systems.structure.structural_zeros import structure
-from .algebraic.exact_search import algebraic
-from .brackets import (
-    HERE,
-    LATE,
-    AxisScan,
-    Boundaries,
-    BoundaryPoint,
-    Crossing,
-    Unresolved,
-    bracket,
-    crossed,
-    crossing_rate,
-)
+from .algebraic.exact_search import searched
+from .brackets import AxisScan, Boundaries, BoundaryPoint, crossed
 from .interval_search.pieces import meaningful, proved
-from .search import Characteristic, Conditions, Mark, Search, search, single
 
 POINT = 1e-9
 """Width of a part that the exact search leaves open, over the interval, up to which it is a point.
@@ -136,11 +121,6 @@ def _good(problem: Problem, fixed: Mapping[str, float], axis: str, point: Bounda
     return Verdict.UNDECIDED
 
 
-EXACT = "every real root of every condition that decides the verdict was isolated exactly"
-OWN = "from the family's polynomial"
-CROSSINGS = {"static": Crossing.STATIC, "flutter": Crossing.FLUTTER}
-
-
 def along(
     problem: Problem, axis: str, low: float, high: float, *, points: int = 201, log: bool = False
 ) -> Boundaries:
@@ -191,13 +171,11 @@ def along(
 
 
 def _along(line: AxisScan, low: float, high: float, points: int, *, log: bool) -> Boundaries:
-    """By exact roots where possible, then with algebraic numbers, otherwise in pieces."""
-    with suppress(NotExact, UnclearError):
-        return located(line, search(line.problem, line.axis, low, high))
+    """By exact numbers where possible, otherwise in pieces; how says why."""
     exact, reason = None, ""
     try:
-        exact = algebraic(line, low, high)
-    except NotExact as error:
+        exact = searched(line, low, high)
+    except (NotExact, UnclearError) as error:
         reason = f"; no exact search, since {error}"
     if exact is not None:
         widest = max((part.high - part.low for part in exact.unresolved), default=0.0)
@@ -208,100 +186,3 @@ def _along(line: AxisScan, low: float, high: float, points: int, *, log: bool) -
     if exact is not None and not found.complete:
         return exact
     return replace(found, how=found.how + reason)
-
-
-# --- by exact roots ---
-
-
-def located(line: AxisScan, found: Search) -> Boundaries:
-    """The changes of verdict among the marks of a search, each as a proved bracket."""
-    if line.problem.exact is None:
-        structure(line.problem.family)  # refuses a family that is declared conservative and is not
-    sign = _proof(line, found)
-    changes = [m for m in found.marks if m.kind != "pole" and m.below != m.above]
-    places = [m.value for m in changes]
-    points: list[BoundaryPoint] = []
-    left = [_pole(line, m) for m in found.marks if m.kind == "pole"]
-    left += [
-        Unresolved(v, v, f"{line.problem.family.name} has no member at this value of {line.axis}.")
-        for v in found.gaps
-    ]
-    for i, mark in enumerate(changes):
-        others = [p for j, p in enumerate(places) if abs(i - j) == 1]
-        room = min((float(abs(p - mark.value).mid()) for p in others), default=np.inf)
-        root = float(mark.value.mid())
-        proof = bracket(sign, root, room)
-        if proof is None:
-            ends = float(np.nextafter(root, -np.inf)), float(np.nextafter(root, np.inf))
-            left.append(Unresolved(*ends, f"{LATE}."))
-            continue
-        crossing = CROSSINGS[mark.kind]
-        rate = _rate(line, found, mark, root, crossing)
-        points.append(BoundaryPoint(root, proof[0], crossing, rate, proof[1]))
-    touching, unclear = _touching(line, found)
-    open_ = HERE.format(family=line.problem.family.name, sides="unstable")
-    left += [Unresolved(v, v, f"{open_}.") for v in unclear]
-    left = list(dict.fromkeys(left))
-    how = EXACT + (f", {OWN}" if line.problem.family.exact else "")
-    return Boundaries(tuple(points), tuple(sorted(left)), tuple(touching), how)
-
-
-def _touching(line: AxisScan, found: Search) -> tuple[list[float], list[float]]:
-    """Single values at which the verdict is neutral, and those where this is not decided."""
-
-    def proved(value: float) -> Verdict:
-        return certified(line.problem, line.fixed | {line.axis: value})
-
-    neutral: list[float] = []
-    unclear: list[float] = []
-    for mark in found.marks:
-        if mark.kind == "pole" or mark.below != mark.above:
-            continue
-        if mark.below > 0 and not found.source.dissipative:
-            continue  # neutral on both sides too
-        verdict = single(found, mark, proved)
-        if verdict is not Verdict.UNSTABLE:
-            (neutral if verdict is Verdict.NEUTRAL else unclear).append(float(mark.value.mid()))
-    return neutral, unclear
-
-
-def _proof(line: AxisScan, found: Search) -> Callable[[float], int]:
-    """The proved verdict at a double: from the graph, by Routh's array or over Q."""
-    source, exact = found.source, line.problem.exact
-
-    def exactly(value: float) -> int:
-        if isinstance(source, Conditions):
-            proof = decided(Point(line.problem, line.fixed | {line.axis: value}))
-            return line.sign_of(proof.verdict, proof.nearby)
-        return 0 if found.angle else source.sign(rational(value))
-
-    def by_graph(value: float) -> int:
-        try:
-            return line.sign(value)
-        except StabilityError:  # outside the range of the body's values
-            return 0
-
-    if exact is None:
-        return exactly
-    if isinstance(source, Characteristic):  # balls cannot see an eigenvalue that stays on the axis
-        return lambda value: exactly(value) or by_graph(value)
-    return lambda value: by_graph(value) or exactly(value)
-
-
-def _rate(line: AxisScan, found: Search, mark: Mark, root: float, crossing: Crossing) -> float:
-    if crossing is Crossing.STATIC:
-        return 0.0
-    if line.problem.exact is None and isinstance(found.source, Characteristic):
-        with precision(BITS):  # more digits than a frequency in doubles needs slow the roots down
-            return found.source.frequency((mark.root * 1).mid().fmpq())
-    return crossing_rate(line, root, crossing)
-
-
-def _pole(line: AxisScan, mark: Mark) -> Unresolved:
-    value = float(mark.value.mid())
-    said = "differs on the two sides" if mark.below != mark.above else "is the same on both sides"
-    return Unresolved(
-        value,
-        value,
-        f"the linearisation of {line.problem.family.name} has no value there; the verdict {said}.",
-    )

@@ -24,7 +24,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import Any, overload
+from typing import Any, NamedTuple, overload
 
 import numpy as np
 from flint import arb
@@ -48,7 +48,8 @@ from ..spectra.problem import Problem, problem_of
 from ..systems.family import Family
 from ..systems.structure.linearity import linear
 from ..systems.structure.structural_zeros import structure
-from .brackets import BoundaryPoint, Crossing
+from .algebraic.exact_search import members_along
+from .brackets import AxisScan, BoundaryPoint, Crossing
 from .changes import MOST_SCAN, along
 from .lyapunov_coefficient import (
     Coefficients,
@@ -61,7 +62,6 @@ from .lyapunov_coefficient import (
     pair_near,
     signed,
 )
-from .search import Mark, search
 
 
 class HopfKind(Sentences):
@@ -600,12 +600,22 @@ def hopf(
         bits *= 2
 
 
+class Mark(NamedTuple):
+    """A flutter boundary."""
+
+    value: Any
+    """Ball in the unit of the axis."""
+    stable_below: bool
+    """Whether the stable side has the smaller value."""
+
+
 def _flutter(
     problem: Problem, record: SteadyFamily, bits: int, unit: float, points: int
 ) -> list[Mark]:
     """The flutter boundaries along the whole line, in balls."""
+    fixed = {n: float(v) for n, v in problem.values.items() if n != "at"}
     try:
-        marks = search(problem, "at", None, None, bits).marks
+        members = members_along(AxisScan(problem, "at", fixed), (None, None), bits)
     except NotExact:
         return _scanned(problem, record, unit, points)
     except UnclearError:
@@ -614,7 +624,13 @@ def _flutter(
             "values nearer to 1."
         ) from None
     end = arb.pi() / 2 if record.by_angle else arb("inf")
-    return [m for m in marks if m.kind == "flutter" and m.below != m.above and 0 < m.value < end]
+    return [
+        Mark(one.value, below.look.sign > 0)
+        for one, below, above in members.between()
+        if not one.kinds & {"static", "pole", "edge"}
+        and below.look.sign != above.look.sign
+        and 0 < one.value < end
+    ]
 
 
 @lru_cache(maxsize=1)
@@ -628,15 +644,7 @@ def _scanned(problem: Problem, record: SteadyFamily, unit: float, points: int) -
         f"{high:.6g} at {points} points; two boundaries between two points are not excluded."
     )
     return [
-        Mark(
-            arb(b.value, b.error),
-            "flutter",
-            1 if b.stable_below else -1,
-            -1 if b.stable_below else 1,
-            arb(b.value, b.error),
-        )
-        for b in found
-        if b.crossing is Crossing.FLUTTER
+        Mark(arb(b.value, b.error), b.stable_below) for b in found if b.crossing is Crossing.FLUTTER
     ]
 
 
@@ -654,7 +662,7 @@ def _point(problem: Problem, mark: Mark, unit: float) -> HopfPoint:
     return HopfPoint(
         float(mark.value.mid()),
         kinds[sign],
-        mark.below > 0,
+        mark.stable_below,
         float((pair.frequency * rate).mid()),
         float(form.speed.mid()),
         float(form.push.mid()),

@@ -1,8 +1,9 @@
 """Exact formulas and conditions.
 
-Polynomials over Q, Hurwitz conditions, formulas of boundaries.  For any family `elimination` reads
+Polynomials over Q, Hurwitz conditions, formulas of boundaries.  For any family `polynomials` reads
 the graph, `signs` proves signs, and `deduction` puts both together.
-May import `bodies` and the floors below.  What is proved and not called is in `notebooks/proofs`.
+May import `bodies`, `polynomials` and the floors below.  What is proved and not called is in
+`notebooks/proofs`.
 To add the polynomial of a family: its variables in `VARIABLES` of `characteristic.py`, then
 `make derive`, which writes `bodies/disk_polynomials.json`.
 To add a kind of proof: a method of `Domain` in `signs.py`, and its call in `_proof`.

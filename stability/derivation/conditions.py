@@ -32,13 +32,13 @@ from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..bodies.subject import family_by_name
+from ..polynomials.characteristic import CharacteristicPolynomial
 from ..systems.family import A_FAMILY, Family, refuse_system
 from ..systems.graph.family_graph import FamilyGraph
 from ..systems.structure.member import Member
 from ..systems.structure.structural_zeros import steady_where, structure
 from ..systems.structure.zero_blocks import semisimple, typical, zero_power
 from .deduction import Deduction, closed_forms, domain_of, sloped_somewhere
-from .elimination import Reading, whole
 
 
 @dataclass(frozen=True)
@@ -319,10 +319,9 @@ class Conditions(Record):
         """What checks members; derived again after a pickle, which cannot hold it."""
         given = {n: _exactly(v) for n, v in self.given.items()}
         family, limits = self._reads.family(self.family), Budget(MOST_TERMS + self.terms, math.inf)
-        reading = Reading(family, given, limits, self._reads.ratio)
-        found = whole(reading)
-        domain = domain_of(reading, found, self._intervals)
-        return Deduction(reading, found, domain, structure(family).zeros)
+        polynomial = CharacteristicPolynomial(family, given, limits, self._reads.ratio)
+        domain = domain_of(polynomial, self._intervals)
+        return Deduction(polynomial, domain, structure(family).zeros)
 
     def __repr__(self) -> str:
         family = self.family
@@ -349,7 +348,7 @@ class Conditions(Record):
     @property
     def branch(self) -> str:
         """The branch of steady motions that is meant, in words; empty where there is one alone."""
-        if self._deduction.reading.triangular.alone:
+        if self._deduction.polynomial.triangular.alone:
             return ""
         unknown = self.family.unknown
         parts = [f"{n} = {v}" for n, v in self.solved if n in unknown]
@@ -633,8 +632,8 @@ def conditions(
     if not sloped_somewhere(family, values):
         raise StabilityError(f"{family.name}: the rates have no slope at its members, as |x| at 0.")
     try:
-        reading = Reading(family, values, budget, reads.ratio)
-        found = whole(reading)
+        polynomial = CharacteristicPolynomial(family, values, budget, reads.ratio)
+        proved = polynomial.factored.zeros
     except NotExact as reason:
         large, why = isinstance(reason, TooLarge), f"has no exact form here ({reason})"
         why = f"is too large: {reason}; terms= and seconds= move these limits" if large else why
@@ -642,12 +641,12 @@ def conditions(
             f"{family.name}: the characteristic polynomial, of degree {len(family.system.states)} "
             f"in λ, {why}; verdicts, boundaries and maps need no formula."
         ) from None
-    if found.zeros < zeros.zeros:
+    if proved < zeros.zeros:
         raise StabilityError(
-            f"{family.name}: {zeros.zeros} zeros by structure, of which {found.zeros} are proved; "
+            f"{family.name}: {zeros.zeros} zeros by structure, of which {proved} are proved; "
             "the equations of its unknowns do not reduce the polynomial far enough."
         )
-    deduction = Deduction(reading, found, domain_of(reading, found, intervals), zeros.zeros)
+    deduction = Deduction(polynomial, domain_of(polynomial, intervals), zeros.zeros)
     said = reads.statement(family, tuple(parameters.values()))
     record = _record(deduction, budget, own, said, (reads, intervals))
     record.__dict__["_deduction"] = deduction
@@ -657,18 +656,19 @@ def conditions(
 def _record(
     deduction: Deduction, budget: Budget, family: Family, said: str, read: tuple[Numbers, Any]
 ) -> Conditions:
-    found, reading, shown_ = deduction.whole, deduction.reading, deduction.polynomial
+    polynomial, shown_ = deduction.polynomial, deduction.shown
+    found = polynomial.factored
     rows_ = deduction.conditions(budget)
     for row in rows_:
         row["witnesses"] = tuple(Witness(*w) for w in row["witnesses"])
     ordered = sorted((SignCondition(**r) for r in rows_), key=lambda c: not c.decides)
     return Conditions(
         family=family,
-        given={n: Fraction(int(v.p), int(v.q)) for n, v in reading.values.items()},
+        given={n: Fraction(int(v.p), int(v.q)) for n, v in polynomial.values.items()},
         variables=tuple(Variable(*row) for row in deduction.variables()),
         domain=tuple(deduction.assumptions()),
         relations=tuple((found.names[i], shown_(f)) for i, f in found.relations),
-        solved=closed_forms(reading),
+        solved=closed_forms(polynomial),
         nonzero=tuple(shown_(f) for f in found.nonzero if not deduction.certain(f)),
         zeros=found.zeros,
         factors=tuple(
@@ -677,7 +677,7 @@ def _record(
         ),
         conditions=tuple(ordered),
         left_out=tuple(deduction.left_out),
-        degree=len(reading.matrix),
+        degree=len(polynomial.matrix),
         terms=budget.largest,
         seconds=budget.spent,
         numbers=said,

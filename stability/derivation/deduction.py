@@ -22,10 +22,10 @@ from ..algebra.exact.triangular import evaluate, occurring, remainder
 from ..algebra.number_types import precision
 from ..algebra.polynomial import Polynomial
 from ..base.errors import DomainError, NoMemberError
+from ..polynomials.characteristic import CharacteristicPolynomial
 from ..systems.family import Family
 from ..systems.graph.smoothness import sloped
 from ..systems.structure.structural_zeros import sampled
-from .elimination import Reading, Whole
 from .signs import Bounds, Domain, between, real_roots
 
 Poly = Any
@@ -56,8 +56,8 @@ WITNESS_BITS = 160
 class Members:
     """Values of the variables at members, and the search for members with given signs."""
 
-    def __init__(self, reading: Reading, whole: Whole, domain: Domain) -> None:
-        self.reading, self.whole, self.domain = reading, whole, domain
+    def __init__(self, polynomial: CharacteristicPolynomial, domain: Domain) -> None:
+        self.polynomial, self.whole, self.domain = polynomial, polynomial.factored, domain
 
     def witness(self, rows: list[dict[str, Any]], budget: Budget) -> None:
         """Members with proved signs of the conditions that are open.
@@ -108,8 +108,8 @@ class Members:
             return
 
     def _near(self, chance: random.Random, trial: int) -> dict[str, Any]:
-        family = self.reading.family
-        point = dict(self.reading.values)
+        family = self.polynomial.family
+        point = dict(self.polynomial.values)
         for name in (*family.at, *family.parameters):
             if name in point:
                 continue
@@ -157,12 +157,12 @@ class Members:
         DomainError
             If the member lies on another branch than the conditions.
         """
-        known = self.reading.member(point)
-        off = self.reading.elsewhere(known)
+        known = self.polynomial.member(point)
+        off = self.polynomial.elsewhere(known)
         if off is not None:
             raise DomainError(
-                f"{self.reading.name(off)} is {_short(known[off])} at this member, which lies on "
-                f"another branch of {self.reading.family.name} than the conditions."
+                f"{self.polynomial.name(off)} is {_short(known[off])} at this member, which lies "
+                f"on another branch of {self.polynomial.family.name} than the conditions."
             )
         exact = {n: v for n, v in point.items() if isinstance(v, fmpq)}
         return [
@@ -233,18 +233,19 @@ KINDS = {"sin": "sine", "cos": "cosine", "sqrt": "root"}
 """Kind of a variable by its function."""
 
 
-def domain_of(reading: Reading, whole: Whole, intervals: Mapping[str, Any]) -> Domain:
+def domain_of(polynomial: CharacteristicPolynomial, intervals: Mapping[str, Any]) -> Domain:
     """What is known of the variables: the user's intervals, the system's conditions, squares."""
+    whole = polynomial.factored
     domain = Domain(whole.ring, [*whole.names, "λ"])
     places = {old: new for new, old in enumerate(whole.indices)}
     given = dict(intervals)
-    for name in reading.family.positive:
+    for name in polynomial.family.positive:
         given.setdefault(name, (fmpq(0), None))
     for name, (low, high) in given.items():
         if name in whole.names:
             domain.bound(whole.names.index(name), low, high)
     for old, new in places.items():
-        function = reading.field.meaning.get(old, ("", None, None))
+        function = polynomial.field.meaning.get(old, ("", None, None))
         if function[0] in ("sin", "cos"):
             domain.bound(new, fmpq(-1), fmpq(1), closed=True)
             if domain.bounds[new] == Bounds(fmpq(-1), fmpq(1), at_low=True, at_high=True):
@@ -277,14 +278,16 @@ def _square(domain: Domain, index: int, poly: Poly) -> None:
 class Deduction:
     """Conditions of every factor, and what is needed to check members."""
 
-    def __init__(self, reading: Reading, whole: Whole, domain: Domain, structural: int) -> None:
-        self.reading, self.whole, self.domain = reading, whole, domain
+    def __init__(
+        self, polynomial: CharacteristicPolynomial, domain: Domain, structural: int
+    ) -> None:
+        self.polynomial, self.whole, self.domain = polynomial, polynomial.factored, domain
         self.structural = structural
-        self.members = Members(reading, whole, domain)
+        self.members = Members(polynomial, domain)
         """Members as witnesses."""
         self.left_out: list[str] = []
         """What was too large."""
-        self.factors = [self._oriented(c, n) for c, n in whole.factors]
+        self.factors = [self._oriented(c, n) for c, n in self.whole.factors]
         """(coefficients, whether even, multiplicity) of each factor."""
 
     def _oriented(self, coefficients: Sequence[Poly], count: int) -> tuple[Any, bool, int]:
@@ -293,7 +296,7 @@ class Deduction:
         even = is_even(coefficients)
         return tuple(c * turned for c in coefficients), even, count
 
-    def polynomial(self, poly: Poly, together: Sequence[Poly] = ()) -> Polynomial:
+    def shown(self, poly: Poly, together: Sequence[Poly] = ()) -> Polynomial:
         """A polynomial with integer coefficients, times a positive number."""
         names = self.whole.names
         numbers = [c for p in (poly, *together) for c in p.coeffs()]
@@ -418,13 +421,13 @@ class Deduction:
 
     def variables(self) -> list[tuple[str, str, str]]:
         """(name, kind, meaning) of each variable."""
-        reading, family = self.reading, self.reading.family
+        polynomial, family = self.polynomial, self.polynomial.family
         out = []
         for name, index in zip(self.whole.names, self.whole.indices, strict=True):
-            if index in reading.field.meaning:
-                function, x, _ = reading.field.meaning[index]
+            if index in polynomial.field.meaning:
+                function, x, _ = polynomial.field.meaning[index]
                 kind = KINDS.get(function, "function")
-                out.append((name, kind, f"{function} of {reading.text(x)}"))
+                out.append((name, kind, f"{function} of {polynomial.text(x)}"))
             elif name in family.unknown:
                 out.append((name, "unknown", f"unknown of family {family.name}"))
             elif name in family.system.states:
@@ -435,12 +438,12 @@ class Deduction:
 
     def _said(self, row: dict[str, Any]) -> dict[str, Any]:
         rest, all_ = row.pop("rest"), row.pop("all")
-        names = (*self.reading.family.at, *self.reading.family.parameters)
+        names = (*self.polynomial.family.at, *self.polynomial.family.parameters)
         row["witnesses"] = tuple(
             ({n: Fraction(int(p[n].p), int(p[n].q)) for n in names}, sign)
             for sign, p in row["witnesses"]
         )
-        return row | {"polynomial": self.polynomial(rest), "whole": self.polynomial(all_)}
+        return row | {"polynomial": self.shown(rest), "whole": self.shown(all_)}
 
 
 Named = tuple[str, str, Poly, int]
@@ -501,10 +504,10 @@ def even_conditions(a: Sequence[Poly], budget: Budget) -> list[Named]:
     return named
 
 
-def closed_forms(reading: Reading) -> tuple[tuple[str, str], ...]:
+def closed_forms(polynomial: CharacteristicPolynomial) -> tuple[tuple[str, str], ...]:
     """Closed forms; a function whose name is only a number is left out where nothing names it."""
-    found = [(i, reading.text(v)) for i, v in reading.triangular.solved.items()]
-    named = {i: reading.name(i) for i, _ in found}
-    texts = " ".join(text for _, text in found)
-    kept = [i for i, name in named.items() if i < len(reading.base) or "(" in name or name in texts]
+    found = [(i, polynomial.text(v)) for i, v in polynomial.triangular.solved.items()]
+    named = {i: polynomial.name(i) for i, _ in found}
+    texts, count = " ".join(text for _, text in found), len(polynomial.base)
+    kept = [i for i, name in named.items() if i < count or "(" in name or name in texts]
     return tuple((named[i], text) for i, text in found if i in kept)

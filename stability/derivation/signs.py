@@ -19,7 +19,7 @@ from flint import fmpq
 from ..algebra.exact.hurwitz_forms import by_power, factors
 from ..algebra.exact.rational_functions import univariate
 from ..algebra.exact.triangular import occurring
-from .elimination import text
+from ..polynomials.characteristic import text
 
 Poly = Any
 """An `fmpq_mpoly`."""

@@ -20,9 +20,8 @@ from stability.algebra.exact.hurwitz_forms import Budget
 from stability.base.errors import StabilityError, StabilityWarning
 from stability.boundary.algebraic import exact_search
 from stability.boundary.algebraic.candidates import least_size
-from stability.boundary.algebraic.tower import Along, Tower
+from stability.boundary.algebraic.tower import AxisPolynomial, Tower
 from stability.boundary.brackets import AxisScan
-from stability.derivation.elimination import whole
 from stability.spectra.axes import swept
 
 EXACT = "isolated exactly, with functions and unknowns as algebraic numbers"
@@ -368,8 +367,7 @@ def test_the_bound_for_a_zero_is_below_every_other_conjugate(shift: int, least: 
     family = linear(lambda p: ca.sqrt(p) - 3)
     problem = swept(family, {"axis": ("p", 1, 4, 2)})[0]
     budget = Budget(4000, 10)
-    along = Along(AxisScan(problem, "p", {}), 1, 4, budget)
-    tower = Tower(along, whole(along))
+    tower = Tower(AxisPolynomial(AxisScan(problem, "p", {}), (1, 4), budget))
     z, root = tower.ring.gens()[0], tower.ring.gens()[tower.levels[0].index]
     bound = least_size(tower, root - shift, z - 2, budget)
     assert bound is not None and 0 < float(bound.p) / float(bound.q) <= least

@@ -11,8 +11,11 @@ from flint import arb
 import stability as st
 from stability.algebra.exact.rational_functions import RING
 from stability.bodies.subject import subject_of
+from stability.boundary.algebraic import one_variable
+from stability.boundary.algebraic.one_variable import Conditions, OneVariable
+from stability.boundary.algebraic.tower import Base
 from stability.boundary.brackets import AxisScan, refine
-from stability.boundary.search import Conditions, Mark, Search, grows, single
+from stability.boundary.pairs import grows
 from stability.spectra.problem import problem_of
 
 STATES = ("q", "u", "r", "w")
@@ -44,8 +47,20 @@ def test_neutral_between_unstable_is_told_inside_and_at_either_end(low: float, h
     assert beyond == [] and beyond.complete and beyond.touching == ()
 
 
-def test_a_value_that_is_no_rational_is_left_open_and_said() -> None:
+def test_a_value_that_is_no_rational_is_proved_where_the_damping_vanishes() -> None:
     family = resting(lambda p: p * p - 2, lambda p: p * p - 2)
+    found = st.boundaries(family, axis=("p", 0, 3, 9))
+    assert found == [] and found.complete and found.touching == pytest.approx([2**0.5], rel=1e-15)
+
+
+def test_a_pair_that_touches_the_axis_at_an_irrational_value_is_left_open_and_said() -> None:
+    """λ³ + λ² + λ + 1 + (p² - 2)²: the product (λ² + 1)(λ + 1) at √2, unstable on both sides."""
+    x, p = ca.SX.sym("x", 3), ca.SX.sym("p")
+    last = -(1 + (p**2 - 2) ** 2) * x[0] - x[1] - x[2]
+    system = st.System(
+        "three", x, p, ca.vertcat(x[1], x[2], last), states=("a", "b", "c"), parameters=("p",)
+    )
+    family = st.Family(system, "rest", at=("p",), held={"a": 0, "b": 0, "c": 0})
     with pytest.warns(st.StabilityWarning, match="between unstable ones, is not decided"):
         found = st.boundaries(family, axis=("p", 0, 3, 9))
     assert found == [] and not found.complete
@@ -123,15 +138,18 @@ def test_a_map_with_an_edge_of_neutral_members_says_what_is_open_and_ends_soon()
 
 
 @pytest.mark.parametrize("word", ["NEUTRAL", "UNSTABLE", "UNDECIDED"])
-def test_a_condition_that_is_zero_between_unstable_sides_proves_nothing_alone(word: str) -> None:
+def test_a_condition_that_is_zero_between_unstable_sides_proves_nothing_alone(
+    word: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     x = RING.gens()[0]
-    source = Conditions(
-        [("static", RING.constant(1)), ("flutter", -(x**2))], None, dissipative=True
-    )
-    mark = Mark(arb(0), "flutter", -1, -1, arb(0))
-    said = st.Verdict[word]
-    found = single(Search((mark,), source), mark, lambda _: said)
-    assert found is (said if said is st.Verdict.NEUTRAL else st.Verdict.UNDECIDED)
+    source = Conditions([("static", RING.constant(1)), ("flutter", -(x**2))], None)
+    family = resting(lambda p: p, lambda p: p)
+    line = AxisScan(problem_of(subject_of(family, at=0.0, parameters={})), "p", {})
+    members = OneVariable(line, source, Base("plain"), (-1.0, 1.0), dissipative=True)
+    [(one, below, above)] = members.between()
+    assert below.look.sign == above.look.sign == -1
+    monkeypatch.setattr(one_variable, "certified", lambda *_: st.Verdict[word])
+    assert members.unstable(one) is (False if word == "NEUTRAL" else None)
 
 
 def test_a_result_names_the_value_at_which_alone_a_stable_member_is_neutral() -> None:
@@ -145,3 +163,33 @@ def test_a_result_names_the_value_at_which_alone_a_stable_member_is_neutral() ->
     assert "at 0 alone it is neutral" in repr(found)
     words = [st.spectrum(rest, at=v, certify=True).verdict.word for v in (-0.5, 0.0, 0.5)]
     assert words == ["stable", "neutral", "stable"]
+
+
+class Slow(st.ExactPolynomial):
+    """G λ + 1: the eigenvalue is infinite at g = 0."""
+
+    def coefficients(self, values: Any, _: Any) -> Any:
+        return [[1, values["g"]]]
+
+
+@pytest.mark.parametrize(
+    ("below", "slow", "said"),
+    [
+        (lambda g: g, True, "differs on the two sides"),
+        (lambda g: g, False, "is the same on both sides"),
+        (ca.sin, False, "is the same on both sides"),
+    ],
+    ids=["stated", "rational", "algebraic"],
+)
+def test_a_value_without_a_linearisation_is_left_open(below: Any, slow: bool, said: str) -> None:
+    """Also where the entry without a value lies between two strong components: y drives x."""
+    x, g = ca.SX.sym("x", 1 if slow else 2), ca.SX.sym("g")
+    rates = -x / g if slow else ca.vertcat(-x[0] + x[1] / below(g), -2 * x[1])
+    states = ("x", "y")[: len(rates.elements())]
+    system = st.System("pole", x, g, rates, states=states, parameters=("g",))
+    held = dict.fromkeys(states, 0.0)
+    family = st.Family(system, "rest", ("g",), held=held, exact=Slow() if slow else None)
+    with pytest.warns(st.StabilityWarning, match="no value there"):
+        found = st.boundaries(family, axis=("g", -1, 2, 9))
+    [left] = found.unresolved
+    assert found == [] and left.low <= 0 <= left.high and said in left.reason

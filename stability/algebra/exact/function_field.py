@@ -17,11 +17,18 @@ from ..number_types import Algebra
 from .number_fields import EXACT, RATIONAL_AT, Element, NotExact
 
 SPARE = 24
-"""Number of indeterminates reserved for sines, roots and other functions."""
+"""Number of indeterminates reserved for sines, roots and other functions, unless said."""
 MOST_TERMS = 1500
 """Largest number of terms of a numerator or denominator; beyond it exact work ends."""
 MOST_WORK = 1_000_000
 """Largest number of terms that one calculation handles; a count, so that machines agree."""
+
+
+class TooManyFunctions(NotExact):
+    """More functions than the field has room for."""
+
+    def __init__(self) -> None:
+        super().__init__("too many functions")
 
 
 class Expression(Element):
@@ -103,8 +110,8 @@ _QUOTIENTS = {"tan": ("sin", "cos"), "tanh": ("sinh", "cosh")}
 class FunctionField:
     """Quotients of polynomials over Q in named indeterminates and in values of functions."""
 
-    def __init__(self, names: Sequence[str]) -> None:
-        symbols = tuple(f"x{i}" for i in range(len(names) + SPARE))
+    def __init__(self, names: Sequence[str], spare: int = SPARE) -> None:
+        symbols = tuple(f"x{i}" for i in range(len(names) + spare))
         self.ring = fmpq_mpoly_ctx.get(symbols, Ordering.degrevlex)
         self._gens = self.ring.gens()
         self._used = len(names)
@@ -182,7 +189,7 @@ class FunctionField:
 
     def _new(self) -> int:
         if self._used == len(self._gens):
-            raise NotExact("too many functions")
+            raise TooManyFunctions
         self._used += 1
         return self._used - 1
 

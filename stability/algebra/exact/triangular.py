@@ -16,7 +16,7 @@ import numpy as np
 from flint import arb, fmpq
 
 from ..number_types import balls
-from .function_field import Expression, FunctionField
+from .function_field import SPARE, Expression, FunctionField
 from .hurwitz_forms import Budget, by_power, factors
 from .number_fields import NotExact
 
@@ -27,8 +27,8 @@ MOST_STEPS = 200
 class RecordingField(FunctionField):
     """A function field that records the meaning of each function's indeterminate."""
 
-    def __init__(self, names: Sequence[str], budget: Budget) -> None:
-        super().__init__(names)
+    def __init__(self, names: Sequence[str], budget: Budget, spare: int = SPARE) -> None:
+        super().__init__(names, spare)
         self.budget = budget
         self.meaning: dict[int, tuple[str, Expression, Any]] = {}
         """(function, argument, divisor with the same sign or None) by index of indeterminate."""

@@ -1,8 +1,9 @@
-"""Boundaries of families that are algebraic along the axis, though not rational: exact candidates.
+"""Every change of verdict along an axis, by exact candidates.
 
-`tower` writes every function of the axis and every unknown as a variable with a polynomial
-relation, `candidates` the conditions in these variables and the values of the axis at which one of
-them can vanish, and `exact_search` the family's own members between and at these values.
-May import what `boundary` may, and its `brackets`, `interval_search` and `search`.
-To add a function of the axis: an entry in `tower.Clock`.
+`exact_search` judges each candidate.  `one_variable` has the members whose verdict is a matter of
+polynomials in the axis or its sine, stored or derived; `members` those with functions of the axis
+or unknowns, for which `tower` writes each as a variable with a polynomial relation.  `candidates`
+isolates the values of the axis at which a watched polynomial can vanish.
+May import what `boundary` may, and its `brackets`, `pairs` and `interval_search`.
+To add a function of the axis: an entry in `tower.Base`.
 """

@@ -9,8 +9,9 @@ Source: B. L. van der Waerden, Algebra I, § 5.8 (the resultant lies in the idea
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from flint import arb, ctx, fmpq_poly
@@ -22,13 +23,13 @@ from ...algebra.exact.hurwitz_forms import (
     hurwitz_determinants,
     subdiscriminants,
 )
-from ...algebra.exact.number_fields import NotExact, rational
+from ...algebra.exact.number_fields import NotExact
 from ...algebra.exact.rational_functions import RING
-from ...algebra.exact.roots import UnclearError, real_roots
+from ...algebra.exact.roots import BITS, MOST_BITS, UnclearError, real_roots
 from ...algebra.exact.routh import is_even
 from ...algebra.exact.triangular import occurring, remainder
 from ...algebra.number_types import precision
-from .tower import Tower
+from .tower import Base, Tower
 
 MOST_DEGREE = 12
 """Largest degree of a relation in its variable."""
@@ -52,16 +53,22 @@ class Watched:
 
 def watched(tower: Tower, budget: Budget) -> list[Watched]:
     """Every polynomial whose zeros on the branch may end a piece of constant verdict."""
+    form = tower.polynomial.factored
     found: list[tuple[str, Any]] = [
-        ("crossed" if p in tower.whole.crossed else "pole", p) for p in tower.whole.nonzero
+        ("crossed" if p in form.crossed else "pole", p) for p in form.nonzero
     ]
-    found += [("end", p) for p, _ in tower.whole.required]
-    for a, _ in tower.whole.factors:
-        found += _critical(a, budget)
+    found += [("end", p) for p, _ in form.required]
+    for a, _ in form.factors:
+        found.append(("pole", a[-1]))
+        found += critical(
+            a,
+            lambda p: hurwitz_determinants(p, budget)[-1],
+            lambda q: subdiscriminants(q, budget)[-1],
+        )
     for level in tower.levels:
         if level.own is not None:
             # √ is the larger root on both sides, so nothing meets where its argument vanishes
-            root = tower.along.field.meaning.get(tower.whole.indices[level.place], ("",))[0]
+            root = tower.polynomial.field.meaning.get(form.indices[level.place], ("",))[0]
             kind = "kink" if root == "sqrt" else "fold"
             found.append((kind, level.own.derivative(level.place)))
             parts = by_power(level.own, level.place)
@@ -69,20 +76,29 @@ def watched(tower: Tower, budget: Budget) -> list[Watched]:
     out: dict[tuple[str, str], Watched] = {}
     for kind, poly in found:
         for factor, _ in factors(_reduced(tower, poly))[1]:
-            if not factor.is_constant():
-                out[kind, str(factor)] = Watched(kind, factor, tower.image(factor))
+            out[kind, str(factor)] = Watched(kind, factor, tower.image(factor))
     return list(out.values())
 
 
-def _critical(a: Sequence[Any], budget: Budget) -> list[tuple[str, Any]]:
-    """Polynomials that vanish where a root of one factor meets the imaginary axis or infinity."""
+def critical(
+    a: Sequence[Any], pair: Callable[[Sequence[Any]], Any], meeting: Callable[[Sequence[Any]], Any]
+) -> list[tuple[str, Any]]:
+    """Polynomials that vanish where a root of one factor meets the imaginary axis.
+
+    Parameters
+    ----------
+    a
+        Coefficients of the factor, lowest first.
+    pair, meeting
+        Functions from coefficients to the Hurwitz determinant of order n - 1, and of q to the
+        discriminant of q, up to powers of the leading coefficient.
+    """
     n = len(a) - 1
-    found = [("static", a[0]), ("pole", a[n])]
-    even = is_even(a)
+    found, even = [("static", a[0])], is_even(a)
     if even and n > 2:
-        found.append(("flutter", subdiscriminants(a[::2], budget)[-1]))
+        found.append(("flutter", meeting(a[::2])))
     if not even and n > 1:
-        found.append(("flutter", hurwitz_determinants(a, budget)[-1]))
+        found.append(("flutter", pair(a)))
     return found
 
 
@@ -201,14 +217,10 @@ def least_size(tower: Tower, image: Any, norm: Any, budget: Budget) -> Any | Non
     return terms[low] / (terms[low] + max(above))
 
 
-BITS = 256
-"""Working precision of the first attempt."""
-MOST_BITS = 4096
-"""Largest working precision."""
 MOST_CANDIDATES = 400
 """Largest number of candidates."""
-BEYOND = 1 / 64
-"""Share of the interval by which candidates are sought beyond its ends."""
+BEYOND = 64
+"""The interval over the part beyond each of its ends in which candidates are sought."""
 
 
 @dataclass(frozen=True)
@@ -217,67 +229,92 @@ class Candidate:
 
     value: Any
     """Ball that holds no other candidate."""
+    root: Any
+    """Ball of the base variable there."""
     norm: Any
-    """Irreducible polynomial in z (and s) with the value's z as a root, in the tower's ring."""
+    """Irreducible polynomial in z (and s) with this root, in the ring of the watched images."""
     watched: tuple[Watched, ...]
     """Polynomials that can vanish there."""
+
+    @property
+    def kinds(self) -> set[str]:
+        """Kinds of these."""
+        return {w.kind for w in self.watched}
 
 
 class Candidates:
     """All candidates along an interval.
 
+    Parameters
+    ----------
+    base
+        The axis as a function of z.
+    number
+        Function that gives the ball of s at the working precision.
+    norms
+        Irreducible polynomials, each with the watched polynomial that can vanish at its roots.
+    ends
+        Ends of the interval, doubles; None for no end.
+    bits
+        Working precision of the first attempt.
+
     Raises
     ------
     NotExact
-        If norms are too large, vanish identically, or have too many roots.
+        If there are too many.
     UnclearError
         If the budget of precision ends.
     """
 
     def __init__(
-        self, tower: Tower, polynomials: Sequence[Watched], low: float, high: float, budget: Budget
+        self,
+        base: Base,
+        number: Callable[[], Any] | None,
+        norms: Iterable[tuple[Any, Watched]],
+        ends: tuple[float | None, float | None],
+        bits: int = BITS,
     ) -> None:
-        self.tower, self.ends = tower, (low, high)
+        self.base, self.number = base, number
+        # exact: ends are doubles
+        self.low: Any = None if ends[0] is None else arb(ends[0])
+        self.high: Any = None if ends[1] is None else arb(ends[1])
         self._norms: dict[str, tuple[Any, list[Watched]]] = {}
-        self._known: dict[tuple[str, int], list[Any]] = {}
-        for one in polynomials:
-            for norm in norms(tower, one.image, budget):
-                self._norms.setdefault(str(norm), (norm, []))[1].append(one)
-        self.found = self._separated()
+        self._known: dict[tuple[str, int], list[tuple[Any, Any]]] = {}
+        for norm, one in norms:
+            self._norms.setdefault(str(norm), (norm, []))[1].append(one)
+        self.found = self._separated(bits)
         """Candidates in increasing order, some of them a little beyond the interval."""
 
-    def _values(self, norm: Any) -> list[Any]:
-        """Values of the axis at the roots of a norm, at the working precision; cached."""
+    def _values(self, norm: Any) -> list[tuple[Any, Any]]:
+        """Values of the axis and of z at the roots of a norm, at the working precision; cached."""
         key = str(norm), ctx.prec
         if key not in self._known:
-            self._known[key] = self._isolated(norm)
+            self._known[key] = self._isolated(in_base(norm))
         return self._known[key]
 
-    def _isolated(self, norm: Any) -> list[Any]:
-        poly = in_base(norm)
+    def _isolated(self, poly: Any) -> list[tuple[Any, Any]]:
         if poly.derivative("x").is_zero():  # a number other than zero, or transcendental
             return []
-        low, high = map(rational, self.ends)
-        room = (high - low) * rational(BEYOND)
-        ends = arb(low - room), arb(high + room)
-        roots = real_roots([poly], self.tower.number)
-        return [x for z in roots for x in self.tower.base.back(z, *ends)]
+        low = arb("-inf") if self.low is None else self.low - self._room(self.low)
+        high = arb("inf") if self.high is None else self.high + self._room(self.high)
+        roots = real_roots([poly], self.number)
+        return [(x, z) for z in roots for x in self.base.back(z, low, high)]
 
-    def _separated(self) -> list[Candidate]:
-        bits = BITS
+    def _separated(self, bits: int) -> list[Candidate]:
         while bits <= MOST_BITS:
             with precision(bits):
                 try:
-                    return self._all()
+                    found, self.bits = self._all(), bits
+                    return found
                 except UnclearError:
                     bits *= 2
-        raise UnclearError
+        raise UnclearError("candidates could not be separated")
 
     def _all(self) -> list[Candidate]:
         found = [
-            Candidate(value, norm, tuple(some))
+            Candidate(value, root, norm, tuple(some))
             for norm, some in self._norms.values()
-            for value in self._values(norm)
+            for value, root in self._values(norm)
         ]
         if len(found) > MOST_CANDIDATES:
             raise NotExact(f"there are {len(found)} candidates, more than {MOST_CANDIDATES}")
@@ -286,6 +323,31 @@ class Candidates:
             if not one.value < other.value:
                 raise UnclearError
         return found
+
+    @cached_property
+    def fence(self) -> list[Any]:
+        """Ends of the pieces between candidates; next to one at an end of the interval, beyond."""
+        values = [c.value for c in self.found]
+        if not values:
+            return [self.low, self.high]
+        first, last = values[0], values[-1]
+        low = self.low if self.low is not None and self.low < first else first - self._room(first)
+        high = self.high if self.high is not None and self.high > last else last + self._room(last)
+        bottom, top = self.base.domain
+        low = bottom if bottom is not None and low < bottom else low
+        high = top if top is not None and high > top else high
+        return [low, *values, high]
+
+    def _room(self, value: Any) -> Any:
+        """Way beyond the interval, or beyond the last value where it has no end."""
+        if self.low is None or self.high is None:
+            return 2 + abs(value)
+        return (self.high - self.low) / BEYOND
+
+    def inside(self, one: Candidate) -> bool:
+        """Whether a candidate may lie in the closed interval."""
+        under = self.low is not None and one.value < self.low
+        return not under and not (self.high is not None and one.value > self.high)
 
     def refined(self, one: Candidate, bits: int) -> Any:
         """The value of a candidate at another precision.
@@ -296,7 +358,7 @@ class Candidates:
             If the value is not found again.
         """
         with precision(bits):
-            same = [x for x in self._values(one.norm) if x.overlaps(one.value)]
+            same = [x for x, _ in self._values(one.norm) if x.overlaps(one.value)]
         if len(same) != 1:
             raise UnclearError
         return same[0]

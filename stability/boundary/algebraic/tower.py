@@ -16,14 +16,14 @@ from typing import Any
 
 from flint import arb, fmpq, fmpq_mpoly_ctx
 
-from ...algebra.exact.function_field import Expression
+from ...algebra.exact.function_field import SPARE, Expression
 from ...algebra.exact.hurwitz_forms import Budget, by_power
 from ...algebra.exact.number_fields import EXACT, NotExact
 from ...algebra.exact.roots import UnclearError
 from ...algebra.exact.triangular import occurring
 from ...algebra.number_types import Algebra, precision
 from ...base.errors import StabilityError
-from ...derivation.elimination import Reading, Whole
+from ...polynomials.characteristic import CharacteristicPolynomial
 from ...systems.structure.structural_zeros import SAMPLE_BITS, SAMPLES
 from ..brackets import AxisScan
 
@@ -33,23 +33,54 @@ SHARES = (0.2718, 0.5772, 0.8541, 0.1202, 0.4142, 0.7321, 0.9159, 0.0331, 0.3606
 """Shares of the interval at which members are sought that show the branch."""
 KINDS = {"sin": "circle", "cos": "circle", "sinh": "hyperbola", "cosh": "hyperbola", "exp": "exp"}
 """Kind of a function of the axis, or of a number."""
+BOUNDS: dict[str, tuple[int, ...]] = {
+    "plain": (),
+    "positive": (0,),
+    "exp": (0,),
+    "hyperbola": (1,),
+    "circle": (-1, 1),
+    "theta": (0, 1),
+    "lean": (0, 1),
+}
+"""Values of the base variable at which the axis has an end or turns round."""
+TURNED = {"theta": "sin", "lean": "cos"}
+"""The base variable as a function of an inclination of the disk."""
 
 
-class Along(Reading):
-    """A family's Jacobian along an axis, every other quantity an exact rational."""
+class AxisPolynomial(CharacteristicPolynomial):
+    """A family's characteristic polynomial along an axis, every other quantity a rational."""
 
-    def __init__(self, line: AxisScan, low: float, high: float, budget: Budget) -> None:
-        self.axis, self._ends = line.axis, (low, high)
-        fixed = line.problem.rationals(line.fixed)
-        super().__init__(line.problem.family, fixed, budget)
-        self.conditions = [(self._vanishing_with(name), name) for name in self.family.positive]
+    def __init__(
+        self,
+        line: AxisScan,
+        ends: tuple[float | None, float | None],
+        budget: Budget,
+        spare: int = SPARE,
+    ) -> None:
+        problem, self.axis, self.ends = line.problem, line.axis, ends
+        fixed = problem.rationals(line.fixed)
+        if not problem.plain and problem.family.unknown and not problem.family.closed:
+            raise NotExact("no closed form")
+        super().__init__(
+            problem.family,
+            fixed,
+            budget,
+            free=(self.axis,),
+            numbers=lambda v: problem.reduce(v, lambda x: x.sqrt())[:2],
+            spare=spare,
+        )
+        if not self.family.closed:
+            self.conditions = [(self._vanishing_with(name), name) for name in self.family.positive]
         self._exclude_denominators()
+
+    @property
+    def rational(self) -> bool:
+        """Whether the axis alone occurs, in no function."""
+        return len(self.base) == 1 and not self.field.meaning
 
     def _vanishing_with(self, name: str) -> Expression:
         """An expression that vanishes wherever an unknown does: itself, or its sine."""
         index = self.base.index(name)
-        if self.family.closed:
-            return self.field.number(1)
         if index in self.triangular.solved or index in dict(self.triangular.kept):
             return self.field.symbols[index]
         sine = (
@@ -69,6 +100,7 @@ class Along(Reading):
             if not below.is_constant():
                 self.triangular.nonzero.append(self.field.reduced(below))
 
+    @property
     def algebra(self) -> Algebra:
         """Rationals, with functions of numbers as variables too."""
 
@@ -89,7 +121,9 @@ class Along(Reading):
     @cached_property
     def samples(self) -> list[dict[int, Any]]:
         """Values of every indeterminate at members inside the interval, as balls."""
-        low, high = self._ends
+        low, high = self.ends
+        if low is None or high is None:
+            raise NotExact("an axis without end")
         out: list[dict[int, Any]] = []
         with precision(SAMPLE_BITS):
             for share in SHARES:
@@ -115,11 +149,12 @@ class Along(Reading):
 
 
 @dataclass(frozen=True)
-class Clock:
+class Base:
     """Functions of multiples of one angle g·x + shift, as polynomials in one or two variables."""
 
     kind: str
-    """plain (the axis itself), circle, hyperbola or exp."""
+    """plain (the axis itself), positive (the same, if it is so), circle, hyperbola or exp; of the
+    disk theta (z = sin x) or lean (z = cos x), up to the upright position."""
     step: Any = 1
     """g, a rational."""
     shift: Any = 0
@@ -135,11 +170,14 @@ class Clock:
         low, high
             Ends, balls; values that may lie inside count.
         """
-        bounds = {"plain": (), "exp": (0,), "hyperbola": (1,), "circle": (-1, 1)}[self.kind]
-        if any(z.contains(b) and z != b for b in bounds):
+        if any(z.contains(b) and z != b for b in BOUNDS[self.kind]):
             raise UnclearError
         if self.kind == "plain":
             found = [z]
+        elif self.kind == "positive":
+            found = [z] if z > 0 else []
+        elif self.kind in TURNED:
+            found = _upright(self.kind, z) if 0 < z <= 1 else []
         elif self.kind == "exp":
             found = [self._angle(z.log())] if z > 0 else []
         elif self.kind == "hyperbola":
@@ -147,6 +185,26 @@ class Clock:
         else:
             found = self._turns(z, low, high) if abs(z) <= 1 else []
         return [x for x in found if not (x < low or x > high)]
+
+    @property
+    def turned(self) -> bool:
+        """Whether the variable is the sine or cosine of an inclination of the disk."""
+        return self.kind in TURNED
+
+    @property
+    def domain(self) -> tuple[Any, Any]:
+        """Ends of the axis by its meaning, as balls, or None."""
+        if self.kind == "positive":
+            return arb(0), None
+        quarter = arb.pi() / 2
+        return {"theta": (arb(0), 2 * quarter), "lean": (-quarter, quarter)}.get(
+            self.kind, (None, None)
+        )
+
+    def variable(self, x: Any) -> Any:
+        """The base variable at a value of the axis, for those that have no step."""
+        function = TURNED.get(self.kind)
+        return getattr(x, function)() if function else x
 
     def _angle(self, angle: Any) -> Any:
         return (angle - arb(self.shift)) / arb(self.step)
@@ -163,11 +221,18 @@ class Clock:
         ]
 
 
+def _upright(kind: str, z: Any) -> list[Any]:
+    """Both inclinations, or both leans, of a height."""
+    if kind == "lean":
+        return [arb(0)] if z == 1 else [-z.acos(), z.acos()]
+    return [arb.pi() / 2] if z == 1 else [z.asin(), arb.pi() - z.asin()]
+
+
 def _both(z: Any, angle: Any) -> list[Any]:
     return [arb(0)] if z == 1 else [angle, -angle]
 
 
-def clock(entries: Sequence[tuple[str, Any, Any]]) -> Clock:
+def base_of(entries: Sequence[tuple[str, Any, Any]]) -> Base:
     """The one angle of which all arguments are multiples.
 
     Parameters
@@ -192,7 +257,7 @@ def clock(entries: Sequence[tuple[str, Any, Any]]) -> Clock:
         step = -step
     if max(abs(a / step) for _, a, _ in entries) > MOST_TURNS:
         raise NotExact("an angle is a high multiple of another")
-    return Clock(kinds.pop(), step, step * entries[0][2] / entries[0][1])
+    return Base(kinds.pop(), step, step * entries[0][2] / entries[0][1])
 
 
 def _common(a: Any, b: Any) -> Any:
@@ -206,7 +271,7 @@ def turned(kind: str, function: str, count: int, z: Any, other: Any) -> Any:
     Parameters
     ----------
     kind
-        Kind of the clock.
+        Kind of the base variable.
     function
         sin, cos, sinh, cosh or exp.
     count
@@ -251,9 +316,9 @@ class Tower:
         If the variables do not form a tower.
     """
 
-    def __init__(self, along: Along, whole: Whole) -> None:
-        self.along, self.whole = along, whole
-        count = len(whole.indices)
+    def __init__(self, polynomial: AxisPolynomial) -> None:
+        self.polynomial, self.whole = polynomial, polynomial.factored
+        count = len(self.whole.indices)
         names = ("z", "s", *(f"v{i}" for i in range(count + 2)), "w")
         self.ring = fmpq_mpoly_ctx.get(names, "lex")
         gens = self.ring.gens()
@@ -271,16 +336,16 @@ class Tower:
 
     def _free(self, place: int) -> bool:
         index = self.whole.indices[place]
-        return self.along.base.index(self.along.axis) in self.along.field.uses(index)
+        return self.polynomial.base.index(self.polynomial.axis) in self.polynomial.field.uses(index)
 
     def _functions(self, *, free: bool) -> list[tuple[int, str, Any, Any]]:
         """(index in the polynomials' ring, function, factor, shift) of each function."""
-        axis = self.along.base.index(self.along.axis)
+        axis = self.polynomial.base.index(self.polynomial.axis)
         out = []
         for place, index in enumerate(self.whole.indices):
-            if index not in self.along.field.meaning:
+            if index not in self.polynomial.field.meaning:
                 continue
-            name, x, _ = self.along.field.meaning[index]
+            name, x, _ = self.polynomial.field.meaning[index]
             if name == "sqrt":
                 continue
             inside = occurring(x.num) | occurring(x.den)
@@ -302,18 +367,18 @@ class Tower:
 
     def _clocked(
         self, found: list[tuple[int, str, Any, Any]], z: Any, which: int, extra: list[Level]
-    ) -> Clock:
+    ) -> Base:
         """Images of some functions as polynomials in z and a sine."""
-        axis = self.along.base.index(self.along.axis)
+        axis = self.polynomial.base.index(self.polynomial.axis)
         plain = [i for i, index in enumerate(self.whole.indices) if index == axis and not which]
         if plain and found:
-            raise NotExact(f"{self.along.axis} and {found[0][1]} of it both occur")
+            raise NotExact(f"{self.polynomial.axis} and {found[0][1]} of it both occur")
         if not found:
             for place in plain:
                 self._images[place] = z
                 self._built.add(place)
-            return Clock("plain")
-        one = clock([entry[1:] for entry in found])
+            return Base("plain")
+        one = base_of([entry[1:] for entry in found])
         other = self._extra[which]
         for place, name, factor, _ in found:
             image = turned(one.kind, name, int(abs(factor / one.step).p), z, other)

@@ -41,8 +41,8 @@ from ...algebra.number_types import precision
 from ...algebra.upright import UPRIGHT, Upright
 from ...base.axis import Axis
 from ...base.errors import NoMemberError, StabilityError
-from ...derivation.elimination import Reading
 from ...derivation.signs import real_roots
+from ...polynomials.characteristic import CharacteristicPolynomial
 from ...spectra.problem import Problem
 from ...systems.family import Family
 from ..brackets import Crossing
@@ -98,7 +98,7 @@ class OnsetForms:
         If the derivatives are not algebraic, or the polynomials are too large.
     """
 
-    def __init__(self, reading: Reading) -> None:
+    def __init__(self, reading: CharacteristicPolynomial) -> None:
         self.reading, self.field = reading, reading.field
         self.d: Derivatives = derivatives(reading.family.system)
         self.kept = self.d.kept
@@ -596,7 +596,7 @@ class ExactSearch:
         self.rectangle, self.names = rectangle, names
         base = (*family.at, *family.parameters)
         self.values = {n: rational(float(problem.values[n])) for n in base if n not in names}
-        self.reading = Reading(family, self.values, Budget(MOST_TERMS, SECONDS))
+        self.reading = CharacteristicPolynomial(family, self.values, Budget(MOST_TERMS, SECONDS))
         self.forms_of = OnsetForms(self.reading)
         some = list(self.forms_of)
         self.forms = [f for f in some if any(c != 0 for c in f.coefficient)]

@@ -25,7 +25,7 @@ from ...algebra.exact.number_fields import NotExact, rational
 from ...algebra.exact.routh import divided, expanded_determinant, hurwitz_sign
 from ...algebra.exact.triangular import occurring
 from ...algebra.krawczyk import NotProvedError
-from ...derivation.elimination import Reading, Whole, whole
+from ...polynomials.characteristic import CharacteristicPolynomial
 from ...spectra.problem import Problem
 from ...systems.structure.enclosure import ball_unknowns
 from ...systems.structure.structural_zeros import structure
@@ -265,8 +265,8 @@ class ExactPlane:
 
     def __init__(self, coefficients: Sequence[Any], turns: tuple[str, str] = ("", "")) -> None:
         self.coefficients, self.turns = list(coefficients), turns
-        self.reading: Reading | None = None
-        """What the polynomial was derived from; None for one that is given."""
+        self.polynomial: CharacteristicPolynomial | None = None
+        """What the coefficients were derived from; None where they are given."""
         self.names = ("", "")
         """Names of the axes in the family."""
         self._terms = [
@@ -295,7 +295,7 @@ class ExactPlane:
     @property
     def alone(self) -> bool:
         """Whether every member lies on the branch of the polynomial."""
-        return self.reading is None or self.reading.triangular.alone
+        return self.polynomial is None or self.polynomial.triangular.alone
 
     def holds(self, x: Any, y: Any) -> bool:
         """Whether the member at balls of the axes lies on the branch of the polynomial.
@@ -305,10 +305,10 @@ class ExactPlane:
         NoMemberError
             If no member is proved there.
         """
-        if self.reading is None or self.alone:
+        if self.polynomial is None or self.alone:
             return True
-        point = {**self.reading.values, **dict(zip(self.names, (x, y), strict=True))}
-        return self.reading.elsewhere(self.reading.member(point)) is None
+        point = {**self.polynomial.values, **dict(zip(self.names, (x, y), strict=True))}
+        return self.polynomial.elsewhere(self.polynomial.member(point)) is None
 
     def back(self, axis: int, value: Any) -> Any:
         """The axis from its variable; not finite where the ball reaches beyond 1."""
@@ -356,12 +356,12 @@ def exact_plane(problem: Problem, names: tuple[str, str]) -> ExactPlane:
     if not set(base) <= set(given) or not set(axes) <= set(base):
         raise NotExact("the family has other names")
     values = {n: rational(float(given[n])) for n in base if n not in axes}
-    reading = Reading(family, values, Budget(MOST_TERMS, SECONDS))
-    found = whole(reading)
+    polynomial = CharacteristicPolynomial(family, values, Budget(MOST_TERMS, SECONDS))
+    found = polynomial.factored
     zeros = found.zeros - structure(family).zeros
     if zeros < 0:
         raise NotExact("structural zeros are not proved")
-    variables = Variables(reading, found, (axes[0], axes[1]))
+    variables = Variables(polynomial, (axes[0], axes[1]))
     out = [PLANE.constant(0)] * zeros + [PLANE.constant(1)]
     for factor, count in found.factors:
         moved = [variables.moved(c) for c in factor]
@@ -372,7 +372,7 @@ def exact_plane(problem: Problem, names: tuple[str, str]) -> ExactPlane:
                     longer[i + j] = longer[i + j] + p * c
             out = longer
     plane = ExactPlane(out, variables.turns)
-    plane.reading, plane.names = reading, (axes[0], axes[1])
+    plane.polynomial, plane.names = polynomial, (axes[0], axes[1])
     return plane
 
 
@@ -381,8 +381,8 @@ class Variables:
 
     Parameters
     ----------
-    reading, found
-        The family's Jacobian and its characteristic polynomial.
+    polynomial
+        The characteristic polynomial.
     axes
         Names of x and y in the family.
 
@@ -392,10 +392,11 @@ class Variables:
         If another function of an axis remains, or both an axis and its sine.
     """
 
-    def __init__(self, reading: Reading, found: Whole, axes: tuple[str, str]) -> None:
+    def __init__(self, polynomial: CharacteristicPolynomial, axes: tuple[str, str]) -> None:
+        found = polynomial.factored
         polys = [c for factor, _ in found.factors for c in factor]
         used = {i for p in polys for i in occurring(p)}
-        self._what = {i: self._named(reading, found.indices[i], axes) for i in used}
+        self._what = {i: self._named(polynomial, found.indices[i], axes) for i in used}
         forms = [{f for a, f in self._what.values() if a == axis} for axis in (0, 1)]
         turns = []
         for axis, some in enumerate(forms):
@@ -405,14 +406,16 @@ class Variables:
         self.turns = turns[0], turns[1]
 
     @staticmethod
-    def _named(reading: Reading, index: int, axes: tuple[str, str]) -> tuple[int, str]:
-        if index < len(reading.base) and reading.base[index] in axes:
-            return axes.index(reading.base[index]), ""
-        if index not in reading.field.meaning:
+    def _named(
+        polynomial: CharacteristicPolynomial, index: int, axes: tuple[str, str]
+    ) -> tuple[int, str]:
+        if index < len(polynomial.base) and polynomial.base[index] in axes:
+            return axes.index(polynomial.base[index]), ""
+        if index not in polynomial.field.meaning:
             raise NotExact("another variable remains")
-        function, x, _ = reading.field.meaning[index]
+        function, x, _ = polynomial.field.meaning[index]
         for axis, name in enumerate(axes):
-            own = reading.field.generator(reading.base.index(name))
+            own = polynomial.field.generator(polynomial.base.index(name))
             if function in ("sin", "cos") and x.num == own and x.den.is_constant():
                 return axis, function
         raise NotExact("another function of the axes remains")

@@ -31,6 +31,8 @@ def components(pattern: Pattern) -> list[NDArray[np.intp]]:
     >>> [c.tolist() for c in components(np.array([[1, 1], [0, 1]], dtype=bool))]
     [[1], [0]]
     """
+    if pattern.all():
+        return [np.arange(len(pattern))]
     from scipy.sparse.csgraph import connected_components
 
     _, labels = connected_components(pattern, directed=True, connection="strong")

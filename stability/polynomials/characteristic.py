@@ -9,17 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import Any
 
 import casadi as ca
 import numpy as np
-from flint import Ordering, arb, fmpq_mpoly_ctx
+from flint import Ordering, arb, fmpq_mpoly_ctx, fmpq_poly, fmpz
 
-from ..algebra.exact.function_field import Expression
+from ..algebra.exact.function_field import SPARE, Expression
 from ..algebra.exact.hurwitz_forms import Budget, coefficient_row, factors
 from ..algebra.exact.number_fields import EXACT, NotExact, characteristic, rational
-from ..algebra.exact.rational_functions import common_multiple, primitive
+from ..algebra.exact.rational_functions import common_multiple, primitive, univariate
 from ..algebra.exact.triangular import RecordingField, Triangular, evaluate, occurring
 from ..algebra.number_types import Algebra, precision
 from ..algebra.program import Program
@@ -36,19 +36,50 @@ LONGEST = 24
 """Characters of an argument that a variable's name shows; longer ones get a number."""
 
 
-class Reading:
-    """A family's Jacobian as expressions, with what its unknowns obey.
+@dataclass(frozen=True, eq=False)
+class Factored:
+    """A characteristic polynomial in factors, in a ring of the variables that occur and λ."""
+
+    names: tuple[str, ...]
+    """Names of the variables; λ is the last variable of the ring."""
+    indices: tuple[int, ...]
+    """Index of each variable in the field of the reading."""
+    ring: Any
+    """Context of the polynomials."""
+    zeros: int
+    """Power of λ."""
+    factors: tuple[tuple[tuple[Poly, ...], int], ...]
+    """(coefficients by powers of λ, lowest first; multiplicity) of each other factor."""
+    nonzero: tuple[Poly, ...]
+    """Polynomials that are not zero, since there is no linearisation or no member otherwise."""
+    crossed: tuple[Poly, ...]
+    """Those at whose zeros another branch crosses: this branch has a linearisation there."""
+    required: tuple[tuple[Poly, str], ...]
+    """Polynomials that the system requires to be positive."""
+    relations: tuple[tuple[int, Poly], ...]
+    """(index of the variable, polynomial that vanishes)."""
+
+
+class CharacteristicPolynomial:
+    """det(λ - A) of a family over Q: its Jacobian as expressions, with what its unknowns obey.
 
     Parameters
     ----------
     family
         The family.
     values
-        Parameters with a given number, as rationals by name.
+        Numbers of the family that are given, as rationals by name.
     budget
         Limits of the work.
     number
         Function from a double to the rational as which it is read.
+    free
+        Names of the variables; by default every number of the family without a value.
+    numbers
+        Function from numbers by name to family parameters and parameters, where `values` and `free`
+        have other names than the family.
+    spare
+        Most functions (sines, roots) that are read as variables.
 
     Raises
     ------
@@ -62,33 +93,47 @@ class Reading:
         values: Mapping[str, Any],
         budget: Budget,
         number: Callable[[float], Any] = rational,
+        *,
+        free: Sequence[str] | None = None,
+        numbers: Callable[[Mapping[str, Any]], Sequence[Sequence[Any]]] | None = None,
+        spare: int = SPARE,
     ) -> None:
         self.family, self.values, self.budget, self.number = family, values, budget, number
-        self.base = (*family.at, *family.unknown, *family.parameters)
-        self.field = RecordingField([*self.base, "λ"], self.budget)
-        symbols: dict[str, Any] = dict(zip(self.base, self.field.symbols, strict=False))
-        symbols |= {n: self.field.number(v) for n, v in self.values.items()}
+        solved = () if family.closed else tuple(family.unknown)
+        if free is None:
+            names = (*family.at, *family.unknown, *family.parameters)
+            closed = family.unknown if family.closed else ()
+            self.base = tuple(n for n in names if n not in values and n not in closed)
+        else:
+            self.base = (*free, *solved)
+        self.field = RecordingField([*self.base, "λ"], self.budget, spare)
+        symbols: dict[str, Any] = {n: self.field.number(v) for n, v in values.items()}
+        symbols |= dict(zip(self.base, self.field.symbols, strict=False))
         if family.closed:
             symbols |= {n: self.field.number(number(v)) for n, v in family.unknown.items()}
-        groups = (family.at, family.unknown, family.parameters)
-        parts = [[symbols[n] for n in names] for names in groups]
+        a, q = (
+            ([symbols[n] for n in names] for names in (family.at, family.parameters))
+            if numbers is None
+            else numbers(symbols)
+        )
+        parts = [a, [symbols[n] for n in family.unknown], q]
         try:
-            self.matrix = family.graph.matrix.dense(self.algebra(), parts)
-            self.conditions = self._required(symbols)
+            self.matrix = family.graph.matrix.dense(self.algebra, parts)
+            self.conditions = self._required(symbols) if numbers is None else []
             equations = []
             self.denominators: list[Poly] = []
-            if family.unknown and not family.closed:
-                residual = family.graph.residual.run(self.algebra(), parts)[0]
+            if solved:
+                residual = family.graph.residual.run(self.algebra, parts)[0]
                 equations = [r.num for r in map(self.element, residual)]
                 self.denominators = [r.den for r in map(self.element, residual)]
         except ZeroDivisionError:
             raise NotExact("a denominator vanishes all along the family") from None
-        first = len(family.at)
-        solved = set(range(first, first + len(family.unknown))) if equations else set()
-        unknowns = {i for i in [*solved, *self.field.meaning] if self.field.uses(i) & solved}
+        places = {self.base.index(n) for n in solved}
+        unknowns = {i for i in [*places, *self.field.meaning] if self.field.uses(i) & places}
         self.triangular = Triangular(self.field, equations, unknowns, self.vanishes)
         self.triangular.settle()
 
+    @property
     def algebra(self) -> Algebra:
         """The algebra in which the graph is read."""
         return EXACT
@@ -129,6 +174,111 @@ class Reading:
     def _constant(self, value: float) -> Any:
         return self.number(value) if np.isfinite(value) else EXACT.constant(value)
 
+    # --- in factors ---
+
+    @cached_property
+    def factored(self) -> Factored:
+        """The polynomial in factors over Q; `NotExact` where it grows beyond the budget."""
+        solved = self.triangular
+        matrix = [[solved.value(self.element(v)) for v in row] for row in self.matrix]
+        zeros, found = 0, []
+        nonzero = list(solved.nonzero)
+        for block in blocks_of(matrix, lambda e: bool(e.num == 0)):
+            common = common_multiple((e.den for row in block for e in row), self.field.one)
+            nonzero.append(common)
+            for factor, count in factors(self._determinant(block, common))[1]:
+                if self.lam not in occurring(factor):
+                    nonzero.append(factor)
+                elif factor == self.field.generator(self.lam):
+                    zeros += count
+                else:
+                    found.append((factor, count))
+        nonzero += [e.den for row in matrix for e in row]  # of entries between the blocks too
+        required = []
+        for value, sentence in self.conditions:
+            inside = solved.value(value)
+            required.append((self.field.reduced(inside.num * inside.den), sentence))
+        nonzero = [p for p in nonzero if not p.is_constant()]
+        return self._compact(zeros, found, nonzero, required)
+
+    def _determinant(self, block: list[list[Any]], common: Poly) -> Poly:
+        """A multiple of det(λ - A), without common factor of its coefficients."""
+        one, plain = self.field.one, [[e.num * (common / e.den) for e in row] for row in block]
+        if len(self.base) == 1 and not self.field.meaning:
+            powers = self._over_integers(plain, common)
+        else:
+            rows = [[Expression(self.field, p, one) for p in row] for row in plain]
+            found = [self.element(c).num for c in characteristic(rows)]
+            powers = primitive(self.triangular.reduce([c * common**k for k, c in enumerate(found)]))
+        lam = self.field.generator(self.lam)
+        total = self.field.ring.constant(0)
+        for k, c in enumerate(powers):
+            total = total + c * lam**k
+        self.budget.watch(total)
+        return total
+
+    def _over_integers(self, plain: list[list[Poly]], common: Poly) -> list[Poly]:
+        """The coefficients in one variable, over Z: products need no common denominators."""
+        entries = [[univariate(p) for p in row] for row in plain]
+        scale = reduce(fmpz.lcm, (p.denom() for row in entries for p in row), fmpz(1))
+        found = characteristic([[(p * scale).numer() if p != 0 else 0 for p in r] for r in entries])
+        below = univariate(common) * scale
+        powers = [fmpq_poly([c]) if isinstance(c, int) else fmpq_poly(c) for c in found]
+        powers = primitive([c * below**k for k, c in enumerate(powers)])
+        x = self.field.generator(0)
+        return [
+            sum((a * x**i for i, a in enumerate(c.coeffs())), self.field.ring.constant(0))
+            for c in powers
+        ]
+
+    def _compact(
+        self,
+        zeros: int,
+        found: Sequence[tuple[Poly, int]],
+        nonzero: Sequence[Poly],
+        required: Sequence[tuple[Poly, str]],
+    ) -> Factored:
+        """The same in a ring of the variables that occur."""
+        kept = {i: self.field.generator(i) ** 2 - s for i, s in self.field.squares.items()}
+        kept = dict(self.triangular.kept) | {
+            i: f for i, f in kept.items() if i not in dict(self.triangular.kept)
+        }
+        polys = [*(f for f, _ in found), *nonzero, *(p for p, _ in required)]
+        used = set().union(*map(occurring, polys)) - {self.lam}
+        while True:  # a variable brings the variables of its equation
+            more = set().union(*(occurring(f) for f in kept.values() if occurring(f) & used)) - used
+            if not more:
+                break
+            used |= more
+        order = sorted(used)
+        symbols = tuple(f"x{i}" for i in range(len(order) + 1))
+        ring = fmpq_mpoly_ctx.get(symbols, Ordering.degrevlex)
+
+        def moved(poly: Poly) -> Poly:
+            terms = {
+                tuple(int(row[i]) for i in (*order, self.lam)): c
+                for row, c in poly.to_dict().items()
+            }
+            return ring.from_dict(terms)
+
+        clean: list[Poly] = []
+        ending: list[Poly] = []
+        for poly in nonzero:
+            some = [f for f, _ in factors(moved(poly))[1]]
+            clean += [f for f in some if f not in clean]
+            ending += [] if poly in self.triangular.crossed else some
+        return Factored(
+            tuple(self.name(i) for i in order),
+            tuple(order),
+            ring,
+            zeros,
+            tuple((tuple(coefficient_row(moved(f), len(order))), count) for f, count in found),
+            tuple(clean),
+            tuple(f for f in clean if f not in ending),
+            tuple((moved(p), s) for p, s in required),
+            tuple((order.index(i), moved(f)) for i, f in kept.items() if occurring(f) <= used),
+        )
+
     # --- members in balls ---
 
     @cached_property
@@ -158,8 +308,9 @@ class Reading:
         """
         family = self.family
         a, q = ([arb(point[n]) for n in names] for names in (family.at, family.parameters))
-        u = ball_unknowns(family, a, q)
-        return self.completed(dict(enumerate([*a, *u, *q])))
+        names = (*family.at, *family.unknown, *family.parameters)
+        table = dict(zip(names, [*a, *ball_unknowns(family, a, q), *q], strict=True))
+        return self.completed({i: table[n] for i, n in enumerate(self.base)})
 
     def completed(self, known: dict[int, Any]) -> dict[int, Any]:
         """Values with those of the functions added, as balls."""
@@ -243,131 +394,3 @@ def text(poly: Poly, name: Callable[[int], str]) -> str:
         sign = ("-" if c < 0 else "") if not out else (" - " if c < 0 else " + ")
         out += sign + "*".join(words)
     return out or "0"
-
-
-# --- the polynomial ---
-
-
-@dataclass(frozen=True, eq=False)
-class Whole:
-    """A characteristic polynomial in factors, in a ring of the variables that occur and λ."""
-
-    names: tuple[str, ...]
-    """Names of the variables; λ is the last variable of the ring."""
-    indices: tuple[int, ...]
-    """Index of each variable in the field of the reading."""
-    ring: Any
-    """Context of the polynomials."""
-    zeros: int
-    """Power of λ."""
-    factors: tuple[tuple[tuple[Poly, ...], int], ...]
-    """(coefficients by powers of λ, lowest first; multiplicity) of each other factor."""
-    nonzero: tuple[Poly, ...]
-    """Polynomials that are not zero, since there is no linearisation or no member otherwise."""
-    crossed: tuple[Poly, ...]
-    """Those at whose zeros another branch crosses: this branch has a linearisation there."""
-    required: tuple[tuple[Poly, str], ...]
-    """Polynomials that the system requires to be positive."""
-    relations: tuple[tuple[int, Poly], ...]
-    """(index of the variable, polynomial that vanishes)."""
-
-
-def whole(reading: Reading) -> Whole:
-    """The characteristic polynomial of a family in factors over Q.
-
-    Raises
-    ------
-    NotExact
-        If it grows beyond the budget.
-    """
-    solved = reading.triangular
-    matrix = [[solved.value(reading.element(v)) for v in row] for row in reading.matrix]
-    zeros, found = 0, []
-    nonzero = list(solved.nonzero)
-    for block in blocks_of(matrix, lambda e: bool(e.num == 0)):
-        common = common_multiple((e.den for row in block for e in row), reading.field.one)
-        if not common.is_constant():
-            nonzero.append(common)
-        poly = _determinant(reading, block, common)
-        for factor, count in factors(poly)[1]:
-            if reading.lam not in occurring(factor):
-                nonzero.append(factor)
-            elif factor == reading.field.generator(reading.lam):
-                zeros += count
-            else:
-                found.append((factor, count))
-    required = []
-    for value, sentence in reading.conditions:
-        inside = solved.value(value)
-        required.append((reading.field.reduced(inside.num * inside.den), sentence))
-    return _compact(reading, zeros, found, nonzero, required)
-
-
-def _determinant(reading: Reading, block: list[list[Any]], common: Poly) -> Poly:
-    """A multiple of det(λ - A), without common factor of its coefficients."""
-    field_ = reading.field
-    plain = [
-        [Expression(field_, e.num * (common / e.den), field_.one) for e in row] for row in block
-    ]
-    powers = [reading.element(c).num * common**k for k, c in enumerate(characteristic(plain))]
-    lam = field_.generator(reading.lam)
-    total = field_.ring.constant(0)
-    for k, c in enumerate(primitive(reading.triangular.reduce(powers))):
-        total = total + c * lam**k
-    reading.budget.watch(total)
-    return total
-
-
-def _compact(
-    reading: Reading,
-    zeros: int,
-    found: Sequence[tuple[Poly, int]],
-    nonzero: Sequence[Poly],
-    required: Sequence[tuple[Poly, str]],
-) -> Whole:
-    """The same in a ring of the variables that occur."""
-    squares = [(i, reading.field.generator(i) ** 2 - s) for i, s in reading.field.squares.items()]
-    kept = {i: f for i, f in reading.triangular.kept} | {
-        i: f for i, f in squares if i not in dict(reading.triangular.kept)
-    }
-    polys = [*(f for f, _ in found), *nonzero, *(p for p, _ in required)]
-    used = set().union(*map(occurring, polys)) - {reading.lam} if polys else set()
-    while True:  # a variable brings the variables of its equation
-        more = set().union(*(occurring(f) for f in kept.values() if occurring(f) & used)) - used
-        if not more:
-            break
-        used |= more
-    order = sorted(used)
-    symbols = tuple(f"x{i}" for i in range(len(order) + 1))
-    ring = fmpq_mpoly_ctx.get(symbols, Ordering.degrevlex)
-    places = {old: new for new, old in enumerate([*order, reading.lam])}
-
-    def moved(poly: Poly) -> Poly:
-        terms = {}
-        for exponents, c in poly.to_dict().items():
-            row = [0] * (len(order) + 1)
-            for i, e in enumerate(exponents):
-                if e:
-                    row[places[i]] = int(e)
-            terms[tuple(row)] = c
-        return ring.from_dict(terms)
-
-    rows = []
-    for factor, count in found:
-        rows.append((tuple(coefficient_row(moved(factor), len(order))), count))
-    clean: list[Poly] = []
-    for poly in map(moved, nonzero):
-        clean += [f for f, _ in factors(poly)[1] if f not in clean]
-    ends = [moved(p) for p in nonzero if p not in reading.triangular.crossed]
-    ending = [f for poly in ends for f, _ in factors(poly)[1]]
-    return Whole(
-        tuple(reading.name(i) for i in order),
-        tuple(order),
-        ring,
-        zeros,
-        tuple(rows),
-        tuple(clean),
-        tuple(f for f in clean if f not in ending),
-        tuple((moved(p), s) for p, s in required),
-        tuple((places[i], moved(f)) for i, f in kept.items() if occurring(f) <= used),
-    )

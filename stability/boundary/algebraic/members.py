@@ -1,0 +1,424 @@
+"""Members of a family along an axis: what is proved of them between candidates, and at one.
+
+Between neighbouring candidates no condition vanishes on any branch, no members meet, and the
+linearisation has a value.  So the member depends continuously on the axis there, and its verdict is
+constant.
+
+A member is the one that the family's root-finder gives, proved in balls.  Where every unknown obeys
+a polynomial without multiple roots, its place among the real roots of that polynomial names the
+branch: roots that depend continuously on the axis keep their order.
+
+Source: tests/boundary/test_algebraic_boundaries.py.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+from flint import arb
+
+from ...algebra.exact.hurwitz_forms import Budget, coefficient_row, factors
+from ...algebra.exact.number_fields import NotExact
+from ...algebra.exact.roots import UnclearError, isolated
+from ...algebra.exact.routh import (
+    hurwitz_sign,
+    is_even,
+    least_sign,
+    monic,
+    verdict_polynomial,
+)
+from ...algebra.exact.triangular import evaluate, occurring
+from ...algebra.number_types import precision
+from ...base.errors import NoMemberError, StabilityError
+from ..brackets import AxisScan, Crossing, crossing_rate
+from ..interval_search.pieces import NO_MEMBER, NO_VALUE
+from ..pairs import grows
+from .candidates import Candidate, Candidates, Watched, least_size, norms, watched
+from .tower import Tower
+
+LADDER = (128, 512, 2048)
+"""Precisions of the balls at members."""
+MOST_BITS = 8192
+"""Largest precision at which a value is proved to be zero."""
+SHARES = (0.5, 0.2578125, 0.7265625, 0.0859375, 0.9140625)
+"""Shares of a piece at which its member is examined, in the order of trial."""
+FEWEST, MORE = 4, 24
+"""Numbers in each piece at which a root-finder is tried, and more in all of the interval."""
+CLOSE = tuple(2.0**-k for k in (4, 8, 14, 20, 26, 32))
+"""Shares of the room around a candidate at which members on both sides are compared."""
+OPEN = "no verdict is proved at the values tried here"
+OTHER = "the members here lie on another branch than those from which the conditions were derived"
+NEAR = "another candidate is too near for a number between the two"
+JUMP = (
+    "the root-finder passes to another steady motion here, so the members are not one family; "
+    "take the family from System.steady, which follows one branch"
+)
+
+
+@dataclass(frozen=True)
+class Look:
+    """What is proved at one value of the axis."""
+
+    sign: int
+    """1 stable or neutral, -1 unstable, 0 where nothing is proved."""
+    label: tuple[int, ...] | None
+    """The branch."""
+    reason: str
+    """Reason for a 0, without a full stop."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A piece between neighbouring candidates."""
+
+    low: Any
+    """Ball of its low end."""
+    high: Any
+    """Ball of its high end."""
+    place: float
+    """Number at which its member was examined, or next to it."""
+    look: Look
+    """What is proved there."""
+    doubts: tuple[tuple[Any, Any, str], ...] = ()
+    """Parts (low, high, reason) in which the root-finder gives other members, or none."""
+
+
+class Members(ABC):
+    """The members along an axis, with every candidate for a change of their verdict."""
+
+    line: AxisScan
+    """The line."""
+    candidates: Candidates
+    """The candidates."""
+    dissipative: bool
+    """Whether the good verdict is stable, so that a member with an eigenvalue on the axis differs.
+    """
+    exact: bool
+    """Whether verdicts are exact on each piece, and what stays open is single values."""
+    how: str
+    """How the axis is searched."""
+    missing: Sequence[float] = ()
+    """Values at which there is no member."""
+
+    @cached_property
+    def cells(self) -> list[Cell]:
+        """The piece below each candidate, and the last one above them all."""
+        return [self.cell(low, high) for low, high in pairwise(self.candidates.fence)]
+
+    def between(self) -> Iterator[tuple[Candidate, Cell, Cell]]:
+        """Each candidate with the pieces below and above."""
+        if self.candidates.found:
+            yield from zip(self.candidates.found, self.cells, self.cells[1:], strict=False)
+
+    @abstractmethod
+    def cell(self, low: Any, high: Any) -> Cell:
+        """What is proved between two neighbouring candidates, or a candidate and an end."""
+
+    @abstractmethod
+    def vanishing(self, one: Candidate) -> list[Watched] | None:
+        """Polynomials that are not proved to differ from zero; None without a member."""
+
+    @abstractmethod
+    def joined(self, one: Candidate, below: Cell, above: Cell) -> bool:
+        """Whether the members on both sides of a candidate lie on one branch through it."""
+
+    @abstractmethod
+    def meets(self, one: Candidate, kept: list[Watched], below: Cell, above: Cell) -> bool:
+        """Whether one of some polynomials is proved to vanish at a candidate."""
+
+    @abstractmethod
+    def unstable(self, one: Candidate) -> bool | None:
+        """Whether the member at a candidate is unstable; None where this is not proved."""
+
+    @abstractmethod
+    def sign(self, value: float, cell: Cell) -> int:
+        """The proved verdict at a number in a piece; 0 where none is proved."""
+
+    def rate(self, one: Candidate, root: float) -> float:  # noqa: ARG002
+        """|Im λ| of the pair that meets the imaginary axis at a candidate."""
+        return crossing_rate(self.line, root, Crossing.FLUTTER)
+
+
+def growing(polys: Sequence[Any], balls: list[Any], zero: Callable[[Any], bool]) -> bool | None:
+    """Whether a factor has a root with a positive real part; None where this is not proved.
+
+    Parameters
+    ----------
+    polys, balls
+        Its coefficients, lowest first, and their values.
+    zero
+        Whether a coefficient is proved to vanish.
+    """
+    if grows(balls):
+        return True
+    gone = [c == 0 or (b.contains(0) and zero(c)) for c, b in zip(polys, balls, strict=True)]
+    if all(gone):
+        return None
+    rest = [arb(0) if z else b for z, b in zip(gone, balls, strict=True)][gone.index(False) :]
+    if rest[-1].contains(0):
+        return None
+    if len(rest) == 1:
+        return False
+    sign = hurwitz_sign(verdict_polynomial(monic(rest), 0, is_even(rest)))
+    return None if sign == 0 else sign < 0
+
+
+class Branch(Members):
+    """The members of a family with functions of the axis, or with unknowns."""
+
+    exact = False
+    how = (
+        "every value at which a condition can vanish, or members can meet, was isolated exactly, "
+        "with functions and unknowns as algebraic numbers"
+    )
+
+    def __init__(self, line: AxisScan, tower: Tower, budget: Budget, *, extra: bool) -> None:
+        self.line, self.tower, self.budget = line, tower, budget
+        self.family = line.problem.family
+        self.sought = bool(self.family.unknown) and not self.family.closed
+        if self.sought:
+            self.how += ", on one branch of steady motions"
+        self.dissipative = not extra and not any(is_even(a) for a, _ in tower.whole.factors)
+        found = (
+            (norm, w) for w in watched(tower, budget) for norm in norms(tower, w.image, budget)
+        )
+        self.candidates = Candidates(tower.base, tower.number, found, tower.polynomial.ends)
+
+    # --- at a number ---
+
+    def look(self, value: float) -> Look:
+        """The verdict and the branch at a number."""
+        reason, label = OPEN, None
+        for bits in LADDER:
+            with precision(bits):
+                try:
+                    full = self._full(arb(value))
+                except (StabilityError, ZeroDivisionError):
+                    return Look(0, None, NO_MEMBER)
+                known = self._compact(full)
+                if not all(v.is_finite() for v in known.values()):
+                    return Look(0, None, NO_VALUE)
+                if self.tower.polynomial.elsewhere(full) is not None:
+                    return Look(0, None, OTHER)
+                label = self._label(known)
+                sign = self._sign(known) if label is not None and self._regular(known) else 0
+            if sign:
+                return Look(sign, label, "")
+        return Look(0, label, reason)
+
+    def known(self, value: Any) -> Mapping[int, Any]:
+        """Values of the polynomials' variables at a ball of the axis.
+
+        Raises
+        ------
+        NoMemberError
+            If there is no member, or an unknown is not proved to be positive.
+        """
+        return self._compact(self._full(value))
+
+    def _full(self, value: Any) -> dict[int, Any]:
+        """Values of every indeterminate."""
+        known = self.tower.polynomial.at(value)
+        names = self.tower.polynomial.base
+        for name in self.family.positive if self.sought else ():
+            if not known[names.index(name)] > 0:
+                raise NoMemberError(f"{self.family.name}: {name} is not proved to be positive.")
+        return known
+
+    def _compact(self, known: Mapping[int, Any]) -> dict[int, Any]:
+        return {new: known[old] for new, old in enumerate(self.tower.whole.indices)}
+
+    def sign(self, value: float, cell: Cell) -> int:
+        """The proved verdict at a number, by the graph or the polynomials; 0 on another branch."""
+        found = self.look(value)
+        if found.label != cell.look.label:
+            return 0
+        try:
+            return found.sign and (self.line.sign(value) or found.sign)
+        except StabilityError:
+            return 0
+
+    def _regular(self, known: Mapping[int, Any]) -> bool:
+        return not any(arb(evaluate(p, known)).contains(0) for p in self.tower.whole.nonzero)
+
+    def _label(self, known: Mapping[int, Any]) -> tuple[int, ...] | None:
+        out = []
+        for level in self.tower.levels:
+            if level.own is None:
+                continue
+            row = coefficient_row(level.own, level.place)
+            balls = [arb(evaluate(c, known)) for c in row]
+            roots = None if balls[-1].contains(0) else isolated(balls, even=False)
+            if roots is None:
+                return None
+            real = sorted((r.real for r in roots if r.imag == 0), key=lambda r: r.mid())
+            same = [i for i, r in enumerate(real) if r.overlaps(known[level.place])]
+            if len(same) != 1:
+                return None
+            out.append(same[0])
+        return tuple(out)
+
+    def factors(self, known: Mapping[int, Any]) -> list[list[Any]]:
+        """Coefficients of each factor as balls, lowest first.
+
+        Parameters
+        ----------
+        known
+            Values of the variables.
+        """
+        return [[arb(evaluate(c, known)) for c in a] for a, _ in self.tower.whole.factors]
+
+    def _sign(self, known: Mapping[int, Any]) -> int:
+        every = self.factors(known)
+        if any(a[-1].contains(0) for a in every):
+            return 0
+        return least_sign(
+            [
+                hurwitz_sign(
+                    verdict_polynomial(monic(a), 0, is_even(self.tower.whole.factors[index][0]))
+                )
+                for index, a in enumerate(every)
+            ]
+        )
+
+    # --- between candidates ---
+
+    def cell(self, low: Any, high: Any) -> Cell:
+        """What is proved between two neighbouring candidates, or a candidate and an end."""
+        looks = list(self._looks(low, high))
+        known = [(place, look) for place, look in looks if look.sign]
+        if not known:
+            place, look = looks[0] if looks else (math.nan, Look(0, None, NEAR))
+            return Cell(low, high, place, look)
+        [(label, _)] = Counter(look.label for _, look in known).most_common(1)
+        good = [one for one in known if one[1].label == label]
+        if len({look.sign for _, look in good}) > 1:
+            raise NotExact("verdicts on one branch differ between candidates")
+        place, look = good[len(good) // 2]
+        fence = [low, *(arb(v) for v, _ in good), high]
+        doubts = []
+        for value, other in looks:
+            if other.label != label:
+                above = next(i for i, f in enumerate(fence) if f > value)
+                reason = JUMP if other.sign else other.reason
+                doubts.append((fence[above - 1], fence[above], reason))
+        return Cell(low, high, place, look, tuple(doubts))
+
+    def _looks(self, low: Any, high: Any) -> Iterator[tuple[float, Look]]:
+        """Numbers in a piece, in increasing order, with what is proved there.
+
+        One number is enough where nothing is solved for.  A root-finder may pass to another branch
+        anywhere, most often near an end of the piece, so more numbers show whether it does.
+        """
+        ends = low.upper(), high.lower()
+        shares: tuple[float, ...] = SHARES
+        if self.sought:
+            width = self.candidates.high - self.candidates.low
+            part = float(((ends[1] - ends[0]) / width).mid())
+            count = FEWEST + math.ceil(MORE * min(part, 1.0))
+            shares = tuple(math.sin(math.pi * (i + 0.5) / (2 * count)) ** 2 for i in range(count))
+        for share in shares:
+            place = float((ends[0] + (ends[1] - ends[0]) * share).mid())
+            if not (arb(place) > low and arb(place) < high):
+                continue
+            look = self.look(place)
+            yield place, look
+            if look.sign and shares is SHARES:
+                return
+
+    # --- at a candidate ---
+
+    def vanishing(self, one: Candidate) -> list[Watched] | None:
+        """Polynomials that are not proved to differ from zero; None without a member."""
+        left = list(one.watched)
+        for bits in LADDER[1:]:
+            try:
+                value = self.candidates.refined(one, bits)
+                with precision(bits):
+                    known = self.known(value)
+                    left = [w for w in left if arb(evaluate(w.poly, known)).contains(0)]
+            except (StabilityError, ZeroDivisionError, UnclearError):
+                # the root-finder fails where branches cross, and the branch goes on
+                through = "crossed" in one.kinds and not one.kinds & {"fold", "pole", "end"}
+                return list(one.watched) if through else None
+            if not left:
+                break
+        return left
+
+    def joined(self, one: Candidate, below: Cell, above: Cell) -> bool:
+        """Whether the members on both sides of a candidate lie on one branch through it."""
+        labels = [below.look.label, above.look.label]
+        if not one.kinds & {"fold", "pole", "end"}:
+            return labels[0] == labels[1]
+        middle = float(one.value.mid())
+        for share in CLOSE:
+            low = middle - share * (middle - below.place)
+            high = middle + share * (above.place - middle)
+            if not (low < one.value < high):
+                continue
+            if [self.look(low).label, self.look(high).label] != labels:
+                return False
+            if self.line.joined(low, middle, high):
+                return True
+        return False
+
+    def meets(self, one: Candidate, kept: list[Watched], below: Cell, above: Cell) -> bool:
+        """Whether one of some polynomials is proved to vanish at a candidate."""
+        return any(self._vanishes(one, what, (below.place, above.place)) for what in kept)
+
+    def _vanishes(self, one: Candidate, what: Watched, ends: tuple[float, float]) -> bool:
+        if occurring(what.image) <= {0, 1}:
+            return True  # the polynomial is its own norm
+        with precision(LADDER[0]):
+            signs = [arb(evaluate(what.poly, self.known(arb(end)))) for end in ends]
+        if signs[0] * signs[1] < 0:
+            return True
+        return self._small(one, what.image, what.poly)
+
+    def _small(self, one: Candidate, image: Any, poly: Any) -> bool:
+        """Whether a value is smaller than each of its conjugates that is not zero."""
+        least = least_size(self.tower, image, one.norm, self.budget)
+        if least is None:
+            return False
+        bits = 2 * (int(least.q).bit_length() - int(least.p).bit_length()) + 128
+        if bits > MOST_BITS:
+            return False
+        try:
+            value = self.candidates.refined(one, bits)
+            with precision(bits):
+                return bool(abs(arb(evaluate(poly, self.known(value)))) < arb(least))
+        except (StabilityError, UnclearError):
+            return False
+
+    def unstable(self, one: Candidate) -> bool | None:
+        """Whether the member at a candidate is unstable; None where this is not proved."""
+
+        def zero(poly: Any) -> bool:
+            return self._nothing(one, poly)
+
+        rows = [a for a, _ in self.tower.whole.factors]
+        try:
+            value = self.candidates.refined(one, LADDER[1])
+            with precision(LADDER[1]):
+                balls = self.factors(self.known(value))
+                found = [growing(a, b, zero) for a, b in zip(rows, balls, strict=True)]
+        except (StabilityError, UnclearError, ZeroDivisionError):
+            return None
+        return True if True in found else None if None in found else False
+
+    def _nothing(self, one: Candidate, poly: Any) -> bool:
+        """Whether a coefficient is proved to vanish at a candidate."""
+        for factor, _ in factors(poly)[1]:
+            image = self.tower.image(factor)
+            if occurring(image) <= {0, 1} and not divmod(image, one.norm)[1]:
+                return True
+            if self._small(one, image, factor):
+                return True
+        return False

@@ -1,0 +1,380 @@
+"""Members whose verdict is a matter of polynomials in one variable: the axis, or its sine.
+
+For the disk these are the conditions over Q of `stability.bodies.disk_polynomials`, where every
+quantity but the axis is the exact ratio of its double.  For any other family that is rational in
+the axis they come from its characteristic polynomial.  One exact verdict holds on each piece
+between neighbouring roots.
+
+Values found include single values, where the verdict differs from that on both sides.  Where an
+eigenvalue reaches the imaginary axis while others keep the motion unstable, the verdict stays.
+Where all unstable eigenvalues reach the axis together, as for undamped motions between damping and
+driving, the member is neutral there and unstable on both sides.
+
+Source: Orlando's formula (F. R. Gantmacher, The Theory of Matrices, vol. 2, ch. XV § 7) for the
+Hurwitz determinant; tests/boundary/test_single_points.py; tests/boundary/test_boundaries.py counts
+the roots by another route.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+from flint import arb, arb_poly, fmpq_poly
+
+from ...algebra.exact.hurwitz_forms import coefficient_row, factors
+from ...algebra.exact.number_fields import EXACT, NotExact, rational
+from ...algebra.exact.rational_functions import (
+    RING,
+    Ratio,
+    common_multiple,
+    multivariate,
+    primitive,
+    univariate,
+)
+from ...algebra.exact.roots import BITS, MOST_BITS, sign_at
+from ...algebra.exact.routh import is_even, least_sign, on_the_axis
+from ...algebra.number_types import MIXED, Algebra, precision
+from ...algebra.polynomial import ExactPolynomial, TabulatedPolynomial
+from ...base.errors import StabilityError
+from ...base.verdict import Verdict
+from ...spectra.certificate import verdict as certified
+from ...spectra.verdict_routes import BITS as MEMBER_BITS
+from ...spectra.verdict_routes import Point, decided
+from ...systems.structure.structural_zeros import structure
+from ..brackets import AxisScan
+from ..pairs import crossing, grows, meeting
+from .candidates import Candidate, Candidates, Watched, critical
+from .members import NEAR, SHARES, Cell, Look, Members, growing
+from .tower import AxisPolynomial, Base
+
+POSITIVE = ("k", "mu", "c", "mass", "radius", "gravity")
+"""Axes of the disk that are positive."""
+SHORT = (8, 24)
+"""Bits that are tried for a value between two roots."""
+GUARD = 64
+"""Bits beyond those of a root at which conditions are evaluated there."""
+X, S = (Ratio(g) for g in RING.gens())
+UPRIGHT = RING.gens()[0] - 1
+"""It vanishes where a sine or cosine is 1."""
+Row = list[Any]
+"""Coefficients of a factor by powers of λ, lowest first: `fmpq_poly` in the variable."""
+
+
+class Conditions:
+    """Stored conditions: all positive, or some negative.
+
+    Parameters
+    ----------
+    polynomials
+        (kind, polynomial in x and perhaps s).
+    sine
+        Function that gives s at the working precision; None where there is no s.
+    """
+
+    def __init__(
+        self, polynomials: Sequence[tuple[str, Any]], sine: Callable[[], Any] | None
+    ) -> None:
+        self.polynomials, self.sine = list(polynomials), sine
+
+    def watched(self) -> list[tuple[str, Any]]:
+        """(kind, polynomial) of what can vanish where the verdict changes."""
+        return [(k, p) for k, p in self.polynomials if not p.derivative("x").is_zero()]
+
+    def sign(self, x: Any) -> int:
+        """1 stable or neutral, -1 unstable, 0 on a boundary; at a rational value."""
+        return least_sign([sign_at(p, x, self.sine) for _, p in self.polynomials])
+
+    def negative(self, x: Any) -> bool:
+        """Whether some condition is proved negative in a ball of the variable."""
+        sine = self.sine() if self.sine is not None else arb(0)
+        return any(
+            sum((arb(c) * x ** int(i) * sine ** int(j) for (i, j), c in p.terms()), arb(0)) < 0
+            for _, p in self.polynomials
+        )
+
+
+class Factors:
+    """A characteristic polynomial in factors, and the poles of the linearisation.
+
+    Parameters
+    ----------
+    rows
+        The factors other than λ, irreducible.
+    poles
+        Polynomials at whose zeros there is no linearisation, or an eigenvalue is infinite.
+    """
+
+    sine = None
+
+    def __init__(self, rows: Sequence[Row], poles: Sequence[Any]) -> None:
+        self.rows, self.poles = rows, poles
+        self.even = [is_even(row) for row in rows]
+
+    def watched(self) -> list[tuple[str, Any]]:
+        """(kind, polynomial) of what can vanish where the verdict changes."""
+        found = [("pole", multivariate(p)) for p in self.poles]
+        for row in self.rows:
+            found += critical([multivariate(c) for c in row], _pair, _meeting)
+        return [(kind, p) for kind, p in found if not p.is_constant()]
+
+    def verdict(self, x: Any) -> Verdict:
+        """The verdict at a rational value; zeros by structure do not count."""
+        return on_the_axis([fmpq_poly([c(x) for c in row]) for row in self.rows])
+
+    def sign(self, x: Any) -> int:
+        """1 stable or neutral, -1 unstable."""
+        return -1 if self.verdict(x) is Verdict.UNSTABLE else 1
+
+    def frequency(self, x: Any) -> float:
+        """|Im λ| of the pair that meets the axis, or of two that meet on it, next to a rational."""
+        known: list[tuple[float, float]] = []
+        for row, even in zip(self.rows, self.even, strict=True):
+            p = fmpq_poly([c(x) for c in row])
+            known += meeting(fmpq_poly(p.coeffs()[::2])) if even else crossing(p)
+        return min(known, default=(math.inf, 0.0))[1]
+
+
+def _pair(a: Sequence[Any]) -> Any:
+    return _in_s(a[::2]).resultant(_in_s(a[1::2]), "s")
+
+
+def _meeting(q: Sequence[Any]) -> Any:
+    return _in_s(q).discriminant("s")
+
+
+def _in_s(coefficients: Sequence[Any]) -> Any:
+    s = RING.gens()[1]
+    return sum((c * s**k for k, c in enumerate(coefficients)), RING.constant(0))
+
+
+class OneVariable(Members):
+    """Members whose verdict follows from polynomials in the axis, or in the sine of it.
+
+    Parameters
+    ----------
+    line
+        The line.
+    source
+        The polynomials.
+    base
+        The axis as a function of their variable.
+    ends
+        Ends of the interval; None for no end.
+    dissipative
+        Whether the good verdict is stable.
+    edge
+        Whether the upright position, where families meet, may be a single value.
+    bits
+        Working precision of the first attempt.
+    """
+
+    exact = True
+    how = "every real root of every condition that decides the verdict was isolated exactly"
+
+    def __init__(
+        self,
+        line: AxisScan,
+        source: Conditions | Factors,
+        base: Base,
+        ends: tuple[float | None, float | None],
+        *,
+        dissipative: bool,
+        edge: bool = False,
+        bits: int = BITS,
+    ) -> None:
+        self.line, self.source, self.dissipative = line, source, dissipative
+        if line.problem.family.exact:
+            self.how += ", from the family's polynomial"
+        found = [*_apart(source.watched(), turned=base.turned)]
+        found += [("edge", UPRIGHT)] if edge else []
+        norms = ((p, Watched(kind, p, p)) for kind, p in found)
+        self.candidates = Candidates(base, source.sine, norms, ends, bits)
+        none = line.axis == "phi_dot" and not line.problem.plain
+        low, high = ends
+        around = (low is None or low <= 0) and (high is None or high >= 0)
+        self.missing = [0.0] if none and around else []
+        """Values at which there is no member."""
+
+    def cell(self, low: Any, high: Any) -> Cell:
+        """The exact verdict at a rational between two neighbouring candidates."""
+        base = self.candidates.base
+        with precision(self.candidates.bits):
+            first, width = low.upper(), high.lower() - low.upper()
+            for share in SHARES:
+                middle = base.variable(first + width * share).mid()
+                for bits in (*SHORT, self.candidates.bits):
+                    with precision(bits):
+                        z = (+middle).mid()
+                    if any(low < x < high for x in base.back(z, low, high)):
+                        sign = self.source.sign(z.fmpq())
+                        if sign:
+                            return Cell(low, high, math.nan, Look(sign, (), ""))
+                        break
+        return Cell(low, high, math.nan, Look(0, None, NEAR))
+
+    def vanishing(self, one: Candidate) -> list[Watched]:
+        """Every watched polynomial is its own norm."""
+        return list(one.watched)
+
+    def joined(self, one: Candidate, below: Cell, above: Cell) -> bool:  # noqa: ARG002
+        """The members are a function of the axis."""
+        return True
+
+    def meets(self, one: Candidate, kept: list[Watched], below: Cell, above: Cell) -> bool:  # noqa: ARG002
+        """Every watched polynomial is its own norm."""
+        return True
+
+    def unstable(self, one: Candidate) -> bool | None:
+        """Whether the member at a candidate is unstable; None where this is not proved."""
+        source = self.source
+        with precision(max(BITS, min(one.root.rel_accuracy_bits(), MOST_BITS)) + GUARD):
+            if isinstance(source, Factors):
+                return self._grows(source, one)
+            if source.negative(one.root):
+                return True
+        # no condition is proved negative; omitted ones follow only where the others are positive
+        place = self.line.fixed | {self.line.axis: float(one.value.mid())}
+        return False if certified(self.line.problem, place) is Verdict.NEUTRAL else None
+
+    @staticmethod
+    def _grows(source: Factors, one: Candidate) -> bool | None:
+        balls = [[arb_poly(c)(one.root) for c in row] for row in source.rows]
+        if any(map(grows, balls)):
+            return True
+        norm = next(
+            p for p, _ in univariate(one.norm).factor()[1] if arb_poly(p)(one.root).contains(0)
+        )
+        if norm.degree() == 1:
+            said = source.verdict(-norm[0] / norm[1])
+            return None if said is Verdict.STABLE else said is Verdict.UNSTABLE
+        found = [
+            growing(row, b, lambda c: (c % norm).is_zero())
+            for row, b in zip(source.rows, balls, strict=True)
+        ]
+        return True if True in found else None if None in found else False
+
+    def sign(self, value: float, cell: Cell) -> int:  # noqa: ARG002
+        """The proved verdict at a double: from the graph, by Routh's array or over Q."""
+        if self.line.problem.exact is None:
+            return self._exactly(value)
+        if isinstance(self.source, Factors):  # balls see no eigenvalue that stays on the axis
+            return self._exactly(value) or self._by_graph(value)
+        return self._by_graph(value) or self._exactly(value)
+
+    def _exactly(self, value: float) -> int:
+        if isinstance(self.source, Conditions):
+            proof = decided(Point(self.line.problem, self.line.fixed | {self.line.axis: value}))
+            return self.line.sign_of(proof.verdict, proof.nearby)
+        return 0 if self.candidates.base.turned else self.source.sign(rational(value))
+
+    def _by_graph(self, value: float) -> int:
+        try:
+            return self.line.sign(value)
+        except StabilityError:  # outside the range of the body's values
+            return 0
+
+    def rate(self, one: Candidate, root: float) -> float:
+        """|Im λ| of the pair that meets the imaginary axis at a candidate."""
+        if self.line.problem.exact is None:
+            assert isinstance(self.source, Factors)
+            with precision(MEMBER_BITS):  # more digits than a double needs slow the roots down
+                return self.source.frequency((one.root * 1).mid().fmpq())
+        return super().rate(one, root)
+
+
+def _apart(found: list[tuple[str, Any]], *, turned: bool) -> Iterator[tuple[str, Any]]:
+    """Polynomials without a common or multiple root; a pole, then a zero eigenvalue names it."""
+    known = [UPRIGHT] if turned else []
+    for kind, p in sorted(found, key=lambda w: ("pole", "static", w[0]).index(w[0])):
+        rest = p / p.gcd(p.derivative("x"))
+        for other in known:
+            rest = rest / rest.gcd(other)
+        if not rest.derivative("x").is_zero():
+            known.append(rest)
+            yield kind, rest
+
+
+def of_family(
+    line: AxisScan,
+    polynomial: AxisPolynomial,
+    ends: tuple[float | None, float | None],
+    bits: int = BITS,
+) -> OneVariable:
+    """The members of a family that is rational in the axis."""
+    form, problem = polynomial.factored, line.problem
+    rows = [[univariate(c) for c in row] for row, _ in form.factors]
+    source = Factors(rows, [univariate(p) for p in form.nonzero])
+    zeros = structure(problem.family).zeros  # refuses what is declared conservative and is not
+    base = Base("positive" if not problem.plain and line.axis in POSITIVE else "plain")
+    good = form.zeros <= zeros and not any(source.even)
+    return OneVariable(line, source, base, ends, dissipative=good, bits=bits)
+
+
+def of_exact(
+    line: AxisScan,
+    exact: ExactPolynomial,
+    ends: tuple[float | None, float | None],
+    bits: int = BITS,
+) -> OneVariable:
+    """The members of a family with a polynomial of its own, stored or stated.
+
+    Raises
+    ------
+    NotExact
+        If the polynomial is not rational in the axis, or in its sine.
+    """
+    problem, axis = line.problem, line.axis
+    axes = problem.rationals(line.fixed) | {axis: X}
+    angle, edge, over, sine = "", False, EXACT, None
+    if isinstance(exact, TabulatedPolynomial):
+        angle, edge = exact.angle(axis), exact.borders
+        over, sine = _tabulated(exact, axes, angle)
+    base = Base(angle or ("positive" if not problem.plain and axis in POSITIVE else "plain"))
+    found = exact.conditions(axes, over)
+    if found is not None:
+        cleared = [(kind, _cleared(p)) for kind, p in found]
+        if all(not p.is_zero() for _, p in cleared):
+            good, edge = not problem.family.conservative, edge and bool(angle)
+            source = Conditions(cleared, sine)
+            return OneVariable(line, source, base, ends, dissipative=good, edge=edge, bits=bits)
+    # a condition vanishes all along the axis, so that the polynomial itself is searched
+    rows: list[Row] = []
+    poles: list[Any] = []
+    lam = RING.gens()[1]
+    for factor in exact.coefficients(axes, over):
+        ratios = [Ratio.of(c) for c in factor]
+        common = common_multiple((r.bottom for r in ratios), RING.constant(1))
+        if not isinstance(exact, TabulatedPolynomial):  # whose axes there are positive
+            poles.append(univariate(common))
+        whole = RING.constant(0)
+        for k, c in enumerate(primitive([r.top * (common / r.bottom) for r in ratios])):
+            whole = whole + multivariate(univariate(c)) * lam**k
+        some = (coefficient_row(p, 1) for p, _ in factors(whole)[1] if p != lam)
+        rows += [[univariate(c) for c in row] for row in some if len(row) > 1]
+    source_ = Factors(rows, [*poles, *(row[-1] for row in rows)])
+    return OneVariable(line, source_, base, ends, dissipative=not any(source_.even), bits=bits)
+
+
+def _tabulated(
+    exact: TabulatedPolynomial, axes: Mapping[str, Any], angle: str
+) -> tuple[Algebra, Callable[[], Any] | None]:
+    """Sines along an axis: the variable itself for an angle; otherwise exact, or s in balls."""
+    if angle:
+        return _sines(X), None
+    try:
+        exact.point(axes, EXACT)
+    except NotExact:
+        return _sines(S), lambda: exact.sine(axes, MIXED)
+    return EXACT, None
+
+
+def _sines(value: Ratio) -> Algebra:
+    return Algebra("sines", EXACT.constant, {"sin": lambda _: value, "cos": lambda _: value})
+
+
+def _cleared(value: Any) -> Any:
+    """A polynomial of the same sign; a denominator is a power of a positive axis."""
+    r = Ratio.of(value)
+    return r.top * r.bottom
