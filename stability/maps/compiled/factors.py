@@ -11,9 +11,6 @@ import math
 from typing import Any
 
 INLINE = (
-    "two_sum",
-    "two_product",
-    "renewed",
     "larger",
     "smaller",
     "corrected_cubic",
@@ -30,28 +27,6 @@ INLINE = (
 """Functions, here and in `loops`, that are written into the loops over cells."""
 EPS = 2.0**-52
 """Relative distance of doubles."""
-
-
-def two_sum(x: Any, y: Any) -> Any:
-    """Sum and its rounding error (Knuth)."""
-    s = x + y
-    t = s - x
-    return s, (x - (s - t)) + (y - t)
-
-
-def two_product(x: Any, y: Any) -> Any:
-    """Product and its rounding error (Dekker), for numbers below 1e290."""
-    p = x * y
-    u, v = 134217729.0 * x, 134217729.0 * y
-    a, b = u - (u - x), v - (v - y)
-    c, d = x - a, y - b
-    return p, ((a * b - p) + a * d + c * b) + c * d
-
-
-def renewed(high: Any, low: Any) -> Any:
-    """A number and a much smaller one as a pair of doubles."""
-    both = high + low
-    return both, low - (both - high)
 
 
 def larger(x: float, y: float) -> float:

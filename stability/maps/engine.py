@@ -8,7 +8,7 @@ proved to be those of a member, or whose discs decide nothing, are left to the g
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import cached_property
 from typing import Any
@@ -16,29 +16,32 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...algebra.exact.number_fields import NotExact
-from ...algebra.kernels.compiled import numba_found
-from ...algebra.number_types import numpy_algebra
-from ...algebra.running_error import TRACKED, RunningError
-from ...base.axis import Axis
-from ...base.errors import DomainError
-from ...base.types import Floats
-from ...base.verdict import CODES, NO_MEMBER, Verdict
-from ...spectra.deflation import Reduced, deflate
-from ...spectra.eigenvalues import decide, eigenvalues
-from ...spectra.problem import Problem, formulas_of
-from ...storage.pieces import Chunk
-from ...systems.closed_form import ClosedForm, ImplicitForm
-from ...systems.structure.identities import certain, symmetric
-from ...systems.structure.structural_zeros import structure
-from ..compiled.swept import swept
-from ..tiles import Codes
+from ..algebra.exact.number_fields import NotExact
+from ..algebra.kernels.compiled import numba_found
+from ..algebra.number_types import numpy_algebra
+from ..algebra.real_factors import Factors
+from ..algebra.running_error import TRACKED, RunningError
+from ..base.axis import Axis
+from ..base.errors import DomainError
+from ..base.types import Floats
+from ..base.verdict import CODES, NO_MEMBER, Verdict
+from ..spectra.deflation import Reduced, deflate
+from ..spectra.eigenvalues import decide, eigenvalues
+from ..spectra.problem import Problem, formulas_of
+from ..storage.pieces import Chunk
+from ..systems.closed_form import ClosedForm, ImplicitForm
+from ..systems.structure.identities import certain, symmetric
+from ..systems.structure.structural_zeros import structure
+from .compiled.rates import CompiledRates
+from .compiled.swept import swept
 from .rates import (
     MOST_POOR,
+    PROVED,
     WANTED,
     Coefficients,
     DerivedBands,
     Rates,
+    Room,
     arrays_of,
     monic,
     of_eigenvalues,
@@ -46,9 +49,10 @@ from .rates import (
     rates,
     sample,
 )
-from .slice_verdicts import ELSEWHERE, SliceVerdicts, surface
 from .slices import Slice, slice_of
-from .surfaces import LEAST, Surface, Window, powers
+from .surfaces import LEAST, Surface, powers
+from .tiles import Codes
+from .verdicts import ELSEWHERE, SliceVerdicts, surface
 
 FORMULAS = (
     "characteristic polynomial of the family by formulas in its numbers: coefficients with bounds "
@@ -98,16 +102,21 @@ class FormulaCells(DerivedBands):
         """Whether few cells of a sample are left open."""
         return bool(np.isinf(self.band(xs, ys)["error"]).mean() <= MOST_POOR)
 
-    def judged(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:
+    def judged(
+        self,
+        xs: Floats,
+        ys: Floats,
+        room: Room | None = None,  # noqa: ARG002
+    ) -> tuple[Codes, int, Rates]:
         """Flags and growth rates over a grid, flat; none is decided over Q."""
         if self.swept:
             place = self._places(xs, ys)
             quick, codes = swept(self.formulas.with_bounds, place, self._moving, WANTED, FLAGS)
             return codes, 0, Rates(*quick, codes, None, codes == ELSEWHERE)
-        rows = max(1, BLOCK // len(xs))
         along = self._line if np.array_equal(xs, self._xs) else self._along(xs)
+        rows = max(1, BLOCK // len(xs))
         parts = [self._block(xs, ys[i : i + rows], along) for i in range(0, len(ys), rows)]
-        columns = zip(*parts, strict=True)
+        columns = list(zip(*(part[:6] for part in parts), strict=True))
         joined = [None if c[0] is None else np.concatenate(c) for c in columns]
         found = Rates(*joined)  # type: ignore[arg-type]  # only the eigenvalues may be None
         open_ = found.poor | (found.codes == 0)
@@ -165,7 +174,7 @@ class FormulaCells(DerivedBands):
             coefficients = [
                 [np.broadcast_to(v, shape).reshape(-1) for v in some] for some in (value, error)
             ]
-            out = rates([(monic(*coefficients), self.even, 1)], modes=self.modes)
+            out = rates([(monic(*coefficients), self.even, 1)], shape, modes=self.modes)
         out.poor[:] |= ~np.broadcast_to(member, shape).reshape(-1)
         out.poor[:] |= ~np.isfinite(out.error)
         none = np.broadcast_to(lacking, shape).reshape(-1)
@@ -246,7 +255,7 @@ def quick_rates(reduced: Reduced, *, even: bool, modes: bool) -> Rates | None:
 
 def _of(matrix: Floats, error: Floats, *, even: bool, modes: bool) -> Rates:
     with np.errstate(all="ignore"):
-        return rates([(of_matrices(matrix, error), even, 1)], modes=modes)
+        return rates([(of_matrices(matrix, error), even, 1)], (1, len(matrix)), modes=modes)
 
 
 class GraphCells:
@@ -321,23 +330,75 @@ SLICE = (
 """Method in words."""
 
 
+STORED = (
+    "exact polynomials of the family: verdicts by a floating-point filter with a proved bound, "
+    "growth rates from real factors with Gershgorin bounds; what these leave open in extended "
+    "precision, then in rational arithmetic or balls"
+)
+"""Method in words for a stored polynomial."""
+KINDS = (np.float64, np.longdouble)[: 1 + bool(np.finfo(np.longdouble).eps < 1e-18)]
+"""Types of numbers in which poor cells are computed again, one after the other."""
+
+
 class SliceCells(DerivedBands):
-    """The cells of a map of a family with a slice."""
+    """The cells of a map of a family with a slice.
 
-    how = SLICE
-    """Method in words."""
+    Those of a stored polynomial are complete: certified eigenvalues serve cells that are left open.
+    """
 
-    def __init__(self, found: Slice, axes: tuple[Axis, Axis], modes: bool) -> None:
-        self.modes = modes
-        self.verdicts = SliceVerdicts(found, axes)
-        self.windows = Window(axes[0]), Window(axes[1])
+    def __init__(
+        self, problem: Problem, found: Slice, axes: tuple[Axis, Axis], modes: bool
+    ) -> None:
+        self.problem, self.modes = problem, modes
+        self.axes = axes[0].name, axes[1].name
+        self.verdicts = SliceVerdicts(problem, found, axes)
+        self.windows = self.verdicts.windows
         self._factors = [
             ([surface(c, self.windows) if c != 0 else None for c in row], even, count)
             for row, even, count in found.factors
         ]
         present = [s for row, _, _ in self._factors for s in row if s is not None]
         self._degrees = tuple(max(s.degrees[k] for s in present) for k in (0, 1))
-        self.growth = bool(self.rates(*sample(axes)).poor.mean() <= MOST_POOR)
+        self.complete = problem.derived
+        self.how = STORED if self.complete else SLICE
+        self._wanted = PROVED if self.complete else WANTED
+        self._exact = all(s.rest is not None for s in present)
+        self.growth = self.complete or self._fine(*sample(axes))
+        self.loops = None
+        many = axes[0].count * axes[1].count >= COMPILED_FROM
+        if self.complete and many and not modes and numba_found():
+            rows = [row for row, _, _ in self._factors]
+            self.loops = CompiledRates.of(rows, even=found.even)
+        self.swept = self.loops is not None
+        self.how += LOOPS * self.swept
+
+    def _fine(self, xs: Floats, ys: Floats) -> bool:
+        """Whether few cells of a sample are poor."""
+        return bool(self.rates(xs, ys).poor.mean() <= MOST_POOR)
+
+    def judged(self, xs: Floats, ys: Floats, room: Room | None = None) -> tuple[Codes, int, Rates]:
+        """Flags and growth rates over a grid, flat."""
+        found = None if self.loops is None else self._swept(xs, ys, room)
+        known = None if found is None or "lean" in self.problem.values else found.codes
+        codes, exact = self.verdicts(xs, ys, known)
+        codes = codes.reshape(-1)
+        if found is None:
+            found = self.rates(xs, ys)
+        if self.complete:
+            exact += self._complete(found, xs, ys, codes)
+        return codes, exact, found
+
+    def _swept(self, xs: Floats, ys: Floats, room: Room | None) -> Rates | None:
+        """Growth rates by compiled loops; None where a number is too small for them."""
+        assert self.loops is not None
+        places = self.windows[0].pairs(xs), self.windows[1].pairs(ys)
+        swept = self.loops(places, self._unit(xs, ys), room)
+        if swept is None:
+            return None
+        poor = np.zeros(len(swept.codes), dtype=bool)
+        poor[swept.poor] = True
+        top, error, turn = swept.rates
+        return Rates(top, error, turn, swept.codes, None, poor)
 
     def rates(self, xs: Floats, ys: Floats) -> Rates:
         """Growth rates over a grid, flat, with y outermost."""
@@ -347,35 +408,111 @@ class SliceCells(DerivedBands):
                 for w, v, d in zip(self.windows, (xs, ys), self._degrees, strict=True)
             )
             parts = [(_coefficients(row, t, s), even, count) for row, even, count in self._factors]
-        return rates(parts, modes=self.modes)
+            shape = len(ys), len(xs)
+            found = rates(parts, shape, modes=self.modes, wanted=self._wanted)
+            if self.complete:
+                found.poor[:] |= found.open
+                found.scale(_flat(self._unit(xs, ys), xs, ys))
+        return found
 
-    def judged(self, xs: Floats, ys: Floats) -> tuple[Codes, int, Rates]:
-        """Flags and growth rates over a grid, flat, as from `SliceVerdicts` and `rates`."""
-        codes, exact = self.verdicts(xs, ys)
-        return codes.reshape(-1), exact, self.rates(xs, ys)
+    def _complete(self, found: Rates, xs: Floats, ys: Floats, codes: Codes) -> int:
+        """Compute poor cells again; the number of those that get certified eigenvalues."""
+        left = np.flatnonzero(found.poor)
+        still = left[(codes[left] == CODES[Verdict.NEUTRAL]) & (found.error[left] < np.inf)]
+        found.abscissa[still] = found.error[still] = 0.0
+        found.poor[still] = False
+        for kind in KINDS if self._exact and found.poor.any() else ():
+            place = self.windows[0].pairs(xs), self.windows[1].pairs(ys)
+            left = np.flatnonzero(found.poor)
+            for first in range(0, len(left), BLOCK):
+                some = left[first : first + BLOCK]
+                near = [f and f.take(some).astype(kind) for f in found.factors]
+                again = self._again(place, some, near, kind)
+                again.scale(_flat(self._unit(xs, ys), xs, ys)[some])
+                found.put(some, again)
+        left = np.flatnonzero(found.poor)
+        for cell in left:
+            i, j = divmod(int(cell), len(xs))
+            swept = {self.axes[0]: float(xs[j]), self.axes[1]: float(ys[i])}
+            values = {n: float(v) for n, v in (dict(self.problem.values) | swept).items()}
+            found.prove(self.problem, int(cell), values)
+        return len(left)
+
+    def _again(
+        self, place: tuple[Any, Any], cells: Any, near: Sequence[Factors | None], kind: Any
+    ) -> Rates:
+        """Rates of some cells from coefficients in pairs of doubles, and from factors near them."""
+        rows, columns = np.divmod(cells, len(place[0][0]))
+        with np.errstate(all="ignore"):
+            parts = [
+                (_coefficients_twice(row, place, rows, columns, kind), even, count)
+                for row, even, count in self._factors
+            ]
+            shape = 1, len(cells)
+            found = rates(parts, shape, modes=self.modes, wanted=self._wanted, near=near)
+            found.poor[:] |= found.open
+        return found
+
+    def _unit(self, xs: Floats, ys: Floats) -> Any:
+        """Unit of the polynomial's variable in the user's unit of rate, over a grid."""
+        assert self.problem.exact is not None
+        swept = {self.axes[0]: xs[None, :], self.axes[1]: ys[:, None]}
+        scale, square = self.problem.exact.scale(dict(self.problem.values) | swept)
+        return np.sqrt(square) if scale is None else scale
 
 
 def slice_cells(problem: Problem, axes: tuple[Axis, Axis], modes: bool) -> SliceCells | None:
     """The cells of a map by a slice; None where the family has none."""
     found = slice_of(problem, axes[0].name, axes[1].name)
     with suppress(NotExact):
-        return None if found is None else SliceCells(found, axes, modes)
+        return None if found is None else SliceCells(problem, found, axes, modes)
     return None
+
+
+def _flat(unit: Any, xs: Floats, ys: Floats) -> Floats:
+    """A unit of rate of each cell, flat."""
+    return np.broadcast_to(unit, (len(ys), len(xs))).reshape(-1)
 
 
 def _coefficients(row: list[Surface | None], t: Floats, s: Floats) -> Coefficients:
     """Monic coefficients of a factor over a grid, flat."""
+    top, width = max(p.exponent for p in row if p is not None), t.shape[1]
+    rows = max(1, BLOCK // width)
+    out = np.empty((2, len(row) - 1, width * s.shape[1]))
+    for first in range(0, s.shape[1], rows):
+        some = s[:, first : first + rows]
+        values, errors = [], []
+        for p in row:
+            if p is None:
+                value = error = np.zeros((some.shape[1], width))
+            else:
+                value, error = p.product(t, some)
+                if p.exponent != top:
+                    scale = 2.0 ** (p.exponent - top)  # exact, or zero: LEAST is far above that
+                    value, error = value * scale, error * scale
+                error = error + LEAST
+            values.append(value.reshape(-1))
+            errors.append(error.reshape(-1))
+        place = slice(first * width, first * width + len(values[0]))
+        for lines, part in zip(out, monic(values, errors), strict=True):
+            for line, v in zip(lines, part, strict=True):
+                line[place] = v
+    return out[0], out[1]
+
+
+def _coefficients_twice(
+    row: list[Surface | None], place: tuple[Any, Any], rows: Any, columns: Any, kind: Any
+) -> Coefficients:
+    """Monic coefficients of a factor at cells of a grid, from pairs of doubles."""
     top = max(p.exponent for p in row if p is not None)
-    shape = s.shape[1] * t.shape[1]
-    values: list[Any] = []
-    errors: list[Any] = []
+    values, errors = [], []
     for p in row:
-        if p is None:
-            values.append(np.zeros(shape))
-            errors.append(np.zeros(shape))
-            continue
-        value, error = p.product(t, s)
-        scale = 2.0 ** (p.exponent - top)  # exact, or zero: LEAST is far above that
-        values.append((value * scale).reshape(-1))
-        errors.append((error * scale).reshape(-1) + LEAST)
+        value = error = np.zeros(len(rows), dtype=kind)
+        if p is not None:
+            scale = 2.0 ** (p.exponent - top)
+            high, low, error = p.twice(*place, rows, columns)
+            value = high.astype(kind) * scale + low.astype(kind) * scale
+            error = error * scale + np.finfo(kind).eps / 2 * np.abs(value)
+        values.append(value)
+        errors.append(error + LEAST)
     return monic(values, errors)
