@@ -28,8 +28,10 @@ BLOCK = 8192
 """Rows in one block, so that its arrays stay in the cache."""
 NOTHING = 1e-290
 """Size below which a factor counts as zero, and a change as none."""
+FEW = 4
+"""Largest number of corrections of rows that have not settled from their first factors."""
 MORE = 8
-"""Largest number of corrections of rows that have not settled."""
+"""The same of rows that start again."""
 
 
 class Factors(NamedTuple):
@@ -188,7 +190,7 @@ def settle(a: Sequence[Array], factors: Factors, steps: int = 0) -> Factors:
         some = [c[left] for c in a]
         part = start(some) if fresh else factors.take(left)
         place = np.arange(len(left))
-        for _ in range(MORE):
+        for _ in range(MORE if fresh else FEW):
             part, change = improve([c[place] for c in some], part)
             open_rows = ~(change < enough)
             factors.put(left[place], part)

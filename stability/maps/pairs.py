@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-INLINE = ("two_sum", "two_product", "step")
-"""Functions that are written into the loops over cells."""
 DOUBLED = 2.0**-90
 """Relative error of a value, to the sum of the sizes of its terms."""
 

@@ -369,14 +369,14 @@ def monic(values: Sequence[Floats], errors: Sequence[Floats]) -> Coefficients:
         Coefficients by powers and bounds on their errors, arrays of one shape.
     """
     unit = np.finfo(np.asarray(values[0]).dtype).eps
-    lead, off = np.abs(values[-1]), errors[-1]
-    least = np.maximum(lead - off, 0.0)
+    inverse, off = 1 / values[-1], errors[-1]
+    least = 1.01 / np.maximum(np.abs(values[-1]) - off, 0.0)
     out, bounds = [], []
     for v, e in zip(values[:-1], errors[:-1], strict=True):
-        quotient = v / values[-1]
-        out.append(quotient)
+        quotient = v * inverse  # two roundings, each of half a unit
         size = np.abs(quotient)
-        bounds.append(1.01 * ((e + size * off) / least + unit * size))
+        out.append(quotient)
+        bounds.append((e + size * off) * least + 1.01 * unit * size)
     return out, bounds
 
 

@@ -16,36 +16,36 @@ import numpy as np
 
 from ..pairs import DOUBLED, doubled, step
 from .factors import (
+    CHANGE,
     EPS,
-    corrected_cubic,
-    corrected_quintic,
+    ERROR,
+    HIGH,
+    IMAG,
+    LARGEST,
+    LEAD,
+    LEAD_ERROR,
+    PAGE,
+    PLACE,
+    RADIUS,
+    REAL,
+    SIDE,
+    TOP,
+    TURN,
+    UNIT,
+    A,
+    E,
+    F,
+    U,
+    correct_cubic,
+    correct_quintic,
     cubic_discs,
     larger,
     quintic_discs,
     smaller,
 )
 
-SIDE = 128
-"""Cells of a block."""
 DIVIDED = EPS
 """Relative error of x·(1/y), 2 units of 2⁻⁵³: (1 + d)(1 + d') with |d|, |d'| ≤ 2⁻⁵³."""
-
-U = np.uintp
-"""Type of an index that cannot be negative, so that it needs no test."""
-
-# lines of a page, in cells
-PLACE = 0  # scaled numbers of x
-UNIT = SIDE  # of the rate
-LEAD, LEAD_ERROR = 2 * SIDE, 3 * SIDE
-A = 4 * SIDE  # coefficients, up to five
-E = 9 * SIDE  # their errors
-F = 14 * SIDE  # factors
-CHANGE = 19 * SIDE
-REAL = 20 * SIDE  # of up to six roots
-IMAG = 26 * SIDE
-RADIUS = 32 * SIDE
-TOP, ERROR, TURN, LARGEST, HIGH = 38 * SIDE, 39 * SIDE, 40 * SIDE, 41 * SIDE, 42 * SIDE
-PAGE = 43 * SIDE
 
 
 def copy(x: int, y: int, w: Any) -> None:
@@ -128,41 +128,6 @@ WANTED = 1e-13
 """Error of the abscissa, relative to the largest modulus, beyond which a cell is computed again."""
 
 
-def correct_cubic(j: int, w: Any) -> None:
-    """One correction of the factors of one cell of a block."""
-    w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j], w[CHANGE + j] = corrected_cubic(
-        w[A + j],
-        w[A + SIDE + j],
-        w[A + 2 * SIDE + j],
-        w[F + j],
-        w[F + SIDE + j],
-        w[F + 2 * SIDE + j],
-    )
-
-
-def correct_quintic(j: int, w: Any) -> None:
-    """The same for a factor of degree 5."""
-    (
-        w[F + j],
-        w[F + SIDE + j],
-        w[F + 2 * SIDE + j],
-        w[F + 3 * SIDE + j],
-        w[F + 4 * SIDE + j],
-        w[CHANGE + j],
-    ) = corrected_quintic(
-        w[A + j],
-        w[A + SIDE + j],
-        w[A + 2 * SIDE + j],
-        w[A + 3 * SIDE + j],
-        w[A + 4 * SIDE + j],
-        w[F + j],
-        w[F + SIDE + j],
-        w[F + 2 * SIDE + j],
-        w[F + 3 * SIDE + j],
-        w[F + 4 * SIDE + j],
-    )
-
-
 def correct(degree: int, w: Any) -> int:
     """One correction of the factors of a block; the number of cells that still change."""
     if degree == 3:
@@ -243,66 +208,15 @@ def rescue(degree: int, j: int, near: Any, z: Any, w: Any) -> None:
 def discs(degree: int, slot: int, w: Any) -> None:
     """Roots of a factor and the radii of their discs, from the lines of this slot on."""
     if degree == 1:
+        to = slot * SIDE
         for j in range(SIDE):
-            w[REAL + slot * SIDE + j] = -w[A + j]
-            w[IMAG + slot * SIDE + j] = 0.0
-            w[RADIUS + slot * SIDE + j] = w[E + j]
+            w[REAL + to + j], w[IMAG + to + j], w[RADIUS + to + j] = -w[A + j], 0.0, w[E + j]
     elif degree == 3:
         for j in range(SIDE):
-            (
-                w[REAL + j],
-                w[REAL + SIDE + j],
-                w[REAL + 2 * SIDE + j],
-                turn,
-                w[RADIUS + j],
-                w[RADIUS + SIDE + j],
-                w[RADIUS + 2 * SIDE + j],
-            ) = cubic_discs(
-                w[A + j],
-                w[A + SIDE + j],
-                w[A + 2 * SIDE + j],
-                w[E + j],
-                w[E + SIDE + j],
-                w[E + 2 * SIDE + j],
-                w[F + j],
-                w[F + SIDE + j],
-                w[F + 2 * SIDE + j],
-            )
-            w[IMAG + j], w[IMAG + SIDE + j], w[IMAG + 2 * SIDE + j] = 0.0, turn, turn
+            cubic_discs(j, w)
     else:
         for j in range(SIDE):
-            (
-                w[REAL + j],
-                w[REAL + SIDE + j],
-                w[REAL + 2 * SIDE + j],
-                w[REAL + 3 * SIDE + j],
-                w[REAL + 4 * SIDE + j],
-                turn,
-                tilt,
-                w[RADIUS + j],
-                w[RADIUS + SIDE + j],
-                w[RADIUS + 2 * SIDE + j],
-                w[RADIUS + 3 * SIDE + j],
-                w[RADIUS + 4 * SIDE + j],
-            ) = quintic_discs(
-                w[A + j],
-                w[A + SIDE + j],
-                w[A + 2 * SIDE + j],
-                w[A + 3 * SIDE + j],
-                w[A + 4 * SIDE + j],
-                w[E + j],
-                w[E + SIDE + j],
-                w[E + 2 * SIDE + j],
-                w[E + 3 * SIDE + j],
-                w[E + 4 * SIDE + j],
-                w[F + j],
-                w[F + SIDE + j],
-                w[F + 2 * SIDE + j],
-                w[F + 3 * SIDE + j],
-                w[F + 4 * SIDE + j],
-            )
-            w[IMAG + j], w[IMAG + SIDE + j], w[IMAG + 2 * SIDE + j] = 0.0, turn, turn
-            w[IMAG + 3 * SIDE + j], w[IMAG + 4 * SIDE + j] = tilt, tilt
+            quintic_discs(j, w)
 
 
 def rate(roots: int, w: Any) -> None:
