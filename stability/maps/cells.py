@@ -28,8 +28,7 @@ from ..spectra.verdict_routes import BITS
 from ..storage.pieces import Chunk, Pieces
 from ..systems.graph.smoothness import edged
 from .dataset import GRAPH, POLYNOMIAL, SINGLE
-from .engine import GraphCells, SliceCells, formula_cells, slice_cells
-from .rates import LEFT, Bands, Room
+from .engine import LEFT, Bands, GraphCells, Room, SliceCells, formula_cells, slice_cells
 from .verdicts import ELSEWHERE
 
 CHUNK = 16384

@@ -8,6 +8,7 @@ proved to be those of a member, or whose discs decide nothing, are left to the g
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import cached_property
@@ -35,19 +36,15 @@ from ..systems.structure.structural_zeros import structure
 from .compiled.rates import CompiledRates
 from .compiled.swept import swept
 from .rates import (
-    MOST_POOR,
     PROVED,
     WANTED,
     Coefficients,
-    DerivedBands,
     Rates,
-    Room,
     arrays_of,
     monic,
     of_eigenvalues,
     of_matrices,
     rates,
-    sample,
 )
 from .slices import Slice, slice_of
 from .surfaces import LEAST, Surface, powers
@@ -56,8 +53,8 @@ from .verdicts import ELSEWHERE, SliceVerdicts, surface
 
 FORMULAS = (
     "characteristic polynomial of the family by formulas in its numbers: coefficients with bounds "
-    "on every rounding, growth rates and verdicts by the discs of Braess and Hadeler; what these "
-    "leave open from the graph by the eigensolver with Gershgorin's discs"
+    "on every rounding, growth rates and verdicts from real factors with Gershgorin bounds; what "
+    "these leave open from the graph by the eigensolver with Gershgorin's discs"
 )
 """Method in words."""
 LOOPS = "; compiled loops"
@@ -71,36 +68,87 @@ BLOCK = 16384
 NUMPY = numpy_algebra()
 Along = Callable[[list[list[Any]]], Any]
 """Formulas of family parameters and parameters of a block, begun for the values of x."""
+TRIED = 16
+"""Cells along each axis on which discs are tried before a map."""
+MOST_POOR = 0.25
+"""Share of these cells beyond which the graph takes all cells."""
+LEFT = "left"
+"""Key in a chunk, in addition to its arrays: number of cells sent to exact arithmetic."""
+Room = tuple[Any, ...]
+"""Arrays for abscissa, bound on its error, |imaginary part| and flags, each flat."""
 
 
-class FormulaCells(DerivedBands):
+class Bands(ABC):
+    """The cells of a map by a polynomial, many rows at a time.
+
+    Parameters
+    ----------
+    problem
+        Problem of the family.
+    axes
+        x and y.
+    modes
+        Whether to keep all eigenvalues.
+    """
+
+    how: str
+    """Method in words."""
+    growth: bool
+    """Whether the discs are good enough for growth rates."""
+    complete = False
+    """Whether no cell is left to the graph."""
+    swept = False
+    """Whether compiled loops run over the cells, so that many rows at once need no more memory."""
+
+    def __init__(self, problem: Problem, axes: tuple[Axis, Axis], modes: bool) -> None:
+        self.problem, self.modes = problem, modes
+        self.axes = axes[0].name, axes[1].name
+        x, y = (g.values[:: max(1, g.count // TRIED)] for g in axes)
+        self._sample = x, y
+        many = axes[0].count * axes[1].count >= COMPILED_FROM
+        self._may_sweep = many and not modes and numba_found()
+
+    @abstractmethod
+    def judged(self, xs: Floats, ys: Floats, room: Room | None) -> tuple[Codes, int, Rates]:
+        """Flags, `ELSEWHERE` where none is proved, cells decided over Q, and growth rates, flat."""
+
+    def band(self, xs: Floats, ys: Floats, room: Room | None = None) -> Chunk:
+        """The arrays of a grid, flat; the error is infinite in cells that are left to the graph.
+
+        Compiled loops may fill the arrays of `room`.
+        """
+        codes, exact, found = self.judged(xs, ys, room)
+        if not self.complete:
+            found.error[(found.poor & (codes != NO_MEMBER)) | (codes == ELSEWHERE)] = np.inf
+        return {LEFT: np.array([exact]), "codes": codes, **arrays_of(found, modes=self.modes)}
+
+    def swept_values(self, x: Any, y: Any) -> dict[str, Any]:
+        """Values of the problem with those of the axes."""
+        return dict(self.problem.values) | dict(zip(self.axes, (x, y), strict=True))
+
+
+class FormulaCells(Bands):
     """The cells of a map of a family with formulas."""
 
     def __init__(
         self, problem: Problem, formulas: ClosedForm, axes: tuple[Axis, Axis], modes: bool
     ) -> None:
-        self.modes, self.even = modes, formulas.even
-        self.formulas = formulas
-        family = problem.family
-        self.names = family.at, family.parameters
-        self.axes = axes[0].name, axes[1].name
-        self.values = {n: float(v) for n, v in problem.values.items() if n not in self.axes}
-        x, y = sample(axes)
+        super().__init__(problem, axes, modes)
+        self.formulas, self.even, self.how = formulas, formulas.even, FORMULAS
+        self.names = problem.family.at, problem.family.parameters
         self._xs = axes[0].values
         self.sized = formulas.even and not isinstance(formulas, ImplicitForm)
-        self.how, self.swept = FORMULAS, False
-        self.growth = self._fine(x, y)
-        many = axes[0].count * axes[1].count >= COMPILED_FROM and numba_found()
-        self.swept = self.growth and self.sized and many and not modes and self._square
-        if self.swept:
-            self.how += LOOPS
+        self.growth = self._fine
+        self.swept = self.growth and self.sized and self._may_sweep and self._square
+        self.how += LOOPS * self.swept
         if self.sized and not self.growth:
             self.sized = False
-            self.growth = self._fine(x, y)
+            self.growth = self._fine
 
-    def _fine(self, xs: Floats, ys: Floats) -> bool:
-        """Whether few cells of a sample are left open."""
-        return bool(np.isinf(self.band(xs, ys)["error"]).mean() <= MOST_POOR)
+    @property
+    def _fine(self) -> bool:
+        """Whether few cells of a sample are open."""
+        return bool(np.isinf(self.band(*self._sample)["error"]).mean() <= MOST_POOR)
 
     def judged(
         self,
@@ -125,8 +173,7 @@ class FormulaCells(DerivedBands):
 
     def _places(self, xs: Floats, ys: Floats) -> list[list[Any]]:
         """Family parameters and parameters of a block."""
-        values: dict[str, Any] = dict(self.values)
-        values |= {self.axes[0]: xs[None, :], self.axes[1]: ys[:, None]}
+        values = self.swept_values(xs[None, :], ys[:, None])
         return [[values[n] for n in names] for names in self.names]
 
     def __getstate__(self) -> dict[str, Any]:
@@ -323,9 +370,9 @@ class GraphCells:
 
 SLICE = (
     "characteristic polynomial of the family over Q in the two axes: verdicts from its conditions "
-    "by a floating-point filter with a proved bound, growth rates by Weierstrass' correction with "
-    "the discs of Braess and Hadeler; what these leave open in rational arithmetic, or from the "
-    "graph by the eigensolver with Gershgorin's discs"
+    "by a floating-point filter with a proved bound, growth rates from real factors "
+    "with Gershgorin bounds; what these leave open in rational arithmetic, or from the graph by "
+    "the eigensolver with Gershgorin's discs"
 )
 """Method in words."""
 
@@ -340,7 +387,7 @@ KINDS = (np.float64, np.longdouble)[: 1 + bool(np.finfo(np.longdouble).eps < 1e-
 """Types of numbers in which poor cells are computed again, one after the other."""
 
 
-class SliceCells(DerivedBands):
+class SliceCells(Bands):
     """The cells of a map of a family with a slice.
 
     Those of a stored polynomial are complete: certified eigenvalues serve cells that are left open.
@@ -349,8 +396,7 @@ class SliceCells(DerivedBands):
     def __init__(
         self, problem: Problem, found: Slice, axes: tuple[Axis, Axis], modes: bool
     ) -> None:
-        self.problem, self.modes = problem, modes
-        self.axes = axes[0].name, axes[1].name
+        super().__init__(problem, axes, modes)
         self.verdicts = SliceVerdicts(problem, found, axes)
         self.windows = self.verdicts.windows
         self._factors = [
@@ -363,18 +409,12 @@ class SliceCells(DerivedBands):
         self.how = STORED if self.complete else SLICE
         self._wanted = PROVED if self.complete else WANTED
         self._exact = all(s.rest is not None for s in present)
-        self.growth = self.complete or self._fine(*sample(axes))
         self.loops = None
-        many = axes[0].count * axes[1].count >= COMPILED_FROM
-        if self.complete and many and not modes and numba_found():
-            rows = [row for row, _, _ in self._factors]
-            self.loops = CompiledRates.of(rows, even=found.even)
+        if self.complete and self._may_sweep:
+            self.loops = CompiledRates.of([row for row, _, _ in self._factors], even=found.even)
         self.swept = self.loops is not None
         self.how += LOOPS * self.swept
-
-    def _fine(self, xs: Floats, ys: Floats) -> bool:
-        """Whether few cells of a sample are poor."""
-        return bool(self.rates(xs, ys).poor.mean() <= MOST_POOR)
+        self.growth = self.complete or bool(self.rates(*self._sample).poor.mean() <= MOST_POOR)
 
     def judged(self, xs: Floats, ys: Floats, room: Room | None = None) -> tuple[Codes, int, Rates]:
         """Flags and growth rates over a grid, flat."""
@@ -433,8 +473,7 @@ class SliceCells(DerivedBands):
         left = np.flatnonzero(found.poor)
         for cell in left:
             i, j = divmod(int(cell), len(xs))
-            swept = {self.axes[0]: float(xs[j]), self.axes[1]: float(ys[i])}
-            values = {n: float(v) for n, v in (dict(self.problem.values) | swept).items()}
+            values = {n: float(v) for n, v in self.swept_values(xs[j], ys[i]).items()}
             found.prove(self.problem, int(cell), values)
         return len(left)
 
@@ -456,8 +495,7 @@ class SliceCells(DerivedBands):
     def _unit(self, xs: Floats, ys: Floats) -> Any:
         """Unit of the polynomial's variable in the user's unit of rate, over a grid."""
         assert self.problem.exact is not None
-        swept = {self.axes[0]: xs[None, :], self.axes[1]: ys[:, None]}
-        scale, square = self.problem.exact.scale(dict(self.problem.values) | swept)
+        scale, square = self.problem.exact.scale(self.swept_values(xs[None, :], ys[:, None]))
         return np.sqrt(square) if scale is None else scale
 
 

@@ -7,7 +7,6 @@ to hold it, see `stability.algebra.real_factors`.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from functools import reduce
 from typing import Any, NamedTuple
@@ -18,14 +17,12 @@ from numpy.typing import NDArray
 from ..algebra.exact.number_fields import characteristic
 from ..algebra.real_factors import Factors, Roots, enclose, settle, start
 from ..algebra.running_error import TINY, UNIT
-from ..base.axis import Axis
 from ..base.types import Complexes, Floats
-from ..base.verdict import CODES, NO_MEMBER, Verdict
+from ..base.verdict import CODES, Verdict
 from ..spectra.certificate import certify
 from ..spectra.problem import Problem
 from ..storage.pieces import Chunk
 from .tiles import Codes
-from .verdicts import ELSEWHERE
 
 STRIDE = 16
 """Distance between the cells of a grid at which the eigensolver starts."""
@@ -90,10 +87,6 @@ WANTED = 1e-10
 """Error of the abscissa, relative to the largest modulus, beyond which a cell is computed again."""
 PROVED = 1e-13
 """The same where certified eigenvalues are to be had."""
-SAMPLE = 16
-"""Cells along each axis on which discs are tried before a map."""
-MOST_POOR = 0.25
-"""Share of these cells beyond which the graph takes all cells."""
 
 
 class Rates(NamedTuple):
@@ -162,54 +155,6 @@ def arrays_of(found: Any, *, modes: bool, unit: Floats | None = None) -> Chunk:
     if unit is None:
         return arrays
     return {n: v * (unit if v.ndim == 1 else unit[:, None]) for n, v in arrays.items()}
-
-
-LEFT = "left"
-"""Key in a chunk, in addition to its arrays: number of cells sent to exact arithmetic."""
-Room = tuple[Any, ...]
-"""Arrays for abscissa, bound on its error, |imaginary part| and flags, each flat."""
-
-
-class Bands(ABC):
-    """The cells of a map by a polynomial, many rows at a time."""
-
-    modes: bool
-    """Whether to keep all eigenvalues."""
-    how: str
-    """Method in words."""
-    growth: bool
-    """Whether the discs are good enough for growth rates."""
-    swept = False
-    """Whether compiled loops run over the cells, so that many rows at once need no more memory."""
-    complete = False
-    """Whether no cell is left to the graph."""
-
-    @abstractmethod
-    def band(self, xs: Floats, ys: Floats, room: Room | None = None) -> Chunk:
-        """The arrays of a grid, flat; the error is infinite in cells that are left to the graph.
-
-        Compiled loops may fill the arrays of `room`.
-        """
-
-
-class DerivedBands(Bands):
-    """The same by a polynomial or formulas of a family, which leave some cells to the graph."""
-
-    @abstractmethod
-    def judged(self, xs: Floats, ys: Floats, room: Room | None) -> tuple[Codes, int, Rates]:
-        """Flags, `ELSEWHERE` where none is proved, cells decided over Q, and growth rates, flat."""
-
-    def band(self, xs: Floats, ys: Floats, room: Room | None = None) -> Chunk:
-        """As for every band."""
-        codes, exact, found = self.judged(xs, ys, room)
-        if not self.complete:
-            found.error[(found.poor & (codes != NO_MEMBER)) | (codes == ELSEWHERE)] = np.inf
-        return {LEFT: np.array([exact]), "codes": codes, **arrays_of(found, modes=self.modes)}
-
-
-def sample(axes: tuple[Axis, Axis]) -> list[Floats]:
-    """A few values of each axis."""
-    return [g.values[:: max(1, g.count // SAMPLE)] for g in axes]
 
 
 Coefficients = tuple[Any, Any]
