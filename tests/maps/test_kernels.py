@@ -290,6 +290,23 @@ def test_conservative_maps_take_the_same_route() -> None:
     assert (found.abscissa_error.values[square < -1e-6] == 0).all()
 
 
+@pytest.mark.parametrize("compiled", [False, True])
+def test_a_cell_that_is_proved_neutral_grows_by_exactly_nothing(
+    compiled: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The disk that spins at Ω = 2 lies on its static boundary; 2 is a double."""
+    if compiled:
+        pytest.importorskip("numba")
+        monkeypatch.setattr("stability.maps.engine.COMPILED_FROM", 0)
+    found = st.stability_map("spinning", x=("at", 1, 3, 33), y=("mu", 0.1, 3, 20), boundaries=False)
+    neutral = found.verdict.values == CODES[Verdict.NEUTRAL]
+    assert neutral.sum(axis=0).nonzero()[0].tolist() == [16]
+    assert (found.abscissa.values[neutral] == 0).all()
+    assert (found.abscissa_error.values[neutral] == 0).all()
+    assert found.abscissa.values[~neutral].all()
+    assert "(0 of 660 cells" not in found.method  # their verdicts are exact
+
+
 def test_error_discs_of_factors_hold_known_roots() -> None:
     """Polynomials with known roots, coefficients exact in doubles; and clusters get no bound."""
     cases = [

@@ -474,3 +474,42 @@ def test_cells_exactly_on_a_boundary_are_neutral_by_proof(
     assert (words[:half] == st.Verdict.UNSTABLE.code).all()
     assert (words[half + 1 :] == st.Verdict.STABLE.code).all()
     assert found.boundary_unresolved == 0 and (abs(found.boundary_c) <= found.boundary_error).all()
+
+
+def test_bounds_of_values_hold_over_random_polynomials_and_are_not_idle() -> None:
+    """Values over grids and in pairs of doubles, against exact fractions."""
+    chance = np.random.default_rng(1)
+    worst = 0.0
+    for trial in range(90):
+        degrees = chance.integers(0, 5, 2)
+        terms = {
+            (i, j): Fraction(int(chance.integers(1, 50)) * (-1) ** (i + j), 1 + 2 * (trial % 3))
+            for i in range(degrees[0] + 1)
+            for j in range(degrees[1] + 1)
+            if chance.random() < 0.6
+        } or {(1, 0): Fraction(1)}
+        low = chance.uniform(-2, 2)
+        high = low + (1e-3 if trial % 3 else 1.0) * abs(low)
+        windows = (
+            Window(Axis("x", low, high, 9), "", 1 + trial % 2),
+            Window(Axis("y", 0.01, 5.0, 9)),
+        )
+        one = Surface(terms, windows)
+        xs, ys = chance.uniform(low, high, 9), chance.uniform(0.01, 5, 9)
+        value, error = one.product(
+            *(powers(w(v), d) for w, v, d in zip(windows, (xs, ys), one.degrees, strict=True))
+        )
+        rows, columns = (v.ravel() for v in np.indices((9, 9)))
+        first, second, bound = one.twice(windows[0].pairs(xs), windows[1].pairs(ys), rows, columns)
+        for n, (i, j) in enumerate(zip(rows, columns, strict=True)):
+            x, y = Fraction(float(xs[j])) ** windows[0].power, Fraction(float(ys[i]))
+            exact = (
+                sum(c * x**a * y**b for (a, b), c in terms.items()) / Fraction(2) ** one.exponent
+            )
+            off = abs(Fraction(float(value[i, j])) - exact)
+            assert off <= Fraction(float(error[i, j]))
+            worst = max(worst, float(off) / float(error[i, j]))
+            pair = Fraction(float(first[n])) + Fraction(float(second[n]))
+            assert abs(pair - exact) <= Fraction(float(bound[n]))
+            assert bound[n] < 1e-9 * max(float(error[i, j]), 1e-17)
+    assert worst > 0.5
