@@ -164,11 +164,14 @@ class FormulaCells(Bands):
         along = self._line if np.array_equal(xs, self._xs) else self._along(xs)
         rows = max(1, BLOCK // len(xs))
         parts = [self._block(xs, ys[i : i + rows], along) for i in range(0, len(ys), rows)]
-        columns = list(zip(*(part[:6] for part in parts), strict=True))
-        joined = [None if c[0] is None else np.concatenate(c) for c in columns]
-        found = Rates(*joined)  # type: ignore[arg-type]  # only the eigenvalues may be None
-        open_ = found.poor | (found.codes == 0)
-        found.codes[open_ & (found.codes != NO_MEMBER)] = ELSEWHERE
+        a, e, member, none = (np.concatenate(v, axis=-1) for v in zip(*parts, strict=True))
+        found = rates([((a, e), self.even, 1)], (len(ys), len(xs)), modes=self.modes)
+        found.poor[:] |= ~(member & np.isfinite(found.error))
+        found.codes[found.poor | (found.codes == 0)] = ELSEWHERE
+        found.codes[none] = NO_MEMBER
+        for array in (found.abscissa, found.error, found.frequency, found.values):
+            if array is not None:
+                array[none] = np.nan
         return found.codes, 0, found
 
     def _places(self, xs: Floats, ys: Floats) -> list[list[Any]]:
@@ -210,27 +213,19 @@ class FormulaCells(Bands):
             tracked = self.formulas.begun(TRACKED, a, q, rows)
         return lambda places: tracked(*_exact(places))
 
-    def _block(self, xs: Floats, ys: Floats, along: Along) -> Rates:
+    def _block(self, xs: Floats, ys: Floats, along: Along) -> tuple[Any, Any, Any, Any]:
+        """Monic coefficients with bounds, where members are proved, and where there are none."""
         shape = len(ys), len(xs)
         with np.errstate(all="ignore"):
-            (value, error), numbers = self._bounded(self._places(xs, ys), along)
+            coefficients, numbers = self._bounded(self._places(xs, ys), along)
             member: Any = np.True_
             lacking: Any = np.False_
             for v, e in numbers:
                 member, lacking = member & (v > e), lacking | (v < -e)
-            coefficients = [
-                [np.broadcast_to(v, shape).reshape(-1) for v in some] for some in (value, error)
-            ]
-            out = rates([(monic(*coefficients), self.even, 1)], shape, modes=self.modes)
-        out.poor[:] |= ~np.broadcast_to(member, shape).reshape(-1)
-        out.poor[:] |= ~np.isfinite(out.error)
-        none = np.broadcast_to(lacking, shape).reshape(-1)
-        out.codes[none] = NO_MEMBER
-        for rate in (out.abscissa, out.error, out.frequency):
-            rate[none] = np.nan
-        if out.values is not None:
-            out.values[none] = np.nan
-        return out
+            flat = [[np.broadcast_to(v, shape).reshape(-1) for v in c] for c in coefficients]
+            flags = [np.broadcast_to(v, shape).reshape(-1) for v in (member, lacking)]
+            a, e = monic(flat[0], flat[1])
+        return np.array(a), np.array(e), flags[0], flags[1]
 
     def _bounded(self, places: list[list[Any]], along: Along) -> tuple[Any, list[tuple[Any, Any]]]:
         """Coefficients with bounds, and the numbers that are positive at members with theirs.
