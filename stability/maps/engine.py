@@ -117,10 +117,10 @@ class Bands(ABC):
 
         Compiled loops may fill the arrays of `room`.
         """
-        codes, exact, found = self.judged(xs, ys, room)
+        codes, exact, growth = self.judged(xs, ys, room)
         if not self.complete:
-            found.error[(found.poor & (codes != NO_MEMBER)) | (codes == ELSEWHERE)] = np.inf
-        return {LEFT: np.array([exact]), "codes": codes, **arrays_of(found, modes=self.modes)}
+            growth.error[(growth.poor & (codes != NO_MEMBER)) | (codes == ELSEWHERE)] = np.inf
+        return {LEFT: np.array([exact]), "codes": codes, **arrays_of(growth, modes=self.modes)}
 
     def swept_values(self, x: Any, y: Any) -> dict[str, Any]:
         """Values of the problem with those of the axes."""
@@ -165,14 +165,14 @@ class FormulaCells(Bands):
         rows = max(1, BLOCK // len(xs))
         parts = [self._block(xs, ys[i : i + rows], along) for i in range(0, len(ys), rows)]
         a, e, member, none = (np.concatenate(v, axis=-1) for v in zip(*parts, strict=True))
-        found = rates([((a, e), self.even, 1)], (len(ys), len(xs)), modes=self.modes)
-        found.poor[:] |= ~(member & np.isfinite(found.error))
-        found.codes[found.poor | (found.codes == 0)] = ELSEWHERE
-        found.codes[none] = NO_MEMBER
-        for array in (found.abscissa, found.error, found.frequency, found.values):
+        growth = rates([((a, e), self.even, 1)], (len(ys), len(xs)), modes=self.modes)
+        growth.poor[:] |= ~(member & np.isfinite(growth.error))
+        growth.codes[growth.poor | (growth.codes == 0)] = ELSEWHERE
+        growth.codes[none] = NO_MEMBER
+        for array in (growth.abscissa, growth.error, growth.frequency, growth.values):
             if array is not None:
                 array[none] = np.nan
-        return found.codes, 0, found
+        return growth.codes, 0, growth
 
     def _places(self, xs: Floats, ys: Floats) -> list[list[Any]]:
         """Family parameters and parameters of a block."""
@@ -413,15 +413,15 @@ class SliceCells(Bands):
 
     def judged(self, xs: Floats, ys: Floats, room: Room | None = None) -> tuple[Codes, int, Rates]:
         """Flags and growth rates over a grid, flat."""
-        found = None if self.loops is None else self._swept(xs, ys, room)
-        known = None if found is None or "lean" in self.problem.values else found.codes
+        growth = None if self.loops is None else self._swept(xs, ys, room)
+        known = None if growth is None or "lean" in self.problem.values else growth.codes
         codes, exact = self.verdicts(xs, ys, known)
         codes = codes.reshape(-1)
-        if found is None:
-            found = self.rates(xs, ys)
+        if growth is None:
+            growth = self.rates(xs, ys)
         if self.complete:
-            exact += self._complete(found, xs, ys, codes)
-        return codes, exact, found
+            exact += self._complete(growth, xs, ys, codes)
+        return codes, exact, growth
 
     def _swept(self, xs: Floats, ys: Floats, room: Room | None) -> Rates | None:
         """Growth rates by compiled loops; None where a number is too small for them."""
@@ -444,32 +444,32 @@ class SliceCells(Bands):
             )
             parts = [(_coefficients(row, t, s), even, count) for row, even, count in self._factors]
             shape = len(ys), len(xs)
-            found = rates(parts, shape, modes=self.modes, wanted=self._wanted)
+            growth = rates(parts, shape, modes=self.modes, wanted=self._wanted)
             if self.complete:
-                found.poor[:] |= found.open
-                found.scale(_flat(self._unit(xs, ys), xs, ys))
-        return found
+                growth.poor[:] |= growth.open
+                growth.scale(_flat(self._unit(xs, ys), xs, ys))
+        return growth
 
-    def _complete(self, found: Rates, xs: Floats, ys: Floats, codes: Codes) -> int:
+    def _complete(self, growth: Rates, xs: Floats, ys: Floats, codes: Codes) -> int:
         """Compute poor cells again; the number of those that get certified eigenvalues."""
-        left = np.flatnonzero(found.poor)
-        still = left[(codes[left] == CODES[Verdict.NEUTRAL]) & (found.error[left] < np.inf)]
-        found.abscissa[still] = found.error[still] = 0.0
-        found.poor[still] = False
-        for kind in KINDS if self._exact and found.poor.any() else ():
+        left = np.flatnonzero(growth.poor)
+        still = left[(codes[left] == CODES[Verdict.NEUTRAL]) & (growth.error[left] < np.inf)]
+        growth.abscissa[still] = growth.error[still] = 0.0
+        growth.poor[still] = False
+        for kind in KINDS if self._exact and growth.poor.any() else ():
             place = self.windows[0].pairs(xs), self.windows[1].pairs(ys)
-            left = np.flatnonzero(found.poor)
+            left = np.flatnonzero(growth.poor)
             for first in range(0, len(left), BLOCK):
                 some = left[first : first + BLOCK]
-                near = [f and f.take(some).astype(kind) for f in found.factors]
+                near = [f and f.take(some).astype(kind) for f in growth.factors]
                 again = self._again(place, some, near, kind)
                 again.scale(_flat(self._unit(xs, ys), xs, ys)[some])
-                found.put(some, again)
-        left = np.flatnonzero(found.poor)
+                growth.put(some, again)
+        left = np.flatnonzero(growth.poor)
         for cell in left:
             i, j = divmod(int(cell), len(xs))
             values = {n: float(v) for n, v in self.swept_values(xs[j], ys[i]).items()}
-            found.prove(self.problem, int(cell), values)
+            growth.prove(self.problem, int(cell), values)
         return len(left)
 
     def _again(
@@ -483,9 +483,9 @@ class SliceCells(Bands):
                 for row, even, count in self._factors
             ]
             shape = 1, len(cells)
-            found = rates(parts, shape, modes=self.modes, wanted=self._wanted, near=near)
-            found.poor[:] |= found.open
-        return found
+            growth = rates(parts, shape, modes=self.modes, wanted=self._wanted, near=near)
+            growth.poor[:] |= growth.open
+        return growth
 
     def _unit(self, xs: Floats, ys: Floats) -> Any:
         """Unit of the polynomial's variable in the user's unit of rate, over a grid."""

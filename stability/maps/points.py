@@ -72,14 +72,14 @@ def rates_at(problem: Problem, values: Mapping[str, Any], *, modes: bool = False
         ]
         flat = [(tuple([v.reshape(-1) for v in some] for some in c), e, n) for c, e, n in parts]
         count = flat[0][0][0][0].size
-        found = rates(flat, (1, count), modes=modes, wanted=PROVED)  # type: ignore[arg-type]
-        found.poor[:] |= found.open
+        growth = rates(flat, (1, count), modes=modes, wanted=PROVED)  # type: ignore[arg-type]
+        growth.poor[:] |= growth.open
         scale, square = exact.scale(values)
         unit = np.broadcast_to(np.sqrt(square) if scale is None else scale, shape).reshape(-1)
-        found.scale(unit)
-    for cell, numbers in _singly(values, shape, np.flatnonzero(found.poor)):
-        found.prove(problem, cell, numbers)
-    return found
+        growth.scale(unit)
+    for cell, numbers in _singly(values, shape, np.flatnonzero(growth.poor)):
+        growth.prove(problem, cell, numbers)
+    return growth
 
 
 def _stored(problem: Problem) -> TabulatedPolynomial:

@@ -197,7 +197,7 @@ def rates(
     codes, poor = np.empty(count, dtype=np.int8), np.empty(count, dtype=bool)
     size = sum(len(a) * number for (a, _), _, number in factors)
     values = np.empty((count, size), dtype=complex) if modes else None
-    found = Rates(top, error, lead, codes, values, poor, kept)
+    growth = Rates(top, error, lead, codes, values, poor, kept)
     for first in range(0, count, BLOCK):
         rows = slice(first, first + BLOCK)
         with np.errstate(all="ignore"):
@@ -207,8 +207,8 @@ def rates(
                 near_, off = ([v[rows] for v in some[::step]] for some in (a, e))
                 roots = _enclosed(near_, off, known and known.take(rows))
                 parts.append(_mirrored(roots) if even else roots)
-            _fill(found, rows, parts, factors, wanted)
-    return found
+            _fill(growth, rows, parts, factors, wanted)
+    return growth
 
 
 def _factored(a: Sequence[Any], shape: tuple[int, int], near: Factors | None) -> Factors | None:
@@ -225,9 +225,9 @@ def _enclosed(a: Sequence[Any], error: Sequence[Any], factors: Factors | None) -
     return enclose(a, error, factors)
 
 
-def _fill(found: Rates, rows: slice, parts: Any, factors: Any, wanted: float) -> None:
+def _fill(growth: Rates, rows: slice, parts: Any, factors: Any, wanted: float) -> None:
     """Rates of some members from the roots of each factor."""
-    unit = np.finfo(found.abscissa.dtype).eps
+    unit = np.finfo(growth.abscissa.dtype).eps
     members = [
         # on the imaginary axis by symmetry, without an error of the real part
         (x, np.abs(y), np.where((x == 0) & (r < np.inf), 0.0, r) if even else r)
@@ -237,23 +237,23 @@ def _fill(found: Rates, rows: slice, parts: Any, factors: Any, wanted: float) ->
     top = most([x for x, _, _ in members])
     low, high = most([x - r for x, _, r in members]), most([x + r for x, _, r in members])
     error = np.maximum(high - top, top - low)
-    found.abscissa[rows] = top
-    found.error[rows] = error + np.where(error > 0, 2 * unit * np.abs(top), 0.0)
-    found.frequency[rows] = most([np.where(x == top, y, 0.0) for x, y, _ in members])
+    growth.abscissa[rows] = top
+    growth.error[rows] = error + np.where(error > 0, 2 * unit * np.abs(top), 0.0)
+    growth.frequency[rows] = most([np.where(x == top, y, 0.0) for x, y, _ in members])
     even = any(even for _, even, _ in factors)
     sure = (high <= 0) if even else (high < 0)
     codes = sure * np.int8(CODES[Verdict.NEUTRAL if even else Verdict.STABLE])
-    found.codes[rows] = codes + (low > 0) * np.int8(CODES[Verdict.UNSTABLE])
+    growth.codes[rows] = codes + (low > 0) * np.int8(CODES[Verdict.UNSTABLE])
     largest = most([np.abs(x) + y for x, y, _ in members])
-    found.poor[rows] = ~(found.error[rows] <= wanted * largest)
-    if found.values is not None:
+    growth.poor[rows] = ~(growth.error[rows] <= wanted * largest)
+    if growth.values is not None:
         spectrum = [
             x + 1j * y
             for part, (_, _, count) in zip(parts, factors, strict=True)
             for x, y in zip(part.real, part.imag, strict=True)
             for _ in range(count)
         ]
-        found.values[rows] = sorted_modes(np.stack(spectrum).astype(complex))
+        growth.values[rows] = sorted_modes(np.stack(spectrum).astype(complex))
 
 
 def _without_conjugates(roots: Roots) -> list[tuple[Any, Any, Any]]:

@@ -104,15 +104,15 @@ class CompiledRates:
         down, across = (units.shape[1] if units.shape[0] > 1 else 0), int(units.shape[1] > 1)
         scale = units.reshape(-1), down, across
         *rates, codes = out or (*(np.empty(count) for _ in range(3)), np.empty(count, np.int8))
-        found, poor = tuple(rates), np.empty(count, dtype=np.int64)
+        filled, poor = tuple(rates), np.empty(count, dtype=np.int64)
         kept = np.empty((int(self.table[3][0, 1]), count))
         run = compiled(pairs, factors, loops)
-        how = scale, self.even, self.flags, found, codes
+        how = scale, self.even, self.flags, filled, codes
         left = run.sweep(self.table, xs[0], ys[0], *how, poor, kept)
         if left:
             known = poor[:left].copy(), np.ascontiguousarray(kept[:, :left])
             left = run.refine(self.table, self.rest, xs, ys, *how, *known, poor, kept)
-        return Swept(found, codes, poor[:left], kept[:, :left])
+        return Swept(filled, codes, poor[:left], kept[:, :left])
 
 
 def in_range(values: Floats) -> bool:
