@@ -39,7 +39,7 @@ from ..algebra.program import Program
 from ..algebra.upright import Upright
 from ..base.errors import ParameterError, StabilityError
 from ..base.types import fields_of
-from ..base.verdict import Verdict
+from ..base.verdict import Verdict, best
 from ..derivation.deduction import even_conditions, hurwitz_conditions
 from ..spectra.problem import Problem
 from ..systems.family import Family
@@ -202,13 +202,16 @@ class Slice:
         x, y
             Doubles, taken as exact.
         """
-        if any(isinstance(p, BallPolynomial) for p in self.surfaces):
-            return None  # a ball proves no zero
+        if any(isinstance(p, BallPolynomial) for p in self.surfaces) or any(self.functions):
+            return None  # a ball proves no zero, and the sine of a double is no double
         point = rational(x), rational(y), fmpq(0)
         signs = [_sign(p(*point)) for p in self.surfaces]
         value = [_value(c, signs) for c in self.required]
         if any(v <= 0 for v in value) or any(_value(c, signs) == 0 for c in self.nonzero):
             return None
+        value = [_value(c, signs) for c in self.conditions]
+        if all(value):
+            return best(even=self.even) if min(value, default=1) > 0 else Verdict.UNSTABLE
         polys = [fmpq_poly([c(*point) for c in row]) for row, _, _ in self.factors]
         return on_the_axis(polys)
 

@@ -206,11 +206,11 @@ class SliceVerdicts:
 
     def _exactly(self, x: float, y: float) -> int:
         """The flag of one cell by exact arithmetic, `ELSEWHERE` where the slice has none."""
-        if self.problem.derived:
+        proved = self.slice.verdict(x, y)
+        if proved is None and self.problem.derived:
             swept = {self.axes[0].name: x, self.axes[1].name: y}
             values = {n: float(v) for n, v in (dict(self.problem.values) | swept).items()}
             return CODES[verdict(self.problem, values)]
-        proved = self.slice.verdict(x, y)
         return ELSEWHERE if proved is None else CODES[proved]
 
 
