@@ -195,6 +195,7 @@ class SliceVerdicts:
             left = np.flatnonzero(row == 0)
             if len(left):
                 row[left] = one.at(t[:, columns[left]], s[:, rows[left]])
+                self._twice(one, row, xs, ys, rows, columns)
         found = self._codes(signs)
         known: dict[tuple[int, int], int] = {}
         for place in np.flatnonzero(found == 0):
@@ -203,6 +204,17 @@ class SliceVerdicts:
                 known[key] = self._exactly(float(xs[key[1]]), float(ys[key[0]]))
             found[place] = known[key]
         return found, len(known)
+
+    def _twice(
+        self, one: Surface, row: Signs, xs: Floats, ys: Floats, rows: Any, columns: Any
+    ) -> None:
+        """Signs that are open, from pairs of doubles."""
+        left = np.flatnonzero(row == 0)
+        if len(left) and one.rest is not None:
+            x, i = np.unique(xs[columns[left]], return_inverse=True)
+            y, j = np.unique(ys[rows[left]], return_inverse=True)
+            places = (w.pairs(v) for w, v in zip(self.windows, (x, y), strict=True))
+            row[left] = one.surely(*places, j, i)
 
     def _exactly(self, x: float, y: float) -> int:
         """The flag of one cell by exact arithmetic, `ELSEWHERE` where the slice has none."""
