@@ -34,9 +34,11 @@ from timing import in_turns, seconds
 
 import stability as st
 from stability.base.axis import Axis
-from stability.maps.cells import COMPILED_FROM, Cells
-from stability.maps.growth_rates import GrowthKernel
-from stability.maps.verdicts import FilteredVerdicts, GridVerdicts
+from stability.maps.cells import Cells
+from stability.maps.compiled.rates import CompiledRates
+from stability.maps.engine import COMPILED_FROM
+from stability.maps.points import codes_at
+from stability.maps.verdicts import SliceVerdicts, slice_verdicts
 from stability.spectra.axes import swept
 from stability.spectra.certificate import certify
 from stability.spectra.problem import disk_problem
@@ -77,6 +79,21 @@ def problem_of(family: str, law: str, nx: int, ny: int) -> tuple[Any, tuple[Axis
     return swept(family, {a.name: a for a in axes}, contact=kind)[0], axes
 
 
+def verdicts_of(question: Any, axes: tuple[Axis, Axis]) -> SliceVerdicts:
+    found = slice_verdicts(question, axes)
+    assert found is not None
+    return found
+
+
+def cells_of(question: Any, axes: tuple[Axis, Axis], *, quick: bool) -> Any:
+    """The cells of a map by compiled loops or by NumPy, whatever its size."""
+    cells = Cells(question, axes, False)
+    bands: Any = cells.bands
+    rows = [row for row, _, _ in bands._factors]
+    bands.loops = CompiledRates.of(rows, even=bands.verdicts.slice.even) if quick else None
+    return cells
+
+
 def eigvals_of(question: Any, axes: tuple[Axis, Axis]) -> tuple[Callable[[], Any], int]:
     """AD Jacobian and LAPACK on some rows of a map; the members are not timed."""
     step = max(1, axes[1].count // BASE_ROWS)
@@ -92,25 +109,21 @@ def ratios(family: str, law: str, side: int = 1000) -> dict[str, Any]:
     """Growth rates with bounds and verdicts against the slow route, on one thread."""
     question, axes = problem_of(family, law, side, side)
     slow, count = eigvals_of(question, axes)
-    verdicts = GridVerdicts(question, axes[0].name, axes[1].name)
-    by_numpy, by_loops = GrowthKernel(question), GrowthKernel(question, quick=True)
+    verdicts = verdicts_of(question, axes)
+    by_numpy = cells_of(question, axes, quick=False).bands
     rows = min(side, 262144 // side)
-    some = dict(question.values) | {
-        axes[0].name: axes[0].values[None, :],
-        axes[1].name: axes[1].values[:rows, None],
-    }
     rounds: dict[str, list[float]] = {
         name: [] for name in ("eigvals", "verdicts", "memory", "map", "numpy")
     }
     for turn in range(REPEATS + 1):  # the first one is not counted
-        cells = Cells(question, axes, False)
-        cells.bands.kernel = by_loops
+        cells = cells_of(question, axes, quick=True)
         found = {
             "eigvals": spent(slow) / count,
             "verdicts": spent(lambda: verdicts(axes[0].values, axes[1].values)) / side**2,
             "memory": spent(lambda cells=cells: touched(cells)) / side**2,
             "map": spent(lambda cells=cells: cells.fill(1, None)) / side**2,
-            "numpy": spent(lambda: by_numpy(some)) / (rows * side),
+            "numpy": spent(lambda: by_numpy.rates(axes[0].values, axes[1].values[:rows]))
+            / (rows * side),
         }
         for name, value in found.items() if turn else ():
             rounds[name].append(value)
@@ -146,8 +159,7 @@ def sizes(family: str = "tumbling") -> list[dict[str, Any]]:
         if side * side >= COMPILED_FROM:
             line["by_default"] = "compiled"
         for quick in (True, False):
-            cells = Cells(question, axes, False)
-            cells.bands.kernel = GrowthKernel(question, quick=quick)
+            cells = cells_of(question, axes, quick=quick)
             _, *times = (spent(lambda cells=cells: cells.fill(1, None)) for _ in range(4))
             name = "compiled_ns_per_point" if quick else "numpy_ns_per_point"
             line[name] = round(1e9 * min(times) / side**2, 1)
@@ -173,19 +185,14 @@ found = {"first_map_s": round(time.perf_counter() - loaded, 2)}
 """
 STREAM = """
 import numpy as np
-from stability.maps.growth_rates import GrowthKernel
-from stability.maps.verdicts import FilteredVerdicts, GridVerdicts
-kernel = GrowthKernel(question, quick=True)
-grid = GridVerdicts(question, "at", "mu")
+cells = k.cells_of(question, axes, quick=True).bands
 start, count, worst, growing = time.process_time(), 0, 0.0, 0
 for row in range(0, axes[1].count, 100):
-    ys = axes[1].values[row : row + 100]
-    values = dict(question.values) | {"at": axes[0].values[None, :], "mu": ys[:, None]}
-    rates, (codes, _) = kernel(values), grid(axes[0].values, ys)
-    assert ((rates.abscissa > 0) == (codes.ravel() == 2)).all()
-    count += codes.size
-    growing += int((codes == 2).sum())
-    worst = max(worst, float(rates.error.max()))
+    part = cells.band(axes[0].values, axes[1].values[row : row + 100])
+    assert ((part["abscissa"] > 0) == (part["codes"] == 2)).all()
+    count += part["codes"].size
+    growing += int((part["codes"] == 2).sum())
+    worst = max(worst, float(part["error"].max()))
 used = time.process_time() - start
 found = {"points": count, "ns_per_point": round(1e9 * used / count, 1), "growing": growing,
          "largest_bound": worst}
@@ -241,7 +248,7 @@ def maps(family: str) -> dict[str, Any]:
     axes = axes_of(family)
     question = swept(family, {a.name: a for a in axes}, contact=st.Viscous)[0]
     slow, count = eigvals_of(question, axes)
-    grid = GridVerdicts(question, "at", "mu")
+    grid = verdicts_of(question, axes)
     workers = os.cpu_count() or 1
     runs: dict[str, Callable[[], Any]] = {
         "eigvals": slow,
@@ -265,7 +272,7 @@ def maps(family: str) -> dict[str, Any]:
 def signs_wrong(question: Any, axes: tuple[Axis, Axis], slow: Callable[[], Any]) -> str:
     at, mu = np.meshgrid(axes[0].values, axes[1].values[:: NY // BASE_ROWS])
     values = dict(question.values) | {"at": at, "mu": mu}
-    codes, _ = FilteredVerdicts(question).codes(values)
+    codes, _ = codes_at(question, values)
     lead = slow().reshape(at.shape)
     return f"{int(((lead < 0) != (codes == 1)).sum())} of {at.size}"
 
@@ -274,7 +281,7 @@ def packed(family: str, distance: float) -> dict[str, Any]:
     """Time of the verdict route on a grid packed around a boundary, exact arithmetic included."""
     axes = axes_of(family, distance)
     question = swept(family, {a.name: a for a in axes}, contact=st.Viscous)[0]
-    grid = GridVerdicts(question, "at", "mu")
+    grid = verdicts_of(question, axes)
     xs = np.linspace(axes[0].low, axes[0].high, 400)
     ys = np.linspace(axes[1].low, axes[1].high, 300)
     start = time.perf_counter()

@@ -21,8 +21,8 @@ from timing import least
 import stability as st
 from stability.base.axis import Axis
 from stability.maps.cells import Cells
-from stability.maps.general.slice_verdicts import slice_verdicts
-from stability.maps.general.slices import _cached
+from stability.maps.slices import _cached
+from stability.maps.verdicts import slice_verdicts
 from stability.spectra.axes import swept
 from stability.tables.benchmarks.bicycle import BENCHMARK, bicycle
 

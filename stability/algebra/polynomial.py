@@ -97,15 +97,6 @@ class Polynomial:
             max((e[i] for _, e in self.terms), default=0) for i in range(len(self.variables))
         )
 
-    def ordered(self) -> tuple[Polynomial, list[int]]:
-        """The polynomial with the least-degree variable outermost, and the order of its arguments.
-
-        Over broadcast arrays only the outermost scheme runs over the full shape.
-        """
-        order = sorted(range(len(self.variables)), key=lambda i: -self.degrees[i])
-        terms = tuple((c, tuple(e[i] for i in order)) for c, e in self.terms)
-        return Polynomial(tuple(self.variables[i] for i in order), terms), order
-
     def roundings(self, behind: Mapping[str, int]) -> int:
         """Largest number of roundings of any monomial in the Horner schemes.
 
@@ -350,8 +341,8 @@ class ExactPolynomial:
 class TabulatedPolynomial(ExactPolynomial, ABC):
     """An exact polynomial stored as `Polynomial`s in a few positive variables, proved offline.
 
-    Maps bound these polynomials over whole arrays and boxes.  Each factor has odd degree, or the
-    polynomial is even and has one factor, linear in λ².
+    Maps take them as polynomials in two axes, so each variable is a number times powers of the
+    user's numbers, or the sine of an angle.
     """
 
     derived = True

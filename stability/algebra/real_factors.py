@@ -1,9 +1,9 @@
-"""Roots of many real cubics or quintics at once, in real arithmetic, with proved error bounds.
+"""Roots of many real polynomials at once, in real arithmetic, with proved error bounds.
 
-A polynomial of odd degree is stored as (x - r) ∏ (x² + p x + q).  Weierstrass' correction, written
-for quadratics, improves all factors at once.  The correction converges quadratically for real and
-for complex pairs.  The error bound is Gershgorin's theorem for the companion of the factors; the
-bound holds for any factors.
+A polynomial is stored as ∏ (x² + p x + q), times x - r where its degree is odd.  Weierstrass'
+correction, written for quadratics, improves all factors at once.  The correction converges
+quadratically for real and for complex pairs.  The error bound is Gershgorin's theorem for the
+companion of the factors; the bound holds for any factors.
 
 Sources: K. Dvorčuk, Apl. Mat. 14 (1969) 207-223 (factors of Weierstrass' method); A. Neumaier, J.
 Comput. Appl. Math. 156 (2003) 389-401 (Gershgorin discs of approximate roots);
@@ -13,6 +13,8 @@ tests/maps/test_maps.py.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import reduce
+from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,50 +24,49 @@ from .eigensolver import eigenvalues_alone
 
 Array = NDArray[Any]
 
-BLOCK = 65536
+BLOCK = 8192
 """Rows in one block, so that its arrays stay in the cache."""
+NOTHING = 1e-290
+"""Size below which a factor counts as zero, and a change as none."""
+FEW = 4
+"""Largest number of corrections of rows that have not settled from their first factors."""
 MORE = 8
-"""Largest number of corrections of rows that have not settled."""
+"""The same of rows that start again."""
 
 
 class Factors(NamedTuple):
     """Linear and quadratic factors of monic polynomials, one row each."""
 
-    r: Array
-    """Root of the linear factor, shape (N,)."""
+    r: Array | None
+    """Root of the linear factor, shape (N,); None where the degree is even."""
     pairs: list[tuple[Array, Array]]
     """(p, q) of each quadratic x² + p x + q, shapes (N,)."""
 
-    def take(self, index: Any) -> Factors:
-        """The factors of some rows."""
-        return Factors(self.r[index], [(p[index], q[index]) for p, q in self.pairs])
-
-    def stack(self) -> Array:
-        """The factors in one array, shape (n, N)."""
-        return np.stack([self.r, *(v for pair in self.pairs for v in pair)])
+    @property
+    def arrays(self) -> list[Array]:
+        """The root, then p and q of each quadratic."""
+        first = [] if self.r is None else [self.r]
+        return first + [v for pair in self.pairs for v in pair]
 
     @classmethod
-    def unstack(cls, stacked: Array) -> Factors:
-        """The factors from one array.
+    def of(cls, arrays: Sequence[Array]) -> Factors:
+        """The factors from their arrays, or from one of shape (n, N)."""
+        odd = len(arrays) % 2
+        pairs = zip(arrays[odd::2], arrays[odd + 1 :: 2], strict=True)
+        return cls(arrays[0] if odd else None, list(pairs))
 
-        Parameters
-        ----------
-        stacked
-            Array from `stack`, shape (n, N).
-        """
-        return cls(stacked[0], list(zip(stacked[1::2], stacked[2::2], strict=True)))
+    def take(self, index: Any) -> Factors:
+        """The factors of some rows."""
+        return Factors.of([v[index] for v in self.arrays])
 
     def astype(self, kind: Any) -> Factors:
         """The factors in another floating-point type."""
-        return Factors(
-            self.r.astype(kind), [(p.astype(kind), q.astype(kind)) for p, q in self.pairs]
-        )
+        return Factors.of([v.astype(kind) for v in self.arrays])
 
     def put(self, index: Any, other: Factors) -> None:
         """Overwrite some rows."""
-        self.r[index] = other.r
-        for (p, q), (u, v) in zip(self.pairs, other.pairs, strict=True):
-            p[index], q[index] = u, v
+        for mine, theirs in zip(self.arrays, other.arrays, strict=True):
+            mine[index] = theirs
 
 
 class Roots(NamedTuple):
@@ -98,13 +99,11 @@ def start(a: Sequence[Array]) -> Factors:
     # sorted by whether real, then size: real roots first, conjugates next to each other
     order = np.lexsort((found.imag, found.real, np.abs(found.imag), found.imag != 0), axis=-1)
     found = np.take_along_axis(found, order, -1)
-    r = found[:, 0].real
-    pairs = []
-    for i in range(1, n, 2):
+    arrays = [found[:, 0].real] if n % 2 else []
+    for i in range(n % 2, n, 2):
         u, v = found[:, i], found[:, i + 1]
-        pairs.append((-(u + v).real, (u * v).real))
-    kind = a[0].dtype
-    return Factors(r.astype(kind), [(p.astype(kind), q.astype(kind)) for p, q in pairs])
+        arrays += [-(u + v).real, (u * v).real]
+    return Factors.of(arrays).astype(a[0].dtype)
 
 
 def improve(a: Sequence[Array], factors: Factors, *, watch: bool = True) -> tuple[Factors, Any]:
@@ -124,16 +123,19 @@ def improve(a: Sequence[Array], factors: Factors, *, watch: bool = True) -> tupl
     factors, change
         New factors, and the square of the largest relative change of a row (0 if not watched).
     """
-    r = factors.r
-    value = r + a[-1]
-    for c in reversed(a[:-1]):
-        value = value * r + c
-    others: Array | float = 1.0
-    for p, q in factors.pairs:
-        others = others * ((r + p) * r + q)
-    dr = -value / others
-    change: Any = (dr / r) ** 2 if watch else 0.0
-    pairs = []
+    r, arrays = factors.r, []
+    change: Any = 0.0
+    if r is not None:
+        value = r + a[-1]
+        for c in reversed(a[:-1]):
+            value = value * r + c
+        others: Array | float = 1.0
+        for p, q in factors.pairs:
+            others = others * ((r + p) * r + q)
+        dr = -value / others
+        arrays.append(r + dr)
+        if watch:
+            change = dr * dr / np.maximum(r * r, NOTHING)
     for i, (p, q) in enumerate(factors.pairs):
         # the polynomial modulo x² + p x + q is alpha x + beta
         high: Any = 1.0
@@ -142,7 +144,8 @@ def improve(a: Sequence[Array], factors: Factors, *, watch: bool = True) -> tupl
             high, low = low, c - p * low - q * high
         alpha, beta = low, a[0] - q * high
         # the other factors modulo x² + p x + q are gamma x + delta
-        gamma, delta = 1.0, -r
+        gamma: Any = 0.0 if r is None else 1.0
+        delta: Any = 1.0 if r is None else -r
         for j, (u, v) in enumerate(factors.pairs):
             if j != i:
                 e, f = u - p, v - q  # (x² + u x + v) mod (x² + p x + q)
@@ -151,10 +154,11 @@ def improve(a: Sequence[Array], factors: Factors, *, watch: bool = True) -> tupl
         det = delta * m + gamma * gamma * q
         dp = (alpha * delta - beta * gamma) / det
         dq = (m * beta + gamma * q * alpha) / det
-        pairs.append((p + dp, q + dq))
+        arrays += [p + dp, q + dq]
         if watch:  # p is of the size of the root of q at least where it matters
-            change = np.maximum(change, (dq / q) ** 2 + dp * dp / (np.abs(q) + p * p))
-    return Factors(r + dr, pairs), change
+            size = np.maximum(np.abs(q) + p * p, NOTHING)
+            change = np.maximum(change, dq * dq / np.maximum(q * q, NOTHING) + dp * dp / size)
+    return Factors.of(arrays), change
 
 
 def settle(a: Sequence[Array], factors: Factors, steps: int = 0) -> Factors:
@@ -186,7 +190,7 @@ def settle(a: Sequence[Array], factors: Factors, steps: int = 0) -> Factors:
         some = [c[left] for c in a]
         part = start(some) if fresh else factors.take(left)
         place = np.arange(len(left))
-        for _ in range(MORE):
+        for _ in range(MORE if fresh else FEW):
             part, change = improve([c[place] for c in some], part)
             open_rows = ~(change < enough)
             factors.put(left[place], part)
@@ -251,29 +255,11 @@ def enclose(a: Sequence[Array], error: Sequence[Array], factors: Factors) -> Roo
     factors
         Approximate factors.
     """
-    n = len(a[0])
-    blocks = [slice(first, first + BLOCK) for first in range(0, n, BLOCK)]
-    parts = [_enclose([c[b] for c in a], [e[b] for e in error], factors.take(b)) for b in blocks]
-    if len(parts) == 1:
-        return parts[0]
-    joined: dict[tuple[int, ...], Array] = {}
-
-    def join(pieces: tuple[Array, ...]) -> Array:
-        # an array that both roots of a pair share stays one array
-        key = tuple(id(piece) for piece in pieces)
-        if key not in joined:
-            joined[key] = np.concatenate(pieces)
-        return joined[key]
-
-    lists = ([join(x) for x in zip(*some, strict=True)] for some in zip(*parts, strict=True))
-    return Roots(*lists)
-
-
-def _enclose(a: Sequence[Array], error: Sequence[Array], factors: Factors) -> Roots:
     unit = np.finfo(a[0].dtype).eps
     # δ = (coefficients) - (product of factors), with the rounding of the product
-    product: list[Any] = [-factors.r, 1.0]
-    size: list[Any] = [np.abs(factors.r), 1.0]
+    r = factors.r
+    product: list[Any] = [1.0] if r is None else [-r, 1.0]
+    size: list[Any] = [1.0] if r is None else [np.abs(r), 1.0]
     for p, q in factors.pairs:
         product = _times(product, p, q)
         size = _times(size, np.abs(p), np.abs(q))
@@ -283,10 +269,11 @@ def _enclose(a: Sequence[Array], error: Sequence[Array], factors: Factors) -> Ro
         for c, m, e, s in zip(a, product, error, size, strict=False)
     ]
     pairs = [_pair(p, q, unit) for p, q in factors.pairs]
-    spread, closest = _distances(factors.r, pairs)
+    spread, closest = _distances(r, pairs)
+    alone = [] if r is None else [np.abs(r)]
+    modulus = alone + [m + pair.slip for pair in pairs for m in pair.modulus]
+    slips: list[Any] = [0.0] * len(alone) + [pair.slip for pair in pairs for _ in pair.modulus]
     weights = []
-    modulus = [np.abs(factors.r)] + [m + one.slip for one in pairs for m in one.modulus]
-    slips: list[Any] = [0.0] + [one.slip for one in pairs for _ in one.modulus]
     for size_, spread_, slip_ in zip(modulus, spread, slips, strict=True):
         value = off[-1]
         for o in reversed(off[:-1]):
@@ -294,41 +281,44 @@ def _enclose(a: Sequence[Array], error: Sequence[Array], factors: Factors) -> Ro
         # 1.2 covers the rounding of the distances where the discs are clear, see below
         weights.append(1.2 * value / np.sqrt(spread_) + slip_)
     n = len(a)
-    heaviest = np.maximum.reduce(weights)
-    # discs of diag(λ) - w 1ᵀ, scaled by 1/10 in one place: its disc is clear of the others
-    clear = closest > (2 * (n + 10) * heaviest) ** 2
-    clear &= np.maximum.reduce(spread) < np.inf  # no weight is small by an overflow
+    heaviest = reduce(np.maximum, weights)
+    # discs of diag(λ) - w 1ᵀ, scaled by 1/10 in one place: its disc is clear of the others.  Each
+    # weight bounds the error of its root, so that of a distance is at most 1/(6 n) of it
+    clear = closest > (max(2 * (n + 10), 12 * n) * heaviest) ** 2
+    clear &= reduce(np.maximum, spread) < np.inf  # no weight is small by an overflow
     factor = np.where(clear, 1 + (n - 1) / 10, np.inf)
     radius = [factor * w for w in weights]
-    found = Roots([factors.r], [np.zeros_like(factors.r)], radius[:1])
-    place = 1
-    for one in pairs:
-        count = len(one.modulus)
-        for s, turn in enumerate((one.imag, -one.imag)):
-            found.real.append(one.real[s])
-            found.imag.append(turn)
-            found.radius.append(radius[place + min(s, count - 1)])
+    roots = Roots([], [], [])
+    if r is not None:
+        roots = Roots([r], [np.zeros_like(r)], radius[:1])
+    place = len(alone)
+    for pair in pairs:
+        count = len(pair.modulus)
+        for s, turn in enumerate((pair.imag, -pair.imag)):
+            roots.real.append(pair.real[s])
+            roots.imag.append(turn)
+            roots.radius.append(radius[place + min(s, count - 1)])
         place += count
-    return found
+    return roots
 
 
-def _distances(r: Array, pairs: list[_Pair]) -> tuple[list[Any], Any]:
+def _distances(r: Array | None, pairs: list[_Pair]) -> tuple[list[Any], Any]:
     """Square of the product of distances from each root to all others, and of the least distance.
 
     A pair that is complex in every row counts for both its roots.
     """
-    spread: list[Any] = [1.0]
-    each = [[one.apart for _ in one.modulus] for one in pairs]
-    closest = np.minimum.reduce([one.apart for one in pairs])
-    for one, own in zip(pairs, each, strict=True):
-        turn = one.imag * one.imag
-        for s in range(len(own)):
-            gap = (one.real[s] - r) ** 2 + turn
+    alone: list[Any] = [] if r is None else [1.0]
+    each = [[pair.apart for _ in pair.modulus] for pair in pairs]
+    closest = reduce(np.minimum, [pair.apart for pair in pairs])
+    for pair, spread in zip(pairs, each, strict=True) if r is not None else ():
+        turn = pair.imag * pair.imag
+        for s in range(len(spread)):
+            gap = (pair.real[s] - r) ** 2 + turn
             closest = np.minimum(closest, gap)
-            spread[0] = spread[0] * (gap * gap if len(own) == 1 else gap)
-            own[s] = own[s] * gap
-    if len(pairs) == 2:
-        (one, two), (first, second) = pairs, each
+            alone[0] = alone[0] * (gap * gap if len(spread) == 1 else gap)
+            spread[s] = spread[s] * gap
+    for i, j in combinations(range(len(pairs)), 2):
+        (one, two), (first, second) = (pairs[i], pairs[j]), (each[i], each[j])
         near, far = (one.imag - two.imag) ** 2, (one.imag + two.imag) ** 2
         if len(first) == len(second) == 1:
             along = (one.real[0] - two.real[0]) ** 2
@@ -336,16 +326,16 @@ def _distances(r: Array, pairs: list[_Pair]) -> tuple[list[Any], Any]:
             closest = np.minimum(closest, gap)
             both = gap * (along + far)
             first[0], second[0] = first[0] * both, second[0] * both
-        else:
-            for s in range(2):
-                for t in range(2):
-                    gap = (one.real[s] - two.real[t]) ** 2 + (near if s == t else far)
-                    closest = np.minimum(closest, gap)
-                    if s < len(first):
-                        first[s] = first[s] * gap
-                    if t < len(second):
-                        second[t] = second[t] * gap
-    return spread + [v for own in each for v in own], closest
+            continue
+        of_first, of_second = (2 * v if len(v) == 1 else v for v in (first, second))
+        for s in range(2):
+            for t in range(2):
+                gap = (one.real[s] - two.real[t]) ** 2 + (near if s == t else far)
+                closest = np.minimum(closest, gap)
+                of_first[s] = of_first[s] * gap
+                of_second[t] = of_second[t] * gap
+        first[:], second[:] = of_first[: len(first)], of_second[: len(second)]
+    return alone + [v for spread in each for v in spread], closest
 
 
 def _times(poly: list[Any], p: Any, q: Any) -> list[Any]:

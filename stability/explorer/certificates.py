@@ -11,7 +11,7 @@ import numpy as np
 from ..base.axis import Axis
 from ..base.errors import StabilityError, StabilityWarning
 from ..base.verdict import CODES
-from ..maps.verdicts import Boxes, prove_boxes
+from ..maps.boxes import Boxes, prove_boxes
 from ..spectra.axes import swept
 from ..spectra.problem import Problem
 from .subject import PageSubject

@@ -27,21 +27,16 @@ from ..spectra.problem import Problem
 from ..spectra.verdict_routes import BITS
 from ..storage.pieces import Chunk, Pieces
 from ..systems.graph.smoothness import edged
-from .dataset import EXACT, GRAPH, LOOPS, POLYNOMIAL, SINGLE
-from .general.cells import GraphCells, SliceCells, formula_cells, slice_cells
-from .general.rates import LEFT, Bands, Room, arrays_of
-from .general.slice_verdicts import ELSEWHERE
-from .growth_rates import GrowthKernel, steady_memory
-from .verdicts import GridVerdicts
+from .dataset import GRAPH, POLYNOMIAL, SINGLE
+from .engine import LEFT, Bands, GraphCells, Room, SliceCells, formula_cells, slice_cells
+from .verdicts import ELSEWHERE
 
 CHUNK = 16384
 """Cells of a chunk: few enough for the cache, many enough for NumPy."""
-BAND = 2**19
-"""Cells of a chunk of whole rows on the exact route: many, so that no thread waits for Python."""
-COMPILED_FROM = 10**6
-"""Fewest cells for which compiled loops are loaded, which takes as long as these by NumPy."""
-ROOTS_BAND = 65536
-"""The same for a user's family: few enough for the arrays of its roots."""
+BAND = 65536
+"""Cells of a chunk of whole rows: few enough for the arrays of their roots."""
+SWEPT_BAND = 2**19
+"""The same where compiled loops run over them: many, so that no thread waits for Python."""
 LEAST = 1024
 """Fewest cells for which a user's family gets its polynomial over Q."""
 MOST_SETTLED = 2000
@@ -52,29 +47,13 @@ MOST_CELLS = 10**9
 """Largest map [cells]; without `modes` its arrays take 25 bytes a cell."""
 
 
-class StoredCells(Bands):
-    """The cells of a map of a family with tabulated polynomials."""
+def steady_memory() -> None:
+    """Let freed arrays of megabytes stay with the process, where the C library is glibc.
 
-    growth = swept = complete = True
-
-    def __init__(self, problem: Problem, axes: tuple[Axis, Axis], modes: bool) -> None:
-        self.problem, self.modes = problem, modes
-        self._x, self._y = axes[0].name, axes[1].name
-        self._verdicts = GridVerdicts(problem, self._x, self._y)
-        quick = axes[0].count * axes[1].count >= COMPILED_FROM
-        self.kernel = GrowthKernel(problem, modes=modes, quick=quick)
-        self.how = EXACT + LOOPS * self.kernel.compiled
-
-    def band(self, xs: Floats, ys: Floats, room: Room | None = None) -> Chunk:
-        """As for every band; exact arithmetic decides what double precision leaves open."""
-        swept = {self._x: xs[None, :], self._y: ys[:, None]}
-        growth = self.kernel(dict(self.problem.values) | swept, out=room)
-        codes, left = self._verdicts(xs, ys, growth.codes)
-        return {
-            LEFT: np.array([left + growth.handed_on]),
-            "codes": codes.reshape(-1),
-            **arrays_of(growth, modes=self.modes),
-        }
+    One allocation of 31 MiB raises the threshold at which glibc gives memory back.  Without this,
+    the arrays of a map are fetched from the system again and again.  Elsewhere nothing changes.
+    """
+    np.empty(31 * 2**20, dtype=np.uint8)
 
 
 class Cells:
@@ -112,15 +91,14 @@ class Cells:
         if self.bands is None:
             self.chunk = self.band = CHUNK
             return
-        self.band = BAND if self.bands.swept else ROOTS_BAND
+        self.band = SWEPT_BAND if self.bands.swept else BAND
         self.chunk = max(1, self.band // self.shape[1]) * self.shape[1]
         steady_memory()
 
     def _bands(self) -> Bands | None:
         asked = self.problem, self.axes, self.modes
-        if isinstance(self.problem.exact, TabulatedPolynomial):
-            return StoredCells(*asked)
-        if not self.problem.plain or math.prod(self.shape) < LEAST:
+        stored = isinstance(self.problem.exact, TabulatedPolynomial)
+        if not stored and (not self.problem.plain or math.prod(self.shape) < LEAST):
             return None
         found = formula_cells(*asked) or slice_cells(*asked)
         return found if found is not None and found.growth else None

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from ..base.axis import Axis
     from ..boundary.curves import Curves
-    from .verdicts import Boxes
+    from .boxes import Boxes
 
 
 KINDS = {kind: code for code, kind in enumerate(PointKind)}
@@ -152,15 +152,6 @@ def points_of(dataset: xarray.Dataset) -> CodimensionTwo | None:
         bool(dataset.points_vanishing_complete),
     )
 
-
-EXACT = (
-    "exact polynomials of the family: verdicts by a floating-point filter with a proved bound, "
-    "growth rates from real factors with Gershgorin bounds; what these leave open in extended "
-    "precision, then in rational arithmetic or balls"
-)
-
-LOOPS = "; growth rates by compiled loops, where a bound that keeps the sign proves the verdict"
-"""Added to it where Numba compiled them."""
 
 GRAPH = (
     "eigenvalues of the AD Jacobian with structural zeros removed through null vectors "

@@ -18,8 +18,8 @@ from ..boundary.curves import trace
 from ..spectra.axes import swept
 from ..storage.pieces import Checkpoint
 from ..systems.family import Family
+from .boxes import MOST_LEVELS, prove_boxes
 from .cells import Cells
-from .verdicts import MOST_LEVELS, prove_boxes
 
 if TYPE_CHECKING:
     import xarray

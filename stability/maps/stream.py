@@ -41,15 +41,11 @@ from ..storage.datasets import dataset_target, format_to_write
 from ..storage.formats import formats_for
 from ..storage.targets import path_text, place
 from ..systems.family import Family
-from .cells import Cells
+from .cells import Cells, steady_memory
 from .dataset import cell_attributes, coordinates, provenance
-from .general.slice_verdicts import ELSEWHERE, SliceVerdicts, slice_verdicts
-from .growth_rates import steady_memory
 from .tiles import Codes
-from .verdicts import GridVerdicts
+from .verdicts import ELSEWHERE, SliceVerdicts, slice_verdicts
 
-Judge = GridVerdicts | SliceVerdicts
-"""What gives the verdicts of a band."""
 METHOD = (
     "verdicts from the exact stability conditions: whole tiles proved at once, cells next to the "
     "boundary by a floating-point filter with a proved bound, what it leaves open in rational "
@@ -58,7 +54,7 @@ METHOD = (
 """Method in words."""
 
 
-def judge_of(problem: Problem, axes: tuple[Axis, Axis]) -> Judge:
+def judge_of(problem: Problem, axes: tuple[Axis, Axis]) -> SliceVerdicts:
     """What gives the verdicts of a map.
 
     Parameters
@@ -73,18 +69,12 @@ def judge_of(problem: Problem, axes: tuple[Axis, Axis]) -> Judge:
     ParameterError
         If there are no exact polynomials.
     """
-    if problem.plain:
-        return _derived_verdicts(problem, axes)
-    if not isinstance(problem.exact, TabulatedPolynomial):
+    stored = isinstance(problem.exact, TabulatedPolynomial)
+    if not stored and not problem.plain:
         raise ParameterError(
             f"{problem.family.name} under the {problem.law.name if problem.law else ''} law has no "
             "exact polynomials, by which verdicts are streamed; use growth=True, or stability_map."
         )
-    return GridVerdicts(problem, axes[0].name, axes[1].name)
-
-
-def _derived_verdicts(problem: Problem, axes: tuple[Axis, Axis]) -> SliceVerdicts:
-    """Verdicts of a user's family, which exist in every cell."""
     found = slice_verdicts(problem, axes)
     if found is None:
         raise ParameterError(
@@ -97,7 +87,7 @@ def _derived_verdicts(problem: Problem, axes: tuple[Axis, Axis]) -> SliceVerdict
             f"{problem.family.name} has zero eigenvalues that may form a Jordan block, which its "
             "polynomial does not show; use growth=True, or stability_map."
         )
-    if not found.everywhere:
+    if not stored and not found.everywhere:
         raise ParameterError(
             f"{problem.family.name} is not proved to have a member in every cell of this map; use "
             "growth=True, or stability_map."
@@ -110,7 +100,7 @@ def flags() -> dict[str, Any]:
     return {name: words for name, words in verdict_attributes().items() if name != "comment"}
 
 
-def band(judge: Callable[[], Judge], xs: Floats, ys: Floats) -> tuple[Codes, int]:
+def band(judge: Callable[[], SliceVerdicts], xs: Floats, ys: Floats) -> tuple[Codes, int]:
     """Flags of a band, and the number of its cells that went to exact arithmetic."""
     codes, left = judge()(xs, ys)
     codes[codes == ELSEWHERE] = CODES[Verdict.UNDECIDED]  # a sign that balls leave open
@@ -145,7 +135,7 @@ class ChunkWork:
         return {name: array[part] for name, array in found.items()}
 
 
-def verdicts_of(judge: Callable[[], Judge], xs: Floats, ys: Floats) -> Arrays:
+def verdicts_of(judge: Callable[[], SliceVerdicts], xs: Floats, ys: Floats) -> Arrays:
     """The verdicts of a grid, by this worker's judge."""
     codes, _ = band(judge, xs, ys)
     return {"verdict": codes.astype(np.int8, copy=False).ravel()}
@@ -346,7 +336,7 @@ def _layout(axes: tuple[Axis, Axis], cells: int) -> Layout:
 
 
 def _judge(
-    target: Path, judge: Judge, problem: Problem, axes: tuple[Axis, Axis], how: _How
+    target: Path, judge: SliceVerdicts, problem: Problem, axes: tuple[Axis, Axis], how: _How
 ) -> None:
     """Verdicts alone, to a file or a folder."""
     layout = _layout(axes, BAND)
@@ -362,7 +352,7 @@ def _judge(
 def _write_rows(
     rows: Any,
     target: Path,
-    verdicts: Judge,
+    verdicts: SliceVerdicts,
     problem: Problem,
     axes: tuple[Axis, Axis],
     layout: Layout,

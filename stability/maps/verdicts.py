@@ -1,239 +1,45 @@
-"""Proved verdicts from the exact conditions: over arrays, over rectangles, over the grid of a map.
-
-Over arrays a floating-point filter has a proved bound.  Each condition P is split as P⁺ - P⁻ with
-positive coefficients in positive variables, so that each part is computed with a relative error of
-at most N roundings.  If P⁺ > ρ P⁻ or P⁻ > ρ P⁺ with ρ just above one, the sign of P is proved.
-Other points go to exact arithmetic.
-
-A whole rectangle of parameters has one proved verdict, or lies in the strip that encloses a
-boundary. It is halved in both directions until the conditions of its family keep their signs on all
-of it, or until it is as narrow as the levels allow.  For the disk the conditions are the
-polynomials of `stability.bodies.disk_polynomials`, bounded over many boxes at once by the mean
-value form.  For a user's family they are its polynomials over Q in the two axes, or Routh's array
-in wide balls.
-
-A tile of a map's cells lies in such a rectangle; where the signs are proved, all cells have one
-verdict.  Other tiles are cut into smaller ones.  Cells of tiles that remain open go through the
-filter, and from there to exact arithmetic.
-"""
+"""Proved verdicts over a grid from a slice: whole tiles at once, then cells, then over Q."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from contextlib import suppress
+from fractions import Fraction
+from functools import cached_property
+from math import gcd
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..algebra.number_types import Algebra, numpy_algebra
-from ..algebra.polynomial import Exact, Polynomial, TabulatedPolynomial
-from ..algebra.running_error import UNIT
+from ..algebra.exact.number_fields import NotExact
 from ..base.axis import Axis
-from ..base.checks import whole_number
-from ..base.errors import NoMemberError
 from ..base.types import Floats
 from ..base.verdict import CODES, Verdict, best
-from ..bodies.disk_polynomials import INPUT
 from ..spectra.certificate import verdict
 from ..spectra.problem import Problem
-from .general.slice_verdicts import slice_verdicts
+from .slices import BallPolynomial, Condition, Slice, slice_of
+from .surfaces import Box, Signs, Surface, Window, powers
 from .tiles import Codes, Ends, tiled
 
-NUMPY = numpy_algebra()
-RANGE = 280.0
-"""Decimal exponents that a monomial may use, so that nothing over- or underflows."""
+SIDES = (64, 16)
+"""Cells along the side of a tile, coarse to fine."""
+MESH = 64
+"""Boxes along each axis on which every point is proved to be a member."""
+ELSEWHERE = -1
+"""Flag of a cell that the slice leaves open: perhaps no member, or a sign that balls leave open."""
 
 
-class VerdictKernel:
-    """Proved verdicts over arrays.
+class SliceVerdicts:
+    """Verdicts of the members in the axes of a map.
 
     Parameters
     ----------
-    exact
-        Polynomial and conditions of a family and law.
-    behind
-        Number of roundings in each variable, by name; those of the disk when left out.
-
-    Examples
-    --------
-    >>> from stability.bodies.disk_polynomials import exact_polynomial
-    >>> kernel = VerdictKernel(exact_polynomial("rolling", "viscous"))
-    >>> kernel([0.25, 1.0, np.array([1.9, 2.0, 2.1])]).tolist()  # unstable, open, stable
-    [2, 0, 1]
-    """
-
-    def __init__(self, exact: Exact, behind: Mapping[str, int] = INPUT) -> None:
-        self.exact = exact
-        self._parts = [_Split(p, behind) for _, p in exact.conditions]
-
-    def __call__(self, point: list[Any]) -> Codes:
-        """Verdict flags at a point for broadcast arrays; 0 where the filter does not decide.
-
-        Parameters
-        ----------
-        point
-            Arrays or floats for each of `exact.variables`, positive.
-
-        Returns
-        -------
-        ndarray
-            int8, of the broadcast shape, in C order.
-        """
-        shape = np.broadcast_shapes(*(np.shape(v) for v in point))
-        with np.errstate(all="ignore"):
-            signs = [part.signs(point) for part in self._parts]
-            codes = np.ascontiguousarray(np.broadcast_to(_flags(signs, self.exact.even), shape))
-        sure = self.in_range(point)
-        if sure is not True:
-            codes = np.where(sure, codes, np.int8(0))
-        return codes
-
-    def in_range(self, point: list[Any]) -> Any:
-        """Where no monomial can over- or underflow; True for everywhere."""
-        powers = [
-            max(p.degrees[i] for p in self._parts) if self._parts else 0 for i in range(len(point))
-        ]
-        with np.errstate(all="ignore"):
-            reach = [
-                d * max(abs(np.log10(np.min(v))), abs(np.log10(np.max(v))))
-                for d, v in zip(powers, point, strict=True)
-            ]
-            if sum(reach) <= RANGE:
-                return True
-            total: Any = sum(d * np.abs(np.log10(v)) for d, v in zip(powers, point, strict=True))
-        return total <= RANGE
-
-
-def _flags(signs: Sequence[tuple[Any, Any]], even: bool) -> Codes:
-    """Verdict flags from where each condition is positive, and where it is negative, proved."""
-    good: Any = np.True_
-    bad: Any = np.False_
-    for above, below in signs:
-        good, bad = good & above, bad | below
-    good, bad = np.asarray(good).view(np.int8), np.asarray(bad).view(np.int8)
-    codes: Codes = good * np.int8(CODES[best(even=even)]) + bad * np.int8(CODES[Verdict.UNSTABLE])
-    return codes
-
-
-class _Split:
-    """P⁺ and P⁻ of a polynomial, with their Horner schemes nested for broadcast arrays."""
-
-    def __init__(self, polynomial: Polynomial, behind: Mapping[str, int]) -> None:
-        self.degrees = polynomial.degrees
-        turned, self._order = polynomial.ordered()
-        self._plus, self._minus = turned.parts
-        most = max(self._plus.roundings(behind), self._minus.roundings(behind))
-        error = 1.01 * (most + 3) * UNIT
-        self.ratio = (1 + error) / (1 - error) * (1 + 8 * UNIT)
-
-    def signs(self, point: list[Any]) -> tuple[Any, Any]:
-        """Where the polynomial is positive, and where it is negative, proved."""
-        place = [point[i] for i in self._order]
-        plus, minus = self._plus(*place), self._minus(*place)
-        return plus > self.ratio * minus, minus > self.ratio * plus
-
-
-class FilteredVerdicts:
-    """The whole verdict route of a problem: the filter, then exact arithmetic where it is open."""
-
-    def __init__(self, problem: Problem) -> None:
-        self.problem = problem
-        exact = tabulated(problem)
-        behind = exact.roundings(dimensionless=problem.dimensionless)
-        self.kernel = VerdictKernel(exact.known, behind)
-
-    def codes(self, values: Mapping[str, Any]) -> tuple[Codes, int]:
-        """Verdict flags for broadcast values, each of them proved.
-
-        Returns
-        -------
-        codes, handed_on
-            Flags of the broadcast shape, and how many points went to exact arithmetic.
-        """
-        shape = np.broadcast_shapes(*(np.shape(v) for v in values.values()))
-        codes = self.kernel(point(self.problem, values))
-        codes = np.ascontiguousarray(np.broadcast_to(codes, shape))
-        if not codes.flags.writeable:
-            codes = codes.copy()
-        if "lean" in values:
-            codes[np.broadcast_to(np.asarray(values["lean"]) == 0, shape)] = 0
-        flat = codes.reshape(-1)
-        open_cells = np.flatnonzero(flat == 0)
-        if len(open_cells):
-            places = np.unravel_index(open_cells, shape) if shape else ((),)
-            for count, cell in enumerate(open_cells):
-                where = tuple(p[count] for p in places) if shape else ()
-                one = {n: float(_at(v, shape, where)) for n, v in values.items()}
-                flat[cell] = CODES[verdict(self.problem, one)]
-        return codes, len(open_cells)
-
-
-def tabulated(problem: Problem) -> TabulatedPolynomial:
-    """The tabulated polynomials of a problem, on which a map's kernels rest."""
-    assert isinstance(problem.exact, TabulatedPolynomial)
-    return problem.exact
-
-
-def _at(value: Any, shape: tuple[int, ...], where: tuple[Any, ...]) -> Any:
-    return np.broadcast_to(value, shape)[where]
-
-
-def point(problem: Problem, values: Mapping[str, Any]) -> list[Any]:
-    """Variables of the exact polynomial in double precision, for broadcast values.
-
-    Returns
-    -------
-    list
-        Arrays or floats in the order of `exact.variables`.
-    """
-    with np.errstate(all="ignore"):  # the filter leaves open what overflows
-        found = tabulated(problem).point(values, NUMPY)
-    return [v if np.ndim(v) else float(v) for v in found]
-
-
-MOST_LEVELS = 16
-"""Largest number of halvings; an axis is then cut into 65 536 parts."""
-SLACK = 64 * UNIT
-"""Relative slack of every product of bounds, more than its few roundings."""
-
-
-@dataclass(frozen=True, eq=False)
-class Boxes:
-    """Rectangles that cover a map."""
-
-    x: Floats
-    """Low and high end along x, shape (N, 2)."""
-    y: Floats
-    """Low and high end along y, shape (N, 2)."""
-    codes: NDArray[np.int8]
-    """Flag of the verdict that is proved everywhere in the box, 0 in the strip, shape (N,)."""
-    levels: int
-    """Number of halvings of the map; boxes of the strip are 2^-levels of each axis wide."""
-    proved: float
-    """Share of the map's area that is proved, each axis in its own scale."""
-
-
-class Interval:
-    """A closed interval of nonnegative numbers, elementwise, rounded outwards."""
-
-    def __init__(self, low: Any, high: Any) -> None:
-        self.low, self.high = low, high
-
-    def __mul__(self, other: Interval) -> Interval:
-        return Interval(self.low * other.low * (1 - SLACK), self.high * other.high * (1 + SLACK))
-
-    def __truediv__(self, other: Interval) -> Interval:
-        return Interval(self.low / other.high * (1 - SLACK), self.high / other.low * (1 + SLACK))
-
-
-def prove_boxes(problem: Problem, axes: tuple[Axis, Axis], levels: int) -> Boxes:
-    """Cover a map with rectangles of one proved verdict and a strip of narrow ones.
-
-    Raises
-    ------
-    ParameterError
-        If levels is not between 0 and `MOST_LEVELS`.
+    problem
+        Problem of the family.
+    slice_
+        Its slice in the axes.
+    axes
+        x and y.
 
     Examples
     --------
@@ -241,188 +47,83 @@ def prove_boxes(problem: Problem, axes: tuple[Axis, Axis], levels: int) -> Boxes
     >>> from stability.bodies.disk import Disk
     >>> from stability.spectra.problem import disk_problem
     >>> problem = disk_problem("rolling", Disk(), Viscous(1.0), 1.0)
-    >>> axes = Axis("at", 0.1, 3.0, 9), Axis("mu", 0.1, 1.0, 9)
-    >>> boxes = prove_boxes(problem, axes, 6)
-    >>> round(boxes.proved, 2), sorted(set(boxes.codes.tolist()))
-    (0.98, [0, 1, 2])
-    """
-    levels = whole_number("levels", levels, 0, MOST_LEVELS)
-    fast = isinstance(problem.exact, TabulatedPolynomial)
-    judge = BoxConditions(problem) if fast else _derived(problem, axes)
-    edges = [_edges(axis, levels) for axis in axes]
-    i = j = np.zeros(1, dtype=np.int64)
-    found: list[tuple[Any, Any, Any]] = []
-    proved = 0.0
-    for level in range(levels + 1):
-        width = 1 << (levels - level)
-        span = [(e[n * width], e[(n + 1) * width]) for e, n in zip(edges, (i, j), strict=True)]
-        codes = judge({axes[0].name: span[0], axes[1].name: span[1]})
-        proved += 4.0**-level * int((codes != 0).sum())
-        keep = codes != 0 if level < levels else np.ones(len(codes), dtype=bool)
-        found.append((np.stack(span[0], -1)[keep], np.stack(span[1], -1)[keep], codes[keep]))
-        i, j = i[~keep], j[~keep]
-        i = np.concatenate([2 * i, 2 * i + 1, 2 * i, 2 * i + 1])
-        j = np.concatenate([2 * j, 2 * j, 2 * j + 1, 2 * j + 1])
-        if not len(i):
-            break
-    x, y, c = (np.concatenate(part) for part in zip(*found, strict=True))
-    return Boxes(x, y, c.astype(np.int8), levels, proved)
-
-
-def _edges(axis: Axis, levels: int) -> Floats:
-    return Axis(axis.name, axis.low, axis.high, (1 << levels) + 1, axis.log).values
-
-
-Spans = Mapping[str, tuple[Floats, Floats]]
-
-
-def _derived(problem: Problem, axes: tuple[Axis, Axis]) -> Callable[[Spans], NDArray[np.int8]]:
-    """Verdicts over boxes of a user's family."""
-    found = None if problem.may_drift else slice_verdicts(problem, axes)
-    return _WideBalls(problem) if found is None else found.boxes
-
-
-class BoxConditions:
-    """Verdicts proved over whole boxes from the exact conditions, vectorised."""
-
-    def __init__(self, problem: Problem) -> None:
-        self.problem, self.exact = problem, tabulated(problem)
-        self.parts = [_Range(p) for _, p in self.exact.known.conditions]
-
-    def __call__(self, spans: Spans) -> NDArray[np.int8]:
-        """Verdict flags, 0 where none is proved.
-
-        Returns
-        -------
-        ndarray
-            Shape (N,).
-        """
-        count = len(next(iter(spans.values()))[0])
-        values: dict[str, Any] = {}
-        upright = np.zeros(count, dtype=bool)
-        for name, value in self.problem.values.items():
-            # what does not vary stays a number, which is bounded once
-            low, high = spans.get(name) or (np.asarray(value, float), np.asarray(value, float))
-            if self.exact.angle(name):
-                upright |= _upright(name, low, high)
-                values[name] = (name, low, high)
-            else:
-                inside = (low <= 0) & (high >= 0)
-                if name == "phi_dot":  # circling and precession, which have no member at zero
-                    upright |= inside
-                least = np.where(inside, 0.0, np.minimum(np.abs(low), np.abs(high)))
-                values[name] = Interval(least, np.maximum(np.abs(low), np.abs(high)))
-        with np.errstate(all="ignore"):
-            point = self.exact.point(values, INTERVALS)
-            box = [p if isinstance(p, Interval) else Interval(p, p) for p in point]
-            signs = [(sign > 0, sign < 0) for sign in (part(box) for part in self.parts)]
-        codes = np.array(np.broadcast_to(_flags(signs, self.exact.known.even), count))
-        codes[upright] = 0  # the static boundary itself runs through such a box
-        return codes
-
-
-def _upright(name: str, low: Floats, high: Floats) -> NDArray[np.bool_]:
-    """Whether a box may hold the right angle: no double theta is one, a lean of 0 is."""
-    if name == "lean":
-        return (low <= 0) & (high >= 0)
-    return (low <= np.pi / 2) & (high > np.pi / 2)
-
-
-def _sine(angle: tuple[str, Floats, Floats]) -> Interval:
-    name, low, high = angle
-    ends = (np.cos(low), np.cos(high)) if name == "lean" else (np.sin(low), np.sin(high))
-    top = np.where(_upright(name, low, high), 1.0, np.maximum(*ends) * (1 + SLACK))
-    return Interval(np.minimum(*ends) * (1 - SLACK), np.minimum(top, 1.0))
-
-
-INTERVALS = Algebra("intervals", float, {"sin": _sine, "cos": _sine})
-"""Sines over boxes; the sine of theta is the cosine of a lean."""
-
-
-class _Range:
-    """Sign of a polynomial over boxes by the mean value form."""
-
-    def __init__(self, polynomial: Polynomial) -> None:
-        self.value = polynomial.parts
-        self.slopes = [polynomial.derivative(n).parts for n in polynomial.variables]
-        most = max(p.roundings(dict.fromkeys(polynomial.variables, 1)) for p in self.value)
-        self.error = 4 * (most + 4) * UNIT
-
-    def __call__(self, box: list[Interval]) -> NDArray[np.int8]:
-        """1: positive everywhere, proved; -1: negative everywhere; 0: open."""
-        low, high = [b.low for b in box], [b.high for b in box]
-        middle = [0.5 * (b.low + b.high) for b in box]
-        plus, minus = self.value[0](*middle), self.value[1](*middle)
-        spread: Any = self.error * (plus + minus)
-        for b, m, (up, down) in zip(box, middle, self.slopes, strict=True):
-            if np.all(b.low == b.high):
-                continue
-            # |∂P| is at most the larger of these over the box
-            steepest = np.maximum(up(*high) - down(*low), down(*high) - up(*low))
-            steepest = steepest + self.error * (up(*high) + down(*high))
-            reach = np.maximum(b.high - m, m - b.low) * (1 + SLACK)
-            spread = spread + reach * steepest * (1 + SLACK)
-        size = plus - minus
-        sure = np.abs(size) > spread  # NaN, from an overflow, is not sure
-        return np.where(sure, np.sign(size), 0).astype(np.int8)
-
-
-class _WideBalls:
-    """Routh's array in balls as wide as the box, for a family without an exact polynomial."""
-
-    BITS = 96
-
-    def __init__(self, problem: Problem) -> None:
-        self.problem = problem
-
-    def __call__(self, spans: Spans) -> NDArray[np.int8]:
-        count = len(next(iter(spans.values()))[0])
-        return np.array([self._one(spans, n) for n in range(count)], dtype=np.int8)
-
-    def _one(self, spans: Spans, n: int) -> int:
-        from flint import arb
-
-        from ..algebra.number_types import precision
-        from ..spectra.certificate import in_balls
-
-        with precision(self.BITS):
-            values = {name: arb(float(v)) for name, v in self.problem.values.items()}
-            for name, (low, high) in spans.items():
-                values[name] = arb(float(low[n])).union(arb(float(high[n])))
-            a, q, _ = self.problem.reduce(values, lambda v: v.sqrt())
-            try:
-                found = in_balls(self.problem.family, a, q)
-            except NoMemberError:
-                return 0
-        return CODES[found] if found is not None else 0
-
-
-SIDES = (32, 8)
-"""Cells along the side of a tile, coarse to fine."""
-
-
-class GridVerdicts:
-    """Proved verdicts over grids of two axes of a problem.
-
-    Examples
-    --------
-    >>> from stability.bodies.contact_laws import Viscous
-    >>> from stability.bodies.disk import Disk
-    >>> from stability.spectra.problem import disk_problem
-    >>> verdicts = GridVerdicts(disk_problem("rolling", Disk(), Viscous(1.0), 1.0), "at", "mu")
-    >>> codes, handed_on = verdicts(np.linspace(1, 2, 200), np.linspace(0.1, 1, 100))
-    >>> codes.shape, np.unique(codes).tolist(), handed_on
+    >>> axes = Axis("at", 1.0, 2.0, 200), Axis("mu", 0.1, 1.0, 100)
+    >>> codes, exact = slice_verdicts(problem, axes)(axes[0].values, axes[1].values)
+    >>> codes.shape, np.unique(codes).tolist(), exact
     ((100, 200), [1, 2], 0)
     """
 
-    def __init__(self, problem: Problem, x: str, y: str) -> None:
-        self.x, self.y = x, y
-        self.problem = problem
-        self.cells = FilteredVerdicts(problem)
-        self.boxes = BoxConditions(problem)
+    def __init__(self, problem: Problem, slice_: Slice, axes: tuple[Axis, Axis]) -> None:
+        self.problem, self.slice, self.axes = problem, slice_, axes
+        self.windows = windows_of(slice_, axes)
+        self.surfaces = [surface(p, self.windows) for p in slice_.surfaces]
+        self.degrees = tuple(max((s.degrees[k] for s in self.surfaces), default=0) for k in (0, 1))
+        self.good = CODES[best(even=slice_.even)]
+        x, y = ((np.array([g.low]), np.array([g.high])) for g in axes)
+        with np.errstate(all="ignore"):
+            self.known = self._over(x, y, np.zeros((len(self.surfaces), 1)))
+        """Signs of the surfaces that are one on all of the map, 0 for the others."""
+
+    @cached_property
+    def everywhere(self) -> bool:
+        """Whether every point of the map is proved to be a member at which the slice holds."""
+        edges = [np.linspace(g.low, g.high, MESH + 1) for g in self.axes]
+        x, y = (
+            [v.ravel() for v in np.meshgrid(*pair)]
+            for pair in zip(*((e[:-1], e[1:]) for e in edges), strict=True)
+        )
+        with np.errstate(all="ignore"):
+            signs = self._over((x[0], y[0]), (x[1], y[1]), np.repeat(self.known, MESH**2, axis=1))
+        return bool(self._member(signs).all())
+
+    # --- signs to flags ---
+
+    def _member(self, signs: Any) -> Any:
+        """Where the signs prove a member at which the slice holds."""
+        count = signs.shape[1]
+        out = np.ones(count, dtype=bool)
+        for condition in self.slice.required:
+            out &= _product(condition, signs, count) > 0
+        for condition in self.slice.nonzero:
+            out &= _product(condition, signs, count) != 0
+        return out
+
+    def _codes(self, signs: Any) -> Codes:
+        """Flags from the signs of the surfaces, 0 where these do not decide."""
+        count = signs.shape[1]
+        good, bad = np.ones(count, dtype=bool), np.zeros(count, dtype=bool)
+        for condition in self.slice.conditions:
+            sign = _product(condition, signs, count)
+            good, bad = good & (sign > 0), bad | (sign < 0)
+        codes: Any = good * np.int8(self.good) + bad * np.int8(CODES[Verdict.UNSTABLE])
+        codes[~self._member(signs)] = 0
+        return np.asarray(codes, dtype=np.int8)
+
+    def _over(self, x: Ends, y: Ends, signs: Any) -> Signs:
+        """Signs over boxes; those known already stay."""
+        t, s = (w.ends(*ends) for w, ends in zip(self.windows, (x, y), strict=True))
+        signs, box = signs.astype(np.int8), Box(t, s, self.degrees)
+        for row, one in zip(signs, self.surfaces, strict=True):
+            left = np.flatnonzero(row == 0)
+            if not len(left):
+                continue
+            if len(left) == len(row):
+                row[:] = one.over(box)
+            else:
+                row[left] = one.over(box.take(left))
+        out: Signs = signs
+        return out
+
+    def boxes(self, spans: Mapping[str, tuple[Floats, Floats]]) -> Codes:
+        """Flags proved over whole boxes inside the map, 0 where none is."""
+        x, y = (spans[g.name] for g in self.axes)
+        with np.errstate(all="ignore"):
+            return self._codes(self._over(x, y, np.repeat(self.known, len(x[0]), axis=1)))
+
+    # --- a grid ---
 
     def __call__(self, xs: Floats, ys: Floats, known: Codes | None = None) -> tuple[Codes, int]:
-        """Verdict flags over a grid.
+        """Flags over a grid inside the map.
 
         Parameters
         ----------
@@ -433,33 +134,136 @@ class GridVerdicts:
 
         Returns
         -------
-        codes, handed_on
-            Flags, shape (y, x), and how many cells went to exact arithmetic.
+        codes, exact
+            Flags, shape (y, x), `ELSEWHERE` where the slice has none; and how many cells were
+            decided over Q.
         """
-        shape = len(ys), len(xs)
-        if known is not None:
-            codes = known.reshape(shape)
-            return codes, self._single(
-                codes, *np.divmod(np.flatnonzero(known == 0), len(xs)), 1, xs, ys
-            )
-        padded, i, j, _ = tiled(xs, ys, SIDES, self._judge, np.empty((0, 1)))
-        codes, side = padded[: shape[0], : shape[1]], SIDES[-1]
-        return codes, self._single(codes, i * side, j * side, side, xs, ys)
+        with np.errstate(all="ignore"):
+            if known is not None:
+                left = np.flatnonzero(known == 0)
+                known[left], exact = self.at(xs, ys, *np.divmod(left, len(xs)))
+                return known.reshape(len(ys), len(xs)), exact
+            padded, i, j, signs = tiled(xs, ys, SIDES, self._tiles, self.known)
+            exact = self._single(padded, i, j, signs, xs, ys) if len(i) else 0
+            return padded[: len(ys), : len(xs)], exact
 
-    def _judge(self, x: Ends, y: Ends, signs: Any) -> tuple[Codes, Any]:
-        return self.boxes({self.x: x, self.y: y}), signs
+    def _tiles(self, x: Ends, y: Ends, signs: Any) -> tuple[Codes, Signs]:
+        signs = self._over(x, y, signs)
+        return self._codes(signs), signs
 
-    def _single(self, codes: Codes, i: Any, j: Any, side: int, xs: Floats, ys: Floats) -> int:
-        if not len(i):
-            return 0
+    def _single(self, padded: Codes, i: Any, j: Any, signs: Any, xs: Floats, ys: Floats) -> int:
+        """Flags of the cells of the last tiles, into their places."""
+        side = SIDES[-1]
         steps = np.arange(side)
         rows, columns = (
-            np.broadcast_to(v, (len(i), side, side)).reshape(-1)
-            for v in (i[:, None, None] + steps[:, None], j[:, None, None] + steps)
+            np.minimum(first[:, None] * side + steps, len(v) - 1) for first, v in ((i, ys), (j, xs))
         )
-        inside = (rows < codes.shape[0]) & (columns < codes.shape[1])
-        rows, columns = rows[inside], columns[inside]
-        swept = {self.x: xs[columns], self.y: ys[rows]}
-        found, left = self.cells.codes(dict(self.problem.values) | swept)
-        codes[rows, columns] = found
-        return left
+        grid = self.windows[0](xs)[columns], self.windows[1](ys)[rows]
+        ends = [(v.min(axis=1), v.max(axis=1)) for v in grid]  # a sine may turn inside a tile
+        box = Box(ends[0], ends[1], self.degrees)
+        offsets = [v - middle[:, None] for v, middle in zip(grid, box.middle, strict=True)]
+        cells = np.repeat(signs, side * side, axis=1).reshape(len(signs), -1, side, side)
+        for row, known, one in zip(cells, signs, self.surfaces, strict=True):
+            left = np.flatnonzero(known == 0)
+            if len(left):
+                row[left] = one.inside(box.take(left), *(v[left] for v in offsets))
+        found = self._codes(cells.reshape(len(signs), -1))
+        left = np.flatnonzero(found == 0)
+        tile, rest = np.divmod(left, side * side)
+        place = rows[tile, rest // side], columns[tile, rest % side]
+        some = cells.reshape(len(signs), -1)[:, left]
+        found[left], exact = self._each(some, xs, ys, *place)
+        whole = padded.reshape(padded.shape[0] // side, side, padded.shape[1] // side, side)
+        whole[i, :, j, :] = found.reshape(-1, side, side)
+        return exact
+
+    def at(self, xs: Floats, ys: Floats, rows: Any, columns: Any) -> tuple[Codes, int]:
+        """Flags of single cells, and how many of them were decided over Q."""
+        signs = np.repeat(self.known, len(rows), axis=1)
+        return self._each(signs, xs, ys, rows, columns)
+
+    def _each(
+        self, signs: Any, xs: Floats, ys: Floats, rows: Any, columns: Any
+    ) -> tuple[Codes, int]:
+        """The same from signs that are known: by the surfaces that are open, then over Q."""
+        if not len(rows):
+            return np.empty(0, dtype=np.int8), 0
+        t, s = (
+            powers(w(v), d) for w, v, d in zip(self.windows, (xs, ys), self.degrees, strict=True)
+        )
+        for row, one in zip(signs, self.surfaces, strict=True):
+            left = np.flatnonzero(row == 0)
+            if len(left):
+                row[left] = one.at(t[:, columns[left]], s[:, rows[left]])
+                self._twice(one, row, xs, ys, rows, columns)
+        found = self._codes(signs)
+        known: dict[tuple[int, int], int] = {}
+        for place in np.flatnonzero(found == 0):
+            key = int(rows[place]), int(columns[place])
+            if key not in known:  # tiles that reach beyond the grid repeat its last cells
+                known[key] = self._exactly(float(xs[key[1]]), float(ys[key[0]]))
+            found[place] = known[key]
+        return found, len(known)
+
+    def _twice(
+        self, one: Surface, row: Signs, xs: Floats, ys: Floats, rows: Any, columns: Any
+    ) -> None:
+        """Signs that are open, from pairs of doubles."""
+        left = np.flatnonzero(row == 0)
+        if len(left) and one.rest is not None:
+            x, i = np.unique(xs[columns[left]], return_inverse=True)
+            y, j = np.unique(ys[rows[left]], return_inverse=True)
+            places = (w.pairs(v) for w, v in zip(self.windows, (x, y), strict=True))
+            row[left] = one.surely(*places, j, i)
+
+    def _exactly(self, x: float, y: float) -> int:
+        """The flag of one cell by exact arithmetic, `ELSEWHERE` where the slice has none."""
+        proved = self.slice.verdict(x, y)
+        if proved is None and self.problem.derived:
+            swept = {self.axes[0].name: x, self.axes[1].name: y}
+            values = {n: float(v) for n, v in (dict(self.problem.values) | swept).items()}
+            return CODES[verdict(self.problem, values)]
+        return ELSEWHERE if proved is None else CODES[proved]
+
+
+def slice_verdicts(problem: Problem, axes: tuple[Axis, Axis]) -> SliceVerdicts | None:
+    """Verdicts from the slice of a problem; None where it has none, or no conditions."""
+    found = slice_of(problem, axes[0].name, axes[1].name)
+    with suppress(NotExact):
+        return None if found is None else SliceVerdicts(problem, found, axes)
+    return None
+
+
+def windows_of(slice_: Slice, axes: tuple[Axis, Axis]) -> tuple[Window, Window]:
+    """Windows of the variables of a slice."""
+    x, y = (gcd(*some) for some in zip(*slice_.exponents, (0, 0), strict=True))
+    first, second = slice_.functions
+    return Window(axes[0], first, x or 1), Window(axes[1], second, y or 1)
+
+
+def surface(poly: Any, windows: tuple[Window, Window]) -> Surface:
+    """A polynomial of a slice, over the windows of a map.
+
+    Parameters
+    ----------
+    poly
+        An `fmpq_mpoly` in x, y and λ, without λ.
+    windows
+        Windows of x and y.
+    """
+    p, q = (w.power for w in windows)
+    if isinstance(poly, BallPolynomial):
+        return Surface({(i // p, j // q): c for (i, j), c in poly.terms.items()}, windows)
+    terms = {
+        (int(e[0]) // p, int(e[1]) // q): Fraction(int(c.p), int(c.q))
+        for e, c in poly.to_dict().items()
+    }
+    return Surface(terms, windows)
+
+
+def _product(condition: Condition, signs: Any, count: int) -> Signs:
+    """Sign of a product of powers; 0 where one is open."""
+    out: Signs = np.full(count, condition.sign, dtype=np.int8)
+    for place, power in condition.powers:
+        out = out * (signs[place] if power % 2 else np.abs(signs[place]))
+    return out

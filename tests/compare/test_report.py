@@ -197,7 +197,7 @@ def test_the_fingerprint_knows_the_sources_and_not_the_figures(
     before = journal.fingerprint()
     (copy / "compare" / "page.py").write_text("# another page")
     assert journal.fingerprint() == before
-    (copy / "maps" / "growth_rates.py").write_text("# another kernel")
+    (copy / "maps" / "rates.py").write_text("# another kernel")
     assert journal.fingerprint() != before
 
 

@@ -9,7 +9,7 @@ import pytest
 
 import stability as st
 from stability.base.verdict import NO_MEMBER, Verdict
-from stability.maps.general.slices import slice_of
+from stability.maps.slices import slice_of
 from stability.spectra.axes import swept
 
 BODIES = (st.Torus(0.2), st.Spheroid(1.6))

@@ -21,15 +21,16 @@ from flint import arb
 
 import stability as st
 from stability.algebra.exact.number_fields import NotExact
+from stability.algebra.real_factors import enclose
 from stability.base.axis import Axis
 from stability.base.errors import ParameterError
 from stability.maps import cells as cells_module
-from stability.maps.general import cells as own_cells
-from stability.maps.general import slices
-from stability.maps.general.rates import discs
-from stability.maps.general.slice_verdicts import ELSEWHERE, slice_verdicts
-from stability.maps.general.slices import slice_of
-from stability.maps.general.surfaces import Box, Surface, Window, _double, powers
+from stability.maps import engine as own_cells
+from stability.maps import slices
+from stability.maps.rates import coarse_to_fine
+from stability.maps.slices import slice_of
+from stability.maps.surfaces import Box, Surface, Window, _double, powers
+from stability.maps.verdicts import ELSEWHERE, slice_verdicts
 from stability.spectra.axes import swept
 from stability.spectra.certificate import verdict
 
@@ -350,12 +351,13 @@ def test_a_slice_travels_to_other_processes(rational: st.Family, mapped: Any) ->
     assert (found.verdict.values == mapped.verdict.values).all()
 
 
-def test_discs_hold_the_roots_of_polynomials_with_known_ones() -> None:
+@pytest.mark.parametrize("degree", [2, 4, 5, 6, 7])
+def test_discs_hold_the_roots_of_polynomials_with_known_ones(degree: int) -> None:
     """Coefficients from fractions of known roots, some of them close together."""
     chance = random.Random(5)
     roots, rows = [], []
     for _ in range(300):
-        own = [Fraction(chance.randint(-40, 40), 8) for _ in range(5)]
+        own = [Fraction(chance.randint(-40, 40), 8) for _ in range(degree)]
         if chance.random() < 0.3:
             own[1] = own[0] + Fraction(1, 2**10)
         poly = [Fraction(1)]
@@ -367,14 +369,18 @@ def test_discs_hold_the_roots_of_polynomials_with_known_ones() -> None:
         rows.append(poly[:-1])
     a = np.array([[float(c) for c in row] for row in rows]).T
     error = np.array([[abs(float(Fraction(float(c)) - c)) for c in row] for row in rows]).T
-    found = discs(a, error)
+    with np.errstate(all="ignore"):
+        found = enclose(a, error, coarse_to_fine(a, (1, a.shape[1])))
+    values = np.array(found.real) + 1j * np.array(found.imag)
+    radius = np.array(found.radius)
+    apart = np.isfinite(radius).all(axis=0)
     for n, exact in enumerate(roots):
-        if found.apart[n]:
-            for z, r in zip(found.roots[:, n], found.radius[:, n], strict=True):
+        if apart[n]:
+            for z, r in zip(values[:, n], radius[:, n], strict=True):
                 assert sum(abs(z - e) <= r for e in exact) == 1
-    distinct = np.array([len(set(r)) == 5 for r in roots])
-    assert found.apart[distinct].mean() > 0.9
-    assert not found.apart[~distinct].any()
+    distinct = np.array([len(set(r)) == degree for r in roots])
+    assert apart[distinct].mean() > 0.9
+    assert not apart[~distinct].any()
 
 
 def test_cells_that_a_slice_leaves_open_are_marked() -> None:
@@ -468,3 +474,42 @@ def test_cells_exactly_on_a_boundary_are_neutral_by_proof(
     assert (words[:half] == st.Verdict.UNSTABLE.code).all()
     assert (words[half + 1 :] == st.Verdict.STABLE.code).all()
     assert found.boundary_unresolved == 0 and (abs(found.boundary_c) <= found.boundary_error).all()
+
+
+def test_bounds_of_values_hold_over_random_polynomials_and_are_not_idle() -> None:
+    """Values over grids and in pairs of doubles, against exact fractions."""
+    chance = np.random.default_rng(1)
+    worst = 0.0
+    for trial in range(90):
+        degrees = chance.integers(0, 5, 2)
+        terms = {
+            (i, j): Fraction(int(chance.integers(1, 50)) * (-1) ** (i + j), 1 + 2 * (trial % 3))
+            for i in range(degrees[0] + 1)
+            for j in range(degrees[1] + 1)
+            if chance.random() < 0.6
+        } or {(1, 0): Fraction(1)}
+        low = chance.uniform(-2, 2)
+        high = low + (1e-3 if trial % 3 else 1.0) * abs(low)
+        windows = (
+            Window(Axis("x", low, high, 9), "", 1 + trial % 2),
+            Window(Axis("y", 0.01, 5.0, 9)),
+        )
+        one = Surface(terms, windows)
+        xs, ys = chance.uniform(low, high, 9), chance.uniform(0.01, 5, 9)
+        value, error = one.product(
+            *(powers(w(v), d) for w, v, d in zip(windows, (xs, ys), one.degrees, strict=True))
+        )
+        rows, columns = (v.ravel() for v in np.indices((9, 9)))
+        first, second, bound = one.twice(windows[0].pairs(xs), windows[1].pairs(ys), rows, columns)
+        for n, (i, j) in enumerate(zip(rows, columns, strict=True)):
+            x, y = Fraction(float(xs[j])) ** windows[0].power, Fraction(float(ys[i]))
+            exact = (
+                sum(c * x**a * y**b for (a, b), c in terms.items()) / Fraction(2) ** one.exponent
+            )
+            off = abs(Fraction(float(value[i, j])) - exact)
+            assert off <= Fraction(float(error[i, j]))
+            worst = max(worst, float(off) / float(error[i, j]))
+            pair = Fraction(float(first[n])) + Fraction(float(second[n]))
+            assert abs(pair - exact) <= Fraction(float(bound[n]))
+            assert bound[n] < 1e-9 * max(float(error[i, j]), 1e-17)
+    assert worst > 0.5

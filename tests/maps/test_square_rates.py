@@ -12,8 +12,8 @@ from stability.algebra.kernels import double_balls
 from stability.algebra.kernels.compiled import compiled, numba_found
 from stability.base.verdict import CODES, Verdict
 from stability.maps.compiled import squares
-from stability.maps.general.cells import FLAGS
-from stability.maps.general.rates import WANTED, rates
+from stability.maps.engine import FLAGS
+from stability.maps.rates import WANTED, rates
 
 SCALE = 10**60
 
@@ -26,7 +26,9 @@ def root(value: Fraction) -> Fraction:
 def found(a: np.ndarray, error: np.ndarray) -> list[np.ndarray]:
     """Abscissa, bound, frequency, flags and whether the cell is left open."""
     none = np.zeros_like(a)
-    made = rates([((np.array([a, none]), np.array([error, none])), True, 1)], modes=False)
+    made = rates(
+        [((np.array([a, none]), np.array([error, none])), True, 1)], (1, len(a)), modes=False
+    )
     return [made.abscissa, made.error, made.frequency, made.codes, made.poor]
 
 
@@ -65,7 +67,9 @@ def test_the_rates_are_those_with_all_eigenvalues() -> None:
     error = 1e-15 * np.abs(a)
     none = np.zeros_like(a)
     factor = ((np.array([a, none]), np.array([error, none])), True, 1)
-    one, other = (rates([factor], modes=modes) for modes in (False, True))
+    one, other = (
+        rates([factor], (1, len(factor[0][0][0])), modes=modes) for modes in (False, True)
+    )
     assert np.allclose(one.abscissa, other.abscissa, rtol=1e-15, atol=0)
     assert np.allclose(one.frequency, other.frequency, rtol=1e-15, atol=0)
     assert (one.codes == other.codes).all()

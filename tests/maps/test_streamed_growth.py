@@ -26,7 +26,7 @@ needs_numba = pytest.mark.skipif(find_spec("numba") is None, reason="numba is no
 @pytest.fixture(autouse=True)
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
     """Ten chunks to a map."""
-    for name in ("BAND", "ROOTS_BAND", "CHUNK"):
+    for name in ("BAND", "SWEPT_BAND", "CHUNK"):
         monkeypatch.setattr(f"stability.maps.cells.{name}", 120)
 
 
@@ -100,8 +100,8 @@ def test_an_own_family_is_completed_chunk_by_chunk(
     open_: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if open_:  # discs that are never small enough: the graph completes every cell
-        monkeypatch.setattr("stability.maps.general.rates.WANTED", 1e-18)
-        monkeypatch.setattr("stability.maps.general.cells.MOST_POOR", 1.0)
+        monkeypatch.setattr("stability.maps.rates.WANTED", 1e-18)
+        monkeypatch.setattr("stability.maps.engine.MOST_POOR", 1.0)
     found, whole = both(own_family(), tmp_path, **OWN)
     assert found.method.startswith("characteristic polynomial of the family over Q")
     np.testing.assert_array_equal(found.verdict.values, whole.verdict.values)
@@ -216,12 +216,12 @@ def test_a_folder_of_the_other_kind_is_refused(tmp_path: Path) -> None:
 def test_compiled_loops_and_numpy_are_two_questions(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("stability.maps.cells.COMPILED_FROM", 1000)
+    monkeypatch.setattr("stability.maps.engine.COMPILED_FROM", 1000)
     found, whole = both("rolling", tmp_path, **AXES)
     assert "compiled loops" in found.method
     for name in NAMES:
         np.testing.assert_array_equal(found[name].values, whole[name].values)
-    monkeypatch.setattr("stability.maps.growth_rates.numba_found", lambda: False)
+    monkeypatch.setattr("stability.maps.engine.numba_found", lambda: False)
     with pytest.raises(st.StabilityError, match="was made with other arguments"):
         both("rolling", tmp_path, **AXES)
 

@@ -11,7 +11,7 @@ import pytest
 
 import stability as st
 from stability.base.verdict import CODES, NO_MEMBER
-from stability.maps.general import cells as module
+from stability.maps import engine as module
 
 pytest.importorskip("numba")
 

@@ -24,8 +24,7 @@ from ...base.verdict import CODES, Verdict
 from ...bodies.disk import Disk
 from ...bodies.families import FAMILIES
 from ...bodies.thin_disk import disk_system
-from ...maps.growth_rates import GrowthKernel
-from ...maps.verdicts import FilteredVerdicts
+from ...maps.points import codes_at, rates_at
 from ...spectra.certificate import verdict
 from ...spectra.result import Spectrum
 from ...spectra.spectrum import spectrum
@@ -508,8 +507,8 @@ class MapKernel(Route):
     def answer(self, points: Points) -> Answer:
         """Call the kernels of maps on scattered points."""
         problem = points.problem()
-        codes, _ = FilteredVerdicts(problem).codes(problem.values)
-        growth = GrowthKernel(problem, modes=True)(problem.values, scattered=True)
+        codes, _ = codes_at(problem, problem.values)
+        growth = rates_at(problem, problem.values, modes=True)
         return Answer(codes, growth.values, growth.abscissa, growth.error)
 
 
@@ -522,7 +521,7 @@ class MapVerdict(Route):
     def answer(self, points: Points) -> Answer:
         """Call the filter of maps."""
         problem = points.problem()
-        codes, _ = FilteredVerdicts(problem).codes(problem.values)
+        codes, _ = codes_at(problem, problem.values)
         return Answer(codes)
 
 

@@ -10,48 +10,47 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
 INLINE = (
     "two_sum",
     "two_product",
-    "renewed",
+    "step",
     "larger",
     "smaller",
-    "corrected_cubic",
-    "corrected_quintic",
+    "change_of",
     "_quadratic",
     "pair",
     "clear",
     "weight",
-    "cubic_discs",
-    "quintic_discs",
     "correct_cubic",
     "correct_quintic",
+    "cubic_discs",
+    "quintic_discs",
 )
-"""Functions, here and in `loops`, that are written into the loops over cells."""
+"""Functions, here and in `pairs`, that are written into the loops over cells."""
+SIDE = 128
+"""Cells of a block."""
+U = np.uintp
+"""Type of an index that cannot be negative, so that it needs no test."""
+
 EPS = 2.0**-52
 """Relative distance of doubles."""
 
 
-def two_sum(x: Any, y: Any) -> Any:
-    """Sum and its rounding error (Knuth)."""
-    s = x + y
-    t = s - x
-    return s, (x - (s - t)) + (y - t)
-
-
-def two_product(x: Any, y: Any) -> Any:
-    """Product and its rounding error (Dekker), for numbers below 1e290."""
-    p = x * y
-    u, v = 134217729.0 * x, 134217729.0 * y
-    a, b = u - (u - x), v - (v - y)
-    c, d = x - a, y - b
-    return p, ((a * b - p) + a * d + c * b) + c * d
-
-
-def renewed(high: Any, low: Any) -> Any:
-    """A number and a much smaller one as a pair of doubles."""
-    both = high + low
-    return both, low - (both - high)
+# lines of a page, in cells
+PLACE = 0  # scaled numbers of x
+UNIT = SIDE  # of the rate
+LEAD, LEAD_ERROR = 2 * SIDE, 3 * SIDE
+A = 4 * SIDE  # coefficients, up to five
+E = 9 * SIDE  # their errors
+F = 14 * SIDE  # factors
+CHANGE = 19 * SIDE
+REAL = 20 * SIDE  # of up to six roots
+IMAG = 26 * SIDE
+RADIUS = 32 * SIDE
+TOP, ERROR, TURN, LARGEST, HIGH = 38 * SIDE, 39 * SIDE, 40 * SIDE, 41 * SIDE, 42 * SIDE
+PAGE = 43 * SIDE
 
 
 def larger(x: float, y: float) -> float:
@@ -64,16 +63,23 @@ def smaller(x: float, y: float) -> float:
     return x if x < y else y
 
 
-def corrected_cubic(a: Any, b: Any, c: Any, r: Any, p: Any, q: Any) -> Any:
-    """(r, p, q) of x³ + c x² + b x + a after one correction, and the square of the change."""
+def change_of(dp: Any, dq: Any, p: Any, q: Any) -> Any:
+    """Square of the change of x² + p x + q, relative to its roots."""
+    return (dq / q) ** 2 + dp * dp / (abs(q) + p * p)
+
+
+def correct_cubic(j: int, w: Any) -> None:
+    """One correction of (x - r)(x² + p x + q), and the square of its change."""
+    a, b, c = w[A + j], w[A + SIDE + j], w[A + 2 * SIDE + j]
+    r, p, q = w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j]
     dr = -(((r + c) * r + b) * r + a) / ((r + p) * r + q)
     high = c - p
     alpha, beta = b - p * high - q, a - q * high
     m = -r - p
     det = q - r * m
     dp, dq = (-r * alpha - beta) / det, (m * beta + q * alpha) / det
-    change = larger((dr / r) ** 2, (dq / q) ** 2 + dp * dp / (abs(q) + p * p))
-    return r + dr, p + dp, q + dq, change
+    w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j] = r + dr, p + dp, q + dq
+    w[CHANGE + j] = larger((dr / r) ** 2, change_of(dp, dq, p, q))
 
 
 def _quadratic(
@@ -89,19 +95,22 @@ def _quadratic(
     m = delta - gamma * p
     det = delta * m + gamma * gamma * q
     dp, dq = (alpha * delta - beta * gamma) / det, (m * beta + gamma * q * alpha) / det
-    return dp, dq, (dq / q) ** 2 + dp * dp / (abs(q) + p * p)
+    return dp, dq, change_of(dp, dq, p, q)
 
 
-def corrected_quintic(
-    a: Any, b: Any, c: Any, d: Any, e: Any, r: Any, p: Any, q: Any, u: Any, v: Any
-) -> Any:
-    """The five numbers of the factors after one correction, and the square of the change."""
+def correct_quintic(j: int, w: Any) -> None:
+    """The same for a factor of degree 5, with a second quadratic x² + u x + v."""
+    a, b, c = w[A + j], w[A + SIDE + j], w[A + 2 * SIDE + j]
+    d, e = w[A + 3 * SIDE + j], w[A + 4 * SIDE + j]
+    r, p, q = w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j]
+    u, v = w[F + 3 * SIDE + j], w[F + 4 * SIDE + j]
     value = ((((r + e) * r + d) * r + c) * r + b) * r + a
     dr = -value / (((r + p) * r + q) * ((r + u) * r + v))
     dp, dq, first = _quadratic(a, b, c, d, e, r, p, q, u, v)
     du, dv, second = _quadratic(a, b, c, d, e, r, u, v, p, q)
-    change = larger(larger((dr / r) ** 2, first), second)
-    return r + dr, p + dp, q + dq, u + du, v + dv, change
+    w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j] = r + dr, p + dp, q + dq
+    w[F + 3 * SIDE + j], w[F + 4 * SIDE + j] = u + du, v + dv
+    w[CHANGE + j] = larger(larger((dr / r) ** 2, first), second)
 
 
 def pair(p: Any, q: Any) -> Any:
@@ -127,11 +136,11 @@ def pair(p: Any, q: Any) -> Any:
     )
 
 
-def cubic_discs(a: Any, b: Any, c: Any, x: Any, y: Any, z: Any, r: Any, p: Any, q: Any) -> Any:
-    """Three real parts, the pair's |imaginary part|, three radii.
-
-    The coefficients a, b, c have errors x, y, z.
-    """
+def cubic_discs(j: int, w: Any) -> None:
+    """Roots of a cubic by their real parts and |imaginary parts|, and the radii of their discs."""
+    a, b, c = w[A + j], w[A + SIDE + j], w[A + 2 * SIDE + j]
+    x, y, z = w[E + j], w[E + SIDE + j], w[E + 2 * SIDE + j]
+    r, p, q = w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j]
     s, ps, qs = abs(r), abs(p), abs(q)
     x = abs(a + r * q) + x + 3 * EPS * (s * qs)
     y = abs(b - (q - r * p)) + y + 3 * EPS * (s * ps + qs)
@@ -144,7 +153,10 @@ def cubic_discs(a: Any, b: Any, c: Any, x: Any, y: Any, z: Any, r: Any, p: Any, 
     w1 = weight(x, y, z, 0.0, 0.0, m, apart * up) + slip
     w2 = weight(x, y, z, 0.0, 0.0, n, apart * down) + slip
     far = clear(3, larger(larger(w0, w1), w2), w0 + w1 + w2, closest)
-    return r, first, second, turn, far + 1.2 * w0, far + 1.2 * w1, far + 1.2 * w2
+    w[REAL + j], w[REAL + SIDE + j], w[REAL + 2 * SIDE + j] = r, first, second
+    w[IMAG + j], w[IMAG + SIDE + j], w[IMAG + 2 * SIDE + j] = 0.0, turn, turn
+    w[RADIUS + j] = far + 1.2 * w0
+    w[RADIUS + SIDE + j], w[RADIUS + 2 * SIDE + j] = far + 1.2 * w1, far + 1.2 * w2
 
 
 def clear(n: int, heaviest: Any, total: Any, closest: Any) -> Any:
@@ -153,24 +165,14 @@ def clear(n: int, heaviest: Any, total: Any, closest: Any) -> Any:
     return 0.0 if (closest > away * away) & (total < math.inf) else math.inf
 
 
-def quintic_discs(
-    a: Any,
-    b: Any,
-    c: Any,
-    d: Any,
-    e: Any,
-    ea: Any,
-    eb: Any,
-    ec: Any,
-    ed: Any,
-    ee: Any,
-    r: Any,
-    p: Any,
-    q: Any,
-    u: Any,
-    v: Any,
-) -> Any:
-    """Five real parts, |imaginary parts| of both pairs, five radii; ea … ee are errors."""
+def quintic_discs(j: int, w: Any) -> None:
+    """The same for a factor of degree 5."""
+    a, b, c = w[A + j], w[A + SIDE + j], w[A + 2 * SIDE + j]
+    d, e = w[A + 3 * SIDE + j], w[A + 4 * SIDE + j]
+    ea, eb, ec = w[E + j], w[E + SIDE + j], w[E + 2 * SIDE + j]
+    ed, ee = w[E + 3 * SIDE + j], w[E + 4 * SIDE + j]
+    r, p, q = w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j]
+    u, v = w[F + 3 * SIDE + j], w[F + 4 * SIDE + j]
     c0, c1, c2 = -r * q, -r * p + q, -r + p
     s, ps, qs, us, vs = abs(r), abs(p), abs(q), abs(u), abs(v)
     s0, s1, s2 = s * qs, s * ps + qs, s + ps
@@ -197,20 +199,13 @@ def quintic_discs(
     w4 = weight(ea, eb, ec, ed, ee, m4, (close * d4) * (d14 * d24)) + slide
     heaviest = larger(larger(larger(w0, w1), larger(w2, w3)), w4)
     far = clear(5, heaviest, w0 + w1 + w2 + w3 + w4, closest)
-    return (
-        r,
-        x1,
-        x2,
-        x3,
-        x4,
-        y,
-        z,
-        far + 1.4 * w0,
-        far + 1.4 * w1,
-        far + 1.4 * w2,
-        far + 1.4 * w3,
-        far + 1.4 * w4,
-    )
+    w[REAL + j], w[REAL + SIDE + j], w[REAL + 2 * SIDE + j] = r, x1, x2
+    w[REAL + 3 * SIDE + j], w[REAL + 4 * SIDE + j] = x3, x4
+    w[IMAG + j], w[IMAG + SIDE + j], w[IMAG + 2 * SIDE + j] = 0.0, y, y
+    w[IMAG + 3 * SIDE + j], w[IMAG + 4 * SIDE + j] = z, z
+    w[RADIUS + j] = far + 1.4 * w0
+    w[RADIUS + SIDE + j], w[RADIUS + 2 * SIDE + j] = far + 1.4 * w1, far + 1.4 * w2
+    w[RADIUS + 3 * SIDE + j], w[RADIUS + 4 * SIDE + j] = far + 1.4 * w3, far + 1.4 * w4
 
 
 def weight(a: Any, b: Any, c: Any, d: Any, e: Any, size: Any, spread: Any) -> Any:

@@ -1,10 +1,10 @@
-"""Growth rates of a tile, row by row and block by block: what runs once for each cell.
+"""Growth rates of a grid, row by row and block by block: what runs once for each cell.
 
 Factors of a cell start from those of the rows before, by extrapolation.
 
-Coefficients come from Horner schemes, in doubles and in pairs of doubles.  A block of `SIDE` cells
-has a page, on which each quantity of a cell has its line.  A loop runs over two or three lines, and
-so in vector instructions.
+Coefficients are polynomials in the scaled numbers of both axes: what follows from y is computed
+once a row, the rest by Horner's scheme.  A block of `SIDE` cells has a page, on which each quantity
+of a cell has its line.  A loop runs over two or three lines, and so in vector instructions.
 """
 
 from __future__ import annotations
@@ -14,47 +14,38 @@ from typing import Any
 
 import numpy as np
 
+from ..pairs import DOUBLED, doubled, step
 from .factors import (
+    CHANGE,
     EPS,
-    corrected_cubic,
-    corrected_quintic,
+    ERROR,
+    HIGH,
+    IMAG,
+    LARGEST,
+    LEAD,
+    LEAD_ERROR,
+    PAGE,
+    PLACE,
+    RADIUS,
+    REAL,
+    SIDE,
+    TOP,
+    TURN,
+    UNIT,
+    A,
+    E,
+    F,
+    U,
+    correct_cubic,
+    correct_quintic,
     cubic_discs,
     larger,
     quintic_discs,
-    renewed,
     smaller,
-    two_product,
-    two_sum,
 )
-
-SIDE = 128
-"""Cells of a block."""
-SET, PLUS, ADD, COPY, TIMES, SCALE, PRODUCT = range(7)
-"""Steps of a scheme on a line: set to a number, add a number, add the line below, copy the line
-below, multiply by a variable; a number times a variable, the line below times a variable."""
 
 DIVIDED = EPS
 """Relative error of x·(1/y), 2 units of 2⁻⁵³: (1 + d)(1 + d') with |d|, |d'| ≤ 2⁻⁵³."""
-
-U = np.uintp
-"""Type of an index that cannot be negative, so that it needs no test."""
-
-# lines of a page, in cells
-VARIABLE = 0  # up to four, then their low parts
-LOW_VARIABLE, LOW = 4 * SIDE, 5 * SIDE  # from a variable or a level to its low part
-UNIT = 8 * SIDE  # of the rate
-LEVEL = 9 * SIDE  # of a scheme, up to five, then their low parts
-HIGH, HIGH_LOW = 19 * SIDE, 20 * SIDE
-LEAD, LEAD_ERROR = 21 * SIDE, 22 * SIDE
-A = 23 * SIDE  # coefficients, up to five
-E = 28 * SIDE  # their errors
-F = 33 * SIDE  # factors
-CHANGE = 38 * SIDE
-REAL = 39 * SIDE  # of up to six roots
-IMAG = 45 * SIDE
-RADIUS = 51 * SIDE
-TOP, ERROR, TURN, LARGEST = 57 * SIDE, 58 * SIDE, 59 * SIDE, 60 * SIDE
-PAGE = 61 * SIDE
 
 
 def copy(x: int, y: int, w: Any) -> None:
@@ -63,136 +54,39 @@ def copy(x: int, y: int, w: Any) -> None:
         w[U(y + j)] = w[U(x + j)]
 
 
-def scheme(steps: Any, numbers: Any, first: int, last: int, w: Any) -> int:
-    """Run a Horner scheme in doubles; the line of its value."""
-    x = LEVEL
-    for k in range(first, last):
-        what, number = steps[k, 0], numbers[k]
-        x, z = LEVEL + steps[k, 1] * SIDE, VARIABLE + steps[k, 2] * SIDE
-        y = x - SIDE
-        if what == SCALE:
-            for j in range(SIDE):
-                w[U(x + j)] = number * w[U(z + j)]
-        elif what == SET:
-            for j in range(SIDE):
-                w[U(x + j)] = number
-        elif what == PLUS:
-            for j in range(SIDE):
-                w[U(x + j)] += number
-        elif what == ADD:
-            for j in range(SIDE):
-                w[U(x + j)] += w[U(y + j)]
-        elif what == PRODUCT:
-            for j in range(SIDE):
-                w[U(x + j)] = w[U(y + j)] * w[U(z + j)]
-        elif what == COPY:
-            copy(y, x, w)
-        else:
-            for j in range(SIDE):
-                w[U(x + j)] *= w[U(z + j)]
-    return x
-
-
-def long_scheme(steps: Any, numbers: Any, first: int, last: int, w: Any) -> int:
-    """The same in pairs of doubles, all positive: each step is right to 2⁻¹⁰⁰ of its value.
-
-    Results go to fixed lines first, so that no test of overlap hinders vector instructions.
-    """
-    x = LEVEL
-    for k in range(first, last):
-        what, number = steps[k, 0], numbers[k]
-        x, z = LEVEL + steps[k, 1] * SIDE, VARIABLE + steps[k, 2] * SIDE
-        if what == SET:
-            for j in range(SIDE):
-                w[TOP + j], w[ERROR + j] = number, 0.0
-        elif what == PLUS:
-            for j in range(SIDE):
-                s, t = two_sum(w[U(x + j)], number)
-                w[TOP + j], w[ERROR + j] = renewed(s, t + w[U(x + LOW + j)])
-        elif what == ADD:
-            y = x - SIDE
-            for j in range(SIDE):
-                s, t = two_sum(w[U(x + j)], w[U(y + j)])
-                w[TOP + j], w[ERROR + j] = renewed(s, t + (w[U(x + LOW + j)] + w[U(y + LOW + j)]))
-        elif what == COPY:
-            copy(x - SIDE, TOP, w)
-            copy(x - SIDE + LOW, ERROR, w)
-        elif what == SCALE:
-            for j in range(SIDE):
-                s, t = two_product(number, w[U(z + j)])
-                w[TOP + j], w[ERROR + j] = renewed(s, t + number * w[U(z + LOW_VARIABLE + j)])
-        else:
-            y = x - SIDE if what == PRODUCT else x
-            for j in range(SIDE):
-                p, q = w[U(y + j)], w[U(z + j)]
-                s, t = two_product(p, q)
-                rest = p * w[U(z + LOW_VARIABLE + j)] + w[U(y + LOW + j)] * q
-                w[TOP + j], w[ERROR + j] = renewed(s, t + rest)
-        copy(TOP, x, w)
-        copy(ERROR, x + LOW, w)
-    return x
-
-
-def steady_lead(steps: Any, parts: Any, row: int, where: Any) -> bool:
-    """Whether the leading coefficient on this row is the same in all columns of a tile."""
-    for k in range(parts[row, 0], parts[row, 2]):
-        if steps[k, 0] >= TIMES and where[steps[k, 2], 2]:
-            return False
-    return True
-
-
-def constant(steps: Any, first: int, last: int) -> bool:
-    """Whether a scheme is a number alone: set on one line, and copied to others."""
-    for k in range(first + 1, last):
-        if steps[k, 0] != COPY:
-            return False
-    return bool(steps[first, 0] == SET)
+def along(high: Any, degrees: Any, y: float, out: Any, sizes: Any) -> None:
+    """Coefficients by powers of x on a row, and the sums of the sizes of their terms."""
+    for k in range(len(high)):
+        for i in range(degrees[k] + 1):
+            value, size = 0.0, 0.0
+            for j in range(high.shape[2] - 1, -1, -1):
+                value, size = value * y + high[k, i, j], size * abs(y) + abs(high[k, i, j])
+            out[k, i], sizes[k, i] = value, size
 
 
 def coefficients(
-    steps: Any, numbers: Any, parts: Any, bounds: Any, first: int, count: int, led: bool, w: Any
+    row: Any, sizes: Any, degrees: Any, bounds: Any, first: int, count: int, led: bool, w: Any
 ) -> None:
-    """Monic coefficients of a factor, and their errors, from its row `first` on.
+    """Monic coefficients of a factor, and their errors, from its coefficient `first` on.
 
     `led`: the lines of the leading coefficient hold its inverse already.
     """
     for i in range(count - 1 if led else count, -1, -1):
         k = first + i
-        high = scheme(steps, numbers, parts[k, 0], parts[k, 1], w)
         value, off = (LEAD, LEAD_ERROR) if i == count else (A + i * SIDE, E + i * SIDE)
-        if constant(steps, parts[k, 1], parts[k, 2]):  # such as 0, where no term is negative
-            y = numbers[parts[k, 1]]
-            for j in range(SIDE):
-                x = w[U(high + j)]
-                w[U(value + j)], w[U(off + j)] = x - y, bounds[k] * (x + y)
-            continue
-        copy(high, HIGH, w)
-        low = scheme(steps, numbers, parts[k, 1], parts[k, 2], w)
+        last, unit, least = degrees[k], bounds[k, 0], bounds[k, 1]
         for j in range(SIDE):
-            x, y = w[HIGH + j], w[U(low + j)]
-            w[U(value + j)], w[U(off + j)] = x - y, bounds[k] * (x + y)
+            w[U(value + j)], w[U(off + j)] = row[k, last], sizes[k, last]
+        for n in range(last - 1, -1, -1):
+            more, size = row[k, n], sizes[k, n]
+            for j in range(SIDE):
+                t = w[PLACE + j]
+                w[U(value + j)] = w[U(value + j)] * t + more
+                w[U(off + j)] = w[U(off + j)] * abs(t) + size
+        for j in range(SIDE):
+            w[U(off + j)] = unit * w[U(off + j)] + least
     if not led:
         invert(DIVIDED, w)
-    monic(count, w)
-
-
-def long_coefficients(
-    steps: Any, numbers: Any, parts: Any, bounds: Any, first: int, count: int, w: Any
-) -> None:
-    """The same from pairs of doubles, with the error of variables in long double."""
-    for i in range(count, -1, -1):
-        k = first + i
-        high = long_scheme(steps, numbers, parts[k, 0], parts[k, 1], w)
-        copy(high, HIGH, w)
-        copy(high + LOW, HIGH_LOW, w)
-        low = long_scheme(steps, numbers, parts[k, 1], parts[k, 2], w)
-        value, off = (LEAD, LEAD_ERROR) if i == count else (A + i * SIDE, E + i * SIDE)
-        for j in range(SIDE):
-            x, y = w[HIGH + j], w[U(low + j)]
-            s, t = two_sum(x, -y)
-            w[U(value + j)] = s + (t + (w[HIGH_LOW + j] - w[U(low + LOW + j)]))
-            w[U(off + j)] = 2.0**-11 * bounds[k] * (x + y)
-    invert(DIVIDED + EPS, w)  # value and lead are rounded to doubles: a unit each
     monic(count, w)
 
 
@@ -232,41 +126,6 @@ ENOUGH = 8 * EPS
 """Square of a change that leaves no error."""
 WANTED = 1e-13
 """Error of the abscissa, relative to the largest modulus, beyond which a cell is computed again."""
-
-
-def correct_cubic(j: int, w: Any) -> None:
-    """One correction of the factors of one cell of a block."""
-    w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j], w[CHANGE + j] = corrected_cubic(
-        w[A + j],
-        w[A + SIDE + j],
-        w[A + 2 * SIDE + j],
-        w[F + j],
-        w[F + SIDE + j],
-        w[F + 2 * SIDE + j],
-    )
-
-
-def correct_quintic(j: int, w: Any) -> None:
-    """The same for a factor of degree 5."""
-    (
-        w[F + j],
-        w[F + SIDE + j],
-        w[F + 2 * SIDE + j],
-        w[F + 3 * SIDE + j],
-        w[F + 4 * SIDE + j],
-        w[CHANGE + j],
-    ) = corrected_quintic(
-        w[A + j],
-        w[A + SIDE + j],
-        w[A + 2 * SIDE + j],
-        w[A + 3 * SIDE + j],
-        w[A + 4 * SIDE + j],
-        w[F + j],
-        w[F + SIDE + j],
-        w[F + 2 * SIDE + j],
-        w[F + 3 * SIDE + j],
-        w[F + 4 * SIDE + j],
-    )
 
 
 def correct(degree: int, w: Any) -> int:
@@ -349,66 +208,15 @@ def rescue(degree: int, j: int, near: Any, z: Any, w: Any) -> None:
 def discs(degree: int, slot: int, w: Any) -> None:
     """Roots of a factor and the radii of their discs, from the lines of this slot on."""
     if degree == 1:
+        to = slot * SIDE
         for j in range(SIDE):
-            w[REAL + slot * SIDE + j] = -w[A + j]
-            w[IMAG + slot * SIDE + j] = 0.0
-            w[RADIUS + slot * SIDE + j] = w[E + j]
+            w[REAL + to + j], w[IMAG + to + j], w[RADIUS + to + j] = -w[A + j], 0.0, w[E + j]
     elif degree == 3:
         for j in range(SIDE):
-            (
-                w[REAL + j],
-                w[REAL + SIDE + j],
-                w[REAL + 2 * SIDE + j],
-                turn,
-                w[RADIUS + j],
-                w[RADIUS + SIDE + j],
-                w[RADIUS + 2 * SIDE + j],
-            ) = cubic_discs(
-                w[A + j],
-                w[A + SIDE + j],
-                w[A + 2 * SIDE + j],
-                w[E + j],
-                w[E + SIDE + j],
-                w[E + 2 * SIDE + j],
-                w[F + j],
-                w[F + SIDE + j],
-                w[F + 2 * SIDE + j],
-            )
-            w[IMAG + j], w[IMAG + SIDE + j], w[IMAG + 2 * SIDE + j] = 0.0, turn, turn
+            cubic_discs(j, w)
     else:
         for j in range(SIDE):
-            (
-                w[REAL + j],
-                w[REAL + SIDE + j],
-                w[REAL + 2 * SIDE + j],
-                w[REAL + 3 * SIDE + j],
-                w[REAL + 4 * SIDE + j],
-                turn,
-                tilt,
-                w[RADIUS + j],
-                w[RADIUS + SIDE + j],
-                w[RADIUS + 2 * SIDE + j],
-                w[RADIUS + 3 * SIDE + j],
-                w[RADIUS + 4 * SIDE + j],
-            ) = quintic_discs(
-                w[A + j],
-                w[A + SIDE + j],
-                w[A + 2 * SIDE + j],
-                w[A + 3 * SIDE + j],
-                w[A + 4 * SIDE + j],
-                w[E + j],
-                w[E + SIDE + j],
-                w[E + 2 * SIDE + j],
-                w[E + 3 * SIDE + j],
-                w[E + 4 * SIDE + j],
-                w[F + j],
-                w[F + SIDE + j],
-                w[F + 2 * SIDE + j],
-                w[F + 3 * SIDE + j],
-                w[F + 4 * SIDE + j],
-            )
-            w[IMAG + j], w[IMAG + SIDE + j], w[IMAG + 2 * SIDE + j] = 0.0, turn, turn
-            w[IMAG + 3 * SIDE + j], w[IMAG + 4 * SIDE + j] = tilt, tilt
+            quintic_discs(j, w)
 
 
 def rate(roots: int, w: Any) -> None:
@@ -453,23 +261,6 @@ def judge_squares(flags: Any, w: Any) -> int:
         w[CHANGE + j] = (flags[1] if z > 0 else flags[0]) if good else 0.0
         sure += 1 if good else 0
     return sure
-
-
-def fill(
-    values: Any, where: Any, count: int, row: int, column: int, many: int, line: int, w: Any
-) -> None:
-    """Lines of variables of a block, the last cell repeated; a row's own stay for its blocks."""
-    for v in range(count):
-        at = where[v, 0] + row * where[v, 1] + column * where[v, 2]
-        to = line + v * SIDE
-        if where[v, 2]:
-            for j in range(many):
-                w[to + j] = values[at + j]
-            for j in range(many, SIDE):
-                w[to + j] = w[to + many - 1]
-        elif column == 0:
-            for j in range(SIDE):
-                w[to + j] = values[at]
 
 
 def predict(
@@ -567,9 +358,9 @@ def leave(cell: int, j: int, count: int, poor: Any, kept: Any, w: Any) -> int:
 
 def sweep(
     table: Any,
-    where: Any,
-    values: Any,
-    shape: Any,
+    xs: Any,
+    ys: Any,
+    scale: Any,
     even: bool,
     flags: Any,
     out: Any,
@@ -577,24 +368,46 @@ def sweep(
     poor: Any,
     kept: Any,
 ) -> int:
-    """Growth rates and flags of a tile; the number of cells that are to be computed again."""
-    steps, numbers, parts, bounds, factors = table
-    rows, columns = shape
-    variables = len(where) - 1
+    """Growth rates and flags of a grid; the number of cells that are to be computed again.
+
+    Parameters
+    ----------
+    table
+        Coefficients (·, powers of x, powers of y), the degree in x of each, (relative, absolute)
+        bound on the error of each, and (first coefficient, degree) of each factor.
+    xs, ys
+        Scaled numbers of the axes.
+    scale
+        Units of the rate, flat, and the steps of a row and a column in them.
+    even
+        Whether the polynomial is linear in λ².
+    flags
+        Flags of stable and unstable cells.
+    out, codes
+        Abscissa, error, frequency and flags, each of shape (rows · columns,).
+    poor, kept
+        Cells that are to be computed again, and their factors, shapes (·,) and (degree, ·).
+    """
+    high, degrees, bounds, factors = table
+    units, down, across = scale
+    rows, columns = len(ys), len(xs)
     degree = factors[0, 1]
     past = np.zeros((4, degree, columns))
     near, z = np.full(degree, math.nan), np.zeros(degree, dtype=np.complex128)
     w, count = np.zeros(PAGE), 0
-    steady = len(factors) == 1 and steady_lead(steps, parts, factors[0, 0] + degree, where)
+    line, sizes = np.zeros(high.shape[:2]), np.zeros(high.shape[:2])
+    steady = len(factors) == 1 and degrees[factors[0, 0] + degree] == 0
     for row in range(rows):
+        along(high, degrees, ys[row], line, sizes)
         for column in range(0, columns, SIDE):
             many = min(SIDE, columns - column)
-            fill(values, where, variables, row, column, many, VARIABLE, w)
-            fill(values, where[variables:], 1, row, column, many, UNIT, w)
+            for j in range(SIDE):  # the last cell is repeated
+                at = column + min(j, many - 1)
+                w[PLACE + j], w[UNIT + j] = xs[at], units[row * down + at * across]
             slot = 0
             for k in range(len(factors)):
                 first, n = factors[k]
-                coefficients(steps, numbers, parts, bounds, first, n, steady and column > 0, w)
+                coefficients(line, sizes, degrees, bounds, first, n, steady and column > 0, w)
                 if n > 1:
                     settle(row, column, many, n, past, near, z, w)
                 if not even:
@@ -613,41 +426,60 @@ def sweep(
 
 def refine(
     table: Any,
-    where: Any,
-    values: Any,
     rest: Any,
-    columns: int,
-    cells: Any,
-    known: Any,
+    xs: Any,
+    ys: Any,
+    scale: Any,
     even: bool,
     flags: Any,
     out: Any,
     codes: Any,
+    cells: Any,
+    known: Any,
     poor: Any,
     kept: Any,
 ) -> int:
-    """The same for some cells, with coefficients from pairs of doubles."""
-    steps, numbers, parts, bounds, factors = table
-    variables = len(where) - 1
-    degree = factors[0, 1]
-    w, count = np.zeros(PAGE), 0
+    """The same for some cells, in increasing order, with coefficients in pairs of doubles.
+
+    `rest` is what rounding to doubles left of the coefficients, and the scaled numbers are pairs of
+    doubles too, shapes (2, ·).  `known` are factors near those of the cells.
+    """
+    high, degrees, bounds, factors = table
+    units, down, across = scale
+    degree, columns = factors[0, 1], xs.shape[1]
+    w, count, last = np.zeros(PAGE), 0, -1
+    first = np.zeros((high.shape[0], high.shape[1], 3))
+    value, off = np.zeros((len(high), SIDE)), np.zeros((len(high), SIDE))
     for start in range(0, len(cells), SIDE):
         many = min(SIDE, len(cells) - start)
         for j in range(SIDE):
             cell = start + min(j, many - 1)
             row, column = cells[cell] // columns, cells[cell] % columns
-            for v in range(variables + 1):
-                at = where[v, 0] + row * where[v, 1] + column * where[v, 2]
-                to = VARIABLE + v * SIDE if v < variables else UNIT
-                w[to + j] = values[at]
-                if v < variables:
-                    w[to + 4 * SIDE + j] = rest[at]
+            if row != last:
+                last = row
+                for k in range(len(high)):
+                    for i in range(degrees[k] + 1):
+                        first[k, i] = doubled(high[k, i], rest[k, i], ys[0, row], ys[1, row])
+            for k in range(len(high)):
+                upper, lower, size = 0.0, 0.0, 0.0
+                for i in range(degrees[k], -1, -1):
+                    upper, lower = step(
+                        upper, lower, xs[0, column], xs[1, column], first[k, i, 0], first[k, i, 1]
+                    )
+                    size = size * abs(xs[0, column]) + first[k, i, 2]
+                value[k, j], off[k, j] = upper + lower, DOUBLED * size + bounds[k, 1]
+            w[UNIT + j] = units[row * down + column * across]
             for f in range(degree):
                 w[F + f * SIDE + j] = known[f, cell]
         slot = 0
         for k in range(len(factors)):
-            first, n = factors[k]
-            long_coefficients(steps, numbers, parts, bounds, first, n, w)
+            begin_, n = factors[k]
+            for i in range(n + 1):
+                to, at = (LEAD, LEAD_ERROR) if i == n else (A + i * SIDE, E + i * SIDE)
+                for j in range(SIDE):
+                    w[U(to + j)], w[U(at + j)] = value[begin_ + i, j], off[begin_ + i, j]
+            invert(DIVIDED + EPS, w)  # value and lead are rounded to doubles: a unit each
+            monic(n, w)
             for _ in range(2 if n > 1 else 0):
                 correct(n, w)
             if not even:

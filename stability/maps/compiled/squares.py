@@ -73,7 +73,7 @@ def run(tape: Any, w: Any, many: int) -> None:
 def rate(c: Any, lead: Any, off: Any, slack: Any, wanted: Any) -> Any:
     """Abscissa, error and frequency of lead λ² + c; 1 if unstable, -1 if neutral, 0 if open.
 
-    Formulas and proofs are those of `stability.maps.general.rates`.
+    Formulas and proofs are those of `stability.maps.rates`.
     """
     a = c / lead
     least = abs(lead) - slack

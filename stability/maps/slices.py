@@ -1,8 +1,9 @@
-"""The characteristic polynomial of a user's family over Q, in the two axes of a map.
+"""The characteristic polynomial of a family over Q, in the two axes of a map.
 
 All other numbers are the exact ratios of their doubles, so the polynomials have two variables and
-stay small.  The polynomial holds at every member of the map, on every branch: unknowns occur
-linearly or not at all, and the equations vanish identically.
+stay small.  For the disk they come from its stored polynomials, in which the sine of an angle may
+stand for that axis.  For a user's family the polynomial holds at every member of the map, on every
+branch: unknowns occur linearly or not at all, and the equations vanish identically.
 
 A `Slice` holds the polynomial in factors, and the signs that decide.  Sines and roots of fixed
 numbers make its coefficients balls.
@@ -11,7 +12,7 @@ numbers make its coefficients balls.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -21,28 +22,29 @@ import casadi as ca
 from flint import Ordering, arb, fmpq, fmpq_mpoly, fmpq_mpoly_ctx, fmpq_poly
 from flint.utils.flint_exceptions import DomainError
 
-from ...algebra.exact.function_field import Expression
-from ...algebra.exact.hurwitz_forms import (
+from ..algebra.exact.function_field import Expression
+from ..algebra.exact.hurwitz_forms import (
     Budget,
     coefficient_row,
     factors,
     hurwitz_determinants,
 )
-from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, exact_upright, rational
-from ...algebra.exact.rational_functions import common_multiple, primitive
-from ...algebra.exact.routh import hurwitz_matrix, is_even, on_the_axis
-from ...algebra.exact.triangular import RecordingField, evaluate, occurring
-from ...algebra.number_types import balls, precision
-from ...algebra.program import Program
-from ...algebra.upright import Upright
-from ...base.errors import ParameterError, StabilityError
-from ...base.types import fields_of
-from ...base.verdict import Verdict
-from ...derivation.deduction import even_conditions, hurwitz_conditions
-from ...spectra.problem import Problem
-from ...systems.family import Family
-from ...systems.structure.identities import blocks_of, certain
-from ...systems.structure.structural_zeros import structure
+from ..algebra.exact.number_fields import EXACT, NotExact, characteristic, exact_upright, rational
+from ..algebra.exact.rational_functions import common_multiple, primitive
+from ..algebra.exact.routh import hurwitz_matrix, is_even, on_the_axis
+from ..algebra.exact.triangular import RecordingField, evaluate, occurring
+from ..algebra.number_types import Algebra, balls, precision
+from ..algebra.polynomial import Polynomial, TabulatedPolynomial
+from ..algebra.program import Program
+from ..algebra.upright import Upright
+from ..base.errors import ParameterError, StabilityError
+from ..base.types import fields_of
+from ..base.verdict import Verdict, best
+from ..derivation.deduction import even_conditions, hurwitz_conditions
+from ..spectra.problem import Problem
+from ..systems.family import Family
+from ..systems.structure.identities import blocks_of, certain
+from ..systems.structure.structural_zeros import structure
 
 Exponents = tuple[int, int]
 
@@ -138,7 +140,7 @@ def _bits(value: Any) -> tuple[int, int]:
 
 
 def _ball_polynomial(parts: dict[Exponents, Any]) -> BallPolynomial:
-    from ...algebra.number_types import precision
+    from ..algebra.number_types import precision
 
     with precision(4096):
         return BallPolynomial(
@@ -185,6 +187,8 @@ class Slice:
     """Not zero where the polynomial holds."""
     even: bool
     """Whether the best verdict is neutral."""
+    functions: tuple[str, str] = ("", "")
+    """Functions of the axes that x and y are: sin, cos, or none."""
 
     def __reduce__(self) -> Any:
         """For other processes: polynomials as their terms."""
@@ -198,15 +202,26 @@ class Slice:
         x, y
             Doubles, taken as exact.
         """
-        if any(isinstance(p, BallPolynomial) for p in self.surfaces):
-            return None  # a ball proves no zero
+        if any(isinstance(p, BallPolynomial) for p in self.surfaces) or any(self.functions):
+            return None  # a ball proves no zero, and the sine of a double is no double
         point = rational(x), rational(y), fmpq(0)
         signs = [_sign(p(*point)) for p in self.surfaces]
         value = [_value(c, signs) for c in self.required]
         if any(v <= 0 for v in value) or any(_value(c, signs) == 0 for c in self.nonzero):
             return None
+        value = [_value(c, signs) for c in self.conditions]
+        if all(value):
+            return best(even=self.even) if min(value, default=1) > 0 else Verdict.UNSTABLE
         polys = [fmpq_poly([c(*point) for c in row]) for row, _, _ in self.factors]
         return on_the_axis(polys)
+
+    @property
+    def exponents(self) -> Iterator[Exponents]:
+        """Powers of x and y in every polynomial."""
+        for poly in (*self.surfaces, *(c for row, _, _ in self.factors for c in row)):
+            if poly != 0:
+                terms = poly.terms if isinstance(poly, BallPolynomial) else poly.to_dict()
+                yield from ((int(e[0]), int(e[1])) for e in terms)
 
 
 def _packed(value: Any) -> Any:
@@ -242,8 +257,8 @@ class Table:
     def __init__(self) -> None:
         self.polys: list[Poly] = []
 
-    def condition(self, *product: Poly) -> Condition:
-        """A product of polynomials as a product of kept ones."""
+    def condition(self, *product: Poly, whole: bool = False) -> Condition:
+        """A product of polynomials as a product of kept ones, or of their factors."""
         sign, powers = 1, Counter[int]()
         for poly in product:
             if poly == 0:  # neither positive nor negative: exact arithmetic decides each cell
@@ -251,8 +266,8 @@ class Table:
             if poly.is_constant():
                 sign *= _sign(poly.leading_coefficient())
                 continue
-            whole = isinstance(poly, BallPolynomial) or len(poly) > MOST_FACTORED
-            constant, found = (fmpq(1), [(poly, 1)]) if whole else factors(poly)
+            keep = whole or isinstance(poly, BallPolynomial) or len(poly) > MOST_FACTORED
+            constant, found = (fmpq(1), [(poly, 1)]) if keep else factors(poly)
             sign *= _sign(constant)
             for factor, count in found:
                 powers[self._place(factor)] += count
@@ -279,13 +294,117 @@ LAM = 2
 """Place of λ in the ring."""
 
 
+@dataclass(frozen=True, eq=False)
+class Monomial:
+    """A number times powers of x and y, which may be negative."""
+
+    number: Any
+    """An `fmpq`, or a ball."""
+    powers: Exponents = (0, 0)
+
+    def __mul__(self, other: Monomial) -> Monomial:
+        (a, b), (c, d) = self.powers, other.powers
+        return Monomial(self.number * other.number, (a + c, b + d))
+
+    def __truediv__(self, other: Monomial) -> Monomial:
+        (a, b), (c, d) = self.powers, other.powers
+        return Monomial(self.number / other.number, (a - c, b - d))
+
+    def __eq__(self, other: object) -> bool:
+        return bool(other == 0 and self.number == 0)
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+def _ball_of(function: str) -> Callable[[Monomial], Monomial]:
+    """The sine or cosine of a fixed number as a ball, or of an axis as that axis' variable."""
+
+    def apply(angle: Monomial) -> Monomial:
+        if angle.powers != (0, 0):
+            return angle
+        return Monomial(balls().functions[function](arb(angle.number)))
+
+    return apply
+
+
+MONOMIALS = Algebra("monomials", Monomial, {n: _ball_of(n) for n in ("sin", "cos")})
+
+
+def stored_slice(problem: Problem, x: str, y: str) -> Slice:
+    """The slice of a stored polynomial, whose variables are monomials in the axes.
+
+    Parameters
+    ----------
+    problem
+        Problem of a family with a `TabulatedPolynomial`.
+    x, y
+        Names of the axes.
+    """
+    exact = problem.exact
+    assert isinstance(exact, TabulatedPolynomial)
+    one, axes = Monomial(fmpq(1)), {x: (1, 0), y: (0, 1)}
+    values = {
+        n: Monomial(fmpq(1), axes[n]) if n in axes else Monomial(rational(float(v)))
+        for n, v in problem.values.items()
+    }
+    with precision(BITS):
+        point = [v if isinstance(v, Monomial) else one for v in exact.point(values, MONOMIALS)]
+        rows = tuple(
+            (_cleared_terms([_at_monomials(c, point) for c in factor]), exact.known.even, 1)
+            for factor in exact.known.factors
+        )
+        polys = [_cleared_terms([_at_monomials(p, point)])[0] for _, p in exact.known.conditions]
+    table = Table()
+    conditions = tuple(table.condition(p, whole=True) for p in polys)
+    if "lean" not in axes and exact.edge(problem.values):
+        conditions += (Condition(0, ()),)
+    first, second = ({"theta": "sin", "lean": "cos"}.get(exact.angle(n), "") for n in (x, y))
+    functions = first, second
+    # what the conditions leave out: the right angle, and a precession of zero, without a member
+    gone = [RING.gens()[k] for k, n in enumerate((x, y)) if n == "phi_dot"]
+    if "s" in exact.known.variables:
+        gone += [1 - RING.gens()[k] for k, function in enumerate(functions) if function]
+    nonzero = tuple(table.condition(p, whole=True) for p in gone)
+    return Slice(rows, tuple(table.polys), conditions, (), nonzero, exact.known.even, functions)
+
+
+def _at_monomials(poly: Polynomial, point: Sequence[Monomial]) -> dict[Exponents, Any]:
+    """Coefficient by powers of x and y, where the variables are monomials in them."""
+    terms: dict[Exponents, Any] = {}
+    for c, exponents in poly.terms:
+        total = Monomial(fmpq(c))
+        for variable, power in zip(point, exponents, strict=True):
+            for _ in range(power):
+                total = total * variable
+        if total.powers in terms:
+            terms[total.powers] += total.number
+        else:
+            terms[total.powers] = total.number
+    return terms
+
+
+def _cleared_terms(polys: Sequence[dict[Exponents, Any]]) -> tuple[Poly, ...]:
+    """Polynomials in the ring times the least monomial that leaves no negative power."""
+    every = [e for poly in polys for e in poly]
+    low = [min(0, *(e[k] for e in every)) for k in (0, 1)] if every else [0, 0]
+    inexact = any(isinstance(c, arb) for poly in polys for c in poly.values())
+    out = []
+    for poly in polys:
+        moved = {(i - low[0], j - low[1]): c for (i, j), c in poly.items()}
+        if inexact:
+            out.append(BallPolynomial({e: arb(c) for e, c in moved.items()}))
+        else:
+            out.append(RING.from_dict({(*e, 0): c for e, c in moved.items()}))
+    return tuple(out)
+
+
 def slice_of(problem: Problem, x: str, y: str) -> Slice | None:
     """The polynomial of a problem over two axes; None where there is none.
 
     Parameters
     ----------
     problem
-        Problem of a user's family, without a polynomial of its own.
+        Problem of a family with a stored polynomial, or of a user's without one of its own.
     x, y
         Names of the axes.
 
@@ -295,6 +414,8 @@ def slice_of(problem: Problem, x: str, y: str) -> Slice | None:
         None for a family that is not algebraic, whose zeros by structure are not proved for every
         member, or whose polynomial is beyond the limits of this module.
     """
+    if isinstance(problem.exact, TabulatedPolynomial):
+        return stored_slice(problem, x, y)
     if not problem.plain or problem.exact is not None:
         return None
     names = (*problem.family.at, *problem.family.parameters)

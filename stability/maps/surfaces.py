@@ -17,11 +17,12 @@ import numpy as np
 from flint import arb
 from numpy.typing import NDArray
 
-from ...algebra.exact.number_fields import NotExact
-from ...algebra.number_types import precision
-from ...algebra.running_error import UNIT
-from ...base.axis import Axis
-from ...base.types import Floats
+from ..algebra.exact.number_fields import NotExact
+from ..algebra.number_types import precision
+from ..algebra.running_error import UNIT
+from ..base.axis import Axis
+from ..base.types import Floats
+from .pairs import DOUBLED, doubled, step, two_product, two_sum
 
 Signs = NDArray[np.int8]
 
@@ -35,29 +36,81 @@ LEAST = 1e-280
 """Size below which no sign is taken as proved: far above every loss by underflow."""
 
 
+WIDEST = 1e30
+"""Largest number, and inverse of the least one, whose powers are taken before they are scaled."""
 ORDERS = 6
 """Largest order of Taylor's coefficients for the points of a small box."""
 
 
 class Window:
-    """An axis of a map as t = (x - middle)/unit, with |t| at most about one."""
+    """An axis of a map as t = (v(x) - middle)/unit, with |t| at most about one.
 
-    def __init__(self, axis: Axis) -> None:
+    Parameters
+    ----------
+    axis
+        The axis.
+    function
+        Variable v of the polynomials: x itself (empty), or its sine or cosine.
+    power
+        Power of x in v, where every polynomial is one in it.
+    """
+
+    def __init__(self, axis: Axis, function: str = "", power: int = 1) -> None:
         size = max(abs(axis.low), abs(axis.high))
-        narrow = axis.high - axis.low < NARROW * size
+        narrow = axis.high - axis.low < NARROW * size and not function
+        fits = 1 / WIDEST < size < WIDEST  # so that no power of x over- or underflows
+        self.function, self.power = function, power if fits and not narrow else 1
         self.middle = axis.low + 0.5 * (axis.high - axis.low) if narrow else 0.0
         reach = max(abs(axis.low - self.middle), abs(axis.high - self.middle))
-        self.unit = 2.0 ** frexp(reach or 1.0)[1]
+        self.unit = 2.0 ** frexp(1.0 if function else (reach or 1.0) ** self.power)[1]
+
+    @property
+    def roundings(self) -> int:
+        """Most roundings of a scaled number: of the difference, or of v."""
+        return 2 if self.function else max(int(self.middle != 0), self.power - 1)
 
     def __call__(self, x: Floats) -> Floats:
-        """Scaled numbers, each with a relative error of one rounding."""
-        out: Floats = (x - self.middle) / self.unit
+        """Scaled numbers, each with a few roundings."""
+        if self.function:
+            v = np.sin(x) if self.function == "sin" else np.cos(x)
+        else:
+            v = x - self.middle
+            for _ in range(self.power - 1):
+                v = v * x
+        out: Floats = v / self.unit
         return out
+
+    def pairs(self, x: Floats) -> tuple[Floats, Floats]:
+        """Scaled numbers as pairs of doubles, exact but for a sine."""
+        high = self(x)
+        if self.function:
+            with precision(128):
+                true = [getattr(arb(float(v)), self.function)() / self.unit for v in x]
+                low = [float(v - arb(float(h))) for v, h in zip(true, high, strict=True)]
+            return high, np.array(low)
+        v, rest = two_sum(x, -self.middle)
+        for _ in range(self.power - 1):
+            first, more = two_product(v, x)
+            v, rest = first, more + rest * x
+        return v / self.unit, rest / self.unit
+
+    def ends(self, low: Floats, high: Floats) -> tuple[Floats, Floats]:
+        """Least and largest scaled number between both."""
+        t, s = self(low), self(high)
+        least, most = np.minimum(t, s), np.maximum(t, s)
+        if self.function:
+            middle = np.pi / 2 if self.function == "sin" else 0.0
+            # the right angle is no double, so that a box may end there
+            over = (low <= middle) & (high > middle if self.function == "sin" else high >= middle)
+            return least, np.where(over, 1 / self.unit, most)
+        if self.power % 2 == 0:
+            least = np.where((low <= 0) & (high >= 0), 0.0, least)
+        return least, most
 
 
 def powers(t: Floats, degree: int) -> Floats:
     """Powers 0 … degree, shape (degree + 1, N)."""
-    out = np.empty((degree + 1, *np.shape(t)))
+    out = np.empty((degree + 1, *np.shape(t)), dtype=t.dtype)
     out[0] = 1.0
     for i in range(degree):
         np.multiply(out[i], t, out=out[i + 1])
@@ -88,14 +141,40 @@ class Surface:
             """The polynomial is 2^exponent times the stored one."""
             rows_ = [[_double(c, self.exponent) for c in row] for row in turned]
         self.matrix = np.array(rows_).T.copy()
+        self.rest: Floats | None = None
+        """What rounding to doubles left of the matrix, as doubles; None for balls."""
         self.least = LEAST if number is Fraction else LOSS * len(rows_) * len(rows_[0])
         """Absolute error that the sum of the terms' sizes does not tell."""
+        if number is Fraction:
+            scale = Fraction(2) ** -self.exponent
+            rest = [
+                [float(c * scale - Fraction(d)) for c, d in zip(*both, strict=True)]
+                for both in zip(turned, rows_, strict=True)
+            ]
+            self.rest = np.array(rest).T.copy()
         self.size = np.abs(self.matrix)
         rows, columns = self.matrix.shape
         self.unit = (6 * (rows + columns) + 20) * UNIT
         """Relative rounding error of a value, to the sum of the sizes of its terms."""
+        self.roundings = self._counted(*(w.roundings for w in windows))
+        """Most roundings of a term of a value at a point."""
         self.most = self.unit * self.size.sum() * 1.01 + self.least
         """Largest rounding error of a value where |t| <= 1."""
+
+    def _counted(self, behind: int, beside: int) -> int:
+        """Most roundings of a term, in Horner's scheme and in a product of matrices.
+
+        Terms are summed along one variable, then along the other; a zero adds none.
+        """
+        there = self.matrix != 0
+        i, j = np.nonzero(there)
+        exact = self.rest is not None and not self.rest.any()
+        term = int((i * (behind + 1) + j * (beside + 1)).max()) + (not exact)
+        sums = [
+            max(int(v.sum(axis)[v.any(axis)].max()), 1) + int(v.any(axis).sum()) - 2
+            for v, axis in ((there, 0), (there, 1))
+        ]
+        return term + max(sums)
 
     @property
     def degrees(self) -> tuple[int, int]:
@@ -216,8 +295,35 @@ class Surface:
         rows, columns = self.matrix.shape
         t, s = t[:rows], s[:columns]
         value = s.T @ (self.matrix.T @ t)
-        error = np.abs(s).T @ (self.unit * 1.02 * self.size.T @ np.abs(t)) + self.least
+        unit = 1.02 * self.roundings * UNIT
+        error = np.abs(s).T @ (unit * self.size.T @ np.abs(t)) + self.least
         return value, error
+
+    def surely(self, t: tuple[Any, Any], s: tuple[Any, Any], rows: Any, columns: Any) -> Signs:
+        """Proved signs at some cells of a grid in pairs of doubles, 0 where open, as `twice`."""
+        high, low, bound = self.twice(t, s, rows, columns)
+        return _sure(high, bound + np.abs(low))
+
+    def twice(
+        self, t: tuple[Any, Any], s: tuple[Any, Any], rows: Any, columns: Any
+    ) -> tuple[Any, Any, Any]:
+        """Values at some cells of a grid in pairs of doubles, and bounds on their errors.
+
+        Parameters
+        ----------
+        t, s
+            Scaled numbers of columns and rows as pairs of doubles.
+        rows, columns
+            The cells.
+        """
+        assert self.rest is not None
+        high = low = size = np.zeros(len(rows))
+        x, dx = (v[columns] for v in t)
+        for line, rest in zip(self.matrix[::-1], self.rest[::-1], strict=True):
+            more, less, part = (v[rows] for v in doubled(line, rest, *s))
+            high, low = step(high, low, x, dx, more, less)
+            size = size * np.abs(x) + part
+        return high, low, DOUBLED * size + self.least
 
 
 class Box:
