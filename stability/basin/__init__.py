@@ -1,6 +1,6 @@
 """Launches by where they end.
 
-Maps and samples of launches (`basins`), each run until its outcome is proved (`outcomes`, `lanes`);
+Maps and samples of launches (`basins`), each run until its outcome is proved (`outcomes`);
 borders between outcomes, fractions, sensitivity, smallest disturbances.  The mathematics of borders
 and statistics asks any function of labels, and knows no mechanics.
 May import `maps`, `motion` and the floors below.
