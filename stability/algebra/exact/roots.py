@@ -439,7 +439,7 @@ def specialised(p: Any, x: Any) -> Any:
     x
         Value of the axis, a rational.
     """
-    return univariate(p.subs({"x": x}), 1)
+    return univariate(p.subs({0: x}), 1)
 
 
 def sign_at(p: Any, x: Any, sine: Callable[[], Any] | None) -> int:
@@ -504,13 +504,13 @@ def real_roots(polynomials: Sequence[Any], sine: Callable[[], Any] | None) -> li
     """
     apart: list[Any] = []  # squarefree, no two with a common root
     for p in polynomials:
-        slope = p.derivative("x")
+        slope = p.derivative(0)
         if slope.is_zero():
             continue
         rest = p / p.gcd(slope)
         for other in apart:
             rest = rest / rest.gcd(other)
-        if not rest.derivative("x").is_zero():
+        if not rest.derivative(0).is_zero():
             apart.append(rest)
     found: list[Any] = []
     for p in apart:  # one by one: nearly equal roots of two polynomials are slow to separate

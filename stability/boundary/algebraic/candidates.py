@@ -293,7 +293,7 @@ class Candidates:
         return self._known[key]
 
     def _isolated(self, poly: Any) -> list[tuple[Any, Any]]:
-        if poly.derivative("x").is_zero():  # a number other than zero, or transcendental
+        if poly.derivative(0).is_zero():  # a number other than zero, or transcendental
             return []
         low = arb("-inf") if self.low is None else self.low - self._room(self.low)
         high = arb("inf") if self.high is None else self.high + self._room(self.high)

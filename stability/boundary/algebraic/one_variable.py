@@ -19,15 +19,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache
 from typing import Any
 
 from flint import arb, arb_poly, fmpq_poly
 
+from ...algebra.exact.function_field import Expression, FunctionField
 from ...algebra.exact.hurwitz_forms import coefficient_row, factors
 from ...algebra.exact.number_fields import EXACT, NotExact, rational
 from ...algebra.exact.rational_functions import (
     RING,
-    Ratio,
     common_multiple,
     multivariate,
     primitive,
@@ -55,7 +56,6 @@ SHORT = (8, 24)
 """Bits that are tried for a value between two roots."""
 GUARD = 64
 """Bits beyond those of a root at which conditions are evaluated there."""
-X, S = (Ratio(g) for g in RING.gens())
 UPRIGHT = RING.gens()[0] - 1
 """It vanishes where a sine or cosine is 1."""
 Row = list[Any]
@@ -80,7 +80,7 @@ class Conditions:
 
     def watched(self) -> list[tuple[str, Any]]:
         """(kind, polynomial) of what can vanish where the verdict changes."""
-        return [(k, p) for k, p in self.polynomials if not p.derivative("x").is_zero()]
+        return [(k, p) for k, p in self.polynomials if not p.derivative(0).is_zero()]
 
     def sign(self, x: Any) -> int:
         """1 stable or neutral, -1 unstable, 0 on a boundary; at a rational value."""
@@ -137,11 +137,11 @@ class Factors:
 
 
 def _pair(a: Sequence[Any]) -> Any:
-    return _in_s(a[::2]).resultant(_in_s(a[1::2]), "s")
+    return _in_s(a[::2]).resultant(_in_s(a[1::2]), 1)
 
 
 def _meeting(q: Sequence[Any]) -> Any:
-    return _in_s(q).discriminant("s")
+    return _in_s(q).discriminant(1)
 
 
 def _in_s(coefficients: Sequence[Any]) -> Any:
@@ -185,6 +185,7 @@ class OneVariable(Members):
         bits: int = BITS,
     ) -> None:
         self.line, self.source, self.dissipative = line, source, dissipative
+        self._sign = cache(source.sign)  # of an inclination two pieces may share their sine
         if line.problem.family.exact:
             self.how += ", from the family's polynomial"
         found = [*_apart(source.watched(), turned=base.turned)]
@@ -208,7 +209,7 @@ class OneVariable(Members):
                     with precision(bits):
                         z = (+middle).mid()
                     if any(low < x < high for x in base.back(z, low, high)):
-                        sign = self.source.sign(z.fmpq())
+                        sign = self._sign(z.fmpq())
                         if sign:
                             return Cell(low, high, math.nan, Look(sign, (), ""))
                         break
@@ -288,10 +289,10 @@ def _apart(found: list[tuple[str, Any]], *, turned: bool) -> Iterator[tuple[str,
     """Polynomials without a common or multiple root; a pole, then a zero eigenvalue names it."""
     known = [UPRIGHT] if turned else []
     for kind, p in sorted(found, key=lambda w: ("pole", "static", w[0]).index(w[0])):
-        rest = p / p.gcd(p.derivative("x"))
+        rest = p / p.gcd(p.derivative(0))
         for other in known:
             rest = rest / rest.gcd(other)
-        if not rest.derivative("x").is_zero():
+        if not rest.derivative(0).is_zero():
             known.append(rest)
             yield kind, rest
 
@@ -326,15 +327,18 @@ def of_exact(
         If the polynomial is not rational in the axis, or in its sine.
     """
     problem, axis = line.problem, line.axis
-    axes = problem.rationals(line.fixed) | {axis: X}
+    field = FunctionField(("x", "s"), spare=0)
+    axes = problem.rationals(line.fixed) | {axis: field.symbols[0]}
     angle, edge, over, sine = "", False, EXACT, None
     if isinstance(exact, TabulatedPolynomial):
         angle, edge = exact.angle(axis), exact.borders
-        over, sine = _tabulated(exact, axes, angle)
+        over, sine = _tabulated(exact, axes, angle, field)
     base = Base(angle or ("positive" if not problem.plain and axis in POSITIVE else "plain"))
     found = exact.conditions(axes, over)
     if found is not None:
-        cleared = [(kind, _cleared(p)) for kind, p in found]
+        # of the same sign, since a denominator is a power of a positive axis
+        quotients = [(kind, _quotient(field, p)) for kind, p in found]
+        cleared = [(kind, q.num * q.den) for kind, q in quotients]
         if all(not p.is_zero() for _, p in cleared):
             good, edge = not problem.family.conservative, edge and bool(angle)
             source = Conditions(cleared, sine)
@@ -344,37 +348,36 @@ def of_exact(
     poles: list[Any] = []
     lam = RING.gens()[1]
     for factor in exact.coefficients(axes, over):
-        ratios = [Ratio.of(c) for c in factor]
-        common = common_multiple((r.bottom for r in ratios), RING.constant(1))
+        row = [_quotient(field, c) for c in factor]
+        common = common_multiple((q.den for q in row), field.one)
         if not isinstance(exact, TabulatedPolynomial):  # whose axes there are positive
             poles.append(univariate(common))
         whole = RING.constant(0)
-        for k, c in enumerate(primitive([r.top * (common / r.bottom) for r in ratios])):
+        for k, c in enumerate(primitive([q.num * (common / q.den) for q in row])):
             whole = whole + multivariate(univariate(c)) * lam**k
-        some = (coefficient_row(p, 1) for p, _ in factors(whole)[1] if p != lam)
-        rows += [[univariate(c) for c in row] for row in some if len(row) > 1]
+        some = [coefficient_row(p, 1) for p, _ in factors(whole)[1] if p != lam]
+        rows += [[univariate(c) for c in powers] for powers in some if len(powers) > 1]
     source_ = Factors(rows, [*poles, *(row[-1] for row in rows)])
     return OneVariable(line, source_, base, ends, dissipative=not any(source_.even), bits=bits)
 
 
 def _tabulated(
-    exact: TabulatedPolynomial, axes: Mapping[str, Any], angle: str
+    exact: TabulatedPolynomial, axes: Mapping[str, Any], angle: str, field: FunctionField
 ) -> tuple[Algebra, Callable[[], Any] | None]:
     """Sines along an axis: the variable itself for an angle; otherwise exact, or s in balls."""
+
+    def sines(value: Any) -> Algebra:
+        return Algebra("sines", EXACT.constant, dict.fromkeys(("sin", "cos"), lambda _: value))
+
+    x, s = field.symbols
     if angle:
-        return _sines(X), None
+        return sines(x), None
     try:
         exact.point(axes, EXACT)
     except NotExact:
-        return _sines(S), lambda: exact.sine(axes, MIXED)
+        return sines(s), lambda: exact.sine(axes, MIXED)
     return EXACT, None
 
 
-def _sines(value: Ratio) -> Algebra:
-    return Algebra("sines", EXACT.constant, {"sin": lambda _: value, "cos": lambda _: value})
-
-
-def _cleared(value: Any) -> Any:
-    """A polynomial of the same sign; a denominator is a power of a positive axis."""
-    r = Ratio.of(value)
-    return r.top * r.bottom
+def _quotient(field: FunctionField, value: Any) -> Expression:
+    return value if isinstance(value, Expression) else field.number(value)
