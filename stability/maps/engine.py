@@ -427,13 +427,7 @@ class SliceCells(Bands):
         """Growth rates by compiled loops; None where a number is too small for them."""
         assert self.loops is not None
         places = self.windows[0].pairs(xs), self.windows[1].pairs(ys)
-        swept = self.loops(places, self._unit(xs, ys), room)
-        if swept is None:
-            return None
-        poor = np.zeros(len(swept.codes), dtype=bool)
-        poor[swept.poor] = True
-        top, error, turn = swept.rates
-        return Rates(top, error, turn, swept.codes, None, poor)
+        return self.loops(places, self._unit(xs, ys), room)
 
     def rates(self, xs: Floats, ys: Floats) -> Rates:
         """Growth rates over a grid, flat, with y outermost."""

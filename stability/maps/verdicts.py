@@ -213,8 +213,7 @@ class SliceVerdicts:
         if len(left) and one.rest is not None:
             x, i = np.unique(xs[columns[left]], return_inverse=True)
             y, j = np.unique(ys[rows[left]], return_inverse=True)
-            places = (w.pairs(v) for w, v in zip(self.windows, (x, y), strict=True))
-            row[left] = one.surely(*places, j, i)
+            row[left] = one.surely(self.windows[0].pairs(x), self.windows[1].pairs(y), j, i)
 
     def _exactly(self, x: float, y: float) -> int:
         """The flag of one cell by exact arithmetic, `ELSEWHERE` where the slice has none."""

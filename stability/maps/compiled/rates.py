@@ -3,34 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...algebra.kernels.compiled import compiled
 from ...algebra.running_error import UNIT
 from ...base.types import Floats
 from ...base.verdict import CODES, Verdict, best
 from .. import pairs
+from ..rates import Rates
 from ..surfaces import LEAST, Surface
 from . import factors, loops
 
 TINIEST = 1e-30
 """Least scaled number but zero for which no step underflows."""
-
-
-class Swept(NamedTuple):
-    """Growth rates of a grid, flat."""
-
-    rates: tuple[Floats, ...]
-    """Abscissa, bound on its error and |imaginary part|, each of shape (N,)."""
-    codes: NDArray[np.int8]
-    """Flags of verdicts, 0 where the sign is open or the bound too large, shape (N,)."""
-    poor: NDArray[np.int64]
-    """Cells whose bound is too large, or whose sign is open."""
-    factors: Floats
-    """Factors of the polynomial of largest degree in these cells, shape (degree, cells)."""
 
 
 class CompiledRates:
@@ -83,8 +70,10 @@ class CompiledRates:
         place: tuple[Any, Any],
         unit: Any,
         out: tuple[Any, ...] | None = None,
-    ) -> Swept | None:
-        """Growth rates of a grid; None where a number is too small.
+    ) -> Rates | None:
+        """Growth rates of a grid, flat, with flags that the bounds prove, 0 for others.
+
+        None where a number is too small.
 
         Parameters
         ----------
@@ -103,16 +92,20 @@ class CompiledRates:
         units = np.atleast_2d(np.asarray(unit, dtype=float))
         down, across = (units.shape[1] if units.shape[0] > 1 else 0), int(units.shape[1] > 1)
         scale = units.reshape(-1), down, across
-        *rates, codes = out or (*(np.empty(count) for _ in range(3)), np.empty(count, np.int8))
-        filled, poor = tuple(rates), np.empty(count, dtype=np.int64)
-        kept = np.empty((int(self.table[3][0, 1]), count))
+        top, error, turn, codes = out or (
+            *(np.empty(count) for _ in range(3)),
+            np.empty(count, np.int8),
+        )
+        left, kept = np.empty(count, dtype=np.int64), np.empty((self.table[3][0, 1], count))
         run = compiled(pairs, factors, loops)
-        how = scale, self.even, self.flags, filled, codes
-        left = run.sweep(self.table, xs[0], ys[0], *how, poor, kept)
-        if left:
-            known = poor[:left].copy(), np.ascontiguousarray(kept[:, :left])
-            left = run.refine(self.table, self.rest, xs, ys, *how, *known, poor, kept)
-        return Swept(filled, codes, poor[:left], kept[:, :left])
+        how = scale, self.even, self.flags, (top, error, turn), codes
+        open_cells = run.sweep(self.table, xs[0], ys[0], *how, left, kept)
+        if open_cells:
+            known = left[:open_cells].copy(), np.ascontiguousarray(kept[:, :open_cells])
+            open_cells = run.refine(self.table, self.rest, xs, ys, *how, *known, left, kept)
+        poor = np.zeros(count, dtype=bool)
+        poor[left[:open_cells]] = True
+        return Rates(top, error, turn, codes, None, poor)
 
 
 def in_range(values: Floats) -> bool:
