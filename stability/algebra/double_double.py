@@ -57,8 +57,8 @@ class DoubleDouble:
     Examples
     --------
     >>> third = DoubleDouble(1.0) / 3
-    >>> third.hi == 1 / 3, 0 < third.lo < 2e-17, third.error < 1e-29
-    (True, True, True)
+    >>> float(third.hi), bool(0 < third.lo < 2e-17), bool(third.error < 1e-29)
+    (0.3333333333333333, True, True)
     """
 
     __slots__ = ("_parts", "_size", "error", "hi", "lo", "waves")

@@ -204,11 +204,11 @@ class GridScans:
         """
         axis, i, j = different = np.unique(edges, axis=0).T
         total, xs, ys = len(edges), self.axes[0].values, self.axes[1].values
-        row, column = i + (axis == 1), j + (axis == 0)
+        after = xs[np.minimum(j + 1, len(xs) - 1)], ys[np.minimum(i + 1, len(ys) - 1)]
         along = Edges(
             axis,
             np.where(axis == 0, xs[j], ys[i]),
-            np.where(axis == 0, xs[column % len(xs)], ys[row % len(ys)]),
+            np.where(axis == 0, *after),
             np.where(axis == 0, ys[i], xs[j]),
         )
         done = None if progress is None else lambda k: progress(min(k, total), total)
@@ -238,7 +238,8 @@ class GridScans:
         open_ = codes == CODES[Verdict.UNDECIDED]
         sign[open_] = -np.sign(abscissa[open_])
         doubtful = np.argwhere(open_)
-        doubtful = doubtful[: len(doubtful) * (len(doubtful) <= MOST_DOUBTFUL)]
+        if len(doubtful) > MOST_DOUBTFUL:
+            doubtful = doubtful[:0]
         xs, ys = self.axes[0].values, self.axes[1].values
         proved = self.polynomials.signs(xs[doubtful[:, 1]], ys[doubtful[:, 0]])
         sign[tuple(doubtful[proved != 0].T)] = proved[proved != 0]
@@ -323,19 +324,19 @@ class Tips:
         pairs = (
             [(first, last)] if before is None or after is None else [(before, after), (first, last)]
         )
-        known = len(pairs)
+        start = len(pairs)
         grid = self.axes[across].values
         margin = float(np.diff(grid).max())
         while abs(to - height) > abs(whole) * LEAST_STEP and ends[0] <= to <= ends[-1]:
-            narrow = min(abs(a.place(across) - b.place(across)) for a, b in pairs[known - 1 :])
+            narrow = min(abs(a.place(across) - b.place(across)) for a, b in pairs[start - 1 :])
             pair = self._across(across, to, pairs, margin, narrow)
             if pair is None:
                 to = (to + height) / 2
                 continue
             pairs.append(pair)
-            step = 2 * (to - height)
-            height, to = to, to + (step if abs(step) < abs(whole) else whole)
-        up, down = [p for p, _ in pairs[known:]], [p for _, p in pairs[known:]]
+            way = 2 * (to - height)
+            height, to = to, to + (way if abs(way) < abs(whole) else whole)
+        up, down = [p for p, _ in pairs[start:]], [p for _, p in pairs[start:]]
         return self._with(middle, first, up, last, down) if up else []
 
     def _with(
