@@ -86,7 +86,7 @@ def verdicts_of(question: Any, axes: tuple[Axis, Axis]) -> SliceVerdicts:
 
 
 def cells_of(question: Any, axes: tuple[Axis, Axis], *, quick: bool) -> Any:
-    """The cells of a map by compiled loops or by NumPy, whatever its size."""
+    """The cells of a map by compiled loops or by NumPy, of any size."""
     cells = Cells(question, axes, False)
     bands: Any = cells.bands
     rows = [row for row, _, _ in bands._factors]

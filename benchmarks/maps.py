@@ -5,7 +5,10 @@ takes the largest real part of `numpy.linalg.eigvals` point by point.  This rout
 bound, no boundary, and no reliable verdict near a boundary.  A second, faster obvious route
 evaluates the whole grid at once.
 
-Usage: python benchmarks/maps.py [--large | --own]
+`--calls` times whole calls of every kind of subject, with their curves, against CasADi's Jacobian
+mapped over all cells and one batched `eigvals`; steady motions are given to that route for nothing.
+
+Usage: python benchmarks/maps.py [--large | --own | --calls]
 (own: families of one's own alone)
 """
 
@@ -20,12 +23,13 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
+import casadi as ca
 import numpy as np
 import sympy
 from timing import seconds
 
 import stability as st
-from stability.algebra.number_types import sympy_algebra
+from stability.algebra.number_types import casadi_algebra, sympy_algebra
 
 REPEATS = 5
 NX, NY = 400, 300
@@ -125,6 +129,76 @@ def large() -> dict[str, float]:
     }
 
 
+def whole_calls() -> None:
+    """A line for each map: seconds of the call with its curves, and the other route's over it."""
+    from own_maps import magnet
+
+    from stability.tables.benchmarks.bicycle import BENCHMARK, bicycle
+
+    mu = ("mu", *MU)
+    torus, egg, spheroid = st.Torus(0.2), st.Egg(0.2), st.Spheroid(0.6)
+    fixed = {n: float(v) for n, v in BENCHMARK.items() if n != "g"}
+    asked: list[tuple[str, Any, Any, Any, dict[str, Any]]] = [
+        (f"disk, {name}", name, ("at", *ends), mu, {}) for name, ends in AXES.items()
+    ]
+    asked += [
+        (
+            "disk, spinning, rough",
+            "spinning",
+            ("at", 0.5, 5.0),
+            ("k", 0.1, 0.5),
+            {"contact": "rough"},
+        ),
+        (
+            "disk, rolling, smooth",
+            "rolling",
+            ("at", 0.2, 3.0),
+            ("k", 0.1, 0.5),
+            {"contact": "smooth"},
+        ),
+        ("torus, tumbling", "tumbling", ("at", 0.05, 1.55), mu, {"body": torus}),
+        ("egg, rolling", "rolling", ("at", 0.2, 3.0), mu, {"body": egg}),
+        ("egg, tumbling", "tumbling", ("at", 1.0, 1.7), mu, {"body": egg}),
+        ("spheroid, tumbling", "tumbling", ("at", 1.6, 3.0), mu, {"body": spheroid}),
+        ("bicycle", bicycle(), ("v", 0.1, 10), ("g", 1, 20), fixed),
+        ("magnets", magnet(), ("a", -1, 2), ("b", -1, 1.4), {}),
+    ]
+    for name, family, x, y, more in asked:
+        for nx, ny in ((NX, NY), (1250, 800)):
+            axes = {"x": (*x, nx), "y": (*y, ny)}
+            other = eigvals_at_once(family, axes, more)
+            ours = timed(lambda: st.stability_map(family, **axes, **more), 3)  # noqa: B023
+            best, theirs = min(ours), min(timed(other, 2 if nx == NX else 1))
+            print(f"{name:24s} {nx} x {ny}: {best:.3f} s, {theirs / best:.1f} times", flush=True)
+
+
+def eigvals_at_once(family: Any, axes: dict[str, Any], more: dict[str, Any]) -> Callable[[], Any]:
+    """CasADi's Jacobian mapped over all cells, and one batched `eigvals`."""
+    from stability.base.axis import Axis
+    from stability.spectra.axes import swept
+
+    known = {n: more.get(n) for n in ("body", "contact")}
+    fixed = {n: v for n, v in more.items() if n not in known}
+    lines = {n: Axis.of(v, n) for n, v in axes.items()}
+    problem, (across, up) = swept(family, lines, parameters=fixed, **known)
+    x, y = (v.ravel() for v in np.meshgrid(across.values, up.values))
+    values = dict(problem.values) | {across.name: x, up.name: y}
+    a, q, *_ = problem.arrays(values)
+    u = problem.family.solve(a, q)
+    a, u, q = (np.where(np.isfinite(v), v, 0.0).T for v in (a, u, q))
+    inputs = [ca.SX.sym(n, len(v)) for n, v in zip("auq", (a, u, q), strict=True)]
+    rows = problem.family.graph.matrix.dense(casadi_algebra(), list(map(ca.vertsplit, inputs)))
+    entries = ca.densify(ca.vertcat(*[ca.horzcat(*row) for row in rows]))
+    mapped = ca.Function("J", inputs, [entries]).map(len(x))
+    size = entries.shape[0]
+
+    def run() -> Any:
+        found = np.nan_to_num(np.asarray(mapped(a, u, q)))
+        return np.linalg.eigvals(found.reshape(size, len(x), size).transpose(1, 0, 2))
+
+    return run
+
+
 def own() -> None:
     from own_maps import report
 
@@ -133,8 +207,8 @@ def own() -> None:
 
 
 def main() -> None:
-    if "--own" in sys.argv:
-        own()
+    if "--own" in sys.argv or "--calls" in sys.argv:
+        (own if "--own" in sys.argv else whole_calls)()
         return
     report: dict[str, Any] = {
         "machine": f"{platform.machine()}, python {platform.python_version()}",

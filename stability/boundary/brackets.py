@@ -541,6 +541,9 @@ def refine(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:
     for end, sign in zip((low, high), signs, strict=True):
         if not sign:
             return at_point(line, end)
+    # to a zero at 0 itself bisection would take a thousand halvings
+    if low < 0 < high and not line.quick_sign(0.0) and (point := at_point(line, 0.0)):
+        return point
     point = _crossing(line, low, high)
     if point is not None:
         return point

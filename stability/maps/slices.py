@@ -2,8 +2,8 @@
 
 All other numbers are the exact ratios of their doubles, so the polynomials have two variables and
 stay small.  For the disk they come from its stored polynomials, in which the sine of an angle may
-stand for that axis.  For a user's family the polynomial holds at every member of the map, on every
-branch: unknowns occur linearly or not at all, and the equations vanish identically.
+be the variable of that axis.  For a user's family the polynomial holds at every member of the map,
+on every branch: unknowns occur linearly or not at all, and the equations vanish identically.
 
 A `Slice` holds the polynomial in factors, and the signs that decide.  Sines and roots of fixed
 numbers make its coefficients balls.

@@ -161,7 +161,7 @@ class Surface:
         self.most = self.unit * self.size.sum() * 1.01 + self.least
         """Largest rounding error of a value where |t| <= 1."""
 
-    def _counted(self, behind: int, beside: int) -> int:
+    def _counted(self, behind: int, across: int) -> int:
         """Most roundings of a term, in Horner's scheme and in a product of matrices.
 
         Terms are summed along one variable, then along the other; a zero adds none.
@@ -169,7 +169,7 @@ class Surface:
         there = self.matrix != 0
         i, j = np.nonzero(there)
         exact = self.rest is not None and not self.rest.any()
-        term = int((i * (behind + 1) + j * (beside + 1)).max()) + (not exact)
+        term = int((i * (behind + 1) + j * (across + 1)).max()) + (not exact)
         sums = [
             max(int(v.sum(axis)[v.any(axis)].max()), 1) + int(v.any(axis).sum()) - 2
             for v, axis in ((there, 0), (there, 1))

@@ -14,6 +14,7 @@ import stability as st
 from stability.algebra.exact.number_fields import EXACT, rational
 from stability.algebra.number_types import Algebra
 from stability.bodies.disk_polynomials import DiskPolynomial
+from stability.polynomials.characteristic import CharacteristicPolynomial
 from stability.spectra import verdict_routes
 from stability.spectra.problem import Problem, disk_problem
 
@@ -111,7 +112,7 @@ def test_boundaries_are_exact_roots_of_it(family, axis, given, values, monkeypat
     def broken(*_: Any) -> Any:
         raise AssertionError("the polynomial comes from the graph")
 
-    monkeypatch.setattr("stability.boundary.search.characteristic_ratios", broken)
+    monkeypatch.setattr(CharacteristicPolynomial, "__init__", broken)
     if axis[0] == "l":
         with pytest.warns(st.StabilityWarning, match="no value there"):
             found = st.boundaries(family(), axis=axis, **given)
