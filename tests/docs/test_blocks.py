@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import sys
 from importlib import import_module
@@ -34,6 +35,23 @@ def fences(text: str) -> list[tuple[str, str]]:
     """Language and content of each block."""
     found = re.findall(r"^(```+)(\S*)[^\n]*\n(.*?)^\1$", text, re.DOTALL | re.MULTILINE)
     return [(language, body) for _, language, body in found]
+
+
+def test_every_name_that_a_block_imports_from_the_package_is_there() -> None:
+    found = [
+        (page, statement.module, alias.name)
+        for page in PAGES
+        for language, body in fences(page.read_text(encoding="utf-8"))
+        if language in ("{code-cell}", "python")
+        for statement in ast.walk(ast.parse(re.sub(r"^[:%].*$", "", body, flags=re.MULTILINE)))
+        if isinstance(statement, ast.ImportFrom)
+        and (statement.module or "").startswith("stability")
+        for alias in statement.names
+    ]
+    assert len(found) > 10
+    for page, module, name in found:
+        where = import_module(module)
+        assert hasattr(where, name), f"{page.name}: {module} has no {name}"
 
 
 def test_every_block_of_every_page_is_run_by_the_build_or_says_why_not() -> None:
