@@ -324,9 +324,23 @@ class Program:
         return [algebra.constant(value) for value in self._constants]
 
     def dense(
-        self, algebra: Algebra, arguments: Sequence[Sequence[Any]], output: int = 0
+        self,
+        algebra: Algebra,
+        arguments: Sequence[Sequence[Any]],
+        output: int = 0,
+        *,
+        zero: Any = None,
     ) -> list[list[Any]]:
         """One output as rows of entries, with zeros written out.
+
+        Parameters
+        ----------
+        algebra, arguments
+            As for `run`.
+        output
+            Index of the output.
+        zero
+            Entry where the graph holds none; the algebra's 0 when left out.
 
         Returns
         -------
@@ -334,7 +348,7 @@ class Program:
             Rows of the output.
         """
         rows, columns = self.shapes[output]
-        zero = algebra.constant(0.0)
+        zero = algebra.constant(0.0) if zero is None else zero
         table = [[zero] * columns for _ in range(rows)]
         values = self.run(algebra, arguments)[output]
         for (row, column), value in zip(self.places[output], values, strict=True):

@@ -7,7 +7,7 @@ absolute and hold to every order, like those of an interval: an error may exceed
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import casadi as ca
@@ -241,18 +241,36 @@ def running_error_arrays(
     kernel = program.enclosed(pairs, shape)
     with np.errstate(all="ignore"):
         values = program.run(TRACKED, arguments) if kernel is None else kernel
+    results = _tables(program, values, shape, lambda v: v if isinstance(v, tuple) else _pair(v))
+    for _, error in results:
+        error *= 1.01
+        error[np.isnan(error)] = np.inf  # 0/0, or the root of a number that may be negative
+    return results
+
+
+def _tables(
+    program: Any,
+    values: Sequence[Sequence[Any]],
+    shape: tuple[int, ...],
+    pair: Callable[[Any], tuple[Any, Any]],
+) -> list[tuple[Floats, Floats]]:
+    """Value and error of each output; zero without an error where the graph holds no entry."""
     results = []
     for (rows, columns), places, entries in zip(
         program.shapes, program.places, values, strict=True
     ):
         value, error = np.zeros((2, *shape, rows, columns))
         for (row, column), entry in zip(places, entries, strict=True):
-            pair = entry if isinstance(entry, tuple) else _pair(entry)
-            value[..., row, column], error[..., row, column] = pair
-        error *= 1.01
-        error[np.isnan(error)] = np.inf  # 0/0, or the root of a number that may be negative
+            value[..., row, column], error[..., row, column] = pair(entry)
         results.append((value, error))
     return results
+
+
+def _rounded(entry: Any) -> tuple[float, float]:
+    """A ball as a double and a bound on its distance."""
+    ball = arb(entry)
+    middle = float(ball.mid())
+    return middle, upper(ball - middle)
 
 
 def _repeated(constant: tuple[Floats, Floats], shape: tuple[int, ...]) -> tuple[Floats, Floats]:
@@ -280,17 +298,7 @@ def ball_arrays(
     """
     if program.constant is not None:
         return [_repeated(program.constant, (1,))]
-    results = []
-    for (rows, columns), places, entries in zip(
-        program.shapes, program.places, program.run(balls(), arguments), strict=True
-    ):
-        value, error = np.zeros((2, 1, rows, columns))
-        for (row, column), entry in zip(places, entries, strict=True):
-            ball = arb(entry)
-            value[0, row, column] = middle = float(ball.mid())
-            error[0, row, column] = upper(ball - middle)
-        results.append((value, error))
-    return results
+    return _tables(program, program.run(balls(), arguments), (1,), _rounded)
 
 
 # --- errors counted once, before any number is known ---

@@ -167,10 +167,7 @@ class GridPolynomials:
             coefficients, _, positive = formulas(algebra, a, q)
             return _Polynomials([coefficients], positive)
         u, boxes = self._unknowns(algebra, a, q)
-        matrix = family.graph.matrix
-        table: list[list[Any]] = [[0] * matrix.shapes[0][1] for _ in range(matrix.shapes[0][0])]
-        for (i, j), value in zip(matrix.places[0], matrix.run(algebra, [a, u, q])[0], strict=True):
-            table[i][j] = value
+        table = family.graph.matrix.dense(algebra, [a, u, q], zero=0)  # which costs no product
         positive = [v for n, v in zip(family.unknown, u, strict=True) if n in family.positive]
         return _Polynomials([characteristic(table)[structure(family).zeros :]], positive, boxes)
 
