@@ -378,7 +378,7 @@ def broken(text: str, fits: Callable[[str], bool], between: str = ", ") -> str:
     Parameters
     ----------
     text
-        One line.
+        A line, or several.
     fits
         Whether a line does.
     between
@@ -388,14 +388,19 @@ def broken(text: str, fits: Callable[[str], bool], between: str = ", ") -> str:
     --------
     >>> broken("a = 1 m, b = 2 m, c = 3 m", lambda line: len(line) < 18)
     'a = 1 m, b = 2 m,\nc = 3 m'
+    >>> broken("a torus\nas a map", lambda line: "\n" not in line and len(line) < 9, " ")
+    'a torus\nas a map'
     """
-    lines: list[str] = []
-    for part in text.split(between):
-        if lines and fits(f"{lines[-1]}{between}{part}"):
-            lines[-1] += f"{between}{part}"
-        else:
-            lines.append(part)
-    return f"{between.rstrip()}\n".join(lines)
+    whole: list[str] = []
+    for line in text.split("\n"):
+        lines: list[str] = []
+        for part in line.split(between):
+            if lines and fits(f"{lines[-1]}{between}{part}"):
+                lines[-1] += f"{between}{part}"
+            else:
+                lines.append(part)
+        whole.append(f"{between.rstrip()}\n".join(lines))
+    return "\n".join(whole)
 
 
 def fixed(

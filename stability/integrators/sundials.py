@@ -1,8 +1,9 @@
 """The CasADi routes: CVODES on the explicit graph, IDAS on the implicit one; good where stiff.
 
 A CasADi integrator runs through its whole grid in one call and cannot be stopped on the way.  So a
-leg is first run as a whole, and the guards are then checked on the grid.  Only an interval where a
-guard falls, or where the library gave up, is run again in small pieces.
+leg is first run as a whole, and the guards are then checked on the grid.  Where the library gave
+up, an eighth of the intervals is tried, and twice as many behind each stretch that it finished.
+Only an interval where a guard falls, or where the library gave up, is run again in small pieces.
 """
 
 from __future__ import annotations
@@ -27,8 +28,10 @@ EARLY, EARLY_LOOKS = 1e-6, 25
 """Looks within the first of these intervals: the first, as a share of it, and their number."""
 FINEST = 1e-15
 """Smallest tolerance that is passed to the library."""
-STEPS = 5_000
-"""Steps within one interval of the grid after which the library gives up."""
+STEPS, FEW = 5_000, 500
+"""Steps within an interval after which the library gives up: one that is run alone, and others."""
+EIGHTHS, ENDS = np.linspace(0.0, 1.0, 9), np.array([0.0, 1.0])
+"""Where a short piece is checked, as shares of it."""
 ZERO = 1e-6
 """Most that a guard may differ from zero at an event, over 1 or its size just before."""
 DIP = 0.8
@@ -72,14 +75,16 @@ def _integrator(
     return ca.integrator("run", plugin, problem, 0.0, fractions, options), guess
 
 
-def _run(leg: Leg, plugin: str, start: Floats, times: Floats) -> tuple[Floats, int] | None:
-    """States at times[1:] and steps; None where the library gave up or a number is not finite."""
-    span = float(times[-1] - times[0])
-    fractions = (times[1:] - times[0]) / span
-    fractions[-1] = 1.0
+def _run(
+    leg: Leg, plugin: str, start: Floats, span: float, fractions: Floats, most: int = STEPS
+) -> tuple[Floats, int] | None:
+    """States at fractions 0 to 1 of a span, and steps; None where the library gave up.
+
+    A number that is not finite counts as given up.
+    """
     tolerance = max(leg.tolerance, FINEST), max(leg.absolute, FINEST * 1e-3)
-    most = min(STEPS, leg.max_steps)
-    run, guess = _integrator(leg.flow, plugin, tolerance, most, fractions.tobytes())
+    most = min(most, leg.max_steps)
+    run, guess = _integrator(leg.flow, plugin, tolerance, most, fractions[1:].tobytes())
     given = {"x0": start, "p": np.append(leg.p, span)}
     if guess is not None:
         given["z0"] = guess(start, leg.p)
@@ -92,32 +97,53 @@ def _run(leg: Leg, plugin: str, start: Floats, times: Floats) -> tuple[Floats, i
             raise KeyboardInterrupt from None
         return None
     steps = int(run.stats().get("nsteps", 0))
-    return (found, steps) if np.isfinite(found).all() else None
+    return (np.vstack([start[None], found]), steps) if np.isfinite(found).all() else None
 
 
 def integrate(leg: Leg, *, plugin: str) -> Path:
-    """Run one leg with CVODES or IDAS."""
+    """Run one leg with CVODES or IDAS: as a whole, and where that fails over fewer intervals."""
     times = leg.times
     if len(times) == 1:
         return Path(leg.start[None], None, 0)
-    grid = _grid(leg)
+    grid, budget = _grid(leg), Budget(leg.seconds)
+    last, count, steps = len(grid) - 1, len(grid) - 1, 0
+    rows, end = leg.start[None], None
+    while end is None and len(rows) <= last:
+        some = grid[len(rows) - 1 :][: count + 1]
+        states, end, more = _stretch(leg, plugin, some, rows[-1], budget)
+        steps += more
+        if steps > leg.max_steps and not (end and end.kind == UNRESOLVED):
+            end = End(UNRESOLVED, float(some[0]), rows[-1], too_many(leg.max_steps))
+            states, steps = states[:0], leg.max_steps
+        rows = np.vstack([rows, states])
+        count = 2 * count if len(states) else max(1, count // 8)
     at = np.searchsorted(grid, times)
-    whole = _run(leg, plugin, leg.start, grid)
-    if whole is None:
-        rest, end, steps = _march(leg, plugin, grid, leg.start)
-        known = np.vstack([leg.start[None], rest])
-        return Path(known[at[at < len(known)]], end, steps)
-    known, steps = np.vstack([leg.start[None], whole[0]]), whole[1]
-    if steps > leg.max_steps:
-        end = End(UNRESOLVED, float(times[0]), leg.start, too_many(leg.max_steps))
-        return Path(leg.start[None], end, leg.max_steps)
-    for i in _suspects(leg, grid, known):  # nearly always a minimum that stays above zero
-        _, end, more = _march(leg, plugin, grid[i : i + 2], known[i])
+    return Path(rows[at[at < len(rows)]], end, steps)
+
+
+def _stretch(
+    leg: Leg, plugin: str, grid: Floats, start: Floats, budget: Budget
+) -> tuple[Floats, End | None, int]:
+    """States behind the start, at times of a grid before an end; none where the library gave up.
+
+    Of one interval there is always a state or an end.
+    """
+    span = float(grid[-1] - grid[0])
+    fractions = (grid - grid[0]) / span
+    fractions[-1] = 1.0
+    got = _run(leg, plugin, start, span, fractions, STEPS if len(grid) < 3 else FEW)
+    if got is None:
+        if len(grid) > 2:
+            return np.empty((0, len(start))), None, 0
+        state, end, steps = _march(leg, plugin, grid, start, budget)
+        return state[None][: end is None], end, steps
+    states, steps = got
+    for i in _suspects(leg, grid, states):  # nearly always a minimum that stays above zero
+        _, end, more = _march(leg, plugin, grid[i : i + 2], states[i], budget)
         steps += more
         if end is not None:
-            known = known[: i + 1]
-            return Path(known[at[at < len(known)]], end, steps)
-    return Path(known[at], None, steps)
+            return states[1 : i + 1], end, steps
+    return states[1:], None, steps
 
 
 def _grid(leg: Leg) -> Floats:
@@ -173,43 +199,38 @@ def _suspects(leg: Leg, grid: Floats, states: Floats) -> list[int]:
     return [int(i) for i in np.flatnonzero(_falls(np.diff(grid), values, rates))]
 
 
-def _march(leg: Leg, plugin: str, grid: Floats, start: Floats) -> tuple[Floats, End | None, int]:
-    """Run interval by interval, each checked, in pieces as short as needed."""
-    rows: list[Floats] = []
-    end: End | None = None
-    state, time, steps = start, float(grid[0]), 0
+def _march(
+    leg: Leg, plugin: str, span: Floats, start: Floats, budget: Budget
+) -> tuple[Floats, End | None, int]:
+    """Run over one interval in pieces as short as needed, each checked; the state where it ends."""
+    state, time, target, steps = start, float(span[0]), float(span[1]), 0
     # the library cannot be stopped on the way: the time is checked between the pieces
-    shortest, budget = SHORTEST * float(leg.times[-1] - leg.times[0]), Budget(leg.seconds)
-    for target in grid[1:]:
-        piece = float(target) - time
-        while time < target:
-            if budget.spent:
-                end = End(UNRESOLVED, time, state, budget.message)
-                return np.array(rows).reshape(-1, len(start)), end, steps
-            piece = min(piece, float(target) - time)
-            full = piece == float(target) - time
-            fine = np.linspace(time, float(target) if full else time + piece, 9)
-            got = _run(leg, plugin, state, fine)
-            if got is None:
-                piece /= 8
-                steps += min(STEPS, leg.max_steps)
-                if piece < shortest or steps > leg.max_steps:
-                    why = lost(plugin, state) if piece < shortest else too_many(leg.max_steps)
-                    end = End(UNRESOLVED, time, state, why)
-                    return np.array(rows).reshape(-1, len(start)), end, steps
-                continue
-            steps += got[1]
-            if steps > leg.max_steps:
-                end = End(UNRESOLVED, time, state, too_many(leg.max_steps))
-                return np.array(rows).reshape(-1, len(start)), end, steps
-            states = np.vstack([state[None], got[0]])
-            for fall in _suspects(leg, fine, states):
-                end = _locate(leg, plugin, fine[fall : fall + 2], states[fall])
-                if end is not None:
-                    return np.array(rows).reshape(-1, len(start)), end, steps
-            state, time = got[0][-1], float(fine[-1])
-        rows.append(state)
-    return np.array(rows).reshape(-1, len(start)), None, steps
+    shortest = SHORTEST * float(leg.times[-1] - leg.times[0])
+    piece = target - time
+    while time < target:
+        if budget.spent:
+            return state, End(UNRESOLVED, time, state, budget.message), steps
+        piece = min(piece, target - time)
+        got = _run(leg, plugin, state, piece, EIGHTHS)
+        if got is None:
+            piece /= 8
+            steps += min(STEPS, leg.max_steps)
+            if piece < shortest or steps > leg.max_steps:
+                why = lost(plugin, state) if piece < shortest else too_many(leg.max_steps)
+                return state, End(UNRESOLVED, time, state, why), steps
+            continue
+        states, more = got
+        steps += more
+        if steps > leg.max_steps:
+            return state, End(UNRESOLVED, time, state, too_many(leg.max_steps)), steps
+        fine = time + piece * EIGHTHS
+        for fall in _suspects(leg, fine, states):
+            end = _locate(leg, plugin, fine[fall : fall + 2], states[fall])
+            if end is not None:
+                return states[fall], end, steps
+        whole = piece == target - time
+        state, time = states[-1], target if whole else float(fine[-1])
+    return state, None, steps
 
 
 def _locate(leg: Leg, plugin: str, span: Floats, start: Floats) -> End | None:
@@ -221,7 +242,7 @@ def _locate(leg: Leg, plugin: str, span: Floats, start: Floats) -> End | None:
     def at(t: float) -> Floats:
         if t <= low:
             return start
-        got = _run(leg, plugin, start, np.array([low, t]))
+        got = _run(leg, plugin, start, t - low, ENDS)
         return np.full_like(start, np.nan) if got is None else got[0][-1]
 
     ends: list[tuple[float, str]] = []
