@@ -46,11 +46,12 @@ def null_vector(matrix: Floats, error: Floats) -> tuple[Floats, Floats]:
 
 
 def inverse_of(matrix: Floats) -> Floats:
-    """Approximate inverses; NaN for a singular matrix."""
+    """Approximate inverses; NaN for a matrix that is singular or not finite."""
     try:
         return np.asarray(np.linalg.inv(matrix))
     except np.linalg.LinAlgError:  # at least one matrix is singular
-        alone = np.linalg.matrix_rank(matrix, tol=0.0) == matrix.shape[-1]
+        finite = np.isfinite(matrix).all(axis=(1, 2), keepdims=True)  # without that no SVD
+        alone = np.linalg.matrix_rank(np.where(finite, matrix, 0.0), tol=0.0) == matrix.shape[-1]
         out = np.full_like(matrix, np.nan)
         for row in np.flatnonzero(alone):
             with suppress(np.linalg.LinAlgError):
