@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from flint import fmpq, fmpq_mat
 
-from ...algebra.exact.function_field import Expression, FunctionField
+from ...algebra.exact.function_field import SPARE, Expression, FunctionField
 from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, vanishes
 from ...base.errors import StabilityError
 from ..family import Family
@@ -227,6 +227,8 @@ def _dot(entries: Sequence[Any], vector: Sequence[Any]) -> Any:
 # --- identities of expressions ---
 
 
+FUNCTIONS = 4
+"""Functions of a family's numbers that a field over them has room for, for each state."""
 MOST_STATES = 16
 """States of the largest block whose symmetry is sought by multiplying expressions out."""
 
@@ -267,7 +269,8 @@ def identity(family: Family) -> Identity:
 def field_of(family: Family) -> tuple[FunctionField, list[list[Any]]]:
     """A field over a family's numbers: family parameters, unknowns and parameters."""
     names = family.at, tuple(family.unknown), family.parameters
-    field = FunctionField(sum(names, ()))
+    functions = max(SPARE, FUNCTIONS * len(family.system.states))
+    field = FunctionField(sum(names, ()), spare=functions)
     symbols = iter(field.symbols)
     return field, [[next(symbols) for _ in some] for some in names]
 
