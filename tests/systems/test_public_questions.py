@@ -51,7 +51,7 @@ def test_a_system_without_parameters_settles_on_its_one_motion() -> None:
 
 
 def test_a_power_of_a_state_has_its_spectrum_and_boundary() -> None:
-    """q (2^(T/10) - 1) has the slope q log 2 / 10 at rest."""
+    """The term q (2^(T/10) - 1) has the slope q log 2 / 10 at rest."""
     T, q, r = (ca.SX.sym(n) for n in "Tqr")
     rate = -q * (2 ** (T / 10) - 1) - r * T
     warm = st.System("warm", T, ca.vertcat(q, r), rate, states=("T",), parameters=("q", "r"))
