@@ -310,8 +310,10 @@ class Rows:
         if self.zeros >= usual:
             return ""
         return (
-            f"{usual} eigenvalue{'s' * (usual != 1)} vanish{'es' * (usual == 1)} at typical "
-            f"members of {self.problem.family.name}, but only {self.zeros} here"
+            f"this member of {self.problem.family.name} is a special one: of {usual} "
+            f"eigenvalue{'s' * (usual != 1)} that elsewhere {'are' if usual != 1 else 'is'} always "
+            f"0, and left out, {self.zeros or 'none'} is proved to be so here; a small change of "
+            "its numbers gives the usual count"
         )
 
     @cached_property

@@ -622,8 +622,8 @@ class _Reader:
         self.conditions.append(
             Condition(
                 CLOSE**2 - square,
-                f"the configuration constraint {name} is not zero at this state, its square is "
-                f"above {CLOSE**2:g} by {{value:.3g}}",
+                f"the configuration constraint {name} is not met at this state: it is above "
+                f"{CLOSE:g} in size; give coordinates that solve it",
             )
         )
 
