@@ -16,6 +16,7 @@ from . import (
     atlas,
     basins,
     boundaries,
+    branch,
     cite,
     compare,
     explore,
@@ -36,6 +37,7 @@ COMMANDS: dict[str, tuple[Any, str]] = {
         boundaries,
         "Every change of verdict along one axis, proved, and whether these are all",
     ),
+    "branch": (branch, "A family followed round its folds, and where other branches cross it"),
     "atlas": (
         atlas,
         "The families' diagrams for disk, annulus and hoop, or for other bodies of revolution",

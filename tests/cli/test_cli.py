@@ -20,6 +20,7 @@ COMMANDS = (
     "spectrum",
     "map",
     "boundaries",
+    "branch",
     "atlas",
     "table",
     "scene",
