@@ -96,6 +96,9 @@ class System(Equations):
     ) -> Self:
         """A system from SymPy: its mechanics, matrices, or rates, with every rational kept exact.
 
+        A number that is no fraction, such as π or a root of 2, becomes the nearest double; the
+        system's `approximation` then says so, and with it every reason and file.
+
         Coordinates and speeds become states under their own names; the rate of a coordinate q is
         `q_dot`.  All other symbols are parameters, and so are other functions of time, which are
         then constant inputs.  Dependent speeds are eliminated and become observables.  So are
@@ -130,8 +133,8 @@ class System(Equations):
         Raises
         ------
         ParameterError, NameUnknownError
-            If the model is no such thing, holds a number such as π that no double is, uses a
-            function that a graph does not have, or has a symbol that is not in `parameters`.
+            If the model is no such thing, uses a function that a graph does not have, or has a
+            symbol that is not in `parameters`.
 
         Source: SymPy's own linearisations, compared in tests/systems/test_from_sympy.py.
 

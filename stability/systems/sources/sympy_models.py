@@ -17,7 +17,7 @@ from typing import Any
 import casadi as ca
 
 from ...algebra.number_types import MORE, UNARY
-from ...base.errors import NameUnknownError, ParameterError, shown
+from ...base.errors import NameUnknownError, ParameterError, listed, shown
 from ..equations import Condition
 from .exact_terms import (
     MINUS,
@@ -52,6 +52,8 @@ DIRECT: dict[str, Callable[[Any], Any]] = {n: getattr(ca, n) for n in (*UNARY, *
 """Functions of one number in SymPy that a graph has, by SymPy's name."""
 ANGLE = "atan2"
 """The one function of two numbers."""
+DIGITS = 25
+"""Digits to which a number that is no fraction is computed before it becomes a double."""
 
 
 class Translation:
@@ -72,6 +74,13 @@ class Translation:
 
     def __init__(self, known: Mapping[Any, Term]) -> None:
         self._found: dict[Any, Term] = dict(known)
+        self._rounded: dict[str, float] = {}
+
+    @property
+    def approximation(self) -> str:
+        """Which numbers that are no fraction became the nearest double; empty where none did."""
+        said = (f"{shown(n)[1:-1]} as {v!r}" for n, v in self._rounded.items())
+        return f"for the equations with {listed(list(said))}" if self._rounded else ""
 
     def add(self, known: Mapping[Any, Term]) -> None:
         """Further symbols, before an expression that holds them is read."""
@@ -88,6 +97,9 @@ class Translation:
         stack = [expression]  # no recursion: expressions may be deeper than Python's stack
         while stack:
             one = stack[-1]
+            if self._new(one) and _irrational(one):
+                self._rounded[str(one)] = value = float(one.evalf(DIGITS))
+                self._found[one] = Fraction(value)
             open_ = [a for a in _parts(one) if a not in self._found] if self._new(one) else []
             if open_:
                 stack += open_
@@ -139,13 +151,13 @@ def _power(one: Any, parts: list[Term]) -> Term:
             return ca.power(base, float(exponent))
         return power(base, int(exponent))
     if isinstance(base, Fraction) and (exponent.is_Rational or isinstance(parts[1], Fraction)):
-        raise _irrational(one)
+        raise _inexact(one)
     if exponent.is_Rational and exponent.q == 2:
         return power(ca.sqrt(base), int(exponent.p))
     if exponent.is_Rational:  # a third is no double: the logarithm keeps the power exact
         return ca.exp(times(Fraction(int(exponent.p), int(exponent.q)), ca.log(base)))
     if isinstance(base, Fraction) and Fraction(float(base)) != base:
-        raise _irrational(one)
+        raise _inexact(one)
     if isinstance(parts[1], Fraction) and Fraction(float(parts[1])) != parts[1]:
         return ca.exp(times(parts[1], ca.log(base)))
     return ca.power(graph(base), graph(parts[1]))
@@ -156,7 +168,7 @@ def _function(one: Any, part: Term) -> Term:
     if name not in DIRECT and name not in RECIPROCAL:
         raise _refusal(one)
     if isinstance(part, Fraction):
-        raise _irrational(one)
+        raise _inexact(one)
     if name in RECIPROCAL:
         return over(ONE, DIRECT[RECIPROCAL[name]](part))
     return DIRECT[name](part)
@@ -171,11 +183,20 @@ def _angle(one: Any, y: Term, x: Term) -> Term:
     if any(isinstance(v, Fraction) and Fraction(float(v)) != v for v in (y, x)) or (
         isinstance(y, Fraction) and isinstance(x, Fraction)
     ):
-        raise _irrational(one)
+        raise _inexact(one)
     return ca.atan2(graph(y), graph(x))
 
 
-def _irrational(one: Any) -> ParameterError:
+def _irrational(one: Any) -> bool:
+    """Whether an expression is a real number that is no fraction, such as π or a root.
+
+    Sums and products are read part by part: 3π is three times the double.
+    """
+    read = one.is_Rational or one.is_Float or one.is_Add or one.is_Mul
+    return bool(one.is_number and not read and one.is_finite and one.is_extended_real)
+
+
+def _inexact(one: Any) -> ParameterError:
     return ParameterError(
         f"the equations hold the number {shown(str(one))}, which no double is exactly; put a "
         "symbol in its place and give its value as a parameter."
@@ -184,8 +205,6 @@ def _irrational(one: Any) -> ParameterError:
 
 def _refusal(one: Any) -> ParameterError:
     if one.is_number and not one.is_Function:
-        if one.is_NumberSymbol:
-            return _irrational(one)
         return ParameterError(
             f"the equations hold {shown(str(one))}, which is no finite real number; SymPy divided "
             "by zero or left the real numbers."
@@ -508,6 +527,7 @@ def _explicit(
         "states": tuple(map(_label, states)),
         "parameters": tuple(map(_label, own)),
         "observables": {n: graph(read(e)) for n, e in seen.items()},
+        "approximation": read.approximation,
     }
 
 
@@ -689,6 +709,7 @@ class _Reader:
             "mass": ca.vertcat(*[ca.horzcat(*map(graph, row)) for row in matrix]),
             "forcing": ca.vertcat(*map(graph, right)),
             "unknowns": tuple(unknowns),
+            "approximation": read.approximation,
         }
 
 
