@@ -297,7 +297,7 @@ NO_COEFFICIENT = (
 
 def zeros_left(family: Family) -> int:
     """Structural zeros that remain without the states on which nothing depends."""
-    dropped = len(family.system.states) - len(derivatives(family.system).kept)
+    dropped = len(family.system.states) - len(derivatives(family.judged).kept)
     return structure(family).zeros - dropped
 
 

@@ -101,7 +101,7 @@ class Line:
 
     def __init__(self, family: Family, axis: str, fixed: dict[str, Any]) -> None:
         self.family, self.axis, self.fixed = family, axis, fixed
-        system = family.system
+        system = family.judged
         for name in family.equations:
             if name not in system.states:
                 raise ParameterError(
@@ -127,7 +127,7 @@ class Line:
         family, system = self.family, self.family.system
         table: dict[str, Any] = {n: arb(v) for n, v in self.fixed.items()}
         table[self.axis] = arb(value)
-        for name, held in family.held.items():
+        for name, held in family.fixed.items():
             table[name] = arb.pi() / 2 if isinstance(held, Upright) else arb(held)
         found = list(family.unknown.values()) if family.closed else list(unknowns)
         table |= {n: arb(v) for n, v in zip(family.unknown, found, strict=True)}

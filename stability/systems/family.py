@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
+import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -20,7 +21,7 @@ from ..base.types import Floats, Record, fields_of
 from .closed_form import ClosedForm
 from .equations import Equations
 from .graph.family_graph import FamilyGraph, Frame
-from .graph.ignorable import acting_on, hidden_pairs, ignorable
+from .graph.ignorable import acting_on, hidden_pairs, ignorable, turned
 from .graph.smoothness import KINKED, REMOVABLE, gap, has_kinks, sloped
 from .members import UNKNOWN, Anchor, Found, check_states, find, given_noise, rate_noise
 from .system_checks import check_family
@@ -189,6 +190,15 @@ class Family(Record):
         """Values of the states that the family fixes: those held, and 0 for those left out."""
         return {**self.held, **dict.fromkeys(self.left_out, 0.0)}
 
+    @cached_property
+    def judged(self) -> Equations:
+        """The system, in which no state is turned that the family leaves out."""
+        system = self.system
+        if not self.left_out or set(turned(system)).isdisjoint(self.left_out):
+            return system
+        rates = [0 if n in self.left_out else system.rhs[i] for i, n in enumerate(system.states)]
+        return replace(system, rhs=ca.vertcat(*rates), mass=None, forcing=None, unknowns=())
+
     # --- the graph at the family ---
 
     @cached_property
@@ -198,7 +208,7 @@ class Family(Record):
 
     def _frame(self, *, decimals: bool = False) -> Frame:
         zero = hidden_pairs(self.system, self.left_out) if self.left_out else ()
-        parts = self.system, self.at, self.fixed, self.unknown, self.equations, zero
+        parts = self.judged, self.at, self.fixed, self.unknown, self.equations, zero
         return Frame(*parts, decimals)
 
     @property

@@ -62,9 +62,10 @@ class System(Equations):
         """Names of the states that no other motion depends on, such as a heading or a place.
 
         The rates of all other states, and all conditions, are proved not to depend on them.  Among
-        themselves they form chains (a place depends on a heading) without a cycle.  A family may
-        leave them out: their values then do not matter, their rates need not vanish, and each
-        gives one structural zero, by proof.  A state that is constant by its equation counts as a
+        themselves they form chains (a place depends on a heading), or a group that others turn and
+        whose sum of squares is constant by an identity: a quaternion, a row of a rotation matrix.
+        A family may leave them out: their values then do not matter, their rates need not vanish,
+        and each gives one structural zero.  A state that is constant by its equation counts as a
         parameter, and is not among them.
 
         Source: derivation in `stability.systems.graph.ignorable`; tests/systems/test_ignorable.py.

@@ -140,3 +140,83 @@ def test_left_out_values_never_reach_the_verdict() -> None:
         values = np.sort(np.linalg.eigvals(matrix[:2, :2]).real)
         assert values == pytest.approx([left.eigenvalues[0].real, 0.0], abs=1e-14)
         assert (matrix[:2, 2:] == 0).all()
+
+
+def quaternion(w: Any, q: Any) -> Any:
+    """Rate of a quaternion that the angular velocity w in the body turns."""
+    return (
+        ca.vertcat(
+            -q[1] * w[0] - q[2] * w[1] - q[3] * w[2],
+            q[0] * w[0] + q[2] * w[2] - q[3] * w[1],
+            q[0] * w[1] - q[1] * w[2] + q[3] * w[0],
+            q[0] * w[2] + q[1] * w[1] - q[2] * w[0],
+        )
+        / 2
+    )
+
+
+def free_body(*, attitude: bool) -> st.System:
+    q, w, inertia = ca.SX.sym("q", 4), ca.SX.sym("w", 3), ca.SX.sym("I", 3)
+    a, b, c = ca.vertsplit(inertia)
+    rates = ca.vertcat(
+        (b - c) * w[1] * w[2] / a, (c - a) * w[2] * w[0] / b, (a - b) * w[0] * w[1] / c
+    )
+    names = ("I1", "I2", "I3")
+    if not attitude:
+        return st.System("body", w, inertia, rates, ("w1", "w2", "w3"), names)
+    states = ("q0", "q1", "q2", "q3", "w1", "w2", "w3")
+    every = ca.vertcat(quaternion(w, q), rates)
+    return st.System("body", ca.vertcat(q, w), inertia, every, states, names)
+
+
+def test_a_quaternion_that_nothing_reads_is_ignorable_as_a_whole() -> None:
+    """Euler's equations alone give the spin's eigenvalues, conditions and boundaries."""
+    whole, alone = free_body(attitude=True), free_body(attitude=False)
+    assert whole.ignorable == ("q0", "q1", "q2", "q3")
+    held = {"w1": 0.0, "w3": 0.0}
+    spin, reduced = (st.Family(s, "spin", at=("w2",), held=held) for s in (whole, alone))
+    for middle in (1.0, 2.0, 3.0):
+        given = {"I1": 1.5, "I2": middle, "I3": 2.5}
+        found, true = (st.spectrum(f, at=1.5, certify=True, **given) for f in (spin, reduced))
+        assert found.verdict is true.verdict
+        assert (found.eigenvalues == true.eigenvalues).all()
+        assert "q0, q1, q2, q3 are ignorable" in found.reason
+    edges = st.boundaries(spin, axis=("I2", 0.5, 4, 9), at=1.5, I1=1.5, I3=2.5)
+    assert edges.complete and [e.value for e in edges] == [1.5, 2.5]
+    axes = {"x": ("I2", 0.5, 4, 9), "y": ("I1", 0.5, 4, 9)}
+    maps = [st.stability_map(f, **axes, at=1.5, I3=2.5) for f in (spin, reduced)]
+    assert (maps[0].verdict == maps[1].verdict).all()
+    with pytest.raises(ParameterError, match="leaves q1 out, but the rate of q0 depends on it"):
+        st.Family(whole, "spin", at=("w2",), held={**held, "q0": 1.0})
+
+
+def test_only_what_others_turn_is_a_group() -> None:
+    """A pair that swings on its own, or a spiral, is a motion to be judged, not an attitude."""
+
+    def pair(rates: Any) -> tuple[str, ...]:
+        return system("pair", "cse", ("p",), rates).ignorable
+
+    assert pair(lambda x, _: (-x[2] * x[1], x[2] * x[0], -x[2])) == ("c", "s")
+    assert pair(lambda x, _: (-x[1], x[0], -x[2])) == ()
+    assert pair(lambda x, _: (-x[2] * x[1] - x[0], x[2] * x[0] - x[1], -x[2])) == ()
+    assert pair(lambda x, _: (-x[2] * x[1], x[2] * x[0], -x[2] + x[0])) == ()
+
+
+def test_the_onset_of_a_cycle_does_not_see_what_it_turns() -> None:
+    """The rate of the radius, p r - r³, is that of the plain oscillator, whatever it turns."""
+
+    def oscillator(x: Any, y: Any, p: Any) -> tuple[Any, Any]:
+        r = p - x**2 - y**2
+        return r * x - y, r * y + x
+
+    x, p = ca.SX.sym("x", 4), ca.SX.sym("p")
+    rates = ca.vertcat(*oscillator(x[0], x[1], p), -x[0] * x[3], x[0] * x[2])
+    turning = st.System("turning", x, p, rates, ("x", "y", "c", "s"), ("p",))
+    bare = ca.vertcat(*oscillator(x[0], x[1], p))
+    plain = st.System("plain", x[:2], p, bare, ("x", "y"), ("p",))
+    births = [
+        st.hopf(st.Family(s, "rest", at=("p",), held={"x": 0, "y": 0}), axis=("p", -1, 1, 9))
+        for s in (turning, plain)
+    ]
+    assert [len(b) for b in births] == [1, 1]
+    assert births[0][0].coefficient == births[1][0].coefficient < 0

@@ -100,7 +100,7 @@ class OnsetForms:
 
     def __init__(self, reading: CharacteristicPolynomial) -> None:
         self.reading, self.field = reading, reading.field
-        self.d: Derivatives = derivatives(reading.family.system)
+        self.d: Derivatives = derivatives(reading.family.judged)
         self.kept = self.d.kept
         self.mu = self.field.generator(reading.lam)
         self.zero = self.field.ring.constant(0)
@@ -118,7 +118,7 @@ class OnsetForms:
         table |= {n: self.field.number(v) for n, v in reading.values.items()}
         if family.closed:
             table |= {n: self.field.number(rational(v)) for n, v in family.unknown.items()}
-        for name, value in family.held.items():
+        for name, value in family.fixed.items():
             table[name] = (
                 UPRIGHT if isinstance(value, Upright) else self.field.number(rational(value))
             )

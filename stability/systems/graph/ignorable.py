@@ -8,6 +8,11 @@ A state is ignorable if its rate is not identically zero, and no path of such ac
 to a cycle, to a condition, or to a state that is not ignorable.  So the rates of the other states
 do not depend on ignorable states, and among ignorable states the linearisation is strictly
 triangular: each gives an eigenvalue that is exactly zero, at every state.
+
+States that other states turn, such as a quaternion or a row of a rotation matrix, act on each other
+in a cycle and never rest in a spin.  They are ignorable too where nothing else depends on them and
+the sum of their squares is constant by an identity.  A family that leaves them out is a family of
+the other states: what is turned has no part in its linearisation.
 """
 
 from __future__ import annotations
@@ -117,25 +122,69 @@ def _vanishes(system: Equations, i: int, j: int | None = None) -> bool:
         return False
 
 
-@lru_cache(maxsize=64)
 def ignorable(system: Equations) -> tuple[str, ...]:
-    """Ignorable states in an order in which each acts only on those before it.
+    """Ignorable states in an order in which each acts only on those before it, or on its group.
 
     Returns
     -------
     tuple of str
         The largest such set.
     """
+    return _ordered(system)[0]
+
+
+def turned(system: Equations) -> tuple[str, ...]:
+    """Ignorable states that act on each other in a cycle."""
+    return _ordered(system)[1]
+
+
+@lru_cache(maxsize=64)
+def _ordered(system: Equations) -> tuple[tuple[str, ...], tuple[str, ...]]:
     known = influence(system)
     out = known.guards | known.still
     order: list[int] = []
+    groups: list[int] = []
     while True:  # next come the states that act on nothing but what is there already
         rest = np.ones(len(out), dtype=bool)
         rest[order] = False
-        free = np.flatnonzero(rest & ~out & ~known.acts[rest].any(axis=0))
-        if not len(free):
-            return tuple(system.states[i] for i in order)
-        order += map(int, free)
+        free = [int(i) for i in np.flatnonzero(rest & ~out & ~known.acts[rest].any(axis=0))]
+        if not free:
+            free = _group(system, rest & ~out, rest)
+            groups += free
+        if not free:
+            found, cycles = (tuple(system.states[i] for i in some) for some in (order, groups))
+            return found, cycles
+        order += free
+
+
+def _group(system: Equations, able: NDArray[np.bool_], rest: NDArray[np.bool_]) -> list[int]:
+    """States that the rest turns, and that act on nothing but each other; perhaps none."""
+    from scipy.sparse.csgraph import connected_components
+
+    acts = influence(system).acts
+    places = np.flatnonzero(rest)
+    _, labels = connected_components(acts[np.ix_(places, places)], connection="strong")
+    for label in np.unique(labels):
+        some = places[labels == label]
+        others = np.setdiff1d(places, some)
+        closed = able[some].all() and not acts[np.ix_(others, some)].any()
+        if len(some) > 1 and closed and acts[np.ix_(some, others)].any() and _norm(system, some):
+            return [int(i) for i in some]
+    return []
+
+
+def _norm(system: Equations, some: NDArray[np.intp]) -> bool:
+    """Whether the sum of the squares of some states is constant by an identity."""
+    field = FunctionField([*system.states, *system.parameters])
+    size = len(system.states)
+    x, p = field.symbols[:size], field.symbols[size:]
+    rates = ca.densify(ca.vertcat(*[system.rhs[int(i)] for i in some]))
+    try:
+        program = Program(ca.Function("rates", [system.x, system.p], [rates]))
+        values = [row[0] if isinstance(row, list) else row for row in program.run(EXACT, [x, p])[0]]
+        return bool(vanishes(sum(x[int(i)] * v for i, v in zip(some, values, strict=True))))
+    except (ArithmeticError, StabilityError):
+        return False
 
 
 def hidden_pairs(system: Equations, columns: Collection[str]) -> list[tuple[int, int]]:
