@@ -106,7 +106,7 @@ class CharacteristicPolynomial:
             self.base = tuple(n for n in names if n not in values and n not in closed)
         else:
             self.base = (*free, *solved)
-        self.field = RecordingField([*self.base, "λ"], self.budget, spare)
+        self.field = self._field_of([*self.base, "λ"], spare)
         symbols: dict[str, Any] = {n: self.field.number(v) for n, v in values.items()}
         symbols |= dict(zip(self.base, self.field.symbols, strict=False))
         if family.closed:
@@ -116,22 +116,35 @@ class CharacteristicPolynomial:
             if numbers is None
             else numbers(symbols)
         )
-        parts = [a, [symbols[n] for n in family.unknown], q]
+        self.parts = [a, [symbols[n] for n in family.unknown], q]
+        """Family parameters, unknowns and parameters as elements of the field."""
         try:
-            self.matrix = family.graph.matrix.dense(self.algebra, parts)
-            self.conditions = self._required(symbols) if numbers is None else []
+            self.matrix = family.graph.matrix.dense(self.algebra, self.parts)
+            self.conditions = self._conditions(symbols) if numbers is None else []
             equations = []
             self.denominators: list[Poly] = []
             if solved:
-                residual = family.graph.residual.run(self.algebra, parts)[0]
+                residual = family.graph.residual.run(self.algebra, self.parts)[0]
                 equations = [r.num for r in map(self.element, residual)]
                 self.denominators = [r.den for r in map(self.element, residual)]
         except ZeroDivisionError:
             raise NotExact("a denominator vanishes all along the family") from None
-        places = {self.base.index(n) for n in solved}
-        unknowns = {i for i in [*places, *self.field.meaning] if self.field.uses(i) & places}
-        self.triangular = Triangular(self.field, equations, unknowns, self.vanishes)
-        self.triangular.settle()
+        self.equations = equations
+        """Numerators of the equations of the unknowns."""
+        self.places = {self.base.index(n) for n in solved}
+        """Indices of the unknowns that are solved for."""
+
+    @property
+    def bound(self) -> set[int]:
+        """Indices of the unknowns, and of the functions of them."""
+        return {i for i in (*self.places, *self.field.meaning) if self.field.uses(i) & self.places}
+
+    @cached_property
+    def triangular(self) -> Triangular:
+        """The equations of the unknowns on the branch of the typical members."""
+        found = Triangular(self.field, self.equations, self.bound, self.vanishes)
+        found.settle()
+        return found
 
     @property
     def algebra(self) -> Algebra:
@@ -147,7 +160,10 @@ class CharacteristicPolynomial:
         """A value of the graph as an expression."""
         return value if isinstance(value, Expression) else self.field.number(value)
 
-    def _required(self, symbols: Mapping[str, Any]) -> list[tuple[Any, str]]:
+    def _field_of(self, names: Sequence[str], spare: int) -> RecordingField:
+        return RecordingField(names, self.budget, spare)
+
+    def _conditions(self, symbols: Mapping[str, Any]) -> list[tuple[Any, str]]:
         system = self.family.system
         table: dict[str, Any] = {
             n: self.number(v) for n, v in self.family.held.items() if not isinstance(v, Upright)
@@ -177,45 +193,58 @@ class CharacteristicPolynomial:
     # --- in factors ---
 
     @cached_property
+    def entries(self) -> list[list[Expression]]:
+        """The Jacobian on the branch of the typical members."""
+        value = self.triangular.value
+        return [[value(self.element(v)) for v in row] for row in self.matrix]
+
+    @cached_property
+    def required(self) -> list[tuple[Poly, str]]:
+        """Polynomials that the system requires to be positive, each with its sentence."""
+        values = [(self.triangular.value(value), sentence) for value, sentence in self.conditions]
+        return [(self.field.reduced(v.num * v.den), sentence) for v, sentence in values]
+
+    @cached_property
     def factored(self) -> Factored:
         """The polynomial in factors over Q; `NotExact` where it grows beyond the budget."""
-        solved = self.triangular
-        matrix = [[solved.value(self.element(v)) for v in row] for row in self.matrix]
         zeros, found = 0, []
-        nonzero = list(solved.nonzero)
-        for block in blocks_of(matrix, lambda e: bool(e.num == 0)):
-            common = common_multiple((e.den for row in block for e in row), self.field.one)
+        nonzero = list(self.triangular.nonzero)
+        lam = self.field.generator(self.lam)
+        for block in blocks_of(self.entries, lambda e: bool(e.num == 0)):
+            common, powers = self.powers(block)
             nonzero.append(common)
-            for factor, count in factors(self._determinant(block, common))[1]:
+            whole = sum((c * lam**k for k, c in enumerate(powers)), self.field.ring.constant(0))
+            self.budget.watch(whole)
+            for factor, count in factors(whole)[1]:
                 if self.lam not in occurring(factor):
                     nonzero.append(factor)
-                elif factor == self.field.generator(self.lam):
+                elif factor == lam:
                     zeros += count
                 else:
                     found.append((factor, count))
-        nonzero += [e.den for row in matrix for e in row]  # of entries between the blocks too
-        required = []
-        for value, sentence in self.conditions:
-            inside = solved.value(value)
-            required.append((self.field.reduced(inside.num * inside.den), sentence))
+        nonzero += [e.den for row in self.entries for e in row]  # between the blocks too
         nonzero = [p for p in nonzero if not p.is_constant()]
-        return self._compact(zeros, found, nonzero, required)
+        return self._compact(zeros, found, nonzero, self.required)
 
-    def _determinant(self, block: list[list[Any]], common: Poly) -> Poly:
-        """A multiple of det(λ - A), without common factor of its coefficients."""
-        one, plain = self.field.one, [[e.num * (common / e.den) for e in row] for row in block]
+    def powers(self, block: list[list[Expression]]) -> tuple[Poly, list[Poly]]:
+        """The characteristic polynomial of a matrix of expressions.
+
+        Returns
+        -------
+        common
+            A common denominator of the entries.
+        powers
+            Coefficients of a multiple of det(λ - A), lowest first, without common factor.
+        """
+        one = self.field.one
+        common = common_multiple((e.den for row in block for e in row), one)
+        plain = [[e.num * (common / e.den) for e in row] for row in block]
+        self.budget.expect(len(block), [common, *(p for row in plain for p in row)])
         if len(self.base) == 1 and not self.field.meaning:
-            powers = self._over_integers(plain, common)
-        else:
-            rows = [[Expression(self.field, p, one) for p in row] for row in plain]
-            found = [self.element(c).num for c in characteristic(rows)]
-            powers = primitive(self.triangular.reduce([c * common**k for k, c in enumerate(found)]))
-        lam = self.field.generator(self.lam)
-        total = self.field.ring.constant(0)
-        for k, c in enumerate(powers):
-            total = total + c * lam**k
-        self.budget.watch(total)
-        return total
+            return common, self._over_integers(plain, common)
+        found = characteristic([[Expression(self.field, p, one) for p in row] for row in plain])
+        powers = [self.element(c).num * common**k for k, c in enumerate(found)]
+        return common, primitive(self.triangular.reduce(powers))
 
     def _over_integers(self, plain: list[list[Poly]], common: Poly) -> list[Poly]:
         """The coefficients in one variable, over Z: products need no common denominators."""

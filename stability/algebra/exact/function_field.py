@@ -147,13 +147,14 @@ class FunctionField:
 
     def quotient(self, num: Any, den: Any) -> Expression:
         """num/den, reduced by the relations and without a common factor."""
-        num, den = self.reduced(num), self.reduced(den)
+        num = self.reduced(num)
+        den = den if den.is_constant() else self.reduced(den)
         if den == 0:
             raise NotExact("a division by zero")
         if num == 0:
             return Expression(self, num, self.one)
         if den.is_constant():
-            return Expression(self, num / den.leading_coefficient(), self.one)
+            return Expression(self, num if den == 1 else num / den.leading_coefficient(), self.one)
         common = num.gcd(den)
         if not common.is_constant():
             num, den = num / common, den / common

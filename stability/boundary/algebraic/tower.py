@@ -115,7 +115,7 @@ class AxisPolynomial(CharacteristicPolynomial):
 
         return Algebra("exact", EXACT.constant, {name: lifted(name) for name in EXACT.functions})
 
-    def _required(self, symbols: Mapping[str, Any]) -> list[tuple[Any, str]]:  # noqa: ARG002
+    def _conditions(self, symbols: Mapping[str, Any]) -> list[tuple[Any, str]]:  # noqa: ARG002
         return []  # the system's conditions are proved along the axis in balls
 
     @cached_property
