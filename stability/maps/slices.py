@@ -22,11 +22,10 @@ import casadi as ca
 from flint import Ordering, arb, fmpq, fmpq_mpoly, fmpq_mpoly_ctx, fmpq_poly
 from flint.utils.flint_exceptions import DomainError
 
-from ..algebra.exact.function_field import Expression
+from ..algebra.exact.function_field import Expression, FunctionField, evaluate, occurring
 from ..algebra.exact.hurwitz_forms import Budget, factors, hurwitz_determinants
 from ..algebra.exact.number_fields import EXACT, NotExact, characteristic, exact_upright, rational
 from ..algebra.exact.routh import hurwitz_matrix, is_even, on_the_axis
-from ..algebra.exact.triangular import RecordingField, evaluate, occurring
 from ..algebra.number_types import Algebra, balls, precision
 from ..algebra.polynomial import Polynomial, TabulatedPolynomial
 from ..algebra.program import Program
@@ -428,7 +427,7 @@ def _cached(family: Family, x: str, y: str, fixed: tuple[tuple[str, float], ...]
         return None
 
 
-class _Field(RecordingField):
+class _Field(FunctionField):
     """A recording field in which the root of a square p², or |p|, is p, on one side of p = 0."""
 
     def __init__(

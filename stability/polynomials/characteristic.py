@@ -16,11 +16,11 @@ import casadi as ca
 import numpy as np
 from flint import Ordering, arb, fmpq_mpoly_ctx, fmpq_poly, fmpz
 
-from ..algebra.exact.function_field import SPARE, Expression
+from ..algebra.exact.function_field import SPARE, Expression, FunctionField, evaluate, occurring
 from ..algebra.exact.hurwitz_forms import Budget, coefficient_row, factors
 from ..algebra.exact.number_fields import EXACT, NotExact, characteristic, rational
 from ..algebra.exact.rational_functions import common_multiple, primitive, univariate
-from ..algebra.exact.triangular import RecordingField, Triangular, evaluate, occurring
+from ..algebra.exact.triangular import Triangular
 from ..algebra.number_types import Algebra, precision
 from ..algebra.program import Program
 from ..algebra.upright import Upright
@@ -160,8 +160,8 @@ class CharacteristicPolynomial:
         """A value of the graph as an expression."""
         return value if isinstance(value, Expression) else self.field.number(value)
 
-    def _field_of(self, names: Sequence[str], spare: int) -> RecordingField:
-        return RecordingField(names, self.budget, spare)
+    def _field_of(self, names: Sequence[str], spare: int) -> FunctionField:
+        return FunctionField(names, self.budget, spare)
 
     def _conditions(self, symbols: Mapping[str, Any]) -> list[tuple[Any, str]]:
         system = self.family.system

@@ -36,10 +36,14 @@ class Budget:
         Computing time of the thread that made the budget, after which work ends.
     degree
         Largest degree of a determinant in its variables.
+    work
+        Largest number of terms of all polynomials together.
     """
 
-    def __init__(self, terms: int, seconds: float, degree: float = math.inf) -> None:
-        self.terms, self.seconds, self.degree = terms, seconds, degree
+    def __init__(
+        self, terms: int, seconds: float, degree: float = math.inf, work: float = math.inf
+    ) -> None:
+        self.terms, self.seconds, self.degree, self.work = terms, seconds, degree, work
         self.largest = 0
         """Largest number of terms so far."""
         self._start, self._used = time.monotonic(), time.thread_time()
@@ -55,8 +59,10 @@ class Budget:
 
     def watch(self, *polynomials: Poly) -> None:
         """Count the terms of polynomials, and end the work beyond the limits."""
-        self.largest = max(self.largest, *map(len, polynomials))
-        if self.largest > self.terms or self.spent > self.seconds:
+        sizes = [len(p) for p in polynomials]
+        self.largest = max(self.largest, *sizes)
+        self.work -= sum(sizes)
+        if self.largest > self.terms or self.work < 0 or self.spent > self.seconds:
             raise TooLarge(self.said())
 
     def expect(self, size: int, entries: Sequence[Poly]) -> None:

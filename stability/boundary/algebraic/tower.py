@@ -16,11 +16,10 @@ from typing import Any
 
 from flint import arb, fmpq, fmpq_mpoly_ctx
 
-from ...algebra.exact.function_field import SPARE, Expression
+from ...algebra.exact.function_field import SPARE, Expression, occurring
 from ...algebra.exact.hurwitz_forms import Budget, by_power
 from ...algebra.exact.number_fields import EXACT, NotExact
 from ...algebra.exact.roots import UnclearError
-from ...algebra.exact.triangular import occurring
 from ...algebra.number_types import Algebra, precision
 from ...base.errors import StabilityError
 from ...polynomials.characteristic import CharacteristicPolynomial

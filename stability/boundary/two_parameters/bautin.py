@@ -30,12 +30,13 @@ from typing import Any
 import numpy as np
 from flint import acb, arb
 
+from ...algebra.exact.function_field import evaluate, occurring
 from ...algebra.exact.hurwitz_forms import Budget, by_power, coefficient_row, factors
 from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, exact_upright, rational
 from ...algebra.exact.rational_functions import common_multiple
 from ...algebra.exact.roots import isolated as root_balls
 from ...algebra.exact.routh import divided, hurwitz_sign
-from ...algebra.exact.triangular import evaluate, occurring, remainder
+from ...algebra.exact.triangular import remainder
 from ...algebra.krawczyk import NotProvedError, tested
 from ...algebra.number_types import precision
 from ...algebra.upright import UPRIGHT, Upright

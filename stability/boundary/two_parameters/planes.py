@@ -20,10 +20,10 @@ from typing import Any
 
 from flint import Ordering, arb, arb_series, fmpq_mpoly_ctx
 
+from ...algebra.exact.function_field import occurring
 from ...algebra.exact.hurwitz_forms import Budget
 from ...algebra.exact.number_fields import NotExact, rational
 from ...algebra.exact.routh import divided, expanded_determinant, hurwitz_sign
-from ...algebra.exact.triangular import occurring
 from ...algebra.krawczyk import NotProvedError
 from ...polynomials.characteristic import CharacteristicPolynomial
 from ...spectra.problem import Problem

@@ -21,7 +21,7 @@ from typing import Any
 
 from flint import arb, arb_poly, ctx, fmpq, fmpq_mat, fmpq_poly, fmpz, fmpz_mat
 
-from ...algebra.exact.function_field import MOST_TERMS, Expression, FunctionField
+from ...algebra.exact.function_field import MOST_TERMS, Expression, FunctionField, evaluate
 from ...algebra.exact.hurwitz_forms import Budget, TooLarge
 from ...algebra.exact.number_fields import (
     EXACT,
@@ -32,7 +32,7 @@ from ...algebra.exact.number_fields import (
     vanishes,
 )
 from ...algebra.exact.routh import Ground, on_the_axis_over
-from ...algebra.exact.triangular import RecordingField, Triangular, evaluate
+from ...algebra.exact.triangular import Triangular
 from ...algebra.number_types import balls, precision
 from ...base.errors import NoMemberError
 from ...base.verdict import Verdict
@@ -511,7 +511,7 @@ def _over_number_field(member: Member) -> tuple[list[list[Any]], Ground]:
 def _over_expressions(member: Member) -> tuple[list[list[Any]], Ground]:
     """The linearisation with unknowns and functions as indeterminates, modulo their equations."""
     family = member.family
-    field = RecordingField([*family.unknown], Budget(MOST_TERMS, MOST_SECONDS))
+    field = FunctionField([*family.unknown], Budget(MOST_TERMS, MOST_SECONDS))
     given = [[field.number(v) for v in some] for some in (member.a, member.q)]
     place = [given[0], field.symbols, given[1]]
     matrix = exact_matrix(family, *place)
@@ -554,7 +554,7 @@ def _sign(ball: Any) -> int:
     raise NotExact("a sign that the balls leave open")
 
 
-def _values(member: Member, field: RecordingField) -> Callable[[Any], Any]:
+def _values(member: Member, field: FunctionField) -> Callable[[Any], Any]:
     """The function from a polynomial in indeterminates to its ball at the member."""
     with precision(ROOT_BITS):
         known = _Enclosed(field, enumerate(member.unknowns_in_balls()))
@@ -569,7 +569,7 @@ def _values(member: Member, field: RecordingField) -> Callable[[Any], Any]:
 class _Enclosed(dict[int, Any]):
     """Balls of indeterminates; those of functions are found when they are asked for."""
 
-    def __init__(self, field: RecordingField, known: Iterable[tuple[int, Any]]) -> None:
+    def __init__(self, field: FunctionField, known: Iterable[tuple[int, Any]]) -> None:
         super().__init__(known)
         self._field = field
 
