@@ -24,7 +24,7 @@ from flint.utils.flint_exceptions import DomainError
 
 from ..algebra.exact.function_field import Expression, FunctionField, evaluate, occurring
 from ..algebra.exact.hurwitz_forms import Budget, factors, hurwitz_determinants
-from ..algebra.exact.number_fields import EXACT, NotExact, characteristic, exact_upright, rational
+from ..algebra.exact.number_fields import NotExact, characteristic, exact_upright, rational
 from ..algebra.exact.routh import hurwitz_matrix, is_even, on_the_axis
 from ..algebra.number_types import Algebra, balls, precision
 from ..algebra.polynomial import Polynomial, TabulatedPolynomial
@@ -467,8 +467,8 @@ class _AxesPolynomial(CharacteristicPolynomial):
             raise NotExact("unknowns that the equations do not give as quotients")
         if len(self.triangular.solved) < len(self.places):
             raise NotExact("equations that leave an unknown open")
-        rates = family.graph.rates.run(EXACT, self.parts)[0]
-        if any(self.triangular.value(self.element(r)).num != 0 for r in rates):
+        rates = [self.element(row[0]) for row in self.rows(family.graph.rates)]
+        if any(self.triangular.value(rate).num != 0 for rate in rates):
             raise NotExact("a rate that does not vanish identically")
 
     field: _Field
@@ -476,10 +476,11 @@ class _AxesPolynomial(CharacteristicPolynomial):
     def _field_of(self, names: Sequence[str], spare: int) -> _Field:
         return _Field(names, self.budget, spare, self.near)
 
-    def _conditions(self, symbols: Mapping[str, Any]) -> list[tuple[Any, str]]:
+    @cached_property
+    def conditions(self) -> list[tuple[Expression, str]]:
         """Every condition of a member: where one is not read, a cell may hold none."""
         family = self.family
-        table = dict(symbols) | {
+        table = dict(self.symbols) | {
             n: v if isinstance(v, Upright) else self.field.number(rational(v))
             for n, v in family.held.items()
         }

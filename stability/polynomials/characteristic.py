@@ -111,45 +111,58 @@ class CharacteristicPolynomial:
         symbols |= dict(zip(self.base, self.field.symbols, strict=False))
         if family.closed:
             symbols |= {n: self.field.number(number(v)) for n, v in family.unknown.items()}
+        self.symbols = symbols
+        """The numbers of a member as elements of the field, by name."""
         a, q = (
             ([symbols[n] for n in names] for names in (family.at, family.parameters))
             if numbers is None
             else numbers(symbols)
         )
-        self.parts = [a, [symbols[n] for n in family.unknown], q]
-        """Family parameters, unknowns and parameters as elements of the field."""
-        try:
-            self.matrix = family.graph.matrix.dense(self.algebra, self.parts)
-            self.conditions = self._conditions(symbols) if numbers is None else []
-            equations = []
-            self.denominators: list[Poly] = []
-            if solved:
-                residual = family.graph.residual.run(self.algebra, self.parts)[0]
-                equations = [r.num for r in map(self.element, residual)]
-                self.denominators = [r.den for r in map(self.element, residual)]
-        except ZeroDivisionError:
-            raise NotExact("a denominator vanishes all along the family") from None
-        self.equations = equations
-        """Numerators of the equations of the unknowns."""
+        self.parts = [list(a), [symbols[n] for n in family.unknown], list(q)]
+        """Family parameters, unknowns and parameters."""
         self.places = {self.base.index(n) for n in solved}
         """Indices of the unknowns that are solved for."""
 
+    def _field_of(self, names: Sequence[str], spare: int) -> FunctionField:
+        return FunctionField(names, self.budget, spare)
+
     @property
+    def algebra(self) -> Algebra:
+        """The algebra in which the graph is read: irrational constants have no name."""
+        return EXACT
+
+    def rows(self, program: Program) -> list[list[Any]]:
+        """The first output of a program of the family's graph over the field, as rows."""
+        try:
+            return program.dense(self.algebra, self.parts)
+        except ZeroDivisionError:
+            raise NotExact("a denominator vanishes all along the family") from None
+
+    @cached_property
+    def matrix(self) -> list[list[Any]]:
+        """The Jacobian: rationals, and expressions in the indeterminates."""
+        return self.rows(self.family.graph.matrix)
+
+    @cached_property
+    def equations(self) -> list[Expression]:
+        """Expressions that vanish at a member: the equations of its unknowns."""
+        if not self.places:
+            return []
+        return [self.element(row[0]) for row in self.rows(self.family.graph.residual)]
+
+    @cached_property
     def bound(self) -> set[int]:
         """Indices of the unknowns, and of the functions of them."""
+        _ = self.matrix, self.conditions, self.equations  # each brings functions
         return {i for i in (*self.places, *self.field.meaning) if self.field.uses(i) & self.places}
 
     @cached_property
     def triangular(self) -> Triangular:
         """The equations of the unknowns on the branch of the typical members."""
-        found = Triangular(self.field, self.equations, self.bound, self.vanishes)
+        bound, numerators = self.bound, [e.num for e in self.equations]
+        found = Triangular(self.field, numerators, bound, self.vanishes)
         found.settle()
         return found
-
-    @property
-    def algebra(self) -> Algebra:
-        """The algebra in which the graph is read."""
-        return EXACT
 
     @property
     def lam(self) -> int:
@@ -160,15 +173,14 @@ class CharacteristicPolynomial:
         """A value of the graph as an expression."""
         return value if isinstance(value, Expression) else self.field.number(value)
 
-    def _field_of(self, names: Sequence[str], spare: int) -> FunctionField:
-        return FunctionField(names, self.budget, spare)
-
-    def _conditions(self, symbols: Mapping[str, Any]) -> list[tuple[Any, str]]:
+    @cached_property
+    def conditions(self) -> list[tuple[Expression, str]]:
+        """What the system requires to be positive, as far as it is read, with its sentences."""
         system = self.family.system
         table: dict[str, Any] = {
             n: self.number(v) for n, v in self.family.held.items() if not isinstance(v, Upright)
-        } | dict(symbols)
-        out: list[tuple[Any, str]] = []
+        } | dict(self.symbols)
+        out: list[tuple[Expression, str]] = []
         as_read = replace(EXACT, name="read", constant=self._constant)
         for condition in system.conditions:
             program = Program(ca.Function("condition", [system.x, system.p], [condition.value]))
@@ -201,8 +213,11 @@ class CharacteristicPolynomial:
     @cached_property
     def required(self) -> list[tuple[Poly, str]]:
         """Polynomials that the system requires to be positive, each with its sentence."""
-        values = [(self.triangular.value(value), sentence) for value, sentence in self.conditions]
+        values = [(self.triangular.value(v), sentence) for v, sentence in self._positive()]
         return [(self.field.reduced(v.num * v.den), sentence) for v, sentence in values]
+
+    def _positive(self) -> list[tuple[Expression, str]]:
+        return self.conditions
 
     @cached_property
     def factored(self) -> Factored:
