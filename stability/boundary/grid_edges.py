@@ -29,8 +29,8 @@ from ..algebra.number_types import Algebra, numpy_algebra
 from ..algebra.polynomial import TabulatedPolynomial
 from ..base.errors import StabilityError
 from ..base.types import Floats
+from ..polynomials.identities import certain, symmetric
 from ..spectra.problem import Problem, formulas_of
-from ..systems.structure.identities import certain, symmetric
 from ..systems.structure.structural_zeros import structure
 from .brackets import BoundaryPoint, Crossing
 

@@ -26,12 +26,12 @@ from ..base.axis import Axis
 from ..base.errors import DomainError
 from ..base.types import Floats
 from ..base.verdict import CODES, NO_MEMBER, Verdict
+from ..polynomials.identities import certain, symmetric
 from ..spectra.deflation import Reduced, deflate
 from ..spectra.eigenvalues import decide, eigenvalues
 from ..spectra.problem import Problem, formulas_of
 from ..storage.pieces import Chunk
 from ..systems.closed_form import ClosedForm, ImplicitForm
-from ..systems.structure.identities import certain, symmetric
 from ..systems.structure.structural_zeros import structure
 from .compiled.rates import CompiledRates
 from .compiled.swept import swept

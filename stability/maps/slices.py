@@ -35,9 +35,9 @@ from ..base.types import fields_of
 from ..base.verdict import Verdict, best
 from ..derivation.deduction import even_conditions, hurwitz_conditions
 from ..polynomials.characteristic import CharacteristicPolynomial
+from ..polynomials.identities import certain
 from ..spectra.problem import Problem
 from ..systems.family import Family
-from ..systems.structure.identities import certain
 from ..systems.structure.structural_zeros import structure
 
 Exponents = tuple[int, int]

@@ -27,7 +27,7 @@ from ..algebra.upright import Upright
 from ..base.errors import NoMemberError
 from ..systems.family import Family
 from ..systems.structure.enclosure import ball_unknowns
-from ..systems.structure.identities import blocks_of
+from ..systems.structure.places import blocks_of
 from ..systems.structure.structural_zeros import SAMPLE_BITS, SAMPLES, sampled
 
 Poly = Any
@@ -87,6 +87,11 @@ class CharacteristicPolynomial:
         If the graph is not algebraic in functions of the variables, or too large.
     """
 
+    constants = False
+    """Whether functions of constants are variables too; otherwise irrational ones are refused."""
+    bits = SAMPLE_BITS
+    """Precision of the samples."""
+
     def __init__(
         self,
         family: Family,
@@ -128,8 +133,8 @@ class CharacteristicPolynomial:
 
     @property
     def algebra(self) -> Algebra:
-        """The algebra in which the graph is read: irrational constants have no name."""
-        return EXACT
+        """The algebra in which the graph is read."""
+        return self.field.algebra if self.constants else EXACT
 
     def rows(self, program: Program) -> list[list[Any]]:
         """The first output of a program of the family's graph over the field, as rows."""
@@ -383,10 +388,10 @@ class CharacteristicPolynomial:
         """Whether a polynomial is zero at every sample (True), at none (False), or else (None)."""
         if poly.is_constant():
             return bool(poly == 0)
-        least = 2.0 ** (-SAMPLE_BITS // 4)
-        with precision(SAMPLE_BITS):
-            found = [evaluate(poly, known) for known in self.samples]
-        if all(not v.contains(0) for v in found):
+        least = 2.0 ** (-self.bits // 4)
+        with precision(self.bits):
+            found = [arb(evaluate(poly, known)) for known in self.samples]
+        if all(v.is_finite() and not v.contains(0) for v in found):
             return False
         return True if all(v.contains(0) and float(v.abs_upper()) < least for v in found) else None
 

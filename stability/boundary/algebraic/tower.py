@@ -20,7 +20,7 @@ from ...algebra.exact.function_field import SPARE, Expression, occurring
 from ...algebra.exact.hurwitz_forms import Budget, by_power
 from ...algebra.exact.number_fields import NotExact
 from ...algebra.exact.roots import UnclearError
-from ...algebra.number_types import Algebra, precision
+from ...algebra.number_types import precision
 from ...base.errors import StabilityError
 from ...polynomials.characteristic import CharacteristicPolynomial
 from ...systems.structure.structural_zeros import SAMPLE_BITS, SAMPLES
@@ -48,6 +48,8 @@ TURNED = {"theta": "sin", "lean": "cos"}
 
 class AxisPolynomial(CharacteristicPolynomial):
     """A family's characteristic polynomial along an axis, every other quantity a rational."""
+
+    constants = True
 
     def __init__(
         self,
@@ -98,11 +100,6 @@ class AxisPolynomial(CharacteristicPolynomial):
             below = triangular.value(below).num
             if not below.is_constant():
                 triangular.nonzero.append(self.field.reduced(below))
-
-    @property
-    def algebra(self) -> Algebra:
-        """Exact numbers, with functions of numbers as variables too."""
-        return self.field.algebra
 
     @property
     def conditions(self) -> list[tuple[Expression, str]]:
