@@ -480,17 +480,11 @@ class _AxesPolynomial(CharacteristicPolynomial):
     def conditions(self) -> list[tuple[Expression, str]]:
         """Every condition of a member: where one is not read, a cell may hold none."""
         family = self.family
-        table = dict(self.symbols) | {
-            n: v if isinstance(v, Upright) else self.field.number(rational(v))
-            for n, v in family.held.items()
-        }
-        values = [table[n] for n in family.positive]
-        system = family.system
-        place = [[table[n] for n in names] for names in (system.states, system.parameters)]
+        values = [self.symbols[n] for n in family.positive]
         asked = _asked(family)
         if asked is not None:
             try:
-                values += [v[0] for v in asked.run(exact_upright(), place)]
+                values += [v[0] for v in asked.run(exact_upright(), self.place)]
             except (TypeError, ParameterError):  # of the right angle only sine and cosine are exact
                 raise NotExact("a condition at the right angle") from None
         return [(self.element(v), "") for v in values]

@@ -144,6 +144,16 @@ class CharacteristicPolynomial:
             raise NotExact("a denominator vanishes all along the family") from None
 
     @cached_property
+    def place(self) -> list[list[Any]]:
+        """States and parameters of a member as elements of the field, and the right angle."""
+        family, system = self.family, self.family.system
+        table = dict(self.symbols) | {
+            n: v if isinstance(v, Upright) else self.field.number(self.number(v))
+            for n, v in family.held.items()
+        }
+        return [[table[n] for n in names] for names in (system.states, system.parameters)]
+
+    @cached_property
     def matrix(self) -> list[list[Any]]:
         """The Jacobian: rationals, and expressions in the indeterminates."""
         return self.rows(self.family.graph.matrix)
