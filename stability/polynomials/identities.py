@@ -24,6 +24,7 @@ from flint import fmpq, fmpq_mat
 
 from ..algebra.exact.function_field import Expression, FunctionField, counted
 from ..algebra.exact.number_fields import NotExact, characteristic, vanishes
+from ..algebra.exact.routh import times
 from ..base.errors import StabilityError
 from ..systems.family import Family
 from ..systems.structure.places import Pattern, blocks_of, mirrored, nonzero, sparse_zeros
@@ -329,7 +330,7 @@ def symmetric(family: Family) -> bool:
 
 def whole_polynomial(matrix: list[list[Any]]) -> list[Any]:
     """det(λ - A) by powers of λ, lowest first."""
-    return reduce(_product, map(characteristic, blocks_of(matrix)))
+    return reduce(times, map(characteristic, blocks_of(matrix)))
 
 
 def _zero_pattern(
@@ -393,17 +394,9 @@ def zeros_and_parity(
             mixed.append(rest)
     if mixed and even:  # a product may be even where no single block is: (λ - a)(λ + a)
         with suppress(NotExact):
-            return zeros, _is_even(reduce(_product, mixed), zero)
+            return zeros, _is_even(reduce(times, mixed), zero)
     return zeros, even and not mixed
 
 
 def _is_even(poly: Sequence[Any], zero: Callable[[Any], bool]) -> bool:
     return len(poly) % 2 == 1 and all(zero(c) for c in poly[1::2])
-
-
-def _product(p: Sequence[Any], q: Sequence[Any]) -> list[Any]:
-    out: list[Any] = [0] * (len(p) + len(q) - 1)
-    for i, x in enumerate(p):
-        for j, y in enumerate(q):
-            out[i + j] = out[i + j] + x * y
-    return out

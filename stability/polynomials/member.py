@@ -272,6 +272,7 @@ class Member:
 
     def _exact(self) -> None:
         """The polynomial over Q, or over Q[u]/(g) where one unknown is algebraic."""
+        # of numbers: without variables, the library's own polynomial of a matrix is the fastest
         matrix = self.matrix()
         if all(isinstance(entry, (int, fmpq)) for row in matrix for entry in row):
             blocks = [matrix] if len(matrix) <= LARGE else blocks_of(matrix)
