@@ -428,7 +428,7 @@ def _cached(family: Family, x: str, y: str, fixed: tuple[tuple[str, float], ...]
 
 
 class _Field(FunctionField):
-    """A recording field in which the root of a square p², or |p|, is p, on one side of p = 0."""
+    """A field in which the root of a square p², or |p|, is p, on one side of p = 0."""
 
     def __init__(
         self, names: Sequence[str], budget: Budget, spare: int, near: Sequence[Any]
@@ -459,6 +459,8 @@ class _Field(FunctionField):
 class _AxesPolynomial(CharacteristicPolynomial):
     """A family's characteristic polynomial in the axes of a map, at every member."""
 
+    field: _Field
+
     def __init__(self, family: Family, axes: tuple[str, str], fixed: Mapping[str, float]) -> None:
         self.near = [rational(float(family.typical.get(n, 1.0))) for n in axes]
         values = {n: rational(v) for n, v in fixed.items()}
@@ -470,8 +472,6 @@ class _AxesPolynomial(CharacteristicPolynomial):
         rates = [self.element(row[0]) for row in self.rows(family.graph.rates)]
         if any(self.triangular.value(rate).num != 0 for rate in rates):
             raise NotExact("a rate that does not vanish identically")
-
-    field: _Field
 
     def _field_of(self, names: Sequence[str], spare: int) -> _Field:
         return _Field(names, self.budget, spare, self.near)
