@@ -111,7 +111,7 @@ def algebra_of_angle() -> Algebra:
     return replace(algebra, functions=functions)
 
 
-def _in_symbols(poly: Any, symbols: Sequence[sympy.Symbol | None]) -> sympy.Expr:
+def _in_symbols(poly: Any, symbols: Sequence[Any]) -> sympy.Expr:
     """A polynomial over Q as an expression."""
     total = sympy.Integer(0)
     for exponents, c in poly.to_dict().items():
