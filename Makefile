@@ -105,10 +105,12 @@ peers: $(READY)
 	for peer in sympy_kane heyoka_raw auto mujoco_disk; do \
 	  echo; echo "== $$peer"; $(BIN)/python benchmarks/peers/$$peer.py || exit 1; done
 
-# Every polynomial and condition derived again from the graph, into disk_polynomials.json and body_polynomials.json.
+# Every polynomial and condition derived again from the graph, into disk_polynomials.json and body_polynomials.json;
+# it says which differ from the stored ones.
+DERIVED = print("changed:", ", ".join(found) or "nothing")
 derive: $(READY)
-	$(BIN)/python -c "from stability.derivation.hurwitz import write; write('stability/bodies/disk_polynomials.json', 'stability/bodies/disk_polynomials.py')"
-	$(BIN)/python -c "from stability.derivation.hurwitz import write; from stability.derivation.body_polynomials import stored; write('stability/bodies/round_body/body_polynomials.json', 'stability/bodies/round_body/polynomials.py', stored)"
+	$(BIN)/python -c 'from stability.derivation.hurwitz import write; found = write("stability/bodies/disk_polynomials.json", "stability/bodies/disk_polynomials.py"); $(DERIVED)'
+	$(BIN)/python -c 'from stability.derivation.hurwitz import write; from stability.derivation.body_polynomials import stored; found = write("stability/bodies/round_body/body_polynomials.json", "stability/bodies/round_body/polynomials.py", stored); $(DERIVED)'
 
 lint: $(READY)
 	$(BIN)/ruff check .

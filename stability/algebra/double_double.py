@@ -21,13 +21,13 @@ from typing import Any
 import numpy as np
 from flint import arb, fmpq
 
+from .kernels.pairs import halves, left_over, two_sum
 from .number_types import MORE, UNARY, Algebra, balls, precision, upper
 
 ROUNDING = 2.0**-101
 """Relative error of a sum, to the sizes of its terms, and of a product."""
 LOST = 2.0**-1050
 """Largest loss by underflows."""
-SPLITTER = 2.0**27 + 1.0
 ROOM = 1.01
 """Factor for the roundings of a bound itself."""
 BITS = 160
@@ -42,13 +42,6 @@ HEAD = 8
 """Terms before those that need no more than a double: these are below 2⁻⁴⁴ z⁸, z < 0.63."""
 NARROW = 2.0**-20
 """Largest error of such an angle."""
-
-
-def _halves(x: Any) -> tuple[Any, Any]:
-    """A double as a sum of two with at most 26 bits."""
-    wide = SPLITTER * x
-    high = wide - (wide - x)
-    return high, x - high
 
 
 class DoubleDouble:
@@ -92,14 +85,13 @@ class DoubleDouble:
     def parts(self) -> Any:
         """Hi in two halves."""
         if self._parts is None:
-            self._parts = _halves(self.hi)
+            self._parts = halves(self.hi)
         return self._parts
 
     def __add__(self, other: Any) -> DoubleDouble:
         o = exact(other)
-        total = self.hi + o.hi
-        turn = total - self.hi
-        rest = (self.hi - (total - turn)) + (o.hi - turn) + (self.lo + o.lo)
+        total, rest = two_sum(self.hi, o.hi)
+        rest = rest + (self.lo + o.lo)
         hi = total + rest
         error = self.error + o.error + ROUNDING * (self.size + o.size)
         return DoubleDouble(hi, rest - (hi - total), error)
@@ -118,9 +110,7 @@ class DoubleDouble:
     def __mul__(self, other: Any) -> DoubleDouble:
         o = exact(other)
         total = self.hi * o.hi
-        (a, b), (c, d) = self.parts, o.parts
-        rest = ((a * c - total) + a * d + b * c) + b * d
-        rest = rest + (self.hi * o.lo + self.lo * o.hi)
+        rest = left_over(total, *self.parts, *o.parts) + (self.hi * o.lo + self.lo * o.hi)
         hi = total + rest
         passed = self.size * o.error + (o.size + o.error) * self.error
         return DoubleDouble(hi, rest - (hi - total), passed + (ROUNDING * np.abs(total) + LOST))

@@ -25,6 +25,7 @@ from ..algebra.polynomial import TabulatedPolynomial
 from ..base.errors import NoMemberError, StabilityError, warned
 from ..base.types import Sentences
 from ..base.verdict import DECAYING, Verdict
+from ..polynomials.identities import certain, symmetric
 from ..spectra.problem import Problem, formulas_of
 from ..spectra.verdict_routes import ALONE, ANYTHING, BITS, GRAPH, Point, by_routh, decided
 from ..systems.closed_form import ClosedForm, RepeatedBalls
@@ -34,7 +35,6 @@ from ..systems.structure.enclosure import (
     in_one_box,
     matrix_polynomial,
 )
-from ..systems.structure.identities import certain, symmetric
 from ..systems.structure.structural_zeros import structure
 from .pairs import frequency
 

@@ -29,8 +29,8 @@ from ..algebra.number_types import Algebra, numpy_algebra
 from ..algebra.polynomial import TabulatedPolynomial
 from ..base.errors import StabilityError
 from ..base.types import Floats
+from ..polynomials.identities import certain, symmetric
 from ..spectra.problem import Problem, formulas_of
-from ..systems.structure.identities import certain, symmetric
 from ..systems.structure.structural_zeros import structure
 from .brackets import BoundaryPoint, Crossing
 
@@ -167,7 +167,8 @@ class GridPolynomials:
             coefficients, _, positive = formulas(algebra, a, q)
             return _Polynomials([coefficients], positive)
         u, boxes = self._unknowns(algebra, a, q)
-        table = family.graph.matrix.dense(algebra, [a, u, q], zero=0)  # which costs no product
+        # values at scattered points, of any graph; a zero that is no number costs no product
+        table = family.graph.matrix.dense(algebra, [a, u, q], zero=0)
         positive = [v for n, v in zip(family.unknown, u, strict=True) if n in family.positive]
         return _Polynomials([characteristic(table)[structure(family).zeros :]], positive, boxes)
 

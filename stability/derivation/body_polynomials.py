@@ -1,5 +1,8 @@
 """Characteristic polynomials of every body of revolution, derived from the general graph.
 
+They are no reading of one family's Jacobian: the height is any function, and det(λ - A) is that of
+the implicit equations, whose form by the place of the contact point is short.
+
 At rolling and spinning h′ = 0.  At tumbling h = r sinθ + z cosθ and h′ = r cosθ - z sinθ, where r
 and z say where the contact point lies: the centre rests, so ω₃ = φ̇ sinθ z/r, and φ̇² follows from
 φ̇² sinθ (I1 r cosθ - I3 z sinθ) = h′ r.

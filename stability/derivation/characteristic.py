@@ -1,17 +1,21 @@
-"""Characteristic polynomials over Q, derived by SymPy from the graph of a family.
+"""Characteristic polynomials of the disk's families over Q, in the variables that are stored.
 
-No formula is typed in.  The Jacobian at a family is read from the CasADi graph in SymPy's algebra,
-with the sine and cosine of theta as symbols.  The family's unknown is eliminated, and the
-determinant is factored.  `stability.bodies.disk_polynomials` stores the polynomials as
-package data; tests/derivation/test_exact.py derives these polynomials again and compares.
+No formula is typed in.  `CharacteristicPolynomial` reads the graph of a family with all its numbers
+free.  Here cosθ is eliminated, and at, mu and λ are replaced by their squares and ratios.
+`stability.bodies.disk_polynomials` stores the polynomials as package data; tests/derivation
+derives these polynomials again and compares.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import sympy
 
+from ..algebra.exact.hurwitz_forms import Budget
+from ..algebra.exact.number_fields import NotExact
 from ..algebra.number_types import Algebra, sympy_algebra
 from ..algebra.upright import UPRIGHT
 from ..base.errors import StabilityError, listed
@@ -19,11 +23,17 @@ from ..bodies.contact_laws import law_class
 from ..bodies.disk_polynomials import FRICTION
 from ..bodies.families import FAMILIES
 from ..bodies.subject import disk_family
-from ..systems.family import Family
+from ..polynomials.characteristic import CharacteristicPolynomial
 
 LAM, K, MU, SIN, COS = sympy.symbols("lam k mu s c")
 AT, SQUARE, M = sympy.symbols("at z M")
 TRIG = sympy.Poly(SIN**2 + COS**2 - 1, COS)
+SYMBOLS = {"k": K, "mu": MU, "sin(theta)": SIN, "cos(theta)": COS, "phi_dot": AT, "omega3": AT}
+"""Symbols of the numbers of a disk's family."""
+MOST_TERMS = 100_000
+"""Largest number of terms of a polynomial that is derived."""
+SECONDS = 600.0
+"""Longest time for it [s]."""
 
 
 @dataclass(frozen=True)
@@ -52,18 +62,20 @@ def derive(family: str, law: str) -> Derived:
     k*lam**2 + k*z + lam**2 + z - 1
     """
     _refuse_form(family, law)
-    resolved = disk_family(family, law)
-    matrix, relation = _matrix(resolved)
-    whole = sympy.Poly(matrix.charpoly(LAM).as_expr(), LAM)
-    numerator = sympy.fraction(sympy.together(whole.as_expr()))[0]
-    reduced = _reduced(sympy.expand(numerator), relation)
-    _, factors = sympy.factor_list(reduced, *sorted(reduced.free_symbols, key=str))
-    zeros = sum(n for f, n in factors if f.as_expr() == LAM)
-    kept = [(sympy.sympify(f), n) for f, n in factors if sympy.sympify(f).has(LAM)]
-    rest = [f for f, n in kept if f != LAM for _ in range(n)]
+    budget = Budget(MOST_TERMS, SECONDS)
+    try:
+        whole = CharacteristicPolynomial(disk_family(family, law), {}, budget).factored
+    except NotExact as error:
+        raise StabilityError(f"{family} under the {law} law has no exact form: {error}.") from None
+    symbols = [SYMBOLS.get(name) for name in whole.names]
+    rest: list[sympy.Expr] = []
+    for row, count in whole.factors:
+        top = sum(_in_symbols(c, symbols) * LAM**k for k, c in enumerate(row))
+        _, factors = sympy.factor_list(_without_cosine(top))
+        rest += [f for f, n in factors if f.has(LAM) for _ in range(n * count)]
     even = all(_even(f) for f in rest)
     polys = tuple(_scaled(f, variables(family), even) for f in rest)
-    return Derived(zeros, even, tuple(sorted(polys, key=lambda p: (p.degree(), str(p)))))
+    return Derived(whole.zeros, even, tuple(sorted(polys, key=lambda p: (p.degree(), str(p)))))
 
 
 def _refuse_form(family: str, law: str) -> None:
@@ -75,11 +87,12 @@ def _refuse_form(family: str, law: str) -> None:
         raise StabilityError(
             f"the {law} law has {own}; polynomials are derived for laws of {known} alone."
         )
-    theta = FAMILIES[family].disk_held.get("theta", UPRIGHT)
-    if theta is not UPRIGHT:
+    theta, unknown = FAMILIES[family].disk_held.get("theta", UPRIGHT), FAMILIES[family].unknown
+    if theta is not UPRIGHT or "theta" in unknown:
+        how = "solves for theta" if "theta" in unknown else f"holds theta at {theta}"
         raise StabilityError(
-            f"{family} holds theta at {theta}, whose sine is no rational number; polynomials are "
-            "derived for families that are upright or named by theta."
+            f"{family} {how}, whose sine is no rational number; polynomials are derived for "
+            "families that are upright or named by theta."
         )
 
 
@@ -98,41 +111,23 @@ def algebra_of_angle() -> Algebra:
     return replace(algebra, functions=functions)
 
 
-def _matrix(family: Family) -> tuple[sympy.Matrix, sympy.Poly | None]:
-    """The Jacobian at the family in SymPy, and the equation of its unknown."""
-    algebra = algebra_of_angle()
-    theta, unknown = sympy.symbols("theta unknown")  # theta occurs in sine and cosine only
-    a = [theta if name == "theta" else AT for name in family.at]
-    q = [K, MU][: len(family.parameters)]
-    graph = family.graph
-    if not family.unknown or family.closed:
-        u = [sympy.Integer(0)] * len(family.unknown)
-        return sympy.Matrix(graph.matrix.dense(algebra, [a, u, q])), None
-    residual = graph.residual.dense(algebra, [a, [unknown], q])[0][0]
-    top = sympy.fraction(sympy.together(residual))[0]
-    found = [f for f, _ in sympy.factor_list(top)[1] if f.has(unknown)]
-    if len(found) != 1:
-        raise StabilityError(f"the equation of {family.name} has no single factor to solve.")
-    matrix = sympy.Matrix(graph.matrix.dense(algebra, [a, [unknown], q]))
-    return matrix, sympy.Poly(found[0], unknown)
+def _in_symbols(poly: Any, symbols: Sequence[Any]) -> sympy.Expr:
+    """A polynomial over Q as an expression."""
+    total = sympy.Integer(0)
+    for exponents, c in poly.to_dict().items():
+        powers = [(x, int(n)) for x, n in zip(symbols, exponents, strict=False) if n]
+        if any(x is None for x, _ in powers):
+            raise StabilityError("the characteristic polynomial keeps an unknown or a function.")
+        total += sympy.Rational(int(c.p), int(c.q)) * sympy.prod(x**n for x, n in powers)
+    return total
 
 
-def _reduced(top: sympy.Expr, relation: sympy.Poly | None) -> sympy.Expr:
-    """The numerator modulo the family's relation and cos² + sin² = 1, without cosθ."""
-    if relation is not None:
-        unknown = relation.gen
-        rest = sympy.rem(sympy.Poly(top, unknown), relation)
-        top = sympy.fraction(sympy.together(rest.as_expr()))[0]
-        if sympy.sympify(top).has(unknown):
-            # only a power of the unknown, which is not zero, may be left as a common factor
-            top = sympy.Poly(top, unknown)
-            if len(top.terms()) != 1:
-                raise StabilityError("the characteristic polynomial keeps the family's unknown.")
-            top = top.LC()
+def _without_cosine(top: sympy.Expr) -> sympy.Expr:
+    """A polynomial by cos² + sin² = 1 without cosθ, up to a power of cosθ as a common factor."""
     top = sympy.rem(sympy.Poly(top, COS), TRIG)
     if len(top.terms()) != 1:
         raise StabilityError("the characteristic polynomial keeps cosθ, not only its square.")
-    return sympy.factor_terms(sympy.expand(top.LC()))
+    return sympy.expand(top.LC())
 
 
 def _even(factor: sympy.Expr) -> bool:

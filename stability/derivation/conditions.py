@@ -33,11 +33,11 @@ from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..bodies.subject import family_by_name
 from ..polynomials.characteristic import CharacteristicPolynomial
+from ..polynomials.member import Member
+from ..polynomials.zero_blocks import semisimple, typical, zero_power
 from ..systems.family import A_FAMILY, Family, refuse_system
 from ..systems.graph.family_graph import FamilyGraph
-from ..systems.structure.member import Member
 from ..systems.structure.structural_zeros import steady_where, structure
-from ..systems.structure.zero_blocks import semisimple, typical, zero_power
 from .deduction import Deduction, closed_forms, domain_of, sloped_somewhere
 
 

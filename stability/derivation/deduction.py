@@ -14,11 +14,12 @@ from typing import Any
 import numpy as np
 from flint import arb, fmpq
 
+from ..algebra.exact.function_field import evaluate, occurring
 from ..algebra.exact.hurwitz_forms import Budget, by_power, hurwitz_determinants, subdiscriminants
 from ..algebra.exact.number_fields import NotExact
 from ..algebra.exact.rational_functions import univariate
 from ..algebra.exact.routh import is_even
-from ..algebra.exact.triangular import evaluate, occurring, remainder
+from ..algebra.exact.triangular import remainder
 from ..algebra.number_types import precision
 from ..algebra.polynomial import Polynomial
 from ..base.errors import DomainError, NoMemberError

@@ -293,8 +293,8 @@ def terms(expression: Expr, variables: Sequence[sympy.Symbol]) -> list[list[int]
 
 def write(
     path: str, source: str | None = None, derived: Callable[[], dict[str, Any]] = catalogue
-) -> None:
-    """Derive a catalogue and write it, one case in each line.
+) -> list[str]:
+    """Derive a catalogue, compare it with the file, and write it, one case in each line.
 
     Parameters
     ----------
@@ -305,8 +305,17 @@ def write(
         file is not the package's.
     derived
         Function that derives the catalogue; the disk's when left out.
+
+    Returns
+    -------
+    list of str
+        Cases that differ from those of the file before.
     """
     found = derived()
+    old = FilePath(path)
+    before = json.loads(old.read_bytes())["cases"] if old.exists() else {}
+    names = [*before, *(key for key in found["cases"] if key not in before)]
+    changed = [key for key in names if before.get(key) != found["cases"].get(key)]
     lines = [f"{json.dumps(key)}: {json.dumps(case)}" for key, case in found["cases"].items()]
     body = ",\n".join(lines)
     content = f'{{"format": 1, "cases": {{\n{body}\n}}}}\n'.encode()
@@ -321,3 +330,4 @@ def write(
                 raise FileError(f"{source} has {count} lines for the digest; one is needed.")
             with atomic_write(source, overwrite=True) as draft:
                 draft.write_text(text, encoding="utf-8")
+    return changed

@@ -16,9 +16,9 @@ from typing import Any
 
 from flint import fmpq
 
+from ..algebra.exact.function_field import occurring
 from ..algebra.exact.hurwitz_forms import by_power, factors
 from ..algebra.exact.rational_functions import univariate
-from ..algebra.exact.triangular import occurring
 from ..polynomials.characteristic import text
 
 Poly = Any

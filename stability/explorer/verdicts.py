@@ -20,9 +20,9 @@ from ..base.verdict import Verdict, best
 from ..bodies.disk_polynomials import PLAIN, DiskPolynomial, exact_polynomial
 from ..bodies.families import FAMILIES
 from ..derivation.conditions import conditions
+from ..polynomials.zero_blocks import typical
 from ..systems.closed_form import ImplicitForm
 from ..systems.family import Family
-from ..systems.structure.zero_blocks import typical
 from .formulas import (
     FLOAT,
     Formulas,

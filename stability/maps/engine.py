@@ -26,12 +26,12 @@ from ..base.axis import Axis
 from ..base.errors import DomainError
 from ..base.types import Floats
 from ..base.verdict import CODES, NO_MEMBER, Verdict
+from ..polynomials.identities import certain, symmetric
 from ..spectra.deflation import Reduced, deflate
 from ..spectra.eigenvalues import decide, eigenvalues
 from ..spectra.problem import Problem, formulas_of
 from ..storage.pieces import Chunk
 from ..systems.closed_form import ClosedForm, ImplicitForm
-from ..systems.structure.identities import certain, symmetric
 from ..systems.structure.structural_zeros import structure
 from .compiled.rates import CompiledRates
 from .compiled.swept import swept
@@ -378,8 +378,8 @@ STORED = (
     "precision, then in rational arithmetic or balls"
 )
 """Method in words for a stored polynomial."""
-KINDS = (np.float64, np.longdouble)[: 1 + bool(np.finfo(np.longdouble).eps < 1e-18)]
-"""Types of numbers in which poor cells are computed again, one after the other."""
+FINE: Any = np.longdouble if np.finfo(np.longdouble).eps < 1e-18 else np.float64
+"""Type of the numbers in which poor cells are computed again."""
 
 
 class SliceCells(Bands):
@@ -450,15 +450,11 @@ class SliceCells(Bands):
         still = left[(codes[left] == CODES[Verdict.NEUTRAL]) & (growth.error[left] < np.inf)]
         growth.abscissa[still] = growth.error[still] = 0.0
         growth.poor[still] = False
-        for kind in KINDS if self._exact and growth.poor.any() else ():
-            place = self.windows[0].pairs(xs), self.windows[1].pairs(ys)
-            left = np.flatnonzero(growth.poor)
-            for first in range(0, len(left), BLOCK):
-                some = left[first : first + BLOCK]
-                near = [f and f.take(some).astype(kind) for f in growth.factors]
-                again = self._again(place, some, near, kind)
-                again.scale(_flat(self._unit(xs, ys), xs, ys)[some])
-                growth.put(some, again)
+        left = np.flatnonzero(growth.poor & self._exact)
+        for first in range(0, len(left), BLOCK):
+            some = left[first : first + BLOCK]
+            near = [f and f.take(some).astype(FINE) for f in growth.factors]
+            growth.put(some, self._again(xs, ys, some, near))
         left = np.flatnonzero(growth.poor)
         for cell in left:
             i, j = divmod(int(cell), len(xs))
@@ -466,19 +462,19 @@ class SliceCells(Bands):
             growth.prove(self.problem, int(cell), values)
         return len(left)
 
-    def _again(
-        self, place: tuple[Any, Any], cells: Any, near: Sequence[Factors | None], kind: Any
-    ) -> Rates:
+    def _again(self, xs: Floats, ys: Floats, cells: Any, near: Sequence[Factors | None]) -> Rates:
         """Rates of some cells from coefficients in pairs of doubles, and from factors near them."""
-        rows, columns = np.divmod(cells, len(place[0][0]))
+        place = self.windows[0].pairs(xs), self.windows[1].pairs(ys)
+        rows, columns = np.divmod(cells, len(xs))
         with np.errstate(all="ignore"):
             parts = [
-                (_coefficients_twice(row, place, rows, columns, kind), even, count)
+                (_coefficients_twice(row, place, rows, columns), even, count)
                 for row, even, count in self._factors
             ]
             shape = 1, len(cells)
             growth = rates(parts, shape, modes=self.modes, wanted=self._wanted, near=near)
             growth.poor[:] |= growth.open
+        growth.scale(_flat(self._unit(xs, ys), xs, ys)[cells])
         return growth
 
     def _unit(self, xs: Floats, ys: Floats) -> Any:
@@ -528,18 +524,18 @@ def _coefficients(row: list[Surface | None], t: Floats, s: Floats) -> Coefficien
 
 
 def _coefficients_twice(
-    row: list[Surface | None], place: tuple[Any, Any], rows: Any, columns: Any, kind: Any
+    row: list[Surface | None], place: tuple[Any, Any], rows: Any, columns: Any
 ) -> Coefficients:
     """Monic coefficients of a factor at cells of a grid, from pairs of doubles."""
     top = max(p.exponent for p in row if p is not None)
     values, errors = [], []
     for p in row:
-        value = error = np.zeros(len(rows), dtype=kind)
+        value = error = np.zeros(len(rows), dtype=FINE)
         if p is not None:
             scale = 2.0 ** (p.exponent - top)
             high, low, error = p.twice(*place, rows, columns)
-            value = high.astype(kind) * scale + low.astype(kind) * scale
-            error = error * scale + np.finfo(kind).eps / 2 * np.abs(value)
+            value = high.astype(FINE) * scale + low.astype(FINE) * scale
+            error = error * scale + np.finfo(FINE).eps / 2 * np.abs(value)
         values.append(value)
         errors.append(error + LEAST)
     return monic(values, errors)

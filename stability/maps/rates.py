@@ -326,7 +326,7 @@ def monic(values: Sequence[Floats], errors: Sequence[Floats]) -> Coefficients:
 
 
 def of_matrices(matrix: Floats, error: Floats) -> Coefficients:
-    """Coefficients of det(λ - A), each with a bound on its error.
+    """Coefficients of det(λ - A), each with a bound on its error: values at cells, of any graph.
 
     Parameters
     ----------

@@ -3,7 +3,7 @@
 All other numbers are the exact ratios of their doubles, so the polynomials have two variables and
 stay small.  For the disk they come from its stored polynomials, in which the sine of an angle may
 be the variable of that axis.  For a user's family the polynomial holds at every member of the map,
-on every branch: unknowns occur linearly or not at all, and the equations vanish identically.
+on every branch: unknowns are quotients of polynomials in the axes, and all rates vanish.
 
 A `Slice` holds the polynomial in factors, and the signs that decide.  Sines and roots of fixed
 numbers make its coefficients balls.
@@ -22,17 +22,10 @@ import casadi as ca
 from flint import Ordering, arb, fmpq, fmpq_mpoly, fmpq_mpoly_ctx, fmpq_poly
 from flint.utils.flint_exceptions import DomainError
 
-from ..algebra.exact.function_field import Expression
-from ..algebra.exact.hurwitz_forms import (
-    Budget,
-    coefficient_row,
-    factors,
-    hurwitz_determinants,
-)
-from ..algebra.exact.number_fields import EXACT, NotExact, characteristic, exact_upright, rational
-from ..algebra.exact.rational_functions import common_multiple, primitive
+from ..algebra.exact.function_field import Expression, FunctionField, evaluate, occurring
+from ..algebra.exact.hurwitz_forms import Budget, factors, hurwitz_determinants
+from ..algebra.exact.number_fields import NotExact, characteristic, exact_upright, rational
 from ..algebra.exact.routh import hurwitz_matrix, is_even, on_the_axis
-from ..algebra.exact.triangular import RecordingField, evaluate, occurring
 from ..algebra.number_types import Algebra, balls, precision
 from ..algebra.polynomial import Polynomial, TabulatedPolynomial
 from ..algebra.program import Program
@@ -41,9 +34,10 @@ from ..base.errors import ParameterError, StabilityError
 from ..base.types import fields_of
 from ..base.verdict import Verdict, best
 from ..derivation.deduction import even_conditions, hurwitz_conditions
+from ..polynomials.characteristic import CharacteristicPolynomial
+from ..polynomials.identities import certain
 from ..spectra.problem import Problem
 from ..systems.family import Family
-from ..systems.structure.identities import blocks_of, certain
 from ..systems.structure.structural_zeros import structure
 
 Exponents = tuple[int, int]
@@ -427,18 +421,19 @@ def slice_of(problem: Problem, x: str, y: str) -> Slice | None:
 def _cached(family: Family, x: str, y: str, fixed: tuple[tuple[str, float], ...]) -> Slice | None:
     if len(family.system.states) > MOST_STATES or not certain(family):
         return None
-    budget = Budget(MOST_TERMS, SECONDS)
     try:
-        return _Reading(family, (x, y), dict(fixed), budget).slice()
+        return _AxesPolynomial(family, (x, y), dict(fixed)).slice()
     except (NotExact, ZeroDivisionError, StabilityError, OverflowError):
         return None
 
 
-class _Field(RecordingField):
-    """A recording field in which the root of a square p², or |p|, is p, on one side of p = 0."""
+class _Field(FunctionField):
+    """A field in which the root of a square p², or |p|, is p, on one side of p = 0."""
 
-    def __init__(self, names: Sequence[str], budget: Budget, near: Sequence[Any]) -> None:
-        super().__init__(names, budget)
+    def __init__(
+        self, names: Sequence[str], budget: Budget, spare: int, near: Sequence[Any]
+    ) -> None:
+        super().__init__(names, budget, spare)
         self.near = near
         self.sides: list[Poly] = []
         """Polynomials that are positive where the roots are the ones taken."""
@@ -461,149 +456,78 @@ class _Field(RecordingField):
         return Expression(self, value, self.one)
 
 
-class _Reading:
-    """A family's graph as expressions in the axes."""
+class _AxesPolynomial(CharacteristicPolynomial):
+    """A family's characteristic polynomial in the axes of a map, at every member."""
 
-    def __init__(
-        self, family: Family, axes: tuple[str, str], fixed: Mapping[str, float], budget: Budget
-    ) -> None:
-        self.family, self.budget = family, budget
-        near = [rational(float(family.typical.get(n, 1.0))) for n in axes]
-        self.field = _Field([*axes, *family.unknown], budget, near)
-        self.required: list[Poly] = []
-        self.nonzero: list[Poly] = []
-        known: dict[str, Any] = {n: self.field.number(rational(v)) for n, v in fixed.items()}
-        known |= dict(zip(axes, self.field.symbols, strict=False))
-        self.a, self.q = ([known[n] for n in names] for names in (family.at, family.parameters))
-        self.u = self._unknowns()
-        self._check_members(known)
+    field: _Field
 
-    def _unknowns(self) -> list[Any]:
-        """The unknowns as expressions: known, or from equations in which they occur linearly."""
-        family, field = self.family, self.field
-        if family.closed or not family.unknown:
-            return [field.number(rational(v)) for v in family.unknown.values()]
-        symbols = field.symbols[2:]
-        graph = family.graph
-        residual, entries = graph.residual.run(EXACT, [self.a, symbols, self.q])
-        slope = [[self._element(v) for v in row] for row in graph.place(entries)]
-        if any(self._unsolved(v) for row in slope for v in row):
-            raise NotExact("unknowns that do not occur linearly")
-        rest = []
-        for value, row in zip(residual, slope, strict=True):
-            total = self._element(value)
-            for c, u in zip(row, symbols, strict=True):
-                total = total - c * u
-            if self._unsolved(total):
-                raise NotExact("unknowns that do not occur linearly")
-            rest.append(-total)
-        return self._eliminated(slope, rest)
-
-    def _unsolved(self, value: Expression) -> bool:
-        return any(i >= 2 for i in occurring(value.num) | occurring(value.den))
-
-    def _element(self, value: Any) -> Expression:
-        return value if isinstance(value, Expression) else self.field.number(value)
-
-    def _eliminated(self, matrix: list[list[Any]], right: list[Any]) -> list[Any]:
-        """The solution of linear equations; where a pivot vanishes nothing is said."""
-        rows = [[*row, r] for row, r in zip(matrix, right, strict=True)]
-        size = len(rows)
-        for k in range(size):
-            place = next((i for i in range(k, size) if rows[i][k].num != 0), None)
-            if place is None:
-                raise NotExact("equations that leave an unknown open")
-            rows[k], rows[place] = rows[place], rows[k]
-            pivot = rows[k][k]
-            self._apart(pivot.num, pivot.den)
-            rows[k] = [v / pivot for v in rows[k]]
-            for i in range(size):
-                if i != k and rows[i][k].num != 0:
-                    factor = rows[i][k]
-                    rows[i] = [v - factor * w for v, w in zip(rows[i], rows[k], strict=True)]
-        for row in rows:
-            self._apart(row[-1].den)
-        return [row[-1] for row in rows]
-
-    def _apart(self, *polys: Poly) -> None:
-        self.nonzero += [p for p in polys if not p.is_constant()]
-
-    def _check_members(self, known: Mapping[str, Any]) -> None:
-        """Every rate vanishes identically; conditions and positive unknowns are required."""
-        family = self.family
-        rates = family.graph.rates.run(EXACT, [self.a, self.u, self.q])[0]
-        if any(self._element(r).num != 0 for r in rates):
+    def __init__(self, family: Family, axes: tuple[str, str], fixed: Mapping[str, float]) -> None:
+        self.near = [rational(float(family.typical.get(n, 1.0))) for n in axes]
+        values = {n: rational(v) for n, v in fixed.items()}
+        super().__init__(family, values, Budget(MOST_TERMS, SECONDS, MOST_DEGREE), free=axes)
+        if self.bound > self.places or self.triangular.kept or not self.triangular.alone:
+            raise NotExact("unknowns that the equations do not give as quotients")
+        if len(self.triangular.solved) < len(self.places):
+            raise NotExact("equations that leave an unknown open")
+        rates = [self.element(row[0]) for row in self.rows(family.graph.rates)]
+        if any(self.triangular.value(rate).num != 0 for rate in rates):
             raise NotExact("a rate that does not vanish identically")
-        table = dict(known) | dict(zip(family.unknown, self.u, strict=True))
-        table |= {
-            n: v if isinstance(v, Upright) else self.field.number(rational(v))
-            for n, v in family.held.items()
-        }
-        values = [table[n] for n in family.positive]
-        system = family.system
-        place = [[table[n] for n in names] for names in (system.states, system.parameters)]
+
+    def _field_of(self, names: Sequence[str], spare: int) -> _Field:
+        return _Field(names, self.budget, spare, self.near)
+
+    @cached_property
+    def conditions(self) -> list[tuple[Expression, str]]:
+        """Every condition of a member: where one is not read, a cell may hold none."""
+        family = self.family
+        values = [self.symbols[n] for n in family.positive]
         asked = _asked(family)
         if asked is not None:
             try:
-                values += [v[0] for v in asked.run(exact_upright(), place)]
+                values += [v[0] for v in asked.run(exact_upright(), self.place)]
             except (TypeError, ParameterError):  # of the right angle only sine and cosine are exact
                 raise NotExact("a condition at the right angle") from None
-        for found in map(self._element, values):
-            self.required.append(found.num * found.den)
-
-    # --- the polynomial ---
+        return [(self.element(v), "") for v in values]
 
     def slice(self) -> Slice:
-        """The slice of this reading."""
-        entries = self.family.graph.matrix.dense(EXACT, [self.a, self.u, self.q])
-        matrix = [[self._element(v) for v in row] for row in entries]
-        rows = self._in_balls(matrix) if self.field.meaning else self._over_q(matrix)
-        convert = self._enclosed if self.field.meaning else self._moved
-        table = Table()
-        sides = self.field.sides  # roots of squares were taken on one side of zero
-        required = tuple(table.condition(convert(p)) for p in (*self.required, *sides))
-        apart = [convert(p) for p in self.nonzero] + [row[-1] for row, _, _ in rows]
-        nonzero = tuple(table.condition(p) for p in apart if not p.is_constant())
+        """The slice of this polynomial."""
+        exact, table = not self.field.meaning, Table()
         with precision(BITS):
+            rows, apart = self._over_q() if exact else self._in_balls()
+            # roots of squares were taken on one side of zero
+            required = [*(p for p, _ in self.required), *self.field.sides]
+            moved = _moved if exact else self._enclosed
+            positive = tuple(table.condition(moved(p)) for p in required)
+            apart += [row[-1] for row, _, _ in rows]
+            nonzero = tuple(table.condition(p) for p in apart if not p.is_constant())
             polys = [p for row, even, _ in rows for p in _conditions(row, even, self.budget)]
-        conditions = tuple(table.condition(*some) for some in polys)
+            conditions = tuple(table.condition(*some) for some in polys)
         even = any(even for _, even, _ in rows)
-        return Slice(rows, tuple(table.polys), conditions, required, nonzero, even)
+        return Slice(rows, tuple(table.polys), conditions, positive, nonzero, even)
 
-    def _over_q(self, matrix: list[list[Expression]]) -> Rows:
-        """The factors of the polynomial over Q."""
-        zeros, found = 0, []
-        for block in blocks_of(matrix, lambda e: bool(e.num == 0)):
-            poly = self._determinant(block)
-            for factor, count in factors(poly)[1]:
-                if factor == RING.gens()[LAM]:
-                    zeros += count
-                else:
-                    found.append((_coefficients(factor), count))
-        if zeros != structure(self.family).zeros or not found:
+    def _over_q(self) -> tuple[Rows, list[Poly]]:
+        """The factors of the polynomial over Q, and polynomials that are not zero."""
+        found = self.factored
+        if found.zeros != structure(self.family).zeros or not found.factors:
             raise NotExact("zeros in addition to those by structure")
-        return tuple((row, is_even(row), count) for row, count in found)
+        rows: list[tuple[tuple[Poly, ...], bool, int]] = []
+        for factor, count in found.factors:
+            row = [_moved(c, found.indices) for c in factor]
+            turn = -1 if row[-1].is_constant() and row[-1].leading_coefficient() < 0 else 1
+            rows.append((tuple(c * turn for c in row), is_even(row), count))
+        return tuple(rows), [_moved(p, found.indices) for p in found.nonzero]
 
-    def _in_balls(self, matrix: list[list[Expression]]) -> Rows:
+    def _in_balls(self) -> tuple[Rows, list[Poly]]:
         """The polynomial with sines and roots of fixed numbers as narrow balls."""
-        common, plain = self._cleared(matrix, self.field.one, lambda p: p)
-        self._apart(common)
-        reduced = self.field.reduced
-        powers = [
-            self._element(c).num
-            for c in characteristic(
-                [[Expression(self.field, reduced(p), self.field.one) for p in row] for row in plain]
-            )
-        ]
-        powers = [reduced(c * common**k) for k, c in enumerate(powers)]
-        row = [self._enclosed(c) for c in primitive(powers)]
-        row = row[structure(self.family).zeros :]
+        common, powers = self.powers(self.entries)
+        row = [self._enclosed(c) for c in powers][structure(self.family).zeros :]
         even = self.family.conservative  # an identity, as its zeros are
         if even:
             row = [BallPolynomial({}) if k % 2 else c for k, c in enumerate(row)]
         if len(row) < 2 or row[0].is_zero():
             raise NotExact("zeros in addition to those by structure")
-        return ((tuple(row), even, 1),)
+        apart = [self._enclosed(p) for p in (*self.triangular.nonzero, common)]
+        return ((tuple(row), even, 1),), apart
 
     @cached_property
     def _atoms(self) -> dict[int, Any]:
@@ -617,52 +541,24 @@ class _Reading:
 
     def _enclosed(self, poly: Poly) -> BallPolynomial:
         """A polynomial of the field, with balls for the functions in it."""
-        with precision(BITS):
-            terms: dict[tuple[int, int], Any] = {}
-            for e, c in poly.to_dict().items():
-                value = arb(c)
-                for index, power in enumerate(e[2:], start=2):
-                    if power:
-                        value = value * self._atoms[index] ** int(power)
-                key = int(e[0]), int(e[1])
-                terms[key] = terms[key] + value if key in terms else value
+        terms: dict[Exponents, Any] = {}
+        for (i, j, *rest), c in poly.to_dict().items():
+            value = arb(c)
+            for index, power in enumerate(rest, start=2):
+                if power:
+                    value = value * self._atoms[index] ** int(power)
+            key = int(i), int(j)
+            terms[key] = terms[key] + value if key in terms else value
         return BallPolynomial(terms)
 
-    def _cleared(
-        self, block: list[list[Expression]], one: Poly, convert: Callable[[Poly], Poly]
-    ) -> tuple[Poly, list[list[Poly]]]:
-        """A common denominator, and the entries times it; a polynomial of low degree."""
-        dens = [[convert(e.den) for e in row] for row in block]
-        common = common_multiple((den for row in dens for den in row), one)
-        plain = [
-            [convert(e.num) * (common / den) for e, den in zip(*both, strict=True)]
-            for both in zip(block, dens, strict=True)
-        ]
-        reach = max((int(p.total_degree()) for row in plain for p in row if p != 0), default=0)
-        if len(block) * max(reach, int(common.total_degree())) > MOST_DEGREE:
-            raise NotExact("a polynomial of high degree")
-        return common, plain
 
-    def _moved(self, poly: Poly) -> Poly:
-        """A polynomial of the field, in the ring of slices."""
-        if poly.context() is RING:
-            return poly
-        if any(i >= 2 for i in occurring(poly)):
-            raise NotExact("an expression in functions")
-        terms = {(int(e[0]), int(e[1]), 0): c for e, c in poly.to_dict().items()}
-        return RING.from_dict(terms)
-
-    def _determinant(self, block: list[list[Expression]]) -> Poly:
-        """A multiple of det(λ - A), without common factor of its coefficients."""
-        common, plain = self._cleared(block, RING.constant(1), self._moved)
-        self._apart(common)
-        powers = [c * common**k for k, c in enumerate(characteristic(plain))]
-        powers = [RING.constant(c) if isinstance(c, int) else c for c in powers]
-        lam, total = RING.gens()[LAM], RING.constant(0)
-        for k, c in enumerate(primitive(powers)):
-            total = total + c * lam**k
-        self.budget.watch(total)
-        return total
+def _moved(poly: Poly, indices: Sequence[int] = (0, 1)) -> Poly:
+    """A polynomial without functions in the ring of slices, its variables by their place there."""
+    terms: dict[tuple[int, ...], Any] = {}
+    for exponents, c in poly.to_dict().items():
+        powers = dict(zip(indices, map(int, exponents), strict=False))
+        terms[powers.get(0, 0), powers.get(1, 0), 0] = c
+    return RING.from_dict(terms)
 
 
 def _asked(family: Family) -> Program | None:
@@ -683,13 +579,6 @@ def _asked(family: Family) -> Program | None:
     if not all(v[0] > 0 for v in numbers):
         raise NotExact("a condition at the right angle")
     return Program(ca.Function("conditions", [system.x, system.p], asked)) if asked else None
-
-
-def _coefficients(poly: Poly) -> tuple[Poly, ...]:
-    """Coefficients by powers of λ, with a positive leading one where that is a number."""
-    row = coefficient_row(poly, LAM)
-    turn = -1 if row[-1].is_constant() and row[-1].leading_coefficient() < 0 else 1
-    return tuple(c * turn for c in row)
 
 
 def _conditions(row: Sequence[Poly], even: bool, budget: Budget) -> list[tuple[Poly, ...]]:

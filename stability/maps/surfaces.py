@@ -18,11 +18,11 @@ from flint import arb
 from numpy.typing import NDArray
 
 from ..algebra.exact.number_fields import NotExact
+from ..algebra.kernels.pairs import DOUBLED, doubled, step, two_product, two_sum
 from ..algebra.number_types import precision
 from ..algebra.running_error import UNIT
 from ..base.axis import Axis
 from ..base.types import Floats
-from .pairs import DOUBLED, doubled, step, two_product, two_sum
 
 Signs = NDArray[np.int8]
 

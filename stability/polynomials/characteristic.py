@@ -16,18 +16,18 @@ import casadi as ca
 import numpy as np
 from flint import Ordering, arb, fmpq_mpoly_ctx, fmpq_poly, fmpz
 
-from ..algebra.exact.function_field import SPARE, Expression
+from ..algebra.exact.function_field import SPARE, Expression, FunctionField, evaluate, occurring
 from ..algebra.exact.hurwitz_forms import Budget, coefficient_row, factors
 from ..algebra.exact.number_fields import EXACT, NotExact, characteristic, rational
 from ..algebra.exact.rational_functions import common_multiple, primitive, univariate
-from ..algebra.exact.triangular import RecordingField, Triangular, evaluate, occurring
+from ..algebra.exact.triangular import Triangular
 from ..algebra.number_types import Algebra, precision
 from ..algebra.program import Program
 from ..algebra.upright import Upright
 from ..base.errors import NoMemberError
 from ..systems.family import Family
 from ..systems.structure.enclosure import ball_unknowns
-from ..systems.structure.identities import blocks_of
+from ..systems.structure.places import blocks_of
 from ..systems.structure.structural_zeros import SAMPLE_BITS, SAMPLES, sampled
 
 Poly = Any
@@ -87,6 +87,11 @@ class CharacteristicPolynomial:
         If the graph is not algebraic in functions of the variables, or too large.
     """
 
+    constants = False
+    """Whether functions of constants are variables too; otherwise irrational ones are refused."""
+    bits = SAMPLE_BITS
+    """Precision of the samples."""
+
     def __init__(
         self,
         family: Family,
@@ -106,37 +111,73 @@ class CharacteristicPolynomial:
             self.base = tuple(n for n in names if n not in values and n not in closed)
         else:
             self.base = (*free, *solved)
-        self.field = RecordingField([*self.base, "λ"], self.budget, spare)
+        self.field = self._field_of([*self.base, "λ"], spare)
         symbols: dict[str, Any] = {n: self.field.number(v) for n, v in values.items()}
         symbols |= dict(zip(self.base, self.field.symbols, strict=False))
         if family.closed:
             symbols |= {n: self.field.number(number(v)) for n, v in family.unknown.items()}
+        self.symbols = symbols
+        """The numbers of a member as elements of the field, by name."""
         a, q = (
             ([symbols[n] for n in names] for names in (family.at, family.parameters))
             if numbers is None
             else numbers(symbols)
         )
-        parts = [a, [symbols[n] for n in family.unknown], q]
-        try:
-            self.matrix = family.graph.matrix.dense(self.algebra, parts)
-            self.conditions = self._required(symbols) if numbers is None else []
-            equations = []
-            self.denominators: list[Poly] = []
-            if solved:
-                residual = family.graph.residual.run(self.algebra, parts)[0]
-                equations = [r.num for r in map(self.element, residual)]
-                self.denominators = [r.den for r in map(self.element, residual)]
-        except ZeroDivisionError:
-            raise NotExact("a denominator vanishes all along the family") from None
-        places = {self.base.index(n) for n in solved}
-        unknowns = {i for i in [*places, *self.field.meaning] if self.field.uses(i) & places}
-        self.triangular = Triangular(self.field, equations, unknowns, self.vanishes)
-        self.triangular.settle()
+        self.parts = [list(a), [symbols[n] for n in family.unknown], list(q)]
+        """Family parameters, unknowns and parameters."""
+        self.places = {self.base.index(n) for n in solved}
+        """Indices of the unknowns that are solved for."""
+
+    def _field_of(self, names: Sequence[str], spare: int) -> FunctionField:
+        return FunctionField(names, self.budget, spare)
 
     @property
     def algebra(self) -> Algebra:
         """The algebra in which the graph is read."""
-        return EXACT
+        return self.field.algebra if self.constants else EXACT
+
+    def rows(self, program: Program) -> list[list[Any]]:
+        """The first output of a program of the family's graph over the field, as rows."""
+        try:
+            return program.dense(self.algebra, self.parts)
+        except ZeroDivisionError:
+            raise NotExact("a denominator vanishes all along the family") from None
+
+    @cached_property
+    def place(self) -> list[list[Any]]:
+        """States and parameters of a member as elements of the field, and the right angle."""
+        family, system = self.family, self.family.system
+        table = dict(self.symbols) | {
+            n: v if isinstance(v, Upright) else self.field.number(self.number(v))
+            for n, v in family.fixed.items()
+        }
+        return [[table[n] for n in names] for names in (system.states, system.parameters)]
+
+    @cached_property
+    def matrix(self) -> list[list[Any]]:
+        """The Jacobian: rationals, and expressions in the indeterminates."""
+        return self.rows(self.family.graph.matrix)
+
+    @cached_property
+    def equations(self) -> list[Expression]:
+        """Expressions that vanish at a member: the equations of its unknowns."""
+        if not self.places:
+            return []
+        return [self.element(row[0]) for row in self.rows(self.family.graph.residual)]
+
+    @cached_property
+    def bound(self) -> set[int]:
+        """Indices of the unknowns, and of the functions of them."""
+        _ = self.matrix, self.conditions, self.equations  # each brings functions
+        return {i for i in (*self.places, *self.field.meaning) if self.field.uses(i) & self.places}
+
+    @cached_property
+    def triangular(self) -> Triangular:
+        """The equations of the unknowns on the branch of the typical members."""
+        bound, numerators = self.bound, [e.num for e in self.equations]
+        found = Triangular(self.field, numerators, bound, self.vanishes)
+        found.settle()
+        return found
 
     @property
     def lam(self) -> int:
@@ -147,12 +188,14 @@ class CharacteristicPolynomial:
         """A value of the graph as an expression."""
         return value if isinstance(value, Expression) else self.field.number(value)
 
-    def _required(self, symbols: Mapping[str, Any]) -> list[tuple[Any, str]]:
+    @cached_property
+    def conditions(self) -> list[tuple[Expression, str]]:
+        """What the system requires to be positive, as far as it is read, with its sentences."""
         system = self.family.system
         table: dict[str, Any] = {
-            n: self.number(v) for n, v in self.family.held.items() if not isinstance(v, Upright)
-        } | dict(symbols)
-        out: list[tuple[Any, str]] = []
+            n: self.number(v) for n, v in self.family.fixed.items() if not isinstance(v, Upright)
+        } | dict(self.symbols)
+        out: list[tuple[Expression, str]] = []
         as_read = replace(EXACT, name="read", constant=self._constant)
         for condition in system.conditions:
             program = Program(ca.Function("condition", [system.x, system.p], [condition.value]))
@@ -177,45 +220,61 @@ class CharacteristicPolynomial:
     # --- in factors ---
 
     @cached_property
+    def entries(self) -> list[list[Expression]]:
+        """The Jacobian on the branch of the typical members."""
+        value = self.triangular.value
+        return [[value(self.element(v)) for v in row] for row in self.matrix]
+
+    @cached_property
+    def required(self) -> list[tuple[Poly, str]]:
+        """Polynomials that the system requires to be positive, each with its sentence."""
+        values = [(self.triangular.value(v), sentence) for v, sentence in self._positive()]
+        return [(self.field.reduced(v.num * v.den), sentence) for v, sentence in values]
+
+    def _positive(self) -> list[tuple[Expression, str]]:
+        return self.conditions
+
+    @cached_property
     def factored(self) -> Factored:
         """The polynomial in factors over Q; `NotExact` where it grows beyond the budget."""
-        solved = self.triangular
-        matrix = [[solved.value(self.element(v)) for v in row] for row in self.matrix]
         zeros, found = 0, []
-        nonzero = list(solved.nonzero)
-        for block in blocks_of(matrix, lambda e: bool(e.num == 0)):
-            common = common_multiple((e.den for row in block for e in row), self.field.one)
+        nonzero = list(self.triangular.nonzero)
+        lam = self.field.generator(self.lam)
+        for block in blocks_of(self.entries, lambda e: bool(e.num == 0)):
+            common, powers = self.powers(block)
             nonzero.append(common)
-            for factor, count in factors(self._determinant(block, common))[1]:
+            whole = sum((c * lam**k for k, c in enumerate(powers)), self.field.ring.constant(0))
+            self.budget.watch(whole)
+            for factor, count in factors(whole)[1]:
                 if self.lam not in occurring(factor):
                     nonzero.append(factor)
-                elif factor == self.field.generator(self.lam):
+                elif factor == lam:
                     zeros += count
                 else:
                     found.append((factor, count))
-        nonzero += [e.den for row in matrix for e in row]  # of entries between the blocks too
-        required = []
-        for value, sentence in self.conditions:
-            inside = solved.value(value)
-            required.append((self.field.reduced(inside.num * inside.den), sentence))
+        nonzero += [e.den for row in self.entries for e in row]  # between the blocks too
         nonzero = [p for p in nonzero if not p.is_constant()]
-        return self._compact(zeros, found, nonzero, required)
+        return self._compact(zeros, found, nonzero, self.required)
 
-    def _determinant(self, block: list[list[Any]], common: Poly) -> Poly:
-        """A multiple of det(λ - A), without common factor of its coefficients."""
-        one, plain = self.field.one, [[e.num * (common / e.den) for e in row] for row in block]
+    def powers(self, block: list[list[Expression]]) -> tuple[Poly, list[Poly]]:
+        """The characteristic polynomial of a matrix of expressions.
+
+        Returns
+        -------
+        common
+            A common denominator of the entries.
+        powers
+            Coefficients of a multiple of det(λ - A), lowest first, without common factor.
+        """
+        one = self.field.one
+        common = common_multiple((e.den for row in block for e in row), one)
+        plain = [[e.num * (common / e.den) for e in row] for row in block]
+        self.budget.expect(len(block), [common, *(p for row in plain for p in row)])
         if len(self.base) == 1 and not self.field.meaning:
-            powers = self._over_integers(plain, common)
-        else:
-            rows = [[Expression(self.field, p, one) for p in row] for row in plain]
-            found = [self.element(c).num for c in characteristic(rows)]
-            powers = primitive(self.triangular.reduce([c * common**k for k, c in enumerate(found)]))
-        lam = self.field.generator(self.lam)
-        total = self.field.ring.constant(0)
-        for k, c in enumerate(powers):
-            total = total + c * lam**k
-        self.budget.watch(total)
-        return total
+            return common, self._over_integers(plain, common)
+        found = characteristic([[Expression(self.field, p, one) for p in row] for row in plain])
+        powers = [self.element(c).num * common**k for k, c in enumerate(found)]
+        return common, primitive(self.triangular.reduce(powers))
 
     def _over_integers(self, plain: list[list[Poly]], common: Poly) -> list[Poly]:
         """The coefficients in one variable, over Z: products need no common denominators."""
@@ -339,10 +398,10 @@ class CharacteristicPolynomial:
         """Whether a polynomial is zero at every sample (True), at none (False), or else (None)."""
         if poly.is_constant():
             return bool(poly == 0)
-        least = 2.0 ** (-SAMPLE_BITS // 4)
-        with precision(SAMPLE_BITS):
-            found = [evaluate(poly, known) for known in self.samples]
-        if all(not v.contains(0) for v in found):
+        least = 2.0 ** (-self.bits // 4)
+        with precision(self.bits):
+            found = [arb(evaluate(poly, known)) for known in self.samples]
+        if all(v.is_finite() and not v.contains(0) for v in found):
             return False
         return True if all(v.contains(0) and float(v.abs_upper()) < least for v in found) else None
 

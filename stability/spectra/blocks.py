@@ -25,8 +25,8 @@ from ..algebra.exact.routh import on_the_axis
 from ..algebra.number_types import precision, upper
 from ..base.types import Complexes, Floats
 from ..base.verdict import BY_CODE, Verdict
-from ..systems.structure.identities import MOST_STATES, exact_matrix, symmetric
-from ..systems.structure.member import Member
+from ..polynomials.identities import MOST_STATES, symmetric
+from ..polynomials.member import Member
 from ..systems.structure.places import components, mirrored
 from .deflation import Reduced, deflated
 from .eigenvalues import decide
@@ -117,7 +117,7 @@ class Blocks:
         if member.enclosed_only:
             return None
         with suppress(NotExact):
-            found = exact_matrix(member.family, member.a, member.unknowns(), member.q)
+            found = member.matrix()
             if all(isinstance(v, (int, fmpq)) for row in found for v in row):
                 return found
         return None

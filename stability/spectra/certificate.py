@@ -22,12 +22,12 @@ from ..algebra.number_types import MIXED, balls, precision, upper
 from ..algebra.polynomial import ExactPolynomial
 from ..base.types import Complexes, Floats
 from ..base.verdict import Verdict
+from ..polynomials.identities import certain
+from ..polynomials.member import Member
+from ..polynomials.zero_blocks import kept_block, proved_power, semisimple
 from ..systems.family import Family
 from ..systems.structure.enclosure import ball_unknowns, characteristic
-from ..systems.structure.identities import certain
-from ..systems.structure.member import Member
 from ..systems.structure.structural_zeros import structure
-from ..systems.structure.zero_blocks import kept_block, proved_power, semisimple
 from .problem import Problem
 from .verdict_routes import (
     BITS,

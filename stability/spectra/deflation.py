@@ -19,8 +19,8 @@ from ..algebra.program import Program
 from ..algebra.running_error import TINY, UNIT, RunningError, ball_arrays, running_error_arrays
 from ..base.types import Floats, Record
 from ..base.verdict import CODES, Verdict
+from ..polynomials.member import Member
 from ..systems.family import Family
-from ..systems.structure.member import Member
 from ..systems.structure.structural_zeros import structure
 
 Reader = Callable[[Program], list[tuple[Floats, Floats]]]

@@ -42,12 +42,12 @@ from ..bodies.disk import Disk
 from ..bodies.disk_polynomials import disk_polynomial
 from ..bodies.quantities import PHYSICAL, QUANTITIES
 from ..bodies.subject import LEAN, Subject, subject_of
+from ..polynomials.identities import certain
+from ..polynomials.zero_blocks import semisimple
 from ..systems.closed_form import ClosedForm
 from ..systems.family import Family
 from ..systems.structure.enclosure import characteristic
-from ..systems.structure.identities import certain
 from ..systems.structure.structural_zeros import SAMPLE_BITS, SAMPLES, sampled, structure
-from ..systems.structure.zero_blocks import semisimple
 
 DERIVED = ("conditions", "scale")
 """Methods that only a derived polynomial may override."""

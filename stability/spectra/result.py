@@ -21,9 +21,9 @@ from ..base.errors import ParameterError, StabilityError
 from ..base.quantities import Kind, Quantity, rate_unit
 from ..base.types import Complexes, Floats, Record, fields_of
 from ..base.verdict import BY_CODE, CODES, Nonlinear, Verdict
+from ..polynomials.zero_blocks import most_power
 from ..systems.family import Family
 from ..systems.structure.linearity import linear
-from ..systems.structure.zero_blocks import most_power
 from .deflation import Place
 from .drawing import figure_of
 from .eigenvalues import REASONS, Eigenpairs, Modes, lift, mode_labels, track

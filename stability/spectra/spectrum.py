@@ -25,17 +25,17 @@ from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..bodies.subject import subject_of
+from ..polynomials.zero_blocks import semisimple
 from ..systems.family import Family
 from ..systems.sources.numeric import Derivative, NumericSystem
 from ..systems.structure.structural_zeros import structure
-from ..systems.structure.zero_blocks import semisimple
 from .deflation import Place, Reduced, drift_powers, drifting
 from .eigenvalues import Eigenpairs, decide, eigenvalues
 from .problem import Problem, broadcast_shape, problem_of
 from .result import NOT_ASKED, Proof, Spectrum
 
 if TYPE_CHECKING:
-    from ..systems.structure.member import Member
+    from ..polynomials.member import Member
     from .certificate import Certificate
 
 
@@ -205,7 +205,7 @@ class Rows:
     """
 
     def __init__(self, problem: Problem, *, exact: bool) -> None:
-        from ..systems.structure.identities import certain, symmetric
+        from ..polynomials.identities import certain, symmetric
 
         self.problem, self.exact = problem, exact
         family = problem.family

@@ -37,12 +37,12 @@ from ..algebra.exact.routh import (
 from ..algebra.number_types import MIXED, Algebra, precision
 from ..base.errors import ParameterError
 from ..base.verdict import Verdict, best
+from ..polynomials.identities import certain, symmetric
+from ..polynomials.member import Member, exact_verdict
+from ..polynomials.zero_blocks import zero_power
 from ..systems.family import Family
-from ..systems.structure.identities import certain, symmetric
-from ..systems.structure.member import Member, exact_verdict
 from ..systems.structure.places import LARGE
 from ..systems.structure.structural_zeros import structure
-from ..systems.structure.zero_blocks import zero_power
 from .blocks import Blocks
 from .eigenvalues import (
     BY_ACCIDENT,

@@ -47,3 +47,19 @@ def test_terms_are_limited() -> None:
     budget = Budget(4, 60.0)
     with pytest.raises(TooLarge):
         budget.product((1 + x) ** 2, (1 + y) ** 2)
+
+
+def test_all_terms_together_are_limited() -> None:
+    budget = Budget(4, 60.0, work=10)
+    for _ in range(3):
+        budget.watch([1, 2, 3])
+    with pytest.raises(TooLarge):
+        budget.watch([1, 2])
+
+
+def test_a_determinant_of_high_degree_is_refused_before_it_is_computed() -> None:
+    x, y = fmpq_mpoly_ctx.get(("x", "y"), "lex").gens()
+    budget = Budget(1000, 60.0, degree=6)
+    budget.expect(2, [x * y**2, x - x])
+    with pytest.raises(TooLarge, match="degree beyond 6"):
+        budget.expect(3, [x * y**2, x - x])

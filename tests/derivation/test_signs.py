@@ -10,8 +10,8 @@ import sympy
 from flint import Ordering, fmpq, fmpq_mpoly_ctx
 
 import stability as st
+from stability.algebra.exact.function_field import evaluate
 from stability.algebra.exact.hurwitz_forms import Budget, hurwitz_determinants, subdiscriminants
-from stability.algebra.exact.triangular import evaluate
 from stability.derivation.signs import Bounds, Domain
 
 F = Fraction

@@ -301,7 +301,9 @@ def test_deriving_writes_the_table_and_its_digest(tmp_path: Path, derived: str) 
     if derived == "as stored":
         derive = partial(json.loads, table.read_bytes())
     (tmp_path / "exact.py").write_text(source.replace(module.DIGEST, "0" * 64), encoding="utf-8")
-    hurwitz.write(str(tmp_path / "exact.json"), str(tmp_path / "exact.py"), derive)
+    where = str(tmp_path / "exact.json"), str(tmp_path / "exact.py")
+    assert hurwitz.write(*where, derive) == list(json.loads(table.read_bytes())["cases"])
+    assert hurwitz.write(*where, derive) == []
     assert (tmp_path / "exact.json").read_bytes() == table.read_bytes()
     assert (tmp_path / "exact.py").read_text(encoding="utf-8") == source
     (tmp_path / "exact.py").write_text("no digest here", encoding="utf-8")

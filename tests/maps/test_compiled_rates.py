@@ -10,11 +10,11 @@ import pytest
 from spectrum_oracle import DIGITS, reduced_truth
 
 import stability as st
+from stability.algebra.kernels import pairs
 from stability.algebra.kernels.compiled import compiled
 from stability.algebra.real_factors import Factors, enclose, settle, start
 from stability.base.axis import Axis
 from stability.base.verdict import CODES, Verdict
-from stability.maps import pairs
 from stability.maps.compiled import factors, loops
 from stability.maps.compiled.rates import CompiledRates
 from stability.maps.engine import SliceCells, slice_cells

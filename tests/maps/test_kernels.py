@@ -602,3 +602,14 @@ def test_streams_that_cannot_be_are_refused(tmp_path: Path) -> None:
     with pytest.raises(st.StabilityError, match="does not exist"):
         st.stream_map("spinning", **axes, out=tmp_path / "none" / "a.nc")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(np.finfo(np.longdouble).eps > 1e-18, reason="no long doubles here")
+def test_cells_that_are_computed_again_have_the_bounds_of_long_doubles() -> None:
+    x, y = Axis("at", 0.02, 1.5, 120), Axis("mu", 0.01, 3.0, 90)
+    cells = slice_cells(question("tumbling"), (x, y), False)
+    assert cells is not None
+    poor = cells.rates(x.values, y.values).poor
+    _, _, growth = cells.judged(x.values, y.values)
+    assert poor.sum() > 20
+    assert growth.error[poor].max() < 1e-15  # the rounding of the rates to doubles

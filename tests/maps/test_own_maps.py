@@ -513,3 +513,22 @@ def test_bounds_of_values_hold_over_random_polynomials_and_are_not_idle() -> Non
             assert abs(pair - exact) <= Fraction(float(bound[n]))
             assert bound[n] < 1e-9 * max(float(error[i, j]), 1e-17)
     assert worst > 0.5
+
+
+def test_unknowns_that_follow_one_from_another_have_a_slice() -> None:
+    """Selkov's glycolysis: u = b and v = b/(a + b²) solve no linear system, but are quotients."""
+    u, v, a, b = (ca.SX.sym(n) for n in "uvab")
+    used = a * v + u**2 * v
+    rates = ca.vertcat(used - u, b - used)
+    system = st.System("sugar", ca.vertcat(u, v), ca.vertcat(a, b), rates, ("u", "v"), ("a", "b"))
+    steady = system.steady("a", guess={"u": 0.6, "v": 1.3, "a": 0.1, "b": 0.6})
+    axes: dict[str, Any] = {"x": ("a", 0.02, 0.14, 9), "y": ("b", 0.2, 1.1, 9)}
+    _, question, _ = judge(steady, axes["x"], axes["y"])
+    assert slice_of(question, "a", "b") is not None
+    found = st.stability_map(steady, **axes, boundaries=False)
+    assert {STABLE, UNSTABLE} == set(found.verdict.values.ravel().tolist())
+    for i, second in enumerate(found.b.values):
+        for j, first in enumerate(found.a.values):
+            total, product = first + second**2, second**2 - first
+            trace = product / total - total  # of the Jacobian; its determinant is a + b² > 0
+            assert found.verdict.values[i, j] == (UNSTABLE if trace > 0 else STABLE)

@@ -136,7 +136,7 @@ def test_hostile_matrices_are_those_of_sixty_digits(count: int) -> None:
 
 
 def _member(matrix: np.ndarray) -> tuple[Any, int]:
-    from stability.systems.structure.member import Member
+    from stability.polynomials.member import Member
 
     return Member(st.linear(matrix), [], [], []), 0
 

@@ -84,7 +84,7 @@ def test_exact_numbers_are_not_tried_where_balls_decide(monkeypatch: pytest.Monk
     def refused(*_: Any) -> None:
         raise AssertionError
 
-    monkeypatch.setattr("stability.systems.structure.member.exact_unknowns", refused)
+    monkeypatch.setattr("stability.polynomials.member.exact_unknowns", refused)
     problem = problem_of(subject_of(governor(), parameters={}))
     assert verdict(problem, {"e": 0.4, "a": 0.5, "b": 0.5}) is Verdict.STABLE
     with pytest.raises(AssertionError):

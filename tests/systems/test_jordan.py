@@ -13,9 +13,9 @@ from scipy.linalg import expm
 
 import stability as st
 from stability.cli.commands import main
+from stability.polynomials.zero_blocks import semisimple
 from stability.spectra.deflation import drift_powers
 from stability.systems.structure.structural_zeros import structure
-from stability.systems.structure.zero_blocks import semisimple
 
 HOVER = """
 import casadi as ca, stability as st

@@ -9,7 +9,7 @@ import stability as st
 from stability.algebra.exact.number_fields import Algebraic, NotExact
 from stability.algebra.number_types import precision
 from stability.base.verdict import Verdict
-from stability.systems.structure.member import exact_unknowns
+from stability.polynomials.member import exact_unknowns
 
 
 def triangle() -> st.Family:

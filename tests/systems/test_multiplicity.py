@@ -10,7 +10,7 @@ from stability.algebra.exact.function_field import FunctionField
 from stability.algebra.exact.number_fields import NotExact, characteristic, vanishes
 from stability.algebra.exact.roots import clustered
 from stability.base.errors import DomainError, ParameterError
-from stability.systems.structure.identities import certain, identity
+from stability.polynomials.identities import certain, identity
 
 
 def _system(name: str, states: str, rhs, parameters: str = "p") -> st.System:

@@ -8,7 +8,7 @@ from flint import fmpq, fmpq_mat
 
 import stability as st
 from stability.algebra.exact.function_field import FunctionField
-from stability.systems.structure.identities import SAMPLES, constant_zeros
+from stability.polynomials.identities import SAMPLES, constant_zeros
 
 
 def springs(h: int) -> np.ndarray:

@@ -24,7 +24,7 @@ from symmetric_systems import (
 
 import stability as st
 from stability import Verdict
-from stability.systems.structure.identities import mirrored, sparse_zeros, symmetric
+from stability.polynomials.identities import mirrored, sparse_zeros, symmetric
 
 DISC = st.Family(rolling_disc(place=False), "straight", at=("u2",), held=STRAIGHT)
 WHEEL = st.Family(rolling_disc(place=True), "straight", at=("u2",), held=STRAIGHT)

@@ -5,15 +5,17 @@ An expression that vanishes as a polynomial in its indeterminates vanishes at ev
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
-from flint import Ordering, fmpq, fmpq_mpoly_ctx
+from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx
 
-from ..number_types import Algebra
+from ..number_types import Algebra, balls
+from .hurwitz_forms import Budget
 from .number_fields import EXACT, RATIONAL_AT, Element, NotExact
 
 SPARE = 24
@@ -22,6 +24,11 @@ MOST_TERMS = 1500
 """Largest number of terms of a numerator or denominator; beyond it exact work ends."""
 MOST_WORK = 1_000_000
 """Largest number of terms that one calculation handles; a count, so that machines agree."""
+
+
+def counted() -> Budget:
+    """Limits by numbers of terms alone."""
+    return Budget(MOST_TERMS, math.inf, work=MOST_WORK)
 
 
 class TooManyFunctions(NotExact):
@@ -107,10 +114,48 @@ _PAIRS = {
 _QUOTIENTS = {"tan": ("sin", "cos"), "tanh": ("sinh", "cosh")}
 
 
-class FunctionField:
-    """Quotients of polynomials over Q in named indeterminates and in values of functions."""
+def occurring(poly: Any) -> set[int]:
+    """Indices of the variables that occur in a polynomial."""
+    return {i for i, d in enumerate(poly.degrees()) if d} if poly != 0 else set()
 
-    def __init__(self, names: Sequence[str], spare: int = SPARE) -> None:
+
+def evaluate(poly: Any, known: Mapping[int, Any]) -> Any:
+    """The value of a polynomial at rationals or balls.
+
+    Parameters
+    ----------
+    poly
+        The polynomial.
+    known
+        Values by index of the variables that occur.
+    """
+    total: Any = fmpq(0)
+    for exponents, c in poly.to_dict().items():
+        term: Any = c
+        for index, power in enumerate(exponents):
+            for _ in range(int(power)):  # python-flint's power of a ball around 0 is nan
+                term = known[index] * term
+        total = term + total
+    return total if isinstance(total, fmpq) else arb(total)
+
+
+class FunctionField:
+    """Quotients of polynomials over Q in named indeterminates and in values of functions.
+
+    Parameters
+    ----------
+    names
+        Names of the indeterminates.
+    budget
+        Limits of the work; a number of terms when left out, so that all machines agree.
+    spare
+        Most functions (sines, roots) that are read as indeterminates.
+    """
+
+    def __init__(
+        self, names: Sequence[str], budget: Budget | None = None, spare: int = SPARE
+    ) -> None:
+        self.budget = counted() if budget is None else budget
         symbols = tuple(f"x{i}" for i in range(len(names) + spare))
         self.ring = fmpq_mpoly_ctx.get(symbols, Ordering.degrevlex)
         self._gens = self.ring.gens()
@@ -118,9 +163,11 @@ class FunctionField:
         self.one = self.ring.constant(1)
         self.symbols = [Expression(self, g, self.one) for g in self._gens[: len(names)]]
         """The named indeterminates, in order."""
-        self._relations: dict[int, Any] = {}
+        self.squares: dict[int, Any] = {}
+        """The known square of each indeterminate, by index."""
+        self.meaning: dict[int, tuple[str, Expression, Any]] = {}
+        """(function, argument, divisor with the same sign or None) by index of indeterminate."""
         self._atoms: dict[tuple[str, str], Any] = {}
-        self._work = 0
         self.integral = True
         """Whether a product of elements that are not zero is never zero: not with √ or |x|."""
 
@@ -147,32 +194,27 @@ class FunctionField:
 
     def quotient(self, num: Any, den: Any) -> Expression:
         """num/den, reduced by the relations and without a common factor."""
-        num, den = self.reduced(num), self.reduced(den)
+        num = self.reduced(num)
+        den = den if den.is_constant() else self.reduced(den)
         if den == 0:
             raise NotExact("a division by zero")
         if num == 0:
             return Expression(self, num, self.one)
         if den.is_constant():
-            return Expression(self, num / den.leading_coefficient(), self.one)
+            return Expression(self, num if den == 1 else num / den.leading_coefficient(), self.one)
         common = num.gcd(den)
         if not common.is_constant():
             num, den = num / common, den / common
-        self._watch(num, den)
+        self.budget.watch(num, den)
         return Expression(self, num, den)
-
-    def _watch(self, *polynomials: Any) -> None:
-        sizes = [len(p) for p in polynomials]
-        self._work += sum(sizes)
-        if max(sizes) > MOST_TERMS or self._work > MOST_WORK:
-            raise NotExact("the expressions grow beyond the budget")
 
     def reduced(self, poly: Any) -> Any:
         """The normal form: no indeterminate with a known square occurs squared."""
-        self._watch(poly)
-        for index in sorted(self._relations, reverse=True):
+        self.budget.watch(poly)
+        for index in sorted(self.squares, reverse=True):
             if poly != 0 and poly.degrees()[index] > 1:
                 poly = self._without_squares(poly, index)
-                self._watch(poly)
+                self.budget.watch(poly)
         return poly
 
     def _without_squares(self, poly: Any, index: int) -> Any:
@@ -183,22 +225,23 @@ class FunctionField:
             parts.setdefault(half, {})[rest] = coefficient
         out = self.ring.constant(0)
         for half, terms in parts.items():
-            out = out + self.ring.from_dict(terms) * self._relations[index] ** half
-            self._watch(out)
+            out = out + self.ring.from_dict(terms) * self.squares[index] ** half
+            self.budget.watch(out)
         return out
 
-    def _new(self) -> int:
+    def _new(self, function: str, x: Expression, over: Any = None) -> int:
         if self._used == len(self._gens):
             raise TooManyFunctions
         self._used += 1
+        self.meaning[self._used - 1] = function, x, over
         return self._used - 1
 
     def root(self, kind: str, square: Any, over: Any = None) -> Expression:
         """An indeterminate whose square is a polynomial; `over` has the same sign."""
         key, self.integral = (f"{kind} over {over}", str(square)), False
         if key not in self._atoms:
-            index = self._new()
-            self._relations[index] = square
+            index = self._new("sqrt", Expression(self, square, self.one), over)
+            self.squares[index] = square
             self._atoms[key] = self._gens[index]
         return Expression(self, self._atoms[key], self.one)
 
@@ -210,22 +253,45 @@ class FunctionField:
         if name in _PAIRS:
             odd, even, sign = _PAIRS[name]
             turned = x.num.leading_coefficient() < 0  # sin(-x) = -sin x, cos(-x) = cos x
-            key = self._name(-x if turned else x)
+            plain = -x if turned else x
+            key = self._name(plain)
             if (odd, key) not in self._atoms:
-                first, second = self._new(), self._new()
+                first, second = self._new(odd, plain), self._new(even, plain)
                 self._atoms[odd, key], self._atoms[even, key] = (
                     self._gens[first],
                     self._gens[second],
                 )
                 # sin² = 1 - cos², sinh² = cosh² - 1
-                self._relations[first] = sign * (1 - self._gens[second] ** 2)
+                self.squares[first] = sign * (1 - self._gens[second] ** 2)
             atom = Expression(self, self._atoms[name, key], self.one)
             return -atom if turned and name == odd else atom
         key = self._name(x)
         if (name, key) not in self._atoms:
-            self._atoms[name, key] = self._gens[self._new()]
+            self._atoms[name, key] = self._gens[self._new(name, x)]
         return Expression(self, self._atoms[name, key], self.one)
 
     @staticmethod
     def _name(x: Expression) -> str:
         return f"{x.num} / {x.den}"
+
+    # --- indeterminates by index ---
+
+    def generator(self, index: int) -> Any:
+        """An indeterminate as a polynomial."""
+        return self._gens[index]
+
+    def enclosed(self, index: int, known: Mapping[int, Any]) -> Any:
+        """A function's indeterminate as a ball, from those that its argument holds."""
+        name, x, over = self.meaning[index]
+        value = balls().functions[name](arb(evaluate(x.num, known) / evaluate(x.den, known)))
+        if name == "sqrt" and over is not None and not over.is_constant():
+            value = value * arb(evaluate(over, known)).sgn()
+        return value
+
+    def uses(self, index: int) -> set[int]:
+        """Indices of all indeterminates on which one depends through its argument."""
+        if index not in self.meaning:
+            return {index}
+        _, x, over = self.meaning[index]
+        direct = occurring(x.num) | occurring(x.den) | (set() if over is None else occurring(over))
+        return {index}.union(*(self.uses(i) for i in direct))

@@ -6,6 +6,7 @@ polynomial q(λ²) the coefficients and subdiscriminants of q.  All are elements
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Sequence
@@ -23,7 +24,7 @@ class TooLarge(NotExact):
 
 
 class Budget:
-    """Limits of exact work: terms of a polynomial, terms of one product, seconds.
+    """Limits of exact work: terms of a polynomial, terms of one product, seconds, and degree.
 
     Other work on the machine does not count, so that a busy one gives the same answers.
 
@@ -33,10 +34,16 @@ class Budget:
         Largest number of terms of a polynomial.
     seconds
         Computing time of the thread that made the budget, after which work ends.
+    degree
+        Largest degree of a determinant in its variables.
+    work
+        Largest number of terms of all polynomials together.
     """
 
-    def __init__(self, terms: int, seconds: float) -> None:
-        self.terms, self.seconds = terms, seconds
+    def __init__(
+        self, terms: int, seconds: float, degree: float = math.inf, work: float = math.inf
+    ) -> None:
+        self.terms, self.seconds, self.degree, self.work = terms, seconds, degree, work
         self.largest = 0
         """Largest number of terms so far."""
         self._start, self._used = time.monotonic(), time.thread_time()
@@ -52,9 +59,16 @@ class Budget:
 
     def watch(self, *polynomials: Poly) -> None:
         """Count the terms of polynomials, and end the work beyond the limits."""
-        self.largest = max(self.largest, *map(len, polynomials))
-        if self.largest > self.terms or self.spent > self.seconds:
+        sizes = [len(p) for p in polynomials]
+        self.largest = max(self.largest, *sizes)
+        self.work -= sum(sizes)
+        if self.largest > self.terms or self.work < 0 or self.spent > self.seconds:
             raise TooLarge(self.said())
+
+    def expect(self, size: int, entries: Sequence[Poly]) -> None:
+        """End the work before a determinant of some size whose degree may be beyond the limit."""
+        if size * max(int(p.total_degree()) for p in entries) > self.degree:
+            raise TooLarge(f"a polynomial of degree beyond {self.degree}")
 
     def product(self, p: Poly, q: Poly) -> Poly:
         """A product, refused beforehand where it is certain to take long."""

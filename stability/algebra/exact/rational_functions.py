@@ -10,13 +10,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from flint import fmpq_poly
+from flint import Ordering, fmpq_mpoly_ctx, fmpq_poly
 
-from .function_field import FunctionField
 from .number_fields import NotExact
 
-RING = FunctionField(("x", "s"), spare=0).ring
-"""Q[x, s]: x is the axis."""
+RING = fmpq_mpoly_ctx.get(("x0", "x1"), Ordering.degrevlex)
+"""Q[x, s]: x is the axis.  It is the ring of a `FunctionField` of two names."""
 
 
 def univariate(p: Any, index: int = 0) -> Any:

@@ -6,6 +6,7 @@ Over Q all is decided.  Over any other real field the same steps need a proved s
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import reduce
 from itertools import islice
 from typing import Any, NamedTuple
 
@@ -221,6 +222,21 @@ def verdict_polynomial(coefficients: Sequence[Any], zeros: int, conservative: bo
     return reduced
 
 
+def times(p: Sequence[Any], q: Sequence[Any]) -> list[Any]:
+    """Product of two polynomials over any ring, by powers.
+
+    Examples
+    --------
+    >>> times([1, 1], [-1, 1])
+    [-1, 0, 1]
+    """
+    out: list[Any] = [0] * (len(p) + len(q) - 1)
+    for i, x in enumerate(p):
+        for j, y in enumerate(q):
+            out[i + j] = out[i + j] + x * y
+    return out
+
+
 def product(factors: Sequence[Sequence[Any]]) -> list[Any]:
     """The monic multiple of a product of polynomials, as balls.
 
@@ -229,15 +245,7 @@ def product(factors: Sequence[Sequence[Any]]) -> list[Any]:
     factors
         Coefficients of each factor, lowest first; the last one is not zero.
     """
-    out = [arb(1)]
-    for factor in factors:
-        terms = [arb(c) for c in factor]
-        longer = [arb(0)] * (len(out) + len(terms) - 1)
-        for i, p in enumerate(out):
-            for j, c in enumerate(terms):
-                longer[i + j] += p * c
-        out = longer
-    return monic(out)
+    return monic(reduce(times, ([arb(c) for c in factor] for factor in factors), [arb(1)]))
 
 
 def routh(

@@ -9,102 +9,17 @@ Source: W.-T. Wu, J. Autom. Reason. 2 (1986) 221-252 (characteristic sets by pse
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from flint import arb, fmpq
 
-from ..number_types import balls
-from .function_field import SPARE, Expression, FunctionField
-from .hurwitz_forms import Budget, by_power, factors
+from .function_field import Expression, FunctionField, occurring
+from .hurwitz_forms import by_power, factors
 from .number_fields import NotExact
 
 MOST_STEPS = 200
 """Most steps of elimination."""
-
-
-class RecordingField(FunctionField):
-    """A function field that records the meaning of each function's indeterminate."""
-
-    def __init__(self, names: Sequence[str], budget: Budget, spare: int = SPARE) -> None:
-        super().__init__(names, spare)
-        self.budget = budget
-        self.meaning: dict[int, tuple[str, Expression, Any]] = {}
-        """(function, argument, divisor with the same sign or None) by index of indeterminate."""
-
-    def _watch(self, *polynomials: Any) -> None:
-        self.budget.watch(*polynomials)
-
-    def root(self, kind: str, square: Any, over: Any = None) -> Expression:
-        """An indeterminate whose square is a polynomial."""
-        before = self._used
-        found = super().root(kind, square, over)
-        if self._used > before:
-            self.meaning[before] = ("sqrt", Expression(self, square, self.one), over)
-        return found
-
-    def of_argument(self, name: str, x: Expression) -> Any:
-        """A function at an expression as an indeterminate."""
-        before = self._used
-        found = super().of_argument(name, x)
-        for (atom, _), generator in list(self._atoms.items()):
-            index = next(i for i, d in enumerate(generator.degrees()) if d)
-            if index >= before and index not in self.meaning:
-                turned = atom in ("sin", "cos", "sinh", "cosh")
-                turned = turned and x.num.leading_coefficient() < 0
-                self.meaning[index] = (atom, -x if turned else x, None)
-        return found
-
-    def generator(self, index: int) -> Any:
-        """An indeterminate as a polynomial."""
-        return self._gens[index]
-
-    def enclosed(self, index: int, known: Mapping[int, Any]) -> Any:
-        """A function's indeterminate as a ball, from those that its argument holds."""
-        name, x, over = self.meaning[index]
-        value = balls().functions[name](arb(evaluate(x.num, known) / evaluate(x.den, known)))
-        if name == "sqrt" and over is not None and not over.is_constant():
-            value = value * arb(evaluate(over, known)).sgn()
-        return value
-
-    @property
-    def squares(self) -> dict[int, Any]:
-        """The known square of each indeterminate, by index; changes take effect."""
-        return self._relations
-
-    def uses(self, index: int) -> set[int]:
-        """Indices of all indeterminates on which one depends through its argument."""
-        if index not in self.meaning:
-            return {index}
-        _, x, over = self.meaning[index]
-        direct = occurring(x.num) | occurring(x.den) | (set() if over is None else occurring(over))
-        return {index}.union(*(self.uses(i) for i in direct))
-
-
-def occurring(poly: Any) -> set[int]:
-    """Indices of the variables that occur in a polynomial."""
-    return {i for i, d in enumerate(poly.degrees()) if d} if poly != 0 else set()
-
-
-def evaluate(poly: Any, known: Mapping[int, Any]) -> Any:
-    """The value of a polynomial at rationals or balls.
-
-    Parameters
-    ----------
-    poly
-        The polynomial.
-    known
-        Values by index of the variables that occur.
-    """
-    total: Any = fmpq(0)
-    for exponents, c in poly.to_dict().items():
-        term: Any = c
-        for index, power in enumerate(exponents):
-            for _ in range(int(power)):  # python-flint's power of a ball around 0 is nan
-                term = known[index] * term
-        total = term + total
-    return total if isinstance(total, fmpq) else arb(total)
 
 
 def inserted(field: FunctionField, poly: Any, index: int, value: Expression) -> Expression:
@@ -174,7 +89,7 @@ class Triangular:
 
     def __init__(
         self,
-        field: RecordingField,
+        field: FunctionField,
         equations: Sequence[Any],
         unknowns: set[int],
         vanishes: Callable[[Any], bool | None],

@@ -16,6 +16,7 @@ from typing import Any
 
 from flint import arb, ctx, fmpq_poly
 
+from ...algebra.exact.function_field import occurring
 from ...algebra.exact.hurwitz_forms import (
     Budget,
     by_power,
@@ -27,7 +28,7 @@ from ...algebra.exact.number_fields import NotExact
 from ...algebra.exact.rational_functions import RING
 from ...algebra.exact.roots import BITS, MOST_BITS, UnclearError, real_roots
 from ...algebra.exact.routh import is_even
-from ...algebra.exact.triangular import occurring, remainder
+from ...algebra.exact.triangular import remainder
 from ...algebra.number_types import precision
 from .tower import Base, Tower
 

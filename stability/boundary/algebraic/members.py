@@ -24,6 +24,7 @@ from typing import Any
 
 from flint import arb
 
+from ...algebra.exact.function_field import evaluate, occurring
 from ...algebra.exact.hurwitz_forms import Budget, coefficient_row, factors
 from ...algebra.exact.number_fields import NotExact
 from ...algebra.exact.roots import UnclearError, isolated
@@ -34,7 +35,6 @@ from ...algebra.exact.routh import (
     monic,
     verdict_polynomial,
 )
-from ...algebra.exact.triangular import evaluate, occurring
 from ...algebra.number_types import precision
 from ...base.errors import NoMemberError, StabilityError
 from ..brackets import AxisScan, Crossing, crossing_rate

@@ -8,7 +8,7 @@ further variable obeys a polynomial in the variables before it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, reduce
 from math import gcd
@@ -16,12 +16,11 @@ from typing import Any
 
 from flint import arb, fmpq, fmpq_mpoly_ctx
 
-from ...algebra.exact.function_field import SPARE, Expression
+from ...algebra.exact.function_field import SPARE, Expression, occurring
 from ...algebra.exact.hurwitz_forms import Budget, by_power
-from ...algebra.exact.number_fields import EXACT, NotExact
+from ...algebra.exact.number_fields import NotExact
 from ...algebra.exact.roots import UnclearError
-from ...algebra.exact.triangular import occurring
-from ...algebra.number_types import Algebra, precision
+from ...algebra.number_types import precision
 from ...base.errors import StabilityError
 from ...polynomials.characteristic import CharacteristicPolynomial
 from ...systems.structure.structural_zeros import SAMPLE_BITS, SAMPLES
@@ -50,6 +49,8 @@ TURNED = {"theta": "sin", "lean": "cos"}
 class AxisPolynomial(CharacteristicPolynomial):
     """A family's characteristic polynomial along an axis, every other quantity a rational."""
 
+    constants = True
+
     def __init__(
         self,
         line: AxisScan,
@@ -69,8 +70,6 @@ class AxisPolynomial(CharacteristicPolynomial):
             numbers=lambda v: problem.reduce(v, lambda x: x.sqrt())[:2],
             spare=spare,
         )
-        if not self.family.closed:
-            self.conditions = [(self._vanishing_with(name), name) for name in self.family.positive]
         self._exclude_denominators()
 
     @property
@@ -95,28 +94,21 @@ class AxisPolynomial(CharacteristicPolynomial):
 
     def _exclude_denominators(self) -> None:
         """Denominators of the equations, at whose zeros the equations have no meaning."""
-        for poly in self.denominators:
-            below = self.triangular.value(Expression(self.field, poly, self.field.one)).num
+        triangular = self.triangular
+        for equation in self.equations:
+            below = Expression(self.field, equation.den, self.field.one)
+            below = triangular.value(below).num
             if not below.is_constant():
-                self.triangular.nonzero.append(self.field.reduced(below))
+                triangular.nonzero.append(self.field.reduced(below))
 
     @property
-    def algebra(self) -> Algebra:
-        """Rationals, with functions of numbers as variables too."""
+    def conditions(self) -> list[tuple[Expression, str]]:
+        """None: the system's conditions are proved along the axis in balls."""
+        return []
 
-        def lifted(name: str) -> Any:
-            plain = EXACT.functions[name]
-
-            def apply(x: Any, *more: Any) -> Any:
-                number = isinstance(x, (int, fmpq)) and name != "pow"
-                return plain(self.field.number(x) if number else x, *more)
-
-            return apply
-
-        return Algebra("exact", EXACT.constant, {name: lifted(name) for name in EXACT.functions})
-
-    def _required(self, symbols: Mapping[str, Any]) -> list[tuple[Any, str]]:  # noqa: ARG002
-        return []  # the system's conditions are proved along the axis in balls
+    def _positive(self) -> list[tuple[Expression, str]]:
+        positive = () if self.family.closed else self.family.positive
+        return [(self._vanishing_with(name), name) for name in positive]
 
     @cached_property
     def samples(self) -> list[dict[int, Any]]:

@@ -84,6 +84,7 @@ def basis_of(matrix: Any) -> Basis:
 
 def polynomial(matrix: Sequence[Any], *, fold: bool) -> list[Form]:
     """det(λ - B) by powers of λ, lowest first, for a matrix of forms (Berkowitz)."""
+    # Taylor forms of any graph over boxes, algebraic or not; by matrices of balls, in one product
     top, size = len(matrix) - 1, matrix[0].nrows()
     one = [arb(1), *[arb(0)] * top]
     poly = [one]

@@ -25,9 +25,9 @@ from ...algebra.number_types import balls, precision
 from ...base.errors import NoMemberError, StabilityError
 from ...base.types import Floats
 from ...base.verdict import DECAYING, Verdict
+from ...polynomials.identities import certain
 from ...spectra.verdict_routes import BITS
 from ...systems.structure.enclosure import ball_unknowns
-from ...systems.structure.identities import certain
 from ...systems.structure.structural_zeros import structure
 from ..brackets import (
     AxisScan,

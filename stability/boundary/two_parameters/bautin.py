@@ -30,15 +30,15 @@ from typing import Any
 import numpy as np
 from flint import acb, arb
 
+from ...algebra.exact.function_field import evaluate, occurring
 from ...algebra.exact.hurwitz_forms import Budget, by_power, coefficient_row, factors
 from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, exact_upright, rational
 from ...algebra.exact.rational_functions import common_multiple
 from ...algebra.exact.roots import isolated as root_balls
 from ...algebra.exact.routh import divided, hurwitz_sign
-from ...algebra.exact.triangular import evaluate, occurring, remainder
+from ...algebra.exact.triangular import remainder
 from ...algebra.krawczyk import NotProvedError, tested
 from ...algebra.number_types import precision
-from ...algebra.upright import UPRIGHT, Upright
 from ...base.axis import Axis
 from ...base.errors import NoMemberError, StabilityError
 from ...derivation.signs import real_roots
@@ -104,25 +104,9 @@ class OnsetForms:
         self.kept = self.d.kept
         self.mu = self.field.generator(reading.lam)
         self.zero = self.field.ring.constant(0)
-        rates, slopes, _ = self.d.first.run(exact_upright(), self._point)
-        n = len(rates)
         self.matrix, self.scale = self._cleared(
-            {(i, j): slopes[j * n + i] for i in self.kept for j in self.kept}
+            {(i, j): reading.matrix[i][j] for i in self.kept for j in self.kept}
         )
-
-    @cached_property
-    def _point(self) -> list[list[Any]]:
-        """States and parameters as expressions."""
-        reading, family, system = self.reading, self.reading.family, self.reading.family.system
-        table: dict[str, Any] = dict(zip(reading.base, self.field.symbols, strict=False))
-        table |= {n: self.field.number(v) for n, v in reading.values.items()}
-        if family.closed:
-            table |= {n: self.field.number(rational(v)) for n, v in family.unknown.items()}
-        for name, value in family.fixed.items():
-            table[name] = (
-                UPRIGHT if isinstance(value, Upright) else self.field.number(rational(value))
-            )
-        return [[table[n] for n in names] for names in (system.states, system.parameters)]
 
     # --- derivatives ---
 
@@ -134,7 +118,7 @@ class OnsetForms:
         return {k: v.num * (common / v.den) for k, v in values.items() if v.num != 0}, common
 
     def _unit(self, index: int) -> list[Any]:
-        return [EXACT.constant(float(i == index)) for i in range(len(self._point[0]))]
+        return [EXACT.constant(float(i == index)) for i in range(len(self.reading.place[0]))]
 
     @cached_property
     def tensors(self) -> dict[int, tuple[dict[Any, Poly], Poly]]:
@@ -151,7 +135,7 @@ class OnsetForms:
         program = self.d.second if order == 2 else self.d.third
         entries: dict[Any, Any] = {}
         for places in combinations_with_replacement(self.kept, order):
-            found = program.run(exact_upright(), [*self._point, *map(self._unit, places)])[0]
+            found = program.run(exact_upright(), [*self.reading.place, *map(self._unit, places)])[0]
             entries |= {(i, *places): found[i] for i in self.kept if found[i] != 0}
         return self._cleared(entries)
 

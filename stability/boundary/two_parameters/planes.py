@@ -20,10 +20,10 @@ from typing import Any
 
 from flint import Ordering, arb, arb_series, fmpq_mpoly_ctx
 
+from ...algebra.exact.function_field import occurring
 from ...algebra.exact.hurwitz_forms import Budget
 from ...algebra.exact.number_fields import NotExact, rational
-from ...algebra.exact.routh import divided, expanded_determinant, hurwitz_sign
-from ...algebra.exact.triangular import occurring
+from ...algebra.exact.routh import divided, expanded_determinant, hurwitz_sign, times
 from ...algebra.krawczyk import NotProvedError
 from ...polynomials.characteristic import CharacteristicPolynomial
 from ...spectra.problem import Problem
@@ -366,11 +366,7 @@ def exact_plane(problem: Problem, names: tuple[str, str]) -> ExactPlane:
     for factor, count in found.factors:
         moved = [variables.moved(c) for c in factor]
         for _ in range(count):
-            longer = [PLANE.constant(0)] * (len(out) + len(moved) - 1)
-            for i, p in enumerate(out):
-                for j, c in enumerate(moved):
-                    longer[i + j] = longer[i + j] + p * c
-            out = longer
+            out = times(out, moved)
     plane = ExactPlane(out, variables.turns)
     plane.polynomial, plane.names = polynomial, (axes[0], axes[1])
     return plane

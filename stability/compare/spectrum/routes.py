@@ -335,7 +335,7 @@ class Hurwitz(Route):
 
 
 def _faddeev(matrices: Floats) -> Floats:
-    """Coefficients of det(λ - A), highest first, shape (N, n + 1)."""
+    """Coefficients of det(λ - A), highest first, shape (N, n + 1), as a user would find them."""
     n = matrices.shape[-1]
     coefficients = [np.ones(len(matrices))]
     power = np.broadcast_to(np.eye(n), matrices.shape)

@@ -14,6 +14,8 @@ import numpy as np
 
 INLINE = (
     "two_sum",
+    "halves",
+    "left_over",
     "two_product",
     "step",
     "larger",
@@ -28,7 +30,7 @@ INLINE = (
     "cubic_discs",
     "quintic_discs",
 )
-"""Functions, here and in `pairs`, that are written into the loops over cells."""
+"""Functions, here and in `algebra.kernels.pairs`, that are written into the loops over cells."""
 SIDE = 128
 """Cells of a block."""
 U = np.uintp

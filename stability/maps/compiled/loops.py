@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ..pairs import DOUBLED, doubled, step
+from ...algebra.kernels.pairs import DOUBLED, doubled, step
 from .factors import (
     CHANGE,
     EPS,

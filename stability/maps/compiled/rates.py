@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from ...algebra.kernels import pairs
 from ...algebra.kernels.compiled import compiled
 from ...algebra.running_error import UNIT
 from ...base.types import Floats
 from ...base.verdict import CODES, Verdict, best
-from .. import pairs
 from ..rates import Rates
 from ..surfaces import LEAST, Surface
 from . import factors, loops

@@ -46,6 +46,8 @@ def matrix_polynomial(
 ) -> list[Any]:
     """Characteristic polynomial of the linearisation with given unknowns, in balls.
 
+    Values at one member: an expression of it is `polynomials.characteristic`.
+
     Returns
     -------
     list of arb

@@ -7,8 +7,13 @@ values, at any size, without one product.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
+
+from ...algebra.exact.number_fields import vanishes
 
 Pattern = NDArray[np.bool_]
 """Whether each entry of a matrix may differ from zero."""
@@ -94,3 +99,16 @@ def _two_sides(block: Pattern) -> bool:
             elif sign[there] == sign[here]:
                 return False
     return True
+
+
+def nonzero(matrix: list[list[Any]], zero: Callable[[Any], bool] = vanishes) -> Pattern:
+    """Whether each entry is not proved to be zero."""
+    return np.array([[not zero(entry) for entry in row] for row in matrix])
+
+
+def blocks_of(
+    matrix: list[list[Any]], zero: Callable[[Any], bool] = vanishes
+) -> list[list[list[Any]]]:
+    """Diagonal blocks of the block triangular form: their polynomials multiply to the whole."""
+    members = components(nonzero(matrix, zero))
+    return [[[matrix[i][j] for j in some] for i in some] for some in members]

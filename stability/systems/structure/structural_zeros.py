@@ -114,7 +114,8 @@ def steady_where(family: Family, values: Mapping[str, Any]) -> Family:
     return other if structure(other).steady else family
 
 
-def sampled(family: Family, sample: int) -> list[arb]:
+@lru_cache(maxsize=256)
+def sampled(family: Family, sample: int) -> tuple[arb, ...]:
     """Random family parameters and parameters near the typical ones, away from special values.
 
     A family that is followed from a known member is sampled about this member.  Where the
@@ -125,7 +126,7 @@ def sampled(family: Family, sample: int) -> list[arb]:
         size = [arb(family.typical.get(n, 1.0)) for n in names]
         first = [(s * (1 + w)).mid() for s, w in zip(size, _away(sample, len(names)), strict=True)]
         if family.anchor is None and (not family.unknown or family.closed):
-            return first
+            return tuple(first)
         middle = size if family.anchor is None else [arb(float(v)) for v in family.anchor.given]
         point = first
         for turn in range(DIRECTIONS if family.anchor is None else 1):
@@ -135,8 +136,8 @@ def sampled(family: Family, sample: int) -> list[arb]:
                 point = [(m + w / 2**halvings).mid() for m, w in zip(middle, way, strict=True)]
                 row = np.array([[float(v) for v in point]])
                 if _has_member(family, row[:, : len(family.at)], row[:, len(family.at) :]):
-                    return point
-        return point if family.anchor else first
+                    return tuple(point)
+        return tuple(point if family.anchor else first)
 
 
 def _has_member(family: Family, a: Floats, q: Floats) -> bool:

@@ -13,7 +13,7 @@ member, one whose ball excludes zero has the ball's sign, and any other leaves t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from functools import cached_property
 from math import prod
@@ -21,9 +21,15 @@ from typing import Any
 
 from flint import arb, arb_poly, ctx, fmpq, fmpq_mat, fmpq_poly, fmpz, fmpz_mat
 
-from ...algebra.exact.function_field import MOST_TERMS, Expression, FunctionField
-from ...algebra.exact.hurwitz_forms import Budget, TooLarge
-from ...algebra.exact.number_fields import (
+from ..algebra.exact.function_field import (
+    MOST_TERMS,
+    Expression,
+    FunctionField,
+    counted,
+    evaluate,
+)
+from ..algebra.exact.hurwitz_forms import Budget, TooLarge
+from ..algebra.exact.number_fields import (
     EXACT,
     Algebraic,
     NotExact,
@@ -31,25 +37,22 @@ from ...algebra.exact.number_fields import (
     rational,
     vanishes,
 )
-from ...algebra.exact.routh import Ground, on_the_axis_over
-from ...algebra.exact.triangular import RecordingField, Triangular, evaluate
-from ...algebra.number_types import balls, precision
-from ...base.errors import NoMemberError
-from ...base.verdict import Verdict
-from ..family import Family
-from .enclosure import ball_unknowns, matrix_polynomial
+from ..algebra.exact.routh import Ground, on_the_axis_over
+from ..algebra.number_types import balls, precision
+from ..base.errors import NoMemberError, StabilityError
+from ..base.verdict import Verdict
+from ..systems.family import Family
+from ..systems.structure.enclosure import ball_unknowns, matrix_polynomial
+from ..systems.structure.places import LARGE, blocks_of, mirrored, nonzero, sparse_zeros
+from .characteristic import CharacteristicPolynomial
 from .identities import (
     MOST_STATES,
-    blocks_of,
-    exact_matrix,
     identity,
     known_coefficients,
-    nonzero,
     whole_polynomial,
     with_symbols,
     zeros_and_parity,
 )
-from .places import LARGE, mirrored, sparse_zeros
 
 # --- unknowns as exact numbers ---
 
@@ -269,7 +272,8 @@ class Member:
 
     def _exact(self) -> None:
         """The polynomial over Q, or over Q[u]/(g) where one unknown is algebraic."""
-        matrix = exact_matrix(self.family, self.a, self.unknowns(), self.q)
+        # of numbers: without variables, the library's own polynomial of a matrix is the fastest
+        matrix = self.matrix()
         if all(isinstance(entry, (int, fmpq)) for row in matrix for entry in row):
             blocks = [matrix] if len(matrix) <= LARGE else blocks_of(matrix)
             polynomials = [fmpq_mat(block).charpoly() for block in blocks]
@@ -277,6 +281,20 @@ class Member:
         else:
             self._algebraic = poly = whole_polynomial(matrix)
         self._flags = [vanishes(c) for c in poly]
+
+    def matrix(self) -> list[list[Any]]:
+        """The linearisation as rationals or algebraic numbers.
+
+        Raises
+        ------
+        NotExact
+            If an entry is neither.
+        """
+        place = [self.a, self.unknowns(), self.q]
+        try:
+            return self.family.graph.matrix.dense(EXACT, place)
+        except (ZeroDivisionError, StabilityError) as error:
+            raise NotExact(str(error)) from None
 
     def unknowns(self) -> list[Any]:
         """The unknowns as rationals or algebraic numbers.
@@ -316,11 +334,9 @@ class Member:
         large = size > MOST_STATES or family.graph.matrix.size > MOST_STEPS
         if self.enclosed_only or (large and self._all_known(known)):
             return known
-        field = FunctionField([*family.unknown])
-        given = [[field.number(v) for v in some] for some in (self.a, self.q)]
         own = known
-        with suppress(NotExact):
-            matrix = exact_matrix(family, given[0], field.symbols, given[1])
+        with suppress(NotExact, StabilityError):
+            matrix = MemberPolynomial(self, counted()).matrix
             places = nonzero(matrix)
             own = known_coefficients(size, sparse_zeros(places), even=mirrored(places))
             blocks = with_symbols(blocks_of(matrix), vanishes)
@@ -461,9 +477,6 @@ def _plain(value: Any) -> Any:
 # --- eigenvalues on the imaginary axis ---
 
 
-SMALL = 2.0 ** (-ROOT_BITS // 4)
-"""Size below which a ball around zero is taken for a zero of an equation's factor."""
-
 MOST_SECONDS = 20.0
 """Longest work with expressions at one member; the verdict is then left open."""
 
@@ -493,6 +506,48 @@ def exact_verdict(member: Member, zeros: int) -> Verdict | None:
     return None
 
 
+class MemberPolynomial(CharacteristicPolynomial):
+    """The polynomial of one member: its unknowns are variables, modulo their equations."""
+
+    constants = True
+    bits = ROOT_BITS
+
+    def __init__(self, member: Member, budget: Budget) -> None:
+        family = member.family
+        values = dict(zip((*family.at, *family.parameters), (*member.a, *member.q), strict=True))
+        super().__init__(family, values, budget, free=())
+        self._unknowns = member.unknowns_in_balls
+
+    @property
+    def conditions(self) -> list[tuple[Expression, str]]:
+        """None: the member was found."""
+        return []
+
+    @cached_property
+    def samples(self) -> list[dict[int, Any]]:
+        """The member alone."""
+        with precision(ROOT_BITS):
+            return [_Enclosed(self.field, enumerate(self._unknowns()))]
+
+    def tidy(self, entry: Any) -> Any:
+        """An entry modulo the equations of the unknowns."""
+        if not isinstance(entry, Expression):
+            return entry
+        entry = self.triangular.value(entry)
+        return self.field.quotient(*self.triangular.reduce([entry.num, entry.den]))
+
+    def sign(self, entry: Any) -> int:
+        """The sign of an entry, 0 where it vanishes modulo the equations."""
+        if not isinstance(entry, Expression):
+            return int(entry > 0) - int(entry < 0)
+        entry = self.tidy(entry)
+        if entry.num == 0:
+            return 0
+        with precision(ROOT_BITS):
+            num, den = (arb(evaluate(p, self.samples[0])) for p in (entry.num, entry.den))
+        return _sign(num / den)
+
+
 def _over_number_field(member: Member) -> tuple[list[list[Any]], Ground]:
     """The linearisation over Q, or over Q[u]/(g)."""
     if member.algebraic is None and member.rational is None:
@@ -504,44 +559,14 @@ def _over_number_field(member: Member) -> tuple[list[list[Any]], Ground]:
         with precision(ROOT_BITS):
             return 0 if value.poly == 0 else _sign(arb_poly(value.poly)(value.field.root))
 
-    matrix = exact_matrix(member.family, member.a, member.unknowns(), member.q)
-    return matrix, Ground(sign, lambda value: value)
+    return member.matrix(), Ground(sign, lambda value: value)
 
 
 def _over_expressions(member: Member) -> tuple[list[list[Any]], Ground]:
     """The linearisation with unknowns and functions as indeterminates, modulo their equations."""
-    family = member.family
-    field = RecordingField([*family.unknown], Budget(MOST_TERMS, MOST_SECONDS))
-    given = [[field.number(v) for v in some] for some in (member.a, member.q)]
-    place = [given[0], field.symbols, given[1]]
-    matrix = exact_matrix(family, *place)
-    equations = family.graph.residual.run(EXACT, place)[0] if member.near is not None else []
-    value = _values(member, field)
-
-    def vanishes(poly: Any) -> bool | None:
-        ball = value(poly)
-        if not ball.contains(0):
-            return False if ball.is_finite() else None
-        return True if ball.abs_upper() < SMALL else None
-
-    unknowns = set(range(len(family.unknown)))
-    free = {i for i in field.meaning if field.uses(i) & unknowns}
-    polynomials = [r.num for r in equations if isinstance(r, Expression) and r.num != 0]
-    relations = Triangular(field, polynomials, unknowns | free, vanishes)
-
-    def tidy(entry: Any) -> Any:
-        if not isinstance(entry, Expression):
-            return entry
-        entry = relations.value(entry)
-        return field.quotient(*relations.reduce([entry.num, entry.den]))
-
-    def sign(entry: Any) -> int:
-        if not isinstance(entry, Expression):
-            return int(entry > 0) - int(entry < 0)
-        entry = tidy(entry)
-        return 0 if entry.num == 0 else _sign(value(entry.num) / value(entry.den))
-
-    return [[tidy(entry) for entry in row] for row in matrix], Ground(sign, tidy)
+    polynomial = MemberPolynomial(member, Budget(MOST_TERMS, MOST_SECONDS))
+    matrix = [[polynomial.tidy(entry) for entry in row] for row in polynomial.matrix]
+    return matrix, Ground(polynomial.sign, polynomial.tidy)
 
 
 READINGS = _over_number_field, _over_expressions
@@ -554,22 +579,10 @@ def _sign(ball: Any) -> int:
     raise NotExact("a sign that the balls leave open")
 
 
-def _values(member: Member, field: RecordingField) -> Callable[[Any], Any]:
-    """The function from a polynomial in indeterminates to its ball at the member."""
-    with precision(ROOT_BITS):
-        known = _Enclosed(field, enumerate(member.unknowns_in_balls()))
-
-    def value(poly: Any) -> Any:
-        with precision(ROOT_BITS):
-            return arb(evaluate(poly, known))
-
-    return value
-
-
 class _Enclosed(dict[int, Any]):
     """Balls of indeterminates; those of functions are found when they are asked for."""
 
-    def __init__(self, field: RecordingField, known: Iterable[tuple[int, Any]]) -> None:
+    def __init__(self, field: FunctionField, known: Iterable[tuple[int, Any]]) -> None:
         super().__init__(known)
         self._field = field
 

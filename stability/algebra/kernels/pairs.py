@@ -1,4 +1,7 @@
-"""Values of polynomials in pairs of doubles, for arrays and in compiled loops."""
+"""Sums and products of doubles without an error, and polynomials in pairs of doubles.
+
+For arrays and in compiled loops; `stability.algebra.double_double` builds numbers of them.
+"""
 
 from __future__ import annotations
 
@@ -15,13 +18,24 @@ def two_sum(x: Any, y: Any) -> Any:
     return s, (x - (s - t)) + (y - t)
 
 
+def halves(x: Any) -> Any:
+    """A number below 1e290 as a sum of two with at most 26 bits."""
+    wide = 134217729.0 * x
+    high = wide - (wide - x)
+    return high, x - high
+
+
+def left_over(p: Any, a: Any, b: Any, c: Any, d: Any) -> Any:
+    """The rounding error of a product p of two numbers with halves a, b and c, d (Dekker)."""
+    return ((a * c - p) + a * d + b * c) + b * d
+
+
 def two_product(x: Any, y: Any) -> Any:
-    """Product and its rounding error (Dekker), for numbers below 1e290."""
+    """Product and its rounding error."""
     p = x * y
-    u, v = 134217729.0 * x, 134217729.0 * y
-    a, b = u - (u - x), v - (v - y)
-    c, d = x - a, y - b
-    return p, ((a * b - p) + a * d + c * b) + c * d
+    a, b = halves(x)
+    c, d = halves(y)
+    return p, left_over(p, a, b, c, d)
 
 
 def step(high: Any, low: Any, x: Any, rest: Any, more: Any, less: Any) -> Any:

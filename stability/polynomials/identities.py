@@ -16,18 +16,20 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import lru_cache, reduce
+from functools import cached_property, lru_cache, reduce
 from typing import Any
 
 import numpy as np
 from flint import fmpq, fmpq_mat
 
-from ...algebra.exact.function_field import SPARE, Expression, FunctionField
-from ...algebra.exact.number_fields import EXACT, NotExact, characteristic, vanishes
-from ...base.errors import StabilityError
-from ..family import Family
-from .places import Pattern, components, mirrored, sparse_zeros
-from .structural_zeros import structure
+from ..algebra.exact.function_field import SPARE, Expression, FunctionField, counted
+from ..algebra.exact.number_fields import NotExact, characteristic, vanishes
+from ..algebra.exact.routh import times
+from ..base.errors import StabilityError
+from ..systems.family import Family
+from ..systems.structure.places import Pattern, blocks_of, mirrored, nonzero, sparse_zeros
+from ..systems.structure.structural_zeros import structure
+from .characteristic import CharacteristicPolynomial
 
 # --- coefficients that vanish ---
 
@@ -243,6 +245,41 @@ class Identity:
     """Whether the spectrum is symmetric under λ → -λ identically: det(λ - A) is even or odd."""
 
 
+class FreePolynomial(CharacteristicPolynomial):
+    """The polynomial with every number free, on no branch: its identities hold at every member."""
+
+    constants = True
+
+    def __init__(self, family: Family) -> None:
+        functions = max(SPARE, FUNCTIONS * len(family.system.states))
+        super().__init__(family, {}, counted(), spare=functions)
+
+    def zero(self, value: Any) -> bool:
+        """Whether an entry is zero at every member: identically, or by the only equation."""
+        if vanishes(value) or not isinstance(value, Expression):
+            return bool(vanishes(value))
+        equation = self.equations[0].num if len(self.places) == 1 else None
+        return equation is not None and bool(divmod(value.num, equation)[1] == 0)
+
+    @cached_property
+    def tangents(self) -> int:
+        """Number of tangents of the family that are null vectors at every isolated root.
+
+        The rates outside the solved equations must vanish identically.  All rates then vanish along
+        the branch, and the chain rule gives A·∂x/∂at = 0.  Ignorable states stand apart: the block
+        of the other states has these tangents, and each ignorable state one zero of its own.
+        """
+        family = self.family
+        states = family.system.states
+        equations = () if family.closed else family.equations
+        solved = {states.index(n) for n in equations if n in states}
+        with suppress(ArithmeticError):
+            rates = self.rows(family.graph.rates)
+            if all(i in solved or self.zero(rates[i][0]) for i in family.resting):
+                return family.tangents + len(family.left_out)
+        return 0
+
+
 @lru_cache(maxsize=64)
 def identity(family: Family) -> Identity:
     """Zeros of the characteristic polynomial that are identities of expressions.
@@ -252,27 +289,14 @@ def identity(family: Family) -> Identity:
     Identity
         A lower bound: an expression that is too large to compute counts as not proved.
     """
-    _, parts = field_of(family)
     tangents, zeros, even = 0, 0, False
     places = stored(family)  # sparsity needs no arithmetic, at any size
-    with suppress(ArithmeticError):
-        zero = on_the_branch(family, parts)
-        tangents = fixed_directions(family, parts, zero)
-        sampled = structure(family)
-        zeros, even = _zero_pattern(
-            exact_matrix(family, *parts), zero, (sampled.zeros, sampled.even)
-        )
+    with suppress(ArithmeticError, StabilityError):
+        free, sampled = FreePolynomial(family), structure(family)
+        tangents = free.tangents
+        zeros, even = _zero_pattern(free.matrix, free.zero, (sampled.zeros, sampled.even))
     zeros = max(zeros, tangents, sparse_zeros(places), len(family.left_out))
     return Identity(zeros, even or mirrored(places))
-
-
-def field_of(family: Family) -> tuple[FunctionField, list[list[Any]]]:
-    """A field over a family's numbers: family parameters, unknowns and parameters."""
-    names = family.at, tuple(family.unknown), family.parameters
-    functions = max(SPARE, FUNCTIONS * len(family.system.states))
-    field = FunctionField(sum(names, ()), spare=functions)
-    symbols = iter(field.symbols)
-    return field, [[next(symbols) for _ in some] for some in names]
 
 
 def stored(family: Family) -> Pattern:
@@ -282,21 +306,6 @@ def stored(family: Family) -> Pattern:
     for i, j in graph.places[0]:
         out[i, j] = True
     return out
-
-
-def on_the_branch(family: Family, parts: Sequence[Sequence[Any]]) -> Callable[[Any], bool]:
-    """Test whether an expression is zero at every member: identically, or by the equation."""
-    if family.closed or len(family.unknown) != 1:
-        return vanishes
-    residual, _ = family.graph.residual.run(EXACT, parts)
-    equation = residual[0].num
-
-    def zero(value: Any) -> bool:
-        if vanishes(value) or not hasattr(value, "num"):
-            return bool(vanishes(value))
-        return bool(divmod(value.num, equation)[1] == 0)
-
-    return zero
 
 
 def certain(family: Family) -> bool:
@@ -322,40 +331,9 @@ def symmetric(family: Family) -> bool:
     return structure(family).even and certain(family) and identity(family).even
 
 
-def exact_matrix(
-    family: Family, a: Sequence[Any], u: Sequence[Any], q: Sequence[Any]
-) -> list[list[Any]]:
-    """The linearisation in exact numbers or expressions.
-
-    Raises
-    ------
-    NotExact
-        If an entry has no exact value, or is too large.
-    """
-    fields = (v.field for v in (*a, *u, *q) if isinstance(v, Expression))
-    algebra = next((field.algebra for field in fields), EXACT)
-    try:
-        return family.graph.matrix.dense(algebra, [list(a), list(u), list(q)])
-    except (ZeroDivisionError, StabilityError) as error:
-        raise NotExact(str(error)) from None
-
-
-def blocks_of(
-    matrix: list[list[Any]], zero: Callable[[Any], bool] = vanishes
-) -> list[list[list[Any]]]:
-    """Diagonal blocks of the block triangular form: their polynomials multiply to the whole."""
-    members = components(nonzero(matrix, zero))
-    return [[[matrix[i][j] for j in some] for i in some] for some in members]
-
-
-def nonzero(matrix: list[list[Any]], zero: Callable[[Any], bool] = vanishes) -> Pattern:
-    """Whether each entry is not proved to be zero."""
-    return np.array([[not zero(entry) for entry in row] for row in matrix])
-
-
 def whole_polynomial(matrix: list[list[Any]]) -> list[Any]:
     """det(λ - A) by powers of λ, lowest first."""
-    return reduce(_product, map(characteristic, blocks_of(matrix)))
+    return reduce(times, map(characteristic, blocks_of(matrix)))
 
 
 def _zero_pattern(
@@ -419,35 +397,9 @@ def zeros_and_parity(
             mixed.append(rest)
     if mixed and even:  # a product may be even where no single block is: (λ - a)(λ + a)
         with suppress(NotExact):
-            return zeros, _is_even(reduce(_product, mixed), zero)
+            return zeros, _is_even(reduce(times, mixed), zero)
     return zeros, even and not mixed
 
 
 def _is_even(poly: Sequence[Any], zero: Callable[[Any], bool]) -> bool:
     return len(poly) % 2 == 1 and all(zero(c) for c in poly[1::2])
-
-
-def _product(p: Sequence[Any], q: Sequence[Any]) -> list[Any]:
-    out: list[Any] = [0] * (len(p) + len(q) - 1)
-    for i, x in enumerate(p):
-        for j, y in enumerate(q):
-            out[i + j] = out[i + j] + x * y
-    return out
-
-
-def fixed_directions(
-    family: Family, parts: Sequence[Sequence[Any]], zero: Callable[[Any], bool]
-) -> int:
-    """Number of tangents of the family that are null vectors at every isolated root.
-
-    The rates outside the solved equations must vanish identically.  All rates then vanish along
-    the branch, and the chain rule gives A·∂x/∂at = 0.  Ignorable states stand apart: the block of
-    the other states has these tangents, and each ignorable state one zero of its own.
-    """
-    states = family.system.states
-    solved = set() if family.closed else {states.index(n) for n in family.equations if n in states}
-    with suppress(ArithmeticError):
-        rates = family.graph.rates.dense(EXACT, parts)
-        if all(i in solved or zero(rates[i][0]) for i in family.resting):
-            return family.tangents + len(family.left_out)
-    return 0

@@ -17,26 +17,17 @@ from typing import Any
 import numpy as np
 from flint import arb, fmpq, fmpq_mat
 
-from ...algebra.exact.hurwitz_forms import TooLarge
-from ...algebra.exact.number_fields import NotExact, vanishes
-from ...algebra.number_types import balls, precision
-from ...base.errors import NoMemberError
-from ...base.verdict import Verdict, best
-from ..family import Family
-from .enclosure import ball_unknowns
-from .identities import (
-    MOST_STATES,
-    constant_kernels,
-    exact_matrix,
-    field_of,
-    fixed_directions,
-    nonzero,
-    on_the_branch,
-    stored,
-)
+from ..algebra.exact.hurwitz_forms import TooLarge
+from ..algebra.exact.number_fields import NotExact, vanishes
+from ..algebra.number_types import balls, precision
+from ..base.errors import NoMemberError, StabilityError
+from ..base.verdict import Verdict, best
+from ..systems.family import Family
+from ..systems.structure.enclosure import ball_unknowns
+from ..systems.structure.places import Pattern, nonzero
+from ..systems.structure.structural_zeros import SAMPLE_BITS, sampled, structure
+from .identities import MOST_STATES, FreePolynomial, constant_kernels, stored
 from .member import READINGS, ROOT_BITS, Member
-from .places import Pattern
-from .structural_zeros import SAMPLE_BITS, sampled, structure
 
 Rows = Sequence[Sequence[Any]]
 
@@ -82,19 +73,18 @@ def kernels(family: Family, count: int) -> tuple[int, ...]:
     count
         Number of zero eigenvalues of A.
     """
-    field, parts = field_of(family)
     sizes = [_sparse(stored(family)[np.ix_(family.resting, family.resting)])] * count
-    with suppress(ArithmeticError):
-        zero = on_the_branch(family, parts)
-        directions = fixed_directions(family, parts, zero) - len(family.left_out)
-        matrix = kept_block(family, exact_matrix(family, *parts))
-        constant = constant_kernels(matrix, zero)
-        least = max(directions, _sparse(nonzero(matrix, zero)), sizes[0])
+    with suppress(ArithmeticError, StabilityError):
+        free = FreePolynomial(family)
+        directions = free.tangents - len(family.left_out)
+        matrix = kept_block(family, free.matrix)
+        constant = constant_kernels(matrix, free.zero)
+        least = max(directions, _sparse(nonzero(matrix, free.zero)), sizes[0])
         sizes = [max(size, least) for size in _extended(constant, count)]
         if sizes[0] < count and len(matrix) <= MOST_STATES:
             for p, whole in enumerate(_powers(matrix, count)):
                 rank = rank_of(whole, lambda v: not vanishes(v))
-                if not field.integral:  # a divisor of zero may have been a pivot
+                if not free.field.integral:  # a divisor of zero may have been a pivot
                     break
                 sizes[p] = max(sizes[p], len(matrix) - rank)
                 if sizes[p] >= count:
