@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import pickle
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self
 
@@ -21,6 +21,7 @@ from ..base.errors import DomainError, ParameterError, listing, shown
 from ..base.quantities import Quantity
 from ..base.types import Record, content, fields_of
 from .constant_matrix import ConstantMatrix
+from .graph.switches import by_signs
 from .system_checks import check_implicit, check_system, expression, mapping, names
 
 
@@ -188,6 +189,23 @@ class Equations(Portable, Record):
             )
         object.__setattr__(self, "conditions", tuple(given))
         check_system(self)
+        if not self.quantities:  # a body's equations have no switches
+            self._write_by_signs()
+
+    def _write_by_signs(self) -> None:
+        """Write maxima, branches and comparisons by the sign of a difference."""
+        implicit = {n: v for n in ("mass", "forcing") if (v := getattr(self, n)) is not None}
+        limits = [c.value for c in self.conditions]
+        parts = [self.rhs, *self.observables.values(), *limits, *implicit.values()]
+        if (found := by_signs([self.x, self.p], parts)) is None:
+            return
+        rest = iter(found)
+        object.__setattr__(self, "rhs", next(rest))
+        object.__setattr__(self, "observables", {n: next(rest) for n in self.observables})
+        conditions = tuple(replace(c, value=next(rest)) for c in self.conditions)
+        object.__setattr__(self, "conditions", conditions)
+        for name in implicit:
+            object.__setattr__(self, name, next(rest))
 
     @classmethod
     def from_mass_matrix(

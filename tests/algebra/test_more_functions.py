@@ -196,8 +196,6 @@ def test_members_at_an_edge_of_a_function_are_refused(force: ca.SX) -> None:
     ("force", "word"),
     [
         (ca.erf(V), "erf"),
-        (ca.fmin(V, X), "fmin"),
-        (ca.if_else(X > 0, X, 2 * X), "a branch"),
         (ca.floor(X), "floor"),
         (ca.fmod(X, 2), "fmod"),
         (ca.copysign(X, V), "copysign"),

@@ -192,4 +192,4 @@ def test_a_member_at_the_edge_of_the_domain_of_a_power_is_refused(force: ca.SX, 
 def test_a_gap_that_is_removable_is_called_so(force: ca.SX, removable: bool) -> None:
     with pytest.raises(st.StabilityError) as refusal:
         st.spectrum(rest(force), at=0.5)
-    assert ("so the gap is removable; cancel" in str(refusal.value)) is removable
+    assert ("from all sides; cancel a common" in str(refusal.value)) is removable

@@ -94,9 +94,12 @@ class Expression(Element):
         """√(x²): rational, or an indeterminate whose square is known and whose sign is not."""
         with suppress(NotExact):
             return super().fabs()
-        num = self.field.root("fabs", self.field.reduced(self.num * self.num))
-        den = self.field.root("fabs", self.field.reduced(self.den * self.den))
-        return num / den
+        return self._size(self.num) / self._size(self.den)
+
+    def _size(self, part: Any) -> Expression:
+        if part.is_constant():
+            return self.field.number(abs(part.leading_coefficient()) if part != 0 else 0)
+        return self.field.root("fabs", self.field.reduced(part * part))
 
     def function(self, name: str) -> Any:
         """The function's value: rational, or an indeterminate with a relation to its partner."""

@@ -37,9 +37,9 @@ KINKED = (
     "spectrum needs rates that are differentiable at the member."
 )
 REMOVABLE = (
-    "the rates have no value there, as sin(x)/x at 0, and tend to one value from all sides, so the "
-    "gap is removable; cancel the common factor, put the first terms of its series in place of the "
-    "quotient, or take a member next to it."
+    "the rates have no value there, as sin(x)/x at 0 or max(x, 0) on its switch, and tend to one "
+    "value from all sides; cancel a common factor, put the first terms of its series in place of "
+    "the quotient, or take a member next to it."
 )
 EDGES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "sqrt": ((0.0,), ()),

@@ -19,6 +19,7 @@ import casadi as ca
 from ...algebra.number_types import MORE, UNARY
 from ...base.errors import NameUnknownError, ParameterError, listed, shown
 from ..equations import Condition
+from ..graph.switches import above
 from .exact_terms import (
     MINUS,
     ONE,
@@ -47,11 +48,20 @@ RECIPROCAL = {
 }
 """Functions that are one over a function of the graph."""
 DIRECT: dict[str, Callable[[Any], Any]] = {n: getattr(ca, n) for n in (*UNARY, *MORE)} | {
-    "Abs": ca.fabs
+    "Abs": ca.fabs,
+    "sign": ca.sign,
+    "Heaviside": above,
 }
 """Functions of one number in SymPy that a graph has, by SymPy's name."""
 ANGLE = "atan2"
 """The one function of two numbers."""
+PIECES: dict[str, Callable[[Term, Term], Term]] = {
+    "Max": lambda a, b: chosen(above(graph(plus(a, times(MINUS, b)))), a, b),
+    "Min": lambda a, b: chosen(above(graph(plus(b, times(MINUS, a)))), a, b),
+    "And": times,
+    "Or": lambda a, b: plus(a, times(b, plus(ONE, times(MINUS, a)))),
+}
+"""Functions and conditions of two terms or more, two at a time."""
 DIGITS = 25
 """Digits to which a number that is no fraction is computed before it becomes a double."""
 
@@ -121,11 +131,54 @@ def _parts(one: Any) -> tuple[Any, ...]:
     """Arguments that are read first; a rational exponent is no term."""
     if one.is_Pow:
         return tuple(one.args[:1] if one.exp.is_Rational else one.args)
-    known = one.is_Function and type(one).__name__ in (*DIRECT, *RECIPROCAL, ANGLE)
+    name = type(one).__name__
+    if name == "Piecewise":
+        return tuple(part for pair in one.args for part in pair.args)
+    if name == "Heaviside":  # its value at 0 is none of a switch
+        return tuple(one.args[:1])
+    if one.is_Relational or one.is_Boolean or name in PIECES:
+        return tuple(one.args)
+    known = one.is_Function and name in (*DIRECT, *RECIPROCAL, ANGLE)
     return tuple(one.args) if one.is_Add or one.is_Mul or known else ()
 
 
+def _switch(one: Any, parts: list[Term]) -> Term | None:
+    """The term of a condition, or of an expression of several pieces; None for any other."""
+    name = type(one).__name__
+    if name in PIECES:
+        return reduce(PIECES[name], parts)
+    if name in ("BooleanTrue", "BooleanFalse"):
+        return ONE if name == "BooleanTrue" else ZERO
+    if name == "Not":
+        return plus(ONE, times(MINUS, parts[0]))
+    if one.is_Relational:
+        less = plus(parts[1], times(MINUS, parts[0]))  # above zero where the left side is smaller
+        equal = power(ca.sign(graph(less)), 2)
+        falling = name in ("StrictLessThan", "LessThan")
+        if name in ("Equality", "Unequality"):
+            return equal if name == "Unequality" else 1 - equal
+        return above(graph(less if falling else times(MINUS, less)))
+    if name != "Piecewise":
+        return None
+    if type(one.args[-1].cond).__name__ != "BooleanTrue":
+        raise ParameterError(
+            f"the equations hold {shown(str(one))}, which has no value where no condition holds; "
+            "end it with a piece whose condition is True."
+        )
+    value = parts[-2]
+    for piece, where in zip(parts[-4::-2], parts[-3::-2], strict=True):
+        value = chosen(where, piece, value)
+    return value
+
+
+def chosen(where: Term, yes: Term, no: Term) -> Term:
+    """The first term where a condition is one, and the second where it is zero."""
+    return plus(times(where, yes), times(plus(ONE, times(MINUS, where)), no))
+
+
 def _term(one: Any, parts: list[Term]) -> Term:
+    if (switch := _switch(one, parts)) is not None:
+        return switch
     if one.is_Rational:
         return Fraction(int(one.p), int(one.q))
     if one.is_Float and one.is_finite:
@@ -192,6 +245,8 @@ def _irrational(one: Any) -> bool:
 
     Sums and products are read part by part: 3π is three times the double.
     """
+    if one.is_Boolean or one.is_Relational:
+        return False
     read = one.is_Rational or one.is_Float or one.is_Add or one.is_Mul
     return bool(one.is_number and not read and one.is_finite and one.is_extended_real)
 
