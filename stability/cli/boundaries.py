@@ -7,8 +7,9 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from ..base.errors import ParameterError
+from ..base.quantities import behind
 from .options import AXIS, CERTIFY, answer, axis_of, flags
-from .subject import CommandSubject, add_subject, behind, doubles, options_subject
+from .subject import CommandSubject, add_subject, doubles, options_subject
 from .terminal import waiting
 
 EXAMPLES = (
@@ -74,9 +75,11 @@ def _lines(subject: CommandSubject, axis: Sequence[Any], found: Any) -> Iterator
 
     name = subject.own_name(axis[0])
     unit = behind(subject.units.get(name, "1"))
-    place = subject.place({**subject.at, **subject.beyond((axis[0], name))}, words=True)
+    place = subject.place({**subject.at, **subject.beyond((axis[0], name))})
     where = f"{subject.title}, along {name} from {axis[1]:g} to {axis[2]:g}{unit}"
     yield where + f", at {place}" * bool(place)
+    if subject.law:
+        yield subject.law
     for b in found:
         side = "below" if b.stable_below else "above"
         word = "not unstable" if b.good is Verdict.UNDECIDED else b.good.word

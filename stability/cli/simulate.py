@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..base.errors import ParameterError
+from ..base.quantities import behind, unit_of
 from .options import (
     answer,
     dataset_help,
@@ -19,7 +20,7 @@ from .options import (
     step_error,
     targets_of,
 )
-from .subject import CommandSubject, add_launch, behind, options_subject
+from .subject import CommandSubject, add_launch, options_subject
 from .terminal import progress_bar, waiting
 
 EXAMPLES = (
@@ -156,7 +157,7 @@ def _lines(
     from ..storage.targets import path_text
 
     def written(name: str, value: float) -> str:
-        unit = "1" if subject.dimensionless else dataset[name].attrs.get("units", "1")
+        unit = unit_of(dataset[name].attrs)
         return f"{value:.9g}{behind(unit)}"
 
     final = (f"{name} = {written(name, value)}" for name, value in record["final"].items())
@@ -170,6 +171,9 @@ def _lines(
         yield f"error     of the final state: {record['final_error']:.1e}, estimated"
     if record["energy_error"] is not None:
         yield f"energy    audited to {record['energy_error']:.1e} of {subject.energy}"
+    if subject.law:
+        yield f"launch    {subject.title}, {subject.place(subject.numbers)}".rstrip(", ")
+        yield f"law       {subject.law}"
     yield f"method    {record['method']}, {record['steps']} steps: {record['method_reason']}"
     for path in targets.values():
         yield f"wrote     {path_text(path)}"

@@ -59,6 +59,8 @@ def run(options: argparse.Namespace) -> None:
 
 def _lines(subject: CommandSubject, result: Any) -> Iterator[str]:
     yield f"{subject.title}, at {subject.place({**subject.at, **subject.numbers})}"
+    if subject.law:
+        yield f"law         {subject.law}"
     yield f"verdict     {result.verdict.value}"
     yield f"nonlinear   {result.nonlinear.value}"
     yield f"reason      {result.reason}"

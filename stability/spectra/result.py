@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..algebra.eigensolver import EigenSolver, eigenpairs, lapack
 from ..base.citation import cited
 from ..base.errors import ParameterError, StabilityError
-from ..base.quantities import Kind, Quantity, rate_unit
+from ..base.quantities import Kind, Quantity, behind, rate_unit
 from ..base.types import Complexes, Floats, Record, fields_of
 from ..base.verdict import BY_CODE, CODES, Nonlinear, Verdict
 from ..systems.family import Family
@@ -142,6 +142,8 @@ def _places(found: Any) -> NDArray[np.int8]:
 
 MOST = 8
 """Most eigenvalues in one line; those that decay fastest are left out."""
+LENGTHS = ("radius", "length")
+"""Names of the unit of length of a disk and of a body."""
 LONGEST = 60
 """Most rows of a table."""
 
@@ -173,9 +175,34 @@ def counted(spectrum: Any) -> str:
 
 
 def member(spectrum: Any) -> str:
-    """Family parameters of a single spectrum by name."""
+    """Family parameters of a single spectrum by name, with their units."""
     given = zip(spectrum.family.at, np.asarray(spectrum.at), strict=True)
-    return ", ".join(f"{n} = {v:.6g}" for n, v in given)
+    return ", ".join(f"{n} = {v:.6g}{behind(_unit(spectrum, n))}" for n, v in given)
+
+
+def _unit(spectrum: Any, name: str) -> str:
+    """The unit of a number, in words where it is dimensionless."""
+    system = spectrum.family.system
+    known = system.quantities.get(name)
+    if known is None:
+        return str(system.units.get(name, "1"))
+    return known.kind.label(dimensionless=spectrum.dimensionless)  # type: ignore[no-any-return]
+
+
+def _law(spectrum: Any) -> str:
+    """The contact law with its formula and numbers; empty for a user's system."""
+    known = spectrum.family.system.quantities
+    if not known:
+        return ""
+    law = spectrum.family.system.name.rpartition(", ")[2]
+    values = {spectrum.family.meaning(n): v for n, v in spectrum.values.items()}
+    formula, numbers = "", []
+    for name, value in values.items():
+        if name in known and known[name].formula:
+            formula = f" ({known[name].formula})"
+            if np.ndim(value) == 0:
+                numbers.append(f"{name} = {float(value):.6g}{behind(_unit(spectrum, name))}")
+    return ", ".join([f"{law} contact{formula}", *numbers])
 
 
 def of_body(spectrum: Any) -> str:
@@ -184,6 +211,8 @@ def of_body(spectrum: Any) -> str:
     values = {spectrum.family.meaning(n): v for n, v in spectrum.values.items()}
     single = {n: float(v) for n, v in values.items() if np.ndim(v) == 0}
     single = {n: single[n] for n in (*spectrum.family.at, *single) if n in single}
+    if spectrum.dimensionless:
+        single = {n: v for n, v in single.items() if n not in ("mass", *LENGTHS, "gravity")}
     known = {n: Quantity(n, "", n, Kind.NUMBER) for n in single} | dict(system.quantities)
     return ", ".join(
         known[n].value(v, dimensionless=spectrum.dimensionless) for n, v in single.items()
@@ -195,14 +224,15 @@ def line(spectrum: Any) -> str:
     shape, count = spectrum.eigenvalues.shape[:-1], spectrum.eigenvalues.shape[-1]
     unit = f" [{spectrum.rate_unit}]" if spectrum.rate_unit != "1" else ""
     number = f"{count} eigenvalue{'s' * (count != 1)}"
+    law = f", {contact}" if (contact := _law(spectrum)) else ""
     if not shape:
         said = numbers(spectrum.eigenvalues)
         verdict = ": ".join(filter(None, [spectrum.verdict.word, spectrum.growth()]))
         more = "…, " * (len(said) > MOST)
         told = f"{number}{unit}: {more}{', '.join(said[-MOST:])}" if said else number
         there = f" at {where}" if (where := member(spectrum)) else ""
-        return f"<Spectrum of {spectrum.family.name}{there}: {verdict}; {told}>"
-    what = f"{' x '.join(map(str, shape))} points"
+        return f"<Spectrum of {spectrum.family.name}{there}{law}: {verdict}; {told}>"
+    what = f"{' x '.join(map(str, shape))} points{law}"
     rates = ""
     if spectrum.codes.size and count:
         low, high = np.min(spectrum.abscissa), np.max(spectrum.abscissa)
@@ -219,7 +249,8 @@ def page(spectrum: Any) -> str:
     where = "" if spectrum.codes.ndim else member(spectrum)
     if family.system.quantities:
         names, where = [family.system.quantities[n].symbol for n in names], of_body(spectrum)
-        title += " contact"
+        formulas = {q.formula for q in family.system.quantities.values() if q.formula}
+        title += f" contact{''.join(f' ({escape(f)})' for f in formulas)}"
     if not spectrum.codes.ndim:
         head = f"{title}, {escape(where)}: {escape(spectrum.verdict.value)}"
         head += f"; {escape(spectrum.growth())}" * bool(spectrum.growth())

@@ -229,10 +229,11 @@ def test_coarse_scans_name_what_crosses_as_fine_ones_do() -> None:
 def test_mu_under_the_linear_law_follows_the_mass_and_gravity_of_each_cell() -> None:
     law = st.LinearViscous(mu=0.3)
     axes = {"x": ("mass", 0.5, 2.0, 4), "y": ("gravity", 0.5, 2.0, 3)}
-    found = st.stability_map("rolling", **axes, at=1.3, contact=law)
+    size = st.Disk(mass=1.0, radius=1.0, gravity=1.0)
+    found = st.stability_map("rolling", **axes, at=1.3, contact=law, disk=size)
     for i, gravity in enumerate(found.gravity.values):
         for j, mass in enumerate(found.mass.values):
-            disk = st.Disk(mass=float(mass), gravity=float(gravity))
+            disk = st.Disk(mass=float(mass), radius=1.0, gravity=float(gravity))
             one = st.spectrum("rolling", at=1.3, disk=disk, contact=law)
             two = st.spectrum("rolling", at=1.3, disk=disk, contact=st.Viscous(0.3))
             assert float(found.abscissa[i, j]) == pytest.approx(one.abscissa, rel=1e-12)
@@ -340,7 +341,10 @@ def test_a_chunk_of_another_length_is_worked_anew(tmp_path: Path) -> None:
 
 
 def test_a_swept_radius_makes_the_map_si() -> None:
-    found = st.stability_map("rolling", x=("radius", 0.1, 1, 3), y=("mu", 1, 2, 3), at=3.0)
+    disk = st.Disk(mass=1.0, radius=1.0, gravity=1.0)
+    found = st.stability_map(
+        "rolling", x=("radius", 0.1, 1, 3), y=("mu", 1, 2, 3), at=3.0, disk=disk
+    )
     assert found.abscissa.attrs["units"] == "1/s"
     assert found.radius.attrs["units"] == "m"
 
