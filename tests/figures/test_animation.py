@@ -189,7 +189,7 @@ def test_without_ffmpeg_a_sentence_says_what_to_install(
 
     monkeypatch.setattr(animation.shutil, "which", lambda _: None)
     monkeypatch.setattr(animation, "import_module", missing)
-    with pytest.raises(st.StabilityError, match=r"pip install stability\[video\]"):
+    with pytest.raises(st.StabilityError, match=r"pip install '\.\[video\]'` from a checkout"):
         animate(launch(), tmp_path / "a.mp4")
     assert not list(tmp_path.iterdir())
 
