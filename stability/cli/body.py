@@ -10,7 +10,7 @@ from typing import Any
 
 from ..base.errors import NameUnknownError, ParameterError, StabilityError, shown
 from .modules import named_in
-from .options import given, nearest
+from .options import given, nearest, real
 
 ACCURACY = "tolerance"
 """Argument of a body's function that is no number of its shape."""
@@ -32,10 +32,10 @@ def add_body(parser: argparse.ArgumentParser, *, place: bool = True) -> None:
     hollow = "with --body: a surface alone"
     parser.add_argument("--hollow", action="store_false", dest="solid", help=hollow)
     length = "with --body: unit of the body's numbers [m], with --mass and --gravity"
-    parser.add_argument("--length", type=float, help=length)
+    parser.add_argument("--length", type=real, help=length)
     if place:
         theta = "with --body: where it rolls, if at several inclinations"
-        parser.add_argument("--theta", type=float, help=theta)
+        parser.add_argument("--theta", type=real, help=theta)
         pole = "with --body, for vertical: its theta, 0 or pi (default 0)"
         parser.add_argument("--pole", help=pole)
 

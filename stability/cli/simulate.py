@@ -16,6 +16,7 @@ from .options import (
     flags,
     overwriting,
     plotting,
+    real,
     save,
     step_error,
     targets_of,
@@ -39,12 +40,12 @@ MOST = 10_000_000
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     add_launch(parser)
-    parser.add_argument("--time", type=float, metavar="T", help="last time (needed)")
+    parser.add_argument("--time", type=real, metavar="T", help="last time (needed)")
     parser.add_argument("--points", type=int, metavar="N", help="samples from 0 to T (default 201)")
     parser.add_argument("--method", default="auto", help=_methods)  # type: ignore[arg-type]
     step_error(parser)
     seconds = "computing time after which it gives up (default 8)"
-    parser.add_argument("--max-seconds", type=float, default=8.0, metavar="S", help=seconds)
+    parser.add_argument("--max-seconds", type=real, default=8.0, metavar="S", help=seconds)
     check = "do not run the neighbours of each launch, which tell the error of its end: faster"
     flags(parser, {"--no-check": check, "--pose": "φ, ψ and the paths in the plane too"})
     parser.add_argument("--out", metavar="F.nc", help=dataset_help("write"))  # type: ignore[arg-type]

@@ -23,7 +23,7 @@ from ..bodies.families import FAMILIES, leaning
 from ..bodies.quantities import THIN, round_quantities
 from .body import add_body, middles, round_body
 from .modules import family_named, system_with_families
-from .options import given, number, values
+from .options import given, number, real, values
 
 SCALES = {"mass": ("body", "kg"), "radius": ("disk", "m"), "gravity": ("body", "m/s²")}
 """Options of dimensional numbers: of what, and their units."""
@@ -106,7 +106,7 @@ def add_subject(
         for scale, (of, unit) in SCALES.items()
     }
     inertia = "inertia factor in (0, 1/2] (default 1/4)"
-    values(parser, float, {"--mu": ("MU", mu), **epsilon, "--k": ("K", inertia), **scales})
+    values(parser, real, {"--mu": ("MU", mu), **epsilon, "--k": ("K", inertia), **scales})
     parser.add_argument("--disk", help=f"a real disk: {', '.join(REAL_DISKS)}")
     text = "a number by name, of the body, the law, or a system of your own; once for each"
     add_numbers(parser, numbers or text)
@@ -135,16 +135,16 @@ def add_member(parser: argparse.ArgumentParser) -> None:
     several = [f"for {listed(n)} {','.join(at).upper()}" for at, n in names.items() if len(at) > 1]
     parser.add_argument("--at", help="; ".join([one, *several]))
     help_ = f"for {leaning()}, in place of --at: π/2 - theta, 0 is upright"
-    parser.add_argument("--lean", type=float, help=help_)
+    parser.add_argument("--lean", type=real, help=help_)
 
 
 def add_launch(parser: argparse.ArgumentParser) -> None:
     """Add the options of one launch: states, subject, and moments against it."""
-    values(parser, float, {_option(name): ("X", text) for name, text in STATES.items()})
+    values(parser, real, {_option(name): ("X", text) for name, text in STATES.items()})
     start = "with --system: every state by name, such as q=0.1,v=0"
     parser.add_argument("--start", metavar="NAME=X,…", help=start)
     add_subject(parser, motion=True)
-    values(parser, float, {_option(name): texts for name, texts in RESISTANCES.items()})
+    values(parser, real, {_option(name): texts for name, texts in RESISTANCES.items()})
 
 
 def _option(name: str) -> str:

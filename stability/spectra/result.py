@@ -6,10 +6,9 @@ A reader gets it as one line, as a table of HTML, and as a dataset with units an
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,9 +17,11 @@ from numpy.typing import NDArray
 from ..algebra.eigensolver import EigenSolver, eigenpairs, lapack
 from ..base.citation import cited
 from ..base.errors import ParameterError, StabilityError
+from ..base.printing import html_table, in_brackets
 from ..base.quantities import Kind, Quantity, behind, rate_unit
 from ..base.types import Complexes, Floats, Record, fields_of
 from ..base.verdict import BY_CODE, CODES, Nonlinear, Verdict
+from ..storage.text import csv_text
 from ..systems.family import Family
 from ..systems.structure.linearity import linear
 from ..systems.structure.zero_blocks import most_power
@@ -243,24 +244,24 @@ def line(spectrum: Any) -> str:
 def page(spectrum: Any) -> str:
     """A table for a notebook: eigenvalues with error and mode, or a row for each point."""
     family, unit = spectrum.family, spectrum.rate_unit
-    units = f" [{escape(unit)}]" if unit != "1" else ""
-    title = f"<b>{escape(family.name)}</b> of {escape(family.system.name)}"
+    units = f" [{unit}]" if unit != "1" else ""
+    title = f" of {family.system.name}"
     names = list(family.at)
     where = "" if spectrum.codes.ndim else member(spectrum)
     if family.system.quantities:
         names, where = [family.system.quantities[n].symbol for n in names], of_body(spectrum)
         formulas = {q.formula for q in family.system.quantities.values() if q.formula}
-        title += f" contact{''.join(f' ({escape(f)})' for f in formulas)}"
+        title += f" contact{''.join(f' ({formula})' for formula in formulas)}"
     if not spectrum.codes.ndim:
-        head = f"{title}, {escape(where)}: {escape(spectrum.verdict.value)}"
-        head += f"; {escape(spectrum.growth())}" * bool(spectrum.growth())
+        head = ": ".join([f"{title}, {where}" if where else title, spectrum.verdict.value])
+        head += f"; {spectrum.growth()}" * bool(spectrum.growth())
         rows = zip(spectrum.eigenvalues, spectrum.radius, _labels(spectrum), strict=True)
         cells = [
             (f"{v.real + 0.0:+.6g}", f"{v.imag + 0.0:+.6g}", f"{r:.1g}", m) for v, r, m in rows
         ]
         columns = [f"Re λ{units}", f"Im λ{units}", "error", "mode"]
-        return _table(head, columns, cells, f"<i>{escape(spectrum.reason)}</i>")
-    fixed = f", {escape(where)}" * bool(where)
+        return html_table(head, columns, cells, spectrum.reason, name=family.name)
+    fixed = f", {where}" * bool(where)
     head = f"{title}{fixed}: {counted(spectrum)}"
     shape = spectrum.codes.shape
     picked = list(np.ndindex(shape))[:LONGEST]
@@ -273,25 +274,48 @@ def page(spectrum: Any) -> str:
         )
         for i in picked
     ]
-    columns = [*map(escape, names), "verdict", f"largest Re λ{units}", "error"]
+    columns = [*names, "verdict", f"largest Re λ{units}", "error"]
     left = spectrum.codes.size - len(picked)
-    return _table(head, columns, cells, f"and {left} more points" if left else "")
+    more = f"and {left} more points" if left else ""
+    return html_table(head, columns, cells, more, name=family.name)
 
 
 def _labels(spectrum: Any) -> list[str]:
     try:
-        return list(spectrum.modes.labels)
+        return np.ravel(spectrum.modes.labels).tolist()
     except StabilityError:  # a reader still gets the eigenvalues
-        return [""] * spectrum.eigenvalues.shape[-1]
+        return [""] * spectrum.eigenvalues.size
 
 
-def _table(head: str, names: list[str], rows: Sequence[tuple[str, ...]], foot: str) -> str:
-    top = "".join(f"<th>{n}</th>" for n in names)
-    body = "".join("<tr>" + "".join(f"<td>{escape(c)}</td>" for c in row) + "</tr>" for row in rows)
-    below = f"<div>{foot}</div>" if foot else ""
-    return (
-        f"<div>{head}</div><table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>{below}"
-    )
+def flat(spectrum: Any) -> tuple[list[str], list[list[Any]]]:
+    """Header with units, and a row for each eigenvalue of each point, with all that was given.
+
+    Parameters
+    ----------
+    spectrum
+        A `Spectrum`; mass, length and gravity are left out where all are 1.
+    """
+    family, shape = spectrum.family, spectrum.codes.shape
+    numbers = {name: spectrum.at[..., i] for i, name in enumerate(family.at)}
+    for name, value in spectrum.values.items():
+        meaning = family.meaning(name)
+        if not (spectrum.dimensionless and meaning in ("mass", *LENGTHS, "gravity")):
+            numbers.setdefault(meaning, np.broadcast_to(np.asarray(value, dtype=float), shape))
+    rate = in_brackets(spectrum.rate_unit)
+    header = [f"{name}{in_brackets(_unit(spectrum, name))}" for name in numbers]
+    header += ["verdict", "certified", f"real{rate}", f"imaginary{rate}", f"error{rate}", "mode"]
+    labels = np.asarray(_labels(spectrum), dtype=object).reshape(spectrum.eigenvalues.shape)
+    rows: list[list[Any]] = []
+    for index in np.ndindex(shape):
+        given = [float(value[index]) for value in numbers.values()]
+        said = [spectrum.verdict[index].word if shape else spectrum.verdict.word]
+        said.append(bool(np.asarray(spectrum.certified)[index]))
+        for value, radius, label in zip(
+            spectrum.eigenvalues[index], spectrum.radius[index], labels[index], strict=True
+        ):
+            parts = [value.real + 0.0, value.imag + 0.0, radius]
+            rows.append([*given, *said, *map(float, parts), label])
+    return header, rows
 
 
 GROWS = -2
@@ -451,6 +475,35 @@ class Spectrum(Record):
         (('at', 'mode'), 'axial angular velocity')
         """
         return dataset(self)
+
+    def to_csv(self) -> str:
+        """The spectrum as CSV: a line for each eigenvalue of each point, with all that was given.
+
+        The one header line has the units; numbers have all their digits.
+
+        Examples
+        --------
+        >>> import stability as st
+        >>> s = st.spectrum("rolling", at=1.8, contact=st.Viscous(0.3))
+        >>> s.to_csv().splitlines()[0][:40]
+        'omega3 [√(g/R)],k,mu [1/√(gR)],verdict,c'
+        """
+        return csv_text(*flat(self))
+
+    def to_pandas(self) -> Any:
+        """The spectrum as a pandas DataFrame, with the rows and the header of the CSV.
+
+        Examples
+        --------
+        >>> import stability as st
+        >>> s = st.spectrum("rolling", at=[1.2, 1.8], contact=st.Viscous(0.3))
+        >>> s.to_pandas().groupby("omega3 [√(g/R)]").verdict.first().tolist()
+        ['unstable', 'stable']
+        """
+        import pandas as pd
+
+        header, rows = flat(self)
+        return pd.DataFrame(rows, columns=header)
 
     def plot(self, **options: Any) -> Any:
         """Draw the eigenvalues: loci along the one quantity given as an array, or one in the plane.

@@ -139,6 +139,30 @@ def test_mu_has_its_unit_and_its_law_and_is_said_to_be_no_dry_friction(
     assert "viscous: F = -μ N v" in named and "dry friction" not in named
 
 
+@pytest.mark.parametrize(
+    ("fraction", "decimal"),
+    [
+        (["spectrum", "rolling", "--at", "9/4", "--mu", "3/8", "--k", "1/4"],
+         ["spectrum", "rolling", "--at", "2.25", "--mu", "0.375", "--k", "0.25"]),
+        (["spectrum", "tumbling", "--lean", "1/2", "--mu", "1"],
+         ["spectrum", "tumbling", "--lean", "0.5", "--mu", "1"]),
+        (["spectrum", "rolling", "--body", "torus", "--tube", "1/8", "--at", "2", "--mu", "1"],
+         ["spectrum", "rolling", "--body", "torus", "--tube", ".125", "--at", "2", "--mu", "1"]),
+        (["boundaries", "rolling", "--axis", "at:1/8:5/2:9", "--mu", "1"],
+         ["boundaries", "rolling", "--axis", "at:0.125:2.5:9", "--mu", "1"]),
+        (["spectrum", "rolling", "--at", "2", "--contact", "viscous", "--set", "mu=-1/-3"], None),
+        (["spectrum", "rolling", "--at", "2", "--mu", "1/0"], None),
+    ],
+)  # fmt: skip
+def test_a_number_may_be_a_fraction(
+    capsys: pytest.CaptureFixture[str], fraction: list[str], decimal: list[str] | None
+) -> None:
+    if decimal is None:
+        assert "number" in refused(capsys, *fraction)
+        return
+    assert output(capsys, *fraction, "--json") == output(capsys, *decimal, "--json")
+
+
 def test_the_states_of_a_motion_have_their_units(capsys: pytest.CaptureFixture[str]) -> None:
     launch = ["simulate", "--theta", "1.5", "--omega3", "1", "--mu", "0.3", "--time", "0.1"]
     text = output(capsys, *launch)

@@ -11,7 +11,8 @@ import numpy as np
 
 from ...base.checks import Number, broadcast, checked, known, one_number, positive, real_numbers
 from ...base.errors import NameUnknownError, ParameterError, shown
-from ...base.quantities import ONE, DefaultScale, refuse_partial_units
+from ...base.printing import html_table, in_short
+from ...base.quantities import ONE, DefaultScale, Kind, refuse_partial_units
 from ...systems.family import Family
 from ...systems.system_checks import mapping, title
 from .height.convexity import LEAST, Convexity, convexity
@@ -19,7 +20,7 @@ from .height.expression import expression
 from .shape import MOMENTS, SAMPLES, SCALES, TAKEN, RoundShape, single_pole
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Body(RoundShape):
     """A convex body of revolution that rolls and slides on a plane, by its support function.
 
@@ -128,6 +129,26 @@ class Body(RoundShape):
         broadcast(**{n: np.shape(v) for n, v in self.given.items()})
         self._check_moments()
         self._check_convex()
+
+    def __repr__(self) -> str:
+        given = {**self.shape, **self.constants}
+        shape = [f"{n} = {in_short(v)}" for n, v in given.items()]
+        numbers = [*shape, *(f"{n} = {v}" for n, v in self._sizes().items())]
+        return f"<Body {', '.join([self.name, *numbers])}>"
+
+    def _repr_html_(self) -> str:
+        moments = zip(MOMENTS, self.moments(), strict=True)
+        rows = [(n, in_short(v)) for n, v in {**self.shape, **self.constants}.items()]
+        rows += [(f"{n} moment of inertia over m·length²", in_short(v)) for n, v in moments]
+        rows += list(self._sizes().items())
+        return html_table(self.name, ["number", "value"], rows, "lengths are over length")
+
+    def _sizes(self) -> dict[str, str]:
+        """Mass, length and gravity with their units; one entry where all are 1."""
+        if self.dimensionless:
+            return {"mass = length = gravity": "1"}
+        kinds = {"mass": Kind.MASS, "length": Kind.LENGTH, "gravity": Kind.ACCELERATION}
+        return {n: f"{in_short(getattr(self, n))}{kind.suffix}" for n, kind in kinds.items()}
 
     # --- families ---
 
