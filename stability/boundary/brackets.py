@@ -647,7 +647,7 @@ def refine(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:
         point = _crossing(line, *near)
         if point is not None:
             return point
-    return in_brackets(line, root, Crossing.TOUCHING)
+    return bracketed(line, root, Crossing.TOUCHING)
 
 
 def zeros(line: AxisScan, low: float, high: float) -> list[float]:
@@ -661,7 +661,7 @@ def _crossing(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:
     for crossing in (Crossing.STATIC, Crossing.FLUTTER):
         f = line.function(crossing)
         if f(low) * f(high) < 0:
-            point = in_brackets(line, _zero(f, low, high), crossing)
+            point = bracketed(line, _zero(f, low, high), crossing)
             if point is not None:
                 return point
     return None

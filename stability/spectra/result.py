@@ -282,7 +282,7 @@ def page(spectrum: Any) -> str:
 
 def _labels(spectrum: Any) -> list[str]:
     try:
-        return np.ravel(spectrum.modes.labels).tolist()
+        return [str(label) for label in np.ravel(spectrum.modes.labels)]
     except StabilityError:  # a reader still gets the eigenvalues
         return [""] * spectrum.eigenvalues.size
 
