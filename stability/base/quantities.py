@@ -196,7 +196,7 @@ class Quantity:
         return f"${self.latex or self.symbol}$" if self.symbol else ""
 
     def value(self, number: float, *, dimensionless: bool) -> str:
-        """A number with symbol and unit, as plain text.
+        """A number with symbol and unit, and that of a contact law with it, as plain text.
 
         Examples
         --------
@@ -207,7 +207,8 @@ class Quantity:
         ending = (
             "" if unit in ("", "1") else unit.removeprefix("1") if unit[:2] == "1/" else f" {unit}"
         )
-        return f"{self.symbol or self.name} = {number:.6g}{ending}"
+        law = f" ({self.formula})" if self.formula else ""
+        return f"{self.symbol or self.name} = {number:.6g}{ending}{law}"
 
     def attributes(self, *, dimensionless: bool) -> dict[str, str]:
         """Long name and units of a labelled array."""

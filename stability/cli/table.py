@@ -119,7 +119,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     }
     values(parser, numbers, several)
     scales = {
-        f"--{name}": (name.upper(), f"{name} of the disk [{unit}], where --k is taken (default 1)")
+        f"--{name}": (
+            name.upper(),
+            f"{name} of the disk [{unit}], where --k is taken; all three or none",
+        )
         for name, (_, unit) in SCALES.items()
     }
     member = "`codimension --family`: what names the member, where it is no axis"

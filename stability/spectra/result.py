@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -216,7 +216,8 @@ def of_body(spectrum: Any) -> str:
         single = {n: v for n, v in single.items() if n not in ("mass", *LENGTHS, "gravity")}
     known = {n: Quantity(n, "", n, Kind.NUMBER) for n in single} | dict(system.quantities)
     return ", ".join(
-        known[n].value(v, dimensionless=spectrum.dimensionless) for n, v in single.items()
+        replace(known[n], formula="").value(v, dimensionless=spectrum.dimensionless)
+        for n, v in single.items()
     )
 
 

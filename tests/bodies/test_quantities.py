@@ -193,7 +193,7 @@ def test_a_users_theta_is_not_the_disks() -> None:
         (st.Viscous(0.3), "μ = 0.3 s/m"),
         (st.LinearViscous(mu=0.3), "μ = 0.3 s/m"),
         (st.LinearViscous(0.3), "c = 0.3 kg/s"),
-        (st.Coulomb(0.3), "μ = 0.3)"),
+        (st.Coulomb(0.3), "μ = 0.3 (|F| = μ N))"),
     ],
 )
 def test_a_caption_gives_the_coefficient_in_the_unit_of_its_law(
@@ -218,6 +218,7 @@ def test_an_axis_of_mu_says_the_law(law: str, formula: str) -> None:
     unit = known.kind.label(dimensionless=False)
     label = axis_label(known, "mu", unit)
     assert f"friction coefficient $\\mu$ of {formula}" in label
+    assert known.value(0.3, dimensionless=False).endswith(f" ({MOTION_LAWS[law].formula})")
     plt.figure().text(0, 0, label).get_window_extent()  # Matplotlib reads the formula
     plt.close("all")
 

@@ -262,7 +262,7 @@ def test_a_part_of_several_names_is_answered_with_all_of_them(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     said = refused(capsys, "spectrum", "rolling", "--c", "rough", "--at", "1")
-    assert "--c is not an option here; --contact or --certify is" in said
+    assert "--c is not an option here; --contact, --certify or --csv is" in said
     said = refused(capsys, "map", "spinning", "--o", "m.nc")  # before the axes are asked for
     assert "--o is not an option here; --out or --overwrite is" in said
 

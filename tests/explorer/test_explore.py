@@ -172,7 +172,7 @@ def test_a_missing_widget_library_is_one_sentence(monkeypatch: pytest.MonkeyPatc
     import sys
 
     monkeypatch.setitem(sys.modules, "anywidget", None)
-    with pytest.raises(st.StabilityError, match=r"stability\[widget\]"):
+    with pytest.raises(st.StabilityError, match=r"pip install '\.\[widget\]'"):
         st.explore(certify=False)
 
 
