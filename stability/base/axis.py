@@ -35,7 +35,7 @@ class Axis:
     log: bool = False
     """Whether the values have even steps in the logarithm."""
     alias: str = field(default="", compare=False, repr=False)
-    """Another name that the caller gave it; a result has it as a second coordinate."""
+    """Another name of the same number; a result has it as a second coordinate."""
 
     @classmethod
     def of(cls, axis: Sequence[Any], which: str, most: int = MOST_POINTS) -> Axis:

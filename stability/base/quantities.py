@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass
 from enum import Enum
 from typing import Any, Self
 
-from .errors import ParameterError, shown
+from .errors import ParameterError, listed, shown
 
 
 class Kind(Enum):
@@ -66,6 +66,47 @@ class Kind(Enum):
     def suffix(self) -> str:
         """The SI unit after a number in a sentence; nothing for a number without a unit."""
         return "" if self is Kind.NUMBER else f" {readable(self.si)}"
+
+
+class DefaultScale(float):
+    """The 1 of a mass, length or gravity that the caller left out.
+
+    It stays with a body through copies with other numbers, so that these are checked as well.
+    """
+
+    __slots__ = ()
+
+
+ONE = DefaultScale(1.0)
+"""Default of a mass, a length and gravity."""
+
+
+def refuse_partial_units(owner: str, scales: Mapping[str, Any]) -> None:
+    """Refuse a body of which some of mass, length and gravity are given, but not all.
+
+    Parameters
+    ----------
+    owner
+        Name of the body.
+    scales
+        The three numbers by name.
+
+    Examples
+    --------
+    >>> refuse_partial_units("the disk", {"mass": ONE, "radius": ONE, "gravity": ONE})
+    >>> refuse_partial_units("the disk", {"mass": 0.1, "radius": 0.2, "gravity": ONE})
+    Traceback (most recent call last):
+        ...
+    stability.base.errors.ParameterError: the disk has mass and no gravity; give mass, radius and \
+gravity in SI units, or none of them.
+    """
+    missing = [n for n, value in scales.items() if isinstance(value, DefaultScale)]
+    if 0 < len(missing) < len(scales):
+        present = next(n for n in scales if n not in missing)
+        raise ParameterError(
+            f"{owner} has {present} and no {missing[0]}; give {listed([*scales])} in SI units, or "
+            "none of them."
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,6 +187,8 @@ class Quantity:
     """Kind, which fixes the units."""
     latex: str = ""
     """Symbol in LaTeX without dollars, where the plain symbol differs."""
+    formula: str = ""
+    """Of a coefficient of a contact law, the law: mu alone is taken for that of dry friction."""
 
     @property
     def typeset(self) -> str:
@@ -153,7 +196,7 @@ class Quantity:
         return f"${self.latex or self.symbol}$" if self.symbol else ""
 
     def value(self, number: float, *, dimensionless: bool) -> str:
-        """A number with symbol and unit, as plain text.
+        """A number with symbol and unit, and that of a contact law with it, as plain text.
 
         Examples
         --------
@@ -164,7 +207,8 @@ class Quantity:
         ending = (
             "" if unit in ("", "1") else unit.removeprefix("1") if unit[:2] == "1/" else f" {unit}"
         )
-        return f"{self.symbol or self.name} = {number:.6g}{ending}"
+        law = f" ({self.formula})" if self.formula else ""
+        return f"{self.symbol or self.name} = {number:.6g}{ending}{law}"
 
     def attributes(self, *, dimensionless: bool) -> dict[str, str]:
         """Long name and units of a labelled array."""
@@ -322,10 +366,34 @@ def readable(unit: str) -> str:
     return re.sub(r" ?(?<!\*)\*(?!\*) ?", "·", _POWER.sub(raised, unit))
 
 
+def behind(unit: str) -> str:
+    """A unit as it stands behind a number."""
+    return "" if unit in ("", "1") else f" {readable(unit)}"
+
+
 def axis_label(quantity: Quantity | None, name: str, unit: str) -> str:
     """Name in words, symbol and unit of an axis; the bare name where its quantity is not known."""
     words = f"{quantity.long_name} {quantity.typeset}".strip() if quantity else plain_text(name)
+    if quantity and quantity.formula:
+        words += f" of {formula_in_latex(quantity.formula)}"
     return words + ("" if unit == "1" else f"  [{in_latex(unit)}]")
+
+
+def formula_in_latex(formula: str) -> str:
+    r"""A law as a figure shows it.
+
+    Examples
+    --------
+    >>> print(formula_in_latex("F = -μ N v"))
+    $F = -\mu\,N\,v$
+    """
+    left, equals, right = formula.replace(*_ROOT).partition(" = ")
+    typeset = left + equals + right.replace(" ", r"\,")
+    return f"${typeset.replace('μ', _MU)}$"
+
+
+_MU = r"\mu"
+_ROOT = "√(v² + ε²)", r"\sqrt{v^2+\varepsilon^2}"
 
 
 def in_latex(unit: str) -> str:

@@ -197,7 +197,9 @@ def coordinates(launches: Launches, sample: Starts, axes: tuple[Axis, ...]) -> d
         The axes of a map, the slowest first; none for a sample.
     """
     found: dict[str, Any] = {
-        a.name: (a.name, a.values, launches.label(sample, a.name)) for a in axes
+        name: (a.name, a.values, launches.label(sample, a.name))
+        for a in axes
+        for name in ((a.name, "at") if a.name == getattr(launches, "own", "") else (a.name,))
     }
     for name, value in launches.held.items():
         found[name] = ((), float(value), launches.label(sample, name))

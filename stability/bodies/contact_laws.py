@@ -116,6 +116,8 @@ class Contact(Record):
     """Name of the law in files and messages."""
     parameters: ClassVar[tuple[Parameter, ...]] = ()
     """Parameters of the force, in the order of its last argument."""
+    formula: ClassVar[str] = ""
+    """The force in a few letters, F for it, N for the normal force and v for the slip."""
     conservative: ClassVar[bool] = False
     """Whether energy is conserved, so that the reduced spectrum is even in λ."""
     slips: ClassVar[bool] = True
@@ -242,6 +244,7 @@ class Smooth(Contact):
     """
 
     name: ClassVar[str] = "smooth"
+    formula: ClassVar[str] = "F = 0"
     conservative: ClassVar[bool] = True
     slips: ClassVar[bool] = False
 
@@ -254,6 +257,9 @@ class Smooth(Contact):
 @dataclass(frozen=True, eq=False)
 class Viscous(Contact):
     """Friction −mu·gn·vA, the law of Przybylska & Rauch-Wojciechowski 2016.
+
+    The force grows with the slip: 0.3 s/m is next to no friction for a coin.  A coefficient of
+    friction from a table, a number without unit, is that of `Coulomb`.
 
     Parameters
     ----------
@@ -277,6 +283,7 @@ class Viscous(Contact):
     mu: ArrayLike
     """Friction coefficient [s/m]."""
     name: ClassVar[str] = "viscous"
+    formula: ClassVar[str] = "F = -μ N v"
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("mu", "s/m", _times_speed),)
     relaxes: ClassVar[bool] = True
 
@@ -310,7 +317,7 @@ class LinearViscous(Contact):
     Examples
     --------
     >>> import stability as st
-    >>> st.LinearViscous.like(0.3, st.Disk(mass=2.0)).c
+    >>> st.LinearViscous.like(0.3, st.Disk(mass=2.0, radius=1.0, gravity=1.0)).c
     0.6
     """
 
@@ -319,6 +326,7 @@ class LinearViscous(Contact):
     mu: ArrayLike | None = None
     """Friction coefficient of the viscous law with the same linearisation [s/m], or None."""
     name: ClassVar[str] = "linear-viscous"
+    formula: ClassVar[str] = "F = -c v, c = μ m g"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("c", "kg/s", _drag, "mu"),
         Parameter("mu", "s/m", _times_speed, "mu"),
@@ -377,6 +385,7 @@ class Rough(Contact):
     """
 
     name: ClassVar[str] = "rough"
+    formula: ClassVar[str] = "v = 0"
     conservative: ClassVar[bool] = True
     slips: ClassVar[bool] = False
     holds: ClassVar[bool] = True
@@ -426,6 +435,7 @@ class Creep(Contact):
     mu: ArrayLike
     """Friction coefficient [s/m]."""
     name: ClassVar[str] = "creep-1"
+    formula: ClassVar[str] = "F = -μ N v"
     parameters: ClassVar[tuple[Parameter, ...]] = Viscous.parameters
     slips: ClassVar[bool] = False
     holds: ClassVar[bool] = True
@@ -504,6 +514,7 @@ class Coulomb(Contact):
     mu: ArrayLike
     """Friction coefficient [-]."""
     name: ClassVar[str] = "coulomb"
+    formula: ClassVar[str] = "|F| = μ N"
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("mu", "1"),)
     linearises: ClassVar[bool] = False
     sticks: ClassVar[bool] = True
@@ -558,6 +569,7 @@ class RegularisedCoulomb(Contact):
     epsilon: ArrayLike
     """Slip speed below which the force decreases to zero [m/s]."""
     name: ClassVar[str] = "coulomb-regularised"
+    formula: ClassVar[str] = "F = -μ N v/√(v² + ε²)"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("mu", "1"),
         Parameter("epsilon", "m/s", _over_speed),

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.checks import Number, broadcast, checked, known, positive
-from ..base.errors import ParameterError, shown, warned
-from ..base.quantities import Units
+from ..base.errors import ParameterError, shown
+from ..base.quantities import ONE, DefaultScale, Units, refuse_partial_units
 from ..base.types import Record
 
 
@@ -21,7 +21,8 @@ class Disk(Record):
     """A thin rigid body of revolution with a sharp circular rim in its mid-plane.
 
     With the defaults m = R = g = 1 every number is dimensionless (time in √(R/g), speed in √(gR)).
-    With SI values every number is SI.  Any field may be an array: arrays broadcast.
+    With mass, radius and gravity in SI units, all three, every number is SI.  Any field may be an
+    array: arrays broadcast.
 
     Parameters
     ----------
@@ -33,12 +34,8 @@ class Disk(Record):
     Raises
     ------
     ParameterError
-        If a value is not a finite number in its range.
-
-    Warns
-    -----
-    StabilityWarning
-        If the only argument is a number without a name.
+        If a value is not a finite number in its range, or some of mass, radius and gravity are
+        given and not all.
 
     Source: Przybylska & Rauch-Wojciechowski 2016, Section 2 (I₁ = I₂ = k m R², I₃ = 2 k m R²).
 
@@ -49,27 +46,30 @@ class Disk(Record):
     0.5
     """
 
-    mass: Number = 1.0
+    mass: Number = ONE
     """Mass m [kg]."""
-    radius: Number = 1.0
+    radius: Number = ONE
     """Radius R of the rim [m]."""
     k: Number = 0.25
     """Diametral moment of inertia over m R² [-]: 1/4 uniform disk, 1/2 hoop; axial is 2k."""
-    gravity: Number = 1.0
+    gravity: Number = ONE
     """Acceleration of free fall g [m/s²]."""
 
     def __new__(cls, *given: Any, **named: Any) -> Self:
         """A disk; a single number without a name is likely to be meant as k."""
         if len(given) == 1 and not named:
-            warned(
-                f"Disk({shown(given[0])}) sets the mass; name it, as in Disk(mass=...), or give "
-                "Disk(k=...) for the inertia factor."
+            raise ParameterError(
+                f"Disk({shown(given[0])}) gives the mass alone; give Disk(k=...) for the inertia "
+                "factor, or mass, radius and gravity in SI units by name."
             )
         return super().__new__(cls)
 
     def __post_init__(self) -> None:
-        for name in ("mass", "radius", "gravity"):
-            object.__setattr__(self, name, positive(name, getattr(self, name)))
+        scales_given = {n: getattr(self, n) for n in ("mass", "radius", "gravity")}
+        for name, value in scales_given.items():
+            if not isinstance(value, DefaultScale):
+                object.__setattr__(self, name, positive(name, value))
+        refuse_partial_units("the disk", scales_given)
         k = checked("k", self.k)
         bad = np.asarray(k)[(np.asarray(k) <= 0) | (np.asarray(k) > 0.5)]
         if bad.size:

@@ -67,10 +67,13 @@ QUANTITIES: Mapping[str, Quantity] = {q.name: q for q in _TABLE}
 
 def disk_quantities(law: type[Contact] | None = None) -> Mapping[str, Quantity]:
     """The quantities under a contact law, with those of its parameters."""
+    if law is None:
+        return QUANTITIES
     own = {}
-    for p in law.parameters if law else ():
+    for p in law.parameters:
         known = QUANTITIES.get(p.name) or Quantity(p.name, p.name, p.name, p.kind)
-        own[p.name] = replace(known, kind=p.kind)
+        leads = p.place == law.parameters[0].place
+        own[p.name] = replace(known, kind=p.kind, formula=law.formula if leads else "")
     return {**QUANTITIES, **own}
 
 

@@ -107,7 +107,8 @@ class Subject:
             shaped = {"shape": first | {name: between}} if name in first else {name: between}
             replace(self.body, **shaped)
         elif self.body is not None and name in self.body.given:
-            Disk(**{"radius" if name == "length" else name: between})
+            numbers = self.body.given | {name: between}
+            Disk(**{"radius" if n == "length" else n: v for n, v in numbers.items()})
 
 
 def subject_of(

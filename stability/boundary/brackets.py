@@ -10,6 +10,7 @@ A `Boundaries` holds the changes, and the pieces that stay unresolved.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -23,11 +24,14 @@ from ..algebra.exact.routh import hurwitz_determinant, hurwitz_sign, product, ve
 from ..algebra.number_types import MIXED, precision
 from ..algebra.polynomial import TabulatedPolynomial
 from ..base.errors import NoMemberError, StabilityError, warned
+from ..base.printing import html_table, in_brackets, to_bound
+from ..base.quantities import behind
 from ..base.types import Sentences
 from ..base.verdict import DECAYING, Verdict
 from ..polynomials.identities import certain, symmetric
 from ..spectra.problem import Problem, formulas_of
 from ..spectra.verdict_routes import ALONE, ANYTHING, BITS, GRAPH, Point, by_routh, decided
+from ..storage.text import csv_text
 from ..systems.closed_form import ClosedForm, RepeatedBalls
 from ..systems.structure.enclosure import (
     ball_unknowns,
@@ -102,6 +106,31 @@ class BoundaryPoint:
     frequencies: tuple[float, ...] = ()
     """Where several cross at once: |Im λ| of each, 0 for a real one, in increasing order."""
 
+    def words(self, unit: str = "1", rate: str = "1") -> str:
+        """The boundary in words.
+
+        Parameters
+        ----------
+        unit, rate
+            Units of the axis and of frequencies.
+
+        Examples
+        --------
+        >>> import stability as st
+        >>> [edge] = st.boundaries("rolling", axis=("at", 1, 2, 9), contact=st.Viscous(0.3))
+        >>> edge.words("√(g/R)", "√(g/R)")
+        '1.4142135623730951 ± 2.7e-16 √(g/R)   flutter, stable above, frequency 2 √(g/R)'
+        """
+        side = "below" if self.stable_below else "above"
+        verdict = "not unstable" if self.good is Verdict.UNDECIDED else self.good.word
+        rates = self.frequencies or ((self.frequency,) if self.frequency else ())
+        several = "frequencies" if self.frequencies else "frequency"
+        pair = ", ".join(f"{w:.12g}" for w in rates)
+        turning = f", {several} {pair}{behind(rate)}" if pair else ""
+        kind = self.crossing.word.replace("_", " ")
+        value = f"{to_bound(self.value, self.error)}{behind(unit)}"
+        return f"{value}   {kind}, {verdict} {side}{turning}"
+
 
 class Unresolved(NamedTuple):
     """A piece of an axis on which a change of verdict was not excluded, or not located.
@@ -161,6 +190,12 @@ class Boundaries(Sequence[BoundaryPoint]):
     """Name of the axis, and the closed interval that was searched; None where nobody said."""
     citation: str = ""
     """Keys of the works to cite, for `stability.citation`."""
+    throughout: Verdict | None = None
+    """The one verdict on the whole interval, where it was proved not to change; None elsewhere."""
+    unit: str = "1"
+    """Unit of the axis, in words where it is dimensionless."""
+    rate_unit: str = "1"
+    """Unit of frequencies."""
 
     @property
     def complete(self) -> bool:
@@ -200,14 +235,62 @@ class Boundaries(Sequence[BoundaryPoint]):
         where = ""
         if self.searched:
             axis, low, high = self.searched
-            where = f" along {axis} from {low:.10g} to {high:.10g}"
+            where = f" along {axis} from {low:.10g} to {high:.10g}{behind(self.unit)}"
+        if self.throughout:
+            where += f", {self.throughout.word} throughout"
         state = f"; complete: {self.how}" if self.how else "; complete"
         if self.unresolved:
             state = f"; not complete, {len(self.unresolved)} unresolved: {self._first()}"
-        points = f": {list(self.points)!r}" if self.points else ""
+        said = (re.sub(" {3}", ", ", p.words(self.unit, self.rate_unit)) for p in self.points)
+        points = f": {'; '.join(said)}" if self.points else ""
         points += "".join(f"; at {value:.10g} alone it is neutral" for value in self.touching)
         count = f"{len(self.points)} boundar{'y' if len(self.points) == 1 else 'ies'}"
         return f"<{count}{where}{points}{state}>"
+
+    def flat(self) -> tuple[list[str], list[list[Any]]]:
+        """Header with units, and a row for each boundary."""
+        name, unit = (self.searched or ("value",))[0], in_brackets(self.unit)
+        header = [f"{name}{unit}", f"error{unit}", "crossing", "verdict", "side"]
+        rows = [
+            [
+                b.value,
+                b.error,
+                b.crossing.word.replace("_", " "),
+                "not unstable" if b.good is Verdict.UNDECIDED else b.good.word,
+                "below" if b.stable_below else "above",
+                "; ".join(repr(w) for w in b.frequencies) or b.frequency or None,
+            ]
+            for b in self.points
+        ]
+        return [*header, f"frequency{in_brackets(self.rate_unit)}"], rows
+
+    def to_csv(self) -> str:
+        """The boundaries as CSV: one header line with units, numbers with all their digits.
+
+        Examples
+        --------
+        >>> import stability as st
+        >>> found = st.boundaries("rolling", axis=("at", 1, 2, 9), contact=st.Viscous(0.3))
+        >>> found.to_csv().splitlines()[0]
+        'at [√(g/R)],error [√(g/R)],crossing,verdict,side,frequency [√(g/R)]'
+        """
+        return csv_text(*self.flat())
+
+    def to_pandas(self) -> Any:
+        """The boundaries as a pandas DataFrame, with the header of the CSV."""
+        import pandas as pd
+
+        header, rows = self.flat()
+        return pd.DataFrame(rows, columns=header)
+
+    def _repr_html_(self) -> str:
+        name = (self.searched or ("value",))[0]
+        header, rows = self.flat()
+        cells = [
+            [f"{v:.15g}" if isinstance(v, float) else str(v or "") for v in row] for row in rows
+        ]
+        head = repr(self)[1:-1].partition(": " if self.points else "; ")[0]
+        return html_table(head, header if rows else [], cells, self.statement(name))
 
     def _first(self) -> str:
         first, more = self.unresolved[0], len(self.unresolved) - 1
@@ -224,6 +307,13 @@ class Boundaries(Sequence[BoundaryPoint]):
         """
         if self.complete:
             alone = "".join(f"; at {value:.10g} alone it is neutral" for value in self.touching)
+            if self.throughout and self.searched:
+                where = f"from {self.searched[1]:.10g} to {self.searched[2]:.10g}"
+                where += behind(self.unit)
+                return (
+                    f"no change of verdict along {axis} {where}, {self.throughout.word} "
+                    f"throughout: {self.how}{alone}."
+                )
             return f"every change of verdict along {axis} was found: {self.how}{alone}."
         return f"the search along {axis} is not complete; {self._first()}"
 

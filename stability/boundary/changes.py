@@ -14,13 +14,14 @@ from ..algebra.exact.roots import UnclearError
 from ..base.axis import Axis, AxisLike
 from ..base.citation import cited
 from ..base.errors import ParameterError, StabilityError
+from ..base.quantities import unit_of
 from ..base.verdict import Verdict
 from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..spectra.axes import swept
 from ..spectra.certificate import verdict as certified
-from ..spectra.labels import of_package
+from ..spectra.labels import axis_attributes, of_package, rate_attributes
 from ..spectra.problem import Problem
 from ..systems.family import Family
 from .algebraic.exact_search import searched
@@ -30,6 +31,8 @@ from .interval_search.pieces import meaningful, proved
 POINT = 1e-9
 """Width of a part that the exact search leaves open, over the interval, up to which it is a point.
 """
+SHARES = (0.382, 0.618)
+"""Places, as shares of an axis, at which the verdict is asked that nothing changes."""
 MOST_SCAN = 1_000_000
 """Most points of a scan for boundaries along an axis."""
 
@@ -51,9 +54,9 @@ def boundaries(
     is algebraic along the axis, with sines, roots or unknowns.  For any other family the axis is
     cut into pieces, and each piece is proved in ball arithmetic to hold no eigenvalue on
     the imaginary axis, or a single crossing.  An empty result that is complete states that the
-    verdict does not change, but at the single values in `.touching`.  Pieces without such a proof
-    are scanned.  The result then says where a change is not excluded, and a `StabilityWarning`
-    repeats this.
+    verdict, which is `.throughout`, does not change, but at the single values in `.touching`.
+    Pieces without such a proof are scanned.  The result then says where a change is not excluded,
+    and a `StabilityWarning` repeats this.
 
     Parameters
     ----------
@@ -107,6 +110,9 @@ def boundaries(
         how=problem.family.system.qualified(found.how),
         searched=(grid.name, grid.low, grid.high),
         citation=works,
+        throughout=_throughout(problem, fixed, grid.name, found, (grid.low, grid.high)),
+        unit=unit_of(axis_attributes(problem, grid.name)),
+        rate_unit=unit_of(rate_attributes(problem)),
     )
     found.warn(grid.name)
     return found
@@ -119,6 +125,28 @@ def _good(problem: Problem, fixed: Mapping[str, float], axis: str, point: Bounda
     with suppress(StabilityError):
         return certified(problem, {**fixed, axis: end})
     return Verdict.UNDECIDED
+
+
+def _throughout(
+    problem: Problem,
+    fixed: Mapping[str, float],
+    axis: str,
+    found: Boundaries,
+    ends: tuple[float, float],
+) -> Verdict | None:
+    """The verdict on the whole axis, where it is proved not to change and to be known."""
+    if found.points or not found.complete:
+        return None
+    low, high = ends
+    for share in SHARES:
+        value = low + share * (high - low)
+        if value in found.touching:
+            continue
+        with suppress(StabilityError):
+            verdict = certified(problem, {**fixed, axis: value})
+            if verdict is not Verdict.UNDECIDED:
+                return verdict
+    return None
 
 
 def along(

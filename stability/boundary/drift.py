@@ -10,7 +10,8 @@ show this.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,8 @@ from numpy.typing import ArrayLike
 from ..base.checks import checked, flag
 from ..base.citation import MODEL
 from ..base.errors import ParameterError, if_degrees, shown
+from ..base.printing import html_table, in_short
+from ..base.quantities import Kind, behind
 from ..base.types import Floats, Record
 from ..bodies.contact_laws import Contact, LinearViscous, Viscous, law_missing, law_only
 from ..bodies.disk import Disk
@@ -37,7 +40,7 @@ FORMULAS = {
 """Dimensionless, to leading order in the tilt (radians from upright); w is omega3."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Drift(Record):
     """The slow passage of straight rolling to its linear threshold, to leading order in the tilt.
 
@@ -65,6 +68,29 @@ class Drift(Record):
     """a in dα/dt = a α³ at the start, shape (…) [1/s]."""
     spin_rate: Any
     """b in dω₃/dt = b α² at the start, shape (…) [rad/s²]."""
+    dimensionless: bool = field(default=True, kw_only=True, compare=False, repr=False)
+    """Whether the disk has m = R = g = 1, so that numbers are in the units of these."""
+
+    def __repr__(self) -> str:
+        numbers = [f"{name} = {text}" for name, text in self._texts().items()]
+        return f"<Drift of rolling: {', '.join(numbers)}>"
+
+    def _repr_html_(self) -> str:
+        return html_table("Drift of rolling", ["number", "value"], self._texts().items())
+
+    def _texts(self) -> dict[str, str]:
+        """Each number with its unit; of arrays the ends."""
+        unit = partial(Kind.label, dimensionless=self.dimensionless)
+        square = "g/R" if self.dimensionless else "rad/s²"
+        units = {
+            "threshold": unit(Kind.ANGULAR_VELOCITY),
+            "time": unit(Kind.TIME),
+            "tilt_start": "rad",
+            "tilt_end": "rad",
+            "tilt_rate": unit(Kind.GROWTH_RATE),
+            "spin_rate": square,
+        }
+        return {n: f"{in_short(getattr(self, n))}{behind(u)}" for n, u in units.items()}
 
     @property
     def citation(self) -> str:
@@ -143,7 +169,8 @@ def drift(
         most = float(lean.max())
         raise ParameterError(f"tilt is {most:g}; a small angle is needed{if_degrees(most)}.")
     with np.errstate(all="ignore"):  # an overflow is refused below
-        return _drift(w, k, mu, lean, rate, shape, launch)
+        found = _drift(w, k, mu, lean, rate, shape, launch)
+    return replace(found, dimensionless=problem.dimensionless)
 
 
 def _drift(

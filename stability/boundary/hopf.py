@@ -37,6 +37,8 @@ from ..base.axis import Axis, AxisLike
 from ..base.checks import checked, whole_number
 from ..base.citation import cited
 from ..base.errors import ParameterError, StabilityError, listed, shown, warned
+from ..base.printing import html_table
+from ..base.quantities import behind, unit_of
 from ..base.types import Floats, Record, Sentences
 from ..bodies.contact_laws import LAWS, Contact
 from ..bodies.disk import Disk
@@ -44,6 +46,7 @@ from ..bodies.families import FAMILIES, SteadyFamily
 from ..bodies.round_body.body import Body
 from ..bodies.subject import subject_of
 from ..spectra.axes import swept
+from ..spectra.labels import axis_attributes, rate_attributes
 from ..spectra.problem import Problem, problem_of
 from ..systems.family import Family
 from ..systems.structure.linearity import linear
@@ -91,7 +94,7 @@ class HopfKind(Sentences):
     )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class HopfPoint(Record):
     """A flutter boundary along a line of steady motions, with its normal form.
 
@@ -122,6 +125,26 @@ class HopfPoint(Record):
     """One dimensionless unit of the family parameter in the user's unit."""
     citation: str = field(default="", compare=False, repr=False)
     """Keys of the works to cite, for `stability.citation`."""
+    units: tuple[str, str] = field(default=("1", "1"), compare=False, repr=False)
+    """Units of `at` and of `frequency`, in words where they are dimensionless."""
+
+    def __repr__(self) -> str:
+        numbers = [f"{name} = {text}" for name, text in self._texts().items()]
+        side = "below" if self.stable_below else "above"
+        return f"<HopfPoint: {self.kind.word}, stable {side}, {', '.join(numbers)}>"
+
+    def _repr_html_(self) -> str:
+        head = f"{'Stable below' if self.stable_below else 'Stable above'}; {self.kind.value}"
+        return html_table(head, ["number", "value"], self._texts().items())
+
+    def _texts(self) -> dict[str, str]:
+        """Each number with its unit."""
+        return {
+            "at": f"{self.at:.12g}{behind(self.units[0])}",
+            "frequency": f"{self.frequency:.12g}{behind(self.units[1])}",
+            "crossing": f"{self.crossing:.6g}",
+            "push": f"{self.push:.6g}",
+        }
 
     def landing(self, distance: float, amplitude: float = 0.0) -> float | None:
         """Place on the line where a motion settles, to leading order.
@@ -241,6 +264,11 @@ class CycleBirth(Record):
     """Keys of the works to cite, for `stability.citation`."""
 
 
+def _units(problem: Problem, axis: str) -> tuple[str, str]:
+    """Units of the axis and of frequencies."""
+    return unit_of(axis_attributes(problem, axis)), unit_of(rate_attributes(problem))
+
+
 PRECISIONS = (192, 512, 1536)
 """Working precisions, in turn, until every sign that decides is proved."""
 NEAR = 1e-5
@@ -282,7 +310,8 @@ def births(problem: Problem, grid: Axis) -> list[CycleBirth] | list[HopfPoint]:
         theory=["fiedler2000" if on_line else "kuznetsov2004"],
     )
     if on_line:
-        return [replace(_on_line(line, b), citation=works) for b in flutter]
+        units = _units(problem, grid.name)
+        return [replace(_on_line(line, b), citation=works, units=units) for b in flutter]
     return [replace(birth(line, b), citation=works) for b in flutter]
 
 
@@ -596,7 +625,8 @@ def hopf(
                 ) from None
             found = None
         if last or (found is not None and all(p.kind is not HopfKind.DEGENERATE for p in found)):
-            return [replace(point, citation=works) for point in found or []]
+            units = _units(problem, "at")
+            return [replace(point, citation=works, units=units) for point in found or []]
         bits *= 2
 
 

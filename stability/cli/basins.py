@@ -19,6 +19,7 @@ from .options import (
     number,
     overwriting,
     plotting,
+    real,
     save,
     scheduling,
     step_error,
@@ -75,7 +76,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     family = f"launch near {lines} or, of a body, {poles}, the axis tilted"
     parser.add_argument("--family", help=family)
     add_subject(parser, motion=True, place=True)
-    parser.add_argument("--time", type=float, required=True, metavar="T", help="last time")
+    parser.add_argument("--time", type=real, required=True, metavar="T", help="last time")
     step_error(parser)
     check = "run each launch once: no error estimate, half the time"
     dry = "say what it would cost, from a few launches, and stop"

@@ -10,7 +10,7 @@ from typing import Any
 
 from ..base.errors import NameUnknownError, ParameterError, StabilityError, shown
 from .modules import named_in
-from .options import given, nearest
+from .options import given, nearest, real
 
 ACCURACY = "tolerance"
 """Argument of a body's function that is no number of its shape."""
@@ -31,11 +31,11 @@ def add_body(parser: argparse.ArgumentParser, *, place: bool = True) -> None:
     parser.add_argument("--solid", action="store_true", default=None, help=solid)
     hollow = "with --body: a surface alone"
     parser.add_argument("--hollow", action="store_false", dest="solid", help=hollow)
-    length = "with --body: unit of the body's numbers [m] (default 1)"
-    parser.add_argument("--length", type=float, help=length)
+    length = "with --body: unit of the body's numbers [m], with --mass and --gravity"
+    parser.add_argument("--length", type=real, help=length)
     if place:
         theta = "with --body: where it rolls, if at several inclinations"
-        parser.add_argument("--theta", type=float, help=theta)
+        parser.add_argument("--theta", type=real, help=theta)
         pole = "with --body, for vertical: its theta, 0 or pi (default 0)"
         parser.add_argument("--pole", help=pole)
 
@@ -87,10 +87,18 @@ def round_body(options: argparse.Namespace, swept: Mapping[str, Any]) -> Any:
     for key in given(options, "system", "disk", "k", "radius", "lean"):
         raise ParameterError(f"--{key} does not go with --body; leave one of them out.")
     numbers, scales = options.numbers | given(options, "solid"), given(options, *SCALES)
+    scales |= middles(swept, SCALES, scales)
     source = NAMED.get(options.body) or _own_body(options.body, NAMED)
     make = _made if callable(source) else _renumbered
     body = make(options, source, numbers, swept)
     return replace(body, **scales) if scales else body
+
+
+def middles(
+    swept: Mapping[str, Any], names: Collection[str], given: Collection[str]
+) -> dict[str, float]:
+    """The middle of each axis over one of these numbers that has no value of its own."""
+    return {n: (a[1] + a[2]) / 2 for n, a in swept.items() if n in names and n not in given}
 
 
 def _own_body(place: str, named: Collection[str]) -> Any:
@@ -115,7 +123,7 @@ def _made(
     label = options.body
     known = _numbers_of(source)
     _refuse_others(options, numbers, known)
-    middle = {n: (a[1] + a[2]) / 2 for n, a in swept.items() if n in known and n not in numbers}
+    middle = middles(swept, known, numbers)
     missing = [n for n, p in known.items() if p.default is p.empty and n not in numbers | middle]
     if missing:
         raise ParameterError(f"--{missing[0]} is missing; {label} needs it.")

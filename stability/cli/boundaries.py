@@ -7,8 +7,10 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from ..base.errors import ParameterError
-from .options import AXIS, CERTIFY, answer, axis_of, flags
-from .subject import CommandSubject, add_subject, behind, doubles, options_subject
+from ..base.printing import in_brackets
+from ..base.quantities import behind
+from .options import AXIS, CERTIFY, FORMS, answer, axis_of, check_form, flags
+from .subject import CommandSubject, add_subject, doubles, options_subject
 from .terminal import waiting
 
 EXAMPLES = (
@@ -27,11 +29,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     axis = "axis, both ends included; N points are scanned where pieces of it stay without proof"
     parser.add_argument("--axis", required=True, metavar=AXIS, help=axis)
     parser.add_argument("--at", help="what names the member, where it is no axis")
-    flags(parser, {"--certify": CERTIFY})
+    flags(parser, {"--certify": CERTIFY, **FORMS})
 
 
 def run(options: argparse.Namespace) -> None:
     """Print every boundary, and whether these are all."""
+    check_form(options)
     axis = axis_of(options.axis, "--axis")
     if options.certify:
         raise ParameterError("every boundary here is proved; leave --certify out.")
@@ -62,28 +65,54 @@ def run(options: argparse.Namespace) -> None:
         "touching": list(found.touching),
         "complete": found.complete,
         "unresolved": [u._asdict() for u in found.unresolved],
+        "throughout": found.throughout.word if found.throughout else None,
         "statement": found.statement(axis[0]),
         "citation": found.citation,
     }
-    answer(options, record, _lines(subject, axis, found))
+    forms = {
+        "csv": lambda: _csv(subject, axis, found),
+        "latex": lambda: _latex(subject, axis, found),
+    }
+    answer(options, record, _lines(subject, axis, found), forms)
+
+
+def _csv(subject: CommandSubject, axis: Sequence[Any], found: Any) -> str:
+    """The boundaries with every number that was held, in columns of their own."""
+    from ..storage.text import csv_text
+
+    name = subject.own_name(axis[0])
+    held = doubles({**subject.at, **subject.beyond((axis[0], name))})
+    header, rows = found.flat()
+    header[0] = f"{name}{in_brackets(found.unit)}"
+    header += [f"{n}{in_brackets(subject.units.get(n, '1'))}" for n in held]
+    return csv_text(header, [[*row, *held.values()] for row in rows])
+
+
+def _latex(subject: CommandSubject, axis: Sequence[Any], found: Any) -> str:
+    from ..tables.results import boundaries_table
+
+    assert subject.equations is not None
+    known = subject.equations().system.quantities
+    name = subject.own_name(axis[0])
+    return boundaries_table(found, _head(subject, axis), name, known).to_latex()
+
+
+def _head(subject: CommandSubject, axis: Sequence[Any]) -> str:
+    """What was asked, with every number that was held."""
+    name = subject.own_name(axis[0])
+    unit = behind(subject.units.get(name, "1"))
+    place = subject.place({**subject.at, **subject.beyond((axis[0], name))})
+    where = f"{subject.title}, along {name} from {axis[1]:g} to {axis[2]:g}{unit}"
+    return where + f", at {place}" * bool(place)
 
 
 def _lines(subject: CommandSubject, axis: Sequence[Any], found: Any) -> Iterator[str]:
-    from ..base.verdict import Verdict
-    from ..tables.beyond_linear import to_bound
-
     name = subject.own_name(axis[0])
-    unit = behind(subject.units.get(name, "1"))
-    place = subject.place({**subject.at, **subject.beyond((axis[0], name))}, words=True)
-    where = f"{subject.title}, along {name} from {axis[1]:g} to {axis[2]:g}{unit}"
-    yield where + f", at {place}" * bool(place)
+    yield _head(subject, axis)
+    if subject.law:
+        yield subject.law
     for b in found:
-        side = "below" if b.stable_below else "above"
-        word = "not unstable" if b.good is Verdict.UNDECIDED else b.good.word
-        rates = b.frequencies or ((b.frequency,) if b.frequency else ())
-        pair = ", ".join(f"{w:.12g}" for w in rates)
-        several = "frequencies" if b.frequencies else "frequency"
-        turning = f", {several} {pair}{behind(subject.rate)}" if pair else ""
-        kind = b.crossing.word.replace("_", " ")
-        yield f"  {name} = {to_bound(b.value, b.error)}{unit}   {kind}, {word} {side}{turning}"
+        yield f"  {name} = {b.words(subject.units.get(name, '1'), subject.rate)}"
+    if not found and not found.throughout:
+        yield "  none"
     yield found.statement(name)

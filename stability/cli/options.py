@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from ..base.errors import ParameterError, listed, meant, shown
+from ..base.exact_numbers import ratio_of_text
 from ..bodies.families import leaning
 from ..storage.text import json_text
 from .terminal import say
@@ -88,12 +89,12 @@ class _Parser(argparse.ArgumentParser):
             value = text if equals else next(rest, "")
             if name in numbers:
                 self.error(f"{option} is given twice; give it once")
-            try:
-                numbers[name] = float(value)
-            except ValueError:
+            parsed = _real(value)
+            if parsed is None:
                 near = nearest(option, options)
                 other = f", and an option of the command is {near}" if near else ""
                 self.error(f"{name} is {shown(value)}; a number is needed{other}")
+            numbers[name] = parsed
         return kept, numbers
 
     def error(self, message: str) -> NoReturn:
@@ -144,7 +145,7 @@ def plotting(parser: argparse.ArgumentParser, what: str = "") -> None:
 def step_error(parser: argparse.ArgumentParser) -> None:
     """The error that commands of motions allow in a step."""
     text = "error allowed in a step (default 1e-9)"
-    parser.add_argument("--tolerance", type=float, default=1e-9, metavar="E", help=text)
+    parser.add_argument("--tolerance", type=real, default=1e-9, metavar="E", help=text)
 
 
 def scheduling(parser: argparse.ArgumentParser, default: str | None = "threads") -> None:
@@ -195,12 +196,32 @@ def given(options: argparse.Namespace, *names: str) -> dict[str, Any]:
     return {name: value for name, value in every.items() if value is not None}
 
 
+def real(text: str) -> float:
+    """A number, as the type of an option: a decimal, or a fraction of integers such as 1/4.
+
+    A fraction is the nearest double, as a decimal is.
+    """
+    value = _real(text)
+    if value is None:
+        raise argparse.ArgumentTypeError(
+            f"{shown(text)} is no number; give one such as 0.25 or 1/4"
+        )
+    return value
+
+
+def _real(text: str) -> float | None:
+    try:
+        return float(ratio_of_text("", text)) if "/" in text else float(text)
+    except ValueError:
+        return None
+
+
 def number(text: str, name: str) -> float:
     """A number that an option gives, by the name that a message uses."""
-    try:
-        return float(text)
-    except ValueError:
-        raise ParameterError(f"{name} is {shown(text)}; a number is needed.") from None
+    value = _real(text)
+    if value is None:
+        raise ParameterError(f"{name} is {shown(text)}; a number is needed.")
+    return value
 
 
 def numbers(text: str) -> list[float]:
@@ -209,12 +230,10 @@ def numbers(text: str) -> list[float]:
         raise argparse.ArgumentTypeError(
             f"{text.count(',') + 1} numbers are given, at most {MOST_VALUES}; make several tables"
         )
-    try:
-        return [float(part) for part in text.split(",")]
-    except ValueError:
-        raise argparse.ArgumentTypeError(
-            f"{shown(text)} is not a comma-separated list of numbers"
-        ) from None
+    parts = [_real(part) for part in text.split(",")]
+    if None in parts:
+        raise argparse.ArgumentTypeError(f"{shown(text)} is not a comma-separated list of numbers")
+    return [part for part in parts if part is not None]
 
 
 def words_of(text: str | None) -> tuple[str, ...]:
@@ -291,8 +310,43 @@ def targets_of(options: argparse.Namespace, *ways: str, out: Sequence[str] = ())
 # --- the answer ---
 
 
-def answer(options: argparse.Namespace, record: Any, lines: Iterable[str]) -> None:
-    """Print the answer: one JSON object with `--json`, otherwise lines."""
+FORMS = {
+    "--csv": "print CSV: one header line with units, all digits",
+    "--latex": "print LaTeX, with booktabs",
+}
+"""Further forms of an answer that is a table."""
+
+
+def check_form(options: argparse.Namespace) -> None:
+    """Refuse two forms of one answer."""
+    asked = [f"--{form}" for form in ("json", "csv", "latex") if getattr(options, form)]
+    if len(asked) > 1:
+        raise ParameterError(f"{asked[0]} and {asked[1]} are both given; give one of them.")
+
+
+def answer(
+    options: argparse.Namespace,
+    record: Any,
+    lines: Iterable[str],
+    forms: Mapping[str, Callable[[], str]] | None = None,
+) -> None:
+    """Print the answer: one JSON object with `--json`, otherwise lines.
+
+    Parameters
+    ----------
+    options
+        Parsed options.
+    record
+        The JSON object.
+    lines
+        The lines.
+    forms
+        Makers of the answer in each of `FORMS`, by the name of its option.
+    """
+    for form, make in (forms or {}).items():
+        if getattr(options, form):
+            print(make().rstrip("\n"))
+            return
     if options.json:
         print(json_text(record))
         return

@@ -9,17 +9,19 @@ from pathlib import Path
 from typing import Any
 
 from ..base.errors import ParameterError
+from ..base.quantities import behind, unit_of
 from .options import (
     answer,
     dataset_help,
     flags,
     overwriting,
     plotting,
+    real,
     save,
     step_error,
     targets_of,
 )
-from .subject import CommandSubject, add_launch, behind, options_subject
+from .subject import CommandSubject, add_launch, options_subject
 from .terminal import progress_bar, waiting
 
 EXAMPLES = (
@@ -38,12 +40,12 @@ MOST = 10_000_000
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     add_launch(parser)
-    parser.add_argument("--time", type=float, metavar="T", help="last time (needed)")
+    parser.add_argument("--time", type=real, metavar="T", help="last time (needed)")
     parser.add_argument("--points", type=int, metavar="N", help="samples from 0 to T (default 201)")
     parser.add_argument("--method", default="auto", help=_methods)  # type: ignore[arg-type]
     step_error(parser)
     seconds = "computing time after which it gives up (default 8)"
-    parser.add_argument("--max-seconds", type=float, default=8.0, metavar="S", help=seconds)
+    parser.add_argument("--max-seconds", type=real, default=8.0, metavar="S", help=seconds)
     check = "do not run the neighbours of each launch, which tell the error of its end: faster"
     flags(parser, {"--no-check": check, "--pose": "φ, ψ and the paths in the plane too"})
     parser.add_argument("--out", metavar="F.nc", help=dataset_help("write"))  # type: ignore[arg-type]
@@ -156,7 +158,7 @@ def _lines(
     from ..storage.targets import path_text
 
     def written(name: str, value: float) -> str:
-        unit = "1" if subject.dimensionless else dataset[name].attrs.get("units", "1")
+        unit = unit_of(dataset[name].attrs)
         return f"{value:.9g}{behind(unit)}"
 
     final = (f"{name} = {written(name, value)}" for name, value in record["final"].items())
@@ -170,6 +172,9 @@ def _lines(
         yield f"error     of the final state: {record['final_error']:.1e}, estimated"
     if record["energy_error"] is not None:
         yield f"energy    audited to {record['energy_error']:.1e} of {subject.energy}"
+    if subject.law:
+        yield f"launch    {subject.title}, {subject.place(subject.numbers)}".rstrip(", ")
+        yield f"law       {subject.law}"
     yield f"method    {record['method']}, {record['steps']} steps: {record['method_reason']}"
     for path in targets.values():
         yield f"wrote     {path_text(path)}"

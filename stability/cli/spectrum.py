@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterator
 from typing import Any
 
-from .options import CERTIFY, answer, flags
+from .options import CERTIFY, FORMS, answer, check_form, flags
 from .subject import CommandSubject, add_member, add_subject, doubles, options_subject
 
 EXAMPLES = (
@@ -22,13 +22,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_subject(parser)
     add_member(parser)
     escalate = "leave undecided what double precision does not decide"
-    flags(parser, {"--no-escalate": escalate, "--certify": CERTIFY})
+    flags(parser, {"--no-escalate": escalate, "--certify": CERTIFY, **FORMS})
 
 
 def run(options: argparse.Namespace) -> None:
     """Print eigenvalues and verdict of one steady motion."""
     from ..spectra.spectrum import spectrum
 
+    check_form(options)
     subject = options_subject(options)
     result = spectrum(
         subject.family,
@@ -54,11 +55,21 @@ def run(options: argparse.Namespace) -> None:
         "citation": result.citation,
         "unit": result.rate_unit,
     }
-    answer(options, record, _lines(subject, result))
+    forms = {"csv": result.to_csv, "latex": lambda: _latex(subject, result)}
+    answer(options, record, _lines(subject, result), forms)
+
+
+def _latex(subject: CommandSubject, result: Any) -> str:
+    from ..tables.results import spectrum_table
+
+    place = subject.place({**subject.at, **subject.numbers})
+    return spectrum_table(result, f"{subject.title}, at {place}").to_latex()
 
 
 def _lines(subject: CommandSubject, result: Any) -> Iterator[str]:
     yield f"{subject.title}, at {subject.place({**subject.at, **subject.numbers})}"
+    if subject.law:
+        yield f"law         {subject.law}"
     yield f"verdict     {result.verdict.value}"
     yield f"nonlinear   {result.nonlinear.value}"
     yield f"reason      {result.reason}"

@@ -16,14 +16,14 @@ import numpy as np
 
 from ..base.errors import NameUnknownError, ParameterError, absent, listed, shown
 from ..base.exact_numbers import ratio_of_text, written
-from ..base.quantities import Kind, rate_unit, readable
+from ..base.quantities import Kind, behind, rate_unit
 from ..bodies.contact_laws import MOTION_LAWS, class_named, law_named
 from ..bodies.disk import REAL_DISKS, Disk
 from ..bodies.families import FAMILIES, leaning
 from ..bodies.quantities import THIN, round_quantities
-from .body import add_body, round_body
+from .body import add_body, middles, round_body
 from .modules import family_named, system_with_families
-from .options import given, number, values
+from .options import given, number, real, values
 
 SCALES = {"mass": ("body", "kg"), "radius": ("disk", "m"), "gravity": ("body", "m/s²")}
 """Options of dimensional numbers: of what, and their units."""
@@ -92,20 +92,21 @@ def add_subject(
     parser.add_argument("--system", metavar=name, help=system or f"{of_system}: {PLACE}")
     add_body(parser, place=not motion if place is None else place)
     add_contact(parser, motion=motion)
+    dry = f"its mu [-] is that of --contact coulomb{'' if motion else ', for simulate and scene'}"
     mu = (
-        "friction coefficient [s/m] (viscous; c = mu m g for linear)"
-        + "; dry friction [-]" * motion
+        "friction coefficient of F = -mu N v [s/m] (viscous; linear-viscous: F = -c v, c = mu m g)"
+        f"; no dry friction: {dry}"
     )
     epsilon = {"--epsilon": ("EPSILON", "slip speed of coulomb-regularised")} if motion else {}
     scales = {
         f"--{scale}": (
             scale.upper(),
-            f"of the {of} [{unit}] (default 1; all three 1: dimensionless)",
+            f"of the {of} [{unit}]; mass, length and gravity all, or none: dimensionless",
         )
         for scale, (of, unit) in SCALES.items()
     }
     inertia = "inertia factor in (0, 1/2] (default 1/4)"
-    values(parser, float, {"--mu": ("MU", mu), **epsilon, "--k": ("K", inertia), **scales})
+    values(parser, real, {"--mu": ("MU", mu), **epsilon, "--k": ("K", inertia), **scales})
     parser.add_argument("--disk", help=f"a real disk: {', '.join(REAL_DISKS)}")
     text = "a number by name, of the body, the law, or a system of your own; once for each"
     add_numbers(parser, numbers or text)
@@ -134,16 +135,16 @@ def add_member(parser: argparse.ArgumentParser) -> None:
     several = [f"for {listed(n)} {','.join(at).upper()}" for at, n in names.items() if len(at) > 1]
     parser.add_argument("--at", help="; ".join([one, *several]))
     help_ = f"for {leaning()}, in place of --at: π/2 - theta, 0 is upright"
-    parser.add_argument("--lean", type=float, help=help_)
+    parser.add_argument("--lean", type=real, help=help_)
 
 
 def add_launch(parser: argparse.ArgumentParser) -> None:
     """Add the options of one launch: states, subject, and moments against it."""
-    values(parser, float, {_option(name): ("X", text) for name, text in STATES.items()})
+    values(parser, real, {_option(name): ("X", text) for name, text in STATES.items()})
     start = "with --system: every state by name, such as q=0.1,v=0"
     parser.add_argument("--start", metavar="NAME=X,…", help=start)
     add_subject(parser, motion=True)
-    values(parser, float, {_option(name): texts for name, texts in RESISTANCES.items()})
+    values(parser, real, {_option(name): texts for name, texts in RESISTANCES.items()})
 
 
 def _option(name: str) -> str:
@@ -173,6 +174,8 @@ class CommandSubject:
     """System or body, family, and contact, for a record."""
     title: str
     """The same in words."""
+    law: str = ""
+    """The contact law with its formula; empty for a system."""
     names: tuple[str, ...] = ()
     """Names of the numbers that name a member."""
     member: dict[str, Any] = field(default_factory=dict)
@@ -209,28 +212,20 @@ class CommandSubject:
         """Name of an axis; of `at` that of the number which it means."""
         return self.names[0] if axis == "at" and len(self.names) == 1 else axis
 
-    def place(self, numbers: Mapping[str, Any], *, words: bool = False) -> str:
+    def place(self, numbers: Mapping[str, Any]) -> str:
         """Numbers with their units, without mass, length and gravity where these are 1.
 
         Parameters
         ----------
         numbers
             Numbers by name.
-        words
-            Whether dimensionless numbers have their units in words.
         """
         left = (*SCALES, "length") if self.dimensionless else ()
-        units = self.units if words or not self.dimensionless else {}
         return ", ".join(
-            f"{n} = {_digits(v)}{behind(units.get(n, '1'))}"
+            f"{n} = {_digits(v)}{behind(self.units.get(n, '1'))}"
             for n, v in numbers.items()
             if n not in left
         )
-
-
-def behind(unit: str) -> str:
-    """A unit as it stands behind a number."""
-    return "" if unit in ("", "1") else f" {readable(unit)}"
 
 
 def _digits(value: Any) -> str:
@@ -331,11 +326,13 @@ def _body_subject(
     plain = body.body.dimensionless and not {*SCALES, "length"} & set(swept)
     known = round_quantities(body.name or THIN, kind, body.shape, [*names, *at, *numbers, *swept])
     who = {"body": body.name, "family": family, "contact": kind.name}
+    subject = " of ".join(filter(None, [family, body.name])) or "disk"
     return CommandSubject(
         family=family,
         arguments={body.argument: body.body, "contact": law, **member, **launch},
         who={word: name for word, name in who.items() if name},
-        title=f"{family}{f' of {body.name}' if body.name else ''}, {kind.name} contact",
+        title=f"{subject}, {kind.name} contact",
+        law=_law_in_words(options, kind),
         names=names,
         member={**member, **where_of(options)},
         at=at,
@@ -350,6 +347,15 @@ def _body_subject(
         energy="the initial energy",
         equations=lambda: body.family(family, law, **where_of(options)),
     )
+
+
+def _law_in_words(options: argparse.Namespace, law: Any) -> str:
+    """The law and its formula; where mu came without a law, also what it is not."""
+    words = f"{law.name}: {law.formula}" if law.formula else str(law.name)
+    if options.contact is None:
+        words += ", taken because no --contact is given; dry friction is --contact coulomb"
+        words += "" if hasattr(options, "start") else ", in simulate and scene"
+    return words
 
 
 def scales_of(body: Any) -> str:
@@ -417,7 +423,7 @@ def body_of(options: argparse.Namespace, swept: Mapping[str, Any]) -> _Body:
     """
     if options.body is None:
         _refuse_round(options)
-        disk = _disk_of(options)
+        disk = _disk_of(options, swept)
         return _Body(disk, "disk", "", {n: getattr(disk, n) for n in OF_DISK}, _family_of_disk)
     from ..bodies.round_body.shape import MOMENTS
 
@@ -443,10 +449,10 @@ def _family_of_disk(name: str, law: Any) -> Any:
     return disk_family(name, law)
 
 
-def _disk_of(options: argparse.Namespace) -> Disk:
+def _disk_of(options: argparse.Namespace, swept: Mapping[str, Any]) -> Disk:
     numbers = given(options, *OF_DISK)
     if options.disk is None:
-        return Disk(**numbers)
+        return Disk(**numbers, **middles(swept, SCALES, numbers))
     for name in numbers:
         raise ParameterError(f"--{name} and --disk are both given; give one of them.")
     return Disk.named(options.disk)

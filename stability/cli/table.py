@@ -9,7 +9,18 @@ from ..base.errors import ParameterError, listed
 from ..bodies.disk import Disk
 from .body import add_body
 from .modules import family_named
-from .options import AXIS, axes_of, flags, given, numbers, overwriting, targets_of, values, words_of
+from .options import (
+    AXIS,
+    axes_of,
+    flags,
+    given,
+    numbers,
+    overwriting,
+    real,
+    targets_of,
+    values,
+    words_of,
+)
 from .subject import (
     PLACE,
     SCALES,
@@ -108,11 +119,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     }
     values(parser, numbers, several)
     scales = {
-        f"--{name}": (name.upper(), f"{name} of the disk [{unit}], where --k is taken (default 1)")
+        f"--{name}": (
+            name.upper(),
+            f"{name} of the disk [{unit}], where --k is taken; all three or none",
+        )
         for name, (_, unit) in SCALES.items()
     }
     member = "`codimension --family`: what names the member, where it is no axis"
-    values(parser, float, scales | {"--at": ("AT", member)})
+    values(parser, real, scales | {"--at": ("AT", member)})
     systems = "`benchmarks`: names of systems or words of names, comma-separated (default: all)"
     family = f"`conditions`, `hopf` or `codimension` of a family of your own: {PLACE}"
     words = {

@@ -16,7 +16,7 @@ from ..base.axis import Axis
 from ..base.errors import NameUnknownError, ParameterError, StabilityError, listed, shown
 from ..base.looks import page_looks, page_style
 from ..base.verdict import Verdict
-from ..base.version import __version__
+from ..base.version import __version__, install_line
 from .certificates import LETTERS
 from .quantities import CURVES, PageUnits
 from .subject import PageSubject
@@ -273,8 +273,8 @@ def widget(data: Mapping[str, Any]) -> Any:
         from anywidget import AnyWidget
     except ImportError:
         raise StabilityError(
-            "anywidget is missing, which shows the explorer in a notebook; say pip install "
-            "'stability[widget]', or give out='page.html' and open that file."
+            "anywidget is missing, which shows the explorer in a notebook; "
+            f"{install_line('widget')}, or give out='page.html' and open that file."
         ) from None
     source = module(data)
 

@@ -114,7 +114,7 @@ class PageUnits:
         Examples
         --------
         >>> import stability as st
-        >>> PageUnits.of(st.Disk(radius=0.1, gravity=10.0), "radius").sizes[Kind.TIME]
+        >>> PageUnits.of(st.Disk(mass=1.0, radius=0.1, gravity=10.0), "radius").sizes[Kind.TIME]
         0.1
         """
         names = ("mass", length, "gravity")

@@ -37,6 +37,7 @@ from ..base.checks import callback, flag, positive
 from ..base.errors import FileError, ParameterError, shown
 from ..base.quantities import unit_of
 from ..base.types import Floats
+from ..base.version import install_line
 from ..bodies.quantities import PHYSICAL, SYSTEM, quantities_of
 from ..bodies.round_body.body import Body
 from ..motion.dataset import FORMAT
@@ -562,7 +563,7 @@ def _ffmpeg() -> str:
     try:
         return str(shutil.which("ffmpeg") or import_module("imageio_ffmpeg").get_ffmpeg_exe())
     except (ImportError, RuntimeError):
-        message = "an .mp4 needs ffmpeg; `pip install stability[video]`, or take .gif."
+        message = f"an .mp4 needs ffmpeg; {install_line('video')}, or take .gif."
         raise FileError(message) from None
 
 

@@ -534,6 +534,7 @@ def caption(dataset: xarray.Dataset) -> str:
     else:
         numbers = [
             f"{q.symbol} = {float(data[name]):.4g}{'' if plain else q.kind.suffix}"
+            f"{f' ({q.formula})' if q.formula else ''}"
             for name, q in _quantities(dataset).items()
             if name in data.coords and not data[name].ndim
         ]

@@ -24,7 +24,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ..base.checks import positive
 from ..base.errors import ParameterError, shown
-from ..base.quantities import Quantity, in_latex, plain_text
+from ..base.quantities import Quantity, formula_in_latex, in_latex, plain_text
 
 LARGEST = 40.0
 """Largest width [in] and size of text [pt]."""
@@ -441,5 +441,6 @@ def fixed(
         if quantity:
             unit = quantity.kind.label(dimensionless=dimensionless)
         shown_unit = "" if unit in ("1", "") else f" {in_latex(unit)}".replace(" $1/", "$/")
-        parts.append(f"{symbol} = {float(value):.5g}{shown_unit}")
+        force = f" ({formula_in_latex(quantity.formula)})" if quantity and quantity.formula else ""
+        parts.append(f"{symbol} = {float(value):.5g}{shown_unit}{force}")
     return ", ".join(parts)

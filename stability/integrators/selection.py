@@ -17,6 +17,7 @@ from ..algebra.number_types import heyoka
 from ..base.checks import known
 from ..base.errors import ParameterError
 from ..base.types import Floats, Progress
+from ..base.version import install_line
 from ..jobs.pipeline import Counted, here, ordered, shared
 from . import taylor
 from .flow import ASKING, Evaluator, Flow
@@ -89,7 +90,7 @@ def check_method(method: str) -> str:
         return "auto"
     if not METHODS[method].available():
         raise ParameterError(
-            f"method is {method!r}, which is not installed; install stability[{method}], or take "
+            f"method is {method!r}, which is not installed; {install_line(method)}, or take "
             "another method."
         )
     return method

@@ -25,6 +25,7 @@ from ..base.checks import MOST_WORKERS, whole_number
 from ..base.errors import NameUnknownError, ParameterError, StabilityError, one_line, shown
 from ..base.main_module import check_main
 from ..base.types import Progress
+from ..base.version import install_line
 from .pipeline import check_run
 from .processes import Lanes, processes
 
@@ -201,8 +202,8 @@ def _library() -> Any:
         import distributed
     except ImportError:
         raise StabilityError(
-            "workers of dask need the package distributed; `pip install stability[scale]`, or "
-            "give threads or processes."
+            f"workers of dask need the package distributed; {install_line('scale')}, or give "
+            "threads or processes."
         ) from None
     return distributed
 

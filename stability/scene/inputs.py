@@ -135,6 +135,7 @@ class BodySubject(SceneSubject):
             for n, v in law.given.items()
         ]
         own = f"law {name}: {law.name}" if name and name != law.name else f"law {law.name}"
+        own += f" ({law.formula})" if law.formula else ""
         return ", ".join([own, *parameters])
 
     def attributes(self, name: str) -> dict[str, str]:

@@ -19,6 +19,7 @@ from ..bodies.contact_laws import Contact, class_named, law_named
 from ..bodies.disk import Disk
 from ..bodies.launch import launch
 from ..bodies.newton_euler import STATES
+from ..bodies.quantities import PHYSICAL
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.shape import SCALES
 from ..bodies.round_body.shapes.named import NAMED
@@ -26,8 +27,6 @@ from ..storage.targets import path_text, place, refusing
 
 TABLES = ("title", "disk", "body", "contact", "start", "question", "uncertain")
 """What a file may hold at its top."""
-SIZES = ("mass", "radius", "gravity")
-"""Numbers of a disk in SI units: all three, or none of them."""
 LAUNCH = ("family", "at", "tilt")
 """Keys of a start near a steady motion."""
 WHICH = ("theta", "pole")
@@ -152,19 +151,12 @@ def _arguments(tables: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _disk(table: Mapping[str, Any]) -> Disk:
-    _only(table, ("name", *SIZES, "k"), "[disk]")
+    _only(table, ("name", *PHYSICAL, "k"), "[disk]")
     if "name" in table:
         if len(table) > 1:
             other = next(n for n in table if n != "name")
             raise ParameterError(f"[disk] has name and {other}; a disk with a name has its own.")
         return Disk.named(instance("name of [disk]", table["name"], str, "give a text"))
-    given = [n for n in SIZES if n in table]
-    if given and len(given) < len(SIZES):
-        lost = next(n for n in SIZES if n not in table)
-        raise ParameterError(
-            f"[disk] has {given[0]} and no {lost}; give mass, radius and gravity in SI units, or "
-            "none of them."
-        )
     return Disk(**_numbers(table, "disk"))
 
 

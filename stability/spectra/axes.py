@@ -82,13 +82,16 @@ def swept(
     )
     if not subject.family.at and subject.disk is None:
         raise ParameterError(f"{subject.family.name} has one member alone, and so no axis.")
-    grids = [_called(grid, subject.key(grid.name)) for grid in grids]
+    grids = [_called(grid, subject) for grid in grids]
     return along_axes(subject, grids, exact=exact), tuple(grids)
 
 
-def _called(grid: Axis, key: str) -> Axis:
-    """An axis by its key, with the name that the caller gave it as a second one."""
-    return grid if grid.name == key else replace(grid, name=key, alias=grid.name)
+def _called(grid: Axis, subject: Subject) -> Axis:
+    """An axis by its key; of the number that names members, with its other name as a second."""
+    key, family = subject.key(grid.name), subject.family
+    names = {"at", *family.at} - {key}
+    single = len(family.at) == 1 and key in ("at", *family.at) and not names & {*family.parameters}
+    return replace(grid, name=key, alias=names.pop() if single and names else "")
 
 
 def along_axes(subject: Subject, axes: Sequence[Axis], *, exact: bool = False) -> Problem:

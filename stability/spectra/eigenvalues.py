@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..algebra.eigensolver import eigenpairs
 from ..algebra.running_error import TINY, UNIT
 from ..base.errors import DomainError
+from ..base.printing import html_table
 from ..base.types import Complexes, Floats
 from ..base.verdict import CODES, Verdict
 from .deflation import Reduced
@@ -273,6 +274,21 @@ class Modes(NamedTuple):
     """Share of each state in each mode, shape (…, mode, state); each mode sums to 1."""
     labels: NDArray[np.object_] | tuple[str, ...]
     """Readable names, shape (…, mode); a tuple for a single spectrum."""
+
+    def __repr__(self) -> str:
+        *shape, modes, states = self.vectors.shape
+        if shape:
+            where = " x ".join(map(str, shape))
+            return f"<Modes of {where} points, {modes} each, over {states} states>"
+        return f"<Modes, {modes} over {states} states: {'; '.join(self.labels)}>"
+
+    def _repr_html_(self) -> str:
+        if self.vectors.ndim > 2:
+            return html_table(repr(self)[1:-1], [], [])
+        shares = [[f"{share:.3g}" for share in row] for row in self.participation]
+        columns = ["mode", *(f"share of state {i}" for i in range(self.vectors.shape[-1]))]
+        rows = [[label, *row] for label, row in zip(self.labels, shares, strict=True)]
+        return html_table(repr(self)[1:-1].partition(":")[0], columns, rows)
 
 
 def lift(

@@ -197,7 +197,7 @@ def problem_of(subject: Subject) -> Problem:
     Examples
     --------
     >>> from stability.bodies.contact_laws import Viscous
-    >>> disk = Disk(radius=0.3, gravity=9.81)
+    >>> disk = Disk(mass=1.0, radius=0.3, gravity=9.81)
     >>> problem_of(subject_of("rolling", at=5.0, disk=disk, contact=Viscous(0.2))).names
     ('at', 'k', 'mass', 'radius', 'gravity', 'mu')
     """

@@ -6,10 +6,9 @@ A reader gets it as one line, as a table of HTML, and as a dataset with units an
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,10 +17,12 @@ from numpy.typing import NDArray
 from ..algebra.eigensolver import EigenSolver, eigenpairs, lapack
 from ..base.citation import cited
 from ..base.errors import ParameterError, StabilityError
-from ..base.quantities import Kind, Quantity, rate_unit
+from ..base.printing import html_table, in_brackets
+from ..base.quantities import Kind, Quantity, behind, rate_unit
 from ..base.types import Complexes, Floats, Record, fields_of
 from ..base.verdict import BY_CODE, CODES, Nonlinear, Verdict
 from ..polynomials.zero_blocks import most_power
+from ..storage.text import csv_text
 from ..systems.family import Family
 from ..systems.structure.linearity import linear
 from .deflation import Place
@@ -142,6 +143,8 @@ def _places(found: Any) -> NDArray[np.int8]:
 
 MOST = 8
 """Most eigenvalues in one line; those that decay fastest are left out."""
+LENGTHS = ("radius", "length")
+"""Names of the unit of length of a disk and of a body."""
 LONGEST = 60
 """Most rows of a table."""
 
@@ -173,9 +176,34 @@ def counted(spectrum: Any) -> str:
 
 
 def member(spectrum: Any) -> str:
-    """Family parameters of a single spectrum by name."""
+    """Family parameters of a single spectrum by name, with their units."""
     given = zip(spectrum.family.at, np.asarray(spectrum.at), strict=True)
-    return ", ".join(f"{n} = {v:.6g}" for n, v in given)
+    return ", ".join(f"{n} = {v:.6g}{behind(_unit(spectrum, n))}" for n, v in given)
+
+
+def _unit(spectrum: Any, name: str) -> str:
+    """The unit of a number, in words where it is dimensionless."""
+    system = spectrum.family.system
+    known = system.quantities.get(name)
+    if known is None:
+        return str(system.units.get(name, "1"))
+    return known.kind.label(dimensionless=spectrum.dimensionless)  # type: ignore[no-any-return]
+
+
+def _law(spectrum: Any) -> str:
+    """The contact law with its formula and numbers; empty for a user's system."""
+    known = spectrum.family.system.quantities
+    if not known:
+        return ""
+    law = spectrum.family.system.name.rpartition(", ")[2]
+    values = {spectrum.family.meaning(n): v for n, v in spectrum.values.items()}
+    formula, numbers = "", []
+    for name, value in values.items():
+        if name in known and known[name].formula:
+            formula = f" ({known[name].formula})"
+            if np.ndim(value) == 0:
+                numbers.append(f"{name} = {float(value):.6g}{behind(_unit(spectrum, name))}")
+    return ", ".join([f"{law} contact{formula}", *numbers])
 
 
 def of_body(spectrum: Any) -> str:
@@ -184,9 +212,12 @@ def of_body(spectrum: Any) -> str:
     values = {spectrum.family.meaning(n): v for n, v in spectrum.values.items()}
     single = {n: float(v) for n, v in values.items() if np.ndim(v) == 0}
     single = {n: single[n] for n in (*spectrum.family.at, *single) if n in single}
+    if spectrum.dimensionless:
+        single = {n: v for n, v in single.items() if n not in ("mass", *LENGTHS, "gravity")}
     known = {n: Quantity(n, "", n, Kind.NUMBER) for n in single} | dict(system.quantities)
     return ", ".join(
-        known[n].value(v, dimensionless=spectrum.dimensionless) for n, v in single.items()
+        replace(known[n], formula="").value(v, dimensionless=spectrum.dimensionless)
+        for n, v in single.items()
     )
 
 
@@ -195,14 +226,15 @@ def line(spectrum: Any) -> str:
     shape, count = spectrum.eigenvalues.shape[:-1], spectrum.eigenvalues.shape[-1]
     unit = f" [{spectrum.rate_unit}]" if spectrum.rate_unit != "1" else ""
     number = f"{count} eigenvalue{'s' * (count != 1)}"
+    law = f", {contact}" if (contact := _law(spectrum)) else ""
     if not shape:
         said = numbers(spectrum.eigenvalues)
         verdict = ": ".join(filter(None, [spectrum.verdict.word, spectrum.growth()]))
         more = "…, " * (len(said) > MOST)
         told = f"{number}{unit}: {more}{', '.join(said[-MOST:])}" if said else number
         there = f" at {where}" if (where := member(spectrum)) else ""
-        return f"<Spectrum of {spectrum.family.name}{there}: {verdict}; {told}>"
-    what = f"{' x '.join(map(str, shape))} points"
+        return f"<Spectrum of {spectrum.family.name}{there}{law}: {verdict}; {told}>"
+    what = f"{' x '.join(map(str, shape))} points{law}"
     rates = ""
     if spectrum.codes.size and count:
         low, high = np.min(spectrum.abscissa), np.max(spectrum.abscissa)
@@ -213,23 +245,24 @@ def line(spectrum: Any) -> str:
 def page(spectrum: Any) -> str:
     """A table for a notebook: eigenvalues with error and mode, or a row for each point."""
     family, unit = spectrum.family, spectrum.rate_unit
-    units = f" [{escape(unit)}]" if unit != "1" else ""
-    title = f"<b>{escape(family.name)}</b> of {escape(family.system.name)}"
+    units = f" [{unit}]" if unit != "1" else ""
+    title = f" of {family.system.name}"
     names = list(family.at)
     where = "" if spectrum.codes.ndim else member(spectrum)
     if family.system.quantities:
         names, where = [family.system.quantities[n].symbol for n in names], of_body(spectrum)
-        title += " contact"
+        formulas = {q.formula for q in family.system.quantities.values() if q.formula}
+        title += f" contact{''.join(f' ({formula})' for formula in formulas)}"
     if not spectrum.codes.ndim:
-        head = f"{title}, {escape(where)}: {escape(spectrum.verdict.value)}"
-        head += f"; {escape(spectrum.growth())}" * bool(spectrum.growth())
+        head = ": ".join([f"{title}, {where}" if where else title, spectrum.verdict.value])
+        head += f"; {spectrum.growth()}" * bool(spectrum.growth())
         rows = zip(spectrum.eigenvalues, spectrum.radius, _labels(spectrum), strict=True)
         cells = [
             (f"{v.real + 0.0:+.6g}", f"{v.imag + 0.0:+.6g}", f"{r:.1g}", m) for v, r, m in rows
         ]
         columns = [f"Re λ{units}", f"Im λ{units}", "error", "mode"]
-        return _table(head, columns, cells, f"<i>{escape(spectrum.reason)}</i>")
-    fixed = f", {escape(where)}" * bool(where)
+        return html_table(head, columns, cells, spectrum.reason, name=family.name)
+    fixed = f", {where}" * bool(where)
     head = f"{title}{fixed}: {counted(spectrum)}"
     shape = spectrum.codes.shape
     picked = list(np.ndindex(shape))[:LONGEST]
@@ -242,25 +275,48 @@ def page(spectrum: Any) -> str:
         )
         for i in picked
     ]
-    columns = [*map(escape, names), "verdict", f"largest Re λ{units}", "error"]
+    columns = [*names, "verdict", f"largest Re λ{units}", "error"]
     left = spectrum.codes.size - len(picked)
-    return _table(head, columns, cells, f"and {left} more points" if left else "")
+    more = f"and {left} more points" if left else ""
+    return html_table(head, columns, cells, more, name=family.name)
 
 
 def _labels(spectrum: Any) -> list[str]:
     try:
-        return list(spectrum.modes.labels)
+        return [str(label) for label in np.ravel(spectrum.modes.labels)]
     except StabilityError:  # a reader still gets the eigenvalues
-        return [""] * spectrum.eigenvalues.shape[-1]
+        return [""] * spectrum.eigenvalues.size
 
 
-def _table(head: str, names: list[str], rows: Sequence[tuple[str, ...]], foot: str) -> str:
-    top = "".join(f"<th>{n}</th>" for n in names)
-    body = "".join("<tr>" + "".join(f"<td>{escape(c)}</td>" for c in row) + "</tr>" for row in rows)
-    below = f"<div>{foot}</div>" if foot else ""
-    return (
-        f"<div>{head}</div><table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table>{below}"
-    )
+def flat(spectrum: Any) -> tuple[list[str], list[list[Any]]]:
+    """Header with units, and a row for each eigenvalue of each point, with all that was given.
+
+    Parameters
+    ----------
+    spectrum
+        A `Spectrum`; mass, length and gravity are left out where all are 1.
+    """
+    family, shape = spectrum.family, spectrum.codes.shape
+    numbers = {name: spectrum.at[..., i] for i, name in enumerate(family.at)}
+    for name, value in spectrum.values.items():
+        meaning = family.meaning(name)
+        if not (spectrum.dimensionless and meaning in ("mass", *LENGTHS, "gravity")):
+            numbers.setdefault(meaning, np.broadcast_to(np.asarray(value, dtype=float), shape))
+    rate = in_brackets(spectrum.rate_unit)
+    header = [f"{name}{in_brackets(_unit(spectrum, name))}" for name in numbers]
+    header += ["verdict", "certified", f"real{rate}", f"imaginary{rate}", f"error{rate}", "mode"]
+    labels = np.asarray(_labels(spectrum), dtype=object).reshape(spectrum.eigenvalues.shape)
+    rows: list[list[Any]] = []
+    for index in np.ndindex(shape):
+        given = [float(value[index]) for value in numbers.values()]
+        said = [spectrum.verdict[index].word if shape else spectrum.verdict.word]
+        said.append(bool(np.asarray(spectrum.certified)[index]))
+        for value, radius, label in zip(
+            spectrum.eigenvalues[index], spectrum.radius[index], labels[index], strict=True
+        ):
+            parts = [value.real + 0.0, value.imag + 0.0, radius]
+            rows.append([*given, *said, *map(float, parts), label])
+    return header, rows
 
 
 GROWS = -2
@@ -420,6 +476,35 @@ class Spectrum(Record):
         (('at', 'mode'), 'axial angular velocity')
         """
         return dataset(self)
+
+    def to_csv(self) -> str:
+        """The spectrum as CSV: a line for each eigenvalue of each point, with all that was given.
+
+        The one header line has the units; numbers have all their digits.
+
+        Examples
+        --------
+        >>> import stability as st
+        >>> s = st.spectrum("rolling", at=1.8, contact=st.Viscous(0.3))
+        >>> s.to_csv().splitlines()[0][:40]
+        'omega3 [√(g/R)],k,mu [1/√(gR)],verdict,c'
+        """
+        return csv_text(*flat(self))
+
+    def to_pandas(self) -> Any:
+        """The spectrum as a pandas DataFrame, with the rows and the header of the CSV.
+
+        Examples
+        --------
+        >>> import stability as st
+        >>> s = st.spectrum("rolling", at=[1.2, 1.8], contact=st.Viscous(0.3))
+        >>> s.to_pandas().groupby("omega3 [√(g/R)]").verdict.first().tolist()
+        ['unstable', 'stable']
+        """
+        import pandas as pd
+
+        header, rows = flat(self)
+        return pd.DataFrame(rows, columns=header)
 
     def plot(self, **options: Any) -> Any:
         """Draw the eigenvalues: loci along the one quantity given as an array, or one in the plane.

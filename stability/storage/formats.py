@@ -10,6 +10,7 @@ from pathlib import PurePath
 from typing import Any
 
 from ..base.errors import ParameterError, StabilityError, shown
+from ..base.version import install_line
 
 
 @dataclass(frozen=True)
@@ -55,8 +56,8 @@ class Format:
         """Refuse the format where its package is missing."""
         if self.package and find_spec(self.package) is None:
             raise StabilityError(
-                f"{self.name} needs the package {self.package}; `pip install "
-                f"stability[{self.extra}]`, or give a file that ends in {FORMATS[0].endings[0]}."
+                f"{self.name} needs the package {self.package}; {install_line(self.extra)}, or "
+                f"give a file that ends in {FORMATS[0].endings[0]}."
             )
 
 

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from ..base.checks import flag, instance, one_number, whole_number
 from ..base.citation import cited
 from ..base.errors import NoMemberError, ParameterError
+from ..base.printing import html_table
 from ..base.types import Floats, Record, TupleRecord
 from .family import A_FAMILY, Family
 from .members import follow
@@ -62,6 +63,8 @@ class Fold(SingularPoint):
     """Whether the extended system was solved, to rounding."""
 
 
+LONGEST = 60
+"""Most rows of a table."""
 LEAST = 1e-9
 """Shortest step, as a share of the longest."""
 COSINE = 0.95
@@ -325,6 +328,21 @@ class Branch(TupleRecord, _Members):
     """
 
     __slots__ = ()
+
+    def __repr__(self) -> str:
+        ends = f" from {self.at[0]:.6g} to {self.at[-1]:.6g}" if len(self.at) else ""
+        words = "complete" if self.complete else f"ended: {self.ended.rstrip('.')}"
+        counts = {"fold": len(self.folds), "branch point": len(self.branch_points)}
+        said = [f"{n} {name}{'s' * (n != 1)}" for name, n in counts.items() if n]
+        return f"<Branch of {len(self.at)} members{ends}: {', '.join([words, *said])}>"
+
+    def _repr_html_(self) -> str:
+        states = [f"state {i}" for i in range(self.state.shape[-1])]
+        rows = np.column_stack([self.at, self.state])[:LONGEST]
+        cells = [[f"{value:.6g}" for value in row] for row in rows]
+        left = len(self.at) - len(rows)
+        foot = f"and {left} more members" if left else ""
+        return html_table(repr(self)[1:-1], ["at", *states], cells, foot)
 
 
 def branch(

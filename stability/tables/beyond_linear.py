@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
-from decimal import ROUND_CEILING, Decimal, localcontext
-from fractions import Fraction
 from typing import Any
 
 from ..base.citation import gathered, joined
+from ..base.printing import to_bound
 from ..base.quantities import Kind, Quantity, rate_unit, readable
 from ..boundary.hopf import CycleBirth, hopf
 from ..boundary.two_parameters.point_records import CodimensionTwo
@@ -27,32 +25,11 @@ BIRTH_NOTES = (
 )
 
 
-def to_bound(value: float, error: float) -> str:
-    """A number with its proved bound: digits up to the bound, which holds for what is printed.
-
-    Examples
-    --------
-    >>> to_bound(24.535893446115182, 3.5e-6), to_bound(24.535893446115182, 3.5e-18)
-    ('24.5358934 ± 3.6e-06', '24.535893446115182 ± 1.5e-16')
-    """
-    if not math.isfinite(error + value):
-        return f"{value:.12g} ± {error:.1e}"
-    small = 0 < error < abs(value)
-    digits = min(math.ceil(math.log10(abs(value)) - math.log10(error)) + 2, 17) if small else 17
-    said = f"{value:.{digits}g}"
-    off = Fraction(error) + abs(Fraction(said) - Fraction(value))
-    if not off:
-        return f"{said} ± {0:.1e}"
-    with localcontext(rounding=ROUND_CEILING):  # a bound is rounded up
-        bound = f"{Decimal(math.nextafter(float(off), math.inf)):.1e}"
-    return f"{said} ± {float(bound):.1e}"
-
-
 def birth_table(family: Family, axis: tuple[Any, ...], **parameters: Any) -> Table:
     """The table of the flutter boundaries of a family along an axis."""
     with gathered() as works:
         found = hopf(family, axis=axis, **parameters)
-    units, aside = family.system.units, ("mode", "unit", "citation")
+    units, aside = family.system.units, ("mode", "unit", "units", "citation")
     rows = []
     for point in found:
         row = {k: v for k, v in vars(point).items() if k not in aside} | {"kind": point.kind.word}

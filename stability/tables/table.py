@@ -13,6 +13,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from ..base.printing import html_table
 from ..base.quantities import Kind, Quantity, readable
 from ..base.types import Record, Sentences
 from ..storage.files import write_file
@@ -547,6 +548,11 @@ class Table(Record):
     def __str__(self) -> str:
         return self.to_text()
 
+    def __repr__(self) -> str:
+        rows = f"{len(self.rows)} row{'s' * (len(self.rows) != 1)}"
+        names = [c.header(dimensionless=self.dimensionless) for c in self.columns]
+        return f"<Table {self.name}, {rows}: {', '.join(names)}>"
+
     def to_text(self) -> str:
         """The table as lines of text."""
         return self.definition.text(self)
@@ -590,13 +596,17 @@ class Table(Record):
         return pd.DataFrame(cells, columns=header)
 
     def _repr_html_(self) -> str:
-        frame = self.to_pandas()
-        words = (re.fullmatch(r"(.*) \[(.*)\]", name) for name in frame.columns)
-        frame.columns = [
+        header, cells = flat(self.columns, self.rows, dimensionless=self.dimensionless)
+        words = (re.fullmatch(r"(.*) \[(.*)\]", name) for name in header)
+        names = [
             f"{m[1]} [{readable(m[2])}]" if m else name
-            for m, name in zip(words, frame.columns, strict=True)
+            for m, name in zip(words, header, strict=True)
         ]
-        return str(frame.to_html(index=False, na_rep=""))
+        rows = [
+            ["" if v is None else f"{v:.6g}" if isinstance(v, float) else str(v) for v in row]
+            for row in cells
+        ]
+        return html_table(self.heading, names, rows)
 
     def printed(self, form: str) -> str:
         """The table in a form of `FORMS`: text, csv, json or latex."""

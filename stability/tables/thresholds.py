@@ -36,7 +36,7 @@ SHOWN = 15
 """Significant digits of a known value."""
 REPORT = "Y. As, student report, Technion 2017"
 LINEAR = "linearised balance of moments; the report's value was not at hand"
-DISK = Disk(radius=0.5, gravity=9.81)
+DISK = Disk(mass=1.0, radius=0.5, gravity=9.81)
 """The report's disk: uniform, k = 1/4 [m, m/s²]."""
 LEAN, PRECESSION = 10, 0.5
 """Lean [°] and precession [rad/s] of the report's circling disk."""

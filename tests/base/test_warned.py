@@ -27,7 +27,6 @@ def _saddle() -> Any:
 
 def test_every_warning_is_shown_at_the_callers_line() -> None:
     calls = (
-        lambda: st.Disk(0.25),
         lambda: st.Disk(k=Fraction(1, 3)),
         lambda: st.simulate(
             st.Disk(k=Fraction(1, 3)), st.Rough(), {"theta": 1.5, "omega3": 1.0}, 1.0

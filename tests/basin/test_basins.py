@@ -232,3 +232,17 @@ def test_at_names_the_member_in_samples_and_held_numbers_too() -> None:
         for name in ("at", "phi_dot")
     )
     assert one.identical(other) and one.phi_dot.dims == ("launch",)
+
+
+@pytest.mark.parametrize("name", ["at", "phi_dot"])
+def test_basins_have_the_number_of_their_members_under_both_names(name: str) -> None:
+    found = st.basins(
+        contact="viscous",
+        mu=0.3,
+        family="spinning",
+        x=(name, 1.0, 3.0, 2),
+        y=("tilt", 0.1, 0.2, 2),
+        horizon=1.0,
+    )
+    assert found.at.values.tolist() == found.phi_dot.values.tolist() == [1, 3]
+    assert found.at.dims == ("phi_dot",) and found.at.attrs == found.phi_dot.attrs

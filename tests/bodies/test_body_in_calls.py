@@ -96,7 +96,7 @@ def test_a_name_where_a_family_is_needed_is_led_to_the_bodys() -> None:
 def test_every_number_of_a_body_has_a_quantity_and_its_unit(body: st.Body, law: str) -> None:
     from dataclasses import replace
 
-    system = replace(body, length=2.0).family("tumbling", law).system
+    system = replace(body, mass=1.0, gravity=1.0, length=2.0).family("tumbling", law).system
     known = system.quantities
     assert set(known) == {*system.states, *system.parameters, *system.observables}
     assert all(q.long_name and q.name == n for n, q in known.items())
@@ -124,7 +124,7 @@ def test_the_words_of_a_unit_are_those_of_the_disk_or_si() -> None:
     assert si.rate_unit == "1/s"
     head = si._repr_html_().split("</div>")[0]
     assert head.startswith(
-        "<div><b>rolling</b> of spheroid, viscous contact, ω₃ = 5 rad/s, a = 0.5"
+        "<div><b>rolling</b> of spheroid, viscous contact (F = -μ N v), ω₃ = 5 rad/s, a = 0.5"
     )
     assert "g = 9.81 m/s², R = 0.3 m, μ = 0.3 s/m" in head
     assert "<th>ω₃</th>" in plain._repr_html_()
@@ -161,8 +161,8 @@ def test_boundaries_of_a_body_that_are_proved_say_of_what() -> None:
 def test_the_same_disk_or_body_with_other_numbers() -> None:
     quarter = st.Disk.named("quarter")
     assert quarter.having({"k": 0.3}).given == quarter.given | {"k": 0.3}
-    torus = st.Torus(0.3).having({"tube": 0.2, "mass": 2.0})
-    assert torus == st.Torus(0.2, mass=2.0)
+    torus = st.Torus(0.3).having({"tube": 0.2, "mass": 2.0, "gravity": 1, "length": 1})
+    assert torus == st.Torus(0.2, mass=2.0, gravity=1.0, length=1.0)
     for body, name in ((quarter, "tube"), (torus, "k")):
         with pytest.raises(st.StabilityError, match=f"'{name}'; known are mass, "):
             body.having({name: 0.2})

@@ -7,15 +7,18 @@ import math
 import pickle
 import re
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import casadi as ca
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
 import stability as st
-from stability.base.quantities import Kind, in_latex
+from stability.base.quantities import Kind, axis_label, in_latex
 from stability.bodies.contact_laws import MOTION_LAWS, law_class
 from stability.bodies.quantities import QUANTITIES, disk_quantities, quantities_of
 from stability.bodies.thin_disk import disk_system
@@ -190,7 +193,7 @@ def test_a_users_theta_is_not_the_disks() -> None:
         (st.Viscous(0.3), "μ = 0.3 s/m"),
         (st.LinearViscous(mu=0.3), "μ = 0.3 s/m"),
         (st.LinearViscous(0.3), "c = 0.3 kg/s"),
-        (st.Coulomb(0.3), "μ = 0.3)"),
+        (st.Coulomb(0.3), "μ = 0.3 (|F| = μ N))"),
     ],
 )
 def test_a_caption_gives_the_coefficient_in_the_unit_of_its_law(
@@ -201,9 +204,76 @@ def test_a_caption_gives_the_coefficient_in_the_unit_of_its_law(
     assert given in told and "g = 9.81 m/s²" in told
 
 
-def test_a_lone_number_for_a_disk_warns_that_it_is_the_mass() -> None:
-    with pytest.warns(st.StabilityWarning, match=r"Disk\(0.5\) sets the mass"):
-        assert st.Disk(0.5).mass == 0.5
+@pytest.mark.parametrize(
+    ("law", "formula"),
+    [
+        ("viscous", r"$F = -\mu\,N\,v$"),
+        ("coulomb", r"$|F| = \mu\,N$"),
+        ("coulomb-regularised", r"$F = -\mu\,N\,v/\sqrt{v^2+\varepsilon^2}$"),
+        ("creep-2", r"$F = -\mu\,N\,v$"),
+    ],
+)
+def test_an_axis_of_mu_says_the_law(law: str, formula: str) -> None:
+    known = disk_quantities(MOTION_LAWS[law])["mu"]
+    unit = known.kind.label(dimensionless=False)
+    label = axis_label(known, "mu", unit)
+    assert f"friction coefficient $\\mu$ of {formula}" in label
+    assert known.value(0.3, dimensionless=False).endswith(f" ({MOTION_LAWS[law].formula})")
+    plt.figure().text(0, 0, label).get_window_extent()  # Matplotlib reads the formula
+    plt.close("all")
+
+
+def test_every_law_of_the_package_says_its_formula() -> None:
+    assert all(law.formula for law in MOTION_LAWS.values())
+
+
+SCALES_IN_PART = {
+    "the coin of an hour": lambda: st.Disk(mass=0.0058, radius=0.012125),
+    "gravity alone": lambda: st.Disk(gravity=9.81),
+    "a hoop": lambda: st.Disk.hoop(mass=0.3, radius=0.45),
+    "an annulus": lambda: st.Disk.annulus(0.1, radius=0.2),
+    "a torus": lambda: st.Torus(0.2, mass=1, length=0.3),
+    "an egg": lambda: st.Egg(0.1, gravity=9.81),
+    "a body": lambda: st.Body(ca.sin, axial=0.4, transverse=0.25, mass=2),
+    "a copy": lambda: replace(st.Disk(k=0.3), radius=0.1),
+    "other numbers": lambda: st.Disk().having({"mass": 0.1}),
+    "other numbers of a body": lambda: st.Torus(0.2).having({"gravity": 9.81}),
+    "an axis": lambda: st.stability_map(
+        "rolling", x=("at", 1, 2, 3), y=("radius", 0.1, 0.2, 3), contact=st.Viscous(0.3)
+    ),
+    "an axis of boundaries": lambda: st.boundaries(
+        "rolling", axis=("gravity", 1, 10, 3), at=1, contact=st.Viscous(0.3)
+    ),
+    "an axis of a disk as body": lambda: st.boundaries(
+        "rolling", axis=("gravity", 1, 10, 3), at=1, contact=st.Viscous(0.3), body=st.Disk()
+    ),
+    "an axis of a body": lambda: st.boundaries(
+        "rolling", axis=("length", 1, 10, 3), at=1, contact=st.Viscous(0.3), body=st.Torus(0.2)
+    ),
+}
+
+
+@pytest.mark.parametrize("call", SCALES_IN_PART.values(), ids=SCALES_IN_PART)
+def test_mass_length_and_gravity_are_given_all_or_none(call: Callable[[], Any]) -> None:
+    sentence = (
+        r"the \w+ has (mass|radius|length|gravity) and no (mass|radius|length|gravity); "
+        r"give mass, (radius|length) and gravity in SI units, or none of them\.$"
+    )
+    with pytest.raises(st.StabilityError, match=sentence):
+        call()
+
+
+def test_all_three_numbers_or_none_are_accepted_also_where_they_are_one() -> None:
+    assert st.Disk(mass=1, radius=1, gravity=1).dimensionless
+    assert replace(st.Disk.named("quarter"), radius=0.01).gravity == 9.81
+    assert pickle.loads(pickle.dumps(st.Torus(0.2))).having({"tube": 0.3}).length == 1
+    with pytest.raises(st.StabilityError, match="has radius and no mass"):
+        replace(pickle.loads(pickle.dumps(st.Disk())), radius=0.1)
+
+
+def test_a_lone_number_for_a_disk_is_refused_because_it_is_the_mass() -> None:
+    with pytest.raises(st.StabilityError, match=r"Disk\(0.5\) gives the mass alone; .*Disk\(k="):
+        st.Disk(0.5)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert st.Disk(0.3, 0.45, 0.5, 9.81).k == st.Disk(k=0.5).k == 0.5

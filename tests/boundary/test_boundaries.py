@@ -320,7 +320,9 @@ def test_the_result_is_used_like_a_list() -> None:
     assert found + none == [first, second] and [first] + found == [first, first, second]
     assert first in found and found.index(second) == 1 and sorted(found, key=id)
     assert found.complete is True and found.unresolved == ()
-    assert repr(none).startswith("<0 boundaries along at from 2 to 3; complete: every real root of")
+    assert repr(none).startswith(
+        "<0 boundaries along at from 2 to 3 √(g/R), stable throughout; complete: every real root of"
+    )
 
 
 # --- systems with known answers ---

@@ -285,7 +285,7 @@ def test_both_sides_of_the_line_do_what_the_spectrum_says() -> None:
 
 
 def test_units_are_carried() -> None:
-    coin = st.Disk(radius=0.012, gravity=9.81)
+    coin = st.Disk(mass=1.0, radius=0.012, gravity=9.81)
     rate, speed = float(coin.rate), float(coin.speed)
     [si] = hopf("spinning", disk=coin, contact=st.Viscous(0.8 / speed))
     [plain] = hopf("spinning", contact=st.Viscous(0.8))

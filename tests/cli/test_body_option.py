@@ -112,7 +112,7 @@ def test_a_users_body_takes_the_numbers_of_its_function_or_shape(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     text = output(capsys, "spectrum", "rolling", "--body", "egg.py:egg", "--a", "0.1", *ASK)
-    assert "rolling of egg, viscous contact, at omega3 = 1, a = 0.1, sharp = 0.08," in text
+    assert "rolling of egg, viscous contact, at omega3 = 1 √(g/R), a = 0.1, sharp = 0.08," in text
     other = output(capsys, "spectrum", "rolling", "--body=egg.py:egg", "--a=0.1", *ASK)
     assert other == text
     named = output(capsys, "spectrum", "rolling", "--body", "egg.py:egg", "--set", "a=0.1", *ASK)

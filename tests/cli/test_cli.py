@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -107,14 +108,79 @@ def test_every_number_of_boundaries_has_its_name_and_unit(
     coin = ["boundaries", "rolling", "--disk", "quarter"]
     text = output(capsys, *coin, "--axis", "at:1:90:9", "--mu", "0.3")
     assert "along omega3 from 1 to 90 rad/s, at mass = 0.00567 kg, radius = 0.01213 m" in text
-    assert "gravity = 9.81 m/s², mu = 0.3 s/m\n  omega3 = 40.21787" in text
+    assert "gravity = 9.81 m/s², mu = 0.3 s/m\nviscous: F = -μ N v" in text
+    assert "\n  omega3 = 40.21787" in text
     assert " rad/s   flutter, stable above, frequency 56.8766618032 1/s\n" in text
     plain = ["boundaries", "spinning", "--axis", "mu:0.1:5:9", "--at", "2.5"]
     text = output(capsys, *plain)
     assert "along mu from 0.1 to 5 1/√(gR), at phi_dot = 2.5 √(g/R), k = 0.25\n" in text
     assert json.loads(output(capsys, *plain, "--json"))["at"] == 2.5
     heavy = ["boundaries", "rolling", "--axis", "mass:1:2:9", "--at", "2", "--mu", "1"]
+    heavy += ["--radius", "1", "--gravity", "1"]
     assert "from 1 to 2 kg, at omega3 = 2 rad/s, radius = 1 m" in output(capsys, *heavy)
+
+
+@pytest.mark.parametrize(
+    ("words", "number"),
+    [
+        (("spectrum", "rolling", "--at", "2"), "mu = 0.3 1/√(gR)"),
+        (("boundaries", "rolling", "--axis", "at:1:2:5"), "mu = 0.3 1/√(gR)"),
+        (("simulate", "--theta", "1.5", "--omega3", "1", "--time", "0.1"), "mu = 0.3 1/√(gR)"),
+        (("spectrum", "rolling", "--at", "2", "--disk", "quarter"), "mu = 0.3 s/m"),
+        (("simulate", "--theta", "1", "--time", "0.1", "--disk", "quarter"), "mu = 0.3 s/m"),
+    ],
+)
+def test_mu_has_its_unit_and_its_law_and_is_said_to_be_no_dry_friction(
+    capsys: pytest.CaptureFixture[str], words: tuple[str, ...], number: str
+) -> None:
+    text = output(capsys, *words, "--mu", "0.3")
+    assert number in text
+    assert text.count("viscous: F = -μ N v") == text.count("dry friction is --contact coulomb") == 1
+    named = output(capsys, *words, "--mu", "0.3", "--contact", "viscous")
+    assert "viscous: F = -μ N v" in named and "dry friction" not in named
+
+
+@pytest.mark.parametrize(
+    ("fraction", "decimal"),
+    [
+        (["spectrum", "rolling", "--at", "9/4", "--mu", "3/8", "--k", "1/4"],
+         ["spectrum", "rolling", "--at", "2.25", "--mu", "0.375", "--k", "0.25"]),
+        (["spectrum", "tumbling", "--lean", "1/2", "--mu", "1"],
+         ["spectrum", "tumbling", "--lean", "0.5", "--mu", "1"]),
+        (["spectrum", "rolling", "--body", "torus", "--tube", "1/8", "--at", "2", "--mu", "1"],
+         ["spectrum", "rolling", "--body", "torus", "--tube", ".125", "--at", "2", "--mu", "1"]),
+        (["boundaries", "rolling", "--axis", "at:1/8:5/2:9", "--mu", "1"],
+         ["boundaries", "rolling", "--axis", "at:0.125:2.5:9", "--mu", "1"]),
+        (["spectrum", "rolling", "--at", "2", "--contact", "viscous", "--set", "mu=-1/-3"], None),
+        (["spectrum", "rolling", "--at", "2", "--mu", "1/0"], None),
+    ],
+)  # fmt: skip
+def test_a_number_may_be_a_fraction(
+    capsys: pytest.CaptureFixture[str], fraction: list[str], decimal: list[str] | None
+) -> None:
+    if decimal is None:
+        assert "number" in refused(capsys, *fraction)
+        return
+    assert output(capsys, *fraction, "--json") == output(capsys, *decimal, "--json")
+
+
+def test_the_states_of_a_motion_have_their_units(capsys: pytest.CaptureFixture[str]) -> None:
+    launch = ["simulate", "--theta", "1.5", "--omega3", "1", "--mu", "0.3", "--time", "0.1"]
+    text = output(capsys, *launch)
+    assert "time      0.1 √(R/g)\n" in text
+    for name, unit in (("omega3", "√(g/R)"), ("slip_x", "√(gR)"), ("theta", "rad")):
+        assert re.search(rf"{name} = [-+.e0-9]+ {re.escape(unit)}", text)
+
+
+@pytest.mark.parametrize("command", ["spectrum", "boundaries", "simulate", "map", "basins"])
+def test_the_help_of_mu_says_its_law_its_unit_and_what_it_is_not(
+    capsys: pytest.CaptureFixture[str], command: str
+) -> None:
+    with pytest.raises(SystemExit):
+        main([command, "--help"])
+    words = " ".join(capsys.readouterr().out.split())
+    assert "friction coefficient of F = -mu N v [s/m]" in words
+    assert "no dry friction: its mu [-] is that of --contact coulomb" in words
 
 
 def test_map_writes_its_files_and_says_what_they_hold(
@@ -197,7 +263,7 @@ def test_a_part_of_several_names_is_answered_with_all_of_them(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     said = refused(capsys, "spectrum", "rolling", "--c", "rough", "--at", "1")
-    assert "--c is not an option here; --contact or --certify is" in said
+    assert "--c is not an option here; --contact, --certify or --csv is" in said
     said = refused(capsys, "map", "spinning", "--o", "m.nc")  # before the axes are asked for
     assert "--o is not an option here; --out or --overwrite is" in said
 
@@ -547,7 +613,7 @@ def test_bad_questions_get_one_sentence(
         ({"--x": "mu:1:2:5"}, "two different"),
         ({"--y": "mu:0:2:5"}, "--contact smooth"),
         ({"--y": "k:0.1:0.7:5", "--mu": "1"}, "(0, 1/2]"),
-        ({"--y": "gravity:-1:1:5", "--mu": "1"}, "gravity is -1"),
+        ({"--y": "gravity:-1:3:5", "--mu": "1"}, "the disk has gravity and no mass"),
         ({"--y": "k:0.1:0.5:5"}, "mu is missing"),
         ({"--mu": "1"}, "given as --mu and as an axis"),
         ({"--at": "1"}, "given as --at and as an axis"),

@@ -162,7 +162,7 @@ def test_si_numbers_go_in_and_come_out(capsys: pytest.CaptureFixture[str]) -> No
         ([*ASK], "--time is missing"),
         ([*ASK, "--time", "0"], "times is 0"),
         ([*ASK, "--time", "nan"], "times is nan"),
-        ([*ASK, "--time", "x"], "invalid float value: 'x'"),
+        ([*ASK, "--time", "x"], "'x' is no number; give one such as 0.25 or 1/4"),
         ([*ASK, "--time", "1", "--points", "1"], "at least 2 points"),
         ([*ASK, "--time", "-1", "--points", "9"], "a finite time above 0"),
         ([*ASK, "--time", "1", "--method", "euler"], "method is 'euler'"),

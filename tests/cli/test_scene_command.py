@@ -240,8 +240,9 @@ def test_the_page_begins_with_the_question(capsys: pytest.CaptureFixture[str]) -
     head = output(capsys, "scene", str(FOLDER / "rolled-coin.toml")).split("\n")[1:4]
     assert head == [
         "disk: mass = 0.00567 kg, radius = 0.01213 m, gravity = 9.81 m/s², k = 0.25",
-        "law viscous, mu = 20 s/m; law linear: linear-viscous, mu = 20 s/m; law dry: coulomb, "
-        "mu = 0.3; law rough; law smooth",
+        "law viscous (F = -μ N v), mu = 20 s/m; law linear: linear-viscous "
+        "(F = -c v, c = μ m g), mu = 20 s/m; law dry: coulomb (|F| = μ N), mu = 0.3; "
+        "law rough (v = 0); law smooth (F = 0)",
         "start: theta = 1.56079633 rad, omega3 = 30 rad/s, all others 0; horizon 0.5 s; "
         "tolerance 0.001",
     ]

@@ -113,7 +113,7 @@ def test_dry_friction_is_checked_too(name: str) -> None:
 
 
 def test_si_units_scale_the_time_and_not_the_relative_error() -> None:
-    disk = st.Disk(radius=0.05, gravity=9.81)
+    disk = st.Disk(mass=1.0, radius=0.05, gravity=9.81)
     it = scene("lift-off")
     rate, speed = float(disk.rate), float(disk.speed)
     start = np.array(it.start)

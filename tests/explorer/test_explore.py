@@ -112,8 +112,11 @@ def test_routh_counts_what_the_roots_say() -> None:
         ({"family": "wobbling"}, "wobbling"),
         ({"mu": -1.0}, "mu is -1"),
         ({"contact": "coulomb", "mu": 0.3}, "coulomb"),
-        ({"disk": st.Disk(mass=[1.0, 2.0])}, "mass is an array"),
-        ({"disk": st.Disk(radius=0.1), "family": "tumbling", "at": 4.0}, "at is 4"),
+        ({"disk": st.Disk(mass=[1.0, 2.0], radius=1.0, gravity=1.0)}, "mass is an array"),
+        (
+            {"disk": st.Disk(mass=1.0, radius=0.1, gravity=1.0), "family": "tumbling", "at": 4.0},
+            "at is 4",
+        ),
         ({"disk": 0.3}, "stability.Disk"),
         ({"family": "tumbling", "at": 4.0}, "at is 4"),
         ({"at": float("nan")}, "at is nan"),
@@ -169,7 +172,7 @@ def test_a_missing_widget_library_is_one_sentence(monkeypatch: pytest.MonkeyPatc
     import sys
 
     monkeypatch.setitem(sys.modules, "anywidget", None)
-    with pytest.raises(st.StabilityError, match=r"stability\[widget\]"):
+    with pytest.raises(st.StabilityError, match=r"pip install '\.\[widget\]'"):
         st.explore(certify=False)
 
 

@@ -264,7 +264,10 @@ def test_a_film_of_a_body_with_other_numbers_is_refused(tmp_path: Any) -> None:
     run = st.simulate(TOP, "rough", {"theta": 1.0}, np.linspace(0, 0.5, 9), pose=True)
     for other, words in (
         (st.EccentricSphere(0.2), "offset of the body is 0.2 and that of the dataset 0.1"),
-        (st.EccentricSphere(0.1, length=2), "length of the body is 2 and that of the dataset 1"),
+        (
+            st.EccentricSphere(0.1, mass=1, gravity=1, length=2),
+            "length of the body is 2 and that of the dataset 1",
+        ),
         (st.EccentricSphere([0.1, 0.2]), "give the body with the numbers of the one launch"),
     ):
         with pytest.raises(st.StabilityError) as error:

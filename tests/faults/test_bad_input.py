@@ -91,7 +91,11 @@ CASES: list[tuple[str, Callable[[], Any], str]] = [
     ("mass text", lambda: st.Disk(mass="heavy"), "mass is 'heavy'"),
     ("hole too large", lambda: st.Disk.annulus(2), "between 0 and the radius"),
     ("unknown disk", lambda: st.Disk.named("penny"), "known are quarter"),
-    ("scales overflow", lambda: st.Disk(gravity=1e308, radius=1e308), "beyond double precision"),
+    (
+        "scales overflow",
+        lambda: st.Disk(mass=1.0, gravity=1e308, radius=1e308),
+        "beyond double precision",
+    ),
     ("at overflows", lambda: ask(1e300, family="spinning"), "overflow double precision"),
     ("axis is text", lambda: chart(x="at"), "give (name, low, high, n)"),
     ("axis is a number", lambda: chart(x=5), "give (name, low, high, n)"),

@@ -17,7 +17,7 @@ import stability as st
 from stability.figures.animate import BodyCamera, meridian, placed, surface
 from stability.figures.motion import caption
 
-TOP = st.EccentricSphere(0.15, axial=0.4, transverse=0.4, length=2.0, gravity=2.0)
+TOP = st.EccentricSphere(0.15, axial=0.4, transverse=0.4, mass=1.0, length=2.0, gravity=2.0)
 TIMES = np.linspace(0.0, 30.0, 601)
 
 
@@ -28,7 +28,7 @@ def run():  # type: ignore[no-untyped-def]
 
 
 def test_a_meridian_is_that_of_the_surface() -> None:
-    r, z, _ = meridian(st.Spheroid(1.3, length=0.5))
+    r, z, _ = meridian(st.Spheroid(1.3, mass=1.0, gravity=1.0, length=0.5))
     assert (r / 0.5) ** 2 + (z / 0.65) ** 2 == pytest.approx(np.ones(len(r)), abs=1e-12)
     r, z, theta = meridian(st.Torus(0.2))
     assert np.hypot(r - 1, z) == pytest.approx(np.full(len(r), 0.2), abs=1e-12)

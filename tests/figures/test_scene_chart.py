@@ -187,7 +187,8 @@ def test_the_caption_says_what_was_computed_and_what_has_no_mark(
         assert part in told
     [note] = [" ".join(t.get_text().split()) for t in figure.texts]
     assert note == (
-        r"viscous contact, $k$ = 0.25, $\mu$ = 100 s/m start: $\theta$ = 1.4 rad, horizon 0.5 s "
+        r"viscous contact, $k$ = 0.25, $\mu$ = 100 s/m ($F = -\mu\,N\,v$) "
+        r"start: $\theta$ = 1.4 rad, horizon 0.5 s "
         "end in another way: smooth law no answer: viscous law (μ = 100)"
     )
 

@@ -255,7 +255,7 @@ def test_without_zarr_there_is_one_sentence(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "zarr", None)
-    with pytest.raises(st.StabilityError, match=r"`pip install stability\[scale\]`"):
+    with pytest.raises(st.StabilityError, match=r"`pip install '\.\[scale\]'` from a checkout"):
         store(tmp_path / "a.zarr")
 
 

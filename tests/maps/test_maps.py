@@ -44,7 +44,7 @@ def test_cells_agree_with_spectra_asked_one_by_one(
 def test_names_units_flags_and_provenance_are_there(maps: dict[str, xarray.Dataset]) -> None:
     found = maps["rolling"]
     assert found.abscissa.dims == ("mu", "at")
-    assert set(found.coords) == {"mu", "at"}
+    assert set(found.coords) == {"mu", "at", "omega3"}
     assert found.verdict.dtype == np.int8
     words = found.verdict.attrs["flag_meanings"].split()
     flags = dict(zip(words, found.verdict.attrs["flag_values"].tolist(), strict=True))
@@ -229,10 +229,11 @@ def test_coarse_scans_name_what_crosses_as_fine_ones_do() -> None:
 def test_mu_under_the_linear_law_follows_the_mass_and_gravity_of_each_cell() -> None:
     law = st.LinearViscous(mu=0.3)
     axes = {"x": ("mass", 0.5, 2.0, 4), "y": ("gravity", 0.5, 2.0, 3)}
-    found = st.stability_map("rolling", **axes, at=1.3, contact=law)
+    size = st.Disk(mass=1.0, radius=1.0, gravity=1.0)
+    found = st.stability_map("rolling", **axes, at=1.3, contact=law, disk=size)
     for i, gravity in enumerate(found.gravity.values):
         for j, mass in enumerate(found.mass.values):
-            disk = st.Disk(mass=float(mass), gravity=float(gravity))
+            disk = st.Disk(mass=float(mass), radius=1.0, gravity=float(gravity))
             one = st.spectrum("rolling", at=1.3, disk=disk, contact=law)
             two = st.spectrum("rolling", at=1.3, disk=disk, contact=st.Viscous(0.3))
             assert float(found.abscissa[i, j]) == pytest.approx(one.abscissa, rel=1e-12)
@@ -340,7 +341,10 @@ def test_a_chunk_of_another_length_is_worked_anew(tmp_path: Path) -> None:
 
 
 def test_a_swept_radius_makes_the_map_si() -> None:
-    found = st.stability_map("rolling", x=("radius", 0.1, 1, 3), y=("mu", 1, 2, 3), at=3.0)
+    disk = st.Disk(mass=1.0, radius=1.0, gravity=1.0)
+    found = st.stability_map(
+        "rolling", x=("radius", 0.1, 1, 3), y=("mu", 1, 2, 3), at=3.0, disk=disk
+    )
     assert found.abscissa.attrs["units"] == "1/s"
     assert found.radius.attrs["units"] == "m"
 
@@ -460,9 +464,9 @@ def test_the_axis_of_a_member_has_its_own_name_too(tmp_path: Path) -> None:
     plain, named = (
         st.stability_map("spinning", x=(n, 1.0, 4.0, 5), y=y) for n in ("at", "phi_dot")
     )
-    without = named.drop_vars("phi_dot").assign_attrs(created=plain.attrs["created"])
-    assert without.identical(plain)
+    assert named.assign_attrs(created=plain.attrs["created"]).identical(plain)
     for found in (
+        plain,
         named,
         read_map(write_map(named, tmp_path / "a.nc")),
         read_map(st.stream_map("spinning", x=("phi_dot", 1.0, 4.0, 5), y=y, out=tmp_path / "b.nc")),
@@ -470,3 +474,15 @@ def test_the_axis_of_a_member_has_its_own_name_too(tmp_path: Path) -> None:
         assert found.verdict.dims == ("mu", "at") and "phi_dot" in found.coords
         np.testing.assert_array_equal(found.phi_dot.values, np.linspace(1, 4, 5))
         assert found.phi_dot.dims == ("at",)
+
+
+@pytest.mark.parametrize("name", ["at", "omega3"])
+@pytest.mark.parametrize("body", [None, st.Torus(0.2)], ids=["disk", "body"])
+def test_a_map_has_the_number_of_its_members_under_both_names(
+    name: str, body: st.Body | None
+) -> None:
+    found = st.stability_map(
+        "rolling", x=(name, 1, 2, 3), y=("mu", 0.1, 1, 3), contact=st.Viscous, body=body
+    )
+    assert found.at.values.tolist() == found.omega3.values.tolist() == [1, 1.5, 2]
+    assert found.at.dims == found.omega3.dims and found.at.attrs == found.omega3.attrs

@@ -58,6 +58,7 @@ def test_rates_at_a_pole_are_those_of_the_geometry(
             transverse=of.transverse / of.mass,
             mass=of.mass,
             gravity=of.gravity,
+            length=1.0,
         )
         system = pole_system(body, LAWS[law], given, physical=True, slip_states=True)
         values = np.array([lean, -lean / 2, *rng.normal(size=3), *rng.normal(0, 0.1, 2)])

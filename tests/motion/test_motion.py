@@ -511,7 +511,10 @@ GOOD: dict[str, Any] = {
         ({"max_steps": 0}, "max_steps is 0"),
         ({"max_steps": 1.5}, "max_steps is 1.5"),
         ({"workers": 0}, "workers is 0"),
-        ({"contact": st.Viscous(1e308), "disk": st.Disk(radius=1e300)}, "double precision"),
+        (
+            {"contact": st.Viscous(1e308), "disk": st.Disk(mass=1.0, radius=1e300, gravity=1.0)},
+            "double precision",
+        ),
     ],
 )
 def test_bad_input_gets_one_sentence(change: dict[str, Any], says: str) -> None:

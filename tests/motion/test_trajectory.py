@@ -134,13 +134,13 @@ def test_workers_do_not_change_a_batch() -> None:
 
 
 def test_parameters_broadcast_over_leading_axes() -> None:
-    disk = st.Disk(k=[0.25, 0.3, 0.5], radius=2.0, gravity=9.81)
+    disk = st.Disk(k=[0.25, 0.3, 0.5], mass=1.0, radius=2.0, gravity=9.81)
     run = st.simulate(disk, st.Viscous([[0.1], [0.4]]), [1.2, 0, 0.5, 0.5, 0, 0], [0.5, 1.0])
     assert run.theta.dims == ("launch_0", "launch_1", "time")
     assert run.theta.shape == (2, 3, 2)
     assert run.mu.shape == run.k.shape == run.outcome.shape == (2, 3)
     one = st.simulate(
-        st.Disk(k=0.5, radius=2.0, gravity=9.81),
+        st.Disk(k=0.5, mass=1.0, radius=2.0, gravity=9.81),
         st.Viscous(0.4),
         [1.2, 0, 0.5, 0.5, 0, 0],
         [0.5, 1.0],
@@ -151,7 +151,7 @@ def test_parameters_broadcast_over_leading_axes() -> None:
 def test_bodies_of_several_time_scales_share_a_batch() -> None:
     radii = np.array([0.5, 1.0, 4.0])
     many = st.simulate(
-        st.Disk(radius=radii),
+        st.Disk(mass=1.0, radius=radii, gravity=1.0),
         st.Viscous(0.3),
         [1.2, 0, 0.5, 0.5, 0, 0],
         [0.5, 1.5],
@@ -159,7 +159,7 @@ def test_bodies_of_several_time_scales_share_a_batch() -> None:
     )
     for i, radius in enumerate(radii):
         one = st.simulate(
-            st.Disk(radius=radius),
+            st.Disk(mass=1.0, radius=radius, gravity=1.0),
             st.Viscous(0.3),
             [1.2, 0, 0.5, 0.5, 0, 0],
             [0.5, 1.5],

@@ -85,12 +85,11 @@ def test_a_notebook_is_kept_with_its_output_and_small_pictures(path: Path) -> No
             assert len(image.convert("L").getcolors(256) or ()) > 16
 
 
+FAST = ["README.md", "docs/explanation/contact-laws.md"]
 PAGES = [f"docs/explanation/{name}.md" for name in ("tour", "compare", "scenes")]
 
 
-@pytest.mark.parametrize(
-    "page", ["README.md", *(pytest.param(p, marks=pytest.mark.long) for p in PAGES)]
-)
+@pytest.mark.parametrize("page", [*FAST, *(pytest.param(p, marks=pytest.mark.long) for p in PAGES)])
 def test_python_in_a_page_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     _run(page)

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import stability
+from stability.base.version import DISTRIBUTION
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "stability"
@@ -160,8 +161,28 @@ def test_every_dependency_is_pinned_for_those_who_come_later() -> None:
         line.split("==")[0].lower() for line in (ROOT / "constraints.txt").read_text().split()
     }
     for entry in names:
-        if not entry.startswith("stability["):
+        if not entry.startswith(f"{project['name']}["):
             assert re.split(r"[<>=\[]", entry)[0].lower() in pinned
+
+
+FOREIGN = re.compile(r"pip install ['\"]?stability(?!-nonholonomic)|[`'\" ]stability\[")
+"""An installation of the package that has the name `stability` on the index, which is not ours."""
+
+
+def test_no_line_installs_the_package_of_somebody_else() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    assert project["name"] == DISTRIBUTION
+    assert project["scripts"] == {"stability": "stability.__main__:run"}
+    texts = [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *PACKAGE.rglob("*.py")]
+    texts += [ROOT / "pyproject.toml", ROOT / "Makefile", *(ROOT / ".github").rglob("*.*")]
+    wrong = [
+        f"{path.relative_to(ROOT)}: {line}"
+        for path in texts
+        if path.name != "CHANGELOG.md"
+        for line in path.read_text(encoding="utf-8").splitlines()
+        if FOREIGN.search(line)
+    ]
+    assert not wrong
 
 
 @pytest.mark.long

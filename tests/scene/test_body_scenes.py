@@ -493,7 +493,8 @@ def test_a_file_of_a_body_is_the_scene_of_python(tmp_path: Path) -> None:
     assert scene.start == pytest.approx(st.launch("rolling", at=2.0, tilt=1e-4, body=body))
     path.write_text(
         FILE.replace(
-            '"torus"\ntube = 0.2\nsolid = false', '"eccentric-sphere"\noffset = 0.2\nlength = 0.1'
+            '"torus"\ntube = 0.2\nsolid = false',
+            '"eccentric-sphere"\noffset = 0.2\nmass = 1\ngravity = 1\nlength = 0.1',
         ).replace('"rolling"', '"vertical"\npole = "pi"')
     )
     scene = st.Scene.from_toml(path)

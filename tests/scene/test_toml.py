@@ -218,7 +218,7 @@ REFUSED = [
     (WHOLE + "[disk]\nname = 'euro'\n", "disk is 'euro'; known are quarter"),
     (WHOLE + "[disk]\nname = 2\n", "name of [disk] is 2; give a text"),
     (WHOLE + "[disk]\nname = 'quarter'\nk = 0.5\n", "[disk] has name and k"),
-    (WHOLE + "[disk]\nmass = 1.0\n", "[disk] has mass and no radius; give mass, radius and"),
+    (WHOLE + "[disk]\nmass = 1.0\n", "the disk has mass and no radius; give mass, radius and"),
     (WHOLE + "[disk]\nk = 0.7\n", "k is 0.7; a thin body has"),
     (WHOLE + "[disk]\nk = 'thin'\n", "k of [disk] is 'thin'; a real number is needed"),
     (WHOLE + "[disk]\nk = nan\n", "k of [disk] is nan; a finite number is needed"),

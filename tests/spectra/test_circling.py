@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 
 import stability as st
 
-K, DISK = 0.25, st.Disk(radius=0.05, gravity=9.81)
+K, DISK = 0.25, st.Disk(mass=1.0, radius=0.05, gravity=9.81)
 RATE = math.sqrt(9.81 / 0.05)
 
 

@@ -118,7 +118,9 @@ def test_inertia_of_an_annulus_is_the_integral_over_its_area(ratio: float) -> No
     else:
         k = 0.5
     assert st.Disk.annulus(ratio).k == pytest.approx(k, rel=1e-12)
-    assert st.Disk.annulus(0.3 * ratio, radius=0.3).k == pytest.approx(k, rel=1e-12)
+    assert st.Disk.annulus(0.3 * ratio, mass=1.0, radius=0.3, gravity=1.0).k == pytest.approx(
+        k, rel=1e-12
+    )
 
 
 def test_uniform_and_hoop_are_the_ends_of_the_annulus() -> None:

@@ -50,7 +50,7 @@ def test_tumbling_meets_spinning_at_phi_dot_squared_g_over_k_r() -> None:
 
 def test_relative_spin_of_y_as_2017() -> None:
     """Y. As, Technion student report 2017: R = 0.5, lean 10°, precession 0.5 rad/s: -4.6851."""
-    disk = st.Disk(radius=0.5, gravity=9.81)
+    disk = st.Disk(mass=1.0, radius=0.5, gravity=9.81)
     theta, phi_dot = np.radians(80), 0.5
     state = st.disk_family("circling", "rough").member([theta, phi_dot * disk.time], [0.25])
     relative = state[3] * disk.rate - phi_dot * np.cos(theta)
@@ -63,7 +63,7 @@ def test_circling_of_le_saux_leine_and_glocker_2005() -> None:
     square = g * np.tan(lean) / (r * ratio * ((1 + 2 * k) - (1 + k) * ratio * np.sin(lean)))
     published = 10.7364981632612
     assert np.sqrt(square) == pytest.approx(published, rel=1e-14)
-    disk = st.Disk(radius=r, gravity=g)
+    disk = st.Disk(mass=1.0, radius=r, gravity=g)
     theta, precession = np.pi / 2 - lean, 1.07364981632612
     state = st.disk_family("circling", "rough").member([theta, precession * disk.time], [k])
     relative = state[3] * disk.rate - precession * np.cos(theta)

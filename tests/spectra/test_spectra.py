@@ -342,7 +342,12 @@ def test_leading_axes_are_parameters_and_the_last_is_the_mode() -> None:
 
 def test_an_array_of_masses_is_an_axis_even_where_mass_does_not_matter() -> None:
     for law in (st.Rough(), st.Viscous(0.3), st.LinearViscous(0.3)):
-        found = st.spectrum("rolling", at=1.0, disk=st.Disk(mass=[0.1, 0.2, 0.3]), contact=law)
+        found = st.spectrum(
+            "rolling",
+            at=1.0,
+            disk=st.Disk(mass=[0.1, 0.2, 0.3], radius=1.0, gravity=1.0),
+            contact=law,
+        )
         assert found.abscissa.shape == (3,)
 
 

@@ -171,7 +171,8 @@ def test_a_format_that_is_not_installed_is_refused_before_anything_is_computed(
             dataset_target(folder / "a.jsonl", "write")
     finally:
         FORMATS[-1] = lines
-    assert "`pip install stability[toy]`, or give a file that ends in .nc." in str(said.value)
+    line = "`pip install '.[toy]'` from a checkout of stability-nonholonomic"
+    assert f"{line}, or give a file that ends in .nc." in str(said.value)
 
 
 def test_a_name_without_an_ending_is_that_of_the_usual_format() -> None:

@@ -310,8 +310,11 @@ def test_options_of_a_definition_are_arguments(name: str) -> None:
 def test_the_command_prints_what_the_function_returns(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    words = ["table", "drift", "--k", "0.25", "--mu", "0.3,3", "--mass", "2"]
-    table = st.table("drift", k=0.25, mu=(0.3, 3.0), disk=st.Disk(mass=2.0))
+    words = ["table", "drift", "--k", "0.25", "--mu", "0.3,3"]
+    words += ["--mass", "2", "--radius", "1", "--gravity", "1"]
+    table = st.table(
+        "drift", k=0.25, mu=(0.3, 3.0), disk=st.Disk(mass=2.0, radius=1.0, gravity=1.0)
+    )
     for form, text in (
         ("csv", table.to_csv()),
         ("latex", table.to_latex()),

@@ -116,6 +116,7 @@ def by_height(body: ConvexBody, theta: float) -> st.Body:
         transverse=body.transverse / body.mass,
         mass=body.mass,
         gravity=body.gravity,
+        length=1.0,
         between=(low, high),
         name=body.name,
         shape={} if body.name in NUMBERS else dict(body.parameters),

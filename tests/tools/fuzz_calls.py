@@ -58,7 +58,14 @@ def _of(*values: Any) -> Maker:
 def _disk(r: random.Random) -> Any:
     if r.random() < 0.5:
         return st.Disk(k=r.uniform(0.1, 0.5))
-    return r.choice([st.Disk(), st.Disk.hoop(), st.Disk.named("quarter"), st.Disk(radius=0.4)])
+    return r.choice(
+        [
+            st.Disk(),
+            st.Disk.hoop(),
+            st.Disk.named("quarter"),
+            st.Disk(mass=1.0, radius=0.4, gravity=1.0),
+        ]
+    )
 
 
 def _law(r: random.Random) -> Any:
@@ -205,14 +212,14 @@ _mu = _number(0.05, 3)
 _add(
     "Disk",
     [],
-    mass=_number(0.1, 3),
-    radius=_number(0.1, 3),
+    mass_=_number(0.1, 3),
+    radius_=_number(0.1, 3),
     k=_number(0.1, 0.5),
-    gravity=_number(1, 10),
+    gravity_=_number(1, 10),
 )
-_add("Disk.uniform", [], mass=_mu, radius=_mu)
-_add("Disk.hoop", [], mass=_mu, gravity=_mu)
-_add("Disk.annulus", [_number(0, 1)], mass=_mu)
+_add("Disk.uniform", [], mass_=_mu, radius_=_mu, gravity_=_mu)
+_add("Disk.hoop", [])
+_add("Disk.annulus", [_number(0, 0.1)], mass_=_mu, radius_=_number(0.1, 3), gravity_=_mu)
 _add("Disk.named", [_of("quarter", "le-saux")])
 for _name in ("Viscous", "LinearViscous", "Coulomb"):
     _add(_name, [_mu])

@@ -212,10 +212,12 @@ def _body(r: random.Random) -> Words:
     if r.random() < 0.2:
         return ["--disk", r.choice(DISKS)]
     words = ["--k", r.choice(["0.25", "0.5", "0.3125", _near(r, 0.01, 0.5)])] * (r.random() < 0.5)
-    for name in ("--mass", "--radius", "--gravity"):
-        if r.random() < 0.2:
-            words += [name, _near(r, 0.05, 20)]
-    return words
+    return words + _scales(r) * (r.random() < 0.3)
+
+
+def _scales(r: random.Random) -> Words:
+    names = ("--mass", "--radius", "--gravity")
+    return [word for name in names for word in (name, _near(r, 0.05, 20))]
 
 
 def _law(r: random.Random, laws: tuple[str, ...], *, mu: bool = True) -> Words:
@@ -293,7 +295,7 @@ def _table(r: random.Random) -> Words:
     words += ["--mu", _near(r, 0.1, 3)]
     if name == "drift" and r.random() < 0.5:
         words += ["--tilt", _near(r, 0.001, 0.1)]
-    return words + ["--radius", _near(r, 0.1, 2)] * (r.random() < 0.3)
+    return words + _scales(r) * (r.random() < 0.3)
 
 
 def _simulate(r: random.Random) -> Words:

@@ -11,6 +11,8 @@ import numpy as np
 
 from ...base.checks import Number, broadcast, checked, known, one_number, positive, real_numbers
 from ...base.errors import NameUnknownError, ParameterError, shown
+from ...base.printing import html_table, in_short
+from ...base.quantities import ONE, DefaultScale, Kind, refuse_partial_units
 from ...systems.family import Family
 from ...systems.system_checks import mapping, title
 from .height.convexity import LEAST, Convexity, convexity
@@ -18,7 +20,7 @@ from .height.expression import expression
 from .shape import MOMENTS, SAMPLES, SCALES, TAKEN, RoundShape, single_pole
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Body(RoundShape):
     """A convex body of revolution that rolls and slides on a plane, by its support function.
 
@@ -26,8 +28,8 @@ class Body(RoundShape):
     mass over the plane gives the whole surface: the contact point lies at a distance h'(θ) from the
     foot of the centre, and the meridian has the radius of curvature h + h''.  Lengths are over
     `length`, moments over mass times `length`².  With the defaults m = g = length = 1 every number
-    is dimensionless (time in √(length/g), speed in √(g·length)).  With SI values every number is
-    SI.
+    is dimensionless (time in √(length/g), speed in √(g·length)).  With mass, gravity and length in
+    SI units, all three, every number is SI.
 
     Parameters
     ----------
@@ -58,7 +60,8 @@ class Body(RoundShape):
     Raises
     ------
     ParameterError
-        If a number is not in its range, or the height is that of no convex body.
+        If a number is not in its range, if some of mass, gravity and length are given and not all,
+        or if the height is that of no convex body.
 
     Source: docs/explanation/bodies.md derives the equations and the meaning of h; compared with an
     inertial formulation that knows the surface alone (tests/bodies/test_round_bodies.py).
@@ -81,11 +84,11 @@ class Body(RoundShape):
     """Moment of inertia about the symmetry axis over m·length², or a function for it [-]."""
     transverse: Any
     """Moment of inertia across the symmetry axis over m·length², or a function for it [-]."""
-    mass: Number = 1.0
+    mass: Number = ONE
     """Mass m [kg]."""
-    gravity: Number = 1.0
+    gravity: Number = ONE
     """Acceleration of free fall g [m/s²]."""
-    length: Number = 1.0
+    length: Number = ONE
     """Length in which the height is given [m]."""
     shape: Mapping[str, Any] = field(default_factory=dict)
     """Numbers of the shape by name [-]."""
@@ -102,9 +105,13 @@ class Body(RoundShape):
 
     def __post_init__(self) -> None:
         for name in SCALES:
-            object.__setattr__(self, name, positive(name, getattr(self, name)))
+            value = getattr(self, name)
+            if not isinstance(value, DefaultScale):
+                object.__setattr__(self, name, positive(name, value))
         object.__setattr__(self, "name", title("the body", self.name))
         object.__setattr__(self, "error", self._share("error"))
+        scales = {n: getattr(self, n) for n in ("mass", "length", "gravity")}
+        refuse_partial_units(f"the {self.name}", scales)
         numbers = self._numbers()
         object.__setattr__(self, "shape", numbers)
         object.__setattr__(self, "limits", self._within_limits(numbers))
@@ -122,6 +129,26 @@ class Body(RoundShape):
         broadcast(**{n: np.shape(v) for n, v in self.given.items()})
         self._check_moments()
         self._check_convex()
+
+    def __repr__(self) -> str:
+        given = {**self.shape, **self.constants}
+        shape = [f"{n} = {in_short(v)}" for n, v in given.items()]
+        numbers = [*shape, *(f"{n} = {v}" for n, v in self._sizes().items())]
+        return f"<Body {', '.join([self.name, *numbers])}>"
+
+    def _repr_html_(self) -> str:
+        moments = zip(MOMENTS, self.moments(), strict=True)
+        rows = [(n, in_short(v)) for n, v in {**self.shape, **self.constants}.items()]
+        rows += [(f"{n} moment of inertia over m·length²", in_short(v)) for n, v in moments]
+        rows += list(self._sizes().items())
+        return html_table(self.name, ["number", "value"], rows, "lengths are over length")
+
+    def _sizes(self) -> dict[str, str]:
+        """Mass, length and gravity with their units; one entry where all are 1."""
+        if self.dimensionless:
+            return {"mass = length = gravity": "1"}
+        kinds = {"mass": Kind.MASS, "length": Kind.LENGTH, "gravity": Kind.ACCELERATION}
+        return {n: f"{in_short(getattr(self, n))}{kind.suffix}" for n, kind in kinds.items()}
 
     # --- families ---
 

@@ -14,6 +14,7 @@ import numpy as np
 from ...algebra.program import Program
 from ...base.checks import broadcast, checked, real_numbers, whole_number
 from ...base.errors import NameUnknownError, ParameterError, shown
+from ...base.quantities import ONE
 from ...base.types import Record
 from ..newton_euler import STATES
 from .height.expression import Expression
@@ -208,9 +209,9 @@ class Outline(RoundShape):
     shape: Mapping[str, Any]
     name: str
     between: tuple[float, float]
-    mass: Any = 1.0
-    gravity: Any = 1.0
-    length: Any = 1.0
+    mass: Any = ONE
+    gravity: Any = ONE
+    length: Any = ONE
 
 
 def sharp(body: RoundShape) -> bool:

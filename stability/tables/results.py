@@ -1,0 +1,121 @@
+"""A spectrum and boundaries as tables, for LaTeX."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from ..base.quantities import Kind
+from ..base.verdict import Verdict
+from .letters import symbol
+from .table import Column, Definition, Table, latex, word
+
+
+def _without_origin(table: Table) -> str:
+    """LaTeX of a result, which is no table of the list."""
+    text = latex(table)
+    return text.replace(
+        f"% stability table {table.name}: recomputed", f"% stability {table.name}", 1
+    )
+
+
+SPECTRUM = Definition(
+    "{subject}", (), lambda: [], latex=_without_origin, home="stability.tables.results:SPECTRUM"
+)
+BOUNDARIES = Definition(
+    "{subject}", (), lambda: [], latex=_without_origin, home="stability.tables.results:BOUNDARIES"
+)
+
+
+def _heading(subject: str) -> str:
+    """A subject whose units have no digit that LaTeX would put to the number before it."""
+    return re.sub(r"(?<=\d) 1/", "/", subject)
+
+
+def spectrum_table(spectrum: Any, subject: str) -> Table:
+    """The eigenvalues of one member, a row for each.
+
+    Parameters
+    ----------
+    spectrum
+        A single `Spectrum`.
+    subject
+        What it is of, for the heading.
+    """
+    rate: Kind | str = spectrum.rate_unit
+    if spectrum.family.system.quantities:
+        rate = Kind.GROWTH_RATE
+    columns = (
+        Column("real", "real part of an eigenvalue", rate, r"\operatorname{Re}\lambda", "{:.9g}"),
+        Column("imaginary", "imaginary part", rate, r"\operatorname{Im}\lambda", "{:.9g}"),
+        Column("error", "bound on the error before rounding to these digits", rate, form="{:.0e}"),
+        word("mode", "what the mode does, and in which states"),
+    )
+    rows = [
+        {"real": v.real + 0.0, "imaginary": v.imag + 0.0, "error": float(r), "mode": label}
+        for v, r, label in zip(
+            spectrum.eigenvalues, spectrum.radius, spectrum.modes.labels, strict=True
+        )
+    ]
+    return Table(
+        "spectrum",
+        f"{_heading(subject)}: {spectrum.verdict.word}",
+        columns,
+        rows,
+        spectrum.dimensionless,
+        definition=SPECTRUM,
+        citation=spectrum.citation,
+    )
+
+
+def boundaries_table(found: Any, subject: str, axis: str, kinds: Mapping[str, Any]) -> Table:
+    """Boundaries along an axis, a row for each.
+
+    Parameters
+    ----------
+    found
+        The `Boundaries`.
+    subject
+        What they are of, for the heading.
+    axis
+        Name of the axis for a reader.
+    kinds
+        The quantities of a body by name; none of a user's system.
+    """
+    known = kinds.get(axis)
+    unit: Kind | str = known.kind if known else found.unit
+    rate: Kind | str = Kind.GROWTH_RATE if kinds else found.rate_unit
+    letter = (known.latex or known.symbol) if known else symbol(axis)
+    form = "{:.15g}"
+    columns = (
+        Column("value", known.long_name if known else "the axis", unit, letter, form),
+        Column("error", "proved bound", unit, r"\pm", "{:.0e}", of=("value", form)),
+        word("crossing", "what crosses the imaginary axis"),
+        word("verdict", "verdict on the side that is not unstable"),
+        word("side", "that side"),
+        Column("frequency", "angular frequency there", rate, r"\omega", "{:.12g}"),
+    )
+    rows = [
+        {
+            "value": b.value,
+            "error": b.error,
+            "crossing": b.crossing.word.replace("_", " "),
+            "verdict": "not unstable" if b.good is Verdict.UNDECIDED else b.good.word,
+            "side": "below" if b.stable_below else "above",
+            "frequency": b.frequencies or b.frequency or None,
+        }
+        for b in found
+    ]
+    heading = _heading(subject)
+    if found.throughout:
+        heading += f": no boundary, {found.throughout.word} throughout"
+    return Table(
+        "boundaries",
+        heading,
+        columns,
+        rows,
+        any("√" in u for u in (found.unit, found.rate_unit)),
+        definition=BOUNDARIES,
+        citation=found.citation,
+    )
