@@ -8,7 +8,7 @@ from stability.algebra.linear_systems import inverse_of
 
 
 def test_a_matrix_without_an_inverse_leaves_the_others_theirs() -> None:
-    """LAPACK refuses a whole stack for one singular matrix, and an SVD for one that is not finite."""
+    """LAPACK refuses a stack for one singular matrix, and an SVD for one that is not finite."""
     regular = np.array([[2.0, 1.0], [0.0, 4.0]])
     stack = np.array([regular, np.ones((2, 2)), np.full((2, 2), np.nan), [[np.inf, 0], [0, 1]]])
     found = inverse_of(stack)
