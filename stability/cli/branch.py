@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 from ..base.errors import ParameterError
+from ..base.quantities import behind
+from ..base.types import Floats
 from .options import AXIS, answer, axis_of, flags
-from .subject import CommandSubject, add_numbers, behind, doubles, options_subject, require
+from .subject import CommandSubject, add_numbers, doubles, options_subject, require
 from .terminal import waiting
 
 EXAMPLES = (
@@ -68,7 +70,7 @@ def run(options: argparse.Namespace) -> None:
     answer(options, record, _lines(subject, name, record))
 
 
-def _state(family: Any, state: Sequence[float]) -> dict[str, Any]:
+def _state(family: Any, state: Floats) -> dict[str, Any]:
     return {"states": dict(zip(family.system.states, map(float, state), strict=True))}
 
 
@@ -80,7 +82,7 @@ def _lines(subject: CommandSubject, name: str, record: dict[str, Any]) -> Iterat
             f"{n} = {v:.12g}{u}" for (n, v), u in zip(numbers.items(), units, strict=True)
         )
 
-    beyond = subject.place(record["parameters"], words=True)
+    beyond = subject.place(record["parameters"])
     yield f"{subject.title}, along {name}" + f", at {beyond}" * bool(beyond)
     yield f"first   {place(record['first']['at'], record['first']['states'])}"
     points = [("fold", p) for p in record["folds"]]

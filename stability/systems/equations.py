@@ -16,12 +16,12 @@ from casadi.casadi import _current_pickle_context  # type: ignore[attr-defined]
 from numpy.typing import ArrayLike, NDArray
 
 from ..algebra.program import Program, entries
+from ..algebra.switches import by_signs
 from ..base.checks import broadcast, instance, known, real_numbers, rows
 from ..base.errors import DomainError, ParameterError, listing, shown
 from ..base.quantities import Quantity
 from ..base.types import Record, content, fields_of
 from .constant_matrix import ConstantMatrix
-from .graph.switches import by_signs
 from .system_checks import check_implicit, check_system, expression, mapping, names
 
 

@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
 
+from ..algebra.switches import no_folding
 from ..base.checks import checked
 from ..base.errors import ParameterError
 from ..base.types import Floats
 from .constant_matrix import ConstantMatrix
 from .family import Family
-from .sources.exact_terms import no_folding
 from .system import System
 from .system_checks import names, title
 

@@ -203,7 +203,7 @@ def test_only_what_others_turn_is_a_group() -> None:
 
 
 def test_the_onset_of_a_cycle_does_not_see_what_it_turns() -> None:
-    """The rate of the radius, p r - r³, is that of the plain oscillator, whatever it turns."""
+    """The rate of the radius, p r - r³, is that of the plain oscillator, of all it turns."""
 
     def oscillator(x: Any, y: Any, p: Any) -> tuple[Any, Any]:
         r = p - x**2 - y**2

@@ -64,7 +64,7 @@ def test_a_power_of_a_state_has_its_spectrum_and_boundary() -> None:
         assert [p.value for p in found] == pytest.approx([-slope], rel=1e-14)
 
 
-@pytest.mark.long  # its boundary is a curve of pitchforks, which is searched in vain
+@pytest.mark.long  # its boundary is a curve of pitchforks, which the search does not find
 def test_a_map_of_a_symmetric_pair_has_all_its_cells() -> None:
     """At x = y = a/(1 + exp(p(x - 1))) the rates' slopes are -1 ± x (1 - x/a) p."""
     x, y, p, a = (ca.SX.sym(n) for n in "xypa")

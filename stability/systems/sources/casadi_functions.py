@@ -10,8 +10,8 @@ from typing import Any
 import casadi as ca
 
 from ...algebra.program import Program
+from ...algebra.switches import no_folding
 from ...base.errors import FileError, ParameterError, shown
-from .exact_terms import no_folding
 
 
 def is_python(function: Any) -> bool:

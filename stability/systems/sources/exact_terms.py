@@ -7,8 +7,7 @@ the graph, and enters the graph as operations: (2 · x) / 3.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -26,17 +25,6 @@ LEAST_PIVOT = 1e-9
 """Smallest nonzero pivot at a probe, over the largest entry of its row."""
 NATURAL = 1e-3
 """Share of the best pivot that is enough for an entry of the natural order."""
-
-
-@contextmanager
-def no_folding() -> Iterator[None]:
-    """A context in which CasADi does not join constants, such as 0.1 · (3 · x), in doubles."""
-    before = ca.GlobalOptions.getSimplificationOnTheFly()
-    ca.GlobalOptions.setSimplificationOnTheFly(False)
-    try:
-        yield
-    finally:
-        ca.GlobalOptions.setSimplificationOnTheFly(before)
 
 
 def graph(term: Term) -> ca.SX:

@@ -17,9 +17,9 @@ from typing import Any
 import casadi as ca
 
 from ...algebra.number_types import MORE, UNARY
+from ...algebra.switches import above, no_folding
 from ...base.errors import NameUnknownError, ParameterError, listed, shown
 from ..equations import Condition
-from ..graph.switches import above
 from .exact_terms import (
     MINUS,
     ONE,
@@ -27,7 +27,6 @@ from .exact_terms import (
     Probes,
     Term,
     graph,
-    no_folding,
     over,
     plus,
     power,

@@ -5,17 +5,27 @@ those of the piece.  On a switch the sign of 0 has no value: a verdict there is 
 search leaves the switch open, with the verdicts on its two sides.  A piece that is not taken is
 multiplied by zero, so it must be finite.
 
-Source: tests/systems/test_switches.py.
+Source: tests/algebra/test_switches.py.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import casadi as ca
 
-from ..sources.exact_terms import no_folding
+
+@contextmanager
+def no_folding() -> Iterator[None]:
+    """A context in which CasADi does not join constants, such as 0.1 · (3 · x), in doubles."""
+    before = ca.GlobalOptions.getSimplificationOnTheFly()
+    ca.GlobalOptions.setSimplificationOnTheFly(False)
+    try:
+        yield
+    finally:
+        ca.GlobalOptions.setSimplificationOnTheFly(before)
 
 
 def above(value: Any) -> Any:

@@ -10,8 +10,8 @@ import pytest
 import sympy as sm
 
 import stability as st
+from stability.algebra.switches import by_signs
 from stability.base.errors import DomainError
-from stability.systems.graph.switches import by_signs
 
 
 def rest(rate: Any, x: ca.SX, p: ca.SX, held: float = 0.0) -> st.Family:
