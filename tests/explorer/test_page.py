@@ -272,7 +272,7 @@ def test_a_launch_is_played_and_ends_as_python_says(browser: Any, page_of_disk: 
         )
         rest(seen)
         assert state(seen)["tilt"] < 0.1
-        assert "still moves" in page.locator(".outcome").inner_text()
+        assert "the run ends" in page.locator(".outcome").inner_text()
         page.get_by_label("Length of the run").select_option("60")
         rest(seen)
         assert "t = 60" in page.locator(".outcome").inner_text()
