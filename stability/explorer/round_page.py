@@ -184,6 +184,7 @@ class _Disk(_Source):
     inertia = Quantity.of(
         QUANTITIES["k"],
         *(0.05, 0.5, 0.25),
+        unit="",
         least=0.0,
         most=0.5 + 1e-12,
         marks=((0.25, "uniform disk"), (0.3125, "ring, inner radius R/2"), (0.5, "hoop")),

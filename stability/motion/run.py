@@ -128,7 +128,7 @@ def _chosen_times(launches: Starts, settings: Settings, one: Result) -> Floats:
         return even
     along = (1 - EVENLY) * angle / angle[-1] + EVENLY * when / one.time
     rising = np.append(np.diff(along) > 0, True)  # the end may be the last sample
-    times = np.interp(np.linspace(0.0, 1.0, count), along[rising], when[rising])
+    times: Floats = np.interp(np.linspace(0.0, 1.0, count), along[rising], when[rising])
     times[-1] = one.time
     return times
 

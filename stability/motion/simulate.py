@@ -202,7 +202,7 @@ def simulate(
         check_flow(settings.method, flow_of(launches.model))
         found = results(launches, settings, progress)
         found = _described(launches, settings, _departed(launches, settings, found))
-        if np.ndim(times) == 0 and launches.shape == ():
+        if times is not None and np.ndim(times) == 0 and launches.shape == ():
             launches, found = resampled(launches, settings, found)
         dataset = assemble(launches, settings, found)
     _warn(found)

@@ -74,7 +74,7 @@ def test_a_stable_member_that_drifts_says_so(browser: Any, path: Path) -> None:
     with visit(browser, path, "#show=rolling-viscous&at=3") as seen:
         seen.page.evaluate(REST)
         said = seen.page.locator(".point-panel").inner_text()
-        assert "stable" in said and "μ = 0.3 s/m, k = 0.25" in said and "rad/s" in said
+        assert "stable" in said and "μ = 0.3 s/m, k = 0.25\n" in said and "rad/s" in said
         assert "Beyond the linear motion it drifts: spectrally stable, yet not Lyapunov" in said
         seen.page.evaluate("() => { stabilityExplorer.view.choose('spinning viscous'); }")
         seen.page.evaluate(REST)
