@@ -13,6 +13,8 @@ import {ranged} from "./view.js";
 
 const MARGIN = {left: 56, right: 12, top: 10, bottom: 38};
 const RATES = 12, COARSEST = 0.05, MOVING_RATES = 0.5; // milliseconds for rates in motion, and their fineness
+const QUICK = 30, PAUSE = 400; // milliseconds from frame to frame above which pixels are coarser; after which a frame does not follow
+const COARSE_PIXELS = 0.55; // least share of the pixels in both directions; hatching needs as many
 const SEEKING = 3, FEWEST = 0.12; // milliseconds for members that are solved for, and their fineness
 const PASSES = [0.3, 1], SLICE = 10; // finer pictures at rest; milliseconds of a part of one, between which the page answers
 const CURVES = 3, LEAST_DETAIL = 0.1, MOVING_DETAIL = 0.5; // milliseconds for curves in motion, and their fineness
@@ -23,6 +25,7 @@ export class Diagram {
     this.view = view;
     this.look = look;
     this.refining = null; // the timer of a fine picture in the making
+    this.sharp = 1; // share of the pixels while something moves, adapted to the time of a frame
     this.renewal = new Renewal();
     this.curving = new Fineness(CURVES, LEAST_DETAIL, MOVING_DETAIL);
     this.rating = new Fineness(RATES, COARSEST, MOVING_RATES);
@@ -73,10 +76,13 @@ export class Diagram {
 
   draw() {
     if (!this.stage.isConnected) return;
-    const {view} = this;
+    const begun = performance.now(), {view} = this;
     const x = view.axis("x"), y = view.axis("y"), {width, height} = this.size();
     const content = this.content(x, y, width, height);
-    if (this.renewal.due(content, view.moving)) this.fill(x, y, width, height);
+    if (this.renewal.due(content, view.moving)) {
+      this.fill(x, y, width, height);
+      this.pace(begun);
+    }
     this.vectors(x, y, width, height);
   }
 
@@ -100,6 +106,13 @@ export class Diagram {
     colourBar(this.bar, this.barBox(), this.scale, colours, subject.wholeEven, view.curve("growth rate"));
   }
 
+  /** Fewer or more pixels while something moves, by the time from frame to frame. */
+  pace(begun) {
+    const took = begun - this.begun;
+    this.begun = begun;
+    if (this.view.moving && took < PAUSE) this.sharp = clamp(this.sharp * (took > QUICK ? 0.8 : 1.08), COARSE_PIXELS, 1);
+  }
+
   /** Largest growth rate in size over a few points of the plane, and whether each has a member. */
   looked(x, y) {
     const {subject, state} = this.view, q = subject.array(state.values);
@@ -120,7 +133,8 @@ export class Diagram {
   /** A coarse picture at once; at rest then one with a rate for each pixel of the page, a part at a time. */
   colour(x, y, width, height, colours) {
     if (!this.raster) this.raster = this.look.raster(this.canvas);
-    const {view, canvas} = this, {subject, state} = view, dense = Math.min(2, window.devicePixelRatio || 1);
+    const {view, canvas} = this, {subject, state} = view, full = Math.min(2, window.devicePixelRatio || 1);
+    const dense = view.moving ? full * this.sharp : full;
     const wide = Math.max(40, Math.round(width * dense)), high = Math.max(40, Math.round(height * dense));
     if (canvas.width !== wide) canvas.width = wide;
     if (canvas.height !== high) canvas.height = high;
