@@ -31,7 +31,7 @@ SWEEP = """async (frames) => {
       times.push(now - last);
       last = now;
     }
-    found.push({name: q.name, times, share: diagram.share});
+    found.push({name: q.name, times, share: diagram.rating.share});
     view.move({[q.name]: middle}, q.name);
   }
   return found;

@@ -80,8 +80,7 @@ def scene(path: Path) -> None:
 def launch(path: Path) -> None:
     """A disk that rolls too slowly."""
     command(
-        "stability simulate --theta 1.47 --omega3 1.2 --mu 0.3 --time 100 --points 2001 "
-        "--plot OUT/launch.png",
+        "stability simulate --theta 1.47 --omega3 1.2 --mu 0.3 --time 100 --plot OUT/launch.png",
         "launch.png",
         path,
     )

@@ -304,7 +304,8 @@ def _locus(body: str, family: str, mu: float, resolution: int) -> tuple[Any, Pic
     points = boundaries(family, axis=("at", low, high, 301), disk=disk, contact=law)
     stem = f"locus-{family}-{body}-mu{mu:g}".replace(".", "_")
     title = rf"{family}: {name}, $\mu = {mu:g}$"
-    figure = plot_locus(spectra, thresholds=[p.value for p in points], title=title)
+    zeros = zeros_of_rates(spectra)
+    figure = plot_locus(spectra, thresholds=points, zeros=zeros, title=title)
     quantity = QUANTITIES[FAMILIES[family].at[0]].long_name
     changes = "; ".join(f"{p.crossing.word} boundary at {p.value:.10g}" for p in points)
     dotted = f"Dotted: {changes}" if changes else "No change of verdict"
@@ -314,14 +315,14 @@ def _locus(body: str, family: str, mu: float, resolution: int) -> tuple[Any, Pic
         f"beyond), frequency below, in √(g/R), at {len(at)} points; "
         f"without the {_zeros(spectra.structural_zeros)}. One colour and number for each "
         "mode, followed by eigenvector overlap and named by the states that lead it on average"
-        f"{_lines(spectra)}. {dotted}."
+        f"{_lines(spectra, zeros)}. {dotted}."
     )
     picture = Picture(stem, caption, f"Eigenvalue loci of {family} of the {name} at mu = {mu:g}")
     return figure, picture
 
 
-def _lines(spectra: Any) -> str:
-    """The caption's words on dashed lines, shared modes and circles, where these are drawn."""
+def _lines(spectra: Any, zeros: list[float]) -> str:
+    """The caption's words on split pairs, shared modes and circles, where these are drawn."""
     from ..figures.modes import mode_groups, tracked
 
     values, radius = tracked(spectra)
@@ -329,9 +330,9 @@ def _lines(spectra: Any) -> str:
     close = 1e-9 * np.abs(values).max()
     apart = any(np.ptp(values[:, columns].real, axis=1).max() > close for columns in groups)
     more = any(len(columns) > 2 for columns in groups)
-    said = "; where a pair splits into two real eigenvalues, one of them is dashed" * apart
+    said = "; where a pair splits into two real eigenvalues, both have its line" * apart
     said += "; eigenvalues that exchange partners share a mode" * more
-    where = ", ".join(f"{v:.10g}" for v in zeros_of_rates(spectra))
+    where = ", ".join(f"{v:.10g}" for v in zeros)
     return said + f"; circles: a growth rate crosses zero, at {where}" * bool(where)
 
 
@@ -352,7 +353,7 @@ def zeros_of_rates(spectra: Any) -> list[float]:
     found = []
     for low, high, _ in changes_of_sign(at, values.real, radius):
         found += zeros(line, low, high)
-    return [v for v in crossings(at, values.real, radius, found) if v in found]
+    return crossings(at, values.real, radius, found)
 
 
 def _curve_rows(start: tuple[Any, ...], quantity: str, dataset: Any) -> list[tuple[Any, ...]]:

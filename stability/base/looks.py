@@ -68,15 +68,16 @@ class Look:
     word: str = ""
     """Word of what is no verdict, where that is not its name in the table."""
     pattern: str = ""
-    """Hatching of its regions, a key of `PATTERNS`; colours there are those of growth rates."""
+    """Hatching of its regions, a key of `PATTERNS`."""
     shade: float = 0.5
     """Place on the ramp of growth rates, 0 to 1, where no rate is known."""
     tone: str = "ink"
     """Colour of its word on the explorer's page: decay, growth, quiet or ink."""
     border: str = "solid"
     """Line about its word there."""
-    box: tuple[str, str] | None = None
-    """Colours of the inside and the edge of a proved box; None for an outline alone."""
+    fill: tuple[str, str] | None = None
+    """Colours of the inside, and of lines, of its regions and proved boxes; None for regions in the
+    colours of growth rates and boxes of an outline alone."""
     cell: tuple[str, str] = ("", "")
     """Colour and hatching of its share of the answers in a report."""
 
@@ -95,7 +96,7 @@ LOOKS: dict[str, Look] = {
         pattern="crosses",
         tone="quiet",
         border="dashed",
-        box=(YELLOW, OCHRE),
+        fill=(YELLOW, OCHRE),
         cell=("#e2e2e2", "....."),
     ),
     "drifting": Look("→", tone="growth", pattern="level lines"),
@@ -125,7 +126,7 @@ def page_looks() -> dict[str, Any]:
             for word in SHOWN
         },
         "tones": {
-            name: {"ramp": tones.ramp, "hatch": tones.hatch}
+            name: {"ramp": tones.ramp, "hatch": tones.hatch, "undecided": LOOKS["undecided"].fill}
             for name, tones in (("light", LIGHT), ("dark", DARK))
         },
     }

@@ -28,6 +28,7 @@ TAKEN = (
     "evidence",
     "end_time",
     "end_time_error",
+    "trusted_time",
     "settled_time",
     "energy_error",
     "final_error",

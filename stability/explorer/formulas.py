@@ -231,11 +231,11 @@ def _horner(terms: list[tuple[float, tuple[int, ...]]], values: list[Any]) -> An
 
 
 MOST_UNKNOWNS = 4
-"""Largest number of unknowns: a texture of the shader has four channels."""
-STEPS = 3
-"""Steps of Newton's method in the shader, from the members of a grid."""
-CLOSE = 1e-3
-"""Largest last step in the shader, over 1 plus the unknown; elsewhere no member is drawn."""
+"""Largest number of unknowns: the page writes their elimination out."""
+STEPS = 5
+"""Steps of Newton's method at a point of a picture, from the members of a grid."""
+CLOSE = 1e-6
+"""Largest last step there, over 1 plus the unknown; elsewhere no member is drawn."""
 
 
 @dataclass(frozen=True)

@@ -95,6 +95,7 @@ class Contents:
             },
             "units": {n: kind.words for n, kind in CURVES.items()} if stated is None else stated,
             "si": units.told() if units else {},
+            "scale": units.scale if units else "",
             "kinds": {n: k.name for n, k in CURVES.items()},
             "solid": bool(start.body),
             "motions": self.motions,

@@ -133,6 +133,11 @@ class PageUnits:
         """SI size of the unit of each kind."""
         return {kind: float(self.units.size(kind)) for kind in Kind}
 
+    @property
+    def scale(self) -> str:
+        """What a page without SI units measures in, in words."""
+        return f"dimensionless, m = {'R' if self.length == 'radius' else 'R (length)'} = g = 1"
+
     def plain(self, quantity: Quantity, value: Any) -> float:
         """A number of a quantity without dimension, from the user's units."""
         return float(checked(quantity.name, value)) / float(self.units.size(quantity.kind))

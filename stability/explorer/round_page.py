@@ -184,7 +184,7 @@ class _Disk(_Source):
     inertia = Quantity.of(
         QUANTITIES["k"],
         *(0.05, 0.5, 0.25),
-        unit="m R²",
+        unit="",
         least=0.0,
         most=0.5 + 1e-12,
         marks=((0.25, "uniform disk"), (0.3125, "ring, inner radius R/2"), (0.5, "hoop")),
@@ -375,17 +375,8 @@ def round_page(
     law, source.friction = _law(contact, dict(parameters), source)
     choice = _chosen(source, family, pole, theta)
     start = source.subject(choice, law, at)
-    subjects = []
-    for other in source.choices:
-        for word in source.laws:
-            same = other is choice
-            if same and word == law:
-                subjects.append(start)
-                continue
-            with suppress(StabilityError):  # no such family, or formulas that are too large
-                subjects.append(source.subject(other, word, at if same else None))
     motions = {n: motion_of(launch_model(source.shape, n), solid=True) for n in source.laws}
-    kept = _fitting(subjects, motions, start)
+    kept, left_out = _fitting(source, motions, choice, start, at)
     return Contents(
         title=source.title.format(family),
         subjects=kept,
@@ -396,7 +387,7 @@ def round_page(
         families={c.key: c.button for c in source.choices},
         says=f"{source.says} on a plane",
         computed_from=source.computed_from,
-        more=_left_out(source.choices, subjects, kept, choice),
+        more=_left_out(source.choices, left_out, choice),
     )
 
 
@@ -440,34 +431,48 @@ def _chosen(source: _Source, name: str, pole: Any, theta: Any) -> Choice:
 
 
 def _fitting(
-    subjects: Sequence[PageSubject], motions: Mapping[str, Any], first: PageSubject
-) -> list[PageSubject]:
-    """What fits into the size of a page: that asked for, its other laws, then whole families."""
-    groups: dict[str, list[PageSubject]] = {first.key: [first]}
-    for subject in subjects:
-        if subject is not first:
-            group = subject.key if subject.button == first.button else subject.button
-            groups.setdefault(group, []).append(subject)
-    kept: list[PageSubject] = []
-    for group_subjects in groups.values():
-        more = [*kept, *group_subjects]
-        data = {
-            "subjects": [s.record for s in more],
-            "motions": {s.law: motions[s.law] for s in more},
-        }
-        if not kept or len(json.dumps(shared(data))) < MOST:
-            kept = more
-    return [s for s in subjects if s in kept]
-
-
-def _left_out(
-    choices: Sequence[Choice],
-    subjects: Sequence[PageSubject],
-    kept: Sequence[PageSubject],
+    source: _Source,
+    motions: Mapping[str, Any],
     first: Choice,
-) -> str:
+    start: PageSubject,
+    at: Any,
+) -> tuple[list[PageSubject], list[PageSubject]]:
+    """What fits into the size of a page, in its order, and one of each group without room.
+
+    First comes the subject that is asked for, then each other law of its family, then whole
+    families.  What has no room is not built further.
+    """
+    groups = [(first, [law]) for law in source.laws if law != start.law]
+    groups += [(choice, list(source.laws)) for choice in source.choices if choice is not first]
+    kept, left_out = [start], []
+    for choice, laws in groups:
+        more = list(kept)
+        for law in laws:
+            try:
+                subject = source.subject(choice, law, at if choice is first else None)
+            except StabilityError:  # no such family, or formulas that are too large
+                continue
+            more.append(subject)
+            if _size(more, motions) >= MOST:
+                left_out.append(subject)
+                break
+        else:
+            kept = more
+    order = [(c.key, law) for c in source.choices for law in source.laws]
+    return sorted(kept, key=lambda s: order.index((s.button, s.law))), left_out
+
+
+def _size(subjects: Sequence[PageSubject], motions: Mapping[str, Any]) -> int:
+    """Size of families and their motions on a page [bytes]."""
+    data = {
+        "subjects": [s.record for s in subjects],
+        "motions": {s.law: motions[s.law] for s in subjects},
+    }
+    return len(json.dumps(shared(data)))
+
+
+def _left_out(choices: Sequence[Choice], gone: Sequence[PageSubject], first: Choice) -> str:
     """The sentence that names the families and laws without room on the page."""
-    gone = [s for s in subjects if s not in kept]
     laws = [LAW_NAMES.get(s.law, s.law) for s in gone if s.button == first.key]
     names = {s.button for s in gone} - {first.key}
     words = [c.button for c in choices if c.key in names]

@@ -1,4 +1,4 @@
-"""Formulas as JavaScript and as source of a shader, and growth rates in it.
+"""Formulas as JavaScript, and growth rates in it.
 
 To add a language: a `Language`.  The abscissa of a polynomial is the least shift to the left after
 which it is a Hurwitz polynomial.  Routh's array decides this with real arithmetic alone, so that
@@ -14,18 +14,10 @@ from ..algebra.exact.routh import routh
 from ..algebra.number_types import Algebra
 from ..algebra.program import Program
 from ..algebra.straight_lines import Language, Line, Record
-from ..base.errors import StabilityError
 
 
 def _javascript_number(value: float) -> str:
     return repr(int(value)) if value == int(value) and abs(value) < 2**53 else repr(float(value))
-
-
-def _shader_number(value: float) -> str:
-    size = abs(value)
-    if size > 3e38:
-        raise StabilityError(f"{value:g} is beyond single precision; scale the polynomial.")
-    return f"{value:.9g}" if any(c in f"{value:.9g}" for c in ".e") else f"{value:.9g}.0"
 
 
 JAVASCRIPT = Language(
@@ -34,14 +26,6 @@ JAVASCRIPT = Language(
     _javascript_number,
     "Math.{name}({value})",
     "Math.pow({a}, {b})",
-    renamed=(("fabs", "abs"),),
-)
-SHADER = Language(
-    "GLSL",
-    "float {name} = {text};",
-    _shader_number,
-    "{name}({value})",
-    lacking=("expm1", "log1p"),
     renamed=(("fabs", "abs"),),
 )
 
@@ -93,17 +77,16 @@ def graph(program: Program) -> str:
 
 
 Seen = tuple[list[list[Any]], list[tuple[Any, Any]], list[Any]]
-"""Coefficients of each factor, (value, size) of each condition, numbers positive at members."""
-HALVINGS = 24
-"""Bisections of the abscissa: as many as a single-precision number has digits."""
+"""Coefficients of each factor, (value, error) of each condition, numbers positive at members."""
+HALVINGS = 52
+"""Bisections of the abscissa: as many as a number in double precision has digits."""
 
 
-def look(
-    quantities: int,
-    formula: Callable[..., Seen],
-    even: Sequence[bool],
-) -> str:
-    """Source of a shader's function: growth rate, least condition over its size, least of members.
+def look(quantities: int, formula: Callable[..., Seen], even: Sequence[bool]) -> str:
+    """A JavaScript function of a point for a picture of many: growth rate, sign, least of members.
+
+    The sign is the least condition over its error: below -1 the motion is unstable, above 1 it is
+    not, and in between double precision does not decide.
 
     Parameters
     ----------
@@ -111,7 +94,7 @@ def look(
         Number of quantities that name a point.
     formula
         Function of the number type and the quantities to the coefficients of each factor in λ,
-        lowest first, to (value, size) of each condition, and to numbers that are positive where
+        lowest first, to (value, error) of each condition, and to numbers that are positive where
         the family has a member.
     even
         Whether each factor has even powers alone.
@@ -119,69 +102,72 @@ def look(
     Returns
     -------
     str
-        Functions in GLSL.
+        An expression whose value is the function of an array.
 
     Examples
     --------
     >>> text = look(2, lambda f, q: ([[q[0], q[1], 1.0]], [(q[1], 1.0)], []), [False])
-    >>> "abscissa2(" in text, "vec3 look(float q0, float q1)" in text
+    >>> "abscissa2(" in text, "(a0) => {" in text
     (True, True)
     """
-    record = Record(SHADER)
-    names = [Line(record, f"q{i}") for i in range(quantities)]
+    record = Record(JAVASCRIPT)
+    names = [Line(record, f"a0[{i}]") for i in range(quantities)]
     factors, conditions, members = formula(record.algebra(), names)
-    body = [*record.lines, "float growth = -1e30;", "float sign = 1.0;", "float member = 1.0;"]
     needed: dict[str, str] = {}
+    rates = []
     for factor, is_even in zip(factors, even, strict=True):
         name, source = _abscissa(len(factor) - 1, even=is_even)
         needed[name] = source
-        given = ", ".join(record.text(c) for c in factor)
-        body.append(f"growth = max(growth, {name}({given}));")
-    for value, size in conditions:
-        body.append(f"sign = min(sign, ({record.text(value)}) / ({record.text(size)}));")
-    body += [f"member = min(member, {record.text(value)});" for value in members]
-    parameters = ", ".join(f"float q{i}" for i in range(quantities))
-    lines = [*needed.values(), f"vec3 look({parameters}) {{", *body]
-    return "\n".join([*lines, "return vec3(growth, sign, member);", "}"])
+        rates.append(f"{name}({', '.join(record.text(c) for c in factor)})")
+    signs = [f"({record.text(v)}) / ({record.text(e)})" for v, e in conditions]
+    there = [record.text(v) for v in members]
+    least = (f"Math.min({', '.join(texts)})" for texts in (["Infinity", *signs], ["1", *there]))
+    lines = [f"const {','.join(record.lines)};"] if record.lines else []
+    found = ", ".join([f"Math.max({', '.join(['-Infinity', *rates])})", *least])
+    body = ["return (a0) => {", *lines, f"return [{found}];", "}; })()"]
+    return "\n".join(["(() => {", *needed.values(), *body])
 
 
 def _abscissa(degree: int, *, even: bool) -> tuple[str, str]:
     """Name and source of the largest real part of the roots, from the coefficients."""
-    given = ", ".join(f"float c{i}" for i in range(degree + 1))
+    given = ", ".join(f"c{i}" for i in range(degree + 1))
     if degree == 1:
-        return "abscissa1", f"float abscissa1({given}) {{ return -c0 / c1; }}"
+        return "abscissa1", f"function abscissa1({given}) {{ return -c0 / c1; }}"
     if degree == 2 and even:
-        text = f"float even2({given}) {{ return sqrt(max(0.0, -c0 / c2)); }}"
+        text = f"function even2({given}) {{ return Math.sqrt(Math.max(0, -c0 / c2)); }}"
         return "even2", text
-    lines = [f"float i = 1.0 / c{degree};", "float r = 0.0;"]
-    for power in range(degree):
-        lines.append(f"r = max(r, pow(abs(c{power} * i), 1.0 / {degree - power}.0));")
-    lines += ["r *= 2.0;", "if (!(r > 0.0)) return 0.0;", "float w = i;"]
+    lines = [f"const i = 1 / c{degree};"]
+    sizes = (
+        f"Math.pow(Math.abs(c{power} * i), {1 / (degree - power)!r})" for power in range(degree)
+    )
+    lines += [f"const r = 2 * Math.max({', '.join(sizes)});", "if (!(r > 0)) return 0;"]
+    above = "i"
     for power in reversed(range(degree)):
-        lines += ["w /= r;", f"float a{power} = c{power} * w;"]
+        lines += [f"const w{power} = {above} / r, a{power} = c{power} * w{power};"]
+        above = f"w{power}"
     monic = ", ".join(f"a{i}" for i in range(degree))
     lines += [
-        f"float low = {'-1e-7' if even else '-1.0'}, high = 1.0;",
-        f"for (int n = 0; n < {HALVINGS}; n++) {{",
-        "float m = 0.5 * (low + high);",
+        f"let low = {'-1e-16' if even else '-1'}, high = 1;",
+        f"for (let n = 0; n < {HALVINGS}; n++) {{",
+        "const m = 0.5 * (low + high);",
         f"if (hurwitz{degree}({monic}, m)) high = m; else low = m;",
         "}",
-        "return r * high;" if not even else "return r * max(0.0, low);",
+        "return r * high;" if not even else "return r * Math.max(0, low);",
     ]
     name = f"{'even' if even else 'abscissa'}{degree}"
     body = "\n".join(lines)
-    return name, f"{_hurwitz(degree)}\nfloat {name}({given}) {{\n{body}\n}}"
+    return name, f"{_hurwitz(degree)}\nfunction {name}({given}) {{\n{body}\n}}"
 
 
 def _hurwitz(degree: int) -> str:
     """Whether a monic polynomial has every root to the left of a shift."""
-    record = Record(SHADER)
+    record = Record(JAVASCRIPT)
     shift = Line(record, "s")
     shifted: list[Any] = [Line(record, f"a{i}") for i in range(degree)] + [1.0]
     for start in range(degree):  # Taylor's shift by repeated synthetic division
         for i in range(degree - 1, start - 1, -1):
             shifted[i] = shifted[i] + shifted[i + 1] * shift
-    parameters = ", ".join(f"float a{i}" for i in range(degree))
-    asked = " && ".join(f"{record.text(v)} > 0.0" for v in routh(shifted) if isinstance(v, Line))
-    body = "\n".join([*record.lines, f"return {asked};"])
-    return f"bool hurwitz{degree}({parameters}, float s) {{\n{body}\n}}"
+    parameters = ", ".join(f"a{i}" for i in range(degree))
+    asked = " && ".join(f"{record.text(v)} > 0" for v in routh(shifted) if isinstance(v, Line))
+    body = f"const {','.join(record.lines)};\nreturn {asked};"
+    return f"function hurwitz{degree}({parameters}, s) {{\n{body}\n}}"

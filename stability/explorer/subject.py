@@ -12,6 +12,7 @@ import casadi as ca
 from ..algebra.number_types import Algebra
 from ..algebra.program import Program
 from ..algebra.straight_lines import Line, Record
+from ..base.verdict import Nonlinear
 from ..systems.family import Family
 from .formulas import Formulas, Values
 from .quantities import Quantity
@@ -52,6 +53,13 @@ class PageSubject:
         """What names a member, by its name in calls."""
         return {q.name: q for q in self.quantities.values()}
 
+    @property
+    def drift(self) -> str:
+        """What nonlinear terms do to a stable member along the family, in words; empty for none."""
+        if not self.family.drifts:
+            return ""
+        return str((Nonlinear.DRIFTS if self.body else Nonlinear.CARRIED).value)
+
     @cached_property
     def record(self) -> dict[str, Any]:
         """The record in the page."""
@@ -69,7 +77,10 @@ class PageSubject:
             if solver:
                 q, more = solver.polished(algebra, q)
             found = formulas.members(algebra, q) if formulas.members else []
-            return formulas.coefficients(algebra, q), formulas.signs(algebra, q), [*found, *more]
+            shares = [rule.share for rule in formulas.rules]
+            signs = formulas.signs(algebra, q)
+            errors = [(v, share * size) for (v, size), share in zip(signs, shares, strict=True)]
+            return formulas.coefficients(algebra, q), errors, [*found, *more]
 
         slopes = ca.Function("slopes", [system.x, system.p], [ca.jacobian(system.rhs, system.x)])
         return {
@@ -88,7 +99,7 @@ class PageSubject:
             "conditions": paired(formulas.signs),
             "bounds": paired(formulas.bounds),
             "rules": [vars(rule) for rule in formulas.rules],
-            "shader": look(count, seen, formulas.even),
+            "look": look(count, seen, formulas.even),
             "states": system.states,
             "member": source(lambda f, q: formulas.states(self.family, f, q)),
             "jacobian": graph(Program(slopes)),
@@ -100,6 +111,7 @@ class PageSubject:
             "members": source(formulas.members),
             "proved": formulas.proved,
             "note": formulas.note,
+            "drift": self.drift,
             "solver": solver.told() if solver else None,
             "pose": "",
             "frame": "",

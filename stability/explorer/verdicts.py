@@ -230,7 +230,7 @@ SIGNS = 8
 CLOSE = 1e-5
 """Largest last step of Newton's method [rad]; the error is about its square."""
 SAME = 1e-6
-"""Angle within which a change of sign is rounding, in the shader's single precision [rad]."""
+"""Angle within which a change of sign is rounding, or the rest of Newton's method [rad]."""
 
 
 def closed_formulas(family: Family, quantities: Mapping[str, Quantity]) -> Formulas:

@@ -32,10 +32,10 @@ from .shading import (
     DIVERGING,
     colour_bar,
     draw_strip,
-    hatch_verdicts,
     hatching_words,
     linear_part,
     norm_of,
+    paint_verdicts,
     patch,
 )
 from .shading import Strip as Strip
@@ -253,7 +253,7 @@ def _colour(axes: Axes, dataset: xarray.Dataset) -> Any:
     for name, scale in ((_x(dataset), axes.set_xscale), (_y(dataset), axes.set_yscale)):
         if _is_log(dataset, name):
             scale("log")
-    hatch_verdicts(axes, x.values, y.values, dataset.verdict.values)
+    paint_verdicts(axes, x.values, y.values, dataset.verdict.values)
     if missing.any():  # left blank within a thin line, so that white is not taken for a colour
         axes.contour(x, y, missing.astype(float), levels=[0.5], colors="#777777", linewidths=0.6)
         axes.set_facecolor("white")
@@ -285,7 +285,7 @@ def _boxes(axes: Axes, dataset: xarray.Dataset) -> None:
 
 def _undecided_box() -> tuple[str, str]:
     """Colours of the inside and the edge of a box in which nothing is proved."""
-    return LOOKS[Verdict.UNDECIDED.word].box or ("none", "black")
+    return LOOKS[Verdict.UNDECIDED.word].fill or ("none", "black")
 
 
 def _curves(axes: Axes, dataset: xarray.Dataset) -> None:

@@ -37,8 +37,8 @@ from .modes import (
 from .modes import swept as swept
 
 MODE_COLOURS = (BLUE, VERMILION, GREEN, PURPLE, SKY, "#000000")
-DASHES: tuple[Any, ...] = ("-", (0, (3, 1.5)), (0, (1, 1)), (0, (4, 1.2, 1, 1.2)))
-"""Lines of one mode: the second and later ones show only where a pair splits."""
+DASHES: tuple[Any, ...] = ("-", (0, (3, 1.5)), (0, (6, 1.2, 1.5, 1.2)), (0, (7, 2)))
+"""The line of each mode, whole or broken; a dotted line tells of a change of verdict alone."""
 SHARE = 0.22
 """Least share of an axis of growth rates on each side of zero."""
 PLAIN = 0.03
@@ -59,7 +59,8 @@ Groups = list[tuple[int, ...]]
 def plot_locus(
     spectrum: Spectrum,
     *,
-    thresholds: Sequence[float] = (),
+    thresholds: Sequence[Any] = (),
+    zeros: Sequence[float] = (),
     title: str = "",
     unit: str | None = None,
     ax: Any = None,
@@ -68,9 +69,10 @@ def plot_locus(
 ) -> Figure:
     r"""Eigenvalues against the swept quantity: growth rate above, frequency below, modes labelled.
 
-    Circles mark where a growth rate crosses zero.  The scale of growth rates is an inverse
-    hyperbolic sine: linear near zero, so far as shows every arc between two crossings, and
-    logarithmic beyond.
+    Each mode has one colour and one line.  Circles mark where a growth rate crosses zero, as far as
+    that is known: at the thresholds and zeros that are given, and nowhere else.  The scale of
+    growth rates is an inverse hyperbolic sine: linear near zero, so far as shows every arc between
+    two crossings, and logarithmic beyond.
 
     A single spectrum is drawn in the plane of eigenvalues, with its verdict.
 
@@ -80,7 +82,9 @@ def plot_locus(
         Spectrum along one axis, of one quantity given as an array, eigenvalues of shape
         (points, n); or a single one.
     thresholds
-        Values of the swept quantity at which the verdict changes; circles lie exactly on them.
+        Where the verdict changes: what `boundaries` returns, or values of the swept quantity.
+    zeros
+        Further values at which a growth rate crosses zero, with no change of verdict.
     title
         Title of the figure.
     unit
@@ -116,8 +120,11 @@ def plot_locus(
     title = checked_title(title)
     instance("spectrum", spectrum, Spectrum, "give what spectrum returns, or plot_map for a map")
     if spectrum.codes.size == 1:
-        if np.size(thresholds):
-            raise ParameterError("thresholds belongs to a spectrum along a quantity; leave it out.")
+        for word, known in (("thresholds", thresholds), ("zeros", zeros)):
+            if len(known):
+                raise ParameterError(
+                    f"{word} belongs to a spectrum along a quantity; leave it out."
+                )
         return _plane(spectrum, title, _unit(spectrum, unit), ax, width, fontsize)
     name, at = swept(spectrum)
     if ax is not None and np.size(ax) not in (1, 2):
@@ -125,6 +132,7 @@ def plot_locus(
     values, radius = tracked(spectrum)
     groups = mode_groups(values)
     names = mode_names(spectrum, groups)
+    changes = [float(getattr(threshold, "value", threshold)) for threshold in thresholds]
     with drawing(ax, width, fontsize, lambda wide: min(1.15 * wide, 2.2 + 0.5 * wide)) as figure:
         panels = np.ravel(_panels(figure) if ax is None else ax).tolist()
         top, lowest = panels[0], panels[-1]
@@ -143,11 +151,11 @@ def plot_locus(
             top.tick_params(labelbottom=False)
             figure.align_ylabels(panels)
         settle(figure)
-        _growth(top, at, values, radius, groups, names, thresholds)
+        _growth(top, at, values, radius, groups, names, [*changes, *zeros])
         if len(panels) > 1:
             _frequencies(lowest, at, values, groups)
         for panel in panels:
-            for threshold in thresholds:
+            for threshold in changes:
                 panel.axvline(
                     threshold,
                     color="black",
@@ -196,14 +204,13 @@ def _growth(
     """Draw the real parts; growth is shaded, crossings are marked, a number is on each mode."""
     axes.axhline(0, color="0.3", linewidth=0.6)
     for index, columns in enumerate(groups):
-        for position, column in enumerate(columns):
+        for column in columns:
             axes.plot(
                 at,
                 values[:, column].real,
-                color=_colour(index),
                 zorder=3,
-                linestyle=DASHES[position % len(DASHES)],
-                label=None if position else f"{index + 1}: {names[index]}",
+                label=f"{index + 1}: {names[index]}",
+                **_line(index),
             )
     _asinh_scale(axes, "y", values.real, linear_width(values.real, radius))
     axes.axhspan(0, axes.get_ylim()[1], facecolor=SOME_GROWTH, zorder=0)
@@ -231,6 +238,11 @@ def _growth(
     _numbers(axes, at, values.real, groups)
 
 
+def _line(index: int) -> dict[str, Any]:
+    """Colour and line of a mode, the same in both panels."""
+    return {"color": _colour(index), "linestyle": DASHES[index % len(DASHES)]}
+
+
 def _colour(index: int) -> str:
     return MODE_COLOURS[index % len(MODE_COLOURS)]
 
@@ -246,7 +258,7 @@ def _frequencies(axes: Axes, at: Floats, values: Complexes, groups: Groups) -> N
     shown = np.ma.masked_equal(every, 0.0)
     for index, columns in enumerate(groups):
         for column in columns:
-            axes.plot(at, shown[:, column], color=_colour(index))
+            axes.plot(at, shown[:, column], **_line(index))
     axes.set_ylim(0, 1.08 * float(every.max()))
     _numbers(axes, at, shown.filled(np.nan), groups)
 

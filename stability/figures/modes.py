@@ -207,14 +207,15 @@ def changes_of_sign(at: Floats, real: Floats, radius: Floats) -> list[tuple[floa
 
 
 def crossings(at: Floats, real: Floats, radius: Floats, known: Sequence[float] = ()) -> list[float]:
-    """Places where a real part changes its sign: known ones, others by a straight line.
+    """Places where a real part changes its sign, of those that are known; no other is marked.
 
     Parameters
     ----------
     at, real, radius
         As for `changes_of_sign`.
     known
-        Zeros of growth rates that are known; the nearest one between the same points is taken.
+        Zeros of growth rates, as `boundaries` proves them.  Of several between the same points
+        that nearest to a straight line is taken.
 
     Returns
     -------
@@ -223,13 +224,15 @@ def crossings(at: Floats, real: Floats, radius: Floats, known: Sequence[float] =
 
     Examples
     --------
-    >>> crossings(np.array([0.0, 1.0]), np.array([[-1.0, 2.0], [3.0, 1.0]]), np.zeros((2, 2)))
-    [0.25]
+    >>> at, real = np.array([0.0, 1.0]), np.array([[-1.0, 2.0], [3.0, 1.0]])
+    >>> crossings(at, real, np.zeros((2, 2)), [0.3]), crossings(at, real, np.zeros((2, 2)))
+    ([0.3], [])
     """
     exact, found = np.asarray(known, dtype=float), []
     for low, high, value in changes_of_sign(at, real, radius):
         near = exact[(low <= exact) & (exact <= high)]
-        found.append(float(near[np.abs(near - value).argmin()]) if len(near) else value)
+        if len(near):
+            found.append(float(near[np.abs(near - value).argmin()]))
     close = 1e-6 * float(np.ptp(at))
     found.sort()
     return [v for i, v in enumerate(found) if not i or v - found[i - 1] > close]

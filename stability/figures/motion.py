@@ -7,7 +7,7 @@ from .styled_figure import checked_size, drawing, entry, fixed, key  # isort: sk
 from .styled_figure import note, small, spacing, write  # isort: skip
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -21,9 +21,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
-from ..base.errors import ParameterError, shown
+from ..base.errors import NameUnknownError, ParameterError, listed, shown
 from ..base.looks import BLUE, PURPLE, SKY, VERMILION
-from ..base.quantities import Kind, Quantity, in_latex, readable, unit_of
+from ..base.quantities import Kind, Quantity, in_latex, plain_text, readable, unit_of
 from ..bodies.families import FAMILIES
 from ..bodies.newton_euler import STATES
 from ..bodies.quantities import QUANTITIES, SYSTEM, quantities_of
@@ -62,6 +62,7 @@ def plot_motion(
     dataset: xarray.Dataset,
     *,
     show: str | None = None,
+    series: Sequence[str] = (),
     ax: Any = None,
     width: float | None = None,
     fontsize: float | None = None,
@@ -75,6 +76,10 @@ def plot_motion(
         where a system has no energy account.
     show
         `states`, `paths` or `energy` for one part; all of them when left out.
+    series
+        Names of what the states' part draws over time, any variables of the dataset over time;
+        when left out inclination, rates, slip and normal force of a body, and every state of a
+        user's system.
     ax
         Axes to draw one part on, from the top: 4 for the states of a disk, 1 for the paths, 2
         for the energy; a figure of its own when left out.
@@ -109,9 +114,10 @@ def plot_motion(
         raise ParameterError(f"show is {shown(show)}; give one of {known}, or leave it out.")
     if ax is not None and show is None:
         raise ParameterError(f"ax takes one part; give show as one of {', '.join(COUNTS)}.")
-    names = system_states(dataset)
-    motion = one_launch(dataset, _needed(dataset, names, show))
-    parts = [show] if show else _parts(dataset, names)
+    own = system_states(dataset)
+    names = _asked(dataset, series) or own
+    motion = one_launch(dataset, _needed(dataset, own, show))
+    parts = [show] if show else _parts(dataset, own)
     wide = PAGE if len(parts) > 1 else COLUMN
     if width is not None and ax is None:
         wide = checked_size("width", width, 2.0, "inches")
@@ -135,6 +141,19 @@ def plot_motion(
         lowest = next(a for a in drawn if a.get_xlabel())
         note(lowest, fixed_of(dataset))
     return figure
+
+
+def _asked(dataset: xarray.Dataset, series: Sequence[str]) -> tuple[str, ...]:
+    """The series that are asked for, which the dataset has over time."""
+    if isinstance(series, str) or not isinstance(series, Sequence):
+        raise ParameterError(f"series is {shown(series)}; give a list of names.")
+    known = [str(n) for n, v in getattr(dataset, "data_vars", {}).items() if "time" in v.dims]
+    for name in series:
+        if name not in known:
+            raise NameUnknownError(
+                f"series names {shown(name)}; the dataset has {listed(known)} over time."
+            )
+    return tuple(series)
 
 
 def _parts(dataset: xarray.Dataset, names: tuple[str, ...]) -> list[str]:
@@ -191,7 +210,7 @@ def _draw_states(page: Any, motion: SingleRun, names: tuple[str, ...]) -> None:
     data, times = motion.data, motion.times
     groups, labels = _groups(data, names)
     panels = np.atleast_1d(page.subplots(len(groups), 1, sharex=True))
-    steady = _settled_on(data, names)
+    steady = _settled_on(data, system_states(data))
     for axes, (word, group) in zip(panels, groups, strict=True):
         for i, name in enumerate(group):
             stroke = STROKES[i % len(STROKES)]
@@ -209,16 +228,26 @@ def _draw_states(page: Any, motion: SingleRun, names: tuple[str, ...]) -> None:
             axes.axvspan(start, stop, zorder=0, **STUCK)
         for t, _ in motion.events:
             axes.axvline(t, color=GREY, linewidth=0.5, zorder=1)
+        _fade(axes, motion)
         if len(axes.get_legend_handles_labels()[0]) > 1:
             legend(axes)
     if not names:
         _mark_upright(panels[0])
         panels[3].axhline(0, color=GREY, linewidth=0.7, zorder=1)
     words(panels[0], motion)
+    if motion.trusted < motion.times[-1]:
+        middle, across = (motion.trusted + motion.times[-1]) / 2, panels[-1].get_xaxis_transform()
+        write(panels[-1], middle, 0.5, UNKNOWN, edge=2.0, transform=across, zorder=5)
     panels[-1].set_xlim(times[0], times[-1])
     time = "time" if names else "time $t$"
     panels[-1].set_xlabel(f"{time}  {unit(data, 'time')}")
     page.align_ylabels()
+
+
+def _fade(axes: Axes, motion: SingleRun) -> None:
+    """Veil a panel over time where the motion is not known."""
+    if motion.trusted < motion.times[-1]:
+        axes.axvspan(motion.trusted, motion.times[-1], zorder=2.6, **VEIL)
 
 
 def _groups(
@@ -282,11 +311,13 @@ def _draw_paths(page: Any, motion: SingleRun) -> None:
         corners = np.column_stack([x, y])
         # each piece overlaps the next, so that no seams show
         pieces = [corners[i : i + 3] for i in range(len(x) - 1)]
+        middle = (times[1:] + times[:-1]) / 2
         axes.add_collection(
             LineCollection(
                 pieces,
-                array=(times[1:] + times[:-1]) / 2,
+                array=middle,
                 **shade,
+                alpha=np.where(middle > motion.trusted, 1 - VEIL["alpha"], 1.0),
                 linewidths=width,
                 rasterized=len(x) > 20_000,
                 zorder=2 if width > 1 else 3,
@@ -365,6 +396,8 @@ def _draw_energy(page: Any, motion: SingleRun) -> None:
     upper.set_ylabel(f"energy\n{unit(data, 'energy')}")
     upper.set_xlim(times[0], times[-1])
     legend(upper)
+    for panel in (upper, lower):
+        _fade(panel, motion)
     audit = np.abs(data.audit.values) / first
     seen = np.where(audit > 0, audit, np.nan)  # a log axis has no zero, so leave a gap
     lower.set_yscale("log")
@@ -419,6 +452,9 @@ STUCK: dict[str, Any] = {
     "linewidth": 0,
 }
 """Look of a span of sticking."""
+VEIL: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75}
+"""What lies over a motion that is not known."""
+UNKNOWN = "faded: not known"
 MOST_PANELS = 8
 """Most panels of a user's system."""
 
@@ -538,6 +574,10 @@ def caption(dataset: xarray.Dataset) -> str:
             for name, q in _quantities(dataset).items()
             if name in data.coords and not data[name].ndim
         ]
+        numbers += [
+            f"{words} {name} = {value:.4g}{'' if word == '1' else f' {word}'}"
+            for name, (words, value, word) in _resistances(data).items()
+        ]
         numbers += ["dimensionless"] * plain
         law = str(dataset.attrs.get("contact", ""))
         moving = f"{_body_of(dataset)} with {law} contact ({', '.join(numbers)})"
@@ -546,8 +586,15 @@ def caption(dataset: xarray.Dataset) -> str:
         f"Motion of {moving} from {start} at time {motion.times[0]:.4g} to "
         f"{motion.times[-1]:.4g}{second}, by {data.method.item()} at tolerance "
         f"{tolerance_of(dataset):.3g}{audit}.  Outcome: {BY_CODE[int(data.outcome)].word}, at "
-        f"time {float(data.end_time):.4g}{second} ({data.evidence.item()})."
+        f"time {float(data.end_time):.4g}{second} ({data.evidence.item()}).{_faded(motion, second)}"
     )
+
+
+def _faded(motion: SingleRun, second: str) -> str:
+    """A sentence on the part that is drawn pale."""
+    if not motion.trusted < motion.times[-1]:
+        return ""
+    return f"  Faded after {motion.trusted:.4g}{second}: runs within the tolerance part there."
 
 
 def _number(data: xarray.Dataset, name: str, *, bare: bool = False) -> str:
@@ -573,7 +620,7 @@ def _quantities(dataset: xarray.Dataset) -> Mapping[str, Quantity]:
     own = {
         str(n): Quantity(str(n), str(n), str(n), Kind.NUMBER)
         for n in dataset.coords
-        if n not in known and n not in ("time", "number", "length")
+        if n not in known and n not in ("time", "number", "length", *_resistances(dataset))
     }
     if not dataset.attrs.get("dimensionless", 0):
         own |= {"length": Quantity("length", "L", "length", Kind.LENGTH)}
@@ -595,6 +642,22 @@ def fixed_of(dataset: xarray.Dataset) -> str:
     known = _quantities(dataset)
     values = {n: dataset[n].item() for n in known if n in dataset.coords and not dataset[n].ndim}
     values.pop("time", None)
-    return fixed(
-        values, known, {}, law=law, dimensionless=bool(dataset.attrs.get("dimensionless", 0))
-    )
+    plain = bool(dataset.attrs.get("dimensionless", 0))
+    lines = [fixed(values, known, {}, law=law, dimensionless=plain)]
+    for name, (words, value, unit) in _resistances(dataset).items():
+        shown_unit = "" if unit == "1" else f" {in_latex(unit)}"
+        lines.append(f"{words} {GREEK.get(name, plain_text(name))} = {value:.5g}{shown_unit}")
+    return ", ".join(lines)
+
+
+GREEK = {"rho": r"$\rho$", "sigma": r"$\sigma$", "drag": "$d$"}
+"""Symbols of the coefficients of the package's resistances."""
+
+
+def _resistances(dataset: xarray.Dataset) -> dict[str, tuple[str, float, str]]:
+    """Name in words, value and unit of each resistance, by its coefficient."""
+    return {
+        str(name): (str(at.attrs["long_name"]), float(at), str(at.attrs.get("units", "1")))
+        for name, at in dataset.coords.items()
+        if name not in ("time", "number") and not at.ndim and "long_name" in at.attrs
+    }

@@ -11,7 +11,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap, SymLogNorm
+from matplotlib.colors import LinearSegmentedColormap, ListedColormap, SymLogNorm
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
@@ -92,7 +92,8 @@ def _edges(centres: NDArray[Any]) -> NDArray[Any]:
 def patch(verdict: Verdict) -> Patch:
     """The entry of a verdict in a legend: its colour and hatching."""
     look = LOOKS[verdict.word]
-    return hatched_patch(DIVERGING(look.shade), look.hatching, verdict.word)
+    colour = look.fill[0] if look.fill else DIVERGING(look.shade)
+    return hatched_patch(colour, look.hatching, verdict.word)
 
 
 def hatched_patch(colour: Any, texture: str, label: str) -> Patch:
@@ -106,10 +107,12 @@ def hatched_patch(colour: Any, texture: str, label: str) -> Patch:
     )
 
 
-def hatch_verdicts(
+def paint_verdicts(
     axes: Axes, x: NDArray[Any], y: NDArray[Any], codes: NDArray[Any]
 ) -> set[Verdict]:
-    """Hatch the cells of each verdict, so that it shows without colour too.
+    """Give the cells of each verdict its own colour, where it has one, and its hatching.
+
+    A verdict without a colour of its own leaves that of the growth rates.
 
     Parameters
     ----------
@@ -123,6 +126,24 @@ def hatch_verdicts(
     set of Verdict
         Those that are hatched.
     """
+    for verdict in Verdict:
+        fill, where = LOOKS[verdict.word].fill, codes == CODES[verdict]
+        if fill and where.any():
+            axes.pcolormesh(
+                x,
+                y,
+                np.ma.masked_where(~where, where.astype(float)),
+                cmap=ListedColormap([fill[0]]),
+                shading="nearest",
+                rasterized=True,
+            )
+    return _hatch_verdicts(axes, x, y, codes)
+
+
+def _hatch_verdicts(
+    axes: Axes, x: NDArray[Any], y: NDArray[Any], codes: NDArray[Any]
+) -> set[Verdict]:
+    """Hatch the cells of each verdict, so that it shows without colour too."""
     hatched = {v for v in Verdict if LOOKS[v.word].pattern and (codes == CODES[v]).any()}
     for verdict in Verdict:
         if verdict in hatched:
@@ -218,7 +239,7 @@ def draw_strip(axes: Axes, strip: Strip, norm: Any) -> set[Verdict]:
     axes.pcolormesh(
         strip.x, [0.25, 0.75], values, cmap=DIVERGING, norm=norm, shading="nearest", rasterized=True
     )
-    hatch_verdicts(axes, strip.x, np.array([0.0, 1.0]), np.tile(strip.codes, (2, 1)))
+    paint_verdicts(axes, strip.x, np.array([0.25, 0.75]), np.tile(strip.codes, (2, 1)))
     for threshold in strip.thresholds:
         axes.axvline(threshold, color="black", linewidth=1.3)
     axes.set_ylim(0, 1)

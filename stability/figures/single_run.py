@@ -46,6 +46,8 @@ class SingleRun(NamedTuple):
     """Time and word of each event between the first and the last sample."""
     sticking: list[Span]
     """Begin and end of each span of sticking."""
+    trusted: float
+    """Time after which neighbours of the run part: the motion is not known there."""
 
 
 def one_launch(dataset: xarray.Dataset, needed: tuple[str, ...]) -> SingleRun:
@@ -93,7 +95,8 @@ def one_launch(dataset: xarray.Dataset, needed: tuple[str, ...]) -> SingleRun:
     log = events_of(data)
     spans = _spans(log, data, times)
     seen = [(t, word) for t, word in log if times[0] <= t <= times[-1]]
-    return SingleRun(data, times, seen, spans)
+    end = float(data.trusted_time) if "trusted_time" in data else times[-1]
+    return SingleRun(data, times, seen, spans, end if end < times[-1] else np.inf)
 
 
 def length_of(data: xarray.Dataset) -> float:

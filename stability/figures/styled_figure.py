@@ -272,12 +272,18 @@ def key(
     """
     pad = 3.0
     if handles:
-        room = axes.get_window_extent().width * points(axes)
-        # a swatch takes 2.7 sizes, and the gap between columns 1.2
-        widest = max(wide(str(h.get_label())) for h in handles) + 3.9 * small()
         # a panel of the package's figures has margins; that of a user has neighbours
         beyond = reach if isinstance(axes.get_figure(root=True), StyledFigure) else 0.9
-        columns = min(len(handles), max(1, int((beyond * room + 1.2 * small()) / widest)))
+        room = min(beyond * axes.get_window_extent().width * points(axes), _above(axes))
+        swatch = 2.7 * small()
+        labels = [
+            broken(str(h.get_label()), lambda line: wide(line) + swatch <= room) for h in handles
+        ]
+        for handle, label in zip(handles, labels, strict=True):
+            handle.set_label(label)
+        widest = max(wide(line) for label in labels for line in label.split("\n")) + swatch
+        gap = 1.2 * small()
+        columns = min(len(handles), max(1, int((room + gap) / (widest + gap))))
         legend = axes.legend(
             handles=handles,
             loc="lower center",

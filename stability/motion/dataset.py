@@ -214,7 +214,13 @@ def _errors(results: list[Result], clock: Floats, variable: Any, second: str) ->
     # a run without an outcome has no neighbours: its error has no bound
     state = [r.doubt.final_error if r.doubt else np.inf for r in results]
     late = [r.doubt.time_error if r.doubt and r.path.end else 0.0 for r in results]
+    trusted = [r.time * (r.doubt.together if r.doubt else 0.0) for r in results]
     return {
+        "trusted_time": variable(
+            np.array(trusted) * clock,
+            units=second,
+            long_name="time up to which neighbours of the run, within its tolerance, stay together",
+        ),
         "final_error": variable(
             state,
             units="1",

@@ -64,8 +64,9 @@ class Outcome(Sentences):
     """
 
     MOVING = (
-        "moving: the run lasted and no steady motion was settled on; ask for later times to see "
-        "more"
+        "moving: the run lasted, and it is not proved that the motion settles on a steady motion "
+        "of a family that is known; the evidence says what is near, and whether anything changes "
+        "at the end"
     )
     SETTLED = (
         "settled: the state lies so close to an asymptotically stable steady motion that its "

@@ -178,7 +178,14 @@ class _BodySubject(MotionSubject):
 
 
 @lru_cache(maxsize=64)
-def _subject(name: str, law: str, settling: Settling, *, dimensionless: bool) -> _BodySubject:
+def _subject(
+    name: str,
+    law: str,
+    settling: Settling,
+    against: tuple[type[Resistance], ...],
+    *,
+    dimensionless: bool,
+) -> _BodySubject:
     numbers = list(dict.fromkeys(line.along[0] for line in settling.lines))
     words = f"its {listed(numbers, 'or')}" if numbers else "the number that names it"
     rate = f"{Kind.ANGULAR_VELOCITY.si} (theta: {Kind.ANGLE.si})"
@@ -189,6 +196,10 @@ def _subject(name: str, law: str, settling: Settling, *, dimensionless: bool) ->
         outcomes=tuple(Outcome),
         energy_error="largest |audit| over the energy at the start",
         member={"long_name": words, "units": "1" if dimensionless else rate},
+        numbers={
+            r.coefficient: {"long_name": r.name, "units": "1" if dimensionless else r.unit}
+            for r in against
+        },
         settings=("flat",),
         slips=True,
     )
@@ -255,7 +266,13 @@ def _gathered(
         body.dimensionless,
         energies,
         settling,
-        _subject(model.system.name, contact.name, settling, dimensionless=body.dimensionless),
+        _subject(
+            model.system.name,
+            contact.name,
+            settling,
+            every[-1],
+            dimensionless=body.dimensionless,
+        ),
         law,
         unfit,
         law.name,

@@ -80,6 +80,59 @@ def results(
     return found
 
 
+SMOOTH = 0.1
+"""Most by which a path turns between two samples that draw it [rad]."""
+EVENLY = 0.25
+"""Share of the samples of a path that are evenly spaced in time, however it turns."""
+MOST_SAMPLES = 20_001
+"""Most samples that draw a path."""
+
+
+def resampled(
+    launches: Starts, settings: Settings, results: list[Result]
+) -> tuple[Starts, list[Result]]:
+    """A single launch with samples up to its end, closer where its path turns faster.
+
+    It runs once more, and is judged by its first run.
+    """
+    [one] = results
+    if one.outcome is Outcome.UNRESOLVED or not one.time > 0:
+        return launches, results
+    clock, end = float(launches.clock[0]), one.path.end
+    times = _chosen_times(launches, settings, one)
+    if end is None and len(times) == len(launches.times):
+        return launches, results
+    if end is not None:  # the run meets its end again, before its last time
+        times[-1] = launches.times[-1] / clock
+    again = replace(launches, times=times * clock)
+    [fine] = _run(_legs(again, settings), again, settings, [one.choice.method], None, own=False)
+    if (fine.path.end is None) != (end is None):
+        return launches, results
+    return again, [replace(one, path=replace(fine.path, end=end), dry=fine.dry)]
+
+
+def _chosen_times(launches: Starts, settings: Settings, one: Result) -> Floats:
+    """Times from 0 to the end of a run: evenly spaced, or by the angle that its path turns."""
+    states = one.path.states[: len(launches.times)]
+    when = np.append(launches.times[: len(states)] / launches.clock[0], one.time)
+    even = np.linspace(0.0, one.time, len(launches.times))
+    model = launches.model
+    turning = [model.names.index("phi_dot")] if "phi_dot" in model.names else [*model.turning]
+    if not settings.pose or not turning:
+        return even
+    rates = np.linalg.norm(np.vstack([states, one.final])[:, turning], axis=1)
+    steps = np.diff(when) * (rates[1:] + rates[:-1]) / 2
+    angle = np.concatenate([[0.0], np.cumsum(steps)])
+    count = min(max(math.ceil(angle[-1] / SMOOTH / (1 - EVENLY)) + 1, len(even)), MOST_SAMPLES)
+    if count == len(even):
+        return even
+    along = (1 - EVENLY) * angle / angle[-1] + EVENLY * when / one.time
+    rising = np.append(np.diff(along) > 0, True)  # the end may be the last sample
+    times: Floats = np.interp(np.linspace(0.0, 1.0, count), along[rising], when[rising])
+    times[-1] = one.time
+    return times
+
+
 def _later(
     progress: Callable[[int, int], None], before: int, total: int, done: int, _: int
 ) -> None:

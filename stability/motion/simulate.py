@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from ..base.errors import ParameterError, warned
 from ..bodies.disk import Disk
+from ..bodies.model import FLAT
 from ..bodies.resistance import Resistance
 from ..bodies.round_body.body import Body
 from ..integrators.flow import CASADI, flow_of
@@ -27,7 +28,7 @@ from .starts import Starts
 if TYPE_CHECKING:
     import xarray
 
-from .run import results
+from .run import resampled, results
 
 
 def simulate(
@@ -71,8 +72,9 @@ def simulate(
         values are enough for smooth and rough.  For a system every state by name, or along the last
         axis.
     times
-        Times to report, rising [s], shape (t,), or a last time, which means 201 evenly spaced times
-        from 0.  The start is time 0.
+        Times to report, rising [s], shape (t,), or a last time: then 201 evenly spaced times from
+        0, of a single run up to its end; with `pose`, as many as draw its path as a smooth curve,
+        closer where it turns faster.  The start is time 0.
     body
         A `Body`, or a `Disk`, in place of the first argument.
     resistance
@@ -120,10 +122,11 @@ def simulate(
     xarray.Dataset
         States and observables over (…, time), with units; `outcome` (CF flags), `evidence`,
         `end_time`, `energy_error`, `final_error` (estimated: the largest over the states, each over
-        1 or its own size), `end_time_error` and the nearest steady motion for each launch, and
-        `start_state` among the coordinates; the event log along `event`; provenance in the
-        attributes.  A single run that ended early has its end as last sample.  Of several runs,
-        each keeps its last state after its end, where `running` is 0.  A system has its own
+        1 or its own size), `end_time_error`, `trusted_time` (after which runs within the tolerance
+        part) and the nearest steady motion for each launch, and `start_state` among the
+        coordinates; the event log along `event`; provenance in the attributes.  A single run that
+        ended early has its end as last sample.  Of several runs, each keeps its last state after
+        its end, where `running` is 0.  A system has its own
         observables; the energy account if `energy` and `power` (the energy lost in a unit of time)
         are among them; the nearest steady motion if families were given.  Its run ends where a
         condition reaches zero (*domain-end*).
@@ -198,7 +201,9 @@ def simulate(
         _check_flat(launches, settings)
         check_flow(settings.method, flow_of(launches.model))
         found = results(launches, settings, progress)
-        found = _departed(launches, settings, found)
+        found = _described(launches, settings, _departed(launches, settings, found))
+        if times is not None and np.ndim(times) == 0 and launches.shape == ():
+            launches, found = resampled(launches, settings, found)
         dataset = assemble(launches, settings, found)
     _warn(found)
     return dataset
@@ -233,6 +238,42 @@ def _departed(launches: Starts, settings: Settings, found: list[Result]) -> list
         else r
         for r, why in zip(found, said, strict=True)
     ]
+
+
+CALM = 1e-6
+"""Largest rate of a state, over 1 or its size, that counts as no change."""
+LOW = 0.01
+"""Angle from flat below which a body is said to lie almost flat [rad]."""
+
+
+def _described(launches: Starts, settings: Settings, found: list[Result]) -> list[Result]:
+    """The results; of a run that lasted the evidence says whether it rests, or lies almost flat."""
+    lasting = [i for i, result in enumerate(found) if result.outcome is Outcome.MOVING]
+    if not lasting:
+        return found
+    flow, out = flow_of(launches.model), list(found)
+    ends = np.array([found[i].final for i in lasting])
+    own = len(flow.system.states)
+    size = np.maximum(1.0, np.abs(ends[:, :own]))
+    if launches.dry:  # at rest the equations of sliding have no value
+        changes, word = np.abs(ends[:, 1:own]), "it rests"
+    else:
+        rates = flow.rates_at(ends, launches.flow_p(settings.flat)[lasting])
+        changes = np.abs(rates[:, :own]) / size
+        word = f"at the end no state changes by more than {CALM:g} in a unit of time"
+    calm = (changes < CALM).all(axis=1)
+    lying = np.full(len(lasting), np.inf)
+    if FLAT in launches.model.guards:
+        angle = flow.reported(ends)[:, 0]
+        lying = np.minimum(angle, np.pi - angle)
+    for i, still, low in zip(lasting, calm, lying, strict=True):
+        near = found[i].near
+        unlisted = ", on no steady motion of a known family" * (near.distance > settings.settle)
+        said = [word + unlisted] * bool(still)
+        said += [f"it lies {low:.2g} rad from flat"] * bool(low < LOW)
+        if said:
+            out[i] = replace(found[i], evidence="; ".join([found[i].evidence, *said]))
+    return out
 
 
 def _check_flat(launches: Starts, settings: Settings) -> None:

@@ -81,6 +81,11 @@ class Spread:
             for given, size in moved.items()
             if math.isfinite(size)
         ]
+        found += [
+            f"  {name}: {QUESTIONS[name].none}, at both ends of every uncertain input too"
+            for name, moved in self.moves.items()
+            if not moved
+        ]
         ways = dict.fromkeys(self.routes.values())
         for way in ways:
             found.append(f"  {', '.join(n for n, v in self.routes.items() if v == way)}: {way}")
@@ -134,6 +139,8 @@ def spread(
             routes[name] = f"{DISPLACED}, because {ends}"
             ends = case.asked(pairs[name], ask)
         for quantity, (middle, *others) in ends.values.items():
+            if middle is None and not any(other is not None for other in others):
+                continue  # no value, with which nothing is moved
             moves[quantity][name] = max(apart(middle, other) for other in others)
         outcomes[name] = ends.words
     contrary = tuple(n for n, words in outcomes.items() if set(words) != {case.word})

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from matplotlib.collections import PolyCollection
+from matplotlib import rc_context
+from matplotlib.collections import PolyCollection, QuadMesh
 from matplotlib.colors import to_hex
 from node import Engine
 
@@ -18,6 +19,7 @@ from stability.compare.figures import ladder_figure
 from stability.compare.marks import Mark
 from stability.compare.page import _cell, write
 from stability.figures.diagram import caption
+from stability.figures.shading import patch
 
 ROOT = Path(st.__file__).parent
 OTHER = replace(
@@ -26,7 +28,7 @@ OTHER = replace(
     pattern="level lines",
     tone="growth",
     border="dotted",
-    box=("#123456", "#654321"),
+    fill=("#123456", "#654321"),
     cell=("#abcdef", "oo"),
 )
 
@@ -45,9 +47,15 @@ def test_a_diagram_draws_undecided_cells_and_boxes_as_the_table_says(look: Any) 
     drawn = st.plot_map(chart).axes[0]
     hatches = {h for c in drawn.collections for h in getattr(c, "hatches", None) or []}
     assert hatches == {LOOKS["unstable"].hatching, look.hatching}
+    meshes = [c for c in drawn.collections if isinstance(c, QuadMesh)]
+    own: Any = meshes[1].get_array()
+    assert to_hex(meshes[1].cmap(0.5)) == look.fill[0]  # no cell has the colour of its rate alone
+    assert ((chart.verdict.values == st.Verdict.UNDECIDED.code) == ~own.mask).all()
+    with rc_context({"hatch.color": "black"}):
+        assert to_hex(patch(st.Verdict.UNDECIDED).get_facecolor()) == look.fill[0]  # in a legend
     boxes = [c for c in drawn.collections if isinstance(c, PolyCollection)]
     filled = {to_hex(c.get_facecolor()[0]) for c in boxes if len(c.get_facecolor())}  # type: ignore[arg-type]
-    assert filled == {look.box[0]}
+    assert filled == {look.fill[0]}
     assert f"; {look.pattern}: undecided" in caption(chart)
 
 
@@ -76,7 +84,10 @@ def test_the_page_of_the_explorer_shows_verdicts_as_the_table_says(
     assert numbers[0] == 0 and sorted(numbers) == [*range(len(PATTERNS))]
     patterns = page.evaluate("stabilityExplorer.view.subject.patterns")
     good = page.evaluate("stabilityExplorer.view.subject.good")
-    assert patterns == [LOOKS["unstable"].pattern, LOOKS[good].pattern]
+    assert patterns == [LOOKS["unstable"].pattern, LOOKS[good].pattern, look.pattern]
+    for tone in ("light", "dark"):
+        colours = page.evaluate(f"stabilityExplorer.view.data.looks.tones.{tone}.undecided")
+        assert colours == list(look.fill)
 
 
 def test_no_colour_of_the_table_is_written_a_second_time() -> None:

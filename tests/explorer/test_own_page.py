@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from chromium import DESKTOP, PHONE, Visit, visit
 from own_families import CASES, SHOWN, agrees, number, vector_of
+from page_numbers import REST
 
 import stability as st
 
@@ -18,13 +19,6 @@ SAME = 1e-6
 """Largest difference of a curve from Python's, over the amplitude."""
 ROW, TOP, TALL = 62, 15, 41
 """Pixels of a curve: height of its row, its upper end there, its own height."""
-REST = """async () => {
-  const frame = () => new Promise((r) => requestAnimationFrame(r));
-  await frame();
-  while (stabilityExplorer.motion.waits || stabilityExplorer.view.moving) await frame();
-  await frame();
-  await frame();
-}"""
 
 
 def made(name: str, folder: Path) -> Path:

@@ -5,16 +5,9 @@ from typing import Any
 
 import pytest
 from chromium import Visit, visit
+from page_numbers import REST
 
 SAID = 500  # milliseconds until words for a screen reader follow
-REST = """async () => {
-  const {view, motion} = stabilityExplorer;
-  const frame = () => new Promise((r) => requestAnimationFrame(r));
-  await frame();
-  while (motion.waits || view.moving) await frame();
-  await frame();
-  await frame();
-}"""
 DRAWINGS = """() => {
   const {diagram, plane} = stabilityExplorer;
   const one = (node) => (node.nodeType === 3 ? node.data : [node.tagName, node.value,

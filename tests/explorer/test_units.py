@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from chromium import Visit, visit
+from page_numbers import REST
 
 import stability as st
 
@@ -18,13 +19,6 @@ RATE = math.sqrt(9.81 / 0.01213)
 """√(g/R) of the coin, by hand [1/s]."""
 SAME = 1e-9
 """Largest difference of eigenvalues over the largest modulus."""
-REST = """async () => {
-  const frame = () => new Promise((r) => requestAnimationFrame(r));
-  await frame();
-  while (stabilityExplorer.motion.waits || stabilityExplorer.view.moving) await frame();
-  await frame();
-  await frame();
-}"""
 
 
 @pytest.fixture(scope="module")

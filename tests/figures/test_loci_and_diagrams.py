@@ -7,6 +7,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
+from figure_audit import faults
 from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
@@ -97,6 +98,50 @@ def test_a_circle_lies_on_the_threshold_that_is_given() -> None:
     figure = st.plot_locus(found, thresholds=[2**0.5])
     [ring] = [n for n in figure.axes[0].get_lines() if n.get_label() == r"Re $\lambda$ = 0"]
     assert list(ring.get_xdata()) == [2**0.5]
+
+
+def test_a_locus_marks_proved_boundaries_and_nothing_between_its_points() -> None:
+    """At 12 points a straight line would put the mark far from the curve and from the boundary."""
+    law = st.Viscous(0.8)
+    found = st.spectrum("spinning", at=np.linspace(0.5, 4, 12), contact=law)
+    proved = st.boundaries("spinning", axis=("at", 0.5, 4, 60), contact=law)
+    values = [p.value for p in proved]
+    assert values[0] == 2.0 and len(values) == 2
+
+    def marks(**known: Any) -> list[float]:
+        lines = st.plot_locus(found, **known).axes[0].get_lines()
+        return [float(x) for n in lines if n.get_marker() == "o" for x in n.get_xdata()]
+
+    assert marks() == []
+    assert marks(thresholds=proved) == marks(thresholds=values) == values
+    assert marks(thresholds=proved[1:], zeros=[2.0]) == values
+    assert marks(thresholds=[1.0]) == []  # no growth rate changes its sign there
+    with pytest.raises(ParameterError, match="zeros belongs to a spectrum along a quantity"):
+        st.plot_locus(st.spectrum("spinning", at=1.0, contact=law), zeros=[2.0])
+
+
+def test_a_mode_of_a_locus_has_one_line_and_dots_mean_one_thing() -> None:
+    """The disk tumbles with a pair that splits and meets a third eigenvalue: one mode of three."""
+    found = st.spectrum("tumbling", at=np.linspace(0.1, 1.5, 60), contact=st.Viscous(3.0))
+    figure = st.plot_locus(found, thresholds=[0.74])
+    styles: dict[str, set[Any]] = {}
+    for axes in figure.axes:
+        for line in axes.get_lines():
+            known = str(line.get_label())
+            word = str(line.get_color()) if len(line.get_xdata()) == 60 else known
+            styles.setdefault(word, set()).add(str(line._unscaled_dash_pattern))  # type: ignore[attr-defined]
+    assert all(len(each) == 1 for each in styles.values()), styles
+    changes = styles.pop("change of verdict")
+    assert all(not (changes & each) for each in styles.values())
+
+
+def test_long_names_of_a_legend_stay_in_the_figure() -> None:
+    x, p = ca.SX.sym("x", 5), ca.SX.sym("p")
+    names = [f"a_rather_long_name_of_state_{i}" for i in range(5)]
+    rates = ca.vertcat(*[-(i + 1) * x[i] + p * x[(i + 1) % 5] for i in range(5)])
+    system = st.System("long", x, p, rates, states=names, parameters=("p",))
+    family = st.Family(system, "rest", at=("p",), held=dict.fromkeys(names, 0.0))
+    assert faults(st.plot_locus(st.spectrum(family, at=np.linspace(0.1, 4, 9)))) == []
 
 
 @pytest.mark.few(1)

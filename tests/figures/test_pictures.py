@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import casadi as ca
 import matplotlib
 import numpy as np
 import pytest
@@ -15,8 +16,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 import stability as st
-from stability.base.errors import ParameterError
-from stability.figures.motion import caption
+from stability.base.errors import NameUnknownError, ParameterError
+from stability.figures.motion import UNKNOWN, caption
 
 DRY = [1.12, -0.31, 1.18, -1.45, -0.49, 0.46]
 LIFTS = [2.2, 0.64, 1.54, 1.44, 0.62, 0.04]
@@ -283,3 +284,91 @@ def test_the_caption_says_what_was_computed_and_what_came_of_it(
     ):
         assert part in text
     assert "R = 0.01213 m" in caption(coin) and "μ = 0.3 s/m" in caption(coin)
+
+
+# --- samples that draw a run, what is not known, and what a note holds ---
+
+
+def test_a_run_that_ends_early_is_sampled_up_to_its_end() -> None:
+    """It ends after 3 of the 201 evenly spaced times that were drawn as a zig-zag."""
+    start = {"theta": 1.0, "theta_dot": -0.2}
+    run = st.simulate(st.Disk(), st.Smooth(), start, 100.0)
+    end = float(run.end_time)
+    assert run.attrs["outcome"] == "flat" and end < 2.0
+    assert run.time.values == pytest.approx(np.linspace(0, end, 201), rel=1e-12, abs=0)
+    asked = [*run.time.values[:-1], 100.0]
+    other = st.simulate(st.Disk(), st.Smooth(), start, asked)
+    for name in ("theta", "theta_dot", "normal_force"):
+        assert run[name].values == pytest.approx(other[name].values, rel=1e-6, abs=1e-7)
+    assert float(other.end_time) == pytest.approx(end, rel=1e-12)
+    # times that the user gives stay as they are
+    assert st.simulate(st.Disk(), st.Smooth(), start, np.linspace(0, 100, 201)).time.size < 5
+
+
+def test_a_path_is_drawn_without_corners() -> None:
+    """60 rad/s for 3 s: three turns of the path in four samples before."""
+    coin = st.Disk(mass=0.0058, radius=0.012125, gravity=9.81)
+    run = st.simulate(coin, st.Viscous(3.0), {"theta": 1.2, "phi_dot": 60.0}, 3.0, pose=True)
+    steps = np.diff(run.contact_x.values + 1j * run.contact_y.values)
+    turns = np.abs(np.angle(steps[1:] / steps[:-1]))
+    assert np.quantile(turns, 0.99) < 0.15 and run.time.size < 4000
+    assert (np.diff(run.time) > 0).all() and float(run.time[-1]) == 3.0
+    drawn = st.plot_motion(run, show="paths").axes[0].collections[0]
+    assert len(drawn.get_array()) == run.time.size - 1  # type: ignore[arg-type]
+
+
+def test_the_note_of_a_motion_holds_every_law_and_number() -> None:
+    coin = st.Disk(mass=0.0058, radius=0.012125, gravity=9.81)
+    against = [st.RollingResistance(1e-5), st.PivotingResistance(2e-5), st.AirTorque(3e-9)]
+    run = st.simulate(coin, st.Viscous(0.3), {"theta": 1.2}, 0.1, resistance=against)
+    note = st.plot_motion(run, show="states").texts[-1].get_text().replace("\n", " ")
+    for words in (
+        r"rolling resistance $\rho$ = 1e-05 m s",
+        r"pivoting resistance $\sigma$ = 2e-05 m s",
+        "air torque $d$ = 3e-09 N m s",
+        r"$\mu$ = 0.3 s/m",
+    ):
+        assert words in note
+    assert "rolling resistance rho = 1e-05 m s" in caption(run)
+
+
+def lorenz(times: Any, **settings: Any) -> Any:
+    x, p = ca.SX.sym("x", 3), ca.SX.sym("p")
+    rates = (10 * (x[1] - x[0]), x[0] * (p - x[2]) - x[1], x[0] * x[1] - 8 / 3 * x[2])
+    system = st.System(
+        "Lorenz", x, p, ca.vertcat(*rates), states=("x", "y", "z"), parameters=("r",)
+    )
+    start = {"x": 1, "y": 1, "z": 1}
+    return st.simulate(system, start=start, times=times, r=28, **settings)
+
+
+def test_a_motion_fades_where_it_is_not_known() -> None:
+    with pytest.warns(st.StabilityWarning, match="the error of the final state has no bound"):
+        run = lorenz(60.0)
+    known = float(run.trusted_time)
+    assert 15 < known < 45
+    axes = st.plot_motion(run, show="states").axes
+    for panel in axes:
+        [veil] = [p for p in panel.patches if p.get_alpha()]
+        assert veil.get_x() == known and veil.get_x() + veil.get_width() == 60.0
+    assert UNKNOWN in [t.get_text() for t in axes[-1].texts]
+    assert f"Faded after {known:.4g}: runs within the tolerance part there." in caption(run)
+    # a finer run from the same start parts from it after that time, and not before
+    finer = lorenz(run.time.values, tolerance=1e-13, check=False)
+    apart = np.abs(run.x.values - finer.x.values)
+    assert apart[run.time.values < 0.9 * known].max() < 1 < apart[run.time.values > known].max()
+    short = lorenz(5.0)
+    assert float(short.trusted_time) == 5.0
+    patches = [p for a in st.plot_motion(short, show="states").axes for p in a.patches]
+    assert not [p for p in patches if p.get_alpha()]
+
+
+def test_series_of_a_motion_are_those_that_are_asked_for() -> None:
+    run = st.simulate(st.Disk(), st.Viscous(0.3), {"theta": 1.2, "phi_dot": 1.0}, 5.0)
+    axes = st.plot_motion(run, show="states", series=("theta", "power")).axes
+    assert [a.get_ylabel().split("\n")[0] for a in axes] == ["theta", "power"]
+    np.testing.assert_array_equal(axes[1].get_lines()[0].get_ydata(), run.power.values)
+    with pytest.raises(NameUnknownError, match="series names 'energi'; the dataset has theta, "):
+        st.plot_motion(run, series=["energi"])
+    with pytest.raises(ParameterError, match="series is 'theta'; give a list of names"):
+        st.plot_motion(run, series="theta")

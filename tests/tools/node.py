@@ -33,10 +33,11 @@ const stabilityExplorer = {
   view, diagram, motion, launched: of_mathematics_launch.launched,
   polynomialRoots: of_mathematics_roots.polynomialRoots,
   plane: bare(of_parts_eigenvalue_plane.EigenvaluePlane),
-  shader: of_drawing_raster_shader.subjectShader,
+  look: (subject) => of_mathematics_subject.fromSource(subject.look),
   python: () => of_parts_python_call.pythonCall(view),
   modes: of_mathematics_modes, words: of_parts_states_mode_words,
   conditions: bare(of_parts_conditions.Conditions),
+  exports: bare(of_parts_export_menu.ExportMenu),
   polynomial: of_parts_conditions.polynomialText,
 };
 """

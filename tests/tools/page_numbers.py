@@ -1,4 +1,31 @@
-"""What tests ask a page of the explorer, in Chromium or in Node."""
+"""What tests ask a page of the explorer, in Chromium or in Node, and the package."""
+
+from typing import Any
+
+import numpy as np
+
+import stability as st
+
+FAMILIES = ("rolling", "spinning", "tumbling")
+LAWS = {"smooth": (), "viscous": ("mu",), "linear-viscous": ("mu",), "rough": ()}
+
+
+def spectrum(family: str, law: str, points: np.ndarray) -> st.Spectrum:
+    """Spectra of the disk at points (at, mu where the law has one, k)."""
+    friction: dict[str, Any] = {"mu": points[:, 1]} if LAWS[law] else {}
+    return st.spectrum(
+        family, at=points[:, 0], contact=law, disk=st.Disk(k=points[:, -1]), **friction
+    )
+
+
+REST = """async () => {
+  const explorer = window.stabilityExplorer;
+  const frame = () => new Promise((r) => requestAnimationFrame(r));
+  const busy = () => explorer
+    && (explorer.motion.waits || explorer.view.moving || explorer.diagram.refining);
+  for (let idle = 0; idle < 3; idle = busy() ? 0 : idle + 1) await frame();
+}"""
+"""Ends when the page has drawn and computed everything that was asked."""
 
 NEAR = 1e-6
 """Distance from a boundary, relative to the sizes of a condition's terms, that is left out."""
@@ -35,24 +62,13 @@ POSE = """(key) => {
   return {now: at(0), later: at(h), before: at(-h), h, exists: s.exists(q)};
 }"""
 """The place of a body at a member, and a little later and before."""
-LOOKED = r"""([key, points]) => {
-  const s = stabilityExplorer.view.subjects.get(key), single = Math.fround;
-  const text = s.shader
-    .replace(/\b(?:float|bool|vec3) (\w+)\((.*?)\) {/g,
-      (_, name, given) => `function ${name}(${given.replace(/float /g, "")}) {`)
-    .replace(/^float low/gm, "let low").replace(/\(int n/g, "(let n")
-    .replace(/^(float )?(\w+) ([*/]?)= (.+);$/gm, (_, own, name, by, value) =>
-      `${own ? "let " : ""}${name} = single(${by ? `${name} ${by} (${value})` : value});`)
-    .replace(/return vec3\((.*)\);/, "return [$1];");
-  const names = ["abs", "min", "max", "pow", "sin", "cos", "tan", "sqrt", "exp", "log"];
-  const look = new Function("single", `{${names}}`, `${text}\nreturn look;`)(single, Math);
+LOOKED = """([key, points]) => {
+  const s = stabilityExplorer.view.subjects.get(key), look = stabilityExplorer.look(s);
   const size = (q) => Math.max(...s.eigenvalues(q).map((z) => Math.hypot(...z)));
-  return points.map((q) => ({found: look(...s.full(q).map(single)),
+  return points.map((q) => ({found: look(s.full(q)),
     growth: s.growth(q), verdict: s.judge(q).verdict, size: size(q)}));
 }"""
-"""Growth rate, least condition and least of members by the shader's lines, in single precision.
+"""Growth rate, sign and least of members by the lines that a picture is computed with.
 
-Next to them growth rate, verdict and largest modulus by the page's scripts in double precision.
+Next to them growth rate, verdict and largest modulus by the scripts of a point.
 """
-SINGLE = 1e-4
-"""Largest error of a growth rate in single precision over the largest modulus."""

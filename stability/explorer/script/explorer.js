@@ -63,8 +63,7 @@ export function mount(root, data, library, link = null) {
     under.textContent = data.names.says[subject.law] || data.names.says[""] || "";
     const blank = subject.members || subject.solver ? "Blank: no member found. " : "";
     grows.replaceChildren("Each point is one steady motion. Colour: largest growth rate ",
-      `(float: ${diagram.raster ? diagram.raster.method : "single precision"}). ${subject.hatching} `,
-      "Lines: boundaries, in double precision (solid: static, dashed: flutter). ", blank, "Drag to move the point; wheel or pinch to zoom, double click for the whole.");
+      `(float). ${subject.hatching} `, "Lines: boundaries (solid: static, dashed: flutter). All in double precision. ", blank, "Drag to move the point; wheel or pinch to zoom, double click for the whole.");
     motion.root.parentElement.hidden = !view.motion;
   };
   view.on((changed) => { if (changed.has("subject")) head(); });
@@ -84,7 +83,7 @@ export function mount(root, data, library, link = null) {
       motion.show(stage);
     }
     view.stir(); // the first picture was a coarse one
-    view.on(() => requestAnimationFrame(() => { if (!view.moving) root.dataset.ready = "true"; }));
+    view.on(() => requestAnimationFrame(() => { if (!view.moving && !diagram.refining) root.dataset.ready = "true"; }));
   }, 60));
   requestAnimationFrame(afterPaint);
   return {view, diagram, motion, plane, exports, launched, polynomialRoots, stage: () => stage};

@@ -1,4 +1,4 @@
-// Hatchings of regions by name: in a shader, and in a picture without one.
+// Hatchings of regions by name: in the shader of a picture, and in a picture without one.
 
 /**
  * Of each its lines or dots as GLSL: the distance of a point p [px] from the next one, half their

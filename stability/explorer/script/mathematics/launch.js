@@ -4,6 +4,8 @@ import {integrate} from "./integrator.js";
 import {fromSource} from "./subject.js";
 
 const SAMPLES = 1201;
+const CALM = 1e-6; // largest rate of a state of a steady motion, and largest speed of a body at rest
+const PLACES = /^(theta|axis_)/; // states of a body that are no speeds
 const LONGEST = 1.5; // seconds of computing after which a launch is shown as far as it came
 
 /** The start of a launch: the states of the motion, the first one (the angle) less the tilt, as `launch` gives it. */
@@ -32,8 +34,15 @@ export function launched(subject, motion, q, tilt, until, options = {}) {
   if (run.end) { kept.push(run.end.time); states.push(run.end.state); }
   const seen = states.map((y) => observe(y, p));
   const series = Object.fromEntries(motion.observed.map((name, i) => [name, seen.map((v) => v[i])]));
-  return {outcome, times: kept, states, series, until: run.time, final: run.state, steps: run.steps,
-    refused: false, p};
+  return {outcome, calm: outcome === "moving" ? calm(subject, motion, run.state, rates(run.state)) : "", times: kept, states, series,
+    until: run.time, final: run.state, steps: run.steps, refused: false, p};
+}
+
+/** Whether a state is one at `rest` (of a body) or `steady`; empty where it changes. */
+function calm(subject, motion, state, rates) {
+  if (rates.slice(0, motion.states).some((rate) => !(Math.abs(rate) < CALM))) return "";
+  const speeds = motion.names.slice(0, motion.states).map((name, i) => (PLACES.test(name) ? 0 : Math.abs(state[i])));
+  return subject.pose && speeds.every((speed) => speed < CALM) ? "rest" : "steady";
 }
 
 /** Place of the body at a time of a launch, between two samples: axis, mark, centre, contact point. */

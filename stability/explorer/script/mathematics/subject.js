@@ -18,7 +18,7 @@ export class Subject {
     this.names = this.quantities.map((q) => q.name);
     this.quantity = Object.fromEntries(this.quantities.map((q) => [q.name, q]));
     this.wholeEven = this.good === "neutral";
-    const sides = ["unstable", this.good].map((verdict) => verdicts[verdict]);
+    const sides = ["unstable", this.good, "undecided"].map((verdict) => verdicts[verdict]);
     this.patterns = sides.map(({pattern}) => pattern);
     this.hatching = sides.filter(({pattern}) => pattern).map(({pattern, word}) => `${pattern}: ${word}`).join("; ").concat(".")
       .replace(/^./, (letter) => letter.toUpperCase());

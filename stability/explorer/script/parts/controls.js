@@ -80,6 +80,7 @@ export class Controls {
     const slider = element("input", {type: "range", id, min: 0, max: STEPS, step: 1, list: marks, "aria-label": `${spoken(q)}`,
       oninput: () => {
         const place = slider.value / STEPS;
+        this.refuse(number, "");
         this.view.move({[q.name]: this.held ? this.snapped(q, place) : this.onAxis(q, place)}, q.name);
       }});
     // the hand rests at a value with a name; arrow keys pass it
@@ -114,14 +115,28 @@ export class Controls {
 
   typed(q, input) {
     const value = Number(input.value) / this.view.shown(q).size, ok = input.value !== "" && this.view.subject.accepts(q.name, value);
-    input.setAttribute("aria-invalid", String(!ok));
-    const ends = [q.least === null ? null : `above ${q.least}`, q.most === null ? null : `at most ${text(q.most, 4)}`];
-    input.title = ok ? "" : `give a number ${ends.filter((e) => e).join(" and ")}`;
+    this.refuse(input, ok ? "" : this.accepted(q));
     if (!ok) return;
     const ranges = {...this.view.state.ranges}, [low, high, spacing] = ranges[q.name];
     ranges[q.name] = ranged([Math.min(low, value), Math.max(high, value)], spacing);
     this.view.set({ranges});
     this.view.move({[q.name]: value}, q.name);
+  }
+
+  /** In words, which numbers a quantity may have, as it is shown. */
+  accepted(q) {
+    const {size, unit} = this.view.shown(q), shown = (v) => `${text(v * size, 4)}${unit && size !== 1 ? ` ${unit}` : ""}`;
+    const ends = [q.least === null ? null : `above ${shown(q.least)}`, q.most === null ? null : `at most ${shown(q.most)}`];
+    return `give a number ${ends.filter((e) => e).join(" and ")}`.trim();
+  }
+
+  /** Say beside a field why its number is not taken; nothing where it is. */
+  refuse(input, reason) {
+    input.setAttribute("aria-invalid", String(Boolean(reason)));
+    if (!input.reason) input.reason = element("span", {class: "reason small", role: "alert"});
+    if (reason) input.after(input.reason);
+    else input.reason.remove();
+    input.reason.textContent = reason;
   }
 
   draw() {
@@ -130,7 +145,8 @@ export class Controls {
       const q = row.quantity, value = state.values[q.name], axis = this.axis(q), {size, unit} = this.view.shown(q);
       row.slider.value = String(Math.round(axis.place(value) * STEPS));
       row.slider.setAttribute("aria-valuetext", `${text(value * size, 5)} ${unit}`);
-      if (document.activeElement !== row.number) row.number.value = String(Number((value * size).toPrecision(6)));
+      const refused = row.number.reason && row.number.reason.isConnected;
+      if (document.activeElement !== row.number && !refused) row.number.value = String(Number((value * size).toPrecision(6)));
       const named = q.marks.find(([v]) => v === value);
       const words = named ? `${q.label}${q.label ? ": " : ""}${named[1]}` : [q.label, unit && `[${unit}]`].filter((w) => w).join(" ");
       row.named.textContent = words;
@@ -158,8 +174,12 @@ export class Controls {
             const range = [...view.state.ranges[name]];
             range[i] = Number(ends[i].value) / view.shown(q).size;
             const ok = ends[i].value !== "" && range[1] > range[0] && (range[2] !== "log" || range[0] > 0);
-            if (ok) view.set({ranges: {...view.state.ranges, [name]: range}});
-            else this.render();
+            const above = range[2] === "log" && !(range[0] > 0) ? "a logarithmic axis starts above zero" : "the upper end lies above the lower end";
+            this.refuse(ends[i], ok ? "" : ends[i].value === "" ? "give a number" : above);
+            if (ok) {
+              this.refuse(ends[1 - i], "");
+              view.set({ranges: {...view.state.ranges, [name]: range}});
+            }
           }}));
         const log = element("input", {type: "checkbox", "aria-label": `${spoken(q)}, logarithmic axis`, onchange: () => view.set({
           ranges: {...view.state.ranges, [name]: ranged(view.state.ranges[name], log.checked ? "log" : "")}})});
@@ -175,7 +195,7 @@ export class Controls {
       line.log.disabled = !(low > 0);
       line.log.title = low > 0 ? "" : "a logarithmic axis starts above zero";
       line.ends.forEach((input, i) => {
-        if (document.activeElement !== input) input.value = String(Number((state.ranges[line.name][i] * size).toPrecision(6)));
+        if (document.activeElement !== input && !(input.reason && input.reason.isConnected)) input.value = String(Number((state.ranges[line.name][i] * size).toPrecision(6)));
       });
     }
   }

@@ -1,6 +1,7 @@
 // The stability diagram: coloured plane, boundary curves, axes, and the point under the hand.
 
 import {boundaryCurves} from "../mathematics/boundaries.js";
+import {Rates} from "../mathematics/rates.js";
 import {rateScale} from "../drawing/colours.js";
 import {clamp, element, shape, text} from "../drawing/elements.js";
 import {Fineness, Renewal, boxOf, onceAFrame, part, show, symbolPart} from "../drawing/redrawn.js";
@@ -11,20 +12,24 @@ import {regionCells, regionNames} from "./region_names.js";
 import {ranged} from "./view.js";
 
 const MARGIN = {left: 56, right: 12, top: 10, bottom: 38};
-const QUICK = 30; // milliseconds from frame to frame while something moves; otherwise it is coarser
-const PAUSE = 400; // milliseconds after which a frame does not follow the last one
+const RATES = 12, COARSEST = 0.05, MOVING_RATES = 0.5; // milliseconds for rates in motion, and their fineness
+const QUICK = 30, PAUSE = 400; // milliseconds from frame to frame above which pixels are coarser; after which a frame does not follow
+const COARSE_PIXELS = 0.55; // least share of the pixels in both directions; hatching needs as many
+const SEEKING = 3, FEWEST = 0.12; // milliseconds for members that are solved for, and their fineness
+const PASSES = [0.3, 1], SLICE = 10; // finer pictures at rest; milliseconds of a part of one, between which the page answers
 const CURVES = 3, LEAST_DETAIL = 0.1, MOVING_DETAIL = 0.5; // milliseconds for curves in motion, and their fineness
-const SOON = 100; // milliseconds after a picture, until what a moving one needs is compiled
-const COARSEST = 0.12, HATCHED = 2.5, LEAST_HATCHED = 0.55;
 const DASHES = {static: "", flutter: "7 3", auxiliary: "1.5 3"};
 
 export class Diagram {
   constructor(view, look) {
     this.view = view;
     this.look = look;
-    this.share = 1; // resolution while something moves, adapted to the time of a frame
+    this.refining = null; // the timer of a fine picture in the making
+    this.sharp = 1; // share of the pixels while something moves, adapted to the time of a frame
     this.renewal = new Renewal();
     this.curving = new Fineness(CURVES, LEAST_DETAIL, MOVING_DETAIL);
+    this.rating = new Fineness(RATES, COARSEST, MOVING_RATES);
+    this.seeking = new Fineness(SEEKING, FEWEST);
     this.canvas = element("canvas", {"aria-hidden": "true"});
     this.over = shape("svg", {class: "over"});
     this.bar = shape("svg", {class: "bar", role: "img", "aria-label": "Colours of the growth rate"});
@@ -38,10 +43,7 @@ export class Diagram {
     this.box = boxOf(this.stage, this.render);
     this.barBox = boxOf(this.bar, this.render);
     handled(this);
-    view.on((changed) => {
-      if (changed.has("subject")) this.share = Math.min(this.share, 0.5);
-      this.render();
-    });
+    view.on(this.render);
   }
 
   size() {
@@ -97,7 +99,6 @@ export class Diagram {
     this.scale = rateScale(most);
     subject.hurry(view.moving && whole); // round a cusp the next member may lie on another branch
     this.colour(x, y, width, height, colours);
-    if (!view.moving) setTimeout(() => this.raster.prepare(subject), SOON);
     const found = this.curving.spend(view.moving, (detail) => boundaryCurves(subject, view.state.values, x, y, detail));
     this.curves = found.curves;
     this.cells = regionCells(found.good);
@@ -105,12 +106,11 @@ export class Diagram {
     colourBar(this.bar, this.barBox(), this.scale, colours, subject.wholeEven, view.curve("growth rate"));
   }
 
-  /** Coarser or finer while something moves, by the time from frame to frame. */
+  /** Fewer or more pixels while something moves, by the time from frame to frame. */
   pace(begun) {
     const took = begun - this.begun;
     this.begun = begun;
-    if (!this.view.moving || !(took < PAUSE)) return;
-    this.share = clamp(this.share * (took > QUICK ? 0.8 : 1.08), COARSEST, 1);
+    if (this.view.moving && took < PAUSE) this.sharp = clamp(this.sharp * (took > QUICK ? 0.8 : 1.08), COARSE_PIXELS, 1);
   }
 
   /** Largest growth rate in size over a few points of the plane, and whether each has a member. */
@@ -130,18 +130,38 @@ export class Diagram {
     return {most, whole};
   }
 
+  /** A coarse picture at once; at rest then one with a rate for each pixel of the page, a part at a time. */
   colour(x, y, width, height, colours) {
     if (!this.raster) this.raster = this.look.raster(this.canvas);
-    const share = this.view.moving ? this.share : 1, dense = Math.min(2, window.devicePixelRatio || 1);
-    // hatching needs more points than growth rates, whose picture is smooth
-    const ratio = this.raster.gl ? dense * clamp(HATCHED * share, LEAST_HATCHED, 1) : Math.min(1, share);
-    const wide = Math.max(40, Math.round(width * ratio)), high = Math.max(40, Math.round(height * ratio));
-    if (this.canvas.width !== wide) this.canvas.width = wide;
-    if (this.canvas.height !== high) this.canvas.height = high;
-    Object.assign(this.canvas.style, {left: `${MARGIN.left}px`, top: `${MARGIN.top}px`,
-      width: `${width}px`, height: `${height}px`});
-    this.raster.draw(this.view.subject, this.view.state.values, x, y, this.scale, colours, wide / width,
-      (share * dense) / ratio, this.view.moving);
+    const {view, canvas} = this, {subject, state} = view, full = Math.min(2, window.devicePixelRatio || 1);
+    const dense = view.moving ? full * this.sharp : full;
+    const wide = Math.max(40, Math.round(width * dense)), high = Math.max(40, Math.round(height * dense));
+    if (canvas.width !== wide) canvas.width = wide;
+    if (canvas.height !== high) canvas.height = high;
+    Object.assign(canvas.style, {left: `${MARGIN.left}px`, top: `${MARGIN.top}px`, width: `${width}px`, height: `${height}px`});
+    clearTimeout(this.refining);
+    this.refining = null;
+    const grid = (fine, seek) => new Rates(subject, state.values, x, y, this.scale,
+      [width, height].map((v) => Math.max(24, Math.round(fine * v))), seek);
+    const draw = (rates) => this.raster.draw(rates, colours, wide / width);
+    draw(this.rating.spend(true, (fine) => {
+      const rates = grid(fine, (members) => this.seeking.spend(view.moving, members));
+      rates.fill();
+      return rates;
+    }));
+    if (view.moving) return;
+    const passes = [...PASSES];
+    let rates = null;
+    const more = () => {
+      if (!rates) rates = grid(passes.shift());
+      if (rates.fill(performance.now() + SLICE)) {
+        draw(rates);
+        rates = null;
+      }
+      this.refining = rates || passes.length ? setTimeout(more) : null;
+      if (!this.refining) view.tell(["fine"]);
+    };
+    this.refining = setTimeout(more);
   }
 
   /** Curves, names of regions, the point, and the axes. */

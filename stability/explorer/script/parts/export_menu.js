@@ -93,7 +93,8 @@ export class ExportMenu {
       return `${q.symbol} = ${text(state.values[q.name] * size, 6)}${unit ? ` ${unit}` : ""}`;
     });
     const law = subject.law ? `${subject.family}, ${subject.law} contact: ` : "";
-    return [[law + subject.title, ...held].join(", "),
+    const units = state.si ? view.data.si.body : view.data.scale;
+    return [[law + subject.title, ...held, units].filter((words) => words).join(", "),
       `Colour: largest growth rate (float). ${subject.hatching} Lines: boundaries (double precision).`];
   }
 

@@ -21,7 +21,9 @@ const ENDS = {
   "lift-off": "it leaves the plane: the normal force reaches zero",
   flat: "it falls flat, where its equations of motion end",
   "no-contact": "no contact force continues the motion (Painlevé's paradox)",
-  moving: "it still moves at the end of the run",
+  moving: "the run ends",
+  rest: "it rests, as far as this run shows",
+  steady: "nothing changes any more, as far as this run shows: no state by 10⁻⁶ in a unit of time",
   absent: "the family has no member here",
   unresolved: "the page gave up; ask Python for the rest",
 };
@@ -202,7 +204,7 @@ export class MotionPanel {
     this.until.replaceChildren(...[...new Set([...TIMES, state.until])].map((t) => element("option", {value: t}, seconds(t, 3))));
     this.until.value = String(state.until);
     this.offer(show);
-    const words = ENDS[run.outcome] || `${(view.motion.words || {})[run.outcome] || run.outcome}`;
+    const words = ENDS[run.calm || run.outcome] || `${(view.motion.words || {})[run.outcome] || run.outcome}`;
     const named = subject.states.map((name) => subject.symbols[name] || name);
     if (show === "steady" && run.outcome !== "absent") this.said.textContent = "The steady motion itself, undisturbed.";
     else if (show === "mode") {

@@ -35,13 +35,17 @@ export class PointPanel {
     const {sign, word} = view.data.looks.verdicts[verdict];
     this.badge.className = `badge ${verdict}`;
     this.badge.replaceChildren(element("span", {"aria-hidden": "true"}, sign), ` ${word}`);
-    const at = subject.quantities.map((one) => [symbol(one.symbol), ` = ${text(state.values[one.name] * view.shown(one).size, 5)}`]);
+    const at = subject.quantities.map((one) => {
+      const {size, unit} = view.shown(one);
+      return [symbol(one.symbol), ` = ${text(state.values[one.name] * size, 5)}${unit ? ` ${unit}` : ""}`];
+    });
     this.place.replaceChildren("at ", ...at.flatMap((parts, i) => (i ? [", ", ...parts] : parts)));
     const solved = subject.solved(q);
     if (verdict !== "absent") subject.unknown.forEach((n, i) => this.place.append("; ", symbol(n), ` = ${text(solved[i], 5)}`));
     const unsure = subject.solver ? UNREACHED : ANOTHER; // a family in closed form knows where it ends
     const said = verdict === "stable" && !subject.zeros ? "isolated" : verdict;
     this.sentence.textContent = verdict === "absent" && !subject.proved ? unsure : SENTENCES[said];
+    if (verdict === "stable" && subject.drift) this.sentence.append(` Beyond the linear motion it ${subject.drift}.`);
     this.proof.replaceChildren(...this.proved(verdict, rows));
     this.list(verdict === "absent" ? [] : subject.eigenvalues(q));
     clearTimeout(this.later);

@@ -16,6 +16,7 @@ export class View {
     this.data = data;
     this.subjects = new Map(data.subjects.map((s) => [s.key, new Subject(s, data.looks.verdicts)]));
     this.listeners = [];
+    this.memory = {}; // values of quantities that the last subjects had, by family and name
     this.moving = true; // the first picture, or a hand moves the point or the axes: pictures may be coarser
     this.state = this.initial(data.start.subject, data.start.values || {});
     (data.start.axes || []).forEach((axis, i) => {
@@ -99,13 +100,16 @@ export class View {
     this.set({values, along: along || this.state.along});
   }
 
-  /** Another family or law; friction and inertia stay, the member is that of the new family. */
+  /** Another family or law; friction and inertia stay, also over a law without friction, and each family has its member. */
   choose(key) {
     const kept = {}, old = this.state, next = this.subjects.get(key);
     const same = next.family === this.subject.family;
-    for (const q of next.quantities) {
-      if (q.name in old.values && (same || q.name !== "at")) kept[q.name] = old.values[q.name];
-    }
+    const kind = (subject, i) => (i ? subject.names[i] : `${subject.family} ${subject.names[i]}`); // the first names a member
+    this.subject.names.forEach((name, i) => { this.memory[kind(this.subject, i)] = old.values[name]; });
+    next.names.forEach((name, i) => {
+      const value = this.memory[kind(next, i)];
+      if (value !== undefined && next.accepts(name, value)) kept[name] = value;
+    });
     const state = this.initial(key, kept);
     if (same) for (const n of next.names) if (n in old.ranges) state.ranges[n] = old.ranges[n];
     this.set({...state, tilt: old.tilt, until: old.until, show: old.show, si: old.si});
