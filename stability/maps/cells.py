@@ -89,11 +89,18 @@ class Cells:
         self.bands = self._bands()
         """What computes many rows at once; None where the graph computes every cell."""
         if self.bands is None:
-            self.chunk = self.band = CHUNK
-            return
-        self.band = SWEPT_BAND if self.bands.swept else BAND
-        self.chunk = max(1, self.band // self.shape[1]) * self.shape[1]
+            self.band = CHUNK
+        else:
+            self.band = SWEPT_BAND if self.bands.swept else BAND
+        self.chunk = self._even_rows(max(1, self.band // self.shape[1])) * self.shape[1]
+        if self.bands is None and self.shape[1] > CHUNK:
+            self.chunk = CHUNK  # the graph may take parts of rows
         steady_memory()
+
+    def _even_rows(self, most: int) -> int:
+        """Rows of a chunk, so that an even number of chunks of one size hold all of them."""
+        chunks = -(-self.shape[0] // most)
+        return -(-self.shape[0] // (chunks + chunks % 2)) if chunks > 1 else self.shape[0]
 
     def _bands(self) -> Bands | None:
         asked = self.problem, self.axes, self.modes
@@ -194,7 +201,7 @@ class Cells:
         def task(start: int) -> Callable[[], Chunk]:
             if self.bands is not None:
                 return partial(_band, cells, start, total)
-            return partial(_work, cells, *self._inputs(start, total))
+            return partial(_work, cells, *self._inputs(start, total), self.shape[1])
 
         with closing(
             ordered(
@@ -273,7 +280,7 @@ class Cells:
             else:
                 with CASADI:
                     members = self._members_of(np.arange(len(xs) * len(ys)), grid)
-                chunk = self._work(*members)
+                chunk = self._work(*members, len(xs))
             with CASADI:
                 self._settled(chunk["codes"], grid, certify=False)
         return chunk
@@ -316,7 +323,7 @@ class Cells:
         self, start: int, total: int
     ) -> tuple[Floats, Floats, Floats, Floats, NDArray[np.bool_]]:
         """Numbers and unknowns of the members of a chunk, and which of its cells have one."""
-        return self._members_of(np.arange(start, min(start + CHUNK, total)), self._grid)
+        return self._members_of(np.arange(start, min(start + self.chunk, total)), self._grid)
 
     def _members_of(
         self, cells: NDArray[np.intp], grid: Grid
@@ -333,10 +340,16 @@ class Cells:
         return a[good], q[good], rate[good], found.u[good], good
 
     def _work(
-        self, a: Floats, q: Floats, rate: Floats, u: Floats, good: NDArray[np.bool_]
+        self,
+        a: Floats,
+        q: Floats,
+        rate: Floats,
+        u: Floats,
+        good: NDArray[np.bool_],
+        columns: int = 0,
     ) -> Chunk:
         """The arrays of a chunk; cells without a member have their flag, and no numbers."""
-        part = self._by_graph(a, q, rate, u) if len(a) else {}
+        part = self._by_graph(a, q, rate, u, columns) if len(a) else {}
         if good.all():
             return part
         chunk: Chunk = {}

@@ -26,6 +26,8 @@ from .tiles import Codes
 
 STRIDE = 16
 """Distance between the cells of a grid at which the eigensolver starts."""
+FEW = 1024
+"""Cells of a grid below which the eigensolver starts from each of them."""
 STEPS = 2
 """Corrections of a cell that starts between its neighbours, before the change is checked."""
 
@@ -35,7 +37,12 @@ BLOCK = 8192
 
 
 def coarse_to_fine(a: Sequence[Any], shape: tuple[int, int]) -> Factors:
-    """Factors over a grid: every STRIDE-th cell by eigensolver, others from neighbours."""
+    """Factors over a grid: every STRIDE-th cell by eigensolver, others from neighbours.
+
+    Of a small grid the eigensolver takes every cell.
+    """
+    if len(a[0]) < FEW:
+        return settle(a, start(a))
     coefficients = [c.reshape(shape) for c in a]
     count = len(a)
     whole = np.empty((count, *shape), dtype=a[0].dtype)
