@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -28,6 +28,8 @@ WIDER = 1.1
 """Largest width of a wedge towards its end, over the least one before."""
 TRIES = 9
 """Points across a wedge at which its verdict is looked for."""
+ASIDE = 1e-6
+"""Distance, over an edge, at which a line that leaves a boundary is decided."""
 MOST_DOUBTFUL = 20_000
 """Most undecided cells that are settled in balls; with more, by the sign of the abscissa."""
 
@@ -207,7 +209,7 @@ class GridScans:
         total, xs, ys = len(edges), self.axes[0].values, self.axes[1].values
         to_j, to_i = np.minimum(j + 1, len(xs) - 1), np.minimum(i + 1, len(ys) - 1)
         ends = codes[i, j], np.where(axis == 0, codes[i, to_j], codes[to_i, j])
-        flat = (ends[0] == ends[1]) & (ends[0] == CODES[Verdict.NEUTRAL]) & (not self.neutral)
+        on_boundary = [(e == CODES[Verdict.NEUTRAL]) & (not self.neutral) for e in ends]
         after = xs[to_j], ys[to_i]
         along = Edges(
             axis,
@@ -216,23 +218,27 @@ class GridScans:
             np.where(axis == 0, ys[i], xs[j]),
         )
         done = None if progress is None else lambda k: progress(min(k, total), total)
-        placed = self.placed(along, done, np.flatnonzero(flat).tolist())
+        neutral = np.where(on_boundary[0], along.low, along.high)
+        some = np.flatnonzero(on_boundary[0] | on_boundary[1])
+        placed = self.placed(
+            along, done, dict(zip(some.tolist(), neutral[some].tolist(), strict=True))
+        )
         return dict(zip(map(tuple, different.T.tolist()), placed, strict=True))
 
     def placed(
         self,
         edges: Edges,
         done: Callable[[int], None] | None = None,
-        flat: Container[int] = (),
+        neutral: Mapping[int, float] | None = None,
     ) -> list[Placed | None]:
-        """The change of verdict on each of some edges; both ends of flat ones are on a boundary."""
+        """The change of verdict on each of some edges; some have an end that is neutral."""
         points = bracketed(self.polynomials, edges)
         for k in [k for k, point in enumerate(points) if point is None]:
             with suppress(StabilityError):  # no member between two cells that have one, as a fold
                 line = self.along(int(edges.axis[k]), float(edges.other[k]))
                 low, high = float(edges.low[k]), float(edges.high[k])
-                if k in flat and not line.quick_sign(low + (high - low) / 2):
-                    continue  # all of it is on the boundary, so that no bracket along it exists
+                if neutral and k in neutral and _along(line, neutral[k], ASIDE * (high - low)):
+                    continue  # no bracket about that end exists
                 points[k] = refine(line, low, high)
             if done:
                 done(k)
@@ -264,6 +270,11 @@ class GridScans:
             [padded[:-2, 1:-1], padded[2:, 1:-1], padded[1:-1, :-2], padded[1:-1, 2:]], axis=0
         )
         return np.where(sign == 0, np.where(around > 0, 1.0, -1.0), sign)
+
+
+def _along(line: AxisScan, value: float, aside: float) -> bool:
+    """Whether a line runs along a boundary at a point of it."""
+    return not line.quick_sign(value - aside) and not line.quick_sign(value + aside)
 
 
 class Tips:
