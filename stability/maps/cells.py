@@ -28,11 +28,22 @@ from ..spectra.verdict_routes import BITS
 from ..storage.pieces import Chunk, Pieces
 from ..systems.graph.smoothness import edged
 from .dataset import GRAPH, POLYNOMIAL, SINGLE
-from .engine import LEFT, Bands, GraphCells, Room, SliceCells, formula_cells, slice_cells
+from .engine import (
+    LEFT,
+    MOST_STATES,
+    Bands,
+    GraphCells,
+    Room,
+    SliceCells,
+    formula_cells,
+    slice_cells,
+)
 from .verdicts import ELSEWHERE
 
 CHUNK = 16384
 """Cells of a chunk: few enough for the cache, many enough for NumPy."""
+SMALL = 32768
+"""The same of systems with so few states that most cells take polynomials."""
 BAND = 65536
 """Cells of a chunk of whole rows: few enough for the arrays of their roots."""
 SWEPT_BAND = 2**19
@@ -89,12 +100,12 @@ class Cells:
         self.bands = self._bands()
         """What computes many rows at once; None where the graph computes every cell."""
         if self.bands is None:
-            self.band = CHUNK
+            self.band = SMALL if len(problem.family.system.states) <= MOST_STATES else CHUNK
         else:
             self.band = SWEPT_BAND if self.bands.swept else BAND
         self.chunk = self._even_rows(max(1, self.band // self.shape[1])) * self.shape[1]
-        if self.bands is None and self.shape[1] > CHUNK:
-            self.chunk = CHUNK  # the graph may take parts of rows
+        if self.bands is None:  # the graph may take parts of rows
+            self.chunk = min(self.chunk, self.band)
         steady_memory()
 
     def _even_rows(self, most: int) -> int:

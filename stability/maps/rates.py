@@ -362,11 +362,9 @@ def _of_block(matrix: Floats, error: Floats, used: NDArray[np.bool_]) -> Coeffic
     values, largest = characteristic(entries), _sizes(sizes)
     # entries off by a share ε of their size change a product of k of them by at most k ε
     share: Any = 0.0
-    for i in range(n):
-        for j in range(n):
-            if used[i, j]:
-                w = sizes[i][j]
-                share = np.maximum(share, np.where(w > 0, error[:, i, j] / w, 0.0))
+    for i, j in np.argwhere((error != 0).any(axis=0)).tolist():
+        w = sizes[i][j]
+        share = np.maximum(share, np.where(w > 0, error[:, i, j] / w, 0.0))
     out, bounds = np.empty((n, len(matrix))), np.empty((n, len(matrix)))
     # roundings on the way to a coefficient: at stage s, s for each of its entries of A but one, and
     # s + 2 for the sum over the stage; the entries of all stages are at most n
