@@ -465,7 +465,7 @@ def _tips(line: Floats) -> list[int]:
             for k in range(2, count):
                 back &= v[k : len(first) + k] == v[1 : len(first) + 1]
             steps[: len(first)][back] = count
-    return steps.tolist()  # type: ignore[no-any-return]
+    return steps.tolist()
 
 
 def _extended(side: tuple[Placed, ...], axis: int, height: float) -> float:
