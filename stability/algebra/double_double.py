@@ -42,6 +42,8 @@ HEAD = 8
 """Terms before those that need no more than a double: these are below 2⁻⁴⁴ z⁸, z < 0.63."""
 NARROW = 2.0**-20
 """Largest error of such an angle."""
+HARMONICS = 4096
+"""Largest multiple of an angle whose sine follows from those of smaller ones."""
 
 
 class DoubleDouble:
@@ -54,15 +56,17 @@ class DoubleDouble:
     (0.3333333333333333, True, True)
     """
 
-    __slots__ = ("_parts", "_size", "error", "hi", "lo", "waves")
+    __slots__ = ("_parts", "_size", "error", "hi", "lo", "multiple", "waves")
     __array_ufunc__ = None
 
     def __init__(self, hi: Any, lo: Any = 0.0, error: Any = 0.0) -> None:
         self.hi, self.lo, self.error = hi, lo, error
         self._size: Any = None
         self._parts: Any = None
-        self.waves: Any = None
-        """Sine and cosine, where these were asked for."""
+        self.waves: dict[int, tuple[DoubleDouble, DoubleDouble]] = {}
+        """Sine and cosine of its multiples, where these were asked for."""
+        self.multiple: tuple[DoubleDouble, int] | None = None
+        """An angle and a whole number of which this is the product."""
 
     @property
     def size(self) -> Any:
@@ -88,8 +92,17 @@ class DoubleDouble:
             self._parts = halves(self.hi)
         return self._parts
 
+    @property
+    def constant(self) -> bool:
+        """Whether it is one double, exactly."""
+        return type(self.hi) is np.float64 and not self.lo and not self.error
+
     def __add__(self, other: Any) -> DoubleDouble:
         o = exact(other)
+        if o is self:
+            return self * 2
+        if o.constant or self.constant:
+            return self._moved(o) if o.constant else o._moved(self)
         total, rest = two_sum(self.hi, o.hi)
         rest = rest + (self.lo + o.lo)
         hi = total + rest
@@ -97,6 +110,15 @@ class DoubleDouble:
         return DoubleDouble(hi, rest - (hi - total), error)
 
     __radd__ = __add__
+
+    def _moved(self, constant: DoubleDouble) -> DoubleDouble:
+        """The sum with a constant."""
+        total = self.hi + constant.hi
+        turn = total - self.hi
+        rest = (self.hi - (total - turn)) + (constant.hi - turn) + self.lo
+        hi = total + rest
+        error = self.error + ROUNDING * (self.size + constant.size)
+        return DoubleDouble(hi, rest - (hi - total), error)
 
     def __neg__(self) -> DoubleDouble:
         return DoubleDouble(-self.hi, -self.lo, self.error)
@@ -109,6 +131,8 @@ class DoubleDouble:
 
     def __mul__(self, other: Any) -> DoubleDouble:
         o = exact(other)
+        if o.constant or self.constant:
+            return self._scaled(o) if o.constant else o._scaled(self)
         total = self.hi * o.hi
         rest = left_over(total, *self.parts, *o.parts) + (self.hi * o.lo + self.lo * o.hi)
         hi = total + rest
@@ -116,6 +140,21 @@ class DoubleDouble:
         return DoubleDouble(hi, rest - (hi - total), passed + (ROUNDING * np.abs(total) + LOST))
 
     __rmul__ = __mul__
+
+    def _scaled(self, constant: DoubleDouble) -> DoubleDouble:
+        """The product with a constant."""
+        factor = constant.hi
+        total = self.hi * factor
+        (a, b), (c, d) = self.parts, constant.parts
+        rest = (a * c - total) + a * d + b * c + b * d if d else (a * c - total) + b * c
+        rest = rest + self.lo * factor
+        hi = total + rest
+        passed = constant.size * self.error
+        found = DoubleDouble(hi, rest - (hi - total), passed + (ROUNDING * np.abs(total) + LOST))
+        if abs(factor) <= HARMONICS and factor == (whole := int(factor)):
+            base, times = self.multiple or (self, 1)
+            found.multiple = (base, times * whole)
+        return found
 
     def __truediv__(self, other: Any) -> DoubleDouble:
         o = exact(other)
@@ -211,16 +250,33 @@ def _wave(shift: int) -> Callable[[Any], DoubleDouble]:
 
     def apply(number: Any) -> DoubleDouble:
         x = exact(number)
-        if x.waves is None:  # a graph asks for both, and often
-            turns = np.rint(x.hi / QUARTER.hi)
-            near = (np.abs(turns) <= TURNS) & (x.error <= NARROW)
-            if not np.all(near | ~np.isfinite(x.hi + x.error)):
+        base, times = x.multiple or (x, 1)
+        if not 1 <= times <= HARMONICS or not _first_waves(base):
+            base, times = x, 1
+            if not _first_waves(x):
                 return by_balls(x)
-            x.waves = _waves(x - QUARTER * turns, turns)
-        found: DoubleDouble = x.waves[shift]
-        return found
+        return _harmonic(base, times)[shift]
 
     return apply
+
+
+def _first_waves(x: DoubleDouble) -> bool:
+    """Whether sine and cosine follow from Taylor's series; they are then known."""
+    if 1 not in x.waves:  # a graph asks for both, and often
+        turns = np.rint(x.hi / QUARTER.hi)
+        near = (np.abs(turns) <= TURNS) & (x.error <= NARROW)
+        if not np.all(near | ~np.isfinite(x.hi + x.error)):
+            return False
+        x.waves[1] = _waves(x - QUARTER * turns, turns)
+    return True
+
+
+def _harmonic(x: DoubleDouble, times: int) -> tuple[DoubleDouble, DoubleDouble]:
+    """Sine and cosine of a multiple, by the theorem of addition."""
+    if times not in x.waves:
+        (s, c), (t, d) = _harmonic(x, times // 2), _harmonic(x, times - times // 2)
+        x.waves[times] = s * d + c * t, c * d - s * t
+    return x.waves[times]
 
 
 def _waves(y: DoubleDouble, turns: Any) -> tuple[DoubleDouble, DoubleDouble]:

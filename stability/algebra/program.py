@@ -15,6 +15,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import count
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -139,6 +140,10 @@ LONG = 20
 """Fewest instructions for each point for which this is worth its own time."""
 LONGER = 500
 """Fewest instructions that few points run by a kernel: an operation on arrays costs 1 to 5 µs."""
+UNCOMPILED = 64
+"""Runs of a process by NumPy before the kernel is compiled: to load it takes as long as these."""
+RUNS = count()
+"""Number of the next run."""
 
 
 def entries(points: Floats) -> list[Any]:
@@ -433,7 +438,8 @@ class Program:
         given = np.zeros((2, sum(self.inputs), *shape))
         for i, pair in enumerate(pair for block in arguments for pair in block):
             given[:, i] = np.broadcast_arrays(*pair, np.empty(shape))[:2]
-        mid, rad = self.tape.run(*given.reshape(2, given.shape[1], math.prod(shape)))
+        points = given.reshape(2, given.shape[1], math.prod(shape))
+        mid, rad = self.tape.run(*points, plain=next(RUNS) < UNCOMPILED)
         pairs = iter(zip(mid.reshape(len(mid), *shape), rad.reshape(len(rad), *shape), strict=True))
         return [[next(pairs) for _ in some] for some in self.places]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -29,6 +28,8 @@ WIDER = 1.1
 """Largest width of a wedge towards its end, over the least one before."""
 TRIES = 9
 """Points across a wedge at which its verdict is looked for."""
+ASIDE = 1e-6
+"""Distance, over an edge, at which a line that leaves a boundary is decided."""
 MOST_DOUBTFUL = 20_000
 """Most undecided cells that are settled in balls; with more, by the sign of the abscissa."""
 
@@ -92,7 +93,7 @@ def trace(
     lines = contour_generator(z=sign, line_type=LineType.Separate).lines(0.0)
     places = [_edges(line) for line in lines]
     total = sum(map(len, lines))
-    known = scans.changes(np.concatenate([np.empty((0, 3), dtype=int), *places]), progress)
+    known = scans.changes(np.concatenate([np.empty((0, 3), dtype=int), *places]), codes, progress)
     turns = _turns(known)
     tips, xs, ys = Tips(scans), axes[0].values, axes[1].values
     curves: list[Sequence[Placed | Turn]] = []
@@ -100,9 +101,11 @@ def trace(
     for line, edges in zip(lines, places, strict=True):
         points = [known[axis, i, j] for axis, i, j in edges.tolist()]
         missing += points.count(None)
-        cells = np.floor((line[1:] + line[:-1]) / 2).astype(int).tolist()
-        between = [turns.get((i, j), []) for j, i in cells]
-        curves.append(tips.continued(line.tolist(), points, between))
+        between: list[Sequence[Turn]] = [()] * len(points)
+        if turns:
+            cells = np.floor((line[1:] + line[:-1]) / 2).astype(int).tolist()
+            between = [turns.get((i, j), ()) for j, i in cells]
+        curves.append(tips.continued(line, points, between))
     through = linked(curves, scans.polynomials, (xs, ys))
     rows = [p for points in through for p in points]
     number = [k for k, points in enumerate(through) for _ in points]
@@ -191,7 +194,7 @@ class GridScans:
         return line
 
     def changes(
-        self, edges: NDArray[np.int_], progress: Progress | None
+        self, edges: NDArray[np.int_], codes: NDArray[np.int8], progress: Progress | None
     ) -> dict[tuple[int, int, int], Placed | None]:
         """The change of verdict on each edge: all together, then in balls what is left open.
 
@@ -199,12 +202,15 @@ class GridScans:
         ----------
         edges
             (axis, row, column) of the first end of each.
-        progress
+        codes, progress
             As for `trace`.
         """
         axis, i, j = different = np.unique(edges, axis=0).T
         total, xs, ys = len(edges), self.axes[0].values, self.axes[1].values
-        after = xs[np.minimum(j + 1, len(xs) - 1)], ys[np.minimum(i + 1, len(ys) - 1)]
+        to_j, to_i = np.minimum(j + 1, len(xs) - 1), np.minimum(i + 1, len(ys) - 1)
+        ends = codes[i, j], np.where(axis == 0, codes[i, to_j], codes[to_i, j])
+        on_boundary = [(e == CODES[Verdict.NEUTRAL]) & (not self.neutral) for e in ends]
+        after = xs[to_j], ys[to_i]
         along = Edges(
             axis,
             np.where(axis == 0, xs[j], ys[i]),
@@ -212,18 +218,28 @@ class GridScans:
             np.where(axis == 0, ys[i], xs[j]),
         )
         done = None if progress is None else lambda k: progress(min(k, total), total)
-        placed = self.placed(along, done)
+        neutral = np.where(on_boundary[0], along.low, along.high)
+        some = np.flatnonzero(on_boundary[0] | on_boundary[1])
+        placed = self.placed(
+            along, done, dict(zip(some.tolist(), neutral[some].tolist(), strict=True))
+        )
         return dict(zip(map(tuple, different.T.tolist()), placed, strict=True))
 
     def placed(
-        self, edges: Edges, done: Callable[[int], None] | None = None
+        self,
+        edges: Edges,
+        done: Callable[[int], None] | None = None,
+        neutral: Mapping[int, float] | None = None,
     ) -> list[Placed | None]:
-        """The change of verdict on each of some edges."""
+        """The change of verdict on each of some edges; some have an end that is neutral."""
         points = bracketed(self.polynomials, edges)
         for k in [k for k, point in enumerate(points) if point is None]:
             with suppress(StabilityError):  # no member between two cells that have one, as a fold
                 line = self.along(int(edges.axis[k]), float(edges.other[k]))
-                points[k] = refine(line, float(edges.low[k]), float(edges.high[k]))
+                low, high = float(edges.low[k]), float(edges.high[k])
+                if neutral and k in neutral and _along(line, neutral[k], ASIDE * (high - low)):
+                    continue  # no bracket about that end exists
+                points[k] = refine(line, low, high)
             if done:
                 done(k)
         return [
@@ -256,6 +272,11 @@ class GridScans:
         return np.where(sign == 0, np.where(around > 0, 1.0, -1.0), sign)
 
 
+def _along(line: AxisScan, value: float, aside: float) -> bool:
+    """Whether a line runs along a boundary at a point of it."""
+    return not line.quick_sign(value - aside) and not line.quick_sign(value + aside)
+
+
 class Tips:
     """Wedges between two boundaries that are narrower than a cell, followed to their ends.
 
@@ -268,7 +289,7 @@ class Tips:
 
     def continued(
         self,
-        line: Sequence[tuple[float, float]],
+        line: Floats,
         points: Sequence[Placed | None],
         between: Sequence[Sequence[Turn]],
     ) -> list[Placed | Turn]:
@@ -277,23 +298,23 @@ class Tips:
         Parameters
         ----------
         line
-            Middles of grid edges from contourpy, (column, row).
+            Middles of grid edges from contourpy, rows of (column, row).
         points
             The boundary point on each, or None.
         between
             Where two curves may cross between a point and the next one.
         """
         out: list[Placed | Turn] = []
-        k = 0
+        k, ends = 0, _tips(line)
         while k < len(points):
-            end = _tip(line[k : k + WIDEST + 2])
-            turn = [p for p in points[k : k + end + 1] if p is not None]
-            outside = (points[k - 1] if k else None), next(iter(points[k + end + 1 :]), None)
-            sides = self._walls(turn, outside) if end and len(turn) > end else []
-            if sides:
-                out += [turn[0], *sides]
-                k += end
-                continue
+            if end := ends[k]:
+                turn = [p for p in points[k : k + end + 1] if p is not None]
+                outside = (points[k - 1] if k else None), next(iter(points[k + end + 1 :]), None)
+                sides = self._walls(turn, outside) if len(turn) > end else []
+                if sides:
+                    out += [turn[0], *sides]
+                    k += end
+                    continue
             here, following = points[k], points[k + 1 : k + 2]
             if here is not None:
                 out.append(here)
@@ -427,22 +448,24 @@ class Tips:
         return (right, left) if flip else (left, right)
 
 
-def _tip(line: Sequence[tuple[float, float]]) -> int:
-    """Number of steps in which a curve turns round a few grid points of one row; 0 if it does not.
+def _tips(line: Floats) -> list[int]:
+    """Steps in which a curve turns round a few grid points of one row, 0 where it does not.
 
     Parameters
     ----------
     line
-        Middles of grid edges from the first one on.
+        Middles of grid edges, as for `Tips.continued`.
     """
-    for axis in (0, 1) if len(line) >= 3 else ():  # a middle of an edge along x has a whole row
-        first = line[0][1 - axis]
-        off = [place[1 - axis] - first for place in line[1:]]
-        if first == math.floor(first) and abs(off[0]) == 0.5 and 0 in off:
-            back = off.index(0)
-            if all(v == off[0] for v in off[:back]):
-                return back + 1
-    return 0
+    steps = np.zeros(len(line), dtype=int)
+    for v in line.T:  # a middle of an edge along x has a whole row
+        aside = np.abs(np.diff(v)) == 0.5
+        for count in range(2, min(WIDEST + 2, len(line))):
+            first = v[: len(v) - count]
+            back = (first == np.floor(first)) & aside[: len(first)] & (v[count:] == first)
+            for k in range(2, count):
+                back &= v[k : len(first) + k] == v[1 : len(first) + 1]
+            steps[: len(first)][back] = count
+    return steps.tolist()
 
 
 def _extended(side: tuple[Placed, ...], axis: int, height: float) -> float:

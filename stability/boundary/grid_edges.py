@@ -315,11 +315,15 @@ class EdgeSearch:
     ) -> None:
         self.polynomials, self.edges = polynomials, edges
         self.width = edges.high - edges.low
-        self.sizes = sizes or self._largest()
+        self.sizes = sizes or [
+            np.maximum(np.abs(a), np.abs(b))
+            for a, b in zip(*(reading.functions for reading in self.ends), strict=True)
+        ]
 
-    def _largest(self) -> list[Floats]:
-        ends = [self._at(PLAIN, v).functions for v in (self.edges.low, self.edges.high)]
-        return [np.maximum(np.abs(a), np.abs(b)) for a, b in zip(*ends, strict=True)]
+    @cached_property
+    def ends(self) -> tuple[Reading, Reading]:
+        """The polynomial at the low and the high end of each edge."""
+        return self._at(PLAIN, self.edges.low), self._at(PLAIN, self.edges.high)
 
     def _at(
         self, algebra: Algebra, root: Floats, some: Any = slice(None), error: Any = 0.0
@@ -346,7 +350,7 @@ class EdgeSearch:
         Source: T. R. Chandrupatla, Adv. Eng. Softw. 28 (1997) 145-149.
         """
         edges = self.edges
-        low, high = (self._least(self._at(PLAIN, v)) for v in (edges.low, edges.high))
+        low, high = map(self._least, self.ends)
         at_low, at_high = np.abs(low) <= AT_END, np.abs(high) <= AT_END
         a, b, fa, fb = edges.high, edges.low, high, low
         lost = ~(at_low | at_high | (fa * fb < 0))

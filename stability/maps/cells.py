@@ -28,11 +28,22 @@ from ..spectra.verdict_routes import BITS
 from ..storage.pieces import Chunk, Pieces
 from ..systems.graph.smoothness import edged
 from .dataset import GRAPH, POLYNOMIAL, SINGLE
-from .engine import LEFT, Bands, GraphCells, Room, SliceCells, formula_cells, slice_cells
+from .engine import (
+    LEFT,
+    MOST_STATES,
+    Bands,
+    GraphCells,
+    Room,
+    SliceCells,
+    formula_cells,
+    slice_cells,
+)
 from .verdicts import ELSEWHERE
 
 CHUNK = 16384
 """Cells of a chunk: few enough for the cache, many enough for NumPy."""
+SMALL = 32768
+"""The same of systems with so few states that most cells take polynomials."""
 BAND = 65536
 """Cells of a chunk of whole rows: few enough for the arrays of their roots."""
 SWEPT_BAND = 2**19
@@ -89,11 +100,18 @@ class Cells:
         self.bands = self._bands()
         """What computes many rows at once; None where the graph computes every cell."""
         if self.bands is None:
-            self.chunk = self.band = CHUNK
-            return
-        self.band = SWEPT_BAND if self.bands.swept else BAND
-        self.chunk = max(1, self.band // self.shape[1]) * self.shape[1]
+            self.band = SMALL if len(problem.family.system.states) <= MOST_STATES else CHUNK
+        else:
+            self.band = SWEPT_BAND if self.bands.swept else BAND
+        self.chunk = self._even_rows(max(1, self.band // self.shape[1])) * self.shape[1]
+        if self.bands is None:  # the graph may take parts of rows
+            self.chunk = min(self.chunk, self.band)
         steady_memory()
+
+    def _even_rows(self, most: int) -> int:
+        """Rows of a chunk, so that an even number of chunks of one size hold all of them."""
+        chunks = -(-self.shape[0] // most)
+        return -(-self.shape[0] // (chunks + chunks % 2)) if chunks > 1 else self.shape[0]
 
     def _bands(self) -> Bands | None:
         asked = self.problem, self.axes, self.modes
@@ -194,7 +212,7 @@ class Cells:
         def task(start: int) -> Callable[[], Chunk]:
             if self.bands is not None:
                 return partial(_band, cells, start, total)
-            return partial(_work, cells, *self._inputs(start, total))
+            return partial(_work, cells, *self._inputs(start, total), self.shape[1])
 
         with closing(
             ordered(
@@ -273,7 +291,7 @@ class Cells:
             else:
                 with CASADI:
                     members = self._members_of(np.arange(len(xs) * len(ys)), grid)
-                chunk = self._work(*members)
+                chunk = self._work(*members, len(xs))
             with CASADI:
                 self._settled(chunk["codes"], grid, certify=False)
         return chunk
@@ -316,7 +334,7 @@ class Cells:
         self, start: int, total: int
     ) -> tuple[Floats, Floats, Floats, Floats, NDArray[np.bool_]]:
         """Numbers and unknowns of the members of a chunk, and which of its cells have one."""
-        return self._members_of(np.arange(start, min(start + CHUNK, total)), self._grid)
+        return self._members_of(np.arange(start, min(start + self.chunk, total)), self._grid)
 
     def _members_of(
         self, cells: NDArray[np.intp], grid: Grid
@@ -333,10 +351,16 @@ class Cells:
         return a[good], q[good], rate[good], found.u[good], good
 
     def _work(
-        self, a: Floats, q: Floats, rate: Floats, u: Floats, good: NDArray[np.bool_]
+        self,
+        a: Floats,
+        q: Floats,
+        rate: Floats,
+        u: Floats,
+        good: NDArray[np.bool_],
+        columns: int = 0,
     ) -> Chunk:
         """The arrays of a chunk; cells without a member have their flag, and no numbers."""
-        part = self._by_graph(a, q, rate, u) if len(a) else {}
+        part = self._by_graph(a, q, rate, u, columns) if len(a) else {}
         if good.all():
             return part
         chunk: Chunk = {}

@@ -269,8 +269,17 @@ MOST_STATES = 8
 """Largest matrix whose polynomial is formed in doubles."""
 
 
-def quick_rates(reduced: Reduced, *, even: bool, modes: bool) -> Rates | None:
+def quick_rates(reduced: Reduced, *, even: bool, modes: bool, columns: int = 0) -> Rates | None:
     """Growth rates and verdicts of many members; None where the eigensolver is as good.
+
+    Parameters
+    ----------
+    reduced
+        Matrices of the members.
+    even, modes
+        As for `rates`.
+    columns
+        Columns of the grid whose rows follow each other; 0 where the members are no grid.
 
     Returns
     -------
@@ -282,9 +291,11 @@ def quick_rates(reduced: Reduced, *, even: bool, modes: bool) -> Rates | None:
     if not 2 <= n <= MOST_STATES or count < FEWEST or not np.isfinite(matrix).all():
         return None
     step = -(-count // SAMPLE)
-    if _of(matrix[::step], error[::step], even=even, modes=False).poor.mean() > MOST_POOR:
+    some, off = matrix[::step], error[::step]
+    if _of(some, off, even=even, modes=False, columns=len(some)).poor.mean() > MOST_POOR:
         return None
-    found = _of(matrix, error, even=even, modes=modes)
+    whole = columns and count % columns == 0
+    found = _of(matrix, error, even=even, modes=modes, columns=columns if whole else count)
     left = np.flatnonzero(found.poor | (found.codes == 0))
     if len(left):
         part = Reduced(matrix[left], error[left], [], reduced.supported[left])
@@ -295,9 +306,10 @@ def quick_rates(reduced: Reduced, *, even: bool, modes: bool) -> Rates | None:
     return found
 
 
-def _of(matrix: Floats, error: Floats, *, even: bool, modes: bool) -> Rates:
+def _of(matrix: Floats, error: Floats, *, even: bool, modes: bool, columns: int) -> Rates:
+    shape = len(matrix) // columns, columns
     with np.errstate(all="ignore"):
-        return rates([(of_matrices(matrix, error), even, 1)], (1, len(matrix)), modes=modes)
+        return rates([(of_matrices(matrix, error), even, 1)], shape, modes=modes)
 
 
 class GraphCells:
@@ -313,7 +325,7 @@ class GraphCells:
         self.count = len(family.system.states) - self.zeros
         """Eigenvalues of a member without the structural zeros."""
 
-    def __call__(self, a: Floats, q: Floats, rate: Floats, u: Floats) -> Chunk:
+    def __call__(self, a: Floats, q: Floats, rate: Floats, u: Floats, columns: int = 0) -> Chunk:
         """Flags, growth rates with bounds, and frequencies of members.
 
         Parameters
@@ -322,12 +334,16 @@ class GraphCells:
             Numbers that name the members, parameters and unknowns, one row for each.
         rate
             Unit of rate of each.
+        columns
+            As for `quick_rates`.
         """
         family, even = self.problem.family, self._even
         family.checked_states(a, u, q)
         watch = not self._certain
         reduced = deflate(family, a, q, u, self.problem.roundings, watch=watch)
-        found = None if watch else quick_rates(reduced, even=even, modes=self.modes)
+        found = None
+        if not watch:
+            found = quick_rates(reduced, even=even, modes=self.modes, columns=columns)
         if found is None:
             values, radius, _ = eigenvalues(reduced, even=even)
             codes = decide(values, radius, even=even)

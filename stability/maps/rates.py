@@ -26,6 +26,8 @@ from .tiles import Codes
 
 STRIDE = 16
 """Distance between the cells of a grid at which the eigensolver starts."""
+FEW = 1024
+"""Cells of a grid below which the eigensolver starts from each of them."""
 STEPS = 2
 """Corrections of a cell that starts between its neighbours, before the change is checked."""
 
@@ -35,7 +37,12 @@ BLOCK = 8192
 
 
 def coarse_to_fine(a: Sequence[Any], shape: tuple[int, int]) -> Factors:
-    """Factors over a grid: every STRIDE-th cell by eigensolver, others from neighbours."""
+    """Factors over a grid: every STRIDE-th cell by eigensolver, others from neighbours.
+
+    Of a small grid the eigensolver takes every cell.
+    """
+    if len(a[0]) < FEW:
+        return settle(a, start(a))
     coefficients = [c.reshape(shape) for c in a]
     count = len(a)
     whole = np.empty((count, *shape), dtype=a[0].dtype)
@@ -355,11 +362,9 @@ def _of_block(matrix: Floats, error: Floats, used: NDArray[np.bool_]) -> Coeffic
     values, largest = characteristic(entries), _sizes(sizes)
     # entries off by a share ε of their size change a product of k of them by at most k ε
     share: Any = 0.0
-    for i in range(n):
-        for j in range(n):
-            if used[i, j]:
-                w = sizes[i][j]
-                share = np.maximum(share, np.where(w > 0, error[:, i, j] / w, 0.0))
+    for i, j in np.argwhere((error != 0).any(axis=0)).tolist():
+        w = sizes[i][j]
+        share = np.maximum(share, np.where(w > 0, error[:, i, j] / w, 0.0))
     out, bounds = np.empty((n, len(matrix))), np.empty((n, len(matrix)))
     # roundings on the way to a coefficient: at stage s, s for each of its entries of A but one, and
     # s + 2 for the sum over the stage; the entries of all stages are at most n

@@ -8,16 +8,15 @@ the last place of the sum of its terms' sizes.  Over a box Taylor's sum at the m
 from __future__ import annotations
 
 from collections.abc import Sequence
-from fractions import Fraction
 from functools import cached_property
 from math import comb, frexp
 from typing import Any
 
 import numpy as np
-from flint import arb
+from flint import arb, fmpq
 from numpy.typing import NDArray
 
-from ..algebra.exact.number_fields import NotExact
+from ..algebra.exact.number_fields import NotExact, rational
 from ..algebra.kernels.pairs import DOUBLED, doubled, step, two_product, two_sum
 from ..algebra.number_types import precision
 from ..algebra.running_error import UNIT
@@ -123,14 +122,14 @@ class Surface:
     Parameters
     ----------
     terms
-        Coefficient by exponents (i, j): all are fractions, or narrow balls.
+        Coefficient by exponents (i, j): all are `fmpq`, or narrow balls.
     windows
         Windows of x and y.
     """
 
     def __init__(self, terms: dict[tuple[int, int], Any], windows: tuple[Window, Window]):
         shape = tuple(1 + max(e[k] for e in terms) for k in (0, 1))
-        number = arb if isinstance(next(iter(terms.values())), arb) else Fraction
+        number = arb if isinstance(next(iter(terms.values())), arb) else fmpq
         table = [[number(0)] * shape[1] for _ in range(shape[0])]
         for (i, j), c in terms.items():
             table[i][j] = c
@@ -143,12 +142,12 @@ class Surface:
         self.matrix = np.array(rows_).T.copy()
         self.rest: Floats | None = None
         """What rounding to doubles left of the matrix, as doubles; None for balls."""
-        self.least = LEAST if number is Fraction else LOSS * len(rows_) * len(rows_[0])
+        self.least = LEAST if number is fmpq else LOSS * len(rows_) * len(rows_[0])
         """Absolute error that the sum of the terms' sizes does not tell."""
-        if number is Fraction:
-            scale = Fraction(2) ** -self.exponent
+        if number is fmpq:
+            scale = fmpq(2) ** -self.exponent
             rest = [
-                [float(c * scale - Fraction(d)) for c, d in zip(*both, strict=True)]
+                [_nearest(c * scale - rational(d)) for c, d in zip(*both, strict=True)]
                 for both in zip(turned, rows_, strict=True)
             ]
             self.rest = np.array(rest).T.copy()
@@ -376,7 +375,7 @@ def _sure(value: Floats, bound: Any) -> Signs:
 
 def _shifted(table: list[list[Any]], window: Window, number: Any) -> list[list[Any]]:
     """P(middle + unit t) by powers of t, for the first index; exact, or in balls."""
-    middle, unit = number(window.middle), number(window.unit)
+    middle, unit = (arb(v) if number is arb else rational(v) for v in (window.middle, window.unit))
     out = []
     for k in range(len(table)):
         rows = [(number(comb(i, k)) * middle ** (i - k), table[i]) for i in range(k, len(table))]
@@ -390,19 +389,23 @@ def _shifted(table: list[list[Any]], window: Window, number: Any) -> list[list[A
     return out
 
 
+def _nearest(value: Any) -> float:
+    """The double nearest to a rational number."""
+    return int(value.p) / int(value.q)
+
+
 def _exponent(value: Any) -> int:
     """An exponent e with |value| <= 2^e; very small for zero."""
-    if isinstance(value, Fraction):
-        return value.numerator.bit_length() - value.denominator.bit_length() + 1 if value else -9999
+    if isinstance(value, fmpq):
+        return int(value.p).bit_length() - int(value.q).bit_length() + 1 if value else -9999
     man, exp = value.abs_upper().man_exp()
     return int(man).bit_length() + int(exp) if man else -9999
 
 
 def _double(value: Any, exponent: int) -> float:
     """value/2^exponent as the nearest double, of a size of at most one."""
-    if isinstance(value, Fraction):
-        scaled = value * Fraction(2) ** -exponent
-        return scaled.numerator / scaled.denominator
+    if isinstance(value, fmpq):
+        return _nearest(value * fmpq(2) ** -exponent)
     scaled = value * arb(2) ** -exponent
     if not scaled.rad() < LOSS / 4:
         raise NotExact("a ball that is not narrow")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import suppress
-from fractions import Fraction
 from functools import cached_property
 from math import gcd
 from typing import Any
@@ -253,11 +252,9 @@ def surface(poly: Any, windows: tuple[Window, Window]) -> Surface:
     p, q = (w.power for w in windows)
     if isinstance(poly, BallPolynomial):
         return Surface({(i // p, j // q): c for (i, j), c in poly.terms.items()}, windows)
-    terms = {
-        (int(e[0]) // p, int(e[1]) // q): Fraction(int(c.p), int(c.q))
-        for e, c in poly.to_dict().items()
-    }
-    return Surface(terms, windows)
+    return Surface(
+        {(int(e[0]) // p, int(e[1]) // q): c for e, c in poly.to_dict().items()}, windows
+    )
 
 
 def _product(condition: Condition, signs: Any, count: int) -> Signs:

@@ -44,6 +44,9 @@ EXPRESSIONS: list[tuple[str, Callable[[Any, Any, dict[str, Any]], Any]]] = [
     ("cancelling", lambda x, y, _: (x + y) * (x + y) - x * x - 2 * x * y - y * y + x / 1024),
     ("roots", lambda x, y, f: f["sqrt"](x * x + y * y) - f["sqrt"](f["fabs"](x))),
     ("sines", lambda x, y, f: f["sin"](x) * f["cos"](y) + f["tan"](x / 7) - f["cos"](40 * x)),
+    ("constants", lambda x, y, _: x * 0.1 + 0.3 - (y - 1e-9) * -7e5 + 2.0**40 * (x + 0.7)),
+    ("multiples", lambda x, y, f: 2 + f["sin"](33 * x) * f["cos"](3 * (11 * y)) - f["cos"](64 * x)),
+    ("a twofold", lambda x, y, f: f["sin"](x + x) * f["cos"](-2 * y) - f["sin"](0 * y + 5 * x)),
     ("others", lambda x, y, f: f["exp"](x / 5) + f["tanh"](y) - f["atan"](x) + f["log"](y * y)),
     ("powers", lambda x, y, f: f["pow"](x, 3) - f["pow"](y, -2) + f["pow"](x * x, y / 3)),
 ]

@@ -14,6 +14,7 @@ import pytest
 import xarray as xr
 
 import stability as st
+from stability.boundary import curves
 
 AXES: dict[str, Any] = {"x": ("p", -1, 1, 41), "y": ("q", -1, 1, 31)}
 U, V = 0.0137, 0.0171
@@ -91,6 +92,24 @@ def test_a_line_through_a_circle_crosses_it_twice() -> None:
     for line, circle, along, up in off:
         assert min(line, circle) < 1e-11
         assert np.hypot(along, up).max() < 0.12
+
+
+def test_no_bracket_is_sought_along_a_boundary(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At ω₃ = 2 a spinning disk is neutral up to μ = 1, and only there the line has a neighbour."""
+    sought: list[float] = []
+
+    def refine(line: Any, low: float, high: float) -> Any:
+        sought.append(low)
+        return real(line, low, high)
+
+    real = curves.refine
+    monkeypatch.setattr(curves, "refine", refine)
+    axes = {"x": ("at", 1.0, 3.0, 41), "y": ("mu", 0.05, 3.0, 30)}
+    chart = st.stability_map("spinning", **axes)
+    assert chart.at.values[20] == 2
+    assert (chart.verdict.values[:, 20] == st.Verdict.NEUTRAL.code).sum() > 5
+    assert chart.boundary_unresolved == 1
+    assert not sought
 
 
 def test_a_wedge_round_one_grid_point_is_not_followed_across_the_map() -> None:

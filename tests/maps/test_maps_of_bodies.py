@@ -1,5 +1,7 @@
 """Maps of bodies: by the polynomial where upright, and no wrong verdict where conditions fail."""
 
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -138,3 +140,16 @@ def test_a_map_that_is_decided_by_whole_tiles_at_once() -> None:
     assert found.verdict.attrs["flag_meanings"].split()[int(found.verdict.values[0, 0])] == (
         str(corner.verdict.word)
     )
+
+
+def test_the_first_map_of_a_long_formula_compiles_nothing() -> None:
+    script = """
+import sys
+import stability as st
+axes = {"x": ("at", 1.0, 1.7, 30), "y": ("mu", 0.05, 3.0, 40)}
+chart = st.stability_map("tumbling", body=st.Egg(0.2), **axes)
+assert chart.sizes["boundary_point"] > 10
+print("numba" in sys.modules)
+"""
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert run.stdout.split() == ["False"]
