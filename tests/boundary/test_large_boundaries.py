@@ -158,3 +158,32 @@ def test_the_same_proofs_hold_for_small_systems(
         n = int(random.integers(2, 9))
         said.append(judged(planted(random, n, int(random.integers(0, 5 * n)))))
     assert said.count("complete") >= count // 3
+
+
+@pytest.mark.parametrize("n", [9, pytest.param(28, marks=pytest.mark.long)])
+def test_the_boundary_of_a_ring_of_cars_is_that_of_its_longest_wave(n: int) -> None:
+    """λ (λ + a) = a V'(h) (ω - 1) with ωⁿ = 1 has λ = i w at a = 2 V'(h) cos²(π/n)."""
+    x, p = ca.SX.sym("x", 2 * n), ca.SX.sym("p")
+    gap, speed = x[:n], x[n:]
+    drive = p * (ca.tanh(gap - 2.25) - speed)
+    rates = ca.vertcat(ca.vertcat(speed[1:], speed[0]) - speed, drive)
+    gaps, speeds = ([f"{v}{i}" for i in range(n)] for v in "hv")
+    ring = st.System("ring", x, p, rates, states=gaps + speeds, parameters=("a",))
+    guess = dict.fromkeys(speeds, -0.25)
+    same = dict.fromkeys(gaps, 2.0)
+    flow = st.Family(ring, "flow", at=("a",), held=same, unknown=guess, equations=speeds)
+    found = st.boundaries(flow, axis=("a", 0.5, 4.0, 9))
+    true = 2 / np.cosh(0.25) ** 2 * np.cos(np.pi / n) ** 2
+    assert found.complete
+    assert [(point.crossing.word, point.stable_below) for point in found] == [("flutter", False)]
+    assert found[0].value == pytest.approx(true, rel=1e-14)
+
+
+def test_a_defective_block_is_proved_by_polynomials_where_doubles_end() -> None:
+    n, p = 17, ca.SX.sym("p")
+    one, back = unimodular(np.random.default_rng(SEED), n, 30)
+    jordan = (one @ (np.eye(n, k=1).astype(int) - 2 * np.eye(n).astype(int)) @ back).astype(float)
+    family = st.linear(ca.SX(ca.DM(jordan)) + 0.25 * p * ca.SX.eye(n))
+    found = st.boundaries(family, axis=("p", -1.0, 1.0, 9))
+    assert found.complete
+    assert not found.points

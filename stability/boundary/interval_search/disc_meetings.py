@@ -47,8 +47,6 @@ STEPS = 12
 """Most steps of Newton's method to the root of a piece."""
 CLOSE = 2.0**-60
 """Last step, over the root."""
-FAR = 1e-12
-"""Least distance of the axis, over the matrix, at which Lyapunov's equation is solved."""
 TINIEST = 1e-200
 """Size of a diagonal entry below which nothing is proved."""
 LARGEST = 1e200
@@ -187,13 +185,10 @@ class Carried:
         if not (gap > 0).all():
             return None
         off = self.off[np.ix_(others, others)]
-        vectors = [
-            _entries(some, table, gap)
-            for some, table in ((self.off[others, i], off), (self.off[i, others], off.T))
-        ]
-        if vectors[0] is None or vectors[1] is None:
+        right = _entries(self.off[others, i], off, gap)
+        left = _entries(self.off[i, others], off.T, gap)
+        if right is None or left is None:
             return None
-        right, left = vectors
         size = np.abs(self.tables[1]) + self.blur
         doubt = left @ size[others, i] + size[i, others] @ right
         doubt += left @ size[np.ix_(others, others)] @ right + self.blur[i, i]
@@ -242,27 +237,6 @@ def _carried(span: Span) -> Carried | None:
     with suppress(NotProvedError, np.linalg.LinAlgError):
         return Carried(span)
     return None
-
-
-def settled(span: Span) -> bool:
-    """Whether a stable block stays so all along, by the form of Lyapunov's equation.
-
-    It needs no eigenvectors, which may coincide.
-    """
-    from scipy.linalg import solve_continuous_lyapunov
-
-    n = len(span.middle)
-    try:
-        rates = np.linalg.eigvals(span.middle).real
-        if not rates.max() < -FAR * np.abs(span.middle).max():
-            return False
-        form = solve_continuous_lyapunov(span.middle.T, -np.eye(n))
-    except np.linalg.LinAlgError:
-        return False
-    form = (form + form.T) / 2
-    size = np.abs(span.middle) + np.abs(span.slope) + np.abs(span.curve)
-    error = np.abs(form) @ (span.rest + 4 * (n + 2) * UNIT * size) + n * LOST
-    return _definite([-form @ v for v in (span.middle, span.slope, span.curve)], MORE * error)
 
 
 def discs(carried: Carried, zeros: int) -> Discs | None:
@@ -348,8 +322,8 @@ class DiscMeetings(GraphMeetings):
         whole = Span(matrix, error, none, none, error, none)
         with np.errstate(all="ignore"):
             every = [_carried(span) for span in self._spans(whole)]
-            if all(carried is not None and carried.aside(self.zeros) for carried in every):
-                return True
+        if all(carried is not None and carried.aside(self.zeros) for carried in every):
+            return True
         return self.small and super().clear(value)
 
     @cached_property
@@ -376,7 +350,7 @@ class DiscMeetings(GraphMeetings):
             out.append((middle, MORE * error + 2 * (UNIT * np.abs(middle) + TINY)))
         return out
 
-    def piece(self, low: float, high: float) -> DiscPiece:
+    def piece(self, low: float, high: float) -> Any:
         """Members and the linearisation over a piece."""
         middle, half, whole = around(low, high)
         here, box = self.members(low, high)
@@ -413,13 +387,13 @@ class DiscMeetings(GraphMeetings):
 
     def _found(self, piece: DiscPiece) -> list[tuple[list[int], Discs]] | None:
         """The blocks that forms leave open, with what discs prove of them."""
-        spans, found = self._spans(piece.span), []
+        found = []
         with np.errstate(all="ignore"):  # what overflows proves nothing
-            every = [_carried(span) for span in spans]
+            every = [_carried(span) for span in self._spans(piece.span)]
             if any(carried is not None and carried.unstable() for carried in every):
                 return []
-            for block, span, carried in zip(self.blocks, spans, every, strict=True):
-                if not self.zeros and ((carried and carried.clear()) or settled(span)):
+            for block, carried in zip(self.blocks, every, strict=True):
+                if not self.zeros and carried and carried.clear():
                     continue
                 seen = discs(carried, self.zeros) if carried else None
                 if seen is None or seen.meetings is None:
