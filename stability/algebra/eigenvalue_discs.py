@@ -77,13 +77,12 @@ def eigenvalue_discs(matrix: Floats, error: Floats) -> Discs:
         matrix, error, unit = _scaled(matrix, error, size)
         try:
             values, x = (part[0] for part in eigenpairs(matrix[None]))
-            inverse = np.linalg.inv(x)
+            basis = basis_of(x, np.linalg.inv(x))
         except (np.linalg.LinAlgError, DomainError):
             return nothing
-        near = _near_diagonal(matrix, error, values, x, inverse)
-        if near is None:
+        if basis is None:
             return nothing
-        found = _gershgorin(values, *near)
+        found = _gershgorin(values, *near_diagonal(basis, matrix, error, values))
         values, radius = unit * found.values, unit * found.radius + 2 * TINY
         fine = np.isfinite(values).all() and np.isfinite(radius).all()
         return Discs(values, radius, found.alone) if fine else nothing
@@ -105,24 +104,52 @@ def _scaled(matrix: Floats, error: Floats, size: float) -> tuple[Floats, Floats,
     return balanced, error / scale[:, None] * scale + LOST * (error > 0), unit
 
 
-def _near_diagonal(
-    matrix: Floats, error: Floats, values: Complexes, x: Complexes, inverse: Complexes
-) -> tuple[Complexes, Floats] | None:
-    """H = X⁻¹ A X - Λ, and a bound on the error of each entry; None without a proof."""
-    n = len(matrix)
-    rounding = 4 * (n + 2) * UNIT  # √2 times that of 2 n products, for any order of the sum
-    ax, ay = np.abs(x), np.abs(inverse)
-    off = np.abs(np.eye(n) - inverse @ x) + rounding * (ay @ ax) + n * LOST
+def near_diagonal(
+    basis: Basis, matrix: Floats, error: Floats, values: Complexes
+) -> tuple[Complexes, Floats]:
+    """H = X⁻¹ A X - Λ, and a bound on the error of each entry."""
+    defect, doubt = _defect(matrix, values, basis.vectors)
+    return basis.carried(defect, doubt + MORE * (error @ np.abs(basis.vectors)))
+
+
+class Basis(NamedTuple):
+    """Vectors that are proved to be a basis."""
+
+    vectors: Complexes
+    """The vectors as columns, shape (n, n)."""
+    inverse: Complexes
+    """An approximate inverse R."""
+    flaw: Floats
+    """Bounds on the row sums of |1 - R X|, less than 1/2."""
+
+    def carried(self, product: Complexes, doubt: Floats) -> tuple[Complexes, Floats]:
+        """X⁻¹ times a matrix, from this matrix and a bound on the error of each entry."""
+        n = len(self.flaw)
+        size = np.abs(self.inverse)
+        near = self.inverse @ product
+        bound = size @ (doubt + _rounding(n) * np.abs(product)) + n * LOST
+        most = (np.abs(near) + bound).max(axis=0)  # of (1 - E)⁻¹ G, up to 1 / (1 - |E|)
+        return near, MORE * (bound + self.flaw[:, None] * most / (1 - MORE * self.flaw.max()))
+
+    def similar(self, matrix: Floats, error: Floats) -> tuple[Complexes, Floats]:
+        """X⁻¹ A X, and a bound on the error of each entry."""
+        n, size = len(matrix), np.abs(self.vectors)
+        doubt = MORE * ((error + _rounding(n) * np.abs(matrix)) @ size) + n * LOST
+        return self.carried(matrix @ self.vectors, doubt)
+
+
+def basis_of(vectors: Complexes, inverse: Complexes) -> Basis | None:
+    """Vectors as a basis; None where their inverse is not proved to be near."""
+    n = len(vectors)
+    off = np.abs(np.eye(n) - inverse @ vectors)
+    off += _rounding(n) * (np.abs(inverse) @ np.abs(vectors)) + n * LOST
     flaw = MORE * off.sum(axis=1)
-    worst = flaw.max()
-    if not worst < 0.5:
-        return None
-    defect, doubt = _defect(matrix, values, x)
-    doubt = doubt + MORE * (error @ ax)
-    near = inverse @ defect
-    bound = ay @ (doubt + rounding * np.abs(defect)) + n * LOST
-    most = (np.abs(near) + bound).max(axis=0)  # of (1 - E)⁻¹ G, up to 1 / (1 - |E|)
-    return near, MORE * (bound + flaw[:, None] * most / (1 - MORE * worst))
+    return Basis(vectors, inverse, flaw) if flaw.max() < 0.5 else None
+
+
+def _rounding(n: int) -> float:
+    """√2 times that of 2 n products, for any order of the sum."""
+    return 4 * (n + 2) * UNIT
 
 
 def _defect(matrix: Floats, values: Complexes, x: Complexes) -> tuple[Complexes, Floats]:

@@ -6,12 +6,13 @@ import operator
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache, lru_cache, partial
 from importlib import import_module
 from importlib.util import find_spec
 from math import prod
+from pathlib import Path
 from threading import RLock
 from types import ModuleType
 from typing import Any
@@ -39,6 +40,9 @@ class Algebra:
 
 TESTED = ("7.13.2",)
 """Versions of heyoka whose import needs SymPy for `to_sympy` and `from_sympy` alone."""
+KEPT = 2**26
+"""Bytes of machine code that heyoka keeps on disk for this package.  At its first use in a process
+it reads the whole file, which by default grows to 20 GiB: each takes a third of a second."""
 MOST_FACTORS = 64
 """Largest whole exponent for which a power is a product."""
 
@@ -233,18 +237,34 @@ def _known() -> bool:
 
 
 def heyoka() -> Any:
-    """The library heyoka, whose import does not wait for SymPy.
+    """The library heyoka, whose import does not wait for SymPy, nor its first use for a large file.
 
     heyoka imports the whole of SymPy, for `heyoka.to_sympy` and `heyoka.from_sympy` alone.  A first
     motion would wait for SymPy as long as for everything else.  Here both functions import SymPy
     when they are first called.  Versions that are not in `TESTED` are imported plainly.
+
+    A program that has imported heyoka itself keeps its settings.
 
     Raises
     ------
     ImportError
         If heyoka is not installed.
     """
-    if {"heyoka", "sympy"} & sys.modules.keys():
+    if "heyoka" in sys.modules:
+        return import_module("heyoka")
+    library = _imported()
+    with suppress(AttributeError, RuntimeError):  # an older version; no folder can be written
+        state = library.llvm_state
+        folder = Path(state.get_diskcache_path())
+        if folder.is_absolute():
+            state.set_diskcache_path(folder / "stability")
+            state.set_diskcache_limit(KEPT)
+    return library
+
+
+def _imported() -> Any:
+    """Heyoka, with a stand-in for SymPy where that is safe."""
+    if "sympy" in sys.modules:
         return import_module("heyoka")
     others = [t for t in threading.enumerate() if t is not threading.current_thread()]
     # a thread that imports SymPy meanwhile would find the stand-in; that of a progress bar does not

@@ -28,7 +28,7 @@ from ..base.printing import html_table, in_brackets, to_bound
 from ..base.quantities import behind
 from ..base.types import Sentences
 from ..base.verdict import DECAYING, Verdict
-from ..polynomials.identities import certain, symmetric
+from ..polynomials.identities import MOST_STATES, certain, symmetric
 from ..spectra.problem import Problem, formulas_of
 from ..spectra.verdict_routes import ALONE, ANYTHING, BITS, GRAPH, Point, by_routh, decided
 from ..storage.text import csv_text
@@ -386,7 +386,8 @@ class LinePoint(Point):
         super().__init__(line.problem, line.fixed | {line.axis: value})
         self.line, self.value = line, value
         self.has = {ANYTHING, ALONE} if line.problem.derived else {ANYTHING, ALONE, GRAPH}
-        self.quick = LADDER if line.problem.derived else (BITS,)
+        large = len(line.problem.family.system.states) > MOST_STATES  # over Q is slower
+        self.quick = LADDER if line.problem.derived or large else (BITS,)
 
     def coefficients(self, bits: int) -> Sequence[Any] | None:
         """The characteristic polynomial in balls."""
@@ -419,6 +420,7 @@ class AxisScan:
         self._near: list[float] | None = None
         self._solution: tuple[int, list[Any], list[Any]] | None = None
         self._known: dict[tuple[float, int], list[Any]] = {}
+        self._proofs: dict[float, tuple[Verdict, bool]] = {}
         self._formulas: dict[int, RepeatedBalls] = {}
 
     def given(self, value: Any) -> tuple[list[Any], list[Any]]:
@@ -545,9 +547,12 @@ class AxisScan:
         return self._proved(value)
 
     def _proved(self, value: float) -> tuple[Verdict, bool]:
-        point = LinePoint(self, value)
-        proof = decided(point)
-        return proof.verdict, proof.nearby or (proof.verdict is Verdict.NEUTRAL and point.stays)
+        if value not in self._proofs:
+            point = LinePoint(self, value)
+            proof = decided(point)
+            generic = proof.nearby or (proof.verdict is Verdict.NEUTRAL and point.stays)
+            self._proofs[value] = proof.verdict, generic
+        return self._proofs[value]
 
     def vanishing(self, value: float, width: float, otherwise: Crossing) -> Crossing:
         """What crosses within a proved bracket: a pair where no eigenvalue is zero in all of it.
@@ -673,12 +678,17 @@ def _zero(f: Callable[[float], float], low: float, high: float) -> float:
     return float(brentq(f, low, high, xtol=1e-300, rtol=4 * np.finfo(float).eps, maxiter=5000))
 
 
-def bracketed(line: AxisScan, root: float, crossing: Crossing) -> BoundaryPoint | None:
-    """The boundary at a root that is known to double precision; None where none is proved."""
+def bracketed(
+    line: AxisScan, root: float, crossing: Crossing, *, sure: bool = False
+) -> BoundaryPoint | None:
+    """The boundary at a root that is known to double precision; None where none is proved.
+
+    `sure` says that what crosses is proved.
+    """
     found = bracket(line.sign, root)
     if found is None or not line.joined(root - found[0], root, root + found[0]):
         return None  # from one branch to another the verdict changes without a crossing
-    if crossing is not Crossing.STATIC:  # real eigenvalues may cross two at a time
+    if crossing is not Crossing.STATIC and not sure:  # real eigenvalues may cross two at a time
         crossing = line.vanishing(root, found[0], crossing)
     return BoundaryPoint(root, found[0], crossing, crossing_rate(line, root, crossing), found[1])
 

@@ -1,7 +1,9 @@
 """heyoka is imported without SymPy, and its exchange with SymPy still works."""
 
+import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -27,8 +29,14 @@ print(type(sympy.Symbol).__module__, sympy.factor(sympy.Symbol("x") ** 2 - 1))
 """
 
 
-def _printed(code: str) -> str:
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+def _printed(code: str, **names: str) -> str:
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | names,
+    )
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -72,3 +80,18 @@ stop.set()
 print("sympy" in sys.modules)
 """
     assert _printed(code) == "True\n"
+
+
+def test_machine_code_is_kept_in_a_small_file_of_the_package(tmp_path: Path) -> None:
+    read = "state = heyoka().llvm_state\nprint(state.get_diskcache_path())\n"
+    ours = "from stability.algebra.number_types import heyoka\n" + read
+    size = "print(state.get_diskcache_limit() == 2**26)"
+    assert _printed(ours + size, HEYOKA_CACHE_DIR=str(tmp_path)) == f"{tmp_path}/stability\nTrue\n"
+    users = _printed("import heyoka as _\n" + ours, HEYOKA_CACHE_DIR=str(tmp_path))
+    assert users == f"{tmp_path}\n"
+
+
+@pytest.mark.parametrize("home", ["", "/dev/null"])
+def test_a_motion_needs_no_folder_for_machine_code(home: str) -> None:
+    names = {"HOME": home, "HEYOKA_CACHE_DIR": home, "XDG_CACHE_HOME": ""}
+    assert _printed(AFTER, **names) == "False\n"

@@ -36,6 +36,11 @@ from .taylor import coefficient, linearisation, product, quotient, series_algebr
 SKEW = 1e7
 """Condition number of eigenvectors above which Schur vectors take their place."""
 
+MOST_PIECES = 1200
+"""Largest number of pieces for a system of few states."""
+MOST_WORK = 400_000
+"""Largest number of pieces times the cube of the number of states."""
+
 Form = list[Any]
 
 
@@ -185,6 +190,11 @@ class Meetings(ABC):
     count: int
     """Number of functions at most."""
 
+    @property
+    def most(self) -> int:
+        """Largest number of pieces."""
+        return min(MOST_PIECES, MOST_WORK // max(map(len, self.blocks)) ** 3)
+
     def prepared(self, value: float) -> bool:  # noqa: ARG002
         """Whether `root` need not follow the member from the family's known one."""
         return True
@@ -235,6 +245,14 @@ class Meetings(ABC):
         signs = [(ends[0][i], ends[1][i]) for i in open_]
         return None if any(0 in pair for pair in signs) else sum(a != b for a, b in signs)
 
+    def divisible(self, low: float, high: float) -> bool:  # noqa: ARG002
+        """Whether narrower pieces may be proved where one is not."""
+        return True
+
+    def near(self, piece: Any) -> tuple[float, Crossing] | None:  # noqa: ARG002
+        """The single meeting of a piece to double precision, where it is known."""
+        return None
+
     def _signs(self, value: float, piece: Any = None) -> list[int]:
         """Proved signs of the functions at a point; 0 where open."""
         bits, out = BITS, [0]
@@ -254,7 +272,7 @@ class Meetings(ABC):
             return False
 
 
-def _around(low: float, high: float) -> tuple[Any, Any, Any]:
+def around(low: float, high: float) -> tuple[Any, Any, Any]:
     """Middle, half-width and ball of a piece; the ball may reach beyond one end."""
     middle = arb(middle_of(low, high))
     half = max(arb(high) - middle, middle - arb(low))
@@ -333,15 +351,26 @@ class GraphMeetings(Meetings):
 
     # --- a piece ---
 
-    def piece(self, low: float, high: float) -> Piece:
-        """Members and linearisations over a piece."""
+    def members(self, low: float, high: float) -> tuple[list[Any], list[Any]]:
+        """The unknowns at the middle of a piece, and over it, each the only root nearby.
+
+        Raises
+        ------
+        NoMemberError
+            If no member is proved.
+        """
         point = middle_of(low, high)
-        middle, half, whole = _around(low, high)
+        middle, half, _ = around(low, high)
         here = self.root(point)
         if here is None:
             raise NoMemberError(f"{self.family.name} has no member at {point}.")
         wide = arb(middle, (half * (1 + WIDER)).abs_upper())
-        box = self._unknowns(wide, [float(v.mid()) for v in here])
+        return here, self._unknowns(wide, [float(v.mid()) for v in here])
+
+    def piece(self, low: float, high: float) -> Piece:
+        """Members and linearisations over a piece."""
+        middle, half, whole = around(low, high)
+        here, box = self.members(low, high)
         over = self._matrices(whole, box, MATRIX_ORDER + 1)
         if not finite(over[0]):
             raise NoValueError
@@ -401,7 +430,7 @@ class GraphMeetings(Meetings):
             bases = piece.bases if piece else self._bases(matrix[0])
             return [f[0] for f in self.functions(matrix, bases, fold=True)]
 
-    def joined(self, piece: Piece) -> bool:
+    def joined(self, piece: Any) -> bool:
         """Whether the members at both ends lie in the box of the piece."""
         if not self.family.unknown or self.family.closed:
             return True
@@ -443,7 +472,7 @@ class FormulaMeetings(Meetings):
 
     def piece(self, low: float, high: float) -> FormulaPiece:
         """The functions over a piece where its formulas are those of members."""
-        middle, half, whole = _around(low, high)
+        middle, half, whole = around(low, high)
         inner, asked = self._series(middle)
         outer, numbers = self._series(whole)
 

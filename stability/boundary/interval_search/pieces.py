@@ -38,17 +38,12 @@ from ..brackets import (
     bracketed,
     refine,
 )
+from .disc_meetings import MOST_STATES, DiscMeetings
 from .meetings import FormulaMeetings, GraphMeetings, Meetings, NoValueError, middle_of
 from .quick_pieces import Leaf, quick_pieces
 
-MOST_PIECES = 1200
-"""Largest number of pieces for a system of few states."""
-MOST_WORK = 400_000
-"""Largest number of pieces times the cube of the number of states."""
 MOST_LOST = 200
 """Largest number of pieces that are cut because members are missing, or on several branches."""
-MOST_STATES = 16
-"""Largest number of states in one block of the linearisation."""
 FINEST = 2.0**-46
 """Width of the smallest piece, relative to the interval's largest number."""
 CUT = 0.4916015625
@@ -136,11 +131,13 @@ def _meetings(line: AxisScan) -> Meetings | str:
     if not line.problem.derived and not certain(family):
         return "the number of eigenvalues that are zero by structure is not proved for all members"
     found = GraphMeetings(line, zeros)
+    if not found.even and zeros < 2:
+        return DiscMeetings(line, zeros)
     largest = max(map(len, found.blocks))
     if largest > MOST_STATES:
         return (
-            f"the linearisation has a block of {largest} states; pieces are proved up to "
-            f"{MOST_STATES}"
+            f"the linearisation has a block of {largest} states; where its spectrum is symmetric, "
+            f"or several eigenvalues are zero by structure, pieces are proved up to {MOST_STATES}"
         )
     return found
 
@@ -163,8 +160,7 @@ class _Search:
     ) -> None:
         self.found, self.low, self.high = found, low, high
         self.least, self.log = least, log
-        self.most = min(MOST_PIECES, MOST_WORK // max(map(len, found.blocks)) ** 3)
-        self.lost = 0
+        self.most, self.lost = found.most, 0
 
     def run(self, waiting: list[tuple[float, float]], count: int) -> tuple[list[Leaf], int]:
         """The leaves of pieces, not in order, and the number of pieces with those before."""
@@ -215,6 +211,8 @@ class _Search:
         width = leaf.high - leaf.low
         if width <= self.least or not leaf.low < cut < leaf.high:
             return False
+        if not self.found.divisible(leaf.low, leaf.high):
+            return False
         here = self.found.root(middle_of(leaf.low, leaf.high)) is not None
         if leaf.reason == BRANCH or (leaf.reason == NO_MEMBER and not here):
             self.lost += 1
@@ -231,13 +229,15 @@ class _Search:
                 if not self.found.joined(piece):
                     return Leaf(low, high, None, BRANCH)
                 count = self.found.zeros_in(piece)
+                near = self.found.near(piece) if count == 1 else None
         except NoMemberError:
             return Leaf(low, high, None, NO_MEMBER)
         except (NoValueError, ZeroDivisionError, OverflowError):
             return Leaf(low, high, None, NO_VALUE)
         except StabilityError as error:
             return Leaf(low, high, None, str(error))
-        return Leaf(low, high, count, TOUCH if count is None or count > 1 else "")
+        reason = TOUCH if count is None or count > 1 else ""
+        return Leaf(low, high, count, reason, near, sure=near is not None)
 
 
 def _joined(leaves: list[Leaf]) -> Iterator[Leaf]:
@@ -429,7 +429,7 @@ def _near(line: AxisScan, leaf: Leaf) -> BoundaryPoint | None:
     """The change at a meeting that is known to double precision."""
     if leaf.near is None:
         return None
-    found = bracketed(line, *leaf.near)
+    found = bracketed(line, *leaf.near, sure=leaf.sure)
     return found if found and found.error <= NARROW * np.spacing(abs(found.value)) else None
 
 

@@ -67,6 +67,8 @@ class Leaf:
     """Reason why nothing is proved."""
     near: tuple[float, Crossing] | None = None
     """The single meeting to double precision, where it is known."""
+    sure: bool = False
+    """Whether it is proved what meets the axis there."""
 
 
 @dataclass(frozen=True)

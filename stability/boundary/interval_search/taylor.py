@@ -183,8 +183,7 @@ def linearisation(
     count
         Number of coefficients.
     """
-    u = _unknowns(family, a, q, start, count)
-    entries = family.graph.matrix.run(series_algebra(), [a, u, q])[0]
+    entries = entries_of(family, a, q, start, count)
     size = len(family.system.states)
     out = []
     for k in range(count):
@@ -193,6 +192,15 @@ def linearisation(
             table[i][j] = coefficient(entry, k)
         out.append(arb_mat(table))
     return out
+
+
+def entries_of(
+    family: Family, a: Sequence[Any], q: Sequence[Any], start: Sequence[Any], count: int
+) -> list[Any]:
+    """As `linearisation`, the entries that are not zero for all members, as series or numbers."""
+    u = _unknowns(family, a, q, start, count)
+    found: list[Any] = family.graph.matrix.run(series_algebra(), [a, u, q])[0]
+    return found
 
 
 def _unknowns(
