@@ -18,6 +18,7 @@ from . import (
     boundaries,
     cite,
     compare,
+    equilibria,
     explore,
     export,
     map,  # noqa: A004  # the name of the command
@@ -35,6 +36,10 @@ COMMANDS: dict[str, tuple[Any, str]] = {
     "boundaries": (
         boundaries,
         "Every change of verdict along one axis, proved, and whether these are all",
+    ),
+    "equilibria": (
+        equilibria,
+        "Every steady state of a system of your own in a box, proved, and whether these are all",
     ),
     "atlas": (
         atlas,

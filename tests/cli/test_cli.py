@@ -20,6 +20,7 @@ COMMANDS = (
     "spectrum",
     "map",
     "boundaries",
+    "equilibria",
     "atlas",
     "table",
     "scene",
