@@ -48,7 +48,7 @@ MOST_PARTS = 64
 
 DOUBLE = (
     "an equilibrium is neither proved nor excluded here: it is double, as at a fold or a branch "
-    "point, or the rates have no slope there"
+    "point, or the rates have no slope or no value there, as x/(1 - exp(x)) at 0"
 )
 SPENT = (
     f"{MOST_BOXES} boxes were used up before all of this part was searched; give a smaller box, or "

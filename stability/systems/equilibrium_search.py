@@ -34,7 +34,9 @@ LARGER = 0.02
 LEAST = 2.0**-46
 """Least room, over the first width or the size of the numbers."""
 FINEST = 2.0**-26
-"""Width over the first one at which a box stays open."""
+"""Width over the first one, or over the size of its numbers, at which a box stays open."""
+NEAR_ZERO = 2.0**-40
+"""Least size of numbers, over the first width."""
 SHRUNK = 0.7
 """Share of the widest side, over the first width, up to which a box is narrowed again."""
 LAGGING = 1 / 16
@@ -315,6 +317,18 @@ class _Search:
                 parts.append(halves)
         return spent
 
+    def _last(self, boxes: Boxes) -> None:
+        """Try the smallest boxes with the least room, in which zeros next to each other fit."""
+        step = _stepped(
+            self.system, boxes.lo, boxes.hi, self._parameters(boxes.owner), boxes.lo * 0 + TINY
+        )
+        self._keep(step, boxes.owner)
+        self.open.append(boxes[~(step.proved | step.void)])
+
+    def _keep(self, step: _Step, owner: Owners) -> None:
+        low, high = (ends[step.proved] for ends in step.larger)
+        self.proved.append((Boxes(low, high, owner[step.proved]), step.middle[step.proved]))
+
     def _parameters(self, owner: Owners) -> Floats:
         """One number for each parameter where they are the same, so that exponents stay exact."""
         return self.p[0] if len(self.p) == 1 else self.p[owner].T
@@ -330,18 +344,18 @@ class _Search:
                 return boxes
         first = self.first[owner]
         step = _stepped(self.system, lo, hi, self._parameters(owner), first)
-        if step.proved.any():
-            low, high = (ends[step.proved] for ends in step.larger)
-            self.proved.append((Boxes(low, high, owner[step.proved]), step.middle[step.proved]))
+        self._keep(step, owner)
         keep = ~(step.void | step.proved)
         lo, hi, owner, first = step.lo[keep], step.hi[keep], owner[keep], first[keep]
         boxes, smear = boxes[keep], step.smear[keep]
         width = (hi - lo) / first
         free = np.where(self.system.free, width, LAGGING * width)
-        finest = free.max(axis=1) <= FINEST
-        narrow = (hi - lo <= 4 * np.spacing(np.maximum(np.abs(lo), np.abs(hi)))).all(axis=1)
+        most = np.maximum(np.abs(lo), np.abs(hi))
+        size = np.minimum(first, np.maximum(most, NEAR_ZERO * first))
+        finest = (free * first <= FINEST * size).all(axis=1)
+        narrow = (hi - lo <= 4 * np.spacing(most)).all(axis=1)
         if (done := finest | narrow).any():
-            self.open.append(Boxes(lo[done], hi[done], owner[done]))
+            self._last(Boxes(lo[done], hi[done], owner[done]))
         again = ~done & (width.max(axis=1) <= SHRUNK * ((boxes.hi - boxes.lo) / first).max(axis=1))
         cut = ~done & ~again
         lags = free < LAGGING * free.max(axis=1, keepdims=True)
