@@ -185,7 +185,7 @@ def test_planted_equilibria_are_found_and_none_is_invented() -> None:
 @pytest.mark.long
 def test_planted_equilibria_of_two_thousand_systems() -> None:
     counts = campaign(range(2000))
-    assert counts.complete >= 1980
+    assert counts.complete >= 1950  # others have double equilibria, or lines of them
 
 
 # --- closed forms ---
