@@ -11,9 +11,9 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from .base import above
 from .base.calls import guarded
 from .base.version import __version__ as __version__
-from .spectra import drawing
 
 _HOME = {
     "bodies.disk": ("Disk", "REAL_DISKS"),
@@ -40,6 +40,7 @@ _HOME = {
     "systems.family": ("Family",),
     "bodies.thin_disk": ("disk_system",),
     "bodies.subject": ("disk_family",),
+    "systems.equilibria": ("Equilibria",),
     "systems.continuation": ("branch", "Branch", "BranchPoint", "Fold"),
     "spectra.spectrum": ("spectrum",),
     "spectra.result": ("Spectrum",),
@@ -96,8 +97,11 @@ _HOME = {
 }
 _WHERE = {name: module for module, names in _HOME.items() for name in names}
 
-_FIGURES = {"spectrum": ("figures.loci", "plot_locus")}
-"""Kind of result: where the function is that `.plot()` calls."""
+_ABOVE = {
+    "figure of a spectrum": ("figures.loci", "plot_locus"),
+    "spectrum": ("spectra.spectrum", "spectrum"),
+}
+"""Where the functions are that results of rooms below call: `.plot()`, and `.spectra`."""
 
 __all__ = sorted(_WHERE)  # noqa: PLE0605
 
@@ -202,6 +206,7 @@ if TYPE_CHECKING:
     from .systems.continuation import Fold as Fold
     from .systems.continuation import branch as branch
     from .systems.equations import Condition as Condition
+    from .systems.equilibria import Equilibria as Equilibria
     from .systems.family import Family as Family
     from .systems.linear import linear as linear
     from .systems.mechanics import mechanics as mechanics
@@ -226,8 +231,8 @@ def _finder(module: str, name: str) -> Callable[[], Any]:
     return lambda: getattr(import_module(f".{module}", __name__), name)
 
 
-for _kind, _place in _FIGURES.items():
-    drawing.register(_kind, _finder(*_place))
+for _call, _place in _ABOVE.items():
+    above.register(_call, _finder(*_place))
 
 
 def __dir__() -> list[str]:

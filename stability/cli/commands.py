@@ -19,6 +19,7 @@ from . import (
     branch,
     cite,
     compare,
+    equilibria,
     explore,
     export,
     map,  # noqa: A004  # the name of the command
@@ -38,6 +39,10 @@ COMMANDS: dict[str, tuple[Any, str]] = {
         "Every change of verdict along one axis, proved, and whether these are all",
     ),
     "branch": (branch, "A family followed round its folds, and where other branches cross it"),
+    "equilibria": (
+        equilibria,
+        "Every steady state of a system of your own in a box, proved, and whether these are all",
+    ),
     "atlas": (
         atlas,
         "The families' diagrams for disk, annulus and hoop, or for other bodies of revolution",

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..algebra.eigensolver import EigenSolver, eigenpairs, lapack
+from ..base.above import function_of
 from ..base.citation import cited
 from ..base.errors import ParameterError, StabilityError
 from ..base.printing import html_table, in_brackets
@@ -26,7 +27,6 @@ from ..storage.text import csv_text
 from ..systems.family import Family
 from ..systems.structure.linearity import linear
 from .deflation import Place
-from .drawing import figure_of
 from .eigenvalues import REASONS, Eigenpairs, Modes, lift, mode_labels, track
 from .labels import axis_attributes, of_package, origin, rate_attributes, verdict_attributes
 
@@ -518,7 +518,7 @@ class Spectrum(Record):
         -------
         matplotlib.figure.Figure
         """
-        return figure_of("spectrum")(self, **options)
+        return function_of("figure of a spectrum")(self, **options)
 
     @property
     def rate_unit(self) -> str:

@@ -87,7 +87,7 @@ def steady(
     fixed: dict[str, Any] = mapping("held", held or {})
     for what in fixed:
         system.index(what)
-    moving = _moving(system, {*fixed, *where, *(equations or ())})
+    moving = moving_states(system, {*fixed, *where, *(equations or ())})
     unknown = [n for n in system.states if n not in fixed and n not in where]
     solved = names("equations", equations) if equations is not None else None
     for what in [n for n in unknown if n in moving or (n not in given and _ignorable(system, n))]:
@@ -97,11 +97,11 @@ def steady(
             fixed[what] = 0.0
             unknown.remove(what)
         try:
-            solved = _equations(system, fixed, unknown, given, moving)
+            solved = independent_rates(system, fixed, unknown, given, moving)
         except ParameterError:  # an ignorable state that rests decides what the others leave open
             if not moving:
                 raise
-            solved, moving = _equations(system, fixed, unknown, given, ()), ()
+            solved, moving = independent_rates(system, fixed, unknown, given, ()), ()
     for what in system.states:
         if what not in (*fixed, *where, *unknown, *moving):
             fixed[what] = 0.0  # no rate depends on it, so any value is as good
@@ -142,7 +142,7 @@ def _exists(family: Family, given: Mapping[str, float]) -> bool:
     return True
 
 
-def _moving(system: Equations, named: Collection[str]) -> tuple[str, ...]:
+def moving_states(system: Equations, named: Collection[str]) -> tuple[str, ...]:
     """Ignorable states that need not rest: those that act on none that is named."""
     out = [n for n in ignorable(system) if n not in named]
     while acting := [n for n in out if acting_on(system, n, [s for s in named if s not in out])]:
@@ -161,7 +161,7 @@ def _ignorable(system: Equations, state: str) -> bool:
 # --- the equations ---
 
 
-def _equations(
+def independent_rates(
     system: Equations,
     held: Mapping[str, Any],
     unknown: Sequence[str],
@@ -171,12 +171,8 @@ def _equations(
     """What is to vanish: independent residuals and rates, as many as there are unknowns."""
     if not unknown:
         return ()
-    own = {
-        n: v
-        for n, v in zip(system.states, ca.vertsplit(system.rhs), strict=True)
-        if n not in moving
-    }
-    rates = _places(system) | own
+    own = [n for n in system.states if n not in moving]
+    rates = {n: v for n, v in rates_by_name(system).items() if n not in moving}
     values = _with_held(system, held, ca.vertcat(*rates.values()))
     sought = ca.vertcat(*[system.x[system.index(n)] for n in unknown])
     rows = [
@@ -202,6 +198,12 @@ def _equations(
         )
     order = list(rates)
     return tuple(sorted((rows[i] for i in chosen), key=order.index))
+
+
+def rates_by_name(system: Equations) -> dict[str, ca.SX]:
+    """Residuals of constraints on places, then the rates of the states."""
+    rates = zip(system.states, ca.vertsplit(system.rhs), strict=True)
+    return {**_places(system), **dict(rates)}
 
 
 def _places(system: Equations) -> dict[str, ca.SX]:

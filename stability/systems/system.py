@@ -9,6 +9,7 @@ from typing import Any, Self
 from ..algebra.upright import Upright
 from ..base.errors import ParameterError
 from .equations import Condition, Equations
+from .equilibria import Equilibria, equilibria
 from .family import Family
 from .graph.ignorable import ignorable
 
@@ -305,3 +306,55 @@ class System(Equations):
             name=name,
             **parameters,
         )
+
+    def equilibria(
+        self, box: Mapping[str, tuple[float, float] | float], **parameters: float
+    ) -> Equilibria:
+        """Every steady state in a box, each proved, and whether these are proved to be all.
+
+        The box is cut into parts.  Each part is proved in interval arithmetic to hold no steady
+        state, or one.  Parts without a proof stay open: around double equilibria (folds and branch
+        points), and where the rates have no slope.  The result then says where, and a
+        `StabilityWarning` repeats this.
+
+        Parameters
+        ----------
+        box
+            Low and high end of each state, both included; or one number, at which a state is held.
+            An ignorable state, such as a place, is left out: it may move.
+        **parameters
+            Value of each parameter.
+
+        Returns
+        -------
+        Equilibria
+            A sequence of states by name, with `.states`, `.errors`, `.verdicts`, `.complete` and
+            `.unresolved`, and `.families(at=…)` through each.
+
+        Raises
+        ------
+        NameUnknownError, ParameterError
+            If names or numbers do not fit the system, or the rates leave states open for all
+            numbers, as where a sum of states is conserved.
+
+        Warns
+        -----
+        StabilityWarning
+            If the search was not complete.
+
+        Source: planted equilibria of random systems in tests/systems/test_equilibria.py.
+
+        Examples
+        --------
+        >>> import casadi as ca, stability as st
+        >>> x, y, k = (ca.SX.sym(n) for n in "xyk")
+        >>> switch = st.System("switch", ca.vertcat(x, y), k,
+        ...                    ca.vertcat(k / (1 + y**2) - x, k / (1 + x**2) - y),
+        ...                    states=("x", "y"), parameters=("k",))
+        >>> found = switch.equilibria({"x": (0, 5), "y": (0, 5)}, k=2.5)
+        >>> found.states.round(6).tolist(), found.complete
+        ([[0.5, 2.0], [1.114747, 1.114747], [2.0, 0.5]], True)
+        >>> [v.word for v in found.verdicts]
+        ['stable', 'unstable', 'stable']
+        """
+        return equilibria(self, box, parameters)

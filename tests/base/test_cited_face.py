@@ -187,6 +187,7 @@ REASONS = {
             "CycleBirth",
             "SlowFlow",
             "CodimensionTwo",
+            "Equilibria",
             "Exact",
             "Answer",
             "Table",

@@ -123,6 +123,7 @@ MAKERS: dict[str, Callable[[float], Any]] = {
     "System": pendulum,
     "Condition": lambda v: st.Condition(ca.SX.sym("g") - v, "g is {value}"),
     "Family": hanging,
+    "Equilibria": lambda v: pendulum(v).equilibria({"angle": (-1, v), "rate": (-1, 1)}, g=9, d=1),
     "Branch": lambda v: fold(round(10 * v)),
     "Fold": lambda v: fold(round(10 * v)).folds[0] if v < 0.35 else st.Fold(v, np.ones(2), 0, True),
     "BranchPoint": lambda v: st.branch(fork(), -v, 1, [], points=7).branch_points[0],

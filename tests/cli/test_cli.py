@@ -22,6 +22,7 @@ COMMANDS = (
     "map",
     "boundaries",
     "branch",
+    "equilibria",
     "atlas",
     "table",
     "scene",

@@ -108,6 +108,10 @@ class NumericSystem(Equations):
         """A family is found from a graph, and there is none."""
         raise ParameterError(self.no_graph)
 
+    def equilibria(self, *_: Any, **__: Any) -> Any:
+        """A box is searched by a graph, and there is none."""
+        raise ParameterError(self.no_graph)
+
     def check(self, x: ArrayLike, p: ArrayLike) -> None:
         """Nothing to check before the call."""
 
