@@ -411,6 +411,7 @@ MARKERS = {
     PointKind.ZERO_HOPF: "D",
     PointKind.DOUBLE_HOPF: "^",
     PointKind.VANISHING: "o",
+    PointKind.CUSP: "v",
 }
 """Marker of each kind."""
 LABELS = {
@@ -418,6 +419,7 @@ LABELS = {
     PointKind.ZERO_HOPF: "zero and pair",
     PointKind.DOUBLE_HOPF: "two pairs",
     PointKind.VANISHING: "soft to hard",
+    PointKind.CUSP: "cusp",
 }
 """Word of each kind in the legend."""
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import NamedTuple, overload
 
 from ...base.errors import warned
@@ -29,6 +29,7 @@ class PointKind(Sentences):
     VANISHING = (
         "vanishing coefficient (Bautin): on a flutter boundary soft onset turns into hard onset"
     )
+    CUSP = "cusp: two folds meet, where three steady motions are one"
 
     @property
     def word(self) -> str:
@@ -64,6 +65,8 @@ class DegeneratePoint:
     """|Im λ| of the pairs, in the user's unit of rate, in increasing order."""
     others: str
     """Other eigenvalues: stable, unstable (so that the verdict does not change there), or open."""
+    member: Mapping[str, float] = field(default_factory=dict)
+    """The unknowns there, by name, where the family is solved for and has folds."""
 
 
 class UnresolvedBox(NamedTuple):
@@ -114,7 +117,7 @@ class CodimensionTwo(Record, Sequence[DegeneratePoint]):
     def complete(self) -> bool:
         """Whether every point of the first three kinds in the closed rectangle is listed.
 
-        For vanishing coefficients see `vanishing_complete`.
+        For vanishing coefficients see `vanishing_complete`; cusps are never all excluded.
         """
         return all(box.kind is PointKind.VANISHING for box in self.unresolved)
 
