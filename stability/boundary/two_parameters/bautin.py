@@ -416,6 +416,8 @@ class ExactSearch:
         Names of x and y.
     rectangle
         Ends of x and y.
+    seconds
+        Longest time before the elimination [s].
 
     Raises
     ------
@@ -423,12 +425,18 @@ class ExactSearch:
         If the equations are not algebraic in the axes, or too large; the message says how large.
     """
 
-    def __init__(self, problem: Problem, names: tuple[str, str], rectangle: Rectangle) -> None:
+    def __init__(
+        self,
+        problem: Problem,
+        names: tuple[str, str],
+        rectangle: Rectangle,
+        seconds: float = SECONDS,
+    ) -> None:
         family = problem.family
         self.rectangle, self.names = rectangle, names
         base = (*family.at, *family.parameters)
         self.values = {n: rational(float(problem.values[n])) for n in base if n not in names}
-        self.reading = CharacteristicPolynomial(family, self.values, Budget(MOST_TERMS, SECONDS))
+        self.reading = CharacteristicPolynomial(family, self.values, Budget(MOST_TERMS, seconds))
         self.forms_of = OnsetForms(self.reading)
         some = list(self.forms_of)
         self.forms = [f for f in some if any(c != 0 for c in f.coefficient)]

@@ -22,7 +22,7 @@ from ...spectra.problem import Problem
 from ...systems.family import Family
 from ...systems.structure.structural_zeros import structure
 from ..hopf import rounded, zeros_left
-from .bautin import ExactSearch, Vanishing
+from .bautin import SECONDS, ExactSearch, Vanishing
 from .curve_search import CurveSearch, ProvedPoint, lines_of
 from .plane_search import BITS, SPECTRAL, BoxSearch, Found, Rectangle, isolated, joined
 from .planes import GraphPlane, exact_plane
@@ -64,6 +64,8 @@ NONE_ON_CURVES = (
 NONE_ON_LINES = (
     "vanishing first Lyapunov coefficients were not sought, since eigenvalues vanish by structure"
 )
+FOLDED_SECONDS = 3.0
+"""Longest time of the exact search for vanishing coefficients where members have folds [s]."""
 OTHERS = {1: "stable", -1: "unstable", 0: "open"}
 
 
@@ -237,8 +239,10 @@ def _vanishing(
 ) -> tuple[list[DegeneratePoint], list[UnresolvedBox], str, bool]:
     """Vanishing coefficients: points, what stays open, how they were sought, and whether all."""
     names = axes[0].name, axes[1].name
+    # of a sheet with folds an unknown remains, but for square roots
+    seconds = SECONDS if curves.covered else FOLDED_SECONDS
     try:
-        search = ExactSearch(problem, names, rectangle)
+        search = ExactSearch(problem, names, rectangle, seconds)
         found, left = search.run()
     except (NotExact, ZeroDivisionError) as error:
         if isinstance(error, ZeroDivisionError):  # as of v|v|, whose slope at v = 0 is read as 0/0
