@@ -56,6 +56,8 @@ COSINE = 0.9
 """Least cosine of the angle between tangents before and after a step."""
 SHORTEST = 1e-4
 """Shortest step, over the longest."""
+SETTLED = 1e-6
+"""Last correction of a point of a curve, whose square is its error."""
 SAME = 1e-3
 """Distance from a curve, in scaled coordinates, below which a point lies on it."""
 WIDEST = 2**12
@@ -318,8 +320,7 @@ class CurveSearch:
         """A curve by pseudo-arclength until it leaves the rectangle, or closes."""
         scale = self._scale(z)
         points, turns = [z], [phases]
-        along = None
-        longest = step = 1 / STEPS
+        longest = step = (1 if held is None else 2) / STEPS
 
         def block(z: Floats, c: Floats) -> tuple[Floats, Floats]:
             values, slopes = (v[0] for v in system.at(z[None], c[None]))
@@ -379,9 +380,9 @@ class CurveSearch:
                 return None
             z = z - step * scale
             sizes.append(float(np.abs(step).max()))
-            if sizes[-1] > max(1 / STEPS, sizes[0]):
+            if sizes[-1] > max(2 / STEPS, sizes[0]):
                 return None
-            if sizes[-1] <= 1e-10:
+            if sizes[-1] <= SETTLED:
                 return z
         return None
 
@@ -424,7 +425,7 @@ class CurveSearch:
             z = curve.z[i]
             try:
                 with precision(BITS):
-                    sign = signed(coefficients(self._pair(z, 1)[1]).first)
+                    sign = signed(_numerator(self._pair(z, 1)[1]))
                     if before and sign * before[1] < 0:
                         self._change(before[0], z)
                 before = z, sign
@@ -543,6 +544,11 @@ class CurveSearch:
         return bool(family.system.valid(state[:, :size], state[:, size:]).all())
 
 
+def _numerator(pair: Pair) -> Any:
+    """The first Lyapunov coefficient times det A: without its pole where an eigenvalue vanishes."""
+    return coefficients(pair).first * pair.matrix.det()
+
+
 class Follower:
     """Crossing pairs along one axis, followed as the other quantity changes.
 
@@ -594,7 +600,7 @@ class Follower:
             return near
 
         def size(place: float) -> float:
-            return float(coefficients(at(place)).first.mid())
+            return float(_numerator(at(place)).mid())
 
         if size(places[0]) * size(places[1]) >= 0:
             raise NotProvedError
