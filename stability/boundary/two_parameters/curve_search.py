@@ -27,6 +27,7 @@ from ...base.errors import StabilityError
 from ...base.types import Floats
 from ...spectra.problem import Problem
 from ...systems.family import Family
+from ..brackets import Crossing
 from ..hopf import rounded
 from ..lyapunov_coefficient import (
     Line,
@@ -40,15 +41,17 @@ from ..lyapunov_coefficient import (
 )
 from .defining_systems import DefiningSystem, Sheet
 from .planes import Nature
-from .point_records import PointKind
+from .point_records import CurveOfZeros, PointKind
 
 BITS = 192
 """Precision of a proof."""
+CURVE_BITS = 106
+"""Precision of the proof of a point that is listed for a curve alone."""
 LINES = 8, 24
 """Fewest and most lines along each axis."""
 STEPS = 40
 """Fewest steps of a curve across the rectangle."""
-MOST_STEPS = 400
+MOST_STEPS = 300
 """Most steps of a curve in one direction."""
 MARGIN = 0.1
 """How far curves are followed beyond the rectangle, over its width."""
@@ -182,6 +185,52 @@ class CurveSearch:
     @property
     def _folds(self) -> int:
         return len(self.sheet.solved)
+
+    def proved_curves(self) -> list[CurveOfZeros]:
+        """The curves within the rectangle, each with the points that are proved."""
+        if not self.run():
+            return []
+        return [known for curve in self.curves for known in self._pieces(curve)]
+
+    def _pieces(self, curve: Curve) -> Iterator[CurveOfZeros]:
+        """Parts of a curve whose points are all proved."""
+        crossing = Crossing.FLUTTER if curve.system.pairs else Crossing.STATIC
+        rows: list[tuple[float, float, float, float]] = []
+        for point in (*(self._on_curve(curve, i) for i in range(len(curve.z))), None):
+            if point is not None:
+                rows.append(point)
+                continue
+            if len(rows) > 1:
+                x, y, error, frequency = zip(*rows, strict=True)
+                yield CurveOfZeros(crossing, x, y, error, frequency)
+            rows = []
+
+    def _on_curve(self, curve: Curve, i: int) -> tuple[float, float, float, float] | None:
+        """A point of a curve with one parameter held; None where it is not proved, or no member."""
+        z, cut = curve.z[i], self.sheet.count
+        if not self._inside(z, 0):
+            return None
+        beside = curve.z[max(i - 1, 0)] - curve.z[min(i + 1, len(curve.z) - 1)]
+        held = cut - 2 + int(np.argmax(np.abs(beside[cut - 2 : cut]) / self._width))
+        whole = curve.system.in_balls(curve.phases[i])
+        exact = arb(float(z[held]))
+
+        def reduced(free: Values) -> tuple[Values, list[Values]]:
+            values, slopes = whole([*free[:held], exact, *free[held:]])
+            return values, [[*row[:held], *row[held + 1 :]] for row in slopes]
+
+        try:
+            with precision(CURVE_BITS):
+                image, _ = tested(reduced, polished(reduced, np.delete(z, held).tolist()))
+                point = [*image[:held], exact, *image[held:]]
+                if not self._admissible(point[:cut]):
+                    return None
+                places = [rounded(v) for v in point[cut - 2 : cut]]
+                frequency = abs(rounded(point[-1])[0]) if curve.system.pairs else 0.0
+        except (NotProvedError, StabilityError, ArithmeticError):
+            return None
+        (x, x_error), (y, y_error) = places
+        return x, y, max(x_error, y_error), frequency
 
     # --- coordinates ---
 
@@ -346,6 +395,8 @@ class CurveSearch:
         along = along * np.copysign(1.0, side * along[lead])
         first = along
         while len(points) < MOST_STEPS and step >= SHORTEST * longest:
+            quick = float(np.abs(along[cut - 2 : cut]).max())
+            step = min(step, longest / max(quick, 1e-300))
             new = self._corrected(block, z + step * along * scale, phases, (along, scale))
             after = tangent(new, phases) if new is not None else None
             if new is None or after is None or abs(after @ along) < COSINE:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from ...algebra.exact.number_fields import NotExact
 from ...algebra.number_types import precision
 from ...base.axis import Axis, AxisLike
+from ...base.checks import flag
 from ...base.citation import cited
 from ...base.errors import ParameterError
 from ...bodies.contact_laws import Contact
@@ -78,6 +79,7 @@ def codimension_two(
     body: Body | Disk | None = None,
     contact: Contact | type[Contact] | str | None = None,
     at: ArrayLike | None = None,
+    curves: bool = False,
     **parameters: ArrayLike,
 ) -> CodimensionTwo:
     """Points of a parameter plane at which two conditions meet: the ends and turns of boundaries.
@@ -105,6 +107,9 @@ def codimension_two(
         curves of folds and of pairs are followed, at least 8 and at most 24.
     disk, body, contact, at, **parameters
         As for `stability_map`, with one number for every quantity but the axes.
+    curves
+        Whether the result holds the curves of folds and of pairs too, each with a proof at every
+        point; `plot_map` draws them.  For a user's family without structural zeros.
 
     Returns
     -------
@@ -139,12 +144,12 @@ def codimension_two(
     problem, (first, second) = swept(
         family, {"x": x, "y": y}, disk, body, contact, at, parameters, most=MOST_LINES
     )
-    result = in_plane(problem, (first, second))
+    result = in_plane(problem, (first, second), curves=flag("curves", curves))
     result.warn()
     return result
 
 
-def in_plane(problem: Problem, axes: tuple[Axis, Axis]) -> CodimensionTwo:
+def in_plane(problem: Problem, axes: tuple[Axis, Axis], *, curves: bool = False) -> CodimensionTwo:
     """As `codimension_two`, without a warning.
 
     Parameters
@@ -153,16 +158,18 @@ def in_plane(problem: Problem, axes: tuple[Axis, Axis]) -> CodimensionTwo:
         Family with a value for every quantity but the axes.
     axes
         x and y.
+    curves
+        Whether to list curves too.
     """
     _accept(problem)
     rectangle: Rectangle = ((axes[0].low, axes[0].high), (axes[1].low, axes[1].high))
     isolated_ = problem.plain and zeros_left(problem.family) == 0
-    curves = CurveSearch(problem, axes) if isolated_ else None
-    found, left, how = _spectral(problem, axes, rectangle, curves)
+    search = CurveSearch(problem, axes) if isolated_ else None
+    found, left, how = _spectral(problem, axes, rectangle, search)
     units = [_point(problem, axes, f) for f in found]
     said, every = NONE_ON_LINES, False
-    if curves is not None:
-        some, open_, said, every = _vanishing(problem, axes, rectangle, curves)
+    if search is not None:
+        some, open_, said, every = _vanishing(problem, axes, rectangle, search)
         units += some
         left += open_
     order = list(PointKind)
@@ -171,7 +178,8 @@ def in_plane(problem: Problem, axes: tuple[Axis, Axis]) -> CodimensionTwo:
     law = problem.law.name if problem.law else None
     works = cited(law, model=of_package(problem), proofs=True, theory=["kuznetsov2004"])
     how = problem.family.system.qualified(how)
-    return CodimensionTwo(points, (ends[0], ends[1]), tuple(left), how, said, every, works)
+    lines = tuple(search.proved_curves()) if curves and search is not None else ()
+    return CodimensionTwo(points, (ends[0], ends[1]), tuple(left), how, said, every, works, lines)
 
 
 def _accept(problem: Problem) -> None:
