@@ -144,12 +144,13 @@ def _good(
     """The verdict next to a boundary, on the side that is not unstable."""
     side = -1.0 if point.stable_below else 1.0
     end = float(np.nextafter(point.value + side * point.error, side * np.inf))
-    for again in (lambda: problem, regular):  # next to a pitchfork no member of its own is proved
+    verdict = Verdict.UNDECIDED
+    with suppress(StabilityError):
+        verdict = certified(problem, {**fixed, axis: end})
+    if verdict is Verdict.UNDECIDED:  # next to a pitchfork no member is proved in other coordinates
         with suppress(StabilityError):
-            verdict = certified(again(), {**fixed, axis: end})
-            if verdict is not Verdict.UNDECIDED:
-                return verdict
-    return Verdict.UNDECIDED
+            verdict = certified(regular(), {**fixed, axis: end})
+    return verdict
 
 
 def along(

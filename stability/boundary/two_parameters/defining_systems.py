@@ -338,7 +338,7 @@ def _steps(slopes: Floats, values: Floats) -> Floats:
     """Newton steps; the shortest ones where there are more unknowns than equations."""
     if slopes.shape[1] == slopes.shape[2]:
         try:
-            out: Floats = np.linalg.solve(slopes, values[..., None])[..., 0]
+            out: Floats = np.asarray(np.linalg.solve(slopes, values[..., None])[..., 0])
         except np.linalg.LinAlgError:  # one singular matrix among many
             pass
         else:

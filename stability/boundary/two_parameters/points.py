@@ -223,7 +223,7 @@ def _searched(
     if curves is not None and solved and curves.run() and not curves.covered:
         kinds = [kind for kind in SPECTRAL if curves.possible(kind)]
         left = [UnresolvedBox(kind, *rectangle, ELSEWHERE) for kind in kinds]
-        return curves.listed(*SPECTRAL, PointKind.CUSP), left, _lines(CURVES, axes)
+        return [*curves.listed(*SPECTRAL, PointKind.CUSP)], left, _lines(CURVES, axes)
     search = BoxSearch(GraphPlane(problem, names), rectangle, len(family.system.states))
     search.run()
     found: list[Found | ProvedPoint] = list(search.found)
