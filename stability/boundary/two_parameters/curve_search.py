@@ -12,6 +12,7 @@ tests/boundary/test_defining_systems.py.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -45,6 +46,8 @@ from .point_records import CurveOfZeros, PointKind
 
 BITS = 192
 """Precision of a proof."""
+ROUGH_BITS = 64
+"""Precision at which signs of first Lyapunov coefficients are compared."""
 CURVE_BITS = 106
 """Precision of the proof of a point that is listed for a curve alone."""
 LINES = 8, 24
@@ -472,19 +475,20 @@ class CurveSearch:
         step = max(1, len(curve.z) // STARTS)
         rows = [i for i in range(0, len(curve.z), step) if curve.z[i, -1] > 0]
         before: tuple[Floats, int] | None = None
-        for i in rows:
-            z = curve.z[i]
+        for z in curve.z[rows]:
             try:
-                with precision(BITS):
-                    sign = signed(_numerator(self._pair(z, 1)[1]))
-                    if before and sign * before[1] < 0:
-                        self._change(before[0], z)
-                before = z, sign
+                with precision(ROUGH_BITS):  # no proof yet: the sign says where to look
+                    _, equations, start = self._pair(z, 1)
+                    sign = signed(_numerator(pair_of(equations, [arb(float(v)) for v in start])))
             except (NotProvedError, StabilityError, ArithmeticError):
                 before = None
+                continue
+            if before and sign * before[1] < 0:
+                self._change(before[0], z)
+            before = z, sign
 
-    def _pair(self, z: Floats, other: int) -> tuple[Follower, Pair]:
-        """A pair of a curve, proved, with x or y held."""
+    def _pair(self, z: Floats, other: int) -> tuple[Follower, PairEquations, list[float]]:
+        """The equations of a pair with x or y held, and a point of a curve as a start."""
         names = self.sheet.axes
         follower = Follower(
             self.problem.family,
@@ -502,15 +506,24 @@ class CurveSearch:
             follower.line(float(z[cut - 2 + other])), mode / np.linalg.norm(mode) ** 2
         )
         start = [z[cut - 1 - other], *z[: cut - 2], *z[cut:]]
-        return follower, solved_pair(equations, start)
+        return follower, equations, start
 
     def _change(self, low: Floats, high: Floats) -> None:
         """The point between two points of a curve at which the coefficient changes sign."""
         cut = self.sheet.count
         way = np.abs(high - low)[cut - 2 : cut] / self._width
-        other = int(np.argmax(way))
-        follower, pair = self._pair(low, other)
-        over = follower.change(pair, (float(low[cut - 2 + other]), float(high[cut - 2 + other])))
+        for other in (int(np.argmax(way)), int(np.argmin(way))):
+            follower, equations, start = self._pair(low, other)
+            ends = float(low[cut - 2 + other]), float(high[cut - 2 + other])
+            with (
+                suppress(NotProvedError, StabilityError, ArithmeticError, ValueError),
+                precision(BITS),
+            ):
+                over = follower.change(solved_pair(equations, start), ends)
+                self._record_change(follower, over, other)
+                return
+
+    def _record_change(self, follower: Follower, over: Pair, other: int) -> None:
         place = over.value, over.line.fixed[follower.other]
         x, y = place if other == 1 else place[::-1]
         if not self._admissible([*over.unknowns, x, y]):
