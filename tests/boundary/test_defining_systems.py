@@ -46,7 +46,7 @@ def test_a_double_zero_on_a_fold_is_proved() -> None:
     assert max(point.x_error, point.y_error) < 1e-14
     assert point.member == pytest.approx({"x": 6.265765528962, "y": 3.601553936836}, abs=1e-11)
     assert not found.complete and "folds" in found.statement
-    assert {b.kind for b in found.unresolved} == {DOUBLE_ZERO}  # two states have no two pairs
+    assert {b.kind for b in found.unresolved} == {DOUBLE_ZERO, CUSP}  # two states: no two pairs
 
 
 @pytest.mark.long
@@ -69,7 +69,32 @@ def test_a_cusp_in_closed_form_is_proved_where_folds_meet() -> None:
     found = st.codimension_two(family, x=("a", 0, 0.6, 5), y=("b", 0, 1, 5))
     [point] = found
     assert (point.kind, point.x, point.y) == (CUSP, 0.25, 0.5)
-    assert abs(point.member["x"]) < 1e-30 and point.others == "stable"
+    assert abs(point.member["x"]) < 1e-30 and point.others == "stable" and not found.complete
+
+
+@pytest.mark.filterwarnings("ignore::stability.StabilityWarning")
+def test_curves_of_folds_and_of_pairs_are_proved_at_every_point() -> None:
+    """X' = y, y' = m + n y + x² - x y: folds on m = 0, pairs on n = x = -√-m."""
+    x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)
+    rates = ca.vertcat(x[1], p[0] + p[1] * x[1] + x[0] ** 2 - x[0] * x[1])
+    system = st.System("Takens", x, p, rates, states=("q", "v"), parameters=("m", "n"))
+    family = system.steady(("m", "n"), guess={"q": -0.5, "v": 0, "m": -0.25, "n": 0.3})
+    axes = {"x": ("m", -0.5, 0.25, 5), "y": ("n", -1.0, 0.5, 5)}
+    found = st.codimension_two(family, **axes, curves=True)
+    assert points(found, DOUBLE_ZERO) == [(0, 0)]
+    assert {c.crossing for c in found.curves} == {st.Crossing.STATIC, st.Crossing.FLUTTER}
+    for curve in found.curves:
+        static = curve.crossing is st.Crossing.STATIC
+        for m, n, error, frequency in zip(
+            curve.x, curve.y, curve.error, curve.frequency, strict=True
+        ):
+            room = 2 * error + 1e-15
+            assert abs(m if static else m + n * n) <= room
+            assert abs(frequency**2 - (0 if static else -2 * n)) <= 1e-12
+    figure = st.plot_map(st.stability_map(family, **axes), points=found)
+    legends = [*figure.legends, *(ax.get_legend() for ax in figure.axes if ax.get_legend())]
+    words = [text.get_text() for legend in legends for text in legend.get_texts()]
+    assert {"curve of zeros", "curve of pairs"} <= set(words)
 
 
 @pytest.mark.long
@@ -170,6 +195,6 @@ def zero_and_pair(y: Any, m: Any, n: Any) -> Any:
 def test_a_planted_point_on_a_fold_is_found(core: Any, size: int, kind: Any, seed: int) -> None:
     family = moved(core, size, (0.3, -0.2), seed)
     found = st.codimension_two(family, x=("a", 0, 0.5, 5), y=("b", -0.5, 0.15, 5))
-    near = [p for p in found if p.kind is kind]
-    assert [(p.x, p.y) for p in near] == [pytest.approx((0.3, -0.2), abs=1e-12)]
-    assert max(near[0].x_error, near[0].y_error) < 1e-12
+    [point] = found  # and no change of sign at the pole of a coefficient next to it
+    assert point.kind is kind and (point.x, point.y) == pytest.approx((0.3, -0.2), abs=1e-12)
+    assert max(point.x_error, point.y_error) < 1e-12

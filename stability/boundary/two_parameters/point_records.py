@@ -153,9 +153,9 @@ class CodimensionTwo(Record, Sequence[DegeneratePoint]):
 
     @property
     def complete(self) -> bool:
-        """Whether every point of the first three kinds in the closed rectangle is listed.
+        """Whether every point in the closed rectangle is listed, but for vanishing coefficients.
 
-        For vanishing coefficients see `vanishing_complete`; cusps are never all excluded.
+        For these see `vanishing_complete`.
         """
         return all(box.kind is PointKind.VANISHING for box in self.unresolved)
 

@@ -221,7 +221,7 @@ def _searched(
     family, names = problem.family, (axes[0].name, axes[1].name)
     solved = bool(family.unknown) and not family.closed
     if curves is not None and solved and curves.run() and not curves.covered:
-        kinds = [kind for kind in SPECTRAL if curves.possible(kind)]
+        kinds = [kind for kind in (*SPECTRAL, PointKind.CUSP) if curves.possible(kind)]
         left = [UnresolvedBox(kind, *rectangle, ELSEWHERE) for kind in kinds]
         return [*curves.listed(*SPECTRAL, PointKind.CUSP)], left, _lines(CURVES, axes)
     search = BoxSearch(GraphPlane(problem, names), rectangle, len(family.system.states))
