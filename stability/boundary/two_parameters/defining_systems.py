@@ -79,12 +79,13 @@ class Sheet:
         self._balls = [table.get(n, arb(0)) for n in every]
         self._floats = np.array([float(v.mid()) for v in self._balls])
         self.count = len(self.free)
-        states, rates = system.x, self.d.rates
+        own, rates = self.d.system, self.d.rates  # an equal system, whose symbols the rates hold
+        states = own.x
         slopes = ca.jacobian(rates, states)
         numbers = ca.SX(self.d.column)
         self.function = ca.Function(
             "member",
-            [ca.vertcat(states, system.p), numbers],
+            [ca.vertcat(states, own.p), numbers],
             [rates[self.rows], slopes[self.kept, self.kept], slopes[self.rows, self.solved]],
         )
 
@@ -147,7 +148,7 @@ class DefiningSystem:
 
     def __init__(self, sheet: Sheet, zero: str = "", pairs: int = 0) -> None:
         self.sheet, self.zero, self.pairs = sheet, zero, pairs
-        system, rates = sheet.family.system, sheet.d.rates
+        system, rates = sheet.d.system, sheet.d.rates
         self._x = system.x
         self._vectors: list[ca.SX] = []
         self._phases: list[ca.SX] = []

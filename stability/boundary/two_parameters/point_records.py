@@ -38,8 +38,8 @@ class PointKind(Sentences):
         return self.name.lower().replace("_", " ")
 
 
-@dataclass(frozen=True)
-class DegeneratePoint:
+@dataclass(frozen=True, eq=False)
+class DegeneratePoint(Record):
     """One point of a parameter plane at which two conditions meet.
 
     Source: docs/explanation/method.md; closed forms: tests/boundary/test_codimension_two.py.
