@@ -53,10 +53,11 @@ def test_a_double_zero_on_a_fold_is_proved() -> None:
 @pytest.mark.filterwarnings("ignore::stability.StabilityWarning")
 def test_every_sheet_of_the_members_is_searched() -> None:
     found = st.codimension_two(bazykin(), x=("a", 0.1, 1.2, 5), y=("d", 0.001, 0.4, 5))
-    assert points(found, DOUBLE_ZERO) == pytest.approx(
-        [(0.453624327778, 0.175127592950), (0.860704459310, 0.006058794394)], abs=1e-12
-    )
-    assert points(found, CUSP) == pytest.approx([(0.901232691939, 0.003568419361)], abs=1e-12)
+    first, second = points(found, DOUBLE_ZERO)
+    assert first == pytest.approx((0.453624327778, 0.175127592950), abs=1e-12)
+    assert second == pytest.approx((0.860704459310, 0.006058794394), abs=1e-12)
+    [cusp] = points(found, CUSP)
+    assert cusp == pytest.approx((0.901232691939, 0.003568419361), abs=1e-12)
 
 
 @pytest.mark.filterwarnings("ignore::stability.StabilityWarning")
@@ -117,9 +118,9 @@ def test_the_oxidation_of_carbon_monoxide_has_its_printed_double_zeros() -> None
     guess = {"x": 0.001137, "y": 0.891483, "s": 0.062345, "q": 1.0, "k": 0.4}
     family = system.steady(("q", "k"), guess=guess)
     found = st.codimension_two(family, x=("q", 0.8, 2, 8), y=("k", 0.2, 1.2, 8))
-    assert points(found, DOUBLE_ZERO) == pytest.approx(
-        [(1.161199, 0.722339), (1.417628, 0.971397)], abs=1e-6
-    )
+    first, second = points(found, DOUBLE_ZERO)
+    assert first == pytest.approx((1.161199, 0.722339), abs=1e-6)
+    assert second == pytest.approx((1.417628, 0.971397), abs=1e-6)
     assert len(points(found, CUSP)) == 1 and len(points(found, VANISHING)) == 2
 
 
