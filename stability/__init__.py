@@ -61,6 +61,7 @@ _HOME = {
     "boundary.two_parameters.points": ("codimension_two",),
     "boundary.two_parameters.point_records": (
         "CodimensionTwo",
+        "CurveOfZeros",
         "DegeneratePoint",
         "PointKind",
     ),
@@ -170,6 +171,7 @@ if TYPE_CHECKING:
     from .boundary.slow_flow import SlowFlow as SlowFlow
     from .boundary.slow_flow import slow_flow as slow_flow
     from .boundary.two_parameters.point_records import CodimensionTwo as CodimensionTwo
+    from .boundary.two_parameters.point_records import CurveOfZeros as CurveOfZeros
     from .boundary.two_parameters.point_records import DegeneratePoint as DegeneratePoint
     from .boundary.two_parameters.point_records import PointKind as PointKind
     from .boundary.two_parameters.points import codimension_two as codimension_two

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +16,7 @@ from ..base.axis import Axis, AxisLike
 from ..base.citation import cited
 from ..base.errors import ParameterError, StabilityError
 from ..base.quantities import unit_of
+from ..base.types import Floats
 from ..base.verdict import Verdict
 from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
@@ -24,10 +26,24 @@ from ..spectra.certificate import verdict as certified
 from ..spectra.labels import axis_attributes, of_package, rate_attributes
 from ..spectra.problem import Problem
 from ..systems.family import Family
+from ..systems.singular_points import Curve, crossings, directions, kind_of_crossing
+from ..systems.symmetry import symmetric_family
 from .algebraic.exact_search import searched
 from .brackets import AxisScan, Boundaries, BoundaryPoint, crossed
 from .interval_search.pieces import meaningful, proved
 
+SYMMETRIC = "; members are symmetric, which is proved, and were solved for in symmetric coordinates"
+NOUGHT = 1e-12
+"""Value of a branch point, over the interval, up to which it is 0 within rounding."""
+CROSSED = (
+    "another branch of steady motions crosses at {axis} = {value:.12g}, {kind} as far as double "
+    "precision shows, and no symmetry is known by which this is proved"
+)
+KINDS = {
+    "pitchfork": "a pitchfork",
+    "transcritical": "a transcritical point",
+    "unresolved": "a branch point",
+}
 POINT = 1e-9
 """Width of a part that the exact search leaves open, over the interval, up to which it is a point.
 """
@@ -104,9 +120,15 @@ def boundaries(
     law = problem.law.name if problem.law else None
     works = cited(law, model=of_package(problem), proofs=True)
     fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
+
+    @cache
+    def regular() -> Problem:
+        line = AxisScan(problem, grid.name, fixed)
+        return _past_branch_points(line, grid.values)[0].problem
+
     found = replace(
         found,
-        points=tuple(replace(b, good=_good(problem, fixed, grid.name, b)) for b in found),
+        points=tuple(replace(b, good=_good(regular, problem, fixed, grid.name, b)) for b in found),
         how=problem.family.system.qualified(found.how),
         searched=(grid.name, grid.low, grid.high),
         citation=works,
@@ -118,13 +140,23 @@ def boundaries(
     return found
 
 
-def _good(problem: Problem, fixed: Mapping[str, float], axis: str, point: BoundaryPoint) -> Verdict:
+def _good(
+    regular: Callable[[], Problem],
+    problem: Problem,
+    fixed: Mapping[str, float],
+    axis: str,
+    point: BoundaryPoint,
+) -> Verdict:
     """The verdict next to a boundary, on the side that is not unstable."""
     side = -1.0 if point.stable_below else 1.0
     end = float(np.nextafter(point.value + side * point.error, side * np.inf))
+    verdict = Verdict.UNDECIDED
     with suppress(StabilityError):
-        return certified(problem, {**fixed, axis: end})
-    return Verdict.UNDECIDED
+        verdict = certified(problem, {**fixed, axis: end})
+    if verdict is Verdict.UNDECIDED:  # next to a pitchfork no member is proved in other coordinates
+        with suppress(StabilityError):
+            verdict = certified(regular(), {**fixed, axis: end})
+    return verdict
 
 
 def _throughout(
@@ -210,7 +242,54 @@ def _along(line: AxisScan, low: float, high: float, points: int, *, log: bool) -
         if widest <= POINT * (high - low):
             return exact  # single points stay open in pieces too
     line.__dict__["formulas"] = None
-    found = proved(line, Axis(line.axis, low, high, points, log).values, log=log)
+    values = Axis(line.axis, low, high, points, log).values
+    other, said, near = _past_branch_points(line, values)
+    found = proved(other, values, log=log, singular=near)
+    reason = said + reason
     if exact is not None and not found.complete:
         return exact
     return replace(found, how=found.how + reason)
+
+
+def _past_branch_points(line: AxisScan, values: Floats) -> tuple[AxisScan, str, dict[float, str]]:
+    """The line in symmetric coordinates where another branch crosses a symmetric one.
+
+    Returns
+    -------
+    line, how, singular
+        The line, how it was changed, and what crosses it at values that it stays singular at.
+    """
+    singular: dict[float, str] = {}
+    problem = line.problem
+    family = problem.family
+    if not problem.plain or not family.unknown or family.closed or family.anchor is None:
+        return line, "", singular
+    *numbers, _, _ = problem.arrays({**line.fixed, line.axis: values})
+    given = np.hstack(numbers)
+    found = family.search(*numbers)
+    rows = np.flatnonzero(found.good)
+    if len(rows) < 2:
+        return line, "", singular
+    cut, turn = len(family.at), (given[-1] - given[0]) / (values[-1] - values[0])
+    curve = Curve(family.graph, cut, given[0] - values[0] * turn, turn)
+    z = np.column_stack([found.u[rows], values[rows]])
+    for point, _ in crossings(curve, z):
+        both = directions(curve, point) if point.resolved else None
+        if both is None:
+            continue
+        kind = kind_of_crossing(both)
+        other = both[int(np.argmin(np.abs(both[:, -1])))]
+        places = [family.system.index(n) for n in family.unknown]
+        here = curve.given(point.z[None])
+        state = family.states(here[:, :cut], point.z[None, :-1], here[:, cut:])[0]
+        way = np.zeros(len(state))
+        way[places] = other[:-1]
+        reduced = symmetric_family(family, state, way)
+        if reduced is not None:
+            moved = replace(problem, family=reduced, exact=None)
+            again, _, left = _past_branch_points(AxisScan(moved, line.axis, line.fixed), values)
+            return again, SYMMETRIC, left
+        value = float(point.z[-1])
+        value = value if abs(value) > NOUGHT * (values[-1] - values[0]) else 0.0
+        singular[value] = CROSSED.format(axis=line.axis, value=value, kind=KINDS[kind])
+    return line, "", singular

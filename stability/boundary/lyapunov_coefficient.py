@@ -76,6 +76,8 @@ class Derivatives:
         self.third = program("third", [u, v, w], thrice)
         mixed = ca.jacobian(once, system.p)
         self.mixed = program("mixed", [u], mixed)
+        self.rates, self.column, self.values = rates, numbers, constants.values
+        """The rates, with symbols for the numbers of the graph, and the values of these."""
         self.kept = kept(slopes)
         """States that others depend on: the rest follow them, and are left out."""
 

@@ -411,6 +411,7 @@ MARKERS = {
     PointKind.ZERO_HOPF: "D",
     PointKind.DOUBLE_HOPF: "^",
     PointKind.VANISHING: "o",
+    PointKind.CUSP: "v",
 }
 """Marker of each kind."""
 LABELS = {
@@ -418,12 +419,16 @@ LABELS = {
     PointKind.ZERO_HOPF: "zero and pair",
     PointKind.DOUBLE_HOPF: "two pairs",
     PointKind.VANISHING: "soft to hard",
+    PointKind.CUSP: "cusp",
 }
 """Word of each kind in the legend."""
 
 
 def _mark_points(axes: Axes, found: CodimensionTwo, known: tuple[str, str]) -> None:
-    """Mark points of codimension two; open markers where other eigenvalues are unstable."""
+    """Mark points of codimension two, and draw their curves.
+
+    Markers are open where other eigenvalues are unstable.
+    """
     names = tuple(name for name, _, _ in found.axes)
     if sorted(names) != sorted(known):
         raise ParameterError(
@@ -431,7 +436,19 @@ def _mark_points(axes: Axes, found: CodimensionTwo, known: tuple[str, str]) -> N
             "of the same two axes."
         )
     swapped = names != known
-    seen: set[PointKind] = set()
+    seen: set[PointKind | Crossing] = set()
+    for curve in found.curves:
+        along = (curve.y, curve.x) if swapped else (curve.x, curve.y)
+        label = "curve of zeros" if curve.crossing is Crossing.STATIC else "curve of pairs"
+        axes.plot(
+            *along,
+            color="black",
+            linestyle=LINES[curve.crossing],
+            linewidth=0.7,
+            zorder=4,
+            label=None if curve.crossing in seen else label,
+        )
+        seen.add(curve.crossing)
     for p in found:
         x, y = (p.y, p.x) if swapped else (p.x, p.y)
         filled = p.others != "unstable"

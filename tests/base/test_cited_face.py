@@ -175,7 +175,16 @@ REASONS = {
         WORD,
     ),
     **dict.fromkeys(
-        ("BranchPoint", "Fold", "BoundaryPoint", "Unresolved", "DegeneratePoint", "Rung"), PART
+        (
+            "BranchPoint",
+            "Fold",
+            "BoundaryPoint",
+            "Unresolved",
+            "CurveOfZeros",
+            "DegeneratePoint",
+            "Rung",
+        ),
+        PART,
     ),
     **dict.fromkeys(
         (

@@ -94,7 +94,8 @@ def plane(shift: float) -> Any:
     rates = ca.vertcat(x[1], (p[0] - shift) * x[0] + p[1] * x[1] - x[0] ** 3)
     system = st.System("takens", x, p, rates, states=("q", "v"), parameters=("a", "b"))
     rest = st.Family(system, "rest", at=("a",), held={"q": 0.0, "v": 0.0})
-    return st.codimension_two(rest, x=("a", -1.0, 1.0, 5), y=("b", -1.0, 1.0, 5))
+    axes = {"x": ("a", -1.0, 1.0, 5), "y": ("b", -1.0, 1.0, 5)}
+    return st.codimension_two(rest, **axes, curves=True)
 
 
 NEARBY = (0.3, 0.4)
@@ -139,6 +140,7 @@ MAKERS: dict[str, Callable[[float], Any]] = {
     "CycleBirth": lambda v: st.CycleBirth(1, 0, st.Onset.UNDECIDED, True, *[float("nan")] * 5, v),
     "CodimensionTwo": plane,
     "DegeneratePoint": lambda v: plane(v)[0],
+    "CurveOfZeros": lambda v: plane(v).curves[0],
     "Scene": scene,
     "Answer": lambda v: scene(100 * v).answer(),
     "Rung": lambda v: scene(100 * v).answer().rungs[0],

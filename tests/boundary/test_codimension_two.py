@@ -26,7 +26,7 @@ from stability.boundary.two_parameters.planes import nature, subresultant
 from stability.boundary.two_parameters.point_records import PointKind
 
 matplotlib.use("Agg")
-DOUBLE_ZERO, ZERO_HOPF, DOUBLE_HOPF, VANISHING = PointKind
+DOUBLE_ZERO, ZERO_HOPF, DOUBLE_HOPF, VANISHING, CUSP = PointKind
 
 
 def at_rest(

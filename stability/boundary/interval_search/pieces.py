@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, groupby
 from typing import Any
@@ -50,6 +50,8 @@ CUT = 0.4916015625
 """Share of a piece at which it is cut: no simple number, since boundaries often are."""
 OTHER_CUTS = (0.5283203125, 0.4619140625)
 """Shares of a cut in case an eigenvalue is on the imaginary axis exactly at the first one."""
+CLOSE = 2.0**-16
+"""Share of the interval below which a piece next to a singular value is not cut."""
 EXPLORED = 1 / 16
 """Share of the interval up to which a piece is cut although no member was found in it."""
 
@@ -84,7 +86,14 @@ class Pieces:
     """Number of pieces that were examined."""
 
 
-def pieces(line: AxisScan, low: float, high: float, *, log: bool = False) -> Pieces:
+def pieces(
+    line: AxisScan,
+    low: float,
+    high: float,
+    *,
+    log: bool = False,
+    singular: Mapping[float, str] | None = None,
+) -> Pieces:
     """Proof along an axis of where an eigenvalue meets the imaginary axis, and where none does.
 
     Parameters
@@ -95,6 +104,8 @@ def pieces(line: AxisScan, low: float, high: float, *, log: bool = False) -> Pie
         Ends of the interval.
     log
         Whether pieces are cut at equal ratios.
+    singular
+        Values near which no member can be proved, each with the reason.
     """
     try:
         found = _meetings(line)
@@ -119,7 +130,9 @@ def pieces(line: AxisScan, low: float, high: float, *, log: bool = False) -> Pie
     least = FINEST * max(abs(low), abs(high))
     ends = _beyond(found, low, -least), _beyond(found, high, least)
     waiting = [(ends[0] if a == low else a, ends[1] if b == high else b) for a, b in waiting]
-    searched = _Search(found, *ends, least, log=log and ends[0] > 0).run(waiting, count)
+    search = _Search(found, *ends, least, log=log and ends[0] > 0)
+    search.singular = singular or {}
+    searched = search.run(waiting, count)
     return Pieces(tuple(_joined([*leaves, *searched[0]])), *ends, searched[1])
 
 
@@ -161,6 +174,7 @@ class _Search:
         self.found, self.low, self.high = found, low, high
         self.least, self.log = least, log
         self.most, self.lost = found.most, 0
+        self.singular: Mapping[float, str] = {}
 
     def run(self, waiting: list[tuple[float, float]], count: int) -> tuple[list[Leaf], int]:
         """The leaves of pieces, not in order, and the number of pieces with those before."""
@@ -177,8 +191,8 @@ class _Search:
                 leaves.append(Leaf(low, high, None, why))
                 continue
             count += 1
-            leaf = self._examined(low, high)
-            if leaf.meetings in (0, 1):
+            leaf = self._singular(low, high) or self._examined(low, high)
+            if leaf.meetings in (0, 1) or leaf.reason in self.singular.values():
                 leaves.append(leaf)
                 continue
             cut = self._cut(low, high)
@@ -221,6 +235,14 @@ class _Search:
         if leaf.reason == NO_MEMBER and width < EXPLORED * (self.high - self.low):
             return any(self.found.root(v) is not None for v in (leaf.low, cut, leaf.high))
         return True
+
+    def _singular(self, low: float, high: float) -> Leaf | None:
+        """A narrow piece next to a value near which no member can be proved."""
+        width = high - low
+        if width > CLOSE * (self.high - self.low):
+            return None
+        near = (v for v in self.singular if low - width <= v <= high + width)
+        return next((Leaf(low, high, None, self.singular[v]) for v in near), None)
 
     def _examined(self, low: float, high: float) -> Leaf:
         try:
@@ -352,7 +374,13 @@ NARROW = 8
 ON_ONE_BRANCH = "on one branch of steady motions"
 
 
-def proved(line: AxisScan, grid: Floats, *, log: bool = False) -> Boundaries:
+def proved(
+    line: AxisScan,
+    grid: Floats,
+    *,
+    log: bool = False,
+    singular: Mapping[float, str] | None = None,
+) -> Boundaries:
     """Every change of verdict along an axis that need not be rational, with what stays open.
 
     Parameters
@@ -363,9 +391,11 @@ def proved(line: AxisScan, grid: Floats, *, log: bool = False) -> Boundaries:
         Points of a scan for the pieces without proof; its ends are those of the interval.
     log
         Whether the points have equal ratios.
+    singular
+        As for `pieces`.
     """
     low, high = float(grid[0]), float(grid[-1])
-    found = pieces(line, low, high, log=log)
+    found = pieces(line, low, high, log=log, singular=singular)
     if all(leaf.meetings is None for leaf in found.leaves):
         return scanned(line, grid, found.leaves[0].reason)
     points: list[BoundaryPoint] = []

@@ -6,8 +6,6 @@ subresultant, are two equations in both axes.  Square roots in them are eliminat
 axis by resultants.  Every candidate is judged at the member, so what the elimination adds is
 excluded again.
 
-Elsewhere the boundary is followed, and each proved change of sign of the coefficient is a point.
-
 The first Lyapunov coefficient is a polynomial N over the field of a family's linearisation.  With
 A' = d A of polynomial entries, μ = d λ, p(μ) = det(μ - A') and an irreducible factor of p with even
 part E and odd part O, pairs on the imaginary axis are common roots z = μ² < 0 of E and O.  The mode
@@ -22,12 +20,11 @@ Kuznetsov, Elements of Applied Bifurcation Theory, § 5.4; as `lyapunov_coeffici
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations, combinations_with_replacement
 from typing import Any
 
-import numpy as np
 from flint import acb, arb
 
 from ...algebra.exact.function_field import evaluate, occurring
@@ -39,24 +36,13 @@ from ...algebra.exact.routh import divided, hurwitz_sign
 from ...algebra.exact.triangular import remainder
 from ...algebra.krawczyk import NotProvedError, tested
 from ...algebra.number_types import precision
-from ...base.axis import Axis
 from ...base.errors import NoMemberError, StabilityError
 from ...derivation.signs import real_roots
 from ...polynomials.characteristic import CharacteristicPolynomial
 from ...spectra.problem import Problem
-from ...systems.family import Family
-from ..brackets import Crossing
-from ..changes import along
 from ..lyapunov_coefficient import (
     Derivatives,
-    Line,
-    Pair,
-    coefficients,
     derivatives,
-    others,
-    pair_near,
-    signed,
-    solved_pair,
 )
 from .plane_search import (
     EXACT_BITS,
@@ -343,17 +329,9 @@ def _orders(places: Sequence[int]) -> set[tuple[int, ...]]:
     }
 
 
-FOLLOW_BITS = 192
-"""Working precision along a boundary."""
-SAME = 1e-7
-"""Largest distance of a followed crossing from a boundary that was found, relative to the axis."""
-WIDEST = 2**12
-"""Widest bracket of a point, in units of the last digit."""
-
-
 @dataclass(frozen=True)
 class Vanishing:
-    """A proved change of sign along a flutter boundary."""
+    """A proved zero of the coefficient on a flutter boundary."""
 
     place: tuple[Any, Any]
     """Balls of x and y."""
@@ -361,152 +339,6 @@ class Vanishing:
     """ω."""
     others: int
     """As in `lyapunov_coefficient.others`, next to the point."""
-
-
-class Follower:
-    """Crossing pairs along one axis, followed as the other quantity changes.
-
-    Parameters
-    ----------
-    family
-        The family.
-    axis
-        Name of the axis along which pairs cross.
-    other
-        Name of the quantity that changes.
-    fixed
-        Every other quantity.
-    """
-
-    def __init__(self, family: Family, axis: str, other: str, fixed: dict[str, float]) -> None:
-        self.family, self.axis, self.other, self.fixed = family, axis, other, fixed
-
-    def line(self, place: Any) -> Line:
-        """The line at a value of the other quantity."""
-        return Line(self.family, self.axis, self.fixed | {self.other: place})
-
-    def moved(self, near: Pair, place: Any) -> Pair:
-        """The pair at another value, from one nearby, with the same phase."""
-        return solved_pair(near.equations.on(self.line(place)), near.box)
-
-    def one_branch(self, low: Pair, high: Pair) -> Any:
-        """The pair over all values between two, proved to be one branch with both at its ends."""
-        places = [p.line.fixed[self.other] for p in (low, high)]
-        over = low.equations.on(self.line(arb(places[0]).union(arb(places[1]))))
-        middle = [((a + b) / 2).mid() for a, b in zip(low.box, high.box, strict=True)]
-        far = [4 * abs(a - b) for a, b in zip(low.box, high.box, strict=True)]
-        image, box = tested(
-            over, middle, [v.abs_upper() + arb(2) ** (8 - FOLLOW_BITS // 2) for v in far]
-        )
-        for pair in (low, high):
-            if not all(b.contains(v) for b, v in zip(box, pair.box, strict=True)):
-                raise NotProvedError
-        return image
-
-
-def vanishing(problem: Problem, axes: tuple[Axis, Axis]) -> list[Vanishing]:
-    """Changes of sign of the first Lyapunov coefficient along the flutter boundaries of a plane.
-
-    Boundaries are found along the lines of a grid, in both directions, and followed from each line
-    to the next.
-
-    Parameters
-    ----------
-    problem
-        A user's family of isolated steady motions, with values.
-    axes
-        x and y; their numbers of points are those of the lines.
-    """
-    out: list[Vanishing] = []
-    swept = {g.name for g in axes}
-    fixed = {n: float(v) for n, v in problem.values.items() if n not in swept}
-    with precision(FOLLOW_BITS):
-        for way in (0, 1):
-            axis, other = axes[way], axes[1 - way]
-            follower = Follower(problem.family, axis.name, other.name, fixed)
-            rows = [_row(problem, follower, axis, float(t)) for t in other.values]
-            for low, high, start, end in zip(
-                other.values, other.values[1:], rows, rows[1:], strict=False
-            ):
-                for entry in start:
-                    found = _between(follower, entry, end, (float(low), float(high)))
-                    if found is not None:
-                        place = found.place if way == 0 else found.place[::-1]
-                        out = _added(out, replace(found, place=(place[0], place[1])))
-    return out
-
-
-def _added(out: list[Vanishing], new: Vanishing) -> list[Vanishing]:
-    for old in out:
-        near = [
-            abs(float(arb(a).mid()) - float(arb(b).mid())) <= 1e-10 * (1 + abs(float(arb(a).mid())))
-            for a, b in zip(old.place, new.place, strict=True)
-        ]
-        if all(near):
-            return out
-    return [*out, new]
-
-
-Entry = tuple[Pair, int]
-
-
-def _row(problem: Problem, follower: Follower, axis: Axis, place: float) -> list[Entry]:
-    """Flutter boundaries on one line, each with the proved sign of its coefficient."""
-    values = dict(problem.values) | {follower.other: place}
-    line = replace(problem, values=values)
-    try:
-        found = along(line, axis.name, axis.low, axis.high, points=max(axis.count, 2), log=axis.log)
-    except StabilityError:
-        return []
-    out = []
-    for b in found:
-        if b.crossing is Crossing.FLUTTER:
-            try:
-                pair = pair_near(follower.line(place), b.value, b.frequency)
-                out.append((pair, signed(coefficients(pair).first)))
-            except (NotProvedError, StabilityError):
-                continue
-    return out
-
-
-def _between(
-    follower: Follower, entry: Entry, end: Sequence[Entry], places: tuple[float, float]
-) -> Vanishing | None:
-    """The change of sign on one boundary between two lines, proved; None if there is none."""
-    pair, sign = entry
-    try:
-        last = follower.moved(pair, places[1])
-        same = [e for e in end if abs(e[0].value - last.value) <= SAME * (1 + abs(last.value))]
-        if not same or sign * same[0][1] >= 0:
-            return None
-        return _refined(follower, pair, places)
-    except (NotProvedError, StabilityError):
-        return None
-
-
-def _refined(follower: Follower, pair: Pair, places: tuple[float, float]) -> Vanishing | None:
-    near = pair
-
-    def at(place: float) -> Pair:
-        nonlocal near
-        near = follower.moved(near, place)
-        return near
-
-    def size(place: float) -> float:
-        return float(coefficients(at(place)).first.mid())
-
-    from scipy.optimize import brentq
-
-    root = float(brentq(size, *places, xtol=1e-300, rtol=4 * np.finfo(float).eps))
-    width = float(np.spacing(abs(root))) or 1e-300
-    while width <= WIDEST * (np.spacing(abs(root)) or 1e-300):
-        low, high = at(root - width), at(root + width)
-        if signed(coefficients(low).first) * signed(coefficients(high).first) < 0:
-            over = follower.one_branch(low, high)
-            place = arb(root - width).union(arb(root + width))
-            return Vanishing((over[0], place), over[-1], others(low))
-        width *= 2
-    return None
 
 
 def same_root(polys: tuple[Any, Any], image: Any, place: Any) -> bool:
@@ -568,6 +400,8 @@ class ExactSearch:
         Names of x and y.
     rectangle
         Ends of x and y.
+    seconds
+        Longest time before the elimination [s].
 
     Raises
     ------
@@ -575,12 +409,18 @@ class ExactSearch:
         If the equations are not algebraic in the axes, or too large; the message says how large.
     """
 
-    def __init__(self, problem: Problem, names: tuple[str, str], rectangle: Rectangle) -> None:
+    def __init__(
+        self,
+        problem: Problem,
+        names: tuple[str, str],
+        rectangle: Rectangle,
+        seconds: float = SECONDS,
+    ) -> None:
         family = problem.family
         self.rectangle, self.names = rectangle, names
         base = (*family.at, *family.parameters)
         self.values = {n: rational(float(problem.values[n])) for n in base if n not in names}
-        self.reading = CharacteristicPolynomial(family, self.values, Budget(MOST_TERMS, SECONDS))
+        self.reading = CharacteristicPolynomial(family, self.values, Budget(MOST_TERMS, seconds))
         self.forms_of = OnsetForms(self.reading)
         some = list(self.forms_of)
         self.forms = [f for f in some if any(c != 0 for c in f.coefficient)]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import NamedTuple, overload
 
 from ...base.errors import warned
 from ...base.types import Record, Sentences
+from ..brackets import Crossing
 
 
 class PointKind(Sentences):
@@ -29,6 +30,7 @@ class PointKind(Sentences):
     VANISHING = (
         "vanishing coefficient (Bautin): on a flutter boundary soft onset turns into hard onset"
     )
+    CUSP = "cusp: two folds meet, where three steady motions are one"
 
     @property
     def word(self) -> str:
@@ -36,8 +38,8 @@ class PointKind(Sentences):
         return self.name.lower().replace("_", " ")
 
 
-@dataclass(frozen=True)
-class DegeneratePoint:
+@dataclass(frozen=True, eq=False)
+class DegeneratePoint(Record):
     """One point of a parameter plane at which two conditions meet.
 
     Source: docs/explanation/method.md; closed forms: tests/boundary/test_codimension_two.py.
@@ -64,6 +66,43 @@ class DegeneratePoint:
     """|Im λ| of the pairs, in the user's unit of rate, in increasing order."""
     others: str
     """Other eigenvalues: stable, unstable (so that the verdict does not change there), or open."""
+    member: Mapping[str, float] = field(default_factory=dict)
+    """The unknowns there, by name, where the family is solved for and has folds."""
+
+
+@dataclass(frozen=True)
+class CurveOfZeros:
+    """A curve in a parameter plane along which an eigenvalue vanishes, or a pair is imaginary.
+
+    On a family that is solved for, a static curve is one of folds, or of branch points.  Each point
+    is proved: one of its numbers is taken as exact, and the other has a bound.
+
+    Source: tests/boundary/test_defining_systems.py.
+
+    Examples
+    --------
+    >>> import casadi as ca, stability as st
+    >>> x, p = ca.SX.sym("x"), ca.SX.sym("p", 2)
+    >>> rate, names = p[0] - p[1] ** 2 - x**2, ("a", "b")
+    >>> system = st.System("fold", x, p, rate, states=("x",), parameters=names)
+    >>> upper = system.steady(("a", "b"), guess={"x": 1, "a": 1, "b": 0})
+    >>> import warnings; warnings.simplefilter("ignore")  # a search along curves is not complete
+    >>> found = st.codimension_two(upper, x=("a", -1, 2, 5), y=("b", -1, 1, 5), curves=True)
+    >>> [curve] = found.curves
+    >>> curve.crossing.word, max(abs(a - b * b) for a, b in zip(curve.x, curve.y)) < 1e-14
+    ('static', True)
+    """
+
+    crossing: Crossing
+    """Static where an eigenvalue vanishes, flutter where a pair is imaginary."""
+    x: tuple[float, ...]
+    """Values of the x axis along the curve."""
+    y: tuple[float, ...]
+    """Values of the y axis along the curve."""
+    error: tuple[float, ...]
+    """Proved bound on the error of x or y at each point, whichever is not exact."""
+    frequency: tuple[float, ...]
+    """|Im λ| of the pair at each point; 0 on a static curve."""
 
 
 class UnresolvedBox(NamedTuple):
@@ -109,12 +148,14 @@ class CodimensionTwo(Record, Sequence[DegeneratePoint]):
     """Whether every vanishing coefficient in the closed rectangle is listed, by proof."""
     citation: str = ""
     """Keys of the works to cite, for `stability.citation`."""
+    curves: tuple[CurveOfZeros, ...] = ()
+    """Curves of folds and of pairs, where they were asked for."""
 
     @property
     def complete(self) -> bool:
-        """Whether every point of the first three kinds in the closed rectangle is listed.
+        """Whether every point in the closed rectangle is listed, but for vanishing coefficients.
 
-        For vanishing coefficients see `vanishing_complete`.
+        For these see `vanishing_complete`.
         """
         return all(box.kind is PointKind.VANISHING for box in self.unresolved)
 

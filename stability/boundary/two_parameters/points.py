@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from ...algebra.exact.number_fields import NotExact
 from ...algebra.number_types import precision
 from ...base.axis import Axis, AxisLike
+from ...base.checks import flag
 from ...base.citation import cited
 from ...base.errors import ParameterError
 from ...bodies.contact_laws import Contact
@@ -22,7 +23,8 @@ from ...spectra.problem import Problem
 from ...systems.family import Family
 from ...systems.structure.structural_zeros import structure
 from ..hopf import rounded, zeros_left
-from .bautin import ExactSearch, Vanishing, vanishing
+from .bautin import SECONDS, ExactSearch, Vanishing
+from .curve_search import CurveSearch, ProvedPoint, lines_of
 from .plane_search import BITS, SPECTRAL, BoxSearch, Found, Rectangle, isolated, joined
 from .planes import GraphPlane, exact_plane
 from .point_records import CodimensionTwo, DegeneratePoint, PointKind, UnresolvedBox
@@ -38,18 +40,33 @@ BOXES = (
     "proved in ball arithmetic to hold none, or one that is listed"
 )
 ON_BRANCH = ", on the branch of steady motions that the root-finder reaches"
-LINES = (
-    "vanishing first Lyapunov coefficients: each that is listed is proved; boundaries were "
-    "followed between {x} lines along {x_name} and {y} along {y_name}, so others are not excluded"
+CURVES = (
+    "double zeros, zeros with a pair, two pairs, and cusps: each that is listed is proved by "
+    "Krawczyk's test; members were followed along {x} lines of {x_name} and {y} of {y_name}, and "
+    "curves of folds and pairs from where they cross these"
+)
+ELSEWHERE = (
+    "the steady motions have folds here, so that a box of parameters holds no single member; "
+    "curves of folds and pairs were followed, and points on other curves are not excluded"
+)
+PAIRS = (
+    "vanishing first Lyapunov coefficients: each that is listed is proved; curves of pairs were "
+    "followed from {x} lines along {x_name} and {y} along {y_name}, so others are not excluded"
 )
 EXACT = (
     "vanishing first Lyapunov coefficients: every change of sign along a flutter boundary was "
     "isolated over Q by resultants, and proved at the member"
 )
 FLAT = "; on some boundary the coefficient is zero all along, where no point is listed"
+NONE_ON_CURVES = (
+    "vanishing first Lyapunov coefficients were not sought, since the rates have no derivatives "
+    "that are read exactly, or the family's equations are no rates"
+)
 NONE_ON_LINES = (
     "vanishing first Lyapunov coefficients were not sought, since eigenvalues vanish by structure"
 )
+FOLDED_SECONDS = 3.0
+"""Longest time of the exact search for vanishing coefficients where members have folds [s]."""
 OTHERS = {1: "stable", -1: "unstable", 0: "open"}
 
 
@@ -62,28 +79,37 @@ def codimension_two(
     body: Body | Disk | None = None,
     contact: Contact | type[Contact] | str | None = None,
     at: ArrayLike | None = None,
+    curves: bool = False,
     **parameters: ArrayLike,
 ) -> CodimensionTwo:
     """Points of a parameter plane at which two conditions meet: the ends and turns of boundaries.
 
     Sought are double zeros (Bogdanov-Takens), a zero with a pair (zero-Hopf), two pairs (double
-    Hopf), and points of flutter boundaries with a vanishing first Lyapunov coefficient (Bautin).
+    Hopf), points of flutter boundaries with a vanishing first Lyapunov coefficient (Bautin), and
+    cusps of folds.
     Where the linearisation is rational in both axes, or in their sine and cosine, the first three
     are isolated over Q by resultants.  Elsewhere the rectangle is cut into boxes, each with a
     proof.  Where the derivatives up to the third are algebraic too, vanishing coefficients are
-    isolated over Q as well.  Elsewhere boundaries are followed between lines, and `.vanishing`
-    says why.  Points at which other eigenvalues are unstable are listed too, and marked as such.
+    isolated over Q as well.  Elsewhere curves of pairs are followed, and `.vanishing` says why.
+    Points at which other eigenvalues are unstable are listed too, and marked as such.
+
+    A double zero of a family that is solved for lies on a fold, about which no box of parameters
+    has one member.  There curves of folds and of pairs are followed on every sheet that they reach,
+    and points on them, cusps among them, are proved with member and parameters unknown.  The
+    result is then not complete.
 
     Parameters
     ----------
     family
         As for `stability_map`.
     x, y
-        (name, low, high, n) or (name, low, high, n, "log").  n is the number of lines on which
-        flutter boundaries are sought and followed, for vanishing coefficients that are not
-        isolated over Q.
+        (name, low, high, n) or (name, low, high, n, "log").  n is the number of lines from which
+        curves of folds and of pairs are followed, at least 8 and at most 24.
     disk, body, contact, at, **parameters
         As for `stability_map`, with one number for every quantity but the axes.
+    curves
+        Whether the result holds the curves of folds and of pairs too, each with a proof at every
+        point; `plot_map` draws them.  For a user's family without structural zeros.
 
     Returns
     -------
@@ -118,12 +144,12 @@ def codimension_two(
     problem, (first, second) = swept(
         family, {"x": x, "y": y}, disk, body, contact, at, parameters, most=MOST_LINES
     )
-    result = in_plane(problem, (first, second))
+    result = in_plane(problem, (first, second), curves=flag("curves", curves))
     result.warn()
     return result
 
 
-def in_plane(problem: Problem, axes: tuple[Axis, Axis]) -> CodimensionTwo:
+def in_plane(problem: Problem, axes: tuple[Axis, Axis], *, curves: bool = False) -> CodimensionTwo:
     """As `codimension_two`, without a warning.
 
     Parameters
@@ -132,14 +158,18 @@ def in_plane(problem: Problem, axes: tuple[Axis, Axis]) -> CodimensionTwo:
         Family with a value for every quantity but the axes.
     axes
         x and y.
+    curves
+        Whether to list curves too.
     """
     _accept(problem)
     rectangle: Rectangle = ((axes[0].low, axes[0].high), (axes[1].low, axes[1].high))
-    found, left, how = _spectral(problem, axes, rectangle)
+    isolated_ = problem.plain and zeros_left(problem.family) == 0
+    search = CurveSearch(problem, axes) if isolated_ else None
+    found, left, how = _spectral(problem, axes, rectangle, search)
     units = [_point(problem, axes, f) for f in found]
     said, every = NONE_ON_LINES, False
-    if problem.plain and zeros_left(problem.family) == 0:
-        some, open_, said, every = _vanishing(problem, axes, rectangle)
+    if search is not None:
+        some, open_, said, every = _vanishing(problem, axes, rectangle, search)
         units += some
         left += open_
     order = list(PointKind)
@@ -148,7 +178,8 @@ def in_plane(problem: Problem, axes: tuple[Axis, Axis]) -> CodimensionTwo:
     law = problem.law.name if problem.law else None
     works = cited(law, model=of_package(problem), proofs=True, theory=["kuznetsov2004"])
     how = problem.family.system.qualified(how)
-    return CodimensionTwo(points, (ends[0], ends[1]), tuple(left), how, said, every, works)
+    lines = tuple(search.proved_curves()) if curves and search is not None else ()
+    return CodimensionTwo(points, (ends[0], ends[1]), tuple(left), how, said, every, works, lines)
 
 
 def _accept(problem: Problem) -> None:
@@ -167,10 +198,10 @@ def _accept(problem: Problem) -> None:
 
 
 def _spectral(
-    problem: Problem, axes: tuple[Axis, Axis], rectangle: Rectangle
-) -> tuple[list[Found], list[UnresolvedBox], str]:
+    problem: Problem, axes: tuple[Axis, Axis], rectangle: Rectangle, curves: CurveSearch | None
+) -> tuple[list[Found | ProvedPoint], list[UnresolvedBox], str]:
     names = axes[0].name, axes[1].name
-    found: list[Found] = []
+    found: list[Found | ProvedPoint] = []
     left: list[UnresolvedBox] = []
     try:
         plane = exact_plane(problem, names)
@@ -179,34 +210,63 @@ def _spectral(
             found += some
             left += open_
     except NotExact:
-        search = BoxSearch(GraphPlane(problem, names), rectangle, len(problem.family.system.states))
-        search.run()
-        how = BOXES.format(count=search.count + 1)
-        if problem.family.unknown and not problem.family.closed:
-            how += ON_BRANCH
-        return search.found, search.left, how
+        return _searched(problem, axes, rectangle, curves)
     return found, left, RESULTANTS
 
 
+def _searched(
+    problem: Problem, axes: tuple[Axis, Axis], rectangle: Rectangle, curves: CurveSearch | None
+) -> tuple[list[Found | ProvedPoint], list[UnresolvedBox], str]:
+    """Points by boxes; where members have folds, or boxes stay open, along curves."""
+    family, names = problem.family, (axes[0].name, axes[1].name)
+    solved = bool(family.unknown) and not family.closed
+    if curves is not None and solved and curves.run() and not curves.covered:
+        kinds = [kind for kind in (*SPECTRAL, PointKind.CUSP) if curves.possible(kind)]
+        left = [UnresolvedBox(kind, *rectangle, ELSEWHERE) for kind in kinds]
+        return [*curves.listed(*SPECTRAL, PointKind.CUSP)], left, _lines(CURVES, axes)
+    search = BoxSearch(GraphPlane(problem, names), rectangle, len(family.system.states))
+    search.run()
+    found: list[Found | ProvedPoint] = list(search.found)
+    how = BOXES.format(count=search.count + 1) + (ON_BRANCH if solved else "")
+    if search.left and curves is not None and curves.run():
+        found += [
+            p
+            for p in curves.listed(*SPECTRAL)
+            if not any(f.kind is p.kind and f.x.overlaps(p.x) and f.y.overlaps(p.y) for f in found)
+        ]
+    return found, search.left, how
+
+
+def _lines(said: str, axes: tuple[Axis, Axis]) -> str:
+    counts = [len(lines_of(g)) for g in axes]
+    return said.format(x=counts[0], y=counts[1], x_name=axes[1].name, y_name=axes[0].name)
+
+
 def _vanishing(
-    problem: Problem, axes: tuple[Axis, Axis], rectangle: Rectangle
+    problem: Problem, axes: tuple[Axis, Axis], rectangle: Rectangle, curves: CurveSearch
 ) -> tuple[list[DegeneratePoint], list[UnresolvedBox], str, bool]:
     """Vanishing coefficients: points, what stays open, how they were sought, and whether all."""
     names = axes[0].name, axes[1].name
+    # of a sheet with folds an unknown remains, but for square roots
+    seconds = SECONDS if curves.covered else FOLDED_SECONDS
     try:
-        search = ExactSearch(problem, names, rectangle)
+        search = ExactSearch(problem, names, rectangle, seconds)
         found, left = search.run()
     except (NotExact, ZeroDivisionError) as error:
         if isinstance(error, ZeroDivisionError):  # as of v|v|, whose slope at v = 0 is read as 0/0
             error = NotExact("derivatives of the rates are read as 0/0 at the members")
-        said = LINES.format(x=axes[0].count, y=axes[1].count, x_name=names[1], y_name=names[0])
-        some = [_bautin(v) for v in vanishing(problem, axes)]
-        return some, [], f"{said} (no exact search, since {error})", False
+        said = f"{_lines(PAIRS, axes)} (no exact search, since {error})"
+        if not curves.run():
+            said = NONE_ON_CURVES
+        some = [_point(problem, axes, p) for p in curves.listed(PointKind.VANISHING)]
+        return some, [], said, False
     said = EXACT + (FLAT if search.flat else "")
     return [_bautin(v) for v in found], joined(left), said, not left
 
 
-def _point(problem: Problem, axes: tuple[Axis, Axis], found: Found) -> DegeneratePoint:
+def _point(
+    problem: Problem, axes: tuple[Axis, Axis], found: Found | ProvedPoint
+) -> DegeneratePoint:
     with precision(BITS):
         place = [rounded(v) for v in (found.x, found.y)]
         here = dict(zip((g.name for g in axes), (p[0] for p in place), strict=True))
@@ -215,7 +275,9 @@ def _point(problem: Problem, axes: tuple[Axis, Axis], found: Found) -> Degenerat
         pairs: tuple[float, ...] = tuple(
             float(w.mid()) * float(np.asarray(rate)[0]) for w in found.nature.frequencies
         )
-    return DegeneratePoint(found.kind, *place[0], *place[1], pairs, OTHERS[found.nature.others])
+    member = found.unknowns if isinstance(found, ProvedPoint) else {}
+    others = OTHERS[found.nature.others]
+    return DegeneratePoint(found.kind, *place[0], *place[1], pairs, others, member)
 
 
 def _bautin(found: Vanishing) -> DegeneratePoint:
