@@ -33,7 +33,7 @@ from .brackets import AxisScan, Boundaries, BoundaryPoint, crossed
 from .interval_search.pieces import meaningful, proved
 
 SYMMETRIC = "; members are symmetric, which is proved, and were solved for in symmetric coordinates"
-NOUGHT = 1e-12
+ZERO = 1e-12
 """Value of a branch point, over the interval, up to which it is 0 within rounding."""
 CROSSED = (
     "another branch of steady motions crosses at {axis} = {value:.12g}, {kind} as far as double "
@@ -290,6 +290,6 @@ def _past_branch_points(line: AxisScan, values: Floats) -> tuple[AxisScan, str, 
             again, _, left = _past_branch_points(AxisScan(moved, line.axis, line.fixed), values)
             return again, SYMMETRIC, left
         value = float(point.z[-1])
-        value = value if abs(value) > NOUGHT * (values[-1] - values[0]) else 0.0
+        value = value if abs(value) > ZERO * (values[-1] - values[0]) else 0.0
         singular[value] = CROSSED.format(axis=line.axis, value=value, kind=KINDS[kind])
     return line, "", singular

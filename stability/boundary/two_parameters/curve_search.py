@@ -213,8 +213,8 @@ class CurveSearch:
         z, cut = curve.z[i], self.sheet.count
         if not self._inside(z, 0):
             return None
-        beside = curve.z[max(i - 1, 0)] - curve.z[min(i + 1, len(curve.z) - 1)]
-        held = cut - 2 + int(np.argmax(np.abs(beside[cut - 2 : cut]) / self._width))
+        across = curve.z[max(i - 1, 0)] - curve.z[min(i + 1, len(curve.z) - 1)]
+        held = cut - 2 + int(np.argmax(np.abs(across[cut - 2 : cut]) / self._width))
         whole = curve.system.in_balls(curve.phases[i])
         exact = arb(float(z[held]))
 
@@ -462,7 +462,7 @@ class CurveSearch:
     def _nearest(
         self, system: DefiningSystem, z: Floats, c: Floats, scale: Floats
     ) -> tuple[Floats, Floats]:
-        """Starts from which the first step is shorter than from those beside them."""
+        """Starts from which the first step is shorter than from their neighbours."""
         way = system.first_steps(z, c, scale)
         padded = np.concatenate([[np.inf], way, [np.inf]])
         least = np.isfinite(way) & (way <= padded[:-2]) & (way <= padded[2:])

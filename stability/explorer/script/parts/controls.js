@@ -130,7 +130,7 @@ export class Controls {
     return `give a number ${ends.filter((e) => e).join(" and ")}`.trim();
   }
 
-  /** Say beside a field why its number is not taken; nothing where it is. */
+  /** Say next to a field why its number is not taken; nothing where it is. */
   refuse(input, reason) {
     input.setAttribute("aria-invalid", String(Boolean(reason)));
     if (!input.reason) input.reason = element("span", {class: "reason small", role: "alert"});
