@@ -100,7 +100,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Examples
     --------
     >>> main(["spectrum", "rolling", "--at", "1.8", "--mu", "0.3"])  # doctest: +ELLIPSIS
-    rolling, viscous contact, at omega3 = 1.8, k = 0.25, mu = 0.3
+    rolling, viscous contact, at omega3 = 1.8 √(g/R), k = 0.25, mu = 0.3 1/√(gR)
+    law         viscous: F = -μ N v, taken because no --contact is given; dry friction is ...
     verdict     stable: ...
     """
     if not prepare():

@@ -310,10 +310,9 @@ class Rows:
         if self.zeros >= usual:
             return ""
         return (
-            f"this member of {self.problem.family.name} is a special one: of {usual} "
-            f"eigenvalue{'s' * (usual != 1)} that elsewhere {'are' if usual != 1 else 'is'} always "
-            f"0, and left out, {self.zeros or 'none'} is proved to be so here; a small change of "
-            "its numbers gives the usual count"
+            f"{usual} eigenvalue{'s are' if usual != 1 else ' is'} 0 at all typical members of "
+            f"{self.problem.family.name}, and left out; this member lies on another branch or is a "
+            f"special one: {self.zeros or 'none'} is proved to be 0 here, all others count"
         )
 
     @cached_property
