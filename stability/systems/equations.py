@@ -74,8 +74,8 @@ def not_finite(name: str, values: Mapping[str, Any], found: NDArray[np.float64])
     at = [np.broadcast_to(v, fine.shape).flat[first] for v in values.values()]
     return DomainError(
         f"{name} at {listing(values, at)}: values are not finite there, as at a pole or on a "
-        "switch of a maximum or branch, or overflow double precision; give other states or parameters, "
-        "nearer to 1."
+        "switch of a maximum or branch, or overflow double precision; give other states or "
+        "parameters, nearer to 1."
     )
 
 
