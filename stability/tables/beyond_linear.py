@@ -10,7 +10,7 @@ from ..base.citation import gathered, joined
 from ..base.printing import to_bound
 from ..base.quantities import Kind, Quantity, rate_unit, readable
 from ..boundary.hopf import CycleBirth, hopf
-from ..boundary.two_parameters.point_records import CodimensionTwo
+from ..boundary.two_parameters.point_records import CodimensionTwo, DegeneratePoint
 from ..boundary.two_parameters.points import MOST_LINES, in_plane
 from ..spectra.axes import swept
 from ..systems.family import Family
@@ -91,13 +91,20 @@ def point_records(found: CodimensionTwo) -> dict[str, Any]:
     """Points of codimension two as a plain record, for JSON."""
     return {
         "axes": [list(axis) for axis in found.axes],
-        "rows": [asdict(p) | {"kind": p.kind.word} for p in found],
+        "rows": [_row(p) for p in found],
+        "members": [dict(p.member) for p in found],
         "complete": found.complete,
         "unresolved": [b._asdict() | {"kind": b.kind.word} for b in found.unresolved],
         "how": found.how,
         "vanishing": found.vanishing,
         "vanishing_complete": found.vanishing_complete,
     }
+
+
+def _row(point: DegeneratePoint) -> dict[str, Any]:
+    row = asdict(point) | {"kind": point.kind.word}
+    del row["member"]  # the unknowns of a family, whose names are no columns
+    return row
 
 
 def point_text(name: str, found: CodimensionTwo) -> str:

@@ -105,11 +105,13 @@ def codimension_two(
     x, y
         (name, low, high, n) or (name, low, high, n, "log").  n is the number of lines from which
         curves of folds and of pairs are followed, at least 8 and at most 24.
-    disk, body, contact, at, **parameters
+    disk, body, contact, at
         As for `stability_map`, with one number for every quantity but the axes.
     curves
         Whether the result holds the curves of folds and of pairs too, each with a proof at every
         point; `plot_map` draws them.  For a user's family without structural zeros.
+    **parameters
+        As for `stability_map`, with one number for every quantity but the axes.
 
     Returns
     -------
