@@ -28,9 +28,11 @@ LONGEST = 240
 
 
 def folder(docname: str) -> Path:
-    """The folder of a page's commands."""
+    """The folder of a page's commands, in which the examples are at hand."""
     place = MADE / docname
     place.mkdir(parents=True, exist_ok=True)
+    if not (place / "examples").exists():
+        (place / "examples").symlink_to(ROOT / "examples")
     return place
 
 

@@ -10,7 +10,7 @@ from docutils.parsers.rst import directives
 from sphinx.util.docutils import SphinxDirective
 
 from .blocks import BLOCK, changed, files, replacements
-from .commands import ROOT, folder, output
+from .commands import folder, output
 
 
 def executed(app: Any, docname: str, source: list[str]) -> None:  # noqa: ARG001
@@ -43,8 +43,6 @@ class Sh(SphinxDirective):
             said = f"The build of this page does not run this: {self.options['not']}."
         else:
             where = folder(self.env.docname)
-            if not (where / "examples").exists():
-                (where / "examples").symlink_to(ROOT / "examples")
             words = self.options.get("with")
             output(changed(text, words) if words else text, where, 0, self.env.docname)
             if words:
