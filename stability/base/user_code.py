@@ -10,10 +10,13 @@ from typing import Any, TypeVar
 import numpy as np
 
 from .calls import guard
-from .errors import NameUnknownError, ParameterError, StabilityError, shown
+from .errors import NameUnknownError, ParameterError, StabilityError, one_line, shown
 
 T = TypeVar("T")
 Method = TypeVar("Method", bound=Callable[..., Any])
+
+REASON = 120
+"""Most characters of what a module raised."""
 
 
 def imported(what: str, place: str, load: Callable[[], T], folder: str, remedy: str) -> T:
@@ -34,9 +37,11 @@ def imported(what: str, place: str, load: Callable[[], T], folder: str, remedy: 
     try:
         return load()
     except Exception as error:  # a user's module may raise anything while it is imported
-        why = f"{type(error).__name__}: {error}".splitlines()[0]
+        # the path of a file is in `place`
+        system = error.strerror if isinstance(error, OSError) else ""
+        why = one_line(system or f"{type(error).__name__}: {error}".splitlines()[0], REASON)
         raise NameUnknownError(
-            f"{what} is {shown(place)}, which cannot be imported ({why[:120]}); {remedy}."
+            f"{what} is {shown(place)}, which cannot be imported ({why}); {remedy}."
         ) from None
     finally:
         sys.path[:] = before
