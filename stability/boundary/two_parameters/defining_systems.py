@@ -58,7 +58,7 @@ class Sheet:
 
     def __init__(self, problem: Problem, names: tuple[str, str]) -> None:
         self.problem, self.family = problem, problem.family
-        family, system = self.family, self.family.system
+        family, system = self.family, self.family.judged
         self.d = derivatives(system)
         self.kept = self.d.kept
         solved = () if family.closed else tuple(family.unknown)
