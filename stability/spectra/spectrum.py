@@ -312,7 +312,7 @@ class Rows:
         return (
             f"{usual} eigenvalue{'s are' if usual != 1 else ' is'} 0 at all typical members of "
             f"{self.problem.family.name}, and left out; this member lies on another branch or is a "
-            f"special one: {self.zeros or 'none'} is proved to be 0 here, all others count"
+            f"special one: {self.zeros or 'none'} is so here by structure, all others count"
         )
 
     @cached_property

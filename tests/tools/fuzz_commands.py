@@ -34,6 +34,8 @@ INTERRUPTED = ("atlas", "chart", "failures", "report")
 """Commands of minutes, which are stopped by Ctrl-C after a moment where they begin at all."""
 MOMENT = 1.0
 """Seconds after which they are stopped."""
+AGAIN = 5.0
+"""Seconds to the next interruption: Python drops one that falls into a destructor."""
 ODD = (
     "",
     " ",
@@ -269,6 +271,8 @@ def _map(r: random.Random) -> Words:
     law = ["--contact", "rough"] if rough else _law(r, SPECTRAL[:2], mu=other != "mu")
     axes = [_axis(r, place), _axis(r, other)]
     r.shuffle(axes)
+    if other == "radius":  # units are given whole
+        law += ["--mass", _near(r, 0.05, 20), "--gravity", _near(r, 0.05, 20)]
     words = ["map", family, "--x", axes[0], "--y", axes[1], *law, "--out", "out.nc"]
     kind = r.random()
     if kind < 0.1:
@@ -455,7 +459,7 @@ def run(words: Words) -> tuple[int | str, str, str]:
         try:
             if any(name in words for name in INTERRUPTED):
                 signal.signal(signal.SIGALRM, _interrupt)
-                signal.setitimer(signal.ITIMER_REAL, MOMENT)
+                signal.setitimer(signal.ITIMER_REAL, MOMENT, AGAIN)
             code = main(words)
         except SystemExit as stop:
             code = stop.code if isinstance(stop.code, int) else f"exit {stop.code!r}"
