@@ -70,6 +70,10 @@ class OpenBox(NamedTuple):
     """Reason, in one sentence."""
 
 
+SEARCHED = "each part of the box holds one of these or none, by interval arithmetic"
+"""How a box was searched."""
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Equilibria(Record, Sequence[dict[str, float]]):
     """Every equilibrium that a search found in a box, sorted, and the parts that it left open.
@@ -106,7 +110,7 @@ class Equilibria(Record, Sequence[dict[str, float]]):
     """Parts of the box that stay open, each with a reason."""
     equations: tuple[str, ...] = ()
     """States whose rates were solved."""
-    how: str = "each part of the box holds one of these or none, by interval arithmetic"
+    how: str = SEARCHED
     """One sentence on how the box was searched."""
     citation: str = ""
     """Keys of the works to cite, for `stability.citation`."""
@@ -286,6 +290,7 @@ def equilibria(system: Equations, box: Mapping[str, Any], parameters: dict[str, 
         errors,
         unresolved,
         asked.solved,
+        how="; ".join(filter(None, [SEARCHED, system.approximation])),
         citation=cited(system=system.name, model=bool(system.quantities), proofs=True),
     )
     found.warn()
@@ -386,8 +391,8 @@ def _refuse_jumps(system: Equations) -> None:
     graph = ca.Function("rates", [system.x, system.p], [system.rhs])
     if any(graph.instruction_id(i) == ca.OP_SIGN for i in range(graph.n_instructions())):
         raise ParameterError(
-            f"the rates of {system.name} hold a sign, which jumps at 0; ask on each side of the "
-            "jump, with a number in its place."
+            f"the rates of {system.name} hold a sign, a maximum or a branch; ask on each side of "
+            "its switch, with a number in place of the sign."
         )
 
 
