@@ -7,9 +7,11 @@ from the measured numbers, which the repository keeps.
 from __future__ import annotations
 
 import hashlib
+import os
 import shutil
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable
 from contextlib import redirect_stdout
 from functools import cache
@@ -40,9 +42,7 @@ def fingerprint() -> str:
 
 def command(words: str, result: str, path: Path) -> None:
     """Run a command of the package in the repository, and take one file that it writes."""
-    folder = path.parent / "work"
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
+    folder = Path(tempfile.mkdtemp(prefix="work-", dir=path.parent))  # pages are read in parallel
     done = subprocess.run(
         ["bash", "-ec", words.replace("OUT", str(folder))],
         cwd=ROOT,
@@ -209,7 +209,7 @@ def made(name: str) -> Path:
     path = MADE / "figures" / fingerprint() / name
     if not path.is_file():
         path.parent.mkdir(parents=True, exist_ok=True)
-        draft = path.with_name(f"draft-{path.name}")
+        draft = path.with_name(f"draft-{os.getpid()}-{path.name}")
         MAKERS[name](draft)
         draft.rename(path)
     return path
