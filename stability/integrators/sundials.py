@@ -109,6 +109,9 @@ def integrate(leg: Leg, *, plugin: str) -> Path:
     last, count, steps = len(grid) - 1, len(grid) - 1, 0
     rows, end = leg.start[None], None
     while end is None and len(rows) <= last:
+        if count < last and budget.spent:  # the whole has failed
+            end = End(UNRESOLVED, float(grid[len(rows) - 1]), rows[-1], budget.message)
+            break
         some = grid[len(rows) - 1 :][: count + 1]
         states, end, more = _stretch(leg, plugin, some, rows[-1], budget)
         steps += more
