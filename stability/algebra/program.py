@@ -128,6 +128,18 @@ _WORDS[ca.OP_IF_ELSE_ZERO] = "a branch (if_else)"
 """Operations that no number type reads, in words; others by CasADi's name."""
 
 
+def operations(function: ca.Function) -> list[int]:
+    """CasADi's code of each instruction of a function, in order.
+
+    Examples
+    --------
+    >>> x = ca.SX.sym("x")
+    >>> ca.OP_SIN in operations(ca.Function("f", [x], [ca.sin(x)]))
+    True
+    """
+    return [function.instruction_id(i) for i in range(function.n_instructions())]
+
+
 def _in_words(code: int) -> str:
     names = {getattr(ca, name): name[3:].lower() for name in dir(ca) if name.startswith("OP_")}
     return _WORDS.get(code, names.get(code, f"CasADi operation {code}"))

@@ -16,6 +16,8 @@ from typing import Any
 
 import casadi as ca
 
+from .program import operations
+
 
 @contextmanager
 def no_folding() -> Iterator[None]:
@@ -72,7 +74,7 @@ def by_signs(symbols: Sequence[ca.SX], values: Sequence[ca.SX]) -> list[ca.SX] |
         Expressions of these.
     """
     graph = ca.Function("graph", list(symbols), [ca.densify(v) for v in values])
-    codes = [graph.instruction_id(i) for i in range(graph.n_instructions())]
+    codes = operations(graph)
     if SWITCHES.keys().isdisjoint(codes):
         return None
     inputs = [ca.vertsplit(ca.vec(s)) if s.numel() else [] for s in symbols]

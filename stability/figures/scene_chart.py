@@ -75,7 +75,7 @@ def scene_figure(dataset: xarray.Dataset) -> Figure:
     _check(dataset)
     with figure_style(STYLE):
         room = 72 * (WIDTH - 0.1)
-        text = "\n".join(broken(part, lambda line: wide(line) <= room) for part in _note(dataset))
+        text = broken("\n".join(_note(dataset)), lambda line: wide(line) <= room)
         handles = _handles(dataset)
         foot = LINE * (text.count("\n") + 1) + 0.1
         low = UNDER + KEY_LINE * -(-len(handles) // COLUMNS) + foot

@@ -12,7 +12,7 @@ from typing import Any
 
 import casadi as ca
 
-from ..algebra.program import Program
+from ..algebra.program import Program, operations
 from ..algebra.upright import Upright
 from ..systems.graph.constants import Constants
 from ..systems.system import System
@@ -66,8 +66,7 @@ def smooth_field(function: ca.Function, constants: tuple[float, ...] | None = No
     constants
         As in `Field`.
     """
-    codes = {function.instruction_id(i) for i in range(function.n_instructions())}
-    if codes.intersection(KINKED) or function.numel_in(2) > MOST_ACROSS:
+    if not set(KINKED).isdisjoint(operations(function)) or function.numel_in(2) > MOST_ACROSS:
         return None
     return Field(function, constants)
 

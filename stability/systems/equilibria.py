@@ -15,7 +15,7 @@ import numpy as np
 from ..algebra.exact.function_field import FunctionField
 from ..algebra.exact.number_fields import EXACT, vanishes
 from ..algebra.intervals import INTERVALS, Interval, Tape
-from ..algebra.program import Program
+from ..algebra.program import Program, operations
 from ..base.above import function_of
 from ..base.checks import known, one_number
 from ..base.citation import cited
@@ -389,7 +389,7 @@ def _solved(
 
 def _refuse_jumps(system: Equations) -> None:
     graph = ca.Function("rates", [system.x, system.p], [system.rhs])
-    if any(graph.instruction_id(i) == ca.OP_SIGN for i in range(graph.n_instructions())):
+    if ca.OP_SIGN in operations(graph):
         raise ParameterError(
             f"the rates of {system.name} hold a sign, a maximum or a branch; ask on each side of "
             "its switch, with a number in place of the sign."

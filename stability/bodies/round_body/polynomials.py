@@ -19,7 +19,7 @@ import casadi as ca
 
 from ...algebra.number_types import Algebra, casadi_algebra
 from ...algebra.polynomial import Polynomial
-from ...algebra.program import Program
+from ...algebra.program import Program, operations
 from ...base.errors import StabilityError
 from ...systems.closed_form import ClosedForm, ImplicitForm
 from ...systems.system import System
@@ -109,9 +109,7 @@ def closed_form(
 
 def _waves(height: Expression) -> int:
     """Number of sines and cosines in a height."""
-    graph = height.function
-    kinds = (graph.instruction_id(i) for i in range(graph.n_instructions()))
-    return sum(kind in (ca.OP_SIN, ca.OP_COS) for kind in kinds)
+    return sum(code in (ca.OP_SIN, ca.OP_COS) for code in operations(height.function))
 
 
 class _Formulas:

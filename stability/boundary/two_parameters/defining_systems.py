@@ -71,8 +71,7 @@ class Sheet:
         table: dict[str, Any] = {
             family.meaning(n): arb(float(v)) for n, v in problem.values.items() if n not in names
         }
-        table |= dict.fromkeys(family.left_out, arb(0))
-        for name, held in family.held.items():
+        for name, held in family.fixed.items():
             table[name] = arb.pi() / 2 if isinstance(held, Upright) else arb(held)
         if family.closed:
             table |= {n: arb(v) for n, v in family.unknown.items()}

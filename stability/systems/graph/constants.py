@@ -10,6 +10,7 @@ import numpy as np
 
 from ...algebra.exact.number_fields import RATIONAL_AT, RATIONAL_TOO
 from ...algebra.number_types import Algebra, casadi_algebra
+from ...algebra.program import operations
 from ...base.exact_numbers import decimal_of
 
 TEN = 22
@@ -143,6 +144,6 @@ def exact_numbers(*outputs: ca.SX) -> bool:
     """Whether every number in expressions is a small multiple of 2⁻²⁰, so that none was rounded."""
     free = ca.symvar(ca.veccat(*outputs))
     graph = ca.Function("numbers", [ca.vertcat(*free)], list(outputs))
-    codes = [i for i in range(graph.n_instructions()) if graph.instruction_id(i) == ca.OP_CONST]
+    codes = [i for i, code in enumerate(operations(graph)) if code == ca.OP_CONST]
     values = [float(graph.instruction_constant(i)) for i in codes]
     return all(abs(v) < 2.0**20 and (v * 2.0**20).is_integer() for v in values)

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...algebra.number_types import MORE, UNARY, Algebra, numpy_algebra
-from ...algebra.program import Program
+from ...algebra.program import Program, operations
 from ...base.errors import ParameterError
 from ...base.types import Floats
 from ..equations import Equations
@@ -249,8 +249,7 @@ def _rates(system: Equations) -> tuple[Program, bool] | None:
         rates = ca.Function("rates", [system.x, system.p], [ca.densify(system.rhs)])
     except ParameterError:
         return None  # a numeric system has no graph
-    codes = {rates.instruction_id(i) for i in range(rates.n_instructions())}
-    return Program(rates), bool(codes & _CODES)
+    return Program(rates), not _CODES.isdisjoint(operations(rates))
 
 
 def _program(system: Equations) -> Program | None:

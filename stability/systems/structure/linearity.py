@@ -10,7 +10,7 @@ import numpy as np
 
 from ...algebra.exact.function_field import Expression, FunctionField
 from ...algebra.exact.number_fields import EXACT
-from ...algebra.program import Program
+from ...algebra.program import Program, operations
 from ...base.errors import StabilityError
 from ..equations import Equations
 
@@ -70,8 +70,7 @@ def linear(system: Equations) -> bool:
 def _signs(rates: ca.SX) -> bool:
     """Whether the rates hold a sign, whose slope is zero wherever it has one."""
     graph = ca.Function("rates", [ca.vertcat(*ca.symvar(rates))], [rates])
-    codes = {graph.instruction_id(i) for i in range(graph.n_instructions())}
-    return ca.OP_SIGN in codes
+    return ca.OP_SIGN in operations(graph)
 
 
 def _changes(system: Equations, slopes: ca.SX) -> bool:

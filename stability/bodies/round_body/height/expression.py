@@ -10,6 +10,7 @@ from typing import Any
 
 import casadi as ca
 
+from ....algebra.program import operations
 from ....base.errors import ParameterError, shown
 from ....base.types import Record, fields_of
 
@@ -101,7 +102,7 @@ def expression(
             "needed."
         )
     graph = ca.Function(what, symbols, [found], list(names), ["value"])
-    if any(graph.instruction_id(i) == ca.OP_SIGN for i in range(graph.n_instructions())):
+    if ca.OP_SIGN in operations(graph):
         raise ParameterError(
             f"{what} uses sign, which has no slope at its jump; give a function that is smooth, or "
             "has fabs alone."
