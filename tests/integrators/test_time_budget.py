@@ -11,6 +11,7 @@ import pytest
 
 import stability as st
 from stability.integrators import selection as integrators
+from stability.integrators import sundials
 from stability.integrators.flow import flow
 from stability.integrators.leg import Budget, Leg
 from stability.integrators.selection import METHODS
@@ -84,6 +85,30 @@ def test_a_long_run_of_heyoka_is_the_same_on_both_sides_of_its_first_part(
     six = np.array([1.4, 0, 0.3, 1.3, 0.1, 0]) + np.linspace(0, 0.01, 5)[:, None]
     many = st.simulate(st.Disk(), st.Viscous(0.3), six, times, method="heyoka")
     assert np.abs(many.theta[0] - plain.theta).max() < 1e-8
+
+
+def test_a_stiff_leg_ends_between_two_stretches_once_its_time_is_spent(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    run, stretches = sundials._run, list[int]()
+
+    def slow(leg: Leg, plugin: str, start: Any, span: float, shares: Any, most: int) -> Any:
+        """A run of the library that takes its time, and gives up over the whole."""
+        stretches.append(len(shares))
+        end = time.thread_time() + 0.1
+        while time.thread_time() < end:
+            pass
+        return None if len(stretches) == 1 else run(leg, plugin, start, span, shares, most)
+
+    monkeypatch.setattr(sundials, "_run", slow)
+    roll = flow("viscous", pose=False)
+    start = roll.pack(np.array([1.4, 0, 0, 1.2, 0, 0]))
+    times = np.linspace(0.0, 1.0, 200)
+    leg = Leg(roll, np.array([0.25, 0.3, 1e-6]), start, times, 1e-6, 10**6, seconds=0.15)
+    path = METHODS["cvodes"](leg)
+    assert path.end is not None and path.end.kind == "unresolved"
+    assert "more than 0.15 s of computing" in path.end.message
+    assert len(stretches) == 2 and 0 < path.end.time < 1
 
 
 @pytest.mark.parametrize("method", ["dop853", "lsoda"])
