@@ -32,7 +32,7 @@ from ..maps.stability_map import stability_map
 from ..storage.pieces import Records, is_records
 from ..storage.targets import check_folder, path_text, refusing
 from .build import FINEST, figures, move
-from .page import FRICTION, Picture, _diagram_caption, _figure, _foot, _head, drawn
+from .page import FRICTION, Picture, _diagram_caption, _figure, _foot, _head, drawn, sentence
 
 RESOLUTION = 96
 """Points along the axis of the family, where none is asked for."""
@@ -236,13 +236,19 @@ def draw(key: str, name: str, kind: str, folder: str, resolution: int) -> Diagra
     said = ", ".join(n for n in numbers if n)
     codes = dataset.verdict.values
     if ((codes == CODES[Verdict.NEUTRAL]) | (codes == NO_MEMBER)).all():
-        return Diagram(Picture(stem, _neutral(shown, family, said, law, dataset, x, y), ""), False)
+        return Diagram(
+            Picture(stem, _neutral(shown, family, said, law, dataset, x, y), "", ""), False
+        )
+    from ..figures.diagram import colour_scale
+
     title = f"{spoken(family)}: {shown.name}" + (f",\n{end}" if end else "")
     _save(dataset, title, target / stem)
-    caption = _diagram_caption(spoken(family), shown.name, said, dataset, [], [], ON[law])
+    caption = _diagram_caption(
+        spoken(family), shown.name, said, dataset, [], [], colour_scale(dataset), ON[law]
+    )
     over = {"mu": "friction", "plane": "inclination and precession rate"}.get(kind, shown.own)
     what = f"Stability diagram of {spoken(family)} of the {shown.name} {ON[law]}, over {over}"
-    return Diagram(Picture(stem, caption, what), True)
+    return Diagram(Picture(stem, *caption, what), True)
 
 
 def _save(dataset: Any, title: str, target: Path) -> None:
@@ -352,14 +358,8 @@ def _page(
         mine = [found[key, name, kind] for kind in kinds(shown, name)]
         drawn = [_figure(d.picture, True) for d in mine if d.figure]
         lines += ['<div class="row pairs">', *drawn, "</div>"] if drawn else []
-        lines += [_sentence(d) for d in mine if not d.figure]
+        lines += [sentence(d.picture) for d in mine if not d.figure]
     return lines
-
-
-def _sentence(diagram: Diagram) -> str:
-    """A sentence in place of a figure, with its map."""
-    picture = diagram.picture
-    return f'<p>{html.escape(picture.caption)} <a href="{picture.stem}.nc">NetCDF</a></p>'
 
 
 def atlas_of_bodies(

@@ -40,6 +40,7 @@ from .page import (
     Picture,
     _diagram_caption,
     _html,
+    _member,
     _zeros,
     drawn,
 )
@@ -54,15 +55,16 @@ COLUMNS = (
     "family",
     "contact",
     "curve",
-    "quantity",
-    "at",
-    "mu",
+    "omega3 [√(g/R)]",
+    "phi_dot [√(g/R)]",
+    "theta [rad]",
+    "mu [1/√(gR)]",
     "crossing",
-    "frequency",
-    "error",
+    "frequency [√(g/R)]",
+    "error [as error_along]",
     "error_along",
 )
-"""Columns of the CSV of boundaries."""
+"""Columns of the CSV of boundaries; a family fills that of the number which names its members."""
 LAUNCHED = ("rolling", "spinning")
 """Families near which launches start."""
 MU = 0.3
@@ -71,8 +73,10 @@ AT, TILT = (0.1, 3.0), (0.01, 1.2)
 """Angular velocity of the steady motion [√(g/R)], and the tilt from it [rad]."""
 TIME = 200.0
 """Last time [√(R/g)]."""
-MOST_LAUNCHES, FEWEST_LAUNCHES = 16, 6
+MOST_LAUNCHES, FEWEST_LAUNCHES = 64, 6
 """Most and fewest launches along the angular velocity."""
+ALIKE = 0.95
+"""Share of launches with one end above which a figure would show nothing."""
 _Key = tuple[str, str, float | None] | None
 """A figure: body, family, and the friction coefficient of loci or None for the diagram; None for
 the figures of launches."""
@@ -249,7 +253,7 @@ def _diagram(
     here: Path, body: str, family: str, resolution: int
 ) -> tuple[Any, Picture, tuple[tuple[Any, ...], ...]]:
     from ..boundary.changes import boundaries
-    from ..figures.diagram import plot_map
+    from ..figures.diagram import colour_scale, plot_map
     from ..figures.shading import Strip
     from ..maps.files import write_map
     from ..maps.stability_map import stability_map
@@ -258,13 +262,12 @@ def _diagram(
     make, name, inertia = BODIES[body]
     disk, stem = make(), f"{family}-{body}"
     low, high = drawn()[family]
-    dataset = stability_map(
-        family,
-        x=("at", low, high, resolution),
-        y=("mu", *FRICTION, 3 * resolution // 4, "log"),
-        disk=disk,
-        workers=1,
-    )
+    x, y = ("at", low, high, resolution), ("mu", *FRICTION, 3 * resolution // 4, "log")
+    row = {
+        key: stability_map(family, x=x, y=y, disk=maker(), workers=1)
+        for key, (maker, _, _) in BODIES.items()
+    }
+    dataset, scale = row[body], colour_scale(*row.values())
     write_map(dataset, here / f"{stem}.nc", overwrite=True)
     quantity = FAMILIES[family].at[0]
     rows = _curve_rows((body, disk.k, family, "viscous"), quantity, dataset)
@@ -277,16 +280,19 @@ def _diagram(
         strips.append(Strip(law.name, at, found.abscissa, changes, found.codes))
         start = (body, disk.k, family, law.name)
         rows += [
-            (*start, i, quantity, p.value, "", p.crossing.word, p.frequency, p.error, "at")
+            (
+                *start,
+                *(i, *at_cells(quantity, p.value), "", p.crossing.word),
+                *(p.frequency, p.error, quantity),
+            )
             for i, p in enumerate(points)
         ]
-        where = ", ".join(f"{p.value:.6g}" for p in points)
-        limits.append(
-            f"{law.name}: " + (f"verdict changes at {where}" if where else "neutral throughout")
-        )
-    figure = plot_map(dataset, above=strips[0], below=strips[1], title=f"{family}: {name}")
-    caption = _diagram_caption(family, name, inertia, dataset, limits, strips)
-    picture = Picture(stem, caption, f"Stability diagram of {family} of the {name}")
+        where = ", ".join(f"{p.value:.4g}" for p in points)
+        limits.append(f"{law.name}: " + (f"changes at {where}" if where else "neutral throughout"))
+    caption = _diagram_caption(family, name, inertia, dataset, limits, strips, scale)
+    picture = Picture(stem, *caption, f"Stability diagram of {family} of the {name}")
+    title = f"{family}: {name}"
+    figure = plot_map(dataset, above=strips[0], below=strips[1], scale=scale, title=title)
     return figure, picture, tuple(rows)
 
 
@@ -307,17 +313,19 @@ def _locus(body: str, family: str, mu: float, resolution: int) -> tuple[Any, Pic
     zeros = zeros_of_rates(spectra)
     figure = plot_locus(spectra, thresholds=points, zeros=zeros, title=title)
     quantity = QUANTITIES[FAMILIES[family].at[0]].long_name
-    changes = "; ".join(f"{p.crossing.word} boundary at {p.value:.10g}" for p in points)
-    dotted = f"Dotted: {changes}" if changes else "No change of verdict"
-    caption = (
-        f"Eigenvalues of {family} of the {name} ({inertia}) under viscous friction, μ = {mu:g} "
-        f"/√(gR), against the {quantity}: growth rate above (linear near zero, logarithmic "
-        f"beyond), frequency below, in √(g/R), at {len(at)} points; "
+    changes = "; ".join(f"{p.crossing.word} boundary at {p.value:.6g}" for p in points)
+    dotted = f"dotted: {changes}" if changes else "no change of verdict"
+    caption = f"{_member(family, name, inertia)}, μ = {mu:g}/√(gR); {dotted}."
+    exact = (
+        f"Eigenvalues under viscous friction, against the {quantity}: growth rate above (linear "
+        f"near zero, logarithmic beyond), frequency below, in √(g/R), at {len(at)} points; "
         f"without the {_zeros(spectra.structural_zeros)}. One colour and number for each "
         "mode, followed by eigenvector overlap and named by the states that lead it on average"
-        f"{_lines(spectra, zeros)}. {dotted}."
+        f"{_lines(spectra, zeros)}."
     )
-    picture = Picture(stem, caption, f"Eigenvalue loci of {family} of the {name} at mu = {mu:g}")
+    picture = Picture(
+        stem, caption, exact, f"Eigenvalue loci of {family} of the {name} at mu = {mu:g}"
+    )
     return figure, picture
 
 
@@ -363,20 +371,32 @@ def _curve_rows(start: tuple[Any, ...], quantity: str, dataset: Any) -> list[tup
     rows = []
     for curve, at, mu, kind, frequency, error, axis in zip(*columns, strict=True):
         crossing = CODE_KINDS[kind].word
-        along = ("at", "mu")[axis]
-        rows.append((*start, curve, quantity, at, mu, crossing, frequency, error, along))
+        along = (quantity, "mu")[axis]
+        cells = at_cells(quantity, at)
+        rows.append((*start, curve, *cells, mu, crossing, frequency, error, along))
     return rows
 
 
+def at_cells(quantity: str, at: float) -> tuple[float | None, ...]:
+    """The cells of the columns of `at`, which is named by its quantity.
+
+    Examples
+    --------
+    >>> at_cells("theta", 0.5)
+    (None, None, 0.5)
+    """
+    return tuple(at if name.startswith(quantity) else None for name in COLUMNS[5:8])
+
+
 def launches_along(resolution: int) -> tuple[int, int]:
-    """Launches along the angular velocity and along the tilt, small next to a map of verdicts.
+    """Launches along the angular velocity and along the tilt.
 
     Examples
     --------
     >>> launches_along(400), launches_along(16)
-    ((16, 11), (6, 4))
+    ((64, 46), (6, 4))
     """
-    count = min(max(FEWEST_LAUNCHES, resolution // 14), MOST_LAUNCHES)
+    count = min(max(FEWEST_LAUNCHES, resolution // 6), MOST_LAUNCHES)
     return count, round(5 * count / 7)
 
 
@@ -391,16 +411,18 @@ def _basin_diagrams(folder: Path, resolution: int) -> tuple[Picture, ...]:
     for family in LAUNCHED:
         for body in BODIES:
             figure, picture = _basin_diagram(folder, body, family, resolution)
-            save(figure, folder / picture.stem, FORMATS[:1])
+            if figure is not None:
+                save(figure, folder / picture.stem, FORMATS[:1])
             found.append(picture)
     return tuple(found)
 
 
 def _basin_diagram(folder: Path, body: str, family: str, resolution: int) -> tuple[Any, Picture]:
-    """The figure of one body and family."""
+    """The figure of one body and family; none where nearly all launches end in one way."""
     from ..basin.basins import basins
     from ..bodies.contact_laws import Viscous
     from ..figures.basins import basins_caption, plot_basins
+    from ..figures.fates import fates
     from ..storage.datasets import write_dataset
 
     make, name, inertia = BODIES[body]
@@ -416,7 +438,12 @@ def _basin_diagram(folder: Path, body: str, family: str, resolution: int) -> tup
     )
     stem = f"basins-{family}-{body}"
     write_dataset(dataset, folder / f"{stem}.nc", overwrite=True)
+    start = f"Launches near {_member(family, name, inertia).lower()}, μ = {MU:g}/√(gR)"
+    counts = {f.label: int(f.where.sum()) for f in fates(dataset)}
+    if max(counts.values()) > ALIKE * dataset.outcome.size:
+        ends = ", ".join(f"{count} {label}" for label, count in counts.items())
+        said = f"{start}: no figure, since of {dataset.outcome.size} nearly all end alike: {ends}."
+        return None, Picture(stem, said, "", "")
     figure = plot_basins(dataset, title=f"launches near {family}: {name}")
-    caption = f"{name[:1].upper()}{name[1:]} ({inertia}), μ = {MU:g} /√(gR).  "
-    caption += basins_caption(dataset).replace("  ", " ")
-    return figure, Picture(stem, caption, f"Ends of launches near {family} of the {name}")
+    exact = basins_caption(dataset).replace("  ", " ")
+    return figure, Picture(stem, f"{start}.", exact, f"Ends of launches near {family}: {name}")

@@ -49,6 +49,8 @@ class Picture:
     stem: str
     """File name without suffix."""
     caption: str
+    """What it shows, in two lines; a sentence in its place where nothing is drawn."""
+    exact: str
     """Exact description of the computation."""
     alternative: str
     """The figure in a few words, for readers who cannot see it."""
@@ -84,8 +86,9 @@ def _diagram_caption(
     dataset: Any,
     limits: list[str],
     strips: Sequence[Any],
-    where: str = "under viscous friction",
-) -> str:
+    scale: tuple[float, float],
+    where: str = "",
+) -> tuple[str, str]:
     y, x = (str(name) for name in dataset.verdict.dims)
     count = {v.word: int((dataset.verdict == c).sum()) for v, c in CODES.items()}
     verdicts = ", ".join(f"{n:,} {word}".replace(",", "\u00a0") for word, n in count.items() if n)
@@ -111,25 +114,32 @@ def _diagram_caption(
         )
     missing = int((dataset.verdict == NO_MEMBER).sum())
     verdicts += f", {missing} without a member, left blank" * bool(missing)
-    strips_of = f" Strips: the limit laws on the same axis and colours ({'; '.join(limits)})."
-    strips_of *= bool(limits)
+    strips_of = " Strips: the limit laws on the same axis and colours." * bool(limits)
     fit = dataset.attrs.get("approximation", "")
+    said = "; ".join(limits)
     return (
-        f"{family.capitalize()} of the {name}{f' ({inertia})' if inertia else ''} {where}. "
+        f"{_member(family, name, inertia)}{f' {where}' if where else ''}."
+        f"{f' {said.capitalize()}.' if said else ''}",
         "Colour: largest real part of the eigenvalues other than the "
         f"{_zeros(dataset.attrs['structural_zeros'])}, on "
         f"{dataset.sizes[x]} × {dataset.sizes[y]} points, in √(g/R), "
-        f"{_colours(dataset, strips)}. "
+        f"{_colours(dataset, strips, scale)}. "
         f"Verdicts: {verdicts}{undecided}. "
-        f"{curve}{strips_of}{fit and f' All of this is {fit}.'}"
+        f"{curve}{strips_of}{fit and f' All of this is {fit}.'}",
     )
 
 
-def _colours(dataset: Any, strips: Sequence[Any]) -> str:
-    """The scale of the colours, and the hatching that the map or a strip has."""
-    from ..figures.shading import hatching_words, linear_part
+def _member(family: str, name: str, inertia: str) -> str:
+    """A family of a body, short enough for a caption of two lines."""
+    brief = name.split(" with ")[0]
+    return f"{family.capitalize()} of the {brief}{f' ({inertia})' if inertia else ''}"
 
-    power = f"{math.log10(linear_part(dataset.abscissa.values)[0]):.0f}"
+
+def _colours(dataset: Any, strips: Sequence[Any], scale: tuple[float, float]) -> str:
+    """The scale of the colours, and the hatching that the map or a strip has."""
+    from ..figures.shading import hatching_words
+
+    power = f"{math.log10(scale[0]):.0f}"
     raised = power.translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
     codes = np.concatenate([dataset.verdict.values.ravel(), *(strip.codes for strip in strips)])
     hatched = "".join(f"; {words}" for words in hatching_words(codes))
@@ -139,8 +149,8 @@ def _colours(dataset: Any, strips: Sequence[Any]) -> str:
 _STYLE = """
 h2 { margin: 2.2rem 0 .3rem; font-size: 1.25rem; }
 nav > * { margin-right: 1rem; } p.lead { max-width: 46rem; }
-.row { display: grid; grid-template-columns: repeat(auto-fit, minmax(20rem, 1fr)); gap: 1.5rem;
-       margin-bottom: 1.8rem; }
+.row { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(20rem, 100%), 1fr));
+       gap: 1.5rem; margin-bottom: 1.8rem; }
 .pairs { grid-template-columns: repeat(auto-fill, minmax(min(28rem, 100%), 1fr)); }
 nav + .row { margin-top: 1.5rem; }
 """
@@ -186,8 +196,9 @@ def _html(pages: list[Page], ends: Sequence[Picture], resolution: int, draft: bo
             "<p>Which launch ends where: the disk starts near a steady motion, its axis tilted, "
             "and moves until its end is proved. <code>make basins</code> draws large ones.</p>",
             '<div class="row">',
-            *(_figure(p, True, True) for p in ends),
+            *(_figure(p, True, True) for p in ends if p.exact),
             "</div>",
+            *(sentence(p) for p in ends if not p.exact),
         ]
     other = (" --draft" if draft else " --no-draft") * (draft != (resolution < DRAFT))
     parts.append(_foot(command + other))
@@ -207,7 +218,12 @@ def _foot(command: str) -> str:
 def _figure(picture: Picture, diagram: bool, draft: bool = False) -> str:
     files = {"png": "PNG"} if draft else {"png": "PNG", "pdf": "PDF"}
     files |= {"nc": "NetCDF"} if diagram else {}
-    return figure(picture.stem, picture.caption, picture.alternative, files)
+    return figure(picture.stem, picture.caption, picture.alternative, files, picture.exact)
+
+
+def sentence(picture: Picture) -> str:
+    """A sentence in place of a figure, with its data."""
+    return f'<p>{html.escape(picture.caption)} <a href="{picture.stem}.nc">NetCDF</a></p>'
 
 
 def summary(page: Path) -> dict[str, Any]:

@@ -25,6 +25,24 @@ PATTERNS = {
 """Hatchings of regions by name, as Matplotlib takes them; the explorer's `patterns.js` has each."""
 
 
+HATCHES = {
+    "second family": ("||||", "upright lines"),
+    "third family": ("||..", "upright lines and dots"),
+    "fourth family": ("--..", "level lines and dots"),
+    "moving": (r"\\\\", "lines that fall"),
+    "flat": (r"||\\", "upright and falling lines"),
+    "lift-off": ("oo", "small circles"),
+    "no-contact": ("OO", "large circles"),
+    "non-unique": ("**", "stars"),
+    "domain-end": (r"\\..", "falling lines and dots"),
+    "unresolved": ("//..", "slanted lines and dots"),
+    "undetermined": ("xx..", "crosses and dots"),
+    "wrong": ("+++++", "upright crosses"),
+    "turns back": ("//||", "slanted and upright lines"),
+}
+"""Hatching and its name for what is no verdict; none has that of a verdict or of another."""
+
+
 @dataclass(frozen=True)
 class Tones:
     """Colours that tell growth from decay, on one background.
@@ -97,17 +115,17 @@ LOOKS: dict[str, Look] = {
         tone="quiet",
         border="dashed",
         fill=(YELLOW, OCHRE),
-        cell=("#e2e2e2", "....."),
+        cell=("#e2e2e2", "xxxxx"),
     ),
     "drifting": Look("→", tone="growth", pattern="level lines"),
     "absent": Look("–", word="no member"),
     # marks of answers in a comparison of methods; `undecided` is both
     "right": Look("✓", cell=("#2b6ca3", "")),
     "degraded": Look("≈", cell=("#b9d6ec", "")),
-    "refused": Look("–", cell=("#f4f4f4", "-----")),
-    "wrong": Look("✗", cell=(VERMILION, "xxxxx")),
+    "refused": Look("–", cell=("#f4f4f4", "")),
+    "wrong": Look("✗", cell=(VERMILION, HATCHES["wrong"][0])),
     "crashed": Look("‼", cell=("#000000", "")),
-    "late": Look("…", cell=("#b0b0b0", "//////")),
+    "late": Look("…", cell=("#9c9c9c", "")),
 }
 """The look of each verdict, of a place without a member, and of each mark, by its word."""
 SHOWN = ("stable", "unstable", "neutral", "undecided", "drifting", "absent")

@@ -64,10 +64,11 @@ dt { font-weight: 600; } code, h1, p, li, dd { overflow-wrap: anywhere; }
 @media (max-width: 40rem) { body { padding: .75rem; } h1 { font-size: 1.35rem; }
   nav a { display: inline-block; padding: .35rem 0; } }
 table { border-collapse: collapse; font-size: .8rem; } th, td { padding: .15rem .45rem; }
-th { text-align: left; font-weight: 600; } tr { border-bottom: 1px solid #e4e4e4; }
+th { text-align: left; font-weight: 600; } tr { border-bottom: 1px solid var(--rule); }
 .scroll { overflow-x: auto; } .scroll th.turned { writing-mode: vertical-rl; rotate: 180deg;
   text-align: left; padding: .3rem .1rem; } td.mark { text-align: center; min-width: 1.4rem; }
 .own { color: #b34700; } td.number { text-align: right; }
+@media (prefers-color-scheme: dark) { .own { color: #ff9a5c; } }
 details { margin: .8rem 0; } summary { cursor: pointer; }
 """
 

@@ -35,15 +35,16 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from ..base.checks import callback, flag, positive
 from ..base.errors import FileError, ParameterError, shown
-from ..base.quantities import unit_of
+from ..base.quantities import behind, unit_of
 from ..base.types import Floats
 from ..base.version import install_line
-from ..bodies.quantities import PHYSICAL, SYSTEM, quantities_of
+from ..bodies.quantities import PHYSICAL
 from ..bodies.round_body.body import Body
 from ..motion.dataset import FORMAT
 from ..motion.result import BY_CODE
 from ..storage.files import atomic_write
 from ..storage.targets import FILMS, check_suffix, check_target
+from .motion import _quantities
 from .single_run import events_of
 from .styled_figure import broken
 
@@ -344,12 +345,16 @@ def inner_radius(dataset: xarray.Dataset) -> float:
 def caption_of(dataset: xarray.Dataset) -> str:
     """The parameters in words, without mass, radius and gravity in a dimensionless motion."""
     plain, law = bool(dataset.attrs.get("dimensionless", 0)), str(dataset.attrs.get("contact", ""))
-    units = {} if plain else {n: q.kind.suffix for n, q in quantities_of(SYSTEM + law).items()}
-    shown = [
-        f"{name} = {float(value):.6g}{units.get(str(name), '')}"
-        for name, value in dataset.coords.items()
-        if value.ndim == 0 and not (plain and name in (*PHYSICAL, "length"))
-    ]
+    known = _quantities(dataset)
+    shown = []
+    for name, value in dataset.coords.items():
+        if value.ndim or (plain and name in (*PHYSICAL, "length")):
+            continue
+        unit, formula = str(value.attrs.get("units", "1")), ""
+        if quantity := known.get(str(name)):
+            unit = quantity.kind.label(dimensionless=plain)
+            formula = f" of {quantity.formula}" * bool(quantity.formula)
+        shown.append(f"{name} = {float(value):.6g}{behind(unit)}{formula}")
     return f"{law} contact, {', '.join(shown)}"
 
 

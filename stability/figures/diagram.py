@@ -18,7 +18,8 @@ from matplotlib.patches import Patch
 from matplotlib.textpath import TextPath
 from numpy.typing import NDArray
 
-from ..base.errors import ParameterError
+from ..base.checks import positive
+from ..base.errors import ParameterError, shown
 from ..base.looks import LOOKS, YELLOW
 from ..base.quantities import Quantity, axis_label, in_latex, read, unit_of
 from ..base.verdict import CODES, NO_MEMBER, Verdict
@@ -60,6 +61,7 @@ def plot_map(
     above: Strip | None = None,
     below: Strip | None = None,
     points: CodimensionTwo | None = None,
+    scale: tuple[float, float] | None = None,
     title: str = "",
     ax: Axes | None = None,
     width: float | None = None,
@@ -76,6 +78,9 @@ def plot_map(
     points
         Points to mark, from `codimension_two` with the axes of the map; those that the map holds
         when left out.
+    scale
+        Growth rate up to which the colours are linear, and the largest one, in the unit of the
+        map: figures with one scale can be compared.  Those of this map when left out.
     title
         Title of the figure.
     ax
@@ -115,13 +120,15 @@ def plot_map(
             f"dataset is {what}; give what stability_map or read_map returns (plot_locus draws a "
             "spectrum)."
         )
+    if scale is not None and not 0 < positive("scale", scale[0]) < positive("scale", scale[1]):
+        raise ParameterError(f"scale is {shown(scale)}; give the linear part, then the largest.")
     if ax is not None and (above or below):
         raise ParameterError("above and below need a figure of their own; leave out ax.")
     with drawing(ax, width, fontsize, lambda wide: min(0.98 * wide, 2.05 + 0.38 * wide)) as figure:
         strips_at = {"above": above is not None, "below": below is not None}
         rows = [ax] if ax is not None else with_strips(figure, **strips_at)
         main = rows[1 if above else 0]
-        mesh = _colour(main, dataset)
+        mesh = _colour(main, dataset, norm_of(*(scale or colour_scale(dataset))))
         across = dataset[_x(dataset)]
         main.set_xlim(float(across[0]), float(across[-1]))
         label_axes(main, rows, *(_label(dataset, n) for n in (_x(dataset), _y(dataset))))
@@ -133,7 +140,8 @@ def plot_map(
         _curves(main, dataset)
         settle(figure)
         nameless = {v for s, p in strips for v in draw_strip(p, s, mesh.norm)}
-        nameless |= _region_names(main, dataset)
+        named = _region_names(main, dataset)
+        nameless = (nameless | _present(dataset.verdict.values)) - named
         key(rows[0], _handles(main, dataset, nameless), title)
         note(rows[-1], _fixed(dataset))
     return figure
@@ -212,8 +220,8 @@ def caption(dataset: xarray.Dataset, points: CodimensionTwo | None = None) -> st
     )
     return (
         f"{title[:1].upper()}{title[1:]} of {dataset.attrs['system']}{_numbers(dataset)}.  Colour: "
-        f"largest growth "
-        f"rate, grey within {_linear(dataset)[0]:g} of zero{texture}.{blank}  Cells: {cells}{none}."
+        f"largest growth rate, grey within {colour_scale(dataset)[0]:g} of zero{texture}.{blank}"
+        f"  Cells: {cells}{none}."
         f"{_count_points(points) if points is not None else ''}"
     )
 
@@ -232,15 +240,34 @@ def _is_log(dataset: xarray.Dataset, name: str) -> bool:
     return re.search(entry, str(dataset.attrs.get("axes", ""))) is not None
 
 
-def _linear(dataset: xarray.Dataset) -> tuple[float, float]:
-    """Size up to which a growth rate is drawn on a linear scale, and the largest size."""
-    return linear_part(dataset.abscissa.values[dataset.verdict.values != NO_MEMBER])
+def colour_scale(*datasets: xarray.Dataset) -> tuple[float, float]:
+    """The scale of the colours of maps that are compared, for `plot_map`.
+
+    Parameters
+    ----------
+    *datasets
+        Maps from `stability_map`.
+
+    Returns
+    -------
+    tuple of float
+        Growth rate up to which the colours are linear, and the largest one.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> m = st.stability_map("spinning", x=("at", 1, 4, 9), y=("mu", 0.1, 2, 9))
+    >>> linear, largest = colour_scale(m)
+    >>> linear, round(largest, 2)
+    (0.0001, 1.32)
+    """
+    rates = [d.abscissa.values[d.verdict.values != NO_MEMBER] for d in datasets]
+    return linear_part(np.concatenate(rates))
 
 
-def _colour(axes: Axes, dataset: xarray.Dataset) -> Any:
+def _colour(axes: Axes, dataset: xarray.Dataset, norm: Any) -> Any:
     x, y, values = dataset[_x(dataset)], dataset[_y(dataset)], dataset.abscissa.values
     missing = dataset.verdict.values == NO_MEMBER
-    norm = norm_of(*_linear(dataset))
     mesh = axes.pcolormesh(
         x,
         y,
@@ -366,7 +393,7 @@ def _quantities(dataset: xarray.Dataset) -> Mapping[str, Quantity]:
 
 
 def _region_names(axes: Axes, dataset: xarray.Dataset) -> set[Verdict]:
-    """Write each verdict into its region, far from its edge; the textures without a word."""
+    """Write each verdict into its region, far from its edge; those that are written."""
     from scipy.ndimage import distance_transform_edt
 
     codes = dataset.verdict.values
@@ -394,8 +421,12 @@ def _region_names(axes: Axes, dataset: xarray.Dataset) -> set[Verdict]:
         y = float(dataset[_y(dataset)][min(max(i - 1, 0) // fine[0], codes.shape[0] - 1)])
         write(axes, x, y, word, edge=2.2, zorder=5, fontsize=small() + 1.5)
         named |= {v for v in Verdict if v.word == word}
-    present = {v for v in Verdict if LOOKS[v.word].pattern and (codes == CODES[v]).any()}
-    return present - named
+    return named
+
+
+def _present(codes: NDArray[Any]) -> set[Verdict]:
+    """Verdicts in a map that have a hatching."""
+    return {v for v in Verdict if LOOKS[v.word].pattern and (codes == CODES[v]).any()}
 
 
 def _extent(axes: Axes, word: str) -> tuple[float, float]:

@@ -19,6 +19,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from ..base.errors import NameUnknownError, ParameterError, shown
+from ..base.looks import HATCHES
 from ..basin.statistics.fractions import LEVEL, wilson
 from ..basin.statistics.samples import LogUniform
 from ..bodies.families import at_name
@@ -31,20 +32,20 @@ if TYPE_CHECKING:
 
 RAMPS = (
     (("#d3e6f5", "#3d84bd"), "", "plain"),
-    (("#fdedc8", "#e89b0c"), "....", "dots"),
-    (("#d6efe0", "#2f9d70"), "----", "level lines"),
-    (("#f3dbea", "#c46aa0"), "||||", "upright lines"),
+    (("#fdedc8", "#e89b0c"), *HATCHES["second family"]),
+    (("#d6efe0", "#2f9d70"), *HATCHES["third family"]),
+    (("#f3dbea", "#c46aa0"), *HATCHES["fourth family"]),
 )
 """Lightest and darkest colour, hatching and its name, for families in the order of a dataset."""
 PLAIN = {
-    Outcome.MOVING: ("#f5f2b8", "////", "lines that rise"),
-    Outcome.FLAT: ("#b3b3b3", r"\\\\", "lines that fall"),
-    Outcome.LIFT_OFF: ("#e58a5e", "xxxx", "crosses"),
-    Outcome.NO_CONTACT: ("#8f7fb8", "++++", "upright crosses"),
-    Outcome.NON_UNIQUE: ("#a9c98f", "oo", "small circles"),
-    Outcome.DOMAIN_END: ("#b3b3b3", r"\\\\", "lines that fall"),
-    Outcome.UNRESOLVED: ("#ffffff", "OO", "large circles"),
-    Outcome.UNDETERMINED: ("#ffffff", "**", "stars"),
+    Outcome.MOVING: ("#f5f2b8", *HATCHES["moving"]),
+    Outcome.FLAT: ("#b3b3b3", *HATCHES["flat"]),
+    Outcome.LIFT_OFF: ("#e58a5e", *HATCHES["lift-off"]),
+    Outcome.NO_CONTACT: ("#8f7fb8", *HATCHES["no-contact"]),
+    Outcome.NON_UNIQUE: ("#a9c98f", *HATCHES["non-unique"]),
+    Outcome.DOMAIN_END: ("#b3b3b3", *HATCHES["domain-end"]),
+    Outcome.UNRESOLVED: ("#ffffff", *HATCHES["unresolved"]),
+    Outcome.UNDETERMINED: ("#ffffff", *HATCHES["undetermined"]),
 }
 """Colour, hatching and its name of every other outcome."""
 FEW = 1e-9
@@ -151,16 +152,17 @@ MOST, PASSES = 3000, 6
 others where ends mix."""
 MARKS = {
     "plain": ("o", "circles"),
-    "dots": ("s", "squares"),
-    "level lines": ("^", "triangles"),
-    "upright lines": ("v", "triangles on their tips"),
-    "lines that rise": ("x", "slanted crosses"),
-    "lines that fall": ("_", "dashes"),
-    "crosses": ("D", "diamonds"),
-    "upright crosses": ("P", "thick crosses"),
-    "small circles": ("h", "hexagons"),
-    "large circles": ("p", "pentagons"),
+    "upright lines": ("s", "squares"),
+    "upright lines and dots": ("^", "triangles"),
+    "level lines and dots": ("v", "triangles on their tips"),
+    "lines that fall": ("x", "slanted crosses"),
+    "upright and falling lines": ("_", "dashes"),
+    "small circles": ("D", "diamonds"),
+    "large circles": ("P", "thick crosses"),
     "stars": ("*", "stars"),
+    "falling lines and dots": ("_", "dashes"),
+    "slanted lines and dots": ("p", "pentagons"),
+    "crosses and dots": ("h", "hexagons"),
 }
 """Mark and its name, by the hatching of the same end on a map."""
 EDGE = 0.3
@@ -300,8 +302,8 @@ def shares(present: list[Fate]) -> list[str]:
 
     Examples
     --------
-    >>> one = Fate("lift-off", np.array([True] * 3 + [False] * 7), ("k", "k"), "", "crosses")
-    >>> other = Fate("moving", ~one.where, ("k", "k"), "", "lines that rise")
+    >>> one = Fate("lift-off", np.array([True] * 3 + [False] * 7), ("k", "k"), "", "small circles")
+    >>> other = Fate("moving", ~one.where, ("k", "k"), "", "lines that fall")
     >>> shares([one, other])
     ['30 % (11–60)', '70 % (40–89)']
     """

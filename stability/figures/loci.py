@@ -143,7 +143,7 @@ def plot_locus(
             for panel in panels:
                 panel.set_xscale("log")
         else:
-            lowest.xaxis.set_major_locator(ticks_along(lowest))
+            ticks_along(lowest.xaxis)
         top.set_xlim(float(at.min()), float(at.max()))
         lowest.set_xlim(top.get_xlim())
         if len(panels) > 1:

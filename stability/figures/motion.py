@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from .canvas import COLUMN  # isort: skip
 from .styled_figure import checked_size, drawing, entry, fixed, key  # isort: skip
-from .styled_figure import note, small, spacing, write  # isort: skip
+from .styled_figure import note, points, settle, small, spacing, wide, write  # isort: skip
 
 import json
 from collections.abc import Callable, Mapping, Sequence
@@ -22,7 +22,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from ..base.errors import NameUnknownError, ParameterError, listed, shown
-from ..base.looks import BLUE, PURPLE, SKY, VERMILION
+from ..base.looks import BLUE, SKY, VERMILION
 from ..base.quantities import Kind, Quantity, in_latex, plain_text, readable, unit_of
 from ..bodies.families import FAMILIES
 from ..bodies.newton_euler import STATES
@@ -40,8 +40,8 @@ NARROW = 5.0
 """Width below which the parts stand one below the other [in]."""
 ENERGIES = ("potential", "kinetic", "dissipated")
 POSE = ("contact_x", "contact_y", "centre_x", "centre_y")
-FILLS = ((SKY, ""), ("#F0E442", "////"), (PURPLE, "...."))
-"""Colour and hatching of each of `ENERGIES`."""
+FILLS = (SKY, "#F0E442", "#a3567f")
+"""Colour of each of `ENERGIES`, of three shades of grey in print."""
 # the palest end of the map would be lost on white paper
 TIME_MAP = ListedColormap(matplotlib.colormaps["viridis"](np.linspace(0, 0.92, 256)))
 WORDS = ("inclination", "rates", "slip", "normal force")
@@ -92,7 +92,7 @@ def plot_motion(
     Returns
     -------
     Figure
-        The parameters stand below; sticking is hatched, events are vertical lines with a word.
+        The parameters stand below; sticking is grey, events are vertical lines with a word.
 
     Raises
     ------
@@ -118,18 +118,18 @@ def plot_motion(
     names = _asked(dataset, series) or own
     motion = one_launch(dataset, _needed(dataset, own, show))
     parts = [show] if show else _parts(dataset, own)
-    wide = PAGE if len(parts) > 1 else COLUMN
+    across = PAGE if len(parts) > 1 else COLUMN
     if width is not None and ax is None:
-        wide = checked_size("width", width, 2.0, "inches")
-    stacked = wide < NARROW
+        across = checked_size("width", width, 2.0, "inches")
+    stacked = across < NARROW
     usual = COLUMN if stacked or len(parts) == 1 else PAGE
-    tall = sum(_heights(parts, names, stacked=stacked)) * (wide / usual) ** 0.5
+    tall = sum(_heights(parts, names, stacked=stacked)) * (across / usual) ** 0.5
     draw: dict[str, Callable[[Any, SingleRun], None]] = {
         "states": partial(_draw_states, names=names),
         "paths": _draw_paths,
         "energy": _draw_energy,
     }
-    with drawing(ax, width if ax is not None else wide, fontsize, lambda _: tall) as figure:
+    with drawing(ax, width if ax is not None else across, fontsize, lambda _: tall) as figure:
         if ax is not None:
             draw[parts[0]](GivenAxes(figure, ax, parts[0]), motion)
         else:
@@ -140,6 +140,9 @@ def plot_motion(
         drawn = figure.axes if ax is None else np.ravel(ax).tolist()
         lowest = next(a for a in drawn if a.get_xlabel())
         note(lowest, fixed_of(dataset))
+        settle(figure)
+        for axes in drawn:  # equal scales have their ticks only now, and labels next to these
+            axes.apply_aspect()
     return figure
 
 
@@ -235,7 +238,9 @@ def _draw_states(page: Any, motion: SingleRun, names: tuple[str, ...]) -> None:
         _mark_upright(panels[0])
         panels[3].axhline(0, color=GREY, linewidth=0.7, zorder=1)
     words(panels[0], motion)
-    if motion.trusted < motion.times[-1]:
+    faded = (motion.times[-1] - motion.trusted) / (motion.times[-1] - motion.times[0])
+    room = faded * panels[-1].get_window_extent().width * points(panels[-1])
+    if wide(UNKNOWN) < room:
         middle, across = (motion.trusted + motion.times[-1]) / 2, panels[-1].get_xaxis_transform()
         write(panels[-1], middle, 0.5, UNKNOWN, edge=2.0, transform=across, zorder=5)
     panels[-1].set_xlim(times[0], times[-1])
@@ -357,7 +362,7 @@ def _draw_paths(page: Any, motion: SingleRun) -> None:
     axes.set_aspect("equal", adjustable="datalim")
     axes.autoscale_view()
     for axis, letter in ((axes.xaxis, "X"), (axes.yaxis, "Y")):
-        axis.set_major_locator(MaxNLocator(5))
+        axis.set_major_locator(MaxNLocator(4 if letter == "X" else 5))
         axis.set_label_text(f"${letter}$  {unit(data, 'centre_x')}")
     axes.ticklabel_format(useOffset=False)
     key(axes, _keys(bool(motion.sticking), "first sample" if motion.times[0] else "start"))
@@ -429,9 +434,7 @@ def _layers_of_energy(upper: Axes, motion: SingleRun) -> None:
     """The energies of a disk, stacked to their constant total."""
     data, times = motion.data, motion.times
     layers = np.stack([data[name].values for name in ENERGIES])
-    fills = upper.stackplot(times, layers, colors=[c for c, _ in FILLS], labels=ENERGIES)
-    for fill, (_, hatch) in zip(fills, FILLS, strict=True):
-        fill.set(hatch=hatch, edgecolor="#606060", linewidth=0)
+    upper.stackplot(times, layers, colors=FILLS, labels=ENERGIES)
     for line in np.cumsum(layers, axis=0):
         upper.plot(times, line, color="black", linewidth=0.3)
     upper.set_ylim(0, 1.04 * float(layers.sum(axis=0).max()))
@@ -445,12 +448,7 @@ STROKES: tuple[dict[str, Any], ...] = (
 )
 GREY = "#404040"
 """Colour of lines across a panel."""
-STUCK: dict[str, Any] = {
-    "facecolor": "#e4e4e4",
-    "edgecolor": "#9a9a9a",
-    "hatch": "////",
-    "linewidth": 0,
-}
+STUCK: dict[str, Any] = {"facecolor": "#d8d8d8", "edgecolor": "none"}
 """Look of a span of sticking."""
 VEIL: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75}
 """What lies over a motion that is not known."""

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..base.errors import ParameterError, shown
+from ..base.looks import HATCHES
 from .shading import DIVERGING, hatch
 
 if TYPE_CHECKING:
@@ -65,7 +66,7 @@ def plot_retrograde(dataset: xarray.Dataset, *, width: float | None = None) -> F
         mesh = axes.pcolormesh(
             x, y, first, cmap=DIVERGING, norm=norm, shading="gouraud", rasterized=True
         )
-        hatch(axes, x, y, first > 1, "////")
+        hatch(axes, x, y, first > 1, HATCHES["turns back"][0])
         _lines(axes, x, y, values)
         _words(axes, x, y, first)
         axes.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))

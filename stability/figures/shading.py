@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .styled_figure import StyledFigure, halo, points, signed_ticks, small, wide  # isort: skip
+from .styled_figure import StyledFigure, points, signed_ticks, wide, write  # isort: skip
 
 import math
 from dataclasses import dataclass
@@ -219,7 +219,7 @@ class Strip:
 
 
 def draw_strip(axes: Axes, strip: Strip, norm: Any) -> set[Verdict]:
-    """Draw a strip; each zone has its word, or an arrow from it where the zone is too short.
+    """Draw a strip; each zone has its word where there is room for it.
 
     Parameters
     ----------
@@ -260,44 +260,11 @@ def _zones(strip: Strip) -> list[tuple[Verdict, float, float]]:
 
 
 def _words(axes: Axes, strip: Strip) -> set[Verdict]:
-    zones, size = _zones(strip), small()
-    low, high = axes.get_xlim()
-    room = axes.get_window_extent().width * points(axes)
-
-    def need(verdict: Verdict) -> float:  # width of a word and its halo along the axis
-        return (wide(verdict.word) + 4) / room * (high - low)
-
-    begins = [begin for _, begin, _ in zones]  # where the free room of each zone begins
-    ends = [end for _, _, end in zones]
-    said: set[Verdict] = set()
-    style: dict[str, Any] = {"va": "center", "fontsize": size, "path_effects": halo(1.8)}
-    arrow: dict[str, Any] = {"arrowstyle": "-|>", "linewidth": 0.6, "color": "black"}
-    arrow |= {"shrinkA": 0, "shrinkB": 0, "mutation_scale": 5}
-    lead = 9 / room * (high - low)
-    for i, (verdict, begin, end) in enumerate(zones):
-        if need(verdict) <= end - begin:
-            continue
-        for j, side in ((i + 1, 1), (i - 1, -1)):  # a longer zone next to it lends room
-            if not 0 <= j < len(zones) or verdict in said:
-                continue
-            other, asked = zones[j], need(verdict) + lead
-            if need(other[0]) + asked > ends[j] - begins[j]:
-                continue
-            foot = end if side > 0 else begin
-            axes.annotate(
-                verdict.word,
-                ((begin + end) / 2, 0.48),
-                (foot + side * lead, 0.48),
-                ha="left" if side > 0 else "right",
-                arrowprops=arrow,
-                **style,
-            )
-            begins[j], ends[j] = (
-                (begins[j] + asked, ends[j]) if side > 0 else (begins[j], ends[j] - asked)
-            )
-            said.add(verdict)
-    for i, (verdict, begin, end) in enumerate(zones):
-        if need(verdict) <= end - begin:
-            axes.text((begins[i] + ends[i]) / 2, 0.48, verdict.word, ha="center", **style)
+    zones, (low, high) = _zones(strip), axes.get_xlim()
+    room = axes.get_window_extent().width * points(axes) / (high - low)
+    said = set()
+    for verdict, begin, end in zones:
+        if wide(verdict.word) + 4 <= room * (end - begin):  # a word stands in its own zone
+            write(axes, (begin + end) / 2, 0.48, verdict.word, edge=1.8)
             said.add(verdict)
     return {verdict for verdict, _, _ in zones} - said

@@ -20,7 +20,7 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 from matplotlib.textpath import text_to_path
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import MaxNLocator, ScalarFormatter
 
 from ..base.checks import positive
 from ..base.errors import ParameterError, shown
@@ -157,18 +157,56 @@ def with_strips(figure: Figure, *, above: bool = False, below: bool = False) -> 
 
 def label_axes(main: Axes, rows: Sequence[Axes], x: str, y: str) -> None:
     """Labels and ticks of a panel; those of its x axis are under the lowest row."""
-    rows[-1].set_xlabel(x)
-    main.set_ylabel(y)
+    whole: Any = main.get_figure(root=True)
+    box = whole.bbox if isinstance(whole, StyledFigure) else main.get_window_extent()
+    larger = matplotlib.rcParams["axes.labelsize"] / small() / points(main)
+    for set_label, text, room in (
+        (rows[-1].set_xlabel, x, 0.9 * box.width),
+        (main.set_ylabel, y, 0.6 * box.height),
+    ):
+        set_label(broken(text, lambda line, room=room: larger * wide(line) <= room, "  "))  # type: ignore[misc]
     if main.get_xscale() != "log":
-        main.xaxis.set_major_locator(ticks_along(main))
+        ticks_along(main.xaxis)
+    if main.get_yscale() != "log":
+        ticks_along(main.yaxis)
     for panel in rows[:-1]:
         panel.tick_params(axis="x", labelbottom=False)
 
 
-def ticks_along(axes: Axes) -> MaxNLocator:
-    """Ticks of an x axis: six at most, and on a user's axes as many as find their room."""
-    own = isinstance(axes.get_figure(root=True), StyledFigure)
-    return MaxNLocator(6 if own else "auto", steps=[1, 2, 2.5, 5, 10])
+class _EndTicks(MaxNLocator):
+    """Round numbers, and both ends of the axis."""
+
+    def tick_values(self, vmin: float, vmax: float) -> Any:
+        low, high = sorted((vmin, vmax))
+        room = 0.1 * (high - low)
+        inner = np.asarray(super().tick_values(vmin, vmax))
+        return [low, *inner[(inner > low + room) & (inner < high - room)], high]
+
+
+class _EndFormatter(ScalarFormatter):
+    """Round numbers with the digits that they need, and the ends with three."""
+
+    def set_locs(self, locs: Any) -> None:
+        """Take the digits from the round numbers."""
+        super().set_locs(locs[1:-1] if len(locs) > 2 else locs)
+
+    def __call__(self, x: float, pos: Any = None) -> str:
+        """The number as text."""
+        text = super().__call__(x, pos)
+        low, high = self.axis.get_view_interval()  # type: ignore[union-attr]
+        rest = abs(round(x, len(text.partition(".")[2])) - x)
+        if self.get_offset() or x not in (low, high) or rest <= 1e-9 * abs(x):
+            return text
+        return self.fix_minus(f"{x:.3g}")
+
+
+def ticks_along(axis: Any) -> None:
+    """Ticks of an axis: both ends and a few between, and as a user's axes find room for."""
+    if isinstance(axis.axes.get_figure(root=True), StyledFigure):
+        axis.set_major_locator(_EndTicks(6, steps=[1, 2, 2.5, 5, 10]))
+        axis.set_major_formatter(_EndFormatter())
+    else:
+        axis.set_major_locator(MaxNLocator("auto", steps=[1, 2, 2.5, 5, 10]))
 
 
 def settle(figure: Figure) -> None:

@@ -274,6 +274,8 @@ class Modes(NamedTuple):
     """Share of each state in each mode, shape (…, mode, state); each mode sums to 1."""
     labels: NDArray[np.object_] | tuple[str, ...]
     """Readable names, shape (…, mode); a tuple for a single spectrum."""
+    states: tuple[str, ...] = ()
+    """Names of the states."""
 
     def __repr__(self) -> str:
         *shape, modes, states = self.vectors.shape
@@ -286,7 +288,10 @@ class Modes(NamedTuple):
         if self.vectors.ndim > 2:
             return html_table(repr(self)[1:-1], [], [])
         shares = [[f"{share:.3g}" for share in row] for row in self.participation]
-        columns = ["mode", *(f"share of state {i}" for i in range(self.vectors.shape[-1]))]
+        columns = [
+            "mode",
+            *(f"share of {name}" for name in self.states or range(self.vectors.shape[-1])),
+        ]
         rows = [[label, *row] for label, row in zip(self.labels, shares, strict=True)]
         return html_table(repr(self)[1:-1].partition(":")[0], columns, rows)
 

@@ -682,7 +682,7 @@ class Spectrum(Record):
         labels = mode_labels(
             self.eigenvalues, self.radius, participation, self.family.system.states
         )
-        return Modes(vectors, participation, labels)
+        return Modes(vectors, participation, labels, tuple(self.family.system.states))
 
     def tracked(self) -> NDArray[np.intp]:
         """Order that follows each mode along the last parameter axis, by eigenvector overlap.

@@ -6,13 +6,20 @@ import html
 from collections.abc import Mapping
 
 STYLE = """
-:root { color-scheme: light; }
-body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; background: #fff; max-width: 76rem;
-       margin: 0 auto; padding: 1.5rem; }
+:root { color-scheme: light dark; --ink: #1a1a1a; --quiet: #444; --page: #fff; --rule: #ccc;
+        --link: #0645ad; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e8e8e8; --quiet: #b8b8b8; --page: #161616; --rule: #444; --link: #8ab4f8; } }
+body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--page);
+       max-width: 76rem; margin: 0 auto; padding: 1.5rem; }
+a { color: var(--link); }
 h1 { font-size: 1.6rem; margin: 0 0 .5rem; }
-figure { margin: 0; } figure img { width: 100%; height: auto; display: block; }
-figcaption { font-size: .85rem; color: #333; } figcaption .files { white-space: nowrap; }
-footer { margin-top: 3rem; border-top: 1px solid #ccc; font-size: .82rem; color: #444; }
+figure { margin: 0; } figure img { width: 100%; height: auto; display: block;
+             background: #fff; }
+figcaption { font-size: .85rem; color: var(--quiet); } figcaption .files { white-space: nowrap; }
+figcaption summary { cursor: pointer; }
+footer { margin-top: 3rem; border-top: 1px solid var(--rule); font-size: .82rem;
+         color: var(--quiet); }
 """
 """Rules of every page; those of one page come after them."""
 
@@ -35,11 +42,14 @@ def head(title: str, style: str, heading: str = "") -> list[str]:
     ]
 
 
-def figure(stem: str, caption: str, alternative: str, files: Mapping[str, str]) -> str:
-    """A figure with its caption, and links to its files: words by their endings."""
+def figure(
+    stem: str, caption: str, alternative: str, files: Mapping[str, str], exact: str = ""
+) -> str:
+    """A figure with its caption, links to its files, and an exact description to open."""
     links = " · ".join(f'<a href="{stem}.{ending}">{word}</a>' for ending, word in files.items())
+    more = f"<details><summary>exactly</summary>{html.escape(exact)}</details>" if exact else ""
     return (
         f'<figure><img src="{stem}.png" alt="{html.escape(alternative)}" loading="lazy">'
-        f'<figcaption>{html.escape(caption)} <span class="files">{links}</span></figcaption>'
+        f'<figcaption>{html.escape(caption)} <span class="files">{links}</span>{more}</figcaption>'
         "</figure>"
     )

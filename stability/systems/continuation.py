@@ -309,6 +309,8 @@ class _Members(NamedTuple):
     """Points between two members at which another branch crosses, in order."""
     citation: str = ""
     """Keys of the works to cite, for `stability.citation`."""
+    names: tuple[str, ...] = ()
+    """Names of the number along the branch and of the states."""
 
 
 class Branch(TupleRecord, _Members):
@@ -337,12 +339,12 @@ class Branch(TupleRecord, _Members):
         return f"<Branch of {len(self.at)} members{ends}: {', '.join([words, *said])}>"
 
     def _repr_html_(self) -> str:
-        states = [f"state {i}" for i in range(self.state.shape[-1])]
+        names = self.names or ("at", *(f"state {i}" for i in range(self.state.shape[-1])))
         rows = np.column_stack([self.at, self.state])[:LONGEST]
         cells = [[f"{value:.6g}" for value in row] for row in rows]
         left = len(self.at) - len(rows)
         foot = f"and {left} more members" if left else ""
-        return html_table(repr(self)[1:-1], ["at", *states], cells, foot)
+        return html_table(repr(self)[1:-1], names, cells, foot)
 
 
 def branch(
@@ -605,7 +607,8 @@ class _Line(Record):
         crossed = tuple(self._branch_point(p, t) for p, t in crossings)
         system = self.family.system
         works = cited(system=system.name, model=bool(system.quantities))
-        return Branch(z[:, -1], self._states(z), complete, ended, turned, crossed, works)
+        names = (self.family.at[0], *system.states)
+        return Branch(z[:, -1], self._states(z), complete, ended, turned, crossed, works, names)
 
 
 def _scale(z: Floats, width: float) -> Floats:

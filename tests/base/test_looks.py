@@ -1,5 +1,6 @@
 """Every figure, report and page draws a row of the table of looks, which stands nowhere else."""
 
+import itertools
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +14,7 @@ from matplotlib.colors import to_hex
 from node import Engine
 
 import stability as st
-from stability.base.looks import DARK, LIGHT, LOOKS, OCHRE, PATTERNS, YELLOW
+from stability.base.looks import DARK, HATCHES, LIGHT, LOOKS, OCHRE, PATTERNS, YELLOW
 from stability.compare.failures import LINEAR, Entry
 from stability.compare.figures import ladder_figure
 from stability.compare.marks import Mark
@@ -100,3 +101,38 @@ def test_no_colour_of_the_table_is_written_a_second_time() -> None:
     assert len(files) > 300
     twice = {p.name for p in files if text.search(p.read_text(encoding="utf-8"))}
     assert twice == {"looks.py"}
+
+
+def test_each_hatching_has_one_meaning_over_all_figures() -> None:
+    """At any density: Matplotlib draws `//` and `////` alike but for their distance."""
+    meanings: dict[frozenset[str], set[str]] = {}
+    rows = [(word, one.hatching) for word, one in LOOKS.items()]
+    rows += [(word, one.cell[1]) for word, one in LOOKS.items()]
+    rows += [(word, hatching) for word, (hatching, _) in HATCHES.items()]
+    for word, hatching in rows:
+        meanings.setdefault(frozenset(hatching), set()).add(word)
+    shared = {shape: words for shape, words in meanings.items() if shape and len(words) > 1}
+    assert shared == {}
+    assert len(meanings) > 15
+    names = [*PATTERNS, *(name for _, name in HATCHES.values())]
+    assert len(set(names)) == len(names)
+
+
+def test_no_other_file_writes_a_hatching() -> None:
+    literal = re.compile(
+        r"""hatch\w*["']?\s*[=:,]\s*r?["'][-/\\\\|+xoO.*]+["']|r?["'](?:////|xxxx|\\.\\.\\.\\.)["']"""
+    )
+    files = [p for p in ROOT.rglob("*.py") if p.name != "looks.py"]
+    assert literal.search('hatch(axes, x, y, first > 1, "////")')
+    assert literal.search('"hatch": "oo"')
+    assert {p.name for p in files if literal.search(p.read_text(encoding="utf-8"))} == set()
+
+
+def test_answers_of_a_report_differ_in_grey() -> None:
+    """Two marks have another hatching, or greys that are 25 of 255 apart."""
+    marks = [LOOKS[mark.word].cell for mark in Mark]
+    greys = [
+        np.dot([int(c[i : i + 2], 16) for i in (1, 3, 5)], [0.299, 0.587, 0.114]) for c, _ in marks
+    ]
+    for i, j in itertools.combinations(range(len(marks)), 2):
+        assert set(marks[i][1]) != set(marks[j][1]) or abs(greys[i] - greys[j]) > 25

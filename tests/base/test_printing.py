@@ -86,6 +86,12 @@ def test_a_result_is_one_line_and_a_table_of_html(made: Callable[[], Any], begin
         assert len(re.findall(rf"<{tag}>", page)) == len(re.findall(rf"</{tag}>", page))
 
 
+def test_tables_of_modes_and_branches_name_the_states() -> None:
+    assert "<th>share of slip_x</th>" in modes(1.8)._repr_html_()
+    page = CASES["branch"][0]()._repr_html_()
+    assert "<th>p</th><th>x</th>" in page and "state 0" not in page
+
+
 def test_texts_of_a_user_are_no_html() -> None:
     x, p = ca.SX.sym("x"), ca.SX.sym("p")
     s = st.System("<b>", x, p, -p * x, states=("x",), parameters=("p",))

@@ -144,9 +144,12 @@ def test_the_caption_of_a_film_has_units() -> None:
     caption = animation.caption_of(launch(disk=st.Disk(mass=0.2, radius=0.3, gravity=9.81)))
     assert caption == (
         "viscous contact, mass = 0.2 kg, radius = 0.3 m, gravity = 9.81 m/s², k = 0.25, "
-        "mu = 0.3 s/m"
+        "mu = 0.3 s/m of F = -μ N v"
     )
-    assert animation.caption_of(launch()) == "viscous contact, k = 0.25, mu = 0.3"
+    assert (
+        animation.caption_of(launch())
+        == "viscous contact, k = 0.25, mu = 0.3 1/√(gR) of F = -μ N v"
+    )
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 import stability as st
 from stability.base.errors import ParameterError
 from stability.base.looks import LOOKS
-from stability.figures.diagram import caption
+from stability.figures.diagram import caption, colour_scale
 from stability.figures.loci import swept
 from stability.figures.modes import mode_groups
 from stability.figures.shading import Strip
@@ -327,3 +327,53 @@ def test_a_strip_is_hatched_by_its_verdicts(crossed: Any) -> None:
     drawn = {c.hatches[0]: c for c in axes.collections if getattr(c, "hatches", [None])[0]}
     assert inside(drawn["////"], 1.2, 0.5) and not inside(drawn["////"], 1.8, 0.5)
     assert inside(drawn["...."], 1.8, 0.5) and not inside(drawn["...."], 1.2, 0.5)
+
+
+def test_a_word_of_a_strip_stands_in_its_own_zone_or_not_at_all(crossed: Any) -> None:
+    k = np.linspace(1, 2, 101)
+    for edge in (1.1, 1.5):
+        codes = np.where(k < edge, 2, 3).astype(np.int8)
+        figure = st.plot_map(crossed, above=Strip("limit", k, np.zeros(101), (edge,), codes))
+        figure.canvas.draw()
+        axes = figure.axes[0]
+        zones = {"unstable": (1.0, edge + 0.01), "neutral": (edge - 0.01, 2.0)}
+        for text in axes.texts:
+            box = text.get_window_extent().transformed(axes.transData.inverted())
+            low, high = zones[text.get_text()]
+            assert low < box.x0 < box.x1 < high
+        assert written(axes) == ["unstable", "neutral"][int(edge == 1.1) :]
+
+
+def test_axes_have_a_tick_at_both_ends() -> None:
+    chart = st.stability_map("spinning", x=("at", 0.02, 5, 9), y=("k", 0.2501, 0.5, 9), mu=0.3)
+    axes = st.plot_map(chart).axes[0]
+    axes.figure.canvas.draw()
+    for axis, ends, words in (
+        (axes.xaxis, (0.02, 5), ("0.02", "5")),
+        (axes.yaxis, (0.2501, 0.5), ("0.25", "0.50")),
+    ):
+        ticks = axis.get_majorticklocs()
+        assert (ticks[0], ticks[-1]) == ends and 4 <= len(ticks) <= 8
+        labels = [t.get_text() for t in axis.get_majorticklabels()]
+        assert (labels[0], labels[-1]) == words
+        assert len({len(t.partition(".")[2]) for t in labels[1:-1]}) == 1
+
+
+def test_a_long_label_of_friction_leaves_the_names_of_strips_free() -> None:
+    chart = st.stability_map("spinning", x=("at", 0.02, 5, 9), y=("mu", 0.01, 100, 9, "log"))
+    k = np.linspace(0.02, 5, 41)
+    codes = np.where(k < 2, 2, 3).astype(np.int8)
+    strip = Strip("smooth", k, np.zeros(41), (2.0,), codes)
+    assert faults(st.plot_map(chart, above=strip, below=strip, title="spinning")) == []
+
+
+def test_maps_of_one_scale_have_the_same_colours_for_the_same_rate() -> None:
+    axes = {"x": ("at", 1, 4, 9), "y": ("mu", 0.1, 2, 9)}
+    charts = [st.stability_map("spinning", **axes, disk=d) for d in (st.Disk(), st.Disk.hoop())]
+    scale = colour_scale(*charts)
+    norms = [st.plot_map(c, scale=scale).axes[0].collections[0].norm for c in charts]
+    assert len({(n.vmin, n.vmax, n.linthresh) for n in norms}) == 1
+    assert norms[0].vmax == max(float(np.abs(c.abscissa).max()) for c in charts)
+    for wrong in ((1.0, 0.5), (0.0, 1.0), (-1.0, 1.0)):
+        with pytest.raises(st.StabilityError, match="scale"):
+            st.plot_map(charts[0], scale=wrong)
