@@ -38,6 +38,7 @@ HATCHES = {
     "unresolved": ("//..", "slanted lines and dots"),
     "undetermined": ("xx..", "crosses and dots"),
     "wrong": ("+++++", "upright crosses"),
+    "late": ("//oo", "slanted lines and circles"),
     "turns back": ("//||", "slanted and upright lines"),
 }
 """Hatching and its name for what is no verdict; none has that of a verdict or of another."""
@@ -121,11 +122,11 @@ LOOKS: dict[str, Look] = {
     "absent": Look("–", word="no member"),
     # marks of answers in a comparison of methods; `undecided` is both
     "right": Look("✓", cell=("#2b6ca3", "")),
-    "degraded": Look("≈", cell=("#b9d6ec", "")),
-    "refused": Look("–", cell=("#f4f4f4", "")),
-    "wrong": Look("✗", cell=(VERMILION, HATCHES["wrong"][0])),
+    "degraded": Look("≈", cell=("#8fb9dd", "")),
+    "refused": Look("–", cell=("#f6f6f6", "")),
+    "wrong": Look("✗", cell=(PURPLE, HATCHES["wrong"][0])),
     "crashed": Look("‼", cell=("#000000", "")),
-    "late": Look("…", cell=("#9c9c9c", "")),
+    "late": Look("…", cell=("#b0b0b0", HATCHES["late"][0])),
 }
 """The look of each verdict, of a place without a member, and of each mark, by its word."""
 SHOWN = ("stable", "unstable", "neutral", "undecided", "drifting", "absent")
@@ -171,7 +172,7 @@ def cell_style(words: Iterable[str]) -> str:
     Examples
     --------
     >>> cell_style(["wrong", "crashed"]).splitlines()
-    ['.wrong { background: #d55e00; color: #000; }', '.crashed { background: #000000; color: #fff; }']
+    ['.wrong { background: #cc79a7; color: #000; }', '.crashed { background: #000000; color: #fff; }']
     """  # noqa: E501
     rules = []
     for word in words:

@@ -684,20 +684,21 @@ SHORT = {
 LOOKS: dict[str, dict[str, Any]] = {
     "simulate": {"color": OWN, "marker": "o", "lw": 1.6, "ms": 3.2, "zorder": 5},
     "unchecked": {"color": OWN, "marker": "o", "mfc": "white", "zorder": 4.5},
-    "heyoka": {"color": "#0072B2", "marker": "s"},
+    "heyoka": {"color": "#117733", "marker": "s"},
     "dop853": {"color": "#E69F00", "marker": "^"},
     "lsoda": {"color": "#000000", "marker": "v"},
     "radau": {"color": "#CC79A7", "marker": "p"},
     "bdf": {"color": "#882255", "marker": "h"},
     "cvodes": {"color": "#56B4E9", "marker": "<"},
     "idas": {"color": "#332288", "marker": ">"},
-    "rk45": {"color": "#6a6a6a", "marker": "X", "ms": 3.2},
-    "rk4": {"color": "#6a6a6a", "marker": "s", "mfc": "white"},
+    "rk45": {"color": PEOPLE, "marker": "X", "ms": 3.2},
+    "rk4": {"color": PEOPLE, "marker": "s", "mfc": "white"},
     "rough-model": {"color": "#7f4f24", "marker": "D"},
     "smooth-model": {"color": "#9c6b24", "marker": "d"},
     "regularised": {"color": "#4d3b1f", "marker": "D", "mfc": "white"},
 }
-"""Line and marker of the drivers; `OTHER` is that of one without its own."""
+"""Line and marker of the drivers, in the colours of all charts for `simulate` and what people
+use; `OTHER` is that of one without its own."""
 OTHER: dict[str, Any] = {"color": "#6a6a6a", "marker": "*"}
 PLAIN: dict[str, Any] = {"ls": "-", "lw": 0.8, "ms": 2.4, "mew": 0.6, "zorder": 4}
 """What their looks have in common."""
@@ -847,7 +848,7 @@ SOLID: dict[str, Any] = {
     "mfc": "#303030",
     "ls": "",
 }
-OPEN: dict[str, Any] = SOLID | {"mec": OWN, "mfc": "white"}
+OPEN: dict[str, Any] = SOLID | {"mfc": "white"}
 """Marks of repeats and of first calls."""
 
 

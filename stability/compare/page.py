@@ -130,10 +130,10 @@ def _section(one: Part) -> list[str]:
         found.append(told)
     if not one.plates and one.name != "scenes":
         found.append("<p>No cell of this part has ended, so no figure is drawn.</p>")
-    found.append('<div class="figures">')
+    found += [*_methods(one), '<div class="figures">']
     endings = {"png": "PNG", "pdf": "PDF"}
     found += [figure(p.stem, p.caption, p.caption[:90], endings) for p in one.plates]
-    found += ["</div>", *_methods(one)]
+    found.append("</div>")
     if one.name == "failures":
         found += _tables(one.chart)
     return found + places
@@ -266,7 +266,12 @@ def _tables(found: Sequence[catalogue.Entry]) -> list[str]:
         methods, rows = catalogue.by_case(found, part)
         if not rows:
             continue
-        head = "".join(f'<th class="turned{" own" if m in own else ""}">{m}</th>' for m in methods)
+        titles: dict[str, Any] = {**ROUTES, **DRIVERS}
+        head = "".join(
+            f'<th class="turned{" own" if m in own else ""}" '
+            f'title="{html.escape(titles[m].title, quote=True)}">{m}</th>'
+            for m in methods
+        )
         lines += [
             f"<details><summary>{heading}: the table; point at a cell to read what was seen"
             f'</summary><div class="scroll"><table><tr><th>case</th>{head}</tr>'

@@ -20,9 +20,11 @@ from stability.compare import failures as catalogue
 from stability.compare import page, report
 from stability.compare.figures import (
     LOOKS,
+    OPEN,
     OWN,
     PALE,
     PEOPLE,
+    SOLID,
     boundary_figure,
     first_call_figure,
     ladder_figure,
@@ -34,6 +36,7 @@ from stability.compare.marks import Mark
 from stability.compare.motion.drivers import DRIVERS
 from stability.compare.motion.reference_motions import scene
 from stability.compare.plan import FAILURES, Part
+from stability.compare.spectrum.cases import by_steps
 from stability.compare.spectrum.routes import ROUTES
 from stability.figures.canvas import COLUMN
 
@@ -263,10 +266,34 @@ def test_letters_of_every_boundary_say_what_its_remark_says(cases: list[catalogu
     for one in asked:
         held, first = len(one.steps) - len(one.steps.lstrip("r")), one.steps.find("w") + 1
         assert one.note.startswith(f"right to 1e-{held}" if held else "right at no distance")
-        assert (f"wrong at 1e-{first}" in one.note) == bool(first), one
+        told = f"wrong at {one.steps.count('w')} of 15 distances, the farthest 1e-{first}"
+        assert (told in one.note) == bool(first) == ("wrong" in one.note), one
     counts = catalogue.ladder(cases)
     edges = len({c.case for c in asked})
     assert [c["right"] for c in counts["spectrum"]] == [edges] * 15
     assert sum(c["wrong"] for row in counts.values() for c in row) == sum(
         c.steps.count("w") for c in asked
     )
+
+
+def test_a_method_has_one_colour_in_every_chart() -> None:
+    """What people use is blue, the package's default vermilion; no mark of an answer is either."""
+    assert {LOOKS[name]["color"] for name in ("rk45", "rk4")} == {PEOPLE}
+    assert {LOOKS[name]["color"] for name in ("simulate", "unchecked")} == {OWN}
+    others = {look["color"].lower() for look in LOOKS.values()} - {OWN, PEOPLE}
+    assert len(others) == len(LOOKS) - 4
+    marks = {VERDICT_LOOKS[m.word].cell[0] for m in Mark}
+    assert not marks & {OWN, PEOPLE}
+    assert OWN not in (SOLID["mec"], OPEN["mec"])
+
+
+def test_misses_at_the_last_digits_are_told_by_how_often_and_how_far() -> None:
+    far = by_steps(["right"] * 3 + ["wrong"] + ["right"] * 11)
+    assert far.mark is Mark.WRONG and far.note.endswith(
+        "wrong at 1 of 15 distances, the farthest 1e-4"
+    )
+    near = by_steps(["right"] * 13 + ["wrong", "wrong"])
+    assert near.mark is Mark.DEGRADED and near.digits == 13
+    assert near.note.endswith("wrong at 2 of 15 distances, the farthest 1e-14")
+    assert by_steps(["right"] * 15).mark is Mark.RIGHT
+    assert by_steps(["undecided"] * 15).mark is Mark.UNDECIDED

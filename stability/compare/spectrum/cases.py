@@ -117,18 +117,31 @@ class Ladder(Case):
 
     def judge(self, route: Route) -> Judgement:
         """Judge the ladder; its digits are the decades down to which the route is right."""
-        steps = self.steps(route)
-        held = next((i for i, s in enumerate(steps) if s != "right"), len(steps))
-        note = f"right to 1e-{held}" if held else "right at no distance"
-        if "wrong" in steps:
-            first = steps.index("wrong") + 1
-            note += f", wrong at 1e-{first}" + (" and nearer" if first < len(steps) else "")
-            mark = Mark.WRONG
-        elif held == len(steps):
-            mark = Mark.RIGHT
-        else:
-            mark, note = Mark.DEGRADED if held else Mark.UNDECIDED, note + ", then undecided"
-        return Judgement(mark, held, note, tuple(steps))
+        return by_steps(self.steps(route))
+
+
+NEAR = 12
+"""Decades of distance down to which a route is right that is not called wrong for misses nearer."""
+
+
+def by_steps(steps: Sequence[str]) -> Judgement:
+    """Judge a ladder by its marks, from far to near: how often it is wrong, and how far away.
+
+    Examples
+    --------
+    >>> by_steps(["right"] * 12 + ["wrong", "right", "right"]).note
+    'right to 1e-12, wrong at 1 of 15 distances, the farthest 1e-13'
+    """
+    held = next((i for i, s in enumerate(steps) if s != "right"), len(steps))
+    note = f"right to 1e-{held}" if held else "right at no distance"
+    if misses := [i + 1 for i, s in enumerate(steps) if s == "wrong"]:
+        note += f", wrong at {len(misses)} of {len(steps)} distances, the farthest 1e-{misses[0]}"
+        mark = Mark.DEGRADED if held >= NEAR else Mark.WRONG
+    elif held == len(steps):
+        mark = Mark.RIGHT
+    else:
+        mark, note = Mark.DEGRADED if held else Mark.UNDECIDED, note + ", then undecided"
+    return Judgement(mark, held, note, tuple(steps))
 
 
 @lru_cache(maxsize=32)
