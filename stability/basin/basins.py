@@ -24,6 +24,7 @@ from ..base.types import Floats, Progress, fields_of
 from ..base.verdict import CODES
 from ..bodies.disk import Disk
 from ..bodies.families import at_name
+from ..bodies.resistance import Resistance
 from ..bodies.round_body.body import Body
 from ..boundary.changes import boundaries
 from ..jobs.dask import check_pool, pool_of
@@ -144,6 +145,7 @@ def basins(
     pole: Any = None,
     horizon: float,
     body: Body | Disk | None = None,
+    resistance: Resistance | Sequence[Resistance] | None = None,
     families: Family | Sequence[Family] = (),
     tolerance: float = Settings.tolerance,
     check: bool = Settings.check,
@@ -188,6 +190,8 @@ def basins(
         Last time [s]; for the dimensionless disk in units of √(R/g).
     body
         A `Body` or a `Disk`, in place of the first argument.
+    resistance
+        As for `simulate`, one number each; with it there is no linear verdict of `family`.
     families
         Families on which a system may settle; a disk and a body have their own.
     tolerance
@@ -316,6 +320,7 @@ def _plan(asked: SimpleNamespace) -> Plan:
         parameters=asked.parameters,
         theta=asked.theta,
         pole=asked.pole,
+        resistance=asked.resistance,
     )
     size = min(max(TILE, math.prod(shape) // PIECES), LARGE)
     size = size if asked.chunk is None else whole_number("chunk", asked.chunk, most=MOST)

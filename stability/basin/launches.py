@@ -22,6 +22,7 @@ from ..bodies.families import FAMILIES, at_name
 from ..bodies.launch import launch
 from ..bodies.newton_euler import STATES
 from ..bodies.quantities import round_quantities
+from ..bodies.resistance import Resistance, resistances
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.families import place_of
 from ..bodies.round_body.shape import refuse_constants
@@ -179,6 +180,8 @@ class BodyLaunches(Launches):
     """The contact law, with any value for a number that varies."""
     family: str = ""
     """Family near which launches start; empty where the states are given."""
+    resistance: tuple[Resistance, ...] = ()
+    """Resistances to rolling and turning."""
     where: Mapping[str, Any] = field(default_factory=dict)
     """`theta` or `pole` of that family, for a body that needs them."""
 
@@ -221,7 +224,7 @@ class BodyLaunches(Launches):
         """Those of `family`, along the axis that names them."""
         along = [a for a in axes if a.name == self.own]
         others = {a.name for a in axes} - {self.own}
-        if not self.family or not along or not others <= {TILT, *STATES}:
+        if self.resistance or not self.family or not along or not others <= {TILT, *STATES}:
             return None
         body, law = self.having(self.held)
         call = {"body": body, "contact": law, **self.where}
@@ -230,7 +233,8 @@ class BodyLaunches(Launches):
     def gathered(self, given: Mapping[str, Floats], times: Sequence[float]) -> Starts:
         """The body and the law with their numbers, and the six states."""
         body, law = self.having(given)
-        return launches_of(body, law, self._six(body, given), times, mark=True)
+        six, resistance = self._six(body, given), self.resistance or None
+        return launches_of(body, law, six, times, mark=True, resistance=resistance)
 
     def _six(self, body: Disk | Body, given: Mapping[str, Floats]) -> Floats:
         """The six states of each launch."""
@@ -258,7 +262,8 @@ class BodyLaunches(Launches):
     def attributes(self, sample: Starts) -> dict[str, Any]:
         """Body, law, their fixed numbers, and the family nearby."""
         swept = {*self.varied, *self.held}
-        numbers = {**self.body.given, **self.contact.given}
+        against = {r.coefficient: r.value for r in self.resistance}
+        numbers = {**self.body.given, **self.contact.given, **against}
         fixed = {n: float(v) for n, v in numbers.items() if n not in swept and np.ndim(v) == 0}
         found = {
             "body": sample.subject.attributes.get("body", "disk"),
@@ -283,6 +288,7 @@ def prepare(
     parameters: Mapping[str, Any] | None = None,
     theta: Any = None,
     pole: Any = None,
+    resistance: Any = None,
 ) -> Launches:
     """Check what is launched.
 
@@ -304,6 +310,8 @@ def prepare(
         Numbers of a contact law that is named, or of a system, by name.
     theta, pole
         Where a body rolls or spins, as for `launch`.
+    resistance
+        As for `simulate`, one number each.
 
     Returns
     -------
@@ -322,8 +330,14 @@ def prepare(
     known |= {"horizon": last, "settings": settings}
     parameters = dict(parameters or {})
     if isinstance(mover, System):
-        others = ("contact", contact), ("family", family or None), ("theta", theta), ("pole", pole)
-        for name, value in others:
+        others = {
+            "contact": contact,
+            "family": family or None,
+            "theta": theta,
+            "pole": pole,
+            "resistance": resistance,
+        }
+        for name, value in others.items():
             if value is not None:
                 raise ParameterError(
                     f"{name} is {shown(value)}, which a system does not take; leave it out."
@@ -343,7 +357,12 @@ def prepare(
         if not isinstance(contact, Contact) or not contact.name:
             raise NameUnknownError(f"contact is {shown(contact)}; give a contact law.")
         near, where = _family(mover, family, theta, pole)
-        found = BodyLaunches(body=mover, contact=contact, family=near, where=where, **known)
+        against = resistances(resistance)
+        for r in against:
+            one_number(r.coefficient, r.value)
+        found = BodyLaunches(
+            body=mover, contact=contact, family=near, where=where, resistance=against, **known
+        )
     refuse_constants(mover, (*found.varied, *found.held))
     _complete(found)
     return found

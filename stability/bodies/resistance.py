@@ -206,6 +206,14 @@ class AirTorque(Resistance):
         return [-value * w for w in turn]
 
 
+RESISTANCES = {
+    "rolling_resistance": RollingResistance,
+    "pivoting_resistance": PivotingResistance,
+    "air_torque": AirTorque,
+}
+"""The package's resistances by name, as in files and options."""
+
+
 def resistances(given: Any) -> tuple[Resistance, ...]:
     """Resistances of a call: none, one, or several of different kinds.
 

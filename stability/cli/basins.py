@@ -26,7 +26,7 @@ from .options import (
     targets_of,
     values,
 )
-from .subject import add_subject, named_texts, options_subject
+from .subject import add_resistances, add_subject, named_texts, options_subject, resistances_of
 from .terminal import progress_bar, say
 
 if TYPE_CHECKING:
@@ -76,6 +76,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     family = f"launch near {lines} or, of a body, {poles}, the axis tilted"
     parser.add_argument("--family", help=family)
     add_subject(parser, motion=True, place=True)
+    add_resistances(parser)
     parser.add_argument("--time", type=real, required=True, metavar="T", help="last time")
     step_error(parser)
     check = "run each launch once: no error estimate, half the time"
@@ -306,7 +307,9 @@ def _launched(options: argparse.Namespace) -> dict[str, Any]:
     held = _held(options, names)
     swept = {n: axis for n, axis in zip(names, axes or names, strict=True)}
     subject = options_subject(options, swept, held=held, motion=True)
-    return varied | subject.arguments | {"held": held, "family": options.family or ""}
+    against = resistances_of(options)
+    arguments = varied | subject.arguments | {"held": held, "family": options.family or ""}
+    return arguments | ({} if against is None else {"resistance": against})
 
 
 def _varied(options: argparse.Namespace) -> dict[str, Any]:

@@ -287,7 +287,8 @@ def _cells(
         unit = f" [{readable(units[name])}]" if name in units else ""
         cells[f"{name}{unit}"] = answer.number(name, value, name, digits)
     else:
-        cells[name] = value or EVERY[name].none
+        unknown = value is None and not math.isfinite(_by_name(answer.estimate, every)[name])
+        cells[name] = "not known" if unknown else value or EVERY[name].none
     for label, errors in (("error", answer.estimate), ("true error", answer.true_error)):
         if errors is not None:
             size = _by_name(errors, every)[name]

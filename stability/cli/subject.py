@@ -144,7 +144,20 @@ def add_launch(parser: argparse.ArgumentParser) -> None:
     start = "with --system: every state by name, such as q=0.1,v=0"
     parser.add_argument("--start", metavar="NAME=X,…", help=start)
     add_subject(parser, motion=True)
+    add_resistances(parser)
+
+
+def add_resistances(parser: argparse.ArgumentParser) -> None:
+    """Add the options of moments against rolling and turning."""
     values(parser, real, {_option(name): texts for name, texts in RESISTANCES.items()})
+
+
+def resistances_of(options: argparse.Namespace) -> list[Any] | None:
+    """The resistances of a command; None where none is given."""
+    from ..bodies.resistance import RESISTANCES as KINDS
+
+    given = ((kind, getattr(options, name)) for name, kind in KINDS.items())
+    return [kind(value) for kind, value in given if value is not None] or None
 
 
 def _option(name: str) -> str:
@@ -576,17 +589,13 @@ def require(numbers: Collection[str], names: Sequence[str]) -> None:
 
 def _launch_of(options: argparse.Namespace) -> dict[str, Any]:
     """Start, pose and resistances of one launch of a body, as arguments of `simulate`."""
-    from ..bodies import resistance
-
     if options.start is not None:
         raise ParameterError("--start belongs to --system; a disk takes --theta and the others.")
     _needed(options, "theta")
-    kinds = (resistance.RollingResistance, resistance.PivotingResistance, resistance.AirTorque)
-    moments = zip(kinds, (getattr(options, n) for n in RESISTANCES), strict=True)
     return {
         "start": [getattr(options, name) or 0.0 for name in STATES],
         "pose": options.pose or options.film is not None or options.plot is not None,
-        "resistance": [kind(value) for kind, value in moments if value is not None] or None,
+        "resistance": resistances_of(options),
     }
 
 

@@ -34,6 +34,8 @@ Moving = Disk | Body | System
 """What moves."""
 OUTSIDE = "outside"
 """End of a start at which a condition of the system fails."""
+NO_RESISTANCE = "resistance belongs to a disk or a body; put it into the equations of a system."
+"""Why a system has no resistance."""
 SAMPLES = 8
 """Starts near which a family is asked for members."""
 LARGEST = 1e100
@@ -107,9 +109,7 @@ def gather_system(
 ) -> Starts:
     """As `launches_of`, of a user's system; its parameters are a mapping, an array, or None."""
     if resistance is not None:
-        raise ParameterError(
-            "resistance belongs to a disk or a body; put it into the equations of a system."
-        )
+        raise ParameterError(NO_RESISTANCE)
     if pose:
         raise ParameterError("pose is True, and only a disk has one; leave it out.")
     if start is None:

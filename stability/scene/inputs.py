@@ -18,11 +18,12 @@ from ..bodies.disk import Disk
 from ..bodies.model import system_model
 from ..bodies.newton_euler import STATES
 from ..bodies.quantities import QUANTITIES
+from ..bodies.resistance import Resistance, resistances
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.shape import SCALES
 from ..bodies.round_body.thin import round_shape
 from ..integrators.flow import flow_of
-from ..motion.gather import launches_of
+from ..motion.gather import NO_RESISTANCE, launches_of
 from ..motion.round_starts import accepted
 from ..motion.starts import Starts
 from ..settling.fixed_axes import FixedSettling, fixed_model, fixed_states
@@ -58,6 +59,10 @@ class SceneSubject(ABC):
     @abstractmethod
     def changed(self, law: Any, start: Any, moved: Mapping[str, float]) -> tuple[Any, Any, Any]:
         """What moves, its law and its start, with some inputs changed."""
+
+    def resisting(self, moved: Mapping[str, float]) -> Any:  # noqa: ARG002
+        """The resistances with some coefficients changed by a share; None where there are none."""
+        return None
 
     @abstractmethod
     def in_words(self) -> list[str]:
@@ -96,13 +101,26 @@ class BodySubject(SceneSubject):
     """What it is called."""
     length: tuple[str, str]
     """Name of its unit of length, and the letter of that."""
+    against: tuple[Resistance, ...] = ()
+    """Resistances to rolling and turning, the same under each law."""
 
     touches = True
 
     def inputs(self, *laws: Any) -> tuple[str, ...]:
-        """States, numbers of the body, and parameters of the laws."""
+        """States, numbers of the body, parameters of the laws, coefficients of resistances."""
         own = [n for law in laws or self.laws.values() for n in law.given]
+        own += [r.coefficient for r in self.against]
         return tuple(dict.fromkeys((*self.states, *self.numbers, *own)))
+
+    def resisting(self, moved: Mapping[str, float]) -> tuple[Resistance, ...] | None:
+        """The resistances with some coefficients changed by a share; None where there are none."""
+        return (
+            tuple(
+                replace(r, **{r.coefficient: r.value * (1 + moved.get(r.coefficient, 0.0))})
+                for r in self.against
+            )
+            or None
+        )
 
     def changed(self, law: Any, start: Any, moved: Mapping[str, float]) -> tuple[Any, Any, Any]:
         """The body, its law and its start: parameters change by a share, states by a number."""
@@ -124,7 +142,13 @@ class BodySubject(SceneSubject):
             )
         shape = (f"{n} = {_digits(v)}" for n, v in self.numbers.items())
         laws = (self._law(name, law) for name, law in self.laws.items())
-        return [", ".join([f"{self.name}: {about}", *shape]), "; ".join(laws)]
+        lines = [", ".join([f"{self.name}: {about}", *shape]), "; ".join(laws)]
+        plain = self.moving.dimensionless
+        lines += [
+            f"{r.name}, {r.coefficient} = {_digits(r.value)}" + ("" if plain else f" {r.unit}")
+            for r in self.against
+        ]
+        return lines
 
     def _law(self, name: str, law: Contact) -> str:
         """A law with its parameters."""
@@ -174,7 +198,7 @@ class SystemSubject(SceneSubject):
 
 
 def scene_subject(
-    moving: Disk | Body | System, contact: Any, mu: float | None = None
+    moving: Disk | Body | System, contact: Any, mu: float | None = None, resistance: Any = None
 ) -> SceneSubject:
     """The subject of a scene.
 
@@ -182,7 +206,7 @@ def scene_subject(
     ----------
     moving
         The disk, another body, or a system.
-    contact, mu
+    contact, mu, resistance
         As for `Scene`.
 
     Raises
@@ -193,6 +217,8 @@ def scene_subject(
     if isinstance(moving, System):
         if mu is not None:
             raise ParameterError("mu belongs to the disk; give a system's parameters in contact.")
+        if resistance is not None:
+            raise ParameterError(NO_RESISTANCE)
         names = moving.states
         laws, needed = {"": contact}, listed(list(names))
         return SystemSubject(moving, contact, laws, names, needed, rungs=(moving.name,))
@@ -210,6 +236,7 @@ def scene_subject(
         shape={} if thin else body.shape,
         name=body.name,
         length=("radius", "R") if thin else ("length", "length"),
+        against=resistances(resistance),
     )
 
 
@@ -310,7 +337,10 @@ def launched(
     moving = subject.moving
     if moved:
         moving, law, start = subject.changed(law, start, moved)
-    launches = _along_fixed_axes(launches_of(moving, law, start, horizon, families=families or ()))
+    resistance = subject.resisting(moved)
+    launches = _along_fixed_axes(
+        launches_of(moving, law, start, horizon, families=families or (), resistance=resistance)
+    )
     if launches.count != 1:
         raise ParameterError(
             f"the scene has {launches.count} launches; give one, and a scene for each."

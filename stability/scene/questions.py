@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -126,14 +127,14 @@ def _crossing(times: Floats, values: Floats) -> float:
     return float(times[0] + (times[-1] - times[0]) / 2 * (1 + x))
 
 
-def lift_off_time(problem: Problem, track: Track) -> Found:  # noqa: ARG001
-    """The time at which the normal force reaches zero."""
+def _end_time(kind: str, says: str, problem: Problem, track: Track) -> Found:  # noqa: ARG001
+    """The time of an end of one kind; `says` is why there is none."""
     end = track.finish
-    if end is not None and end.kind == "lift-off":
+    if end is not None and end.kind == kind:
         return Found(float(end.time), float(end.error))
     if end is not None and end.kind in UNKNOWN:
         return Found(None, math.inf, end.evidence)
-    return Found(None, 0.0 if np.isfinite(track.error) else math.inf, "it does not lift off")
+    return Found(None, 0.0 if np.isfinite(track.error) else math.inf, says)
 
 
 def largest_tilt(problem: Problem, track: Track) -> Found:  # noqa: ARG001
@@ -236,12 +237,21 @@ _EVERY = (
     ),
     Question(
         "lift_off_time",
-        lift_off_time,
+        partial(_end_time, "lift-off", "it does not lift off"),
         Kind.TIME,
         False,
         "time at which the normal force reaches zero",
         touching=True,
         none="does not lift off",
+    ),
+    Question(
+        "fall_time",
+        partial(_end_time, "flat", "it does not fall flat"),
+        Kind.TIME,
+        False,
+        "time at which the body lies flat on its side",
+        touching=True,
+        none="does not fall flat",
     ),
     Question("largest_tilt", largest_tilt, Kind.ANGLE, True, "largest |π/2 - θ| on the way"),
 )

@@ -56,12 +56,14 @@ class Scene(Record):
         where m = R = g = 1, for a system in its own units.  Where its states are far below 1, write
         them in units in which they are near 1, or divide the tolerance by the size that counts.
     quantities
-        Names: `final`, `path`, `outcome`, `settling_time`, `lift_off_time`, `largest_tilt`; or, of
+        Names: `final`, `path`, `outcome`, `settling_time`, `lift_off_time`, `fall_time` (time at
+        which the body lies flat), `largest_tilt`; or, of
         the steady motion nearest to the start, `verdict`, `growth_rate` and `boundary` (the nearest
         value of its own parameter at which the verdict changes).
     uncertain
-        Half-width of uncertain inputs by name: of k or the body's numbers and of the law's
-        parameters relative to their values, of the states in their own units.
+        Half-width of uncertain inputs by name: of k or the body's numbers, of the law's parameters
+        and of coefficients of resistances relative to their values, of the states in their own
+        units.
     raise_tolerance
         Whether a tolerance finer than a tenth of what the uncertain inputs allow to know is raised
         to it.
@@ -71,6 +73,9 @@ class Scene(Record):
         Reduced models of a user's system, cheapest first.
     families
         Families of a user's system, near which its motion may be linear.
+    resistance
+        `RollingResistance`, `PivotingResistance` or `AirTorque`, or several of these, of a body or
+        disk, under every law.
     mu
         Coefficient of a law that is given by its name or class.
     body
@@ -114,13 +119,15 @@ class Scene(Record):
     """Reduced models of a user's system."""
     families: Any = ()
     """Families of a user's system."""
+    resistance: Any = None
+    """Resistances to rolling and turning."""
     subject: SceneSubject = field(init=False, repr=False, compare=False)
     """What moves, and its laws, resolved once."""
     mu: InitVar[float | None] = None
     body: InitVar[Any] = None
 
     def __post_init__(self, mu: float | None, body: Any) -> None:
-        subject = scene_subject(moving(self.disk, body), self.contact, mu)
+        subject = scene_subject(moving(self.disk, body), self.contact, mu, self.resistance)
         object.__setattr__(self, "subject", subject)
         object.__setattr__(self, "disk", subject.moving)
         object.__setattr__(self, "contact", subject.contact)

@@ -20,12 +20,13 @@ from ..bodies.disk import Disk
 from ..bodies.launch import launch
 from ..bodies.newton_euler import STATES
 from ..bodies.quantities import PHYSICAL
+from ..bodies.resistance import RESISTANCES
 from ..bodies.round_body.body import Body
 from ..bodies.round_body.shape import SCALES
 from ..bodies.round_body.shapes.named import NAMED
 from ..storage.targets import path_text, place, refusing
 
-TABLES = ("title", "disk", "body", "contact", "start", "question", "uncertain")
+TABLES = ("title", "disk", "body", "contact", "start", "resistance", "question", "uncertain")
 """What a file may hold at its top."""
 LAUNCH = ("family", "at", "tilt")
 """Keys of a start near a steady motion."""
@@ -145,6 +146,10 @@ def _arguments(tables: Mapping[str, Any]) -> dict[str, Any]:
         "start": _start(tables["start"], disk, WHICH if "body" in tables else ()),
         **_question(tables["question"]),
     }
+    if "resistance" in tables:
+        _only(tables["resistance"], tuple(RESISTANCES), "[resistance]")
+        values = _numbers(tables["resistance"], "resistance")
+        found["resistance"] = [RESISTANCES[n](value) for n, value in values.items()]
     if "uncertain" in tables:
         found["uncertain"] = _numbers(tables["uncertain"], "uncertain")
     return found

@@ -101,7 +101,8 @@ def of_thin(model: Model, law: type[Contact]) -> Model:
         quantities={**model.quantities, **QUANTITIES},
         sound=_stands,
         short=partial(momenta_model, law) if whole and unresisted else None,
-        dry=None if model.dry is None else replace(model.dry, unique=_unique),
+        # the proof of `_unique` knows no resistance: then each sample of sticking is looked at
+        dry=replace(model.dry, unique=_unique) if model.dry and unresisted else model.dry,
         title=f"motion of a disk, {law.name} contact",
         source="equations of Przybylska & Rauch-Wojciechowski, Regul. Chaotic Dyn. 21 (2016) "
         "204-231, integrated",
