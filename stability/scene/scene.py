@@ -57,7 +57,7 @@ class Scene(Record):
         them in units in which they are near 1, or divide the tolerance by the size that counts.
     quantities
         Names: `final`, `path`, `outcome`, `settling_time`, `lift_off_time`, `fall_time` (time at
-        which the body lies flat), `largest_tilt`; or, of
+        which a disk lies within 1e-6 rad of flat), `largest_tilt`; or, of
         the steady motion nearest to the start, `verdict`, `growth_rate` and `boundary` (the nearest
         value of its own parameter at which the verdict changes).
     uncertain

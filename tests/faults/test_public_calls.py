@@ -110,7 +110,7 @@ def test_a_word_of_an_enumeration_is_one(name: str, words: Any) -> None:
             "spectrum takes 1 argument without a name, and 2 are given; without names it takes "
             "family; name the others: at, lean,",
         ),
-        (lambda: st.Scene(resistance=3), "Scene has no argument 'resistance'"),  # type: ignore[call-arg]
+        (lambda: st.Scene(resistence=3), "Scene has no argument 'resistence'"),  # type: ignore[call-arg]
         (lambda: st.basins(contact="viscous"), "horizon is missing in a call of basins;"),  # type: ignore[call-arg]
         (lambda: st.Viscous(0.3, mu=0.3), "Viscous has mu twice, once without its name"),  # type: ignore[misc]
         (lambda: st.Disk(mas=1), "Disk has no argument 'mas'; do you mean mass; it takes mass,"),  # type: ignore[call-arg]

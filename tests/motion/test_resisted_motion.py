@@ -215,3 +215,15 @@ def test_what_is_no_resistance_is_refused_in_a_sentence() -> None:
             st.simulate(**given | change)
         assert words in str(caught.value), str(caught.value)
         assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("k", [0.25, 0.4, 0.5])
+def test_a_low_disk_sinks_at_the_rate_of_its_balance_of_energy(k: float) -> None:
+    """E = 3/2 θ and ω² = θ/k for m = R = g = 1, so θ' = -2ρ/(3k) θ as θ tends to 0."""
+    rho, disk = 1e-3, st.Disk(k=k)
+    start = st.launch("tumbling", at=0.02, tilt=0, disk=disk)
+    times = [0.0, 500.0, 1000.0]
+    run = st.simulate(disk, st.Rough(), start, times, resistance=st.RollingResistance(rho))
+    theta = run.theta.values
+    rate = math.log(theta[1] / theta[2]) / 500.0
+    assert rate == pytest.approx(2 * rho / (3 * k), rel=2e-3)
