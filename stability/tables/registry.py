@@ -25,6 +25,7 @@ PLACES = {
     "painleve": "painleve",
     "benchmarks": "benchmarks.catalogue",
     "thresholds": "thresholds",
+    "peers": "peers",
     "list": "registry",
 }
 """Module of each table, by name; its `TABLE` is the `Definition`."""
@@ -106,7 +107,7 @@ def table(
     ----------
     name
         Any of list (the tables themselves), families, conditions, drift, hopf, codimension,
-        painleve, benchmarks or thresholds.
+        painleve, benchmarks, thresholds or peers.
     family
         A `Family` of your own, for conditions, hopf and codimension; one of the disk's families by
         name, for codimension.

@@ -397,12 +397,12 @@ def cell(column: Column, row: Mapping[str, Any]) -> str:
     """A value in LaTeX."""
     value = row[column.name]
     if column.of and isinstance(value, float) and math.isfinite(value):
-        value = _as_printed(value, row[column.of[0]], column.of[1])
+        value = as_printed(value, row[column.of[0]], column.of[1])
     text = column.written(value)
     return prose(text) if column.share else number(text)
 
 
-def _as_printed(bound: float, value: float, form: str) -> float:
+def as_printed(bound: float, value: float, form: str) -> float:
     """A bound that holds for the printed digits of its number, rounded up to two digits."""
     off = abs(Fraction(form.format(value)) - Fraction(value))
     whole = max(Fraction(bound) + off, Fraction(math.ulp(value)))

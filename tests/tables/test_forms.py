@@ -35,6 +35,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "hopf": {"k": (0.375, 0.5), "mu": 0.9},
     "hopf in SI": {"k": 0.375, "mu": 0.9 / SPEED, "disk": SI},
     "thresholds": {},
+    "peers": {},
     "list": {},
     "painleve": {"body": st.Torus(0.2)},
     "codimension": {"family": "spinning", "x": ("at", 0.5, 5, 9), "y": ("mu", 0.1, 3, 9)},
@@ -79,7 +80,7 @@ def own(case: str) -> st.Table:
 
 
 EVERY = (*OPTIONS, "benchmarks", "own conditions", "own flutter")
-SLOW = {"families", "conditions", "conditions in SI", "benchmarks"}
+SLOW = {"families", "conditions", "conditions in SI", "benchmarks", "peers"}
 """Tables that take a second or more."""
 BY_COST = [pytest.param(c, marks=pytest.mark.long if c in SLOW else ()) for c in EVERY]
 

@@ -252,7 +252,9 @@ def of_known_values(
     )
 
 
-def benchmark_lines(rows: Sequence[dict[str, object]]) -> list[str]:
+def benchmark_lines(
+    rows: Sequence[dict[str, object]], columns: Sequence[Column] | None = None
+) -> list[str]:
     """The table of benchmarks as lines of text, one paragraph for each system."""
     lines: list[str] = []
     title = None
@@ -260,7 +262,7 @@ def benchmark_lines(rows: Sequence[dict[str, object]]) -> list[str]:
         if row["system"] != title:
             title = row["system"]
             lines += ["", f"{title}  ({row['source']})"]
-        lines += _lines_of(row)
+        lines += _lines_of(row, COLUMNS if columns is None else columns)
     return lines[1:]
 
 
@@ -276,7 +278,7 @@ def benchmark_notes(rows: Sequence[dict[str, object]]) -> list[str]:
     ]
 
 
-def _lines_of(row: dict[str, object]) -> list[str]:
+def _lines_of(row: dict[str, object], columns: Sequence[Column]) -> list[str]:
     unit = f" {row['unit']}" if row["unit"] else ""
     value, off = row["recomputed"], row["difference"]
     found = "-" if value is None else f"{value:.16g}{unit}"
@@ -286,9 +288,9 @@ def _lines_of(row: dict[str, object]) -> list[str]:
         f"        known {row['known']}{unit} ({row['origin']})",
         f"        found {found}{by}: {row['status']}",
     ]
-    if row["below"]:
+    if row.get("below"):
         lines += [f"        below {row['below']}, above {row['above']} (certified)"]
-    further = [c for c in COLUMNS if c.name not in IN_SENTENCES and row[c.name] not in (None, "")]
+    further = [c for c in columns if c.name not in IN_SENTENCES and row[c.name] not in (None, "")]
     for column in further:
         written = f"{column.written(row[column.name])} {column.unit(dimensionless=False)}"
         lines += [f"        {column.name} {written.rstrip()}"]

@@ -1,0 +1,76 @@
+"""A value that its source prints, recomputed with a bound: its row, and the table of such rows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from ..base.types import Progress
+from .benchmarks.row import AGREES, COLUMNS, Source, benchmark_lines, compared
+from .table import Column, Definition, as_printed, framed
+
+BOUND = Column(
+    "bound", "proved bound on the error of the recomputed value, in 16 digits", form="{:.0e}"
+)
+PRINTED = tuple(
+    column
+    for other in COLUMNS
+    if other.name not in ("below", "above")
+    for column in ((BOUND, other) if other.name == "difference" else (other,))
+)
+"""Columns of a table of printed values."""
+
+Value = tuple[float, float]
+"""A number and a proved bound on its error."""
+
+
+def printed_row(
+    about: Source,
+    quantity: str,
+    known: str,
+    value: Value | None,
+    *,
+    unit: str = "",
+    status: str = "",
+    note: str = "",
+) -> dict[str, Any]:
+    """A row from a printed value and the package's; `note` says why these differ, or none is."""
+    number, error = value or (None, None)
+    row = compared(about, quantity, known, number, unit=unit, reason=note)
+    bound = None if number is None or error is None else as_printed(error, number, "{:.16g}")
+    said = status or row.status
+    if value is not None and not status and row.status != AGREES:
+        said = f"differs: {row.status}" + (f"; {note}" if note else "")
+    cells = {c.name: getattr(row, c.name, None) for c in PRINTED}
+    return cells | {"bound": bound, "status": said}
+
+
+def of_printed_values(
+    heading: str, cases: tuple[Callable[[], list[dict[str, Any]]], ...], **more: Any
+) -> Definition:
+    """The definition of a table whose rows each case returns."""
+
+    def rows(progress: Progress | None = None) -> list[dict[str, Any]]:
+        table: list[dict[str, Any]] = []
+        for done, case in enumerate(cases, start=1):
+            table += case()
+            if progress is not None:
+                progress(done, len(cases))
+        return table
+
+    return Definition(
+        heading,
+        PRINTED,
+        rows,
+        ("progress",),
+        lambda table: _counts(table.rows),
+        lambda table: framed(table, benchmark_lines(table.rows, PRINTED)),
+        **more,
+    )
+
+
+def _counts(rows: list[dict[str, Any]]) -> list[str]:
+    differ = sum(row["status"].startswith("differs") for row in rows)
+    missing = sum(row["recomputed"] is None for row in rows)
+    agree = len(rows) - differ - missing
+    return [f"{len(rows)} printed values: {agree} agree, {differ} differ, {missing} not covered."]
