@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from concurrent.futures import Executor
 from typing import TYPE_CHECKING
 
@@ -20,6 +21,7 @@ from ..storage.pieces import Checkpoint
 from ..systems.family import Family
 from .boxes import MOST_LEVELS, prove_boxes
 from .cells import Cells
+from .sheets import sheet_box, sheet_counts
 
 if TYPE_CHECKING:
     import xarray
@@ -44,6 +46,7 @@ def stability_map(
     levels: int | None = None,
     boundaries: bool = True,
     points: bool = False,
+    box: Mapping[str, ArrayLike] | None = None,
     modes: bool = False,
     workers: int | None = None,
     executor: Executor | str | None = None,
@@ -76,6 +79,10 @@ def stability_map(
         Whether to find the boundary curves.
     points
         Whether to find the points of codimension two, as `codimension_two` does.
+    box
+        For a family of your own that is solved for: (low, high) of each of its unknowns.  Then
+        `equilibria` and `stable_equilibria` count, in each cell, the equilibria in the box on all
+        sheets, with the family's held states.
     modes
         Whether to keep all eigenvalues (complex, dimension `mode`).
     workers
@@ -107,7 +114,9 @@ def stability_map(
         (low and high end) and `box_verdict` (proved on all of the box, 0 in the strip); with
         points, along `point`: `point_X` and `point_X_error` (a proved bound), `point_kind`,
         `point_frequency` (of each pair) and `point_others`, and attributes `points_…` that say how
-        these were sought, whether they are all, and what stays open.
+        these were sought, whether they are all, and what stays open; with box, `equilibria` and
+        `stable_equilibria` (proved numbers, -1 where not proved, and a comment that says in how
+        many cells).
         Attributes hold units, versions, parameters, method and tolerances.
 
     Raises
@@ -123,6 +132,15 @@ def stability_map(
     >>> m = st.stability_map("spinning", x=("at", 1, 4, 7), y=("mu", 0.1, 2, 5))
     >>> m.abscissa.dims, m.abscissa.shape
     (('mu', 'at'), (5, 7))
+
+    >>> import casadi as ca
+    >>> x, a, b = (ca.SX.sym(n) for n in "xab")
+    >>> cusp = st.System("cusp", x, ca.vertcat(a, b), a + b * x - x**3, states=("x",),
+    ...                  parameters=("a", "b"))
+    >>> upper = cusp.steady("b", guess={"x": 1, "b": 1}, a=0.1)
+    >>> m = st.stability_map(upper, x=("a", -1, 1, 4), y=("b", 0, 1, 2), box={"x": (-3, 3)})
+    >>> m.equilibria.values.tolist(), m.stable_equilibria.values.tolist()
+    ([[1, 1, 1, 1], [1, 3, 3, 1]], [[1, 1, 1, 1], [1, 2, 2, 1]])
     """
     certify, boundaries = flag("certify", certify), flag("boundaries", boundaries)
     modes, points = flag("modes", modes), flag("points", points)
@@ -133,6 +151,7 @@ def stability_map(
     check_pool(executor, workers, progress)
     problem, (across, up) = swept(family, {"x": x, "y": y}, disk, body, contact, at, parameters)
     axes = across, up
+    box = None if box is None else sheet_box(problem.family, box)
     if (total := axes[0].count * axes[1].count) > MOST_CELLS:
         raise ParameterError(
             f"the map has {total:.3g} cells, at most {MOST_CELLS:.0e} are kept in memory; take "
@@ -155,4 +174,5 @@ def stability_map(
         boxes = prove_boxes(problem, axes, min(finest, 12) if levels is None else levels)
     cells.settle(certify=certify)
     curves = trace(problem, axes, cells.codes, cells.abscissa, progress) if boundaries else None
-    return assemble(problem, axes, cells, curves, boxes, marked)
+    sheets = None if box is None else sheet_counts(problem, axes, box)
+    return assemble(problem, axes, cells, curves, boxes, marked, sheets)

@@ -26,6 +26,8 @@ RESERVED = (
     "abscissa_error",
     "frequency",
     "verdict",
+    "equilibria",
+    "stable_equilibria",
     "eigenvalues",
     "mode",
     "complex_part",

@@ -11,9 +11,12 @@ from typing import Any, NamedTuple, overload
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
+from ..algebra.double_double import DOUBLE_DOUBLE, DoubleDouble
 from ..algebra.exact.function_field import FunctionField
-from ..algebra.exact.number_fields import EXACT, vanishes
+from ..algebra.exact.number_fields import EXACT, characteristic, vanishes
+from ..algebra.exact.routh import routh
 from ..algebra.intervals import INTERVALS, Interval, Tape
 from ..algebra.program import Program, operations
 from ..base.above import function_of
@@ -297,6 +300,95 @@ def equilibria(system: Equations, box: Mapping[str, Any], parameters: dict[str, 
     return found
 
 
+MOST_OF_EACH = 10_000
+"""Most boxes of a search that is one of many."""
+MOST_STATES = 8
+"""Most states whose polynomial is formed in two doubles."""
+
+
+class Counts(NamedTuple):
+    """Numbers of equilibria in a box, one for each row of parameters; -1 where not proved."""
+
+    equilibria: NDArray[np.int16]
+    stable: NDArray[np.int16]
+    """Those whose eigenvalues, but for zeros by structure, all have negative real parts."""
+
+
+def counts(system: Equations, box: Mapping[str, Any], numbers: Mapping[str, Floats]) -> Counts:
+    """Numbers of equilibria in a box for many parameters.
+
+    Parameters
+    ----------
+    system
+        The equations of motion.
+    box
+        (low, high) of each state that is sought.
+    numbers
+        Values of the parameters, and of states that are held, each of shape (N,).
+    """
+    middle = {n: float(v[len(v) // 2]) for n, v in numbers.items()}
+    held = {n: v for n, v in middle.items() if n not in system.parameters}
+    asked = _asked(system, {**box, **held}, {n: v for n, v in middle.items() if n not in held})
+    rows = np.stack([numbers[n] for n in (*asked.parameters, *asked.held)], axis=1)
+    low, high = (np.tile(v, (len(rows), 1)) for v in (asked.low, asked.high))
+    zeros = search(asked.square, low, high, rows, MOST_OF_EACH)
+    owner = zeros.boxes.owner
+    signs, tape = _enclosed_signs(asked, *_ends_of(zeros, slice(None)), list(rows[owner].T))
+    inside = within(zeros.x, np.abs(zeros.rest) + zeros.error, asked.low, asked.high)
+    inside &= ~np.asarray(tape.part) & (not asked.others.numel())
+    for value in signs:
+        inside &= value.lo > 0
+    complete = ~zeros.spent
+    reached = ((zeros.open.lo <= asked.high) & (zeros.open.hi >= asked.low)).all(axis=1)
+    complete[zeros.open.owner[reached]] = False
+    for k in np.flatnonzero(~inside).tolist():
+        given = dict(zip((*asked.parameters, *asked.held), rows[owner[k]].tolist(), strict=True))
+        own = asked._replace(
+            parameters={n: given[n] for n in asked.parameters},
+            held={n: given[n] for n in asked.held},
+        )
+        judged = _judged_alone(own, zeros, k)
+        inside[k] = judged is True
+        complete[owner[k]] &= judged in (True, False)
+    decays, grows = _decaying(asked, zeros, rows[owner])
+
+    def number(rows_: NDArray[np.bool_], sure: NDArray[np.bool_]) -> NDArray[np.int16]:
+        count = np.bincount(owner[rows_], minlength=len(rows))
+        return np.where(sure, count, -1).astype(np.int16)
+
+    decided = complete.copy()
+    decided[owner[inside & ~decays & ~grows]] = False
+    return Counts(number(inside, complete), number(inside & decays, decided))
+
+
+@np.errstate(all="ignore")
+def _decaying(
+    asked: _Question, zeros: Zeros, numbers: Floats
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Whether all eigenvalues at zeros are proved to have negative real parts; whether some not."""
+    system, none = asked.system, np.zeros(len(zeros.x), dtype=bool)
+    kept = [i for i, n in enumerate(system.states) if n in (*asked.unknown, *asked.held)]
+    if len(kept) > MOST_STATES or not len(none):
+        return none, none
+    # no rate depends on the other states
+    matrix = ca.jacobian(system.rhs[kept], system.x)[:, kept]
+    program = Program(ca.Function("matrix", [asked.square.x, asked.square.p], [matrix]))
+    x = [DoubleDouble(*v) for v in zip(zeros.x.T, zeros.rest.T, zeros.error.T, strict=True)]
+    given = [DoubleDouble(v) for v in numbers.T]
+    polynomial = characteristic(program.dense(DOUBLE_DOUBLE, [x, given], zero=0))
+    decays, grows = ~none, none
+    for c in polynomial:
+        bound = c.hi + np.abs(c.lo) + 1.01 * c.error if isinstance(c, DoubleDouble) else c
+        grows = grows | (bound <= 0)
+    if any(not isinstance(c, DoubleDouble) and c == 0 for c in polynomial):
+        return none, ~none
+    for value in list(routh(polynomial))[1:]:
+        sign = value.sign() if isinstance(value, DoubleDouble) else np.sign(value)
+        grows = grows | (decays & (sign < 0))
+        decays = decays & (sign > 0)
+    return decays, grows
+
+
 def _asked(system: Equations, box: Mapping[str, Any], parameters: dict[str, Any]) -> _Question:
     """The question, checked."""
     given = mapping("box", box)
@@ -316,7 +408,7 @@ def _asked(system: Equations, box: Mapping[str, Any], parameters: dict[str, Any]
         if np.ndim(value) == 0:
             held[name] = one_number(f"box {name}", value)
         else:
-            ends[name] = _ends(name, value)
+            ends[name] = box_ends(name, value)
     unknown = tuple(n for n in system.states if n in ends)
     moving = moving_states(system, set(given))
     absent_ = [n for n in system.states if n not in given and n not in moving]
@@ -348,7 +440,8 @@ def _asked(system: Equations, box: Mapping[str, Any], parameters: dict[str, Any]
     return _Question(system, unknown, low, high, held, numbers, solved, square, ca.SX(rest))
 
 
-def _ends(name: str, value: Any) -> tuple[float, float]:
+def box_ends(name: str, value: Any) -> tuple[float, float]:
+    """Low and high end of a state, checked."""
     if np.shape(value) != (2,):
         raise ParameterError(f"box {name} is {shown(value)}; give (low, high), or one number.")
     low, high = (one_number(f"box {name}", v) for v in value)
@@ -439,10 +532,7 @@ def _judged(asked: _Question, zeros: Zeros) -> tuple[list[int], list[_Part]]:
     rows: list[int] = []
     open_: list[_Part] = []
     for k in range(len(zeros.x)):
-        counts = _counts(asked, zeros, k)
-        if isinstance(counts, str) and _exact(asked, zeros, k):
-            zeros.rest[k] = zeros.error[k] = 0.0
-            counts = _counts(asked, zeros, k)
+        counts = _judged_alone(asked, zeros, k)
         if isinstance(counts, str):
             low, high = _ends_of(zeros, k)
             part = np.maximum(low, asked.low), np.minimum(high, asked.high)
@@ -452,15 +542,21 @@ def _judged(asked: _Question, zeros: Zeros) -> tuple[list[int], list[_Part]]:
     return rows, open_
 
 
-def _ends_of(zeros: Zeros, k: int) -> tuple[Floats, Floats]:
-    """Low and high end of a zero, as doubles."""
-    radius = np.abs(zeros.rest[k]) + zeros.error[k]
-    if not radius.any():
-        return zeros.x[k], zeros.x[k]
-    return (
-        np.nextafter(zeros.x[k] - radius, -np.inf),
-        np.nextafter(zeros.x[k] + radius, np.inf),
-    )
+def _judged_alone(asked: _Question, zeros: Zeros, k: int) -> bool | str:
+    """Whether a zero is an equilibrium in the closed box; a reason where this is open."""
+    counts = _counts(asked, zeros, k)
+    if isinstance(counts, str) and _exact(asked, zeros, k):
+        zeros.rest[k] = zeros.error[k] = 0.0
+        counts = _counts(asked, zeros, k)
+    return counts
+
+
+def _ends_of(zeros: Zeros, k: int | slice) -> tuple[Floats, Floats]:
+    """Low and high ends of zeros, as doubles."""
+    x, radius = zeros.x[k], np.abs(zeros.rest[k]) + zeros.error[k]
+    none = ~radius.any(axis=-1, keepdims=True)
+    low, high = np.nextafter(x - radius, -np.inf), np.nextafter(x + radius, np.inf)
+    return np.where(none, x, low), np.where(none, x, high)
 
 
 def _counts(asked: _Question, zeros: Zeros, k: int) -> bool | str:
@@ -487,15 +583,8 @@ def _exact(asked: _Question, zeros: Zeros, k: int) -> bool:
 def _signs(asked: _Question, low: Floats, high: Floats) -> bool | str:
     """Whether conditions hold at a zero and the other rates vanish; a reason where it is open."""
     system, conditions = asked.system, asked.system.conditions
-    values = ca.vertcat(*[c.value for c in conditions], asked.others)
-    if not values.numel():
-        return True
-    program = Program(ca.Function("signs", [asked.square.x, asked.square.p], [ca.densify(values)]))
-    tape = Tape(recording=False)
-    x = [Interval(np.array([a]), np.array([b]), tape) for a, b in zip(low, high, strict=True)]
-    with np.errstate(all="ignore"):
-        outputs = program.run(INTERVALS, [x, [Interval(v, v) for v in asked.numbers]])[0]
-    ends = [(float(np.max(v.lo)), float(np.min(v.hi))) for v in map(_interval, outputs)]
+    outputs, tape = _enclosed_signs(asked, low[None], high[None], asked.numbers)
+    ends = [(float(np.max(v.lo)), float(np.min(v.hi))) for v in outputs]
     for condition, (a, b) in zip(conditions, ends, strict=False):
         if b <= 0:
             return False
@@ -510,6 +599,21 @@ def _signs(asked: _Question, low: Floats, high: Floats) -> bool | str:
         if not all(_zero_rows(asked, asked.others, exact)):
             return f"whether the rate of {name} vanishes at an equilibrium of the others is open"
     return True
+
+
+def _enclosed_signs(
+    asked: _Question, low: Floats, high: Floats, numbers: Sequence[Any]
+) -> tuple[list[Interval], Tape]:
+    """Conditions and the rates that are not solved, over boxes, and the marks."""
+    values = ca.vertcat(*[c.value for c in asked.system.conditions], asked.others)
+    tape = Tape(recording=False)
+    if not values.numel():
+        return [], tape
+    program = Program(ca.Function("signs", [asked.square.x, asked.square.p], [ca.densify(values)]))
+    x = [Interval(a, b, tape) for a, b in zip(low.T.copy(), high.T.copy(), strict=True)]
+    with np.errstate(all="ignore"):
+        outputs = program.run(INTERVALS, [x, [Interval(v, v) for v in numbers]])[0]
+    return [_interval(v) for v in outputs], tape
 
 
 def _interval(value: Any) -> Interval:

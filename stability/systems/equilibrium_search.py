@@ -8,8 +8,10 @@ Where the image lies inside this larger box, one zero does (R. Krawczyk, Computi
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -137,7 +139,7 @@ class SquareSystem:
         return np.array([j not in follows for j in range(n)])
 
     def evaluated(
-        self, program: Program, lo: Floats, hi: Floats, p: Floats
+        self, program: Program, lo: Floats, hi: Floats, p: Sequence[Any]
     ) -> tuple[list[Floats], Tape]:
         """Outputs over boxes: low and high ends, shape (2, N, rows, columns), and the marks."""
         tape = Tape(recording=False)
@@ -152,7 +154,7 @@ class SquareSystem:
             tables.append(table)
         return tables, tape
 
-    def narrowed(self, lo: Floats, hi: Floats, p: Floats) -> tuple[Floats, Floats, Marks]:
+    def narrowed(self, lo: Floats, hi: Floats, p: Sequence[Any]) -> tuple[Floats, Floats, Marks]:
         """Boxes without parts that the graph excludes, and those of which nothing is left."""
         tape = Tape()
         x = [Interval(a, b, tape) for a, b in zip(lo.T.copy(), hi.T.copy(), strict=True)]
@@ -197,7 +199,9 @@ class _Step:
     """Whether the graph has a value everywhere in the larger box."""
 
 
-def _stepped(system: SquareSystem, lo: Floats, hi: Floats, p: Floats, first: Floats) -> _Step:
+def _stepped(
+    system: SquareSystem, lo: Floats, hi: Floats, p: Sequence[Any], first: Floats
+) -> _Step:
     """Krawczyk's operator over a box that is a little larger.
 
     Parameters
@@ -294,6 +298,11 @@ class _Search:
     open: list[Boxes] = field(default_factory=list)
     count: int = 0
 
+    @cached_property
+    def same(self) -> list[bool]:
+        """Whether each parameter is the same in all searches."""
+        return (self.p == self.p[:1]).all(axis=0).tolist()  # type: ignore[no-any-return]
+
     def run(self, stack: Boxes) -> Marks:
         """Work until no box is left; returns which searches used up their boxes."""
         spent = np.zeros(len(self.first), dtype=bool)
@@ -329,9 +338,9 @@ class _Search:
         low, high = (ends[step.proved] for ends in step.larger)
         self.proved.append((Boxes(low, high, owner[step.proved]), step.middle[step.proved]))
 
-    def _parameters(self, owner: Owners) -> Floats:
+    def _parameters(self, owner: Owners) -> Sequence[Any]:
         """One number for each parameter where they are the same, so that exponents stay exact."""
-        return self.p[0] if len(self.p) == 1 else self.p[owner].T
+        return [c[0] if same else c[owner] for c, same in zip(self.p.T, self.same, strict=True)]
 
     def _worked(self, boxes: Boxes) -> Boxes:
         """What is left of boxes, halved where it did not shrink."""
@@ -412,7 +421,9 @@ def search(
     boxes, x, rest, error = boxes[inside], x[inside], rest[inside], error[inside]
     rows = _different(boxes, x, radius[inside])
     outside = np.ones(len(open_), dtype=bool)
-    for k in rows:  # of what is inside the box of a proof all is known
+    for k in rows[
+        np.isin(boxes.owner[rows], open_.owner)
+    ]:  # of what is inside the box of a proof all is known
         inner = (open_.lo >= boxes.lo[k]) & (open_.hi <= boxes.hi[k])
         outside &= ~(inner.all(axis=1) & (open_.owner == boxes.owner[k]))
     return Zeros(x[rows], rest[rows], error[rows], boxes[rows], open_[outside], spent, work.count)
@@ -458,11 +469,13 @@ def within(x: Floats, radius: Floats, lo: Floats, hi: Floats) -> Marks:
 def _different(boxes: Boxes, x: Floats, radius: Floats) -> Owners:
     """Rows of different zeros: one that lies in the box of another's proof is that one."""
     kept: list[int] = []
+    first, owner = 0, -1
     for k in np.lexsort((*x.T[::-1], boxes.owner)).tolist():
-        rows = np.array(kept, dtype=np.intp)
-        same = boxes.owner[rows] == boxes.owner[k]
+        if boxes.owner[k] != owner:
+            first, owner = len(kept), boxes.owner[k]
+        rows = np.array(kept[first:], dtype=np.intp)
         one = within(x[k], radius[k], boxes.lo[rows], boxes.hi[rows])
         other = within(x[rows], radius[rows], boxes.lo[k], boxes.hi[k])
-        if not (same & (one | other)).any():
+        if not (one | other).any():
             kept.append(k)
     return np.array(kept, dtype=np.intp)
