@@ -28,7 +28,7 @@ def printed_row(
     about: Source,
     quantity: str,
     known: str,
-    value: Value | None,
+    value: tuple[float, float | None] | None,
     *,
     unit: str = "",
     status: str = "",

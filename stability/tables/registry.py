@@ -26,6 +26,7 @@ PLACES = {
     "benchmarks": "benchmarks.catalogue",
     "thresholds": "thresholds",
     "peers": "peers",
+    "toys": "toys",
     "list": "registry",
 }
 """Module of each table, by name; its `TABLE` is the `Definition`."""
@@ -107,7 +108,7 @@ def table(
     ----------
     name
         Any of list (the tables themselves), families, conditions, drift, hopf, codimension,
-        painleve, benchmarks, thresholds or peers.
+        painleve, benchmarks, thresholds, peers or toys.
     family
         A `Family` of your own, for conditions, hopf and codimension; one of the disk's families by
         name, for codimension.

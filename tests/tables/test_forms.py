@@ -36,6 +36,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "hopf in SI": {"k": 0.375, "mu": 0.9 / SPEED, "disk": SI},
     "thresholds": {},
     "peers": {},
+    "toys": {},
     "list": {},
     "painleve": {"body": st.Torus(0.2)},
     "codimension": {"family": "spinning", "x": ("at", 0.5, 5, 9), "y": ("mu", 0.1, 3, 9)},
