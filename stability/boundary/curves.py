@@ -14,7 +14,7 @@ from ..base.errors import StabilityError
 from ..base.types import Floats, Progress
 from ..base.verdict import CODES, DECAYING, NO_MEMBER, Verdict
 from ..spectra.problem import Problem
-from .brackets import AxisScan, Crossing, refine
+from .brackets import AxisScan, BoundaryPoint, Crossing, refine
 from .curve_crossings import Placed, Turn, linked
 from .grid_edges import Edges, GridPolynomials, bracketed
 
@@ -232,8 +232,11 @@ class GridScans:
         neutral: Mapping[int, float] | None = None,
     ) -> list[Placed | None]:
         """The change of verdict on each of some edges; some have an end that is neutral."""
-        points = bracketed(self.polynomials, edges)
-        for k in [k for k, point in enumerate(points) if point is None]:
+        points: list[BoundaryPoint | None] = [None] * len(edges.axis)
+        joined = np.flatnonzero(~self.polynomials.separated(edges)).tolist()
+        for k, point in zip(joined, bracketed(self.polynomials, edges[joined]), strict=True):
+            points[k] = point
+        for k in [k for k in joined if points[k] is None]:
             with suppress(StabilityError):  # no member between two cells that have one, as a fold
                 line = self.along(int(edges.axis[k]), float(edges.other[k]))
                 low, high = float(edges.low[k]), float(edges.high[k])

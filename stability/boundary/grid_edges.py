@@ -69,6 +69,11 @@ class Edges:
     def __getitem__(self, some: Any) -> Edges:
         return Edges(*(v[some] for v in vars(self).values()))
 
+    def places(self, values: Floats) -> tuple[Floats, Floats]:
+        """Values of both axes, at one along each edge."""
+        x, y = (np.where(self.axis == k, values, self.other) for k in (0, 1))
+        return x, y
+
 
 @dataclass(frozen=True)
 class Reading:
@@ -156,6 +161,27 @@ class GridPolynomials:
             with suppress(StabilityError, ArithmeticError):
                 return np.asarray(self(DOUBLE_DOUBLE, DoubleDouble(x), DoubleDouble(y)).sign)
         return np.zeros(len(x), dtype=int)
+
+    def separated(self, edges: Edges) -> NDArray[np.bool_]:
+        """Edges whose ends are proved to lie on two sides of a branch point, or on two sheets.
+
+        Where every state is solved for, the constant term is the determinant by which members are
+        isolated: no box of one member holds both ends.
+        """
+        family = self.problem.family
+        none = np.zeros(len(edges.axis), dtype=bool)
+        if not len(none) or self.stored is not None or formulas_of(family) is not None:
+            return none
+        if family.closed or len(family.unknown) < len(family.system.states) or not self.readable:
+            return none
+        with suppress(StabilityError, ArithmeticError):
+            low, high = (
+                self(DOUBLE_DOUBLE, *map(DoubleDouble, edges.places(end)))
+                for end in (edges.low, edges.high)
+            )
+            one, other = low.functions[1], high.functions[1]
+            return np.asarray((low.constants[0] * high.constants[0] < 0) & (one * other > 0))
+        return none
 
     def _read(self, algebra: Algebra, values: dict[str, Any]) -> _Polynomials:
         if self.stored is not None:
@@ -330,7 +356,7 @@ class EdgeSearch:
     ) -> Reading:
         """The polynomial at one value on each of some edges."""
         edges = self.edges[some]
-        x, y = (np.where(edges.axis == k, root, edges.other) for k in (0, 1))
+        x, y = edges.places(root)
         if algebra is PLAIN:
             return self.polynomials(algebra, x, y)
         along = (np.where(edges.axis == k, error, 0.0) for k in (0, 1))
@@ -414,7 +440,7 @@ class EdgeSearch:
         if not len(some):
             return
         edges = self.edges[some]
-        x, y = (np.where(edges.axis == k, root, edges.other) for k in (0, 1))
+        x, y = edges.places(root)
         rate = rates(self.polynomials, x, y, square)
         rate = np.where(kind == Crossing.STATIC.code, 0.0, rate)
         kinds = list(Crossing)

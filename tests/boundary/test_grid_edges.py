@@ -13,6 +13,7 @@ import casadi as ca
 import mpmath
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import stability as st
 from stability.algebra.double_double import DoubleDouble
@@ -259,3 +260,31 @@ def test_no_point_is_named_without_two_proved_verdicts(monkeypatch: pytest.Monke
         GridPolynomials, "__call__", lambda *given: replace(read(*given), sign=np.zeros(3))
     )
     assert bracketed(polynomials, edges) == [None]
+
+
+def test_edges_over_a_branch_point_of_a_symmetric_pair_are_not_searched() -> None:
+    # on x = y = s the slope across is 1 - p s (1 - s/a); s by bisection of its one equation
+    x, y, p, a = (ca.SX.sym(n) for n in "xypa")
+    rates = [a / (1 + ca.exp(p * (other - 1))) - own for own, other in ((x, y), (y, x))]
+    system = st.System(
+        "pair",
+        ca.vertcat(x, y),
+        ca.vertcat(p, a),
+        ca.vertcat(*rates),
+        states=("x", "y"),
+        parameters=("p", "a"),
+    )
+    family = system.steady("p", guess={"x": 1, "y": 1, "p": 0.5}, a=2.2)
+    problem, (across, up) = swept(family, {"x": ("p", 0.2, 6, 9), "y": ("a", 1, 4, 4)})
+
+    def slope(at: float, scale: float) -> float:
+        s = float(brentq(lambda v: scale / (1 + np.exp(at * (v - 1))) - v, 0, scale))
+        return 1 - at * s * (1 - s / scale)
+
+    low, other = (v.ravel() for v in np.meshgrid(across.values[:-1], up.values))
+    high = low + (across.values[1] - across.values[0])
+    edges = Edges(np.zeros(len(low), dtype=np.int8), low, high, other)
+    separated = GridPolynomials(problem, ("p", "a")).separated(edges)
+    ends = [[slope(v, s) for v, s in zip(e, other, strict=True)] for e in (low, high)]
+    assert separated.any() and not separated.all()
+    assert np.array_equal(separated, np.prod(ends, axis=0) < 0)
