@@ -311,7 +311,7 @@ class Counts(NamedTuple):
 
     equilibria: NDArray[np.int16]
     stable: NDArray[np.int16]
-    """Those whose eigenvalues, but for zeros by structure, all have negative real parts."""
+    """Those whose eigenvalues all have negative real parts; -1 where a zero is one by structure."""
 
 
 def counts(system: Equations, box: Mapping[str, Any], numbers: Mapping[str, Floats]) -> Counts:
@@ -380,7 +380,10 @@ def _decaying(
     for c in polynomial:
         bound = c.hi + np.abs(c.lo) + 1.01 * c.error if isinstance(c, DoubleDouble) else c
         grows = grows | (bound <= 0)
-    if any(not isinstance(c, DoubleDouble) and c == 0 for c in polynomial):
+    vanishing = [not isinstance(c, DoubleDouble) and c == 0 for c in polynomial]
+    if vanishing[0]:  # a zero by structure says nothing of the others
+        return none, none
+    if any(vanishing):
         return none, ~none
     for value in list(routh(polynomial))[1:]:
         sign = value.sign() if isinstance(value, DoubleDouble) else np.sign(value)

@@ -112,3 +112,18 @@ def test_a_bad_box_of_a_map_is_refused_in_a_sentence(box: Any, words: str) -> No
 def test_a_box_belongs_to_families_that_are_solved_for() -> None:
     with pytest.raises(st.StabilityError, match="no states that are solved for"):
         st.stability_map("spinning", x=("at", 1, 4, 3), y=("mu", 1, 2, 3), box={"x": (0, 1)})
+
+
+def test_stable_counts_are_open_where_a_zero_is_one_by_structure() -> None:
+    """A held y has y' = 0: the verdict of a member leaves this zero out, a count has no member."""
+    rate = ca.vertcat(a + b * x - x**3, 0 * y)
+    system = st.System(
+        "kept", ca.vertcat(x, y), ca.vertcat(a, b), rate, states=("x", "y"), parameters=("a", "b")
+    )
+    family = system.steady("b", guess={"x": 1, "b": 1}, a=0.1, held={"y": 0})
+    m = st.stability_map(
+        family, x=("a", -1, 1, 4), y=("b", 0, 1, 2), box={"x": (-3, 3)}, boundaries=False
+    )
+    assert m.equilibria.values.tolist() == [[1, 1, 1, 1], [1, 3, 3, 1]]
+    assert (m.verdict == st.Verdict.STABLE.code).any()
+    assert (m.stable_equilibria == -1).all()
