@@ -1,6 +1,6 @@
 """Printed values of other codes: the recomputed ones against hand-written equations, in mpmath."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from fractions import Fraction
 from functools import cache
 from typing import Any
@@ -14,7 +14,12 @@ from stability.tables.printed import printed_row
 from stability.tables.registry import definition
 from stability.tables.table import Standing
 
-mp.mp.dps = 40
+
+@pytest.fixture(autouse=True)
+def forty_digits() -> Iterator[None]:
+    """The oracles of this file count in 40 digits."""
+    with mp.workdps(40):
+        yield
 
 
 @cache
