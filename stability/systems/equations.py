@@ -155,6 +155,8 @@ class Equations(Portable, Record):
     """Names of the implicit form's unknowns: accelerations and contact forces."""
     quantities: Mapping[str, Quantity] = field(default_factory=dict)
     """Names in words, symbols and kinds of a body's numbers, by name; empty for a user's system."""
+    eliminated: bool = False
+    """Whether the rates are those of mass and forcing, solved by CasADi, which rounds numbers."""
     approximation: str = ""
     """Of what every proof speaks where the equations hold a fit; empty where they hold none."""
 
@@ -283,6 +285,7 @@ class Equations(Portable, Record):
             mass=matrix,
             forcing=right,
             unknowns=sought,
+            eliminated=True,
             **others,
         )
 

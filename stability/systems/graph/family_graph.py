@@ -650,10 +650,15 @@ class FamilyGraph:
 
     def _solvable(self) -> bool:
         system = self._system
-        if self._seen or not self._large or system.mass is None or system.forcing is None:
+        if self._seen or system.mass is None or system.forcing is None:
             return False
-        # a mass matrix with a rounded third is not that of the rates, which keep thirds exact
-        return exact_numbers(system.mass, system.forcing) and solvable(system)
+        # CasADi joins the numbers of M where it eliminates
+        rounded = system.eliminated and system.mass.is_constant() and not exact_numbers(system.rhs)
+        if not (self._large or rounded):
+            return False
+        # a mass matrix with a rounded third is not that of rates which keep thirds exact
+        known = rounded or exact_numbers(system.mass, system.forcing)
+        return known and solvable(system)
 
     def _form(self, values: Mapping[str, Any]) -> Implicit:
         """The implicit form with these values, zeros folded."""
