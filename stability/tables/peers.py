@@ -28,7 +28,7 @@ BITS = 120
 RECALLED = "recalled, the print not at hand"
 """Origin of a number that is known from memory alone."""
 
-REACTION = Source("reaction A → B", "AUTO-07p, demo ab, doc/tutorial.tex", PUBLISHED)
+REACTION = Source("reaction A → B", "AUTO-07p, demo ab, doc/tutorial.tex", QUOTED)
 CONTROL = Source(
     "adaptive control, β = 1",
     "MatCont, testadapt, as kept by JaxCont, MC-EQ-003_events.csv",
