@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "stability"
 PICTURE = ROOT / "docs" / "house.svg"
-FACE = ("__main__",)
+FACE = ("__main__", "results", "statistics")
 """Entries of the package that are no folders."""
 WIDTH, ROW = 7.0, 0.66
 """Width of the picture and height of a floor [inch]."""

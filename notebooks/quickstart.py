@@ -50,7 +50,7 @@ print(turning.nonlinear.value)
 for value, label in zip(turning.eigenvalues, turning.modes.labels, strict=True):
     print(f"{value:+.4f} 1/s   {label}")
 assert turning.verdict is st.Verdict.STABLE
-assert turning.nonlinear is st.Nonlinear.ASYMPTOTIC
+assert turning.nonlinear is st.results.Nonlinear.ASYMPTOTIC
 
 # %% [markdown]
 # ## Where does it become unstable?
@@ -63,7 +63,7 @@ assert turning.nonlinear is st.Nonlinear.ASYMPTOTIC
 print(f"{threshold.value:.12f} ± {threshold.error:.0e} rad/s, {threshold.crossing.value}")
 print(f"that is {threshold.value / (2 * np.pi):.3f} turns per second")
 assert abs(threshold.value - np.sqrt(coin.gravity / (coin.k * coin.radius))) < 1e-12
-assert threshold.crossing is st.Crossing.STATIC
+assert threshold.crossing is st.results.Crossing.STATIC
 
 # %% [markdown]
 # ## Its diagram

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import stability
+from stability.base.lazy import HOMES
 
 from .notebooks import written
 
@@ -130,11 +130,16 @@ def group_of(module: str) -> Group:
 
 def grouped() -> dict[str, list[str]]:
     """The public names of each group, in the order of the face."""
-    home: Mapping[str, tuple[str, ...]] = stability._HOME
-    found: dict[str, list[str]] = {group.name: [] for group in GROUPS}
-    for module, names in home.items():
-        found[group_of(module).name] += names
-    return found
+    names: dict[str, list[str]] = {group.name: [] for group in GROUPS}
+    for name in sorted(HOMES, key=lambda name: (place(name).count("."), name.lower())):
+        names[group_of(HOMES[name].partition(".")[2]).name].append(name)
+    return names
+
+
+def place(name: str) -> str:
+    """The name with the module in which users find it."""
+    rooms = (stability, stability.results, stability.export, stability.statistics)
+    return next(f"{room.__name__}.{name}" for room in rooms if name in room.__all__)
 
 
 def kind(name: str) -> str:
@@ -150,12 +155,11 @@ def entry(name: str) -> str:
     what = kind(name)
     head = f"{name}\n{'-' * len(name)}\n\n"
     if what == "data":
-        home = stability._WHERE[name]
-        module = import_module(f"stability.{home}")
+        module = import_module(HOMES[name])
         text = documented(module, name)
         body = "\n".join(f"   {line}" if line else "" for line in text)
-        return f"{head}.. py:data:: stability.{name}\n\n{body}\n\n"
-    text = f"{head}.. auto{what}:: stability.{name}\n"
+        return f"{head}.. py:data:: {place(name)}\n\n{body}\n\n"
+    text = f"{head}.. auto{what}:: {place(name)}\n"
     if what == "class":
         text += "   :members:\n   :show-inheritance:\n"
         if not _enumeration(name):
@@ -243,8 +247,8 @@ def _marked(match: re.Match[str]) -> str:
     """A public name as a link, anything else as code."""
     name, after = re.sub(r"\n *", " ", match[1]).replace("\\", ""), match[2]
     gap = "\\ " if after and not re.match(r"[\s.,:;!?)\]}'\"/-]", after) else ""
-    if name in stability.__all__:
-        return f":py:obj:`~stability.{name}`{gap}{after}"
+    if name in HOMES:
+        return f":py:obj:`~{place(name)}`{gap}{after}"
     return f"``{name}``{gap}{after}"
 
 

@@ -193,7 +193,7 @@ class Exact:
     Examples
     --------
     >>> import stability as st
-    >>> found = st.exact_polynomial("spinning", "viscous")
+    >>> found = st.export.exact_polynomial("spinning", "viscous")
     >>> found.variables, found.zeros
     (('k', 'M', 'z'), 1)
     """
@@ -253,7 +253,7 @@ class ExactPolynomial:
     --------
     >>> import stability as st
     >>> import casadi as ca, stability as st
-    >>> class Damped(st.ExactPolynomial):
+    >>> class Damped(st.results.ExactPolynomial):
     ...     def coefficients(self, values, algebra):  # λ² + d λ + g
     ...         return [[values["g"], values["d"], 1]]
     >>> x, p = ca.SX.sym("x", 2), ca.SX.sym("p", 2)

@@ -1,6 +1,6 @@
 """Calls of rooms above by name, for results of rooms below, which do not import these.
 
-The face (`stability/__init__.py`) registers one function for each name.  The function is found, and
+`stability/__init__.py` registers one function for each name.  The function is found, and
 its module imported, when it is first asked for.
 """
 

@@ -81,7 +81,7 @@ class Nonlinear(Sentences):
     Examples
     --------
     >>> import stability as st
-    >>> st.Nonlinear.ASYMPTOTIC.value.split(":")[0]
+    >>> st.results.Nonlinear.ASYMPTOTIC.value.split(":")[0]
     'asymptotic'
     """
 

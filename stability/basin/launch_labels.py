@@ -37,8 +37,8 @@ class LaunchLabels:
     Examples
     --------
     >>> import stability as st
-    >>> ends = st.launch_labels(contact="viscous", mu=0.3, family="spinning",
-    ...                         varied=("phi_dot", "tilt"), horizon=300.0)
+    >>> ends = st.statistics.launch_labels(
+    ...     contact="viscous", mu=0.3, family="spinning", varied=("phi_dot", "tilt"), horizon=300.0)
     >>> [ends.words(label) for label in ends(np.array([[2.5, 0.1], [3.9, 0.6]]))]
     ['settled on spinning', 'lift-off']
     """
@@ -170,9 +170,10 @@ def launch_labels(
     Examples
     --------
     >>> import stability as st
-    >>> ends = st.launch_labels(contact="viscous", mu=0.3, family="spinning", varied=("phi_dot",),
-    ...                         held={"tilt": 0.5}, horizon=5.0)
-    >>> shock = st.fatal_shock(ends, [3.0], reach=2.0, budget=64)
+    >>> ends = st.statistics.launch_labels(
+    ...     contact="viscous", mu=0.3, family="spinning", varied=("phi_dot",), held={"tilt": 0.5},
+    ...     horizon=5.0)
+    >>> shock = st.statistics.fatal_shock(ends, [3.0], reach=2.0, budget=64)
     >>> ends.words(shock.label), round(shock.size, 2)
     ('lift-off', 0.7)
     """

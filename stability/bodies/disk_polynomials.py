@@ -130,7 +130,7 @@ def exact_polynomial(family: str, law: str | Contact | type[Contact] | None = No
     Examples
     --------
     >>> import stability as st
-    >>> found = st.exact_polynomial("rolling", "viscous")
+    >>> found = st.export.exact_polynomial("rolling", "viscous")
     >>> found.zeros, [str(p) for _, p in found.conditions]
     (2, ['2*k*z - 1'])
     """

@@ -53,7 +53,7 @@ class Crossing(Sentences):
     Examples
     --------
     >>> import stability as st
-    >>> st.Crossing("static").word
+    >>> st.results.Crossing("static").word
     'static'
     """
 

@@ -75,7 +75,7 @@ class HopfKind(Sentences):
     Examples
     --------
     >>> import stability as st
-    >>> st.HopfKind("elliptic").word
+    >>> st.results.HopfKind("elliptic").word
     'elliptic'
     """
 
@@ -189,7 +189,7 @@ class Onset(Sentences):
     Examples
     --------
     >>> import stability as st
-    >>> [kind.word for kind in st.Onset]
+    >>> [kind.word for kind in st.results.Onset]
     ['soft', 'hard', 'linear', 'undecided']
     """
 

@@ -70,7 +70,7 @@ def _equations(
 
 
 def _latex(options: argparse.Namespace) -> dict[str, Any]:
-    from ..export.latex import latex
+    from ..export.to_latex import latex
     from ..storage.files import write_file
 
     [target] = targets_of(options, out=(".tex",)).values()
@@ -84,7 +84,7 @@ def _latex(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def _c(options: argparse.Namespace) -> dict[str, Any]:
-    from ..export.c_code import c_code
+    from ..export.to_c import c_code
 
     if options.set:
         raise ParameterError("--set is no option of `export c`, whose code takes numbers.")
@@ -100,7 +100,7 @@ def _c(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def _continuation(options: argparse.Namespace) -> dict[str, Any]:
-    from ..export.continuation import auto_input, bifurcationkit_input
+    from ..export.to_continuation import auto_input, bifurcationkit_input
 
     write = auto_input if options.format == "auto" else bifurcationkit_input
     free, *ends = options.axis.split(":")

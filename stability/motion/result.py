@@ -57,9 +57,9 @@ class Outcome(Sentences):
     Examples
     --------
     >>> import stability as st
-    >>> st.Outcome.LIFT_OFF.word
+    >>> st.results.Outcome.LIFT_OFF.word
     'lift-off'
-    >>> st.Outcome.MOVING.code
+    >>> st.results.Outcome.MOVING.code
     0
     """
 

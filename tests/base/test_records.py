@@ -9,6 +9,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cache, partial
+from pathlib import Path
 from typing import Any
 
 import casadi as ca
@@ -18,6 +19,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as some
 
 import stability as st
+from stability.base.lazy import HOMES
 from stability.base.types import content
 from stability.bodies.model import system_model
 
@@ -160,7 +162,7 @@ def edges(v: float) -> st.Boundaries:
     return st.boundaries("rolling", axis=("at", 0.1, 5, 9), disk=disk, contact=st.Viscous(1))
 
 
-CLASSES = sorted(n for n in st.__all__ if inspect.isclass(getattr(st, n)))
+CLASSES = sorted(n for n in HOMES if inspect.isclass(getattr(st, n)))
 RECORDS = [n for n in CLASSES if not issubclass(getattr(st, n), (Enum, Exception))]
 
 
@@ -319,5 +321,19 @@ def test_the_codes_are_those_of_a_map() -> None:
     assert [st.Crossing(c).word for c in kinds["flag_values"]] == kinds["flag_meanings"].split()
 
 
-def test_dir_lists_each_public_name_once_and_nothing_else() -> None:
-    assert dir(st) == sorted(st.__all__) and len(set(dir(st))) == len(dir(st))
+def test_each_public_name_is_listed_once_and_found_on_the_face() -> None:
+    rooms = {"export": st.export, "results": st.results, "statistics": st.statistics}
+    assert dir(st) == sorted([*st.__all__, *rooms])
+    names = [name for room in (st, *rooms.values()) for name in room.__all__]
+    assert sorted(names) == sorted(HOMES) and len(set(names)) == len(names)
+    for room in rooms.values():
+        assert dir(room) == room.__all__
+        for name in room.__all__:
+            assert getattr(room, name) is getattr(st, name)
+    with pytest.raises(AttributeError, match=r"'stability\.results' has no attribute 'spectrum'"):
+        st.results.spectrum  # noqa: B018
+
+
+def test_modules_of_the_same_folder_do_not_hide_a_name() -> None:
+    for path in Path(st.export.__file__).parent.glob("*.py"):
+        assert path.stem not in st.export.__all__

@@ -18,6 +18,7 @@ from numpydoc.docscrape import FunctionDoc
 from numpydoc.validate import validate
 
 import stability as st
+from stability.base.lazy import HOMES
 
 ROOT = Path(__file__).resolve().parents[2]
 NOT_ASKED = {
@@ -38,7 +39,7 @@ def text_of(name: str) -> str:
     value = getattr(st, name)
     if isinstance(value, type) or callable(value):
         return inspect.getdoc(value) or ""
-    home = import_module(f"stability.{st._WHERE[name]}")
+    home = import_module(HOMES[name])
     body = ast.parse(Path(str(home.__file__)).read_text(encoding="utf-8")).body
     for line, below in zip(body, body[1:], strict=False):
         targets = line.targets if isinstance(line, ast.Assign) else [getattr(line, "target", None)]
@@ -105,9 +106,9 @@ def complaints(name: str) -> list[tuple[str, str]]:
 
 
 def test_every_docstring_has_all_its_parts_in_the_form_of_numpydoc() -> None:
-    lacks = {name: missing(getattr(st, name), text_of(name)) for name in st.__all__}
+    lacks = {name: missing(getattr(st, name), text_of(name)) for name in HOMES}
     assert {name: said for name, said in lacks.items() if said} == {}
-    every = {name: complaints(name) for name in st.__all__}
+    every = {name: complaints(name) for name in HOMES}
     asked = {
         name: [
             one
@@ -122,7 +123,7 @@ def test_every_docstring_has_all_its_parts_in_the_form_of_numpydoc() -> None:
 
 
 def test_every_source_names_what_exists_and_treats_the_name() -> None:
-    for name in st.__all__:
+    for name in HOMES:
         source_names_what_exists(name)
 
 
@@ -142,7 +143,7 @@ def source_names_what_exists(name: str) -> None:
         assert f"def {function}(" in text, function
     for file in re.findall(r"(?<![/\w])test_\w+\.py", source):
         assert any(f.with_name(file).is_file() for f in files), file
-    near = [n for n in st.__all__ if st._WHERE[n] == st._WHERE[name]]
+    near = [n for n in HOMES if HOMES[n] == HOMES[name]]
     treated = name in TREATED or any(re.search(rf"\b{n}\b", text) for n in near)
     assert treated or not tests, near
 
@@ -194,7 +195,7 @@ def part(name: str) -> ModuleType:
 
 def test_every_public_name_has_one_place_in_the_reference() -> None:
     names = [name for group in part("reference").grouped().values() for name in group]
-    assert sorted(names) == st.__all__
+    assert sorted(names) == sorted(HOMES)
 
 
 def test_groups_come_in_the_order_of_a_reader() -> None:

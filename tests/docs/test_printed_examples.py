@@ -8,11 +8,12 @@ from collections.abc import Iterator
 from typing import Any
 
 import stability as st
+from stability.base.lazy import HOMES
 
 
 def described() -> Iterator[tuple[str, Any]]:
     """Every public name, and each public method and property of a class, with its docstring."""
-    for name in st.__all__:
+    for name in HOMES:
         one = getattr(st, name)
         yield name, inspect.getdoc(one)
         for own in dir(one) if inspect.isclass(one) else ():

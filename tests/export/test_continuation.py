@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 
 import stability as st
 from stability.cli.commands import main
-from stability.export.continuation import places
+from stability.export.to_continuation import places
 
 HEADER = """\
 typedef int integer; typedef double doublereal;

@@ -14,7 +14,7 @@ from programs import needed
 
 import stability as st
 from stability.cli.commands import main
-from stability.export.latex import symbol, symbols
+from stability.export.to_latex import symbol, symbols
 
 RNG = np.random.default_rng(7)
 

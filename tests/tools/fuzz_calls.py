@@ -1,4 +1,4 @@
-"""Random calls of everything in `stability.__all__` and of the methods of what comes back.
+"""Random calls of everything in the public names and of the methods of what comes back.
 
 Each call has arguments that fit, three in four with one or two replaced by something odd.  It must
 return, without NaN, or raise the package's own error in at most two short lines; TypeError only

@@ -143,7 +143,8 @@ def uncertainty_exponent(
     >>> import stability as st
     >>> def above(points):
     ...     return points[:, 1] > points[:, 0] ** 2
-    >>> found = st.uncertainty_exponent(above, [0, 0], [1, 1], np.geomspace(1e-3, 0.1, 8))
+    >>> sizes = np.geomspace(1e-3, 0.1, 8)
+    >>> found = st.statistics.uncertainty_exponent(above, [0, 0], [1, 1], sizes)
     >>> bool(found.interval[0] < 1 < found.interval[1]), found.dimensions
     (True, 2)
     """

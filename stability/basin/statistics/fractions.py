@@ -77,7 +77,7 @@ def wilson(count: ArrayLike, of: ArrayLike, level: float = LEVEL) -> tuple[Float
     Examples
     --------
     >>> import stability as st
-    >>> low, high = st.wilson(15, 100)
+    >>> low, high = st.statistics.wilson(15, 100)
     >>> print(f"{low:.4f} {high:.4f}")
     0.0931 0.2328
     """
@@ -122,7 +122,7 @@ def fractions(labels: ArrayLike, level: float = LEVEL) -> tuple[Fraction, ...]:
     Examples
     --------
     >>> import stability as st
-    >>> for one in st.fractions([0, 0, 1, 0, 2, 0, 0, 1, 0, 0]):
+    >>> for one in st.statistics.fractions([0, 0, 1, 0, 2, 0, 0, 1, 0, 0]):
     ...     print(one.label, one.value, f"{one.low:.3f} {one.high:.3f}")
     0 0.7 0.397 0.892
     1 0.2 0.057 0.510

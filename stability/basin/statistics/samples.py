@@ -56,7 +56,7 @@ class Uniform(_Interval):
     --------
     >>> import numpy as np
     >>> import stability as st
-    >>> st.Uniform(1, 3).at(np.array([0.25]))
+    >>> st.statistics.Uniform(1, 3).at(np.array([0.25]))
     array([1.5])
     """
 
@@ -74,7 +74,7 @@ class LogUniform(_Interval):
     --------
     >>> import numpy as np
     >>> import stability as st
-    >>> st.LogUniform(0.01, 100).at(np.array([0.5])).round(12)
+    >>> st.statistics.LogUniform(0.01, 100).at(np.array([0.5])).round(12)
     array([1.])
     """
 
@@ -97,7 +97,7 @@ class Normal:
     --------
     >>> import numpy as np
     >>> import stability as st
-    >>> st.Normal(2.0, 0.1).at(np.array([0.5, 0.975])).round(3)
+    >>> st.statistics.Normal(2.0, 0.1).at(np.array([0.5, 0.975])).round(3)
     array([2.   , 2.196])
     """
 
@@ -182,7 +182,7 @@ class Ball(Record):
     Examples
     --------
     >>> import stability as st
-    >>> st.Ball({"theta": 1.2, "omega3": 2.0}, {"theta": 0.01, "omega3": 0.1}).words
+    >>> st.statistics.Ball({"theta": 1.2, "omega3": 2.0}, {"theta": 0.01, "omega3": 0.1}).words
     3
     """
 

@@ -56,7 +56,7 @@ class ReducedModel(Record):
     >>> import casadi as ca
     >>> x, p = ca.SX.sym("x"), ca.SX.sym("p")
     >>> slow = st.System("slow", x, p, -p * x, states=("x",), parameters=("rate",))
-    >>> st.ReducedModel("slow", slow, lambda x, p: (x[:1], p[:1]), lambda x, p: x).name
+    >>> st.results.ReducedModel("slow", slow, lambda x, p: (x[:1], p[:1]), lambda x, p: x).name
     'slow'
     """
 

@@ -82,7 +82,7 @@ def latex(
     >>> x, p = ca.SX.sym("x", 2), ca.SX.sym("p")
     >>> pendulum = st.System("pendulum", x, p, ca.vertcat(x[1], -p * ca.sin(x[0])),
     ...                      states=("theta", "omega"), parameters=("g",))
-    >>> print(st.latex(pendulum, standalone=False).splitlines()[3])
+    >>> print(st.export.latex(pendulum, standalone=False).splitlines()[3])
     \dot{\omega} &= -g\,\sin\left(\theta\right)
     """
     subject = family_by_name(subject, body, contact, parameters, "subject")

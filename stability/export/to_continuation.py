@@ -25,7 +25,7 @@ from ..base.errors import NameUnknownError, ParameterError, shown
 from ..base.types import Floats
 from ..systems.family import A_FAMILY, Family, refuse_system
 from ..systems.structure.structural_zeros import structure
-from .c_code import c_name, generated, write_folder
+from .to_c import c_name, generated, write_folder
 
 STEPS = 50
 """Steps of the first run, about."""
@@ -306,7 +306,7 @@ def auto_input(
     --------
     >>> import tempfile, stability as st
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     found = st.auto_input(st.disk_family("spinning", "viscous"), folder + "/disk",
+    ...     found = st.export.auto_input(st.disk_family("spinning", "viscous"), folder + "/disk",
     ...                           free="phi_dot", start=5.0, stop=1.8, k=0.25, mu=0.8)
     ...     print(*sorted(path.name for path in found.iterdir()))
     c.spinning spinning.c
@@ -452,8 +452,9 @@ def bifurcationkit_input(
     --------
     >>> import tempfile, stability as st
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     found = st.bifurcationkit_input(st.disk_family("spinning", "viscous"), folder + "/disk",
-    ...                                     free="mu", start=0.2, stop=1.5, phi_dot=2.6, k=0.25)
+    ...     found = st.export.bifurcationkit_input(
+    ...         st.disk_family("spinning", "viscous"), folder + "/disk",
+    ...         free="mu", start=0.2, stop=1.5, phi_dot=2.6, k=0.25)
     ...     [path.name for path in found.iterdir()]
     ['spinning.jl']
     """

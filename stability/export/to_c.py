@@ -128,7 +128,7 @@ def c_code(
     --------
     >>> import tempfile, stability as st
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     code = st.c_code(st.disk_system("viscous"), folder + "/disk", name="disk")
+    ...     code = st.export.c_code(st.disk_system("viscous"), folder + "/disk", name="disk")
     ...     sorted(path.name for path in code.folder.iterdir())
     ['disk.c', 'disk.h', 'example.c']
     """

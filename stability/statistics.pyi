@@ -1,0 +1,9 @@
+from .basin.launch_labels import launch_labels as launch_labels
+from .basin.statistics.exponent import uncertainty_exponent as uncertainty_exponent
+from .basin.statistics.fractions import fractions as fractions
+from .basin.statistics.fractions import wilson as wilson
+from .basin.statistics.samples import Ball as Ball
+from .basin.statistics.samples import LogUniform as LogUniform
+from .basin.statistics.samples import Normal as Normal
+from .basin.statistics.samples import Uniform as Uniform
+from .basin.statistics.shock import fatal_shock as fatal_shock
