@@ -157,7 +157,7 @@ def test_every_count_of_the_paper_is_one_that_its_script_prints() -> None:
 
 # --- wheel and sdist ---
 
-SHIPPED = {".py", ".json", ".html", ".typed", ".js", ".css", ".LICENSE"}
+SHIPPED = {".py", ".json", ".pyi", ".html", ".typed", ".js", ".css", ".LICENSE"}
 """Endings of the files that a user needs: code, data, and the parts of pages."""
 
 
