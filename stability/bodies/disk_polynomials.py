@@ -1,8 +1,7 @@
 """Characteristic polynomials of the disk's families over Q, kept as package data.
 
-They are derived from the graph (`stability.derivation.characteristic`,
-`stability.derivation.hurwitz`).  This module reads them without SymPy.  They are evaluated over any
-number type: exact rationals, balls, intervals, arrays.
+They are derived from the graph by notebooks/proofs/stored.py.  This module reads them without
+SymPy.  They are evaluated over any number type: exact rationals, balls, intervals, arrays.
 """
 
 from __future__ import annotations

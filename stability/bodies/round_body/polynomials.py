@@ -1,7 +1,7 @@
 """Families of bodies of revolution in closed form, from polynomials that hold for every height.
 
-The polynomials are derived from the graph with h, h′ and h′′ as symbols
-(`stability.derivation.body_polynomials`) and kept as package data.  A body's height and its two
+The polynomials are derived from the graph with h, h′ and h′′ as symbols, by
+notebooks/proofs/body_polynomials.py, and kept as package data.  A body's height and its two
 derivatives are put in as graphs, so no eigenvalue problem and no root-finder is left.
 
 Source: tests/bodies/test_closed_forms.py compares them with the linearisation of the graph.
