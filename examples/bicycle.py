@@ -25,6 +25,7 @@ bicycle = st.System.from_mass_matrix(
     rates={"lean": x[2], "steer": x[3]},
     states=("lean", "steer", "lean_rate", "steer_rate"),
     parameters=("v", "g"),
+    units={"v": "m/s", "g": "m/s²"},
 )
 upright = st.Family(bicycle, "upright", at=("v",), held=dict.fromkeys(bicycle.states, 0.0))
 

@@ -22,7 +22,7 @@ wheelset = st.System(
     ca.vertcat(v, m, d, inertia, N, R, Rr, d1, cone, f, k1, k2, r0),
     ca.vertcat(dy, dyaw, side / m, turn / inertia),
     states=("y", "yaw", "dy", "dyaw"), parameters=("v", *VALUES),
-    units={"v": "m/s", "y": "m", "yaw": "rad", "dy": "m/s", "dyaw": "rad/s"},
+    units={"v": "m/s", "k2": "N/m", "y": "m", "yaw": "rad", "dy": "m/s", "dyaw": "rad/s"},
 )  # fmt: skip
 centred = st.Family(wheelset, "centred", at=("v",), held=dict.fromkeys(wheelset.states, 0.0))
 print(st.spectrum(centred, at=20.0, certify=True, **VALUES).eigenvalues)

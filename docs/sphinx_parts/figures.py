@@ -90,9 +90,11 @@ def towed_wheel(path: Path) -> None:
     """The map of the tutorial, by the tutorial's own code."""
     import re
 
-    page = (DOCS / "tutorials" / "towed-wheel.md").read_text(encoding="utf-8")
+    page = DOCS / "tutorials" / "towed-wheel.md"
     space: dict[str, Any] = {}
-    for block in re.findall(r"```python\n(.*?)```", page, re.DOTALL):
+    for block in re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL):
+        if load := re.match(r":load: (\S+)", block):
+            block = (page.parent / load[1]).read_text(encoding="utf-8")
         with redirect_stdout(StringIO()):
             exec(block.replace('"towed-wheel.png"', repr(str(path))), space)
         if "towed-wheel.png" in block:

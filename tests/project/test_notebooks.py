@@ -100,6 +100,8 @@ def _run(page: str) -> dict[str, Any]:
     assert blocks
     space: dict[str, Any] = {}
     for block in blocks:
+        if load := re.match(r":load: (\S+)", block):
+            block = ((ROOT / page).parent / load[1]).read_text()
         printed: dict[int, list[str]] = {}
 
         def record(*values: Any, _printed: dict[int, list[str]] = printed) -> None:
@@ -127,7 +129,7 @@ def test_the_towed_wheel_of_the_page_has_the_condition_derived_by_hand(
     """With d = trail - centre: (m d s² + trail (c s + k)) (trail s + v) + (J - m centre d) s³."""
     monkeypatch.chdir(tmp_path)
     space = _run("docs/tutorials/towed-wheel.md")
-    g, edge = space["given"], space["edge"]
+    g, edge = space["GIVEN"], space["edge"]
     d = g["trail"] - g["centre"]
 
     def polynomial(v: float) -> np.ndarray:

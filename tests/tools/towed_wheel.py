@@ -1,28 +1,14 @@
-"""The towed wheel of docs/tutorials/towed-wheel.md: three states, seven quantities."""
+"""The towed wheel of examples/towed_wheel.py: three states, seven quantities."""
 
-import casadi as ca
+import runpy
+from pathlib import Path
 
 import stability as st
 
-GIVEN = {"trail": 0.1, "centre": 0.07, "m": 2.0, "J": 0.02, "k": 1e4, "c": 5.0}
+EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "towed_wheel.py"
+GIVEN: dict[str, float] = runpy.run_path(str(EXAMPLE))["GIVEN"]
 
 
 def towed_wheel() -> st.Family:
-    q = ca.vertcat(ca.SX.sym("sway"), ca.SX.sym("angle"))
-    u = ca.vertcat(ca.SX.sym("sway_rate"), ca.SX.sym("turn_rate"))
-    p = ca.vertcat(*[ca.SX.sym(n) for n in ("v", *GIVEN)])
-    v, trail, centre, m, inertia, k, c = ca.vertsplit(p)
-    sine, cosine = ca.sin(q[1]), ca.cos(q[1])
-    along, across = v + centre * u[1] * sine, u[0] - centre * u[1] * cosine
-    wheel = st.mechanics(
-        q,
-        u,
-        p,
-        kinetic=m * (along**2 + across**2) / 2 + inertia * u[1] ** 2 / 2,
-        potential=k * q[0] ** 2 / 2,
-        forces=ca.vertcat(-c * u[0], 0),
-        velocity_constraints={"no_slip": u[0] * cosine - v * sine - trail * u[1]},
-        independent=("sway_rate",),
-        name="towed wheel",
-    )
-    return st.Family(wheel, "straight", at=("v",), held=dict.fromkeys(wheel.states, 0.0))
+    family: st.Family = runpy.run_path(str(EXAMPLE))["straight"]
+    return family
