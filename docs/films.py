@@ -111,14 +111,10 @@ def ring(path: Path) -> Path:
 
 
 def retrograde(path: Path) -> Path:
-    """The map of rings that turn back, with its caption as a text of the picture."""
+    """The map of rings that turn back."""
     from stability.figures.canvas import save_figure
-    from stability.figures.retrograde import retrograde_caption
 
-    chart = st.retrograde_map()
-    save_figure(
-        st.plot_retrograde(chart), path, metadata={"Description": retrograde_caption(chart)}
-    )
+    save_figure(st.plot_retrograde(st.retrograde_map()), path)
     return path
 
 

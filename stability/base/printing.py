@@ -75,6 +75,19 @@ def in_short(value: Any) -> str:
     return f"{values.min():.6g} to {values.max():.6g} ({values.size} values)"
 
 
+def two_digits(value: float, units: Sequence[tuple[str, float]]) -> str:
+    """A number to two digits, in the first of some units that it reaches, or in the last.
+
+    Examples
+    --------
+    >>> units = [("h", 3600.0), ("s", 1.0)]
+    >>> two_digits(9000.0, units), two_digits(0.2, units)
+    ('2.5 h', '0.2 s')
+    """
+    unit, size = next((one for one in units if value >= one[1]), units[-1])
+    return f"{float(f'{value / size:.2g}'):g} {unit}"
+
+
 def to_bound(value: float, error: float) -> str:
     """A number with its proved bound: digits up to the bound, which holds for what is printed.
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..base.checks import whole_number
 from ..base.errors import FileError, NameUnknownError, ParameterError, absent, listed, shown
+from ..base.printing import two_digits
 from ..bodies.families import FAMILIES, at_name
 from .options import (
     AXIS,
@@ -58,6 +59,9 @@ EXAMPLES = (
     "--time 200 --out governor.zarr",
 )
 
+TIMES = ("days", 86400.0), ("h", 3600.0), ("min", 60.0), ("s", 1.0)
+SIZES = ("GB", 1e9), ("MB", 1e6), ("kB", 1e3)
+"""Units of times and of sizes, in seconds and bytes."""
 FEW = 0.7
 """Share of a time below which it is stated what is left without the slow launches."""
 
@@ -212,8 +216,8 @@ def _in_words(cost: Cost) -> str:
         rest = f" ({_time(cost.least)} for all but a few launches that are decided one by one)"
     return (
         f"{cost.launches} launches to run{border}{stored}: {_time(cost.seconds)} with {workers}"
-        f"{rest}, {_time(cost.computing)} of computing; store about {_bytes(cost.size)}; by "
-        f"{cost.sampled} launches that were tried"
+        f"{rest}, {_time(cost.computing)} of computing; store about "
+        f"{two_digits(cost.size, SIZES)}; by {cost.sampled} launches that were tried"
     )
 
 
@@ -225,26 +229,7 @@ def _time(seconds: float) -> str:
     >>> [_time(s) for s in (0.2, 42.3, 312.0, 9000.0, 1e6)]
     ['under 1 s', 'about 42 s', 'about 5.2 min', 'about 2.5 h', 'about 12 days']
     """
-    if seconds < 1:
-        return "under 1 s"
-    unit, size = next(
-        ((u, n) for u, n in (("days", 86400.0), ("h", 3600.0), ("min", 60.0)) if seconds >= 2 * n),
-        ("s", 1.0),
-    )
-    return f"about {float(f'{seconds / size:.2g}'):g} {unit}"
-
-
-def _bytes(size: int) -> str:
-    """A size to two digits.
-
-    Examples
-    --------
-    >>> [_bytes(n) for n in (900, 132_578, 64_000_000, 3_200_000_000)]
-    ['1 kB', '130 kB', '64 MB', '3.2 GB']
-    """
-    unit, one = next(((u, n) for u, n in (("GB", 1e9), ("MB", 1e6)) if size >= n), ("kB", 1e3))
-    value = max(size / one, 1.0)
-    return f"{float(f'{value:.2g}'):g} {unit}"
+    return f"about {two_digits(seconds, TIMES)}" if seconds >= 1 else "under 1 s"
 
 
 def _report(

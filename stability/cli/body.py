@@ -89,8 +89,11 @@ def round_body(options: argparse.Namespace, swept: Mapping[str, Any]) -> Any:
     numbers, scales = options.numbers | given(options, "solid"), given(options, *SCALES)
     scales |= middles(swept, SCALES, scales)
     source = NAMED.get(options.body) or _own_body(options.body, NAMED)
-    make = _made if callable(source) else _renumbered
-    body = make(options, source, numbers, swept)
+    if callable(source):
+        body = _made(options, source, numbers, swept)
+    else:
+        _refuse_others(options, numbers, [n for n in source.given if n not in SCALES])
+        body = source.having(numbers)
     return replace(body, **scales) if scales else body
 
 
@@ -140,19 +143,6 @@ def _made(
     every = {n: p.default for n, p in known.items()} | numbers | middle
     own = {n: v for n, v in every.items() if type(v) in (int, float) and n not in body.given}
     return replace(body, constants={**own, **body.constants}) if own else body
-
-
-def _renumbered(
-    options: argparse.Namespace,
-    body: Any,
-    numbers: Mapping[str, Any],
-    swept: Mapping[str, Any],  # noqa: ARG001
-) -> Any:
-    """A user's body with other numbers in place of its own."""
-    from ..bodies.round_body.shape import SCALES
-
-    _refuse_others(options, numbers, [n for n in body.given if n not in SCALES])
-    return body.having(numbers)
 
 
 def _refuse_others(

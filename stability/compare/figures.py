@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 
 from ..base.looks import BLUE, GREEN, VERMILION
 from ..base.looks import LOOKS as VERDICT_LOOKS
+from ..base.printing import two_digits
 from ..figures.letters import SMALL, Letter, letters
 from .failures import STEPS, Entry, asked_edges, ladder
 from .marks import Mark
@@ -452,6 +453,8 @@ def _edge_words(edge: str) -> str:
 
 LINE, APART = 0.125, 0.45
 """Height of a row [in], and the gap between people's methods and the package's [rows]."""
+TIMES = ("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)
+"""Units of a time in a note."""
 KEY = 0.16
 """Height of a legend of one line [in]."""
 
@@ -584,19 +587,14 @@ def verdict_figure(chart: xarray.Dataset) -> Figure:
         [_short(str(t)) for t in chart.class_title.values],
         shares,
         marks=STEPS,
-        notes=[_time(float(np.nanmedian(t))) if np.isfinite(t).any() else "" for t in times],
+        notes=[
+            two_digits(float(np.nanmedian(t)), TIMES) if np.isfinite(t).any() else "" for t in times
+        ],
     )
 
 
 def _short(text: str) -> str:
     return text.split(": ")[0].split(",")[0].split(" (")[0].split(" at ")[0]
-
-
-def _time(seconds: float) -> str:
-    unit, size = next(
-        (pair for pair in (("s", 1.0), ("ms", 1e-3)) if seconds >= pair[1]), ("µs", 1e-6)
-    )
-    return f"{float(f'{seconds / size:.2g}'):g} {unit}"
 
 
 def ladder_figure(cases: Sequence[Entry]) -> Figure:

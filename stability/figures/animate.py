@@ -40,31 +40,17 @@ from ..base.types import Floats
 from ..base.version import install_line
 from ..bodies.quantities import PHYSICAL
 from ..bodies.round_body.body import Body
-from ..motion.dataset import FORMAT
 from ..motion.result import BY_CODE
 from ..storage.files import atomic_write
 from ..storage.targets import FILMS, check_suffix, check_target
 from .motion import _quantities
-from .single_run import events_of
+from .single_run import events_of, one_launch
 from .styled_figure import broken
 
 if TYPE_CHECKING:
     import xarray
 
 
-KEPT = (
-    "time",
-    "event_time",
-    "event_kind",
-    "event_launch",
-    "outcome",
-    "evidence",
-    "mass",
-    "radius",
-    "gravity",
-    "k",
-)
-"""Variables that a film needs in addition to `POSED` and `LINEAR`."""
 SHORTEST, LONGEST = 4.0, 20.0
 """Range of a film's length when `seconds` is left out [s]."""
 MOST_FRAMES, MOST_SAMPLES = 10_000, 20_000
@@ -204,17 +190,10 @@ def _number(name: str, value: Any, most: float) -> float:
 
 def _single(dataset: Any, body: Any = None) -> dict[str, Any]:
     """The series of a single run with pose; an error in one sentence for other datasets."""
-    import xarray
-
-    if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != FORMAT:
-        raise ParameterError(f"dataset is {type(dataset).__name__}; give what simulate returns.")
-    if name := dataset.attrs.get("system"):
-        raise ParameterError(
-            f"the dataset is of {name}, and films show a disk; draw it with plot_motion."
-        )
+    data = one_launch(dataset, (*POSED, *LINEAR)).data
     if body is not None:
         instance("body", body, Body, "give a stability.Body")
-    known = dataset.attrs.get("body")
+    known = data.attrs.get("body")
     if known != (None if body is None else body.name):
         raise ParameterError(
             f"the dataset is of {known or 'a disk'}; give "
@@ -222,27 +201,12 @@ def _single(dataset: Any, body: Any = None) -> dict[str, Any]:
         )
     if body is not None:
         _check_numbers(dataset, body)
-    if "phi" not in dataset:
-        raise ParameterError("the dataset has no pose; call simulate with pose=True.")
-    series = (*POSED, *LINEAR, *(("contact_x", "contact_y") if body else ()))
-    needed = [n for n in (*series, *KEPT) if body is None or n not in ("radius", "k")]
-    lost = [n for n in needed if n not in dataset.variables]
-    if lost:
-        raise ParameterError(
-            f"the dataset has no {lost[0]}; give what simulate returns, unchanged."
-        )
-    if dataset.theta.dims != ("time",):
-        sizes = dict(dataset.theta.sizes)
-        raise ParameterError(f"the dataset has sizes {sizes}; take one launch by isel(launch=0).")
-    # a launch out of several repeats its last state after its end
-    kept = int((dataset.running == 1).sum()) if "running" in dataset else None
-    motion = {n: dataset[n].values[:kept].astype(float) for n in ("time", *series)}
-    if (count := len(motion["time"])) < 2:
-        raise ParameterError(f"the dataset has {count} sample(s) of the motion; give at least 2.")
+    names = ("time", *POSED, *LINEAR, *(("contact_x", "contact_y") if body else ()))
+    motion = {n: data[n].values.astype(float) for n in names}
     finite = all(np.isfinite(v).all() for v in motion.values())
     if not finite or not (np.diff(motion["time"]) > 0).all():
         raise ParameterError("the dataset has NaN or times that do not rise; give a whole motion.")
-    return motion if body else motion | {"radius": float(dataset.radius)}
+    return motion if body else motion | {"radius": float(data.radius)}
 
 
 def _check_numbers(dataset: xarray.Dataset, body: Body) -> None:

@@ -33,7 +33,6 @@ from .shading import (
     DIVERGING,
     colour_bar,
     draw_strip,
-    hatching_words,
     linear_part,
     norm_of,
     paint_verdicts,
@@ -175,55 +174,6 @@ def _fixed(dataset: xarray.Dataset) -> str:
 def _body(dataset: xarray.Dataset) -> str:
     """Body and law of a map; empty for the disk's, which names its law, and for a user's."""
     return str(dataset.attrs["system"]) if "quantities" in dataset.attrs else ""
-
-
-def _numbers(dataset: xarray.Dataset) -> str:
-    """The numbers of a body that the axes do not show, as text."""
-    told = dataset.attrs
-    known = _quantities(dataset) if _body(dataset) else {}
-    values = {n: v for n, v in json.loads(told.get("parameters", "{}")).items() if n in known}
-    plain = bool(told.get("dimensionless", 0))
-    return "".join(f", {known[n].value(v, dimensionless=plain)}" for n, v in values.items())
-
-
-def caption(dataset: xarray.Dataset, points: CodimensionTwo | None = None) -> str:
-    """What a diagram shows: the family, colours, and how many cells have each verdict or no member.
-
-    Parameters
-    ----------
-    dataset
-        Map from `stability_map`.
-    points
-        Points that are marked, as for `plot_map`.
-
-    Returns
-    -------
-    str
-        Two sentences or more.
-
-    Examples
-    --------
-    >>> import stability as st
-    >>> caption(st.stability_map("spinning", x=("at", 1, 4, 9), y=("mu", 0.1, 2, 9)))[-30:]
-    'Cells: 20 stable, 61 unstable.'
-    """
-    points = points_of(dataset) if points is None else points
-    codes = dataset.verdict.values
-    words = {v.word: int((codes == c).sum()) for v, c in CODES.items()}
-    missing = int((codes == NO_MEMBER).sum())
-    cells = ", ".join(f"{n} {word}" for word, n in words.items() if n)
-    none = f", {missing} without a member" * bool(missing)
-    texture = "".join(f"; {hatched}" for hatched in hatching_words(codes))
-    title = str(dataset.attrs["family"])
-    blank = "  Blank: no member, since no steady motion of the family is reached there." * bool(
-        missing
-    )
-    return (
-        f"{title[:1].upper()}{title[1:]} of {dataset.attrs['system']}{_numbers(dataset)}.  Colour: "
-        f"largest growth rate, grey within {colour_scale(dataset)[0]:g} of zero{texture}.{blank}"
-        f"  Cells: {cells}{none}."
-        f"{_count_points(points) if points is not None else ''}"
-    )
 
 
 def _x(dataset: xarray.Dataset) -> str:
@@ -497,13 +447,3 @@ def _mark_points(axes: Axes, found: CodimensionTwo, known: tuple[str, str]) -> N
             clip_on=False,
         )
         seen.add(p.kind)
-
-
-def _count_points(found: CodimensionTwo) -> str:
-    """A sentence for the caption: how many points of each kind, and what stays open."""
-    counts = {k: sum(p.kind is k for p in found) for k in PointKind}
-    words = ", ".join(f"{n} {LABELS[k]}" for k, n in counts.items() if n) or "none"
-    open_ = "" if found.complete else "; the search is not complete"
-    hollow = any(p.others == "unstable" for p in found)
-    rest = "  Hollow: another eigenvalue is unstable." if hollow else ""
-    return f"  Points of codimension two: {words}{open_}.{rest}"

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..base.quantities import Kind
-from ..base.types import Floats, Record, content
+from ..base.types import Record, content
 from ..base.version import __version__
 from ..motion.result import Outcome
 
@@ -217,7 +217,7 @@ def _measures(problem: Problem, names: Iterable[str]) -> dict[str, tuple[str, fl
     launches, found = problem.launches, {}
     kinds = {n: QUESTIONS[n].kind for n in names}
     states = launches.model.states if {"final", "path"} & set(names) else ()
-    sizes = states_in_units(problem, np.ones((1, len(launches.model.states))))[0]
+    sizes = launches.states_in_units(np.ones((1, len(launches.model.states))))[0]
     for name, size in zip(states, sizes.tolist(), strict=False):
         found[name] = label(about(launches, name)), size
     for name, kind in kinds.items():
@@ -310,23 +310,12 @@ def in_units(problem: Problem, name: str, found: Found) -> Any:
     if found.value is None or isinstance(found.value, str):
         return found.value
     if question.name == "final":
-        states = states_in_units(problem, found.value[None])[0]
+        states = problem.launches.states_in_units(found.value[None])[0]
         return dict(zip(problem.launches.model.states, states.tolist(), strict=True))
     if question.name == "path":
         return None  # the dataset of the answer
     assert question.kind is not None
     return float(found.value) * float(problem.launches.size(question.kind))
-
-
-def states_in_units(problem: Problem, states: Floats) -> Floats:
-    """Dimensionless states, shape (m, s), in the user's units."""
-    launches, model = problem.launches, problem.launches.model
-    if launches.dimensionless:
-        return states
-    in_units: Floats = states * [
-        float(launches.size(model.quantities[n].kind)) for n in model.states
-    ]
-    return in_units
 
 
 def dataset(problem: Problem, track: Track, model: str) -> xarray.Dataset:
@@ -336,7 +325,7 @@ def dataset(problem: Problem, track: Track, model: str) -> xarray.Dataset:
     launches = problem.launches
     clock = float(launches.size(Kind.TIME))
 
-    states = states_in_units(problem, track.states)
+    states = launches.states_in_units(track.states)
     names = launches.model.states
     variables: dict[str, Any] = {
         n: ("time", states[:, i], about(launches, n)) for i, n in enumerate(names)

@@ -16,7 +16,6 @@ from ..base.provenance import machine, today
 from ..base.quantities import Units
 from ..base.version import __version__
 from ..bodies.contact_laws import Contact, Coulomb, LinearViscous, Rough, Smooth, Viscous
-from .answer import states_in_units
 from .ladder import Climbed, climb
 from .linear import LINEAR
 from .rungs.creep import applies
@@ -394,7 +393,7 @@ def _what(scene: Any) -> str:
 
 def _attributes(scene: Any, problem: Problem, answer: Any) -> dict[str, Any]:
     launches = problem.launches
-    states = zip(launches.model.states, states_in_units(problem, launches.starts)[0], strict=True)
+    states = zip(launches.model.states, launches.states_in_units(launches.starts)[0], strict=True)
     given = {n: float(np.ravel(v)[0]) for n, v in launches.given.items()}
     if launches.dimensionless:  # units of the body
         given = {n: v for n, v in given.items() if n not in ("mass", "radius", "length", "gravity")}

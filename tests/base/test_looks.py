@@ -19,8 +19,7 @@ from stability.compare.failures import LINEAR, STEPS, Entry
 from stability.compare.figures import _shares_figure
 from stability.compare.marks import Mark
 from stability.compare.page import _cell, write
-from stability.figures.diagram import caption
-from stability.figures.shading import patch
+from stability.figures.shading import hatching_words, patch
 
 ROOT = Path(st.__file__).parent
 OTHER = replace(
@@ -57,7 +56,7 @@ def test_a_diagram_draws_undecided_cells_and_boxes_as_the_table_says(look: Any) 
     boxes = [c for c in drawn.collections if isinstance(c, PolyCollection)]
     filled = {to_hex(c.get_facecolor()[0]) for c in boxes if len(c.get_facecolor())}  # type: ignore[arg-type]
     assert filled == {look.fill[0]}
-    assert f"; {look.pattern}: undecided" in caption(chart)
+    assert f"{look.pattern}: undecided" in hatching_words(chart.verdict.values)
 
 
 def test_a_report_draws_undecided_answers_as_the_table_says(look: Any, tmp_path: Path) -> None:

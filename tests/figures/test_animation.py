@@ -246,9 +246,9 @@ def test_what_cannot_be_drawn_is_refused_in_one_sentence_and_leaves_nothing(
     nan = run.copy(deep=True)
     nan["phi"][3] = math.nan
     cases: list[tuple[Any, str, dict[str, Any], str]] = [
-        (bare, "a.gif", {}, "no pose"),
-        (several, "a.gif", {}, r"isel\(launch=0\)"),
-        (run.isel(time=[0]), "a.gif", {}, r"1 sample"),
+        (bare, "a.gif", {}, "pose=True"),
+        (several, "a.gif", {}, r"isel\(launch=i\)"),
+        (run.isel(time=[0]), "a.gif", {}, "fewer than two samples"),
         (nan, "a.html", {}, "NaN"),
         (run.isel(time=[0, 2, 1]), "a.html", {}, "do not rise"),
         ({"theta": 1}, "a.gif", {}, "dataset is dict"),

@@ -21,8 +21,6 @@ from ...bodies.disk import Disk
 
 UNDETERMINED = "undetermined"
 """The outcome of a motion on which two high-precision integrations do not agree."""
-AGREED = 1e-10
-"""Difference of two integrations up to which they agree on a state."""
 
 
 @dataclass(frozen=True, eq=False)
