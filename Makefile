@@ -107,10 +107,8 @@ peers: $(READY)
 
 # Every polynomial and condition derived again from the graph, into disk_polynomials.json and body_polynomials.json;
 # it says which differ from the stored ones.
-DERIVED = print("changed:", ", ".join(found) or "nothing")
 derive: $(READY)
-	$(BIN)/python -c 'from stability.derivation.hurwitz import write; found = write("stability/bodies/disk_polynomials.json", "stability/bodies/disk_polynomials.py"); $(DERIVED)'
-	$(BIN)/python -c 'from stability.derivation.hurwitz import write; from stability.derivation.body_polynomials import stored; found = write("stability/bodies/round_body/body_polynomials.json", "stability/bodies/round_body/polynomials.py", stored); $(DERIVED)'
+	PYTHONPATH=notebooks $(BIN)/python -m proofs.stored
 
 lint: $(READY)
 	$(BIN)/ruff check .

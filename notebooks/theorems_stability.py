@@ -29,6 +29,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import sympy
 from proofs import spinning
+from proofs.body_polynomials import I1, I3, RHO
 from proofs.entry import listed
 from proofs.known_results import known_results
 from proofs.pole.vertical import vertical_conservative, vertical_viscous
@@ -40,7 +41,6 @@ from proofs.rounded_rim import shifted, tumbling
 from proofs.tumbling import tumbling_static
 
 import stability as st
-from stability.derivation.body_polynomials import I1, I3, RHO
 from stability.derivation.characteristic import M
 
 # %% [markdown]

@@ -137,7 +137,7 @@ def of_report(name: str) -> Callable[[Path], None]:
 def _report_figure(name: str) -> Any:
     import xarray
 
-    from stability.compare import failures, figures, report
+    from stability.compare import failures, figures
 
     def data(stem: str) -> Any:
         with xarray.open_dataset(REPORT / f"{stem}.nc", engine="h5netcdf") as found:
@@ -146,11 +146,9 @@ def _report_figure(name: str) -> Any:
     part, _, what = name.partition("-")
     if part == "failures":
         cases = failures.from_csv((REPORT / "failures.csv").read_text(encoding="utf-8"))
-        return (
-            report._ladder_figure(cases)
-            if what == "ladder"
-            else (report._failure_figure(cases, what))
-        )
+        if what == "ladder":
+            return figures.ladder_figure(cases)
+        return figures.failure_figure([e for e in cases if e.part == what])
     if part == "motion":
         found = data("motion")
         if what == "first":

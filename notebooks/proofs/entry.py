@@ -63,7 +63,7 @@ def written(expression: Any) -> str:
 
     Examples
     --------
-    >>> from stability.derivation.body_polynomials import I1, H
+    >>> from proofs.body_polynomials import I1, H
     >>> written(I1 * H**2 - 1)
     'I1 h² - 1'
     """

@@ -11,7 +11,9 @@ from typing import Any
 
 import sympy
 
-from stability.derivation.body_polynomials import (
+from stability.derivation.characteristic import COS, SIN
+
+from .body_polynomials import (
     AXIAL,
     BEND,
     I1,
@@ -23,8 +25,6 @@ from stability.derivation.body_polynomials import (
     SPIN,
     H,
 )
-from stability.derivation.characteristic import COS, SIN
-
 from .entry import Entry
 from .mechanics import vanishes
 from .pole.graph import RATE

@@ -8,7 +8,9 @@ from typing import Any, ClassVar
 import sympy
 
 from stability.bodies.contact_laws import LAWS, Contact, Parameter
-from stability.derivation.body_polynomials import (
+from stability.derivation.characteristic import COS, MU, SIN
+
+from .body_polynomials import (
     BEND,
     FORCE_X,
     FORCE_Y,
@@ -28,7 +30,6 @@ from stability.derivation.body_polynomials import (
     equations,
     folded,
 )
-from stability.derivation.characteristic import COS, MU, SIN
 
 Expr = Any
 """A SymPy expression; SymPy states no types."""

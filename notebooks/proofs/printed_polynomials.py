@@ -6,7 +6,7 @@ from typing import Any
 
 import sympy
 
-from stability.derivation.body_polynomials import (
+from .body_polynomials import (
     PAIRS,
     PHI,
     SPIN,
@@ -14,7 +14,6 @@ from stability.derivation.body_polynomials import (
     STORED_LAWS,
     characteristic,
 )
-
 from .entry import Entry, raised, written
 from .pole.polynomials import vertical
 from .proof import BODY_TESTS, POLE_TESTS

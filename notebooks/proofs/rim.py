@@ -15,7 +15,11 @@ import sympy
 from flint import arb, fmpq
 
 from stability.algebra.number_types import precision
-from stability.derivation.body_polynomials import (
+from stability.derivation.characteristic import COS, MU, SIN, K, M
+from stability.derivation.hurwitz import determinant
+
+from . import rolling, spinning
+from .body_polynomials import (
     BEND,
     I1,
     I3,
@@ -29,10 +33,6 @@ from stability.derivation.body_polynomials import (
     characteristic,
     folded,
 )
-from stability.derivation.characteristic import COS, MU, SIN, K, M
-from stability.derivation.hurwitz import determinant
-
-from . import rolling, spinning
 
 Expr = Any
 """A SymPy expression; SymPy states no types."""

@@ -7,9 +7,9 @@ from typing import Any
 
 import sympy
 
-from stability.derivation.body_polynomials import BEND, I1, I3, RHO, SPIN, H, characteristic
 from stability.derivation.characteristic import COS, LAM, MU, SIN
 
+from .body_polynomials import BEND, I1, I3, RHO, SPIN, H, characteristic
 from .mechanics import same_linearisation, vanishes
 from .proof import BODY_TESTS, Proof, Theorem
 from .signs import sign

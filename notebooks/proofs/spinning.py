@@ -10,7 +10,10 @@ from typing import Any
 
 import sympy
 
-from stability.derivation.body_polynomials import (
+from stability.derivation.characteristic import MU, SQUARE, M
+from stability.derivation.hurwitz import determinant
+
+from .body_polynomials import (
     BEND,
     I1,
     I3,
@@ -20,9 +23,6 @@ from stability.derivation.body_polynomials import (
     H,
     characteristic,
 )
-from stability.derivation.characteristic import MU, SQUARE, M
-from stability.derivation.hurwitz import determinant
-
 from .mechanics import same_linearisation, vanishes
 from .proof import BODY_TESTS, Proof, Theorem
 from .signs import sign

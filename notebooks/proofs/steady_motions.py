@@ -7,7 +7,9 @@ from typing import Any
 
 import sympy
 
-from stability.derivation.body_polynomials import (
+from stability.derivation.characteristic import COS, MU, SIN
+
+from .body_polynomials import (
     AXIAL,
     BEND,
     FORCE_X,
@@ -33,8 +35,6 @@ from stability.derivation.body_polynomials import (
     equations,
     pencil,
 )
-from stability.derivation.characteristic import COS, MU, SIN
-
 from .mechanics import NO_SLIP, STEADY, StatedForce, along, power_theorem, rate, vanishes
 from .proof import BODY_TESTS, POLE_TESTS, Proof, Theorem
 from .rolling import Q

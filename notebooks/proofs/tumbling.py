@@ -8,7 +8,9 @@ from typing import Any
 import sympy
 from sympy.polys.matrices import DomainMatrix
 
-from stability.derivation.body_polynomials import (
+from stability.derivation.characteristic import COS, LAM, MU, SIN
+
+from .body_polynomials import (
     AXIAL,
     BEND,
     CENTRE,
@@ -35,8 +37,6 @@ from stability.derivation.body_polynomials import (
     folded,
     pencil,
 )
-from stability.derivation.characteristic import COS, LAM, MU, SIN
-
 from .mechanics import NO_SLIP, along, power_theorem, vanishes
 from .proof import BODY_TESTS, POLE_TESTS, Proof, Theorem
 from .signs import sign

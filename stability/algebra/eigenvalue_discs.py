@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from ..base.errors import DomainError
 from ..base.types import Complexes, Floats
 from .eigensolver import eigenpairs
+from .kernels.pairs import two_product, two_sum
 from .running_error import TINY, UNIT
 
 MORE = 1.01
@@ -158,16 +159,16 @@ def _defect(matrix: Floats, values: Complexes, x: Complexes) -> tuple[Complexes,
     both = np.concatenate([x.real, x.imag], axis=1)
     bits = (53 - int(np.ceil(np.log2(2 * n)))) // 2
     left, right = list(_slices(matrix, bits)), list(_slices(both.T, bits))
-    total, small, terms = np.zeros_like(both), np.zeros_like(both), 0
+    total, small = np.zeros_like(both), np.zeros_like(both)
     real, imag = np.tile(values.real, 2), np.concatenate([values.imag, -values.imag])
     swapped = np.concatenate([x.imag, x.real], axis=1)
     # (A - λ) x: real parts of the product, then its imaginary parts
-    for some in (_exact(-both, real), _exact(swapped, imag)):
-        for term in some:
-            total, small, terms = *_added(total, small, term), terms + 1
-    for k, a in enumerate(left):
-        for b in right[: SLICES - k] if a.any() else ():
-            total, small, terms = *_added(total, small, a @ b.T), terms + 1
+    parts = [*two_product(-both, real), *two_product(swapped, imag)]
+    parts += [a @ b.T for k, a in enumerate(left) if a.any() for b in right[: SLICES - k]]
+    for term in parts:
+        total, rest = two_sum(total, term)
+        small = small + rest
+    terms = len(parts)
     rows, columns = _above(matrix), _above(both.T)
     largest = np.abs(values).max()
     # what no product of slices has, and the sum of small terms (Ogita, Rump, Oishi 2005)
@@ -191,26 +192,6 @@ def _slices(rows: Floats, bits: int) -> Iterator[Floats]:
         part = (rows + shift) - shift
         rows = rows - part
         yield part
-
-
-def _exact(array: Floats, factor: Floats) -> tuple[Floats, Floats]:
-    """A product of doubles as a sum of two (Dekker 1971)."""
-    (a, b), (c, d) = (_halves(v) for v in (array, factor))
-    product = array * factor
-    return product, ((a * c - product) + a * d + b * c) + b * d
-
-
-def _halves(array: Floats) -> tuple[Floats, Floats]:
-    shifted = (2.0**27 + 1) * array
-    high = shifted - (shifted - array)
-    return high, array - high
-
-
-def _added(total: Floats, small: Floats, term: Floats) -> tuple[Floats, Floats]:
-    """A sum, with the rounding of each addition, which is a double (Knuth 1969)."""
-    found = total + term
-    back = found - total
-    return found, small + ((total - (found - back)) + (term - back))
 
 
 def _gershgorin(values: Complexes, near: Complexes, bound: Floats) -> Discs:

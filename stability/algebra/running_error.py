@@ -29,7 +29,7 @@ def _pair(number: Any) -> tuple[Any, Any]:
     return (number.value, number.error) if isinstance(number, RunningError) else (number, 0.0)
 
 
-def _tracked(number: Any) -> RunningError:
+def tracked(number: Any) -> RunningError:
     """A number with its bound; a plain one, and a constant of a graph, is exact."""
     return number if isinstance(number, RunningError) else RunningError(np.float64(number), 0.0)
 
@@ -101,7 +101,7 @@ class RunningError:
         return RunningError(other, 0.0) / self
 
     def __pow__(self, power: Any) -> RunningError:
-        exponent, unsure = _pair(_tracked(power))
+        exponent, unsure = _pair(tracked(power))
         total = self.value**exponent
         size = np.abs(self.value)
         low, high = size - self.error, size + self.error
@@ -120,7 +120,7 @@ class Constant(float):
 
     def _with(self, other: Any, operation: Any) -> Any:
         if isinstance(other, Constant):
-            return operation(_tracked(self), other)
+            return operation(tracked(self), other)
         return NotImplemented
 
     def __add__(self, other: Any) -> Any:
@@ -136,7 +136,7 @@ class Constant(float):
         return self._with(other, RunningError.__truediv__)
 
     def __rtruediv__(self, other: Any) -> Any:  # the graph's own 1 / x
-        return _tracked(other) / self
+        return tracked(other) / self
 
     def __neg__(self) -> Constant:
         return Constant(-float(self))
@@ -146,7 +146,7 @@ def _elementary(function: Any, change: Any) -> Any:
     """A function with its largest change within an error: change(x, error, |value|)."""
 
     def apply(x: Any) -> Any:
-        x = _tracked(x)
+        x = tracked(x)
         total = function(x.value)
         size = np.abs(total)
         own = 2 * UNIT * size + TINY * (size > 0)  # only exp rounds a nonzero value to zero
@@ -170,7 +170,7 @@ def _arc(x: Any, e: Any, _: Any) -> Any:
 
 def _angle(y: Any, x: Any) -> RunningError:
     """The angle of (x, y): it changes by less than π/2 of the way over the distance from 0."""
-    y, x = _tracked(y), _tracked(x)
+    y, x = tracked(y), tracked(x)
     total = np.arctan2(y.value, x.value)
     way = np.hypot(y.error, x.error)
     passed = np.pi / 2 * way / np.hypot(y.value, x.value)
@@ -209,7 +209,7 @@ TRACKED = Algebra(
         "atanh": _elementary(np.arctanh, lambda x, e, _: e / _room(1 - (np.abs(x) + e) ** 2)),
         "atan2": _angle,
         "fabs": _elementary(np.abs, lambda _, e, __: e),
-        "pow": lambda x, y: _tracked(x) ** y,
+        "pow": lambda x, y: tracked(x) ** y,
     },
 )
 """The algebra in which each value of a graph carries a bound on its rounding error."""

@@ -7,7 +7,7 @@ import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from inspect import signature
@@ -51,7 +51,7 @@ from .dataset import (
     works,
 )
 from .launch_labels import LaunchLabels
-from .launches import Launches, Steady, prepare
+from .launches import Launches, Steady, SystemLaunches, prepare, with_equilibria
 from .outcomes import outcomes
 from .refinement import refine
 from .statistics.samples import DistributionLike, Independent, check_distribution, sample
@@ -147,6 +147,7 @@ def basins(
     body: Body | Disk | None = None,
     resistance: Resistance | Sequence[Resistance] | None = None,
     families: Family | Sequence[Family] = (),
+    box: Mapping[str, tuple[float, float]] | None = None,
     tolerance: float = Settings.tolerance,
     check: bool = Settings.check,
     settle: float = Settings.settle,
@@ -194,6 +195,10 @@ def basins(
         As for `simulate`, one number each; with it there is no linear verdict of `family`.
     families
         Families on which a system may settle; a disk and a body have their own.
+    box
+        Ends of a system's states, as for `System.equilibria`: the equilibria in it are found first,
+        and launches may settle on them.  Where the axes are all states and `families` is left out,
+        it is the box of the axes.
     tolerance
         Error allowed in one step, relative.
     check
@@ -317,11 +322,17 @@ def _plan(asked: SimpleNamespace) -> Plan:
         Settings(**{n: getattr(asked, n) for n in runs}),
         family=family,
         families=asked.families,
+        box=asked.box,
         parameters=asked.parameters,
         theta=asked.theta,
         pole=asked.pole,
         resistance=asked.resistance,
     )
+    if isinstance(launches, SystemLaunches) and not launches.families and asked.box is None:
+        box = {a.name: (a.low, a.high) for a in axes}
+        if set(box) == set(launches.system.states):
+            with suppress(StabilityError):  # nothing asks for the equilibria by name
+                launches = with_equilibria(launches, box)
     size = min(max(TILE, math.prod(shape) // PIECES), LARGE)
     size = size if asked.chunk is None else whole_number("chunk", asked.chunk, most=MOST)
     seed = whole_number("seed", asked.seed, least=0)

@@ -6,7 +6,7 @@ import json
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -285,6 +285,7 @@ def prepare(
     *,
     family: str = "",
     families: Any = (),
+    box: Mapping[str, Any] | None = None,
     parameters: Mapping[str, Any] | None = None,
     theta: Any = None,
     pole: Any = None,
@@ -306,6 +307,8 @@ def prepare(
         Settings of the runs, which are checked here.
     family
         Family near which launches start; empty where states are given.
+    box
+        Ends of states of a system, in which the equilibria are found that launches may settle on.
     parameters
         Numbers of a contact law that is named, or of a system, by name.
     theta, pole
@@ -343,10 +346,15 @@ def prepare(
                     f"{name} is {shown(value)}, which a system does not take; leave it out."
                 )
         known["held"] |= _held(parameters)
-        found: Launches = SystemLaunches(system=mover, families=_families(families), **known)
+        if box is not None and families != ():
+            raise ParameterError("families and a box are both given; give one of them.")
+        of_system = SystemLaunches(system=mover, families=_families(families), **known)
+        found: Launches = of_system if box is None else with_equilibria(of_system, box)
     else:
         if families is not None and not (isinstance(families, (tuple, list)) and not families):
             raise ParameterError("families belong to a stability.System; leave them out.")
+        if box is not None:
+            raise ParameterError("a box belongs to a stability.System; leave it out.")
         contact = law_given(contact, parameters, motion=True, swept=(*varied, *known["held"]))
         for name in parameters:
             raise ParameterError(
@@ -381,6 +389,20 @@ def _families(families: Any) -> tuple[Family, ...]:
     if not isinstance(given, (tuple, list)):
         raise ParameterError(f"families is {shown(families)}; give a list of stability.Family.")
     return tuple(given)
+
+
+def with_equilibria(launches: SystemLaunches, box: Mapping[str, Any]) -> SystemLaunches:
+    """Launches that may settle on the equilibria in a box too; all have the same parameters."""
+    system = launches.system
+    for name in system.parameters:
+        if name not in launches.held:
+            raise ParameterError(
+                f"{name} varies, and a box is searched at one value of each parameter; give "
+                "families in place of the box."
+            )
+    numbers = {n: launches.held[n] for n in system.parameters}
+    families = system.equilibria(box, **numbers).families(at=system.parameters[:1])
+    return replace(launches, families=(*launches.families, *families))
 
 
 def _family(body: Disk | Body, family: Any, theta: Any, pole: Any) -> tuple[str, Mapping[str, Any]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
@@ -222,13 +223,10 @@ class Disk(Record):
         found: Number = self.units.force
         return found
 
-    @property
+    @cached_property
     def dimensionless(self) -> bool:
         """Whether m = R = g = 1, so that numbers have no unit."""
-        scales = (self.mass, self.radius, self.gravity)
-        if all(isinstance(v, float) for v in scales):
-            return scales == (1.0, 1.0, 1.0)
-        return all(np.all(np.asarray(v) == 1) for v in scales)
+        return all(np.all(np.asarray(v) == 1) for v in (self.mass, self.radius, self.gravity))
 
 
 def _scales(scales: dict[str, Any], what: str) -> dict[str, Any]:
@@ -243,6 +241,9 @@ def _scales(scales: dict[str, Any], what: str) -> dict[str, Any]:
 def _sqrt(value: Number) -> Number:
     return math.sqrt(value) if isinstance(value, float) else np.sqrt(value)
 
+
+UNIFORM = Disk()
+"""The uniform disk with m = R = g = 1, of a call without a body."""
 
 REAL_DISKS: dict[str, tuple[dict[str, float], str]] = {
     "quarter": (

@@ -1,8 +1,7 @@
 """Characteristic polynomials of the disk's families over Q, kept as package data.
 
-They are derived from the graph (`stability.derivation.characteristic`,
-`stability.derivation.hurwitz`).  This module reads them without SymPy.  They are evaluated over any
-number type: exact rationals, balls, intervals, arrays.
+They are derived from the graph by notebooks/proofs/stored.py.  This module reads them without
+SymPy.  They are evaluated over any number type: exact rationals, balls, intervals, arrays.
 """
 
 from __future__ import annotations
@@ -12,6 +11,7 @@ import json
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from importlib.resources import files
+from importlib.resources.abc import Traversable
 from typing import Any
 
 import numpy as np
@@ -171,14 +171,20 @@ def known_polynomial(family: str, law: str) -> Exact | None:
 
 @lru_cache(maxsize=1)
 def _catalogue() -> dict[str, Exact]:
-    content = (files(__package__) / DATA).read_bytes()
-    if digest(content) != DIGEST:
-        raise StabilityError(
-            f"stability/bodies/{DATA} is not the file that was derived with this version; it is "
-            "damaged or was edited. Install the package again, or derive it (make derive)."
-        )
-    cases = json.loads(content)["cases"]
+    cases = stored_cases(files(__package__) / DATA, DIGEST)
     return {key: _read(key, record) for key, record in cases.items()}
+
+
+def stored_cases(path: Traversable, derived: str) -> dict[str, Any]:
+    """Polynomials of a file by family and law; a file with another digest is refused."""
+    content = path.read_bytes()
+    if digest(content) != derived:
+        raise StabilityError(
+            f"{path.name} is not the file that was derived with this version; it is damaged or was "
+            "edited. Install the package again, or derive it (make derive)."
+        )
+    found: dict[str, Any] = json.loads(content)["cases"]
+    return found
 
 
 def digest(content: bytes) -> str:

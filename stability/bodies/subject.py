@@ -28,7 +28,7 @@ from .contact_laws import (
     refuse_misspelt,
     spelled,
 )
-from .disk import Disk
+from .disk import UNIFORM, Disk
 from .disk_polynomials import stored
 from .families import (
     FAMILIES,
@@ -166,7 +166,7 @@ def subject_of(
         return _with_numbers(subject, at, _opened(family, numbers), axes, whole=whole)
     if shape is not None:
         return _of_body(family, shape, contact, numbers, at, lean, axes, whole=whole)
-    thin = next((d for d in (body, disk) if d is not None), Disk())
+    thin = next((d for d in (body, disk) if d is not None), UNIFORM)
     return _of_thin(family, thin, contact, numbers, at, lean, axes, whole, laws)
 
 

@@ -28,7 +28,7 @@ from ..spectra.problem import Problem
 from ..systems.family import Family
 from ..systems.singular_points import Curve, crossings, directions, kind_of_crossing
 from ..systems.symmetry import symmetric_family
-from .algebraic.exact_search import searched
+from .algebraic.exact_search import MOST_DIGITS, searched
 from .brackets import AxisScan, Boundaries, BoundaryPoint, crossed
 from .interval_search.pieces import meaningful, proved
 
@@ -232,7 +232,8 @@ def along(
 
 def _along(line: AxisScan, low: float, high: float, points: int, *, log: bool) -> Boundaries:
     """By exact numbers where possible, otherwise in pieces; how says why."""
-    exact, reason = None, ""
+    exact: Boundaries | None = None
+    reason = ""
     try:
         exact = searched(line, low, high)
     except (NotExact, UnclearError) as error:
@@ -246,8 +247,12 @@ def _along(line: AxisScan, low: float, high: float, points: int, *, log: bool) -
     other, said, near = _past_branch_points(line, values)
     found = proved(other, values, log=log, singular=near)
     reason = said + reason
-    if exact is not None and not found.complete:
-        return exact
+    if not found.complete:
+        if exact is None:
+            with suppress(NotExact, UnclearError):
+                exact = searched(line, low, high, MOST_DIGITS)
+        if exact is not None:
+            return exact
     return replace(found, how=found.how + reason)
 
 

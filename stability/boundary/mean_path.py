@@ -18,7 +18,6 @@ import casadi as ca
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..algebra.program import Program
 from ..base.checks import one_number, real_numbers
 from ..base.citation import cited
 from ..base.errors import ParameterError, shown
@@ -42,47 +41,16 @@ STEP, MOST_STEPS = 0.04, 600
 """Relative change of θ or φ̇ in a step; most steps."""
 
 
-def thin_ring(inner: float = 0.0) -> Body:
-    """A thin annulus as a `Body` whose moments are parameters.
-
-    Parameters
-    ----------
-    inner
-        Inner radius over the outer one, 0 for a disk and 1 for a hoop.
-
-    Examples
-    --------
-    >>> thin_ring(1.0).moments()
-    (1.0, 0.5)
-    """
-    share = one_number("inner", inner)
-    if not 0 <= share <= 1:
-        raise ParameterError(f"inner is {share:g}; it must lie in [0, 1].")
-    k = (1 + share**2) / 4
-    return Body(lambda theta: ca.sin(theta), axial=2 * k, transverse=k, name="thin ring")
-
-
 class _Circling:
     """Slow flow and nutation on the plane of circling motions, for many rings at once."""
 
     def __init__(self) -> None:
-        body = thin_ring()
+        body = Body(lambda theta: ca.sin(theta), axial=0.5, transverse=0.25, name="thin ring")
         self.flows: list[SlowFlow] = [
             slow_flow("circling", body=body, contact=Rough(), resistance=kind)
             for kind in (RollingResistance(1.0), AirTorque(1.0))
         ]
         self.family = self.flows[0].family
-        self.pushes = [
-            Program(
-                ca.Function(
-                    "push",
-                    [s.x, s.p],
-                    [ca.densify(ca.jacobian(s.rhs, s.p[s.parameters.index(flow.small)]))],
-                )
-            )
-            for flow in self.flows
-            for s in (flow.disturbed,)
-        ]
 
     def __call__(self, at: Floats, k: Floats, share: Floats) -> tuple[Floats, Floats]:
         """Rates of (θ, φ̇) for the coefficients (1 - share, share), and the nutation frequency."""
@@ -93,10 +61,8 @@ class _Circling:
         x, matrix = self.family.states(at, u, q), self.family.matrix(at, u, q)
         tangent = self.family.tangent(at, u, q)[..., :2]
         push = np.zeros((count, 4))
-        for flow, program, part in zip(self.flows, self.pushes, (1 - share, share), strict=True):
-            zero = table | {flow.small: np.zeros(count)}
-            p = [zero[n] for n in flow.disturbed.parameters]
-            push += part[:, None] * program.arrays([list(x.T), p], (count,))[0][..., 0]
+        for flow, part in zip(self.flows, (1 - share, share), strict=True):
+            push += part[:, None] * flow.push(x, table | {flow.small: np.zeros(count)})
         # the family spans the null space, so M dx + push = T y with Tᵀ dx = 0 has one solution
         bordered = np.zeros((count, 6, 6))
         bordered[:, :4, :4], bordered[:, :4, 4:] = matrix, -tangent

@@ -82,6 +82,12 @@ class SlowFlow(Record):
         slope = ca.densify(ca.jacobian(system.rhs, system.p[place]))
         return Program(ca.Function("by_small", [system.x, system.p], [slope]))
 
+    def push(self, x: Floats, table: dict[str, Any]) -> Floats:
+        """Change of the rates with the coefficient at states (N, n) and parameters by name."""
+        p = [table[n] for n in self.disturbed.parameters]
+        out: Floats = self._slope.arrays([list(x.T), p], (len(x),))[0][..., 0]
+        return out
+
     def rate(self, at: ArrayLike) -> Any:
         """Rate of drift of the numbers that name a member.
 
@@ -118,8 +124,7 @@ class SlowFlow(Record):
         u = self.family.solve(a, q)
         x = self.family.states(a, u, q)
         matrix, tangent = self.family.matrix(a, u, q), self.family.tangent(a, u, q)[..., :count]
-        p = [table[n] for n in self.disturbed.parameters]
-        push = self._slope.arrays([list(x.T), p], (len(a),))[0][..., 0]
+        push = self.push(x, table)
         found = self.value * self._rates(a, matrix, tangent, push).reshape(given.shape)
         return found if given.ndim else float(found)
 

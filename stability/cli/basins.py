@@ -26,7 +26,15 @@ from .options import (
     targets_of,
     values,
 )
-from .subject import add_resistances, add_subject, named_texts, options_subject, resistances_of
+from .subject import (
+    add_box,
+    add_resistances,
+    add_subject,
+    box_of,
+    named_texts,
+    options_subject,
+    resistances_of,
+)
 from .terminal import progress_bar, say
 
 if TYPE_CHECKING:
@@ -45,6 +53,9 @@ EXAMPLES = (
     "--plot top.png",
     "stability basins --system examples/watt_governor.py:running --x x:0.5:1.5:40 --y y:-1:1:40 "
     "--set z=1.4 --set e=0.8 --set a=0.5 --set b=0.5 --time 200 --out governor.zarr",
+    "stability basins --system examples/watt_governor.py:governor --x x:0.5:1.5:40 --y y:-1:1:40 "
+    "--set z=1.4 --set e=0.8 --set a=0.5 --set b=0.5 --box x=0.1:3 --box y=-1:1 --box z=0.1:5 "
+    "--time 200 --out governor.zarr",
 )
 
 FEW = 0.7
@@ -77,6 +88,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--family", help=family)
     add_subject(parser, motion=True, place=True)
     add_resistances(parser)
+    add_box(parser, "of a system: launches may settle on the equilibria in it; ")
     parser.add_argument("--time", type=real, required=True, metavar="T", help="last time")
     step_error(parser)
     check = "run each launch once: no error estimate, half the time"
@@ -309,6 +321,9 @@ def _launched(options: argparse.Namespace) -> dict[str, Any]:
     subject = options_subject(options, swept, held=held, motion=True)
     against = resistances_of(options)
     arguments = varied | subject.arguments | {"held": held, "family": options.family or ""}
+    box = box_of(options)
+    if box is not None:
+        arguments |= {"box": box, "families": ()}  # in place of those of the file
     return arguments | ({} if against is None else {"resistance": against})
 
 

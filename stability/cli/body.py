@@ -152,9 +152,7 @@ def _renumbered(
     from ..bodies.round_body.shape import SCALES
 
     _refuse_others(options, numbers, [n for n in body.given if n not in SCALES])
-    shape = {n: numbers.get(n, v) for n, v in body.shape.items()}
-    moments = {n: v for n, v in numbers.items() if n not in shape}
-    return replace(body, shape=shape, **moments)
+    return body.having(numbers)
 
 
 def _refuse_others(

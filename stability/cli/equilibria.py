@@ -6,10 +6,10 @@ import argparse
 from collections.abc import Iterator
 from typing import Any
 
-from ..base.errors import ParameterError, listing, shown
+from ..base.errors import listing
 from .modules import system_with_families
-from .options import answer, number, values
-from .subject import PLACE, doubles, exact_numbers, named_texts, require
+from .options import answer, values
+from .subject import PLACE, add_box, box_of, doubles, exact_numbers, require
 from .terminal import waiting
 
 EXAMPLES = (
@@ -26,8 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--system", required=True, metavar="MODULE:NAME", help=f"a system, or its family: {PLACE}"
     )
-    box = "low and high end of a state, or one number at which it is held; once for each"
-    values(parser, str, {"--box": ("NAME=LO:HI", box)}, action="append", required=True)
+    add_box(parser, required=True)
     values(parser, str, {"--set": ("NAME=X", "a parameter, once for each")}, action="append")
 
 
@@ -36,9 +35,8 @@ def run(options: argparse.Namespace) -> None:
     system, _ = system_with_families(options.system)
     numbers = exact_numbers("set", options.set, system.parameters, system.name)
     require(numbers, system.parameters)
-    box = {n: _ends(n, text) for n, text in named_texts("box", options.box).items()}
     with waiting("searching"):
-        equilibria = system.equilibria(box, **doubles(numbers))
+        equilibria = system.equilibria(box_of(options) or {}, **doubles(numbers))
     record = {
         "system": system.name,
         "parameters": doubles(numbers),
@@ -60,13 +58,6 @@ def run(options: argparse.Namespace) -> None:
         "citation": equilibria.citation,
     }
     answer(options, record, _lines(equilibria))
-
-
-def _ends(name: str, text: str) -> Any:
-    parts = [number(part, f"--box {name}") for part in text.split(":")]
-    if len(parts) > 2:
-        raise ParameterError(f"--box {name} is {shown(text)}; give LO:HI, or one number.")
-    return parts[0] if len(parts) == 1 else tuple(parts)
 
 
 def _lines(equilibria: Any) -> Iterator[str]:

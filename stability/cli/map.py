@@ -22,7 +22,7 @@ from .options import (
     targets_of,
     values,
 )
-from .subject import CommandSubject, add_subject, doubles, options_subject
+from .subject import CommandSubject, add_box, add_subject, box_of, doubles, options_subject
 from .terminal import progress_bar
 
 EXAMPLES = (
@@ -59,6 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         ),
     )
     plotting(parser)
+    add_box(parser, "of a system: count in each cell the equilibria in it, by proof; ")
     levels = "with --certify: halve the map this often at most"
     parser.add_argument("--levels", type=int, metavar="L", help=levels)
     flags(
@@ -102,6 +103,7 @@ def run(options: argparse.Namespace) -> None:
                 levels=options.levels,
                 modes=options.modes,
                 points=options.points,
+                box=box_of(options),
                 progress=progress,
                 checkpoint=options.checkpoint,
                 executor=options.scheduler,
@@ -152,6 +154,15 @@ def _report(
     if options.certify:
         record |= {"certified": True, "proved_area": float(dataset.attrs["box_proved"])}
         lines[0] += f"; {dataset.attrs['box_comment']}"
+    if "equilibria" in dataset:
+        number = dataset.equilibria
+        known = number.where(number >= 0)
+        record["equilibria"] = [int(known.min()), int(known.max())] if known.count() else None
+        record["equilibria_proved"] = int(known.count())
+        words = "from {} to {}".format(*record["equilibria"]) if known.count() else "not known"
+        lines.append(
+            f"equilibria in the box: {words}; proved in {int(known.count())} of {known.size} cells"
+        )
     points = points_of(dataset)
     if points is not None:
         record["points"] = point_records(points)
@@ -191,7 +202,7 @@ def _stream(options: argparse.Namespace, axes: Mapping[str, Any]) -> None:
 
         subject = options_subject(options, {axis[0]: axis for axis in axes.values()})
         _targets(options)
-        for name in ("plot", "points", "certify", "modes", "checkpoint"):
+        for name in ("plot", "points", "certify", "modes", "box", "checkpoint"):
             if getattr(options, name):
                 raise ParameterError(
                     f"--{name} does not go with --verdict-only; leave one of them out."

@@ -527,7 +527,9 @@ def set_numbers(options: argparse.Namespace) -> dict[str, float]:
     return coefficients
 
 
-def named_texts(option: str, texts: Iterable[str] | None) -> dict[str, str]:
+def named_texts(
+    option: str, texts: Iterable[str] | None, form: str = "NAME=NUMBER"
+) -> dict[str, str]:
     """Texts NAME=NUMBER of an option, by name.
 
     Parameters
@@ -536,16 +538,37 @@ def named_texts(option: str, texts: Iterable[str] | None) -> dict[str, str]:
         The option that gives them, without dashes.
     texts
         The texts.
+    form
+        What each is.
     """
     out: dict[str, str] = {}
     for text in texts or ():
         name, equals, value = text.partition("=")
         if not equals:
-            raise ParameterError(f"--{option} is {shown(text)}; give NAME=NUMBER.")
+            raise ParameterError(f"--{option} is {shown(text)}; give {form}.")
         if name in out:
             raise ParameterError(f"{name} is given twice; give it once.")
         out[name] = value
     return out
+
+
+def add_box(parser: argparse.ArgumentParser, use: str = "", *, required: bool = False) -> None:
+    """Add `--box`, whose equilibria are used for something that the help says first."""
+    words = f"{use}low and high end of a state, or one number at which it is held; once for each"
+    values(parser, str, {"--box": ("NAME=LO:HI", words)}, action="append", required=required)
+
+
+def box_of(options: argparse.Namespace) -> dict[str, Any] | None:
+    """The box of `--box`, or None."""
+    texts = named_texts("box", options.box, "NAME=LO:HI")
+    return {n: _ends(n, text) for n, text in texts.items()} or None
+
+
+def _ends(name: str, text: str) -> Any:
+    parts = [number(part, f"--box {name}") for part in text.split(":")]
+    if len(parts) > 2:
+        raise ParameterError(f"--box {name} is {shown(text)}; give LO:HI, or one number.")
+    return parts[0] if len(parts) == 1 else tuple(parts)
 
 
 def exact_numbers(

@@ -13,7 +13,7 @@ from ..storage.text import csv_text
 from .marks import BY_WORD, HONEST, Judgement, Mark
 from .motion import drivers
 from .motion.cases import MOTION_CASES
-from .spectrum.cases import CASES, DECADES
+from .spectrum.cases import CASES, DECADES, LADDERS
 from .spectrum.routes import ROUTES
 
 ROUTE_NAMES = tuple(ROUTES)
@@ -99,18 +99,8 @@ def _slow(group: list[Task]) -> bool:
 def weigh(part: str, case: str, method: str) -> dict[str, Any] | None:
     """Judge one cell by the names of part, case and method; the result fits JSON."""
     asked: Any = ROUTES[method]() if part == LINEAR else drivers.driver(method)
-    return _kept(_cases(part)[case]().judge(asked))
-
-
-def _kept(judgement: Judgement | None) -> dict[str, Any] | None:
-    if judgement is None:
-        return None
-    return {
-        "mark": judgement.mark.word,
-        "digits": judgement.digits,
-        "note": judgement.note,
-        "steps": judgement.steps,
-    }
+    judgement = _cases(part)[case]().judge(asked)
+    return None if judgement is None else vars(judgement) | {"mark": judgement.mark.word}
 
 
 def attempt(judge: Callable[[], Judgement | None]) -> Judgement | None:
@@ -181,6 +171,11 @@ def ladder(found: Sequence[Entry]) -> dict[str, list[dict[str, int]]]:
         if mine:
             counted[method] = counts
     return counted
+
+
+def asked_edges(found: Sequence[Entry]) -> set[str]:
+    """Names of the boundaries whose both sides were asked."""
+    return {e.case for e in found} & {case.name for case in LADDERS}
 
 
 def own_methods() -> dict[str, bool]:

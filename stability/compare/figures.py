@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from ..figures.canvas import COLUMN, STYLE, figure_style  # isort: skip
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from textwrap import fill, wrap
 from typing import TYPE_CHECKING, Any, Literal
@@ -27,10 +28,14 @@ from numpy.typing import NDArray
 from ..base.looks import BLUE, GREEN, VERMILION
 from ..base.looks import LOOKS as VERDICT_LOOKS
 from ..figures.letters import SMALL, Letter, letters
+from .failures import STEPS, Entry, asked_edges, ladder
 from .marks import Mark
 from .motion import chart as motion_chart
 from .motion.cases import NO_ANSWER
+from .motion.drivers import DRIVERS
 from .spectrum import chart as spectrum_chart
+from .spectrum.cases import DECADES
+from .spectrum.routes import ROUTES
 
 if TYPE_CHECKING:
     import xarray
@@ -452,8 +457,7 @@ KEY = 0.16
 
 
 def _shares_figure(
-    methods: Sequence[str],
-    own: Sequence[bool],
+    methods: Iterable[str],
     heads: Sequence[str],
     counts: NDArray[np.float64],
     *,
@@ -467,6 +471,8 @@ def _shares_figure(
     `counts` has shape (methods, columns, marks): numbers over the number of questions, so that a
     cell in which some were not asked is not full.  `notes` stands to the right of each row.
     """
+    methods = list(methods)
+    own = [(ROUTES | DRIVERS)[name].own for name in methods]
     cuts = [0, *np.cumsum([a != b for a, b in zip(own[:-1], own[1:], strict=True)]).tolist()]
     y = [i + APART * cut for i, cut in zip(range(len(own)), cuts, strict=False)]
     turned = [fill(h, 17) for h in heads] if not label else []
@@ -575,10 +581,9 @@ def verdict_figure(chart: xarray.Dataset) -> Figure:
     times = [[spectrum_chart.seconds(chart, n, k)[0] for k in kinds] for n in names]
     return _shares_figure(
         names,
-        chart.own.values.tolist(),
         [_short(str(t)) for t in chart.class_title.values],
         shares,
-        marks=("right", "undecided", "wrong"),
+        marks=STEPS,
         notes=[_time(float(np.nanmedian(t))) if np.isfinite(t).any() else "" for t in times],
     )
 
@@ -594,69 +599,51 @@ def _time(seconds: float) -> str:
     return f"{float(f'{seconds / size:.2g}'):g} {unit}"
 
 
-def ladder_figure(
-    methods: Sequence[str],
-    own: Sequence[bool],
-    decades: Sequence[int],
-    shares: NDArray[np.float64],
-) -> Figure:
-    """How near a boundary the verdict of each method holds.
+def ladder_figure(cases: Sequence[Entry]) -> Figure:
+    """How near a boundary the verdict of each route holds.
 
     Parameters
     ----------
-    methods
-        Names of the methods.
-    own
-        Whether each method is the package's.
-    decades
-        Powers of ten of the relative distances, -1 ... -15.
-    shares
-        Shares of right, undecided and wrong verdicts, shape (methods, decades, 3).
+    cases
+        Cells of the catalogue.
 
     Returns
     -------
     Figure
         A journal column wide.
     """
-    heads = [f"$10^{{{d}}}$" if i % 3 == 0 else "" for i, d in enumerate(decades)]
-    return _shares_figure(
-        methods,
-        own,
-        heads,
-        shares,
-        marks=("right", "undecided", "wrong"),
-        label="relative distance from the boundary",
-    )
+    counts, count = ladder(cases), len(asked_edges(cases))
+    shares = [[[c[word] / count for word in STEPS] for c in row] for row in counts.values()]
+    heads = [f"$10^{{{-d}}}$" if i % 3 == 0 else "" for i, d in enumerate(DECADES)]
+    label = "relative distance from the boundary"
+    return _shares_figure(counts, heads, np.array(shares), marks=STEPS, label=label)
 
 
-def failure_figure(
-    methods: Sequence[str],
-    own: Sequence[bool],
-    groups: Sequence[tuple[str, int]],
-    shares: NDArray[np.float64],
-) -> Figure:
+def failure_figure(cases: Sequence[Entry]) -> Figure:
     """Shares of each mark among the hard cases of a group, for every method.
 
     Parameters
     ----------
-    methods
-        Names of the methods.
-    own
-        Whether each method is the package's.
-    groups
-        (heading, number of cases).
-    shares
-        Shares of each `Mark`, shape (methods, groups, marks); they add up to less than 1 where
-        a method is not asked.
+    cases
+        Cells of one part of the catalogue.
 
     Returns
     -------
     Figure
-        A journal column wide.
+        A journal column wide; a cell is not full where a method is not asked every case.
     """
-    heads = [f"{words} ({count})" for words, count in groups]
-    marks = tuple(mark.word for mark in Mark)
-    return _shares_figure(methods, own, heads, shares, marks=marks, blank="not asked")
+    methods = dict.fromkeys(e.method for e in cases)
+    groups: dict[str, set[str]] = {}
+    for e in cases:
+        groups.setdefault(e.group, set()).add(e.case)
+    counts = Counter((e.method, e.group, e.mark.word) for e in cases if e.mark)
+    marks = [mark.word for mark in Mark]
+    shares = [
+        [[counts[m, g, word] / len(names) for word in marks] for g, names in groups.items()]
+        for m in methods
+    ]
+    heads = [f"{words} ({len(names)})" for words, names in groups.items()]
+    return _shares_figure(methods, heads, np.array(shares), marks=marks, blank="not asked")
 
 
 # --- work against precision of motions, and what a first call costs ---

@@ -7,7 +7,6 @@ page are written when a part is complete.
 from __future__ import annotations
 
 import os
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,17 +24,24 @@ from ..storage.targets import check_folder, path_text, place, refusing
 from ..storage.text import csv_text
 from . import failures as catalogue
 from . import scenes
-from .marks import Mark
 from .motion import chart as motion_chart
-from .plan import FAILURES, MOTION, PARTS, SCENES, SPECTRUM, asked, done, planned
+from .plan import (
+    FAILURES,
+    METRICS,
+    MOTION,
+    PARTS,
+    SCENES,
+    SPECTRUM,
+    Part,
+    Plate,
+    asked,
+    done,
+    planned,
+)
 from .spectrum import chart as spectrum_chart
-from .spectrum.cases import DECADES, LADDERS
 
 if TYPE_CHECKING:
     import xarray
-    from matplotlib.figure import Figure
-
-from .plan import METRICS, Part, Plate
 
 ALONE = (SPECTRUM, MOTION, SCENES)
 """Timed parts: their cells run one at a time, so that none disturbs a timing."""
@@ -289,6 +295,8 @@ STRAW = (
 
 
 def _failures(cells: Mapping[str, Cell]) -> Part:
+    from .figures import failure_figure, ladder_figure
+
     found = catalogue.entries(cells)
     plates = [
         Plate(
@@ -296,58 +304,24 @@ def _failures(cells: Mapping[str, Cell]) -> Part:
             f"{heading}: answers of every method to hard cases, by group, with the number of "
             "cases. Bold: the package's. The table below has every case."
             f"{STRAW if name == catalogue.LINEAR else ''}",
-            lambda name=name: _failure_figure(found, name),  # type: ignore[misc]
+            lambda mine=mine: failure_figure(mine),  # type: ignore[misc]
         )
         for name, heading in catalogue.HEADINGS.items()
-        if any(e.part == name for e in found)
+        if (mine := [e for e in found if e.part == name])
     ]  # fmt: skip
-    edges = _edges(found)
-    if edges:
+    if edges := len(catalogue.asked_edges(found)):
         plates.append(Plate(
             "failures-ladder",
             "Verdicts on both sides of boundaries, at relative distances 10⁻¹ to 10⁻¹⁵: shares of "
             f"the {edges} boundaries for which each route is right, undecided or wrong; blank "
             f"where it crashed. Bold: the package's.{STRAW}",
-            lambda: _ladder_figure(found),
+            lambda: ladder_figure(found),
         ))  # fmt: skip
     data = {
         "failures.md": lambda: catalogue.as_markdown(found),
         "failures.csv": lambda: catalogue.as_csv(found),
     }
     return Part(FAILURES, tuple(plates), data, found)
-
-
-def _failure_figure(found: Sequence[catalogue.Entry], name: str) -> Figure:
-    from .figures import failure_figure
-
-    mine = [e for e in found if e.part == name]
-    methods = list(dict.fromkeys(e.method for e in mine))
-    groups: dict[str, set[str]] = {}
-    for e in mine:
-        groups.setdefault(e.group, set()).add(e.case)
-    counts = Counter((e.method, e.group, e.mark.word) for e in mine if e.mark)
-    marks = [mark.word for mark in Mark]
-    share = np.array([
-        [[counts[m, g, word] / len(groups[g]) for word in marks] for g in groups] for m in methods
-    ])  # fmt: skip
-    own = [method in catalogue.own_methods() for method in methods]
-    return failure_figure(methods, own, [(g, len(c)) for g, c in groups.items()], share)
-
-
-def _edges(found: Sequence[catalogue.Entry]) -> int:
-    """Number of boundaries whose both sides were asked."""
-    return len({e.case for e in found} & {case.name for case in LADDERS})
-
-
-def _ladder_figure(found: Sequence[catalogue.Entry]) -> Figure:
-    from .figures import ladder_figure
-
-    counts, edges = catalogue.ladder(found), _edges(found)
-    share = np.array([
-        [[c[w] / edges for w in catalogue.STEPS] for c in row] for row in counts.values()
-    ])  # fmt: skip
-    own = [name in catalogue.own_methods() for name in counts]
-    return ladder_figure(list(counts), own, [-d for d in DECADES], share)
 
 
 # --- files ---

@@ -12,12 +12,9 @@ tests/derivation/test_exact.py.
 
 from __future__ import annotations
 
-import json
-import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path as FilePath
 from typing import Any
 
 import sympy
@@ -25,12 +22,8 @@ from sympy.polys.matrices import DomainMatrix
 from sympy.polys.rings import PolyRing
 
 from ..algebra.exact.routh import hurwitz_matrix
-from ..base.errors import FileError, StabilityError
-from ..bodies.contact_laws import LAWS
-from ..bodies.disk_polynomials import digest
-from ..bodies.families import families_under
-from ..storage.files import atomic_write, together
-from .characteristic import LAM, SIN, Derived, K, derive
+from ..base.errors import StabilityError
+from .characteristic import LAM, SIN, Derived, K
 
 Expr = Any
 """A SymPy expression; SymPy states no types."""
@@ -206,8 +199,9 @@ def decisive(derived: Derived) -> tuple[list[StabilityCondition], list[Obligatio
 
     Examples
     --------
-    >>> from .characteristic import derive
-    >>> [str(c.polynomial.as_expr()) for c in decisive(derive("rolling", "viscous"))[0]]
+    >>> z = sympy.Symbol("z")
+    >>> rolling = Derived(2, True, (sympy.Poly(LAM**2 + 2 * K * z - 1, LAM, K, z),))
+    >>> [str(c.polynomial.as_expr()) for c in decisive(rolling)[0]]
     ['2*k*z - 1']
     """
     proved: list[Obligation] = []
@@ -250,84 +244,3 @@ def _condition(expression: Expr, name: str, derived: Derived) -> StabilityCondit
         kind = "flutter"
     variables: Sequence[sympy.Symbol] = derived.factors[0].gens[1:]
     return StabilityCondition(kind, sympy.Poly(expression, *variables))
-
-
-def catalogue() -> dict[str, Any]:
-    """Every family's polynomials and conditions, derived again for `disk_polynomials`.
-
-    Returns
-    -------
-    dict
-        JSON-able; `make derive` writes it to stability/bodies/disk_polynomials.json.
-    """
-    cases: dict[str, Any] = {}
-    for law in LAWS:
-        for family in (record.name for record in families_under(law)):
-            try:
-                derived = derive(family, law)
-            except StabilityError:  # not in the form needed: verdicts come from the graph
-                continue
-            names = derived.factors[0].gens[1:]
-            used = [x for x in names if any(f.has(x) for f in derived.factors)]
-            factors = [sympy.Poly(f.as_expr(), LAM).all_coeffs()[::-1] for f in derived.factors]
-            found, _ = decisive(derived)
-            cases[f"{family} {law}"] = {
-                "variables": [str(x) for x in used],
-                "zeros": int(derived.zeros),
-                "even": bool(derived.even),
-                "factors": [[terms(c, used) for c in factor] for factor in factors],
-                "conditions": [
-                    {"kind": c.kind, "terms": terms(c.polynomial.as_expr(), used)} for c in found
-                ],
-            }
-    return {"format": 1, "cases": cases}
-
-
-def terms(expression: Expr, variables: Sequence[sympy.Symbol]) -> list[list[int]]:
-    """A polynomial as lists of a coefficient and its exponents."""
-    if expression == 0:
-        return []
-    poly = sympy.Poly(expression, *variables)
-    return [[int(c), *map(int, powers)] for powers, c in poly.terms()]
-
-
-def write(
-    path: str, source: str | None = None, derived: Callable[[], dict[str, Any]] = catalogue
-) -> list[str]:
-    """Derive a catalogue, compare it with the file, and write it, one case in each line.
-
-    Parameters
-    ----------
-    path
-        Path of the file.
-    source
-        Path of the source of the module that reads the file, which gets its digest; None where the
-        file is not the package's.
-    derived
-        Function that derives the catalogue; the disk's when left out.
-
-    Returns
-    -------
-    list of str
-        Cases that differ from those of the file before.
-    """
-    found = derived()
-    old = FilePath(path)
-    before = json.loads(old.read_bytes())["cases"] if old.exists() else {}
-    names = [*before, *(key for key in found["cases"] if key not in before)]
-    changed = [key for key in names if before.get(key) != found["cases"].get(key)]
-    lines = [f"{json.dumps(key)}: {json.dumps(case)}" for key, case in found["cases"].items()]
-    body = ",\n".join(lines)
-    content = f'{{"format": 1, "cases": {{\n{body}\n}}}}\n'.encode()
-    with together():
-        with atomic_write(path, overwrite=True) as draft:
-            draft.write_bytes(content)
-        if source is not None:
-            text = FilePath(source).read_text(encoding="utf-8")
-            line = f'DIGEST = "{digest(content)}"'
-            text, count = re.subn(r'^DIGEST = "[0-9a-f]+"$', line, text, flags=re.MULTILINE)
-            if count != 1:
-                raise FileError(f"{source} has {count} lines for the digest; one is needed.")
-            with atomic_write(source, overwrite=True) as draft:
-                draft.write_text(text, encoding="utf-8")
-    return changed

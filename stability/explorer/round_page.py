@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -68,55 +67,113 @@ class Choice:
         return {} if not self.pole else {"pole": 0 if self.pole == 1 else "pi"}
 
 
-class _Source(ABC):
-    """A body as its page reads it: here is everything in which the disk and another body differ."""
+class _Body:
+    """A body: its families under three laws, by polynomials that are derived or have its height."""
 
-    argument: str
+    argument = "body"
     """Name of the body in calls."""
-    laws: tuple[str, ...]
+    laws: tuple[str, ...] = ("smooth", "viscous", "rough")
     """Laws of the page."""
-    says: str
+    says = "A body of revolution"
     """The body, in words."""
-    computed_from: str
+    computed_from = "polynomials that were derived exactly from the equations of motion"
     """What the page computes from, in words."""
-    title: str
+    title = "{} of a body"
     """Title of the page, with a place for the family."""
-    shape: RoundShape
-    """The body without dimension."""
-    units: PageUnits
-    """Its units."""
     choices: Sequence[Choice]
     """Families of the page."""
     friction = FRICTION[2]
     """Coefficient of friction at first, dimensionless."""
     called_at = ""
     """Name in calls of what names a member; the name of its state where empty."""
-    made = ""
-    """How Python makes the body, with a place for each number; empty for one of the user's own."""
+    first: Mapping[str, float] = {"rolling": 1.5, "spinning": 1.5, "vertical": 2.0}
+    """Member that is shown at first; of tumbling the middle of its range."""
+    speeds = 0.05, 5.0
+    """Range of angular velocities [√(g/R)]."""
 
-    @abstractmethod
+    def __init__(self, body: Body, theta: Any = None) -> None:
+        self.units = PageUnits.of(body, "length")
+        if not body.dimensionless:
+            body = replace(body, mass=1.0, gravity=1.0, length=1.0)
+        self.shape: RoundShape = body
+        """The body without dimension."""
+        self.body = body
+        self.made = _made(body)
+        """How Python makes it, with a place for each number; empty for one of the user's own."""
+        near = None if theta is None else one_number("theta", theta)
+        self.choices = [
+            Choice("rolling", "rolling", "Rolling", theta=near),
+            Choice("spinning", "spinning", "Spinning"),
+            Choice("tumbling", "tumbling", "Tumbling"),
+            *self._vertical(),
+        ]
+
+    def _vertical(self) -> list[Choice]:
+        """Vertical spin, at θ = π too where it is another motion there."""
+        theta = np.linspace(0.3, 1.2, 4)
+        height, turned = (self.body.height_at(t) for t in (theta, math.pi - theta))
+        both = smooth_at(self.body, 1) and smooth_at(self.body, -1)
+        if both and np.allclose(height, turned, rtol=1e-13):
+            return [Choice("vertical", "vertical", "Vertical", 1)]
+        return [
+            Choice("vertical", "vertical", "Vertical, θ = 0", 1),
+            Choice("vertical-pi", "vertical", "Vertical, θ = π", -1),
+        ]
+
     def motion(self, name: str) -> str:
         """The motion of a family in words."""
+        return f"{self.body.name}: {FAMILIES[name].motion}"
 
-    @abstractmethod
     def family(self, choice: Choice, law: str) -> Family:
         """A family under a law."""
+        return self.body.family(choice.name, law, **choice.arguments)
 
-    @abstractmethod
     def members(self, name: str) -> tuple[float, float, float]:
-        """Range of what names a member of a family, and the member at first."""
+        """Usual speeds; of tumbling the first wide range of its inclinations."""
+        if name != "tumbling":
+            return *self.speeds, self.first[name]
+        ranges = tumbling_ranges(self.body)
+        widest = max((b - a for a, b in ranges), default=0.0)
+        low, high = next((r for r in ranges if r[1] - r[0] > 0.8 * widest), self.body.between)
+        room = 0.01 * (high - low)
+        return round(low + room, 3), round(high - room, 3), round((low + high) / 2, 2)
 
-    @abstractmethod
-    def numbers(self, family: Family, law: str) -> dict[str, Quantity]:
+    def numbers(self, family: Family, law: str) -> dict[str, Quantity]:  # noqa: ARG002
         """The numbers of the law and of the body, by their names in the family."""
+        return {name: self._number(family, name) for name in family.parameters}
 
-    @abstractmethod
-    def formulas(self, family: Family, law: str, quantities: Mapping[str, Quantity]) -> Formulas:
+    def _number(self, family: Family, name: str) -> Quantity:
+        """A coefficient of friction, or a number of the body."""
+        quantity = family.system.quantities[name]
+        if name == "mu":
+            return Quantity.of(quantity, *FRICTION[:2], self.friction, least=0.0)
+        value = float(self.body.given[name])
+        least, most = self.body.limits.get(name, (0.0, math.inf))
+        high = min(2.0 * value if value > 0 else 1.0, most)
+        return Quantity.of(
+            quantity,
+            max(least, 0.0) + 0.02 * high,
+            high,
+            value,
+            unit="m R²" if name in ("axial", "transverse") else "R",
+            least=least if math.isfinite(least) else None,
+            most=float(np.nextafter(most, math.inf)) if math.isfinite(most) else None,
+        )
+
+    def formulas(self, family: Family, law: str, quantities: Mapping[str, Quantity]) -> Formulas:  # noqa: ARG002
         """What decides the verdict."""
+        derive = derived_formulas if family.formulas is None else closed_formulas
+        formulas = derive(family, quantities)
+        if formulas.solver:
+            raise StabilityError(
+                f"{family.name}: {', '.join(family.unknown)} of its members is solved for; of a "
+                "body the page draws families whose members are known in closed form."
+            )
+        return formulas
 
-    def surface(self, family: Family) -> dict[str, Any]:  # noqa: ARG002
-        """The surface that is drawn; a disk is drawn by its k."""
-        return {}
+    def surface(self, family: Family) -> dict[str, Any]:
+        """The surface that is drawn."""
+        return {"meridian": meridian(self.body, family)}
 
     def certificates(self, subject: PageSubject) -> list[Any]:
         """Proved rectangles of a subject."""
@@ -169,7 +226,7 @@ class _Source(ABC):
         )
 
 
-class _Disk(_Source):
+class _Disk(_Body):
     """The disk: its families under every stored law, by the stored polynomials."""
 
     argument = "disk"
@@ -177,10 +234,8 @@ class _Disk(_Source):
     computed_from = "the exact polynomials and the equations of motion of the package"
     title = "Steady motions of a disk"
     called_at = "at"
-    made = "st.Disk(k={k})"
     choices = tuple(Choice(n, n, n.capitalize()) for n, f in FAMILIES.items() if f.drawn)
     first = {"rolling": 1.2, "spinning": 2.2, "tumbling": 0.9}
-    """Member that is shown at first, dimensionless."""
     inertia = Quantity.of(
         QUANTITIES["k"],
         *(0.05, 0.5, 0.25),
@@ -200,6 +255,7 @@ class _Disk(_Source):
         self.units = PageUnits.of(disk, "radius")
         self.k = self.inertia.at(disk.k)
         self.shape = unit_disk()
+        self.made = "st.Disk(k={k})"
 
     def motion(self, name: str) -> str:
         return FAMILIES[name].disk_motion
@@ -239,95 +295,8 @@ class _Disk(_Source):
         slices = [{}] if "k" in subject.axes else [{"k": k} for k in factors]
         return [certificate(subject, held, self.levels, problem) for held in slices]
 
-
-class _Body(_Source):
-    """A body: its families under three laws, by polynomials that are derived or have its height."""
-
-    argument = "body"
-    laws = ("smooth", "viscous", "rough")
-    says = "A body of revolution"
-    computed_from = "polynomials that were derived exactly from the equations of motion"
-    title = "{} of a body"
-    speeds = 0.05, 5.0
-    """Range of angular velocities [√(g/R)]."""
-    first = {"rolling": 1.5, "spinning": 1.5, "vertical": 2.0}
-    """Member that is shown at first; of tumbling the middle of its range."""
-
-    def __init__(self, body: Body, theta: Any = None) -> None:
-        self.units = PageUnits.of(body, "length")
-        if not body.dimensionless:
-            body = replace(body, mass=1.0, gravity=1.0, length=1.0)
-        self.shape = self.body = body
-        self.made = _made(self.body)
-        near = None if theta is None else one_number("theta", theta)
-        self.choices = [
-            Choice("rolling", "rolling", "Rolling", theta=near),
-            Choice("spinning", "spinning", "Spinning"),
-            Choice("tumbling", "tumbling", "Tumbling"),
-            *self._vertical(),
-        ]
-
-    def _vertical(self) -> list[Choice]:
-        """Vertical spin, at θ = π too where it is another motion there."""
-        theta = np.linspace(0.3, 1.2, 4)
-        height, turned = (self.body.height_at(t) for t in (theta, math.pi - theta))
-        both = smooth_at(self.body, 1) and smooth_at(self.body, -1)
-        if both and np.allclose(height, turned, rtol=1e-13):
-            return [Choice("vertical", "vertical", "Vertical", 1)]
-        return [
-            Choice("vertical", "vertical", "Vertical, θ = 0", 1),
-            Choice("vertical-pi", "vertical", "Vertical, θ = π", -1),
-        ]
-
-    def motion(self, name: str) -> str:
-        return f"{self.body.name}: {FAMILIES[name].motion}"
-
-    def family(self, choice: Choice, law: str) -> Family:
-        return self.body.family(choice.name, law, **choice.arguments)
-
-    def members(self, name: str) -> tuple[float, float, float]:
-        """Usual speeds; of tumbling the first wide range of its inclinations."""
-        if name != "tumbling":
-            return *self.speeds, self.first[name]
-        ranges = tumbling_ranges(self.body)
-        widest = max((b - a for a, b in ranges), default=0.0)
-        low, high = next((r for r in ranges if r[1] - r[0] > 0.8 * widest), self.body.between)
-        room = 0.01 * (high - low)
-        return round(low + room, 3), round(high - room, 3), round((low + high) / 2, 2)
-
-    def numbers(self, family: Family, law: str) -> dict[str, Quantity]:  # noqa: ARG002
-        return {name: self._number(family, name) for name in family.parameters}
-
-    def _number(self, family: Family, name: str) -> Quantity:
-        """A coefficient of friction, or a number of the body."""
-        quantity = family.system.quantities[name]
-        if name == "mu":
-            return Quantity.of(quantity, *FRICTION[:2], self.friction, least=0.0)
-        value = float(self.body.given[name])
-        least, most = self.body.limits.get(name, (0.0, math.inf))
-        high = min(2.0 * value if value > 0 else 1.0, most)
-        return Quantity.of(
-            quantity,
-            max(least, 0.0) + 0.02 * high,
-            high,
-            value,
-            unit="m R²" if name in ("axial", "transverse") else "R",
-            least=least if math.isfinite(least) else None,
-            most=float(np.nextafter(most, math.inf)) if math.isfinite(most) else None,
-        )
-
-    def formulas(self, family: Family, law: str, quantities: Mapping[str, Quantity]) -> Formulas:  # noqa: ARG002
-        derive = derived_formulas if family.formulas is None else closed_formulas
-        formulas = derive(family, quantities)
-        if formulas.solver:
-            raise StabilityError(
-                f"{family.name}: {', '.join(family.unknown)} of its members is solved for; of a "
-                "body the page draws families whose members are known in closed form."
-            )
-        return formulas
-
-    def surface(self, family: Family) -> dict[str, Any]:
-        return {"meridian": meridian(self.body, family)}
+    def surface(self, family: Family) -> dict[str, Any]:  # noqa: ARG002
+        return {}  # a disk is drawn by its k
 
 
 def _made(body: Body) -> str:
@@ -363,7 +332,7 @@ def round_page(
         for word, value, motion in (("pole", pole, "vertical spin"), ("theta", theta, "rolling")):
             if value is not None:
                 raise ParameterError(f"{word} belongs to {motion} of a body; leave it out.")
-        source: _Source = _Disk(body)
+        source: _Body = _Disk(body)
     else:
         refuse_constants(body, [axis.name for axis in axes if axis is not None])
         source = _Body(body, theta)
@@ -391,7 +360,7 @@ def round_page(
     )
 
 
-def _law(contact: Any, numbers: dict[str, Any], source: _Source) -> tuple[str, float]:
+def _law(contact: Any, numbers: dict[str, Any], source: _Body) -> tuple[str, float]:
     """Name of the law at first, and its coefficient without dimension."""
     word, friction = contact, source.friction
     if contact is None and not numbers:
@@ -417,7 +386,7 @@ def _law(contact: Any, numbers: dict[str, Any], source: _Source) -> tuple[str, f
     return word, friction
 
 
-def _chosen(source: _Source, name: str, pole: Any, theta: Any) -> Choice:
+def _chosen(source: _Body, name: str, pole: Any, theta: Any) -> Choice:
     """The family with a name, at the pole or inclination."""
     if name != "vertical" and pole is not None:
         raise ParameterError(f"pole belongs to vertical spin; leave it out for {name}.")
@@ -431,7 +400,7 @@ def _chosen(source: _Source, name: str, pole: Any, theta: Any) -> Choice:
 
 
 def _fitting(
-    source: _Source,
+    source: _Body,
     motions: Mapping[str, Any],
     first: Choice,
     start: PageSubject,

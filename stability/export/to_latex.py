@@ -16,10 +16,10 @@ from ..algebra.upright import Upright
 from ..base.errors import ParameterError, shown
 from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
-from ..bodies.quantities import QUANTITIES
 from ..bodies.round_body.body import Body
 from ..bodies.subject import family_by_name
 from ..derivation.conditions import Conditions, conditions
+from ..derivation.latex import FUNCTIONS, escaped, powers, scientific, symbols
 from ..systems.equations import Equations
 from ..systems.family import Family
 from ..systems.sources.numeric import NumericSystem
@@ -252,11 +252,7 @@ def polynomial(p: Polynomial, names: Mapping[str, str]) -> str:
     lines: list[str] = []
     line = ""
     for coefficient, exponents in sorted(p.terms, key=lambda t: (-sum(t[1]), t[1])):
-        factors = [
-            names[v] if e == 1 else f"{{{names[v]}}}^{{{e}}}"
-            for v, e in zip(p.variables, exponents, strict=True)
-            if e
-        ]
+        factors = powers(p.variables, exponents, names)
         size = abs(coefficient)
         head = [str(size)] if size != 1 or not factors else []
         sign = "-" if coefficient < 0 else "+" if line or lines else ""
@@ -275,8 +271,7 @@ def _words(text: str) -> str:
         powers = [rf"$\lambda^{{{n}}}$" if n else r"$\lambda$" for n in parts[1::2]]
         ends = map(_words, parts[0::2])
         return "".join(f"{word}{power}" for word, power in zip(ends, [*powers, ""], strict=True))
-    marks = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
-    return "".join(marks.get(c) or (f"\\{c}" if c in "&%$#_{}" else c) for c in text)
+    return escaped(text)
 
 
 # --- graphs as formulas ---
@@ -335,11 +330,7 @@ def number(value: float) -> str:
     >>> number(2.0), number(0.25), number(1e-9)
     ('2', '0.25', '1\\cdot10^{-9}')
     """
-    text = repr(value)
-    if "e" not in text:
-        return text.removesuffix(".0")
-    digits, _, power = text.partition("e")
-    return rf"{digits.removesuffix('.0')}\cdot10^{{{int(power)}}}"
+    return scientific(repr(value).removesuffix(".0"))
 
 
 def algebra() -> Algebra:
@@ -455,76 +446,3 @@ def _ordered(nodes: Iterable[Node]) -> list[Node]:
             stack.append((one, True))
             stack += [(p, False) for p in reversed(one.parts)]
     return order
-
-
-# --- names as symbols ---
-
-
-GREEK = (
-    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau phi "
-    "chi psi omega Gamma Delta Theta Lambda Xi Pi Sigma Phi Psi Omega"
-).split()
-"""Letters by their names, as LaTeX has them."""
-OWN = {
-    name: re.sub(r"_(\w)$", r"_{\1}", QUANTITIES[name].latex)
-    for name in ("mu", "phi_dot", "theta_dot", "omega3", "theta", "slip_x", "slip_y")
-    if name in QUANTITIES and QUANTITIES[name].latex
-}
-"""Symbols of the disk."""
-FUNCTIONS = ("sin", "cos", "tan", "exp", "log", "sinh", "cosh", "tanh")
-"""Functions with a name of their own in LaTeX."""
-
-
-def symbols(names: Iterable[str]) -> dict[str, str]:
-    r"""A symbol for each name; two names never share one.
-
-    Examples
-    --------
-    >>> symbols(["theta", "x_1", "speed", "sin(theta)"])["sin(theta)"]
-    '\\sin\\left(\\theta\\right)'
-    >>> list(symbols(["q1", "q_1"]).values())
-    ['q_{1}', '\\mathit{q\\_1}']
-    """
-    found: dict[str, str] = {}
-    for name in dict.fromkeys(names):
-        made = symbol(name)
-        if made in found.values():
-            made = _plain(name)
-        found[name] = made
-    return found
-
-
-def symbol(name: str) -> str:
-    r"""One name in mathematics of LaTeX.
-
-    Examples
-    --------
-    >>> print(symbol("omega_0"), symbol("sqrt(b)"), symbol("dtheta"))
-    \omega_{0} \sqrt{b} \mathit{dtheta}
-    """
-    if name in OWN:
-        return OWN[name]
-    call = re.fullmatch(r"([a-z]\w*)\((.*)\)", name)
-    if call and call[1] == "sqrt":
-        return rf"\sqrt{{{symbol(call[2])}}}"
-    if call and call[1] in FUNCTIONS:
-        return rf"\{call[1]}\left({symbol(call[2])}\right)"
-    dotted = re.fullmatch(r"(\w+)_dot", name)
-    if dotted:
-        return rf"\dot{{{symbol(dotted[1])}}}"
-    parts = re.fullmatch(r"([A-Za-z]+?)_?(\d+|(?<=_)[A-Za-z]+)", name)
-    if parts and (len(parts[1]) == 1 or parts[1] in GREEK):
-        return f"{_letter(parts[1])}_{{{_letter(parts[2])}}}"
-    return _letter(name)
-
-
-def _letter(word: str) -> str:
-    if word in GREEK:
-        return f"\\{word}"
-    return word if len(word) == 1 and word.isalpha() or word.isdigit() else _plain(word)
-
-
-def _plain(name: str) -> str:
-    """The name itself, with every sign that LaTeX would read."""
-    safe = "".join(c if c.isascii() and c.isalnum() else r"\_" for c in name)
-    return rf"\mathit{{{safe}}}"

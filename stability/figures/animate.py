@@ -33,7 +33,7 @@ from scipy.ndimage import uniform_filter1d
 from scipy.spatial import ConvexHull, QhullError
 from scipy.spatial.transform import Rotation, Slerp
 
-from ..base.checks import callback, flag, positive
+from ..base.checks import callback, flag, instance, positive
 from ..base.errors import FileError, ParameterError, shown
 from ..base.quantities import behind, unit_of
 from ..base.types import Floats
@@ -212,8 +212,8 @@ def _single(dataset: Any, body: Any = None) -> dict[str, Any]:
         raise ParameterError(
             f"the dataset is of {name}, and films show a disk; draw it with plot_motion."
         )
-    if body is not None and not isinstance(body, Body):
-        raise ParameterError(f"body is {shown(body)}; give a stability.Body.")
+    if body is not None:
+        instance("body", body, Body, "give a stability.Body")
     known = dataset.attrs.get("body")
     if known != (None if body is None else body.name):
         raise ParameterError(

@@ -21,7 +21,7 @@ from ..algebra.exact.number_fields import NotExact
 from ..algebra.kernels.compiled import numba_found
 from ..algebra.number_types import numpy_algebra
 from ..algebra.real_factors import Factors
-from ..algebra.running_error import TRACKED, RunningError
+from ..algebra.running_error import TRACKED, RunningError, tracked
 from ..base.axis import Axis
 from ..base.errors import DomainError
 from ..base.types import Floats
@@ -210,8 +210,8 @@ class FormulaCells(Bands):
             if self.sized:
                 return self.formulas.with_bounds.begun(NUMPY, places, rows)
             a, q = _exact(places)
-            tracked = self.formulas.begun(TRACKED, a, q, rows)
-        return lambda places: tracked(*_exact(places))
+            begun = self.formulas.begun(TRACKED, a, q, rows)
+        return lambda places: begun(*_exact(places))
 
     def _block(self, xs: Floats, ys: Floats, along: Along) -> tuple[Any, Any, Any, Any]:
         """Monic coefficients with bounds, where members are proved, and where there are none."""
@@ -237,17 +237,13 @@ class FormulaCells(Bands):
         if self.sized:
             return (found[0], found[3]), list(zip(found[2], found[5], strict=True))
         some, _, positive = found
-        pairs = [(v.value, 1.01 * v.error) for v in map(_tracked, positive)]
-        columns = zip(*((v.value, 1.01 * v.error) for v in map(_tracked, some)), strict=True)
+        pairs = [(v.value, 1.01 * v.error) for v in map(tracked, positive)]
+        columns = zip(*((v.value, 1.01 * v.error) for v in map(tracked, some)), strict=True)
         return tuple(columns), pairs
 
 
 def _exact(places: list[list[Any]]) -> list[list[RunningError]]:
     return [[RunningError(np.asarray(v), 0.0) for v in some] for some in places]
-
-
-def _tracked(value: Any) -> RunningError:
-    return value if isinstance(value, RunningError) else RunningError(np.float64(value), 0.0)
 
 
 def formula_cells(problem: Problem, axes: tuple[Axis, Axis], modes: bool) -> FormulaCells | None:

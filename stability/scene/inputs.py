@@ -48,6 +48,8 @@ class SceneSubject(ABC):
     """Names of rungs that no reduced model may have."""
     between: tuple[float, float] = (0.0, math.pi)
     """Open interval of θ in which a body has steady motions [rad]."""
+    against: tuple[Resistance, ...] = ()
+    """Resistances of a body to rolling and turning, the same under each law."""
 
     touches: ClassVar[bool]
     """Whether it touches a plane, so that its contact, tilt and linear motion can be asked for."""
@@ -57,12 +59,8 @@ class SceneSubject(ABC):
         """Names of the inputs that may be uncertain, under some of its laws; all if left out."""
 
     @abstractmethod
-    def changed(self, law: Any, start: Any, moved: Mapping[str, float]) -> tuple[Any, Any, Any]:
-        """What moves, its law and its start, with some inputs changed."""
-
-    def resisting(self, moved: Mapping[str, float]) -> Any:  # noqa: ARG002
-        """The resistances with some coefficients changed by a share; None where there are none."""
-        return None
+    def changed(self, law: Any, start: Any, moved: Mapping[str, float]) -> tuple[Any, ...]:
+        """What moves, its law, its start and its resistances, with some inputs changed."""
 
     @abstractmethod
     def in_words(self) -> list[str]:
@@ -95,14 +93,10 @@ class BodySubject(SceneSubject):
 
     numbers: Mapping[str, Any]
     """Numbers of its shape and its moments by name."""
-    shape: Mapping[str, Any]
-    """Those of them that are the field `shape` of a body."""
     name: str
     """What it is called."""
     length: tuple[str, str]
     """Name of its unit of length, and the letter of that."""
-    against: tuple[Resistance, ...] = ()
-    """Resistances to rolling and turning, the same under each law."""
 
     touches = True
 
@@ -112,24 +106,16 @@ class BodySubject(SceneSubject):
         own += [r.coefficient for r in self.against]
         return tuple(dict.fromkeys((*self.states, *self.numbers, *own)))
 
-    def resisting(self, moved: Mapping[str, float]) -> tuple[Resistance, ...] | None:
-        """The resistances with some coefficients changed by a share; None where there are none."""
-        return (
-            tuple(
-                replace(r, **{r.coefficient: r.value * (1 + moved.get(r.coefficient, 0.0))})
-                for r in self.against
-            )
-            or None
-        )
+    def changed(self, law: Any, start: Any, moved: Mapping[str, float]) -> tuple[Any, ...]:
+        """Numbers and coefficients change by a share, states by a number."""
 
-    def changed(self, law: Any, start: Any, moved: Mapping[str, float]) -> tuple[Any, Any, Any]:
-        """The body, its law and its start: parameters change by a share, states by a number."""
-        numbers = {n: v * (1 + moved[n]) for n, v in self.numbers.items() if n in moved}
-        if self.shape:
-            numbers["shape"] = {n: numbers.pop(n, v) for n, v in self.shape.items()}
-        coefficients = {n: v * (1 + moved.get(n, 0.0)) for n, v in law.given.items()}
+        def by_share(numbers: Mapping[str, Any]) -> dict[str, Any]:
+            return {n: v * (1 + moved.get(n, 0.0)) for n, v in numbers.items()}
+
+        body = self.moving.having(by_share(self.numbers))
+        against = (replace(r, **by_share({r.coefficient: r.value})) for r in self.against)
         start = _moved(start, self.states, moved)
-        return replace(self.moving, **numbers), type(law)(**coefficients), start
+        return body, type(law)(**by_share(law.given)), start, tuple(against)
 
     def in_words(self) -> list[str]:
         """The body with its numbers, and its laws."""
@@ -182,10 +168,10 @@ class SystemSubject(SceneSubject):
         """Its parameters by name."""
         return {} if self.contact is None else _named(self.contact, self.moving.parameters)
 
-    def changed(self, law: Any, start: Any, moved: Mapping[str, float]) -> tuple[Any, Any, Any]:  # noqa: ARG002
+    def changed(self, law: Any, start: Any, moved: Mapping[str, float]) -> tuple[Any, ...]:  # noqa: ARG002
         """The system, its parameters and its start: parameters change by a share."""
         parameters = {n: v * (1 + moved.get(n, 0.0)) for n, v in self.parameters.items()}
-        return self.moving, parameters, _moved(start, self.states, moved)
+        return self.moving, parameters, _moved(start, self.states, moved), ()
 
     def in_words(self) -> list[str]:
         """The system with its parameters."""
@@ -233,7 +219,6 @@ def scene_subject(
         "theta at least",
         between=body.between,
         numbers={n: v for n, v in body.given.items() if n not in SCALES},
-        shape={} if thin else body.shape,
         name=body.name,
         length=("radius", "R") if thin else ("length", "length"),
         against=resistances(resistance),
@@ -334,12 +319,12 @@ def launched(
 
     States change by a number, parameters by a share of their value.
     """
-    moving = subject.moving
+    moving, against = subject.moving, subject.against
     if moved:
-        moving, law, start = subject.changed(law, start, moved)
-    resistance = subject.resisting(moved)
+        moving, law, start, against = subject.changed(law, start, moved)
+    families, resistance = families or (), against or None
     launches = _along_fixed_axes(
-        launches_of(moving, law, start, horizon, families=families or (), resistance=resistance)
+        launches_of(moving, law, start, horizon, families=families, resistance=resistance)
     )
     if launches.count != 1:
         raise ParameterError(

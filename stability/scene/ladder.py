@@ -22,7 +22,7 @@ from ..integrators.selection import HEYOKA, METHODS, TURN_POWER, explicit
 from .questions import QUESTIONS, UNKNOWN, Found, relative_error
 from .rungs.creep import MOST_ORDERS, applies
 from .rungs.creeping import Work, creeping, name_of
-from .rungs.drifting import DRIFT, ROLLING, drifting, thin
+from .rungs.drifting import DRIFT, ROLLING, drifting
 from .rungs.full import COARSEST, FINEST, STIFF, full
 from .rungs.near_steady import CLOSED_FORMS, LINEARISED, near_steady
 from .rungs.reduced import ReducedModel, reduced
@@ -53,9 +53,9 @@ ORDERS = tuple(map(name_of, range(MOST_ORDERS + 1)))
 """Names of the orders of creep."""
 RETRY = 1e4
 """Error over the tolerance up to which creep is tried again with smaller errors on the way."""
-DRIFTS, EXPENSIVE, BODY_COST = 10.0, 0.02, 3.0
+DRIFTS, EXPENSIVE = 10.0, 0.03
 """Square of the distance from rolling over the tolerance up to which its drift is tried; the least
-expected time of the full model [s]; the factor on it for a body whose drift has no closed form."""
+expected time of the full model [s]."""
 FINER = 2
 """Runs of the full model at a finer tolerance where a quantity needs it."""
 CREEP_BASE, CREEP_ORDER, CREEP_FIXED, SLOWER = 1e-3, 1.2e-5, 3.0, 5.0
@@ -270,8 +270,7 @@ def _drift(ladder: _Ladder) -> None:
             return
         near = problem.near
         hopeless = near.distance**2 > DRIFTS * problem.tolerance
-        least = EXPENSIVE if thin(problem) else BODY_COST * EXPENSIVE
-        if near.family != ROLLING or hopeless or price_of_full(problem) < least:
+        if near.family != ROLLING or hopeless or price_of_full(problem) < EXPENSIVE:
             return
     with np.errstate(all="ignore"):
         ladder.note(DRIFT, 0, began, 0.0, drifting(problem))

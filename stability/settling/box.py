@@ -122,25 +122,12 @@ def attraction(
         centre = [c - float(row @ e1) for c, row in zip(y1, slow, strict=True)]
     if not (eigenvalues_alone(a).real < 0).all():
         return None
-    for basis in (_modal_basis(a), _lyapunov_basis(a)):
+    for basis in (_modal(a[None])[2][0], _lyapunov_basis(a)):
         if basis is not None:
             found = _box(around, given, y, e, centre, slow, basis)
             if found is not None:
                 return found
     return None
-
-
-def _modal_basis(a: Floats) -> Floats | None:
-    """Real and imaginary parts of the eigenvectors, as columns of unit length."""
-    values, vectors = eigenpairs(a)
-    columns = []
-    for value, vector in zip(values, vectors.T, strict=True):
-        if value.imag == 0:
-            columns.append(vector.real)
-        elif value.imag > 0:
-            columns += [vector.real, vector.imag]
-    basis = np.array(columns).T
-    return basis if basis.shape == a.shape and np.linalg.cond(basis) < 1e8 else None
 
 
 def _lyapunov_basis(a: Floats) -> Floats | None:
@@ -542,7 +529,7 @@ def _lyapunov(a: Floats) -> Bases:
 def eigen(a: Floats) -> tuple[NDArray[np.bool_], Any, Any, Floats]:
     """Whether matrices are stable, eigenvalues, eigenvectors, and slowest rates."""
     whole: Any = np.isfinite(a).all((1, 2))
-    values, vectors = np.linalg.eig(np.where(whole[:, None, None], a, 0.0))
+    values, vectors = eigenpairs(np.where(whole[:, None, None], a, 0.0))
     rate = -values.real.max(1, initial=-np.inf)
     return whole & (rate > 0), values, vectors, rate
 

@@ -90,14 +90,18 @@ class Trace(NamedTuple):
     """The phrase that says why the curve was left; empty where `inside` said so."""
 
 
-class _Pace:
-    """Coordinates scaled by typical sizes, in which steps are measured."""
+@dataclass(frozen=True, eq=False)
+class Pace:
+    """Coordinates scaled by typical sizes, in which steps along a curve are measured."""
 
-    def __init__(self, curve: Curve, scale: Floats) -> None:
-        self.curve, self.scale = curve, scale
+    curve: Callable[[Floats], tuple[Floats, Floats]]
+    """From a point to residuals and slopes, one row fewer than coordinates."""
+    scale: Floats
+    """Typical sizes of the coordinates."""
 
     def at(self, z: Floats) -> tuple[Floats, Floats]:
-        r, slope = (v[0] for v in self.curve.at(z[None]))
+        """Residuals and scaled slopes."""
+        r, slope = self.curve(z)
         return r, slope * self.scale
 
     def tangent(self, z: Floats, before: Floats) -> tuple[Floats, float] | None:
@@ -155,7 +159,12 @@ def walk(
     inside
         Whether to go on after a point; the point that is outside is the last one.
     """
-    pace = _Pace(curve, scale)
+
+    def single(z: Floats) -> tuple[Floats, Floats]:
+        r, slope = (v[0] for v in curve.at(z[None]))
+        return r, slope
+
+    pace = Pace(single, scale)
     points = [z]
     folds: list[Located] = []
     crossings: list[tuple[Located, Floats]] = []

@@ -22,7 +22,7 @@ from .closed_form import ClosedForm
 from .equations import Equations
 from .graph.family_graph import FamilyGraph, Frame
 from .graph.ignorable import acting_on, hidden_pairs, ignorable, turned
-from .graph.smoothness import KINKED, REMOVABLE, gap, has_kinks, sloped
+from .graph.smoothness import KINKED, REMOVABLE, edged, gap, sloped
 from .members import UNKNOWN, Anchor, Found, check_states, find, given_noise, rate_noise
 from .system_checks import check_family
 
@@ -290,7 +290,7 @@ class Family(Record):
 
     @cached_property
     def _has_kinks(self) -> bool:
-        return has_kinks(self.system)
+        return edged(self.system)
 
     def _place(self, a: Floats, q: Floats) -> str:
         return f"{self.name} at {listing((*self.at, *self.parameters), (*a, *q))}"

@@ -12,9 +12,9 @@ from ..base.quantities import Kind, Quantity, rate_unit, readable
 from ..boundary.hopf import CycleBirth, hopf
 from ..boundary.two_parameters.point_records import CodimensionTwo, DegeneratePoint
 from ..boundary.two_parameters.points import MOST_LINES, in_plane
+from ..derivation.latex import symbol
 from ..spectra.axes import swept
 from ..systems.family import Family
-from .letters import symbol
 from .table import About, Column, Definition, Standing, Table, framed, word
 
 HOPF_HEADING = "flutter boundaries of {name}: how oscillation begins (recomputed)"

@@ -18,8 +18,9 @@ from ..bodies.quantities import QUANTITIES
 from ..boundary.brackets import BoundaryPoint
 from ..boundary.changes import along
 from ..derivation.formulas import LIMITS
+from ..derivation.latex import escaped
 from ..spectra.problem import disk_problem
-from .letters import escaped, mathematics, prose
+from .letters import mathematics, prose
 from .table import END, NEEDS, About, Column, Definition, Standing, Table, latex, plain, word
 
 

@@ -4,75 +4,29 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Collection
 
 from ..base.quantities import KNOWN_UNIT, RAISED, Kind, readable
-from ..bodies.quantities import QUANTITIES
-
-GREEK = frozenset(
-    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau phi "
-    "chi psi omega Gamma Delta Theta Lambda Xi Pi Sigma Phi Psi Omega".split()
+from ..derivation.latex import (
+    FUNCTIONS,
+    GREEK,
+    GREEK_LETTERS,
+    OF_DISK,
+    SIGNS,
+    breaking,
+    escaped,
+    scientific,
+    symbol,
 )
-GREEK_LETTERS = {
-    letter: word
-    for word in GREEK
-    for letter in [
-        unicodedata.lookup(
-            f"GREEK {'CAPITAL' if word[0].isupper() else 'SMALL'} LETTER "
-            f"{word.upper().replace('LAMBDA', 'LAMDA')}"
-        )
-    ]
-} | {"µ": "mu", "ϕ": "phi", "ϑ": "theta", "ϵ": "epsilon"}
-"""Names that LaTeX writes as Greek letters."""
-SYMBOLS = {
-    name: re.sub(r"_(\w)$", r"_{\1}", QUANTITIES[name].latex)
-    for name in ("mu", "phi_dot", "theta_dot", "omega3", "theta")
-} | {
+
+SYMBOLS = {n: OF_DISK[n] for n in ("mu", "phi_dot", "theta_dot", "omega3", "theta")} | {
     "lam": r"\lambda",
     "omega3_c": r"\omega_{3,c}",
-    "gn": "g_{n}",
-    "vA": "v_{A}",
     "vx": "v_{x}",
-    "bx": "b_{x}",
-    "by": "b_{y}",
-    "bz": "b_{z}",
-    "Fx": "F_{x}",
-    "Fy": "F_{y}",
     "oo": r"\infty",
-    "tilt0": r"\mathrm{tilt}_{0}",
+    "tilt0": r"\mathit{tilt}_{0}",
     "det": r"\det ",
-    "pi": r"\pi",
 }
 """Names of the package's formulas."""
-FUNCTIONS = ("sin", "cos", "tan", "log", "ln", "exp")
-SIGNS = {
-    "*": r"\,",
-    "≤": r"\le ",
-    "≥": r"\ge ",
-    "≠": r"\ne ",
-    "→": r"\to ",
-    "∞": r"\infty ",
-    "±": r"\pm ",
-    "·": r"\cdot ",
-    "×": r"\times ",
-    "…": r"\ldots ",
-    "{": r"\{",
-    "}": r"\}",
-    "∂": r"\partial ",
-    "′": "'",
-    "%": r"\%",
-    "&": r"\&",
-    "#": r"\#",
-    "$": r"\$",
-    "~": r"\sim ",
-    "≈": r"\approx ",
-    "∈": r"\in ",
-    "−": "-",
-    "–": "-",
-    "_": r"\_",
-    "\\": r"\backslash ",
-    "\u2060": "",
-}
 ACCENTS = {"\u0307": "dot", "\u0308": "ddot", "\u0302": "hat"}
 _SUPER, _SUB = "⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "₀₁₂₃₄₅₆₇₈₉"
 _DIGITS = str.maketrans(_SUPER + _SUB, "0123456789-0123456789")
@@ -121,12 +75,7 @@ def _typeset(tokens: list[tuple[str, str]]) -> str:
             out += _space(tokens[max(at - 2, 0) : at - 1], tokens[at : at + 1])
         else:
             out += _one(kind, word)
-    return _breaking(out)
-
-
-def _breaking(text: str) -> str:
-    """A text that may break within an exact number, which may be long."""
-    return re.sub(r"(\d{9,}/)(?=\d)", r"\1\\allowbreak ", text)
+    return breaking(out)
 
 
 def _space(before: list[tuple[str, str]], after: list[tuple[str, str]]) -> str:
@@ -168,85 +117,20 @@ def _one(kind: str, word: str) -> str:
         return f"_{{{word.translate(_DIGITS)}}}"
     if kind == "name":
         return _name(word)
-    if kind == "number" and "e" in word:
-        digits, _, power = word.partition("e")
-        return rf"{digits}\cdot10^{{{int(power)}}}"
+    if kind == "number":
+        return scientific(word)
     return SIGNS.get(word, word)
 
 
 def _name(word: str) -> str:
     if word in SYMBOLS:
         return SYMBOLS[word] + (" " if SYMBOLS[word][-1].isalpha() else "")
-    if word in GREEK:
-        return f"\\{word} "
     match = re.fullmatch(rf"(d?)({'|'.join(FUNCTIONS)})", word)
     if match:
         return rf"{match[1]}\{match[2]} "
-    head, *subs = word.split("_")
-    digits = re.fullmatch(r"([A-Za-z]+)(\d+)", head)
-    if digits:
-        head, subs = digits[1], [digits[2], *subs]
-    letters = head if len(head) <= 2 else rf"\mathrm{{{head}}}"
-    return letters + (f"_{{{','.join(subs)}}}" if subs else "")
-
-
-# --- names of a user's system ---
-
-
-def symbol(name: str) -> str:
-    r"""The name of a variable in mathematics of LaTeX.
-
-    Parameters
-    ----------
-    name
-        Name of a variable, such as `phi_dot` or `sin(theta)`.
-
-    Examples
-    --------
-    >>> print(symbol("omega_0"), symbol("sin(theta)"), symbol("sqrt(b)"), symbol("de"))
-    \omega_{0} \sin\left(\theta\right) \sqrt{b} \mathit{de}
-    """
-    match = re.fullmatch(r"([^\W\d_]\w*)\((.*)\)", name)
-    if match:
-        inner = converted(match[2])
-        if match[1] == "sqrt":
-            return rf"\sqrt{{{inner}}}"
-        known = match[1] in ("sin", "cos", "tan", "exp", "log", "sinh", "cosh", "tanh")
-        head = f"\\{match[1]}" if known else rf"\mathrm{{{match[1]}}}"
-        return rf"{head}\left({inner}\right)"
-    first, *rest = [p for p in name.split("_") if p] or ["x"]
-    digits = re.fullmatch(r"([A-Za-z]+)(\d+)", first)
-    if digits:
-        first, rest = digits[1], [digits[2], *rest]
-    head = _letter(first)
-    return head + (f"_{{{','.join(_letter(r) for r in rest)}}}" if rest else "")
-
-
-def _letter(word: str) -> str:
-    if word in GREEK:
-        return f"\\{word}"
-    if word.isascii() and (len(word) == 1 or word.isdigit()):
+    if len(word) == 2 and word.isalpha():  # a product, such as gR
         return word
-    if word in GREEK_LETTERS:
-        return f"\\{GREEK_LETTERS[word]}"
-    if not word.isascii() or " " in word:
-        return rf"\text{{{escaped(word)}}}"
-    safe = "".join(c for c in word if c.isalnum())
-    return rf"\mathit{{{safe or 'x'}}}"
-
-
-def converted(text: str, names: Collection[str] = ()) -> str:
-    """The text of an expression in a user's names; names such as sqrt(b) are one symbol."""
-    known = "".join(rf"(?<!\w){re.escape(n)}(?!\w)|" for n in sorted(names, key=len, reverse=True))
-    out: list[str] = []
-    for token in re.findall(rf"{known}[<>]=|\*\*\d+|[^\W\d_]\w*|\d+|.", text):
-        if token.startswith("**"):
-            out[-1] = f"{{{out[-1].strip()}}}^{{{token[2:]}}} "
-        elif token[0].isalpha():
-            out.append(f"{symbol(token)} ")
-        else:
-            out.append({"*": r"\,", "<=": r"\leq ", ">=": r"\geq "}.get(token, token))
-    return " ".join("".join(out).split())
+    return symbol(word) + " " * (word in GREEK)
 
 
 # --- sentences ---
@@ -256,11 +140,6 @@ UNITS = frozenset(kind.si for kind in Kind if "/" in kind.si) | {"uA/cm2"}
 _SIGN = re.compile(
     rf"[*^=<>\u2060≤≥≠²³√→∞±∂∈≈′|{_SUPER}{_SUB}\u0370-\u03ff]|_|[xyz0-9][{''.join(ACCENTS)}]|\w\["
 )
-_NEXT_TO_SIGN = re.compile(
-    r"(?<![\w/])(A|by)(?= [+=<>≤≥-] )|(?<= [+=<>≤≥-] )(A|by)(?![\w/])(?! [a-z]{2})"
-    r"|(?<= of )A\b|\bA(?= has )"
-)
-"""Words of English that are symbols next to a sign."""
 _FREE = re.compile(r"[\d.,;:()+\-/=<>…·]+|->|A")
 _OPERATOR = tuple("+-=<>≤≥≠·*/→")
 _CODE = re.compile(r"[\w./-]+\.py(::\w+)?|\w+(/\w+){2,}")
@@ -299,9 +178,7 @@ def prose(text: str) -> str:
     """
     out: list[str] = []
     run: list[str] = []
-    joined = re.sub(r"\b(sin|cos) a\b", "\\1\u2060a", text)
-    joined = re.sub(r"\ba (?==)|(?<== )a (?=\w+\^)", "\u2060a ", joined)
-    joined = _NEXT_TO_SIGN.sub("\u2060\\g<0>", joined)
+    joined = re.sub(r"\ba (?==)|(?<== )a (?=\w+\^)", "\u2060a ", text)  # a symbol next to a sign
     for word in joined.split():
         if _mathy(word) or _FREE.fullmatch(word):
             if run and word[0] in "([" and not run[-1].endswith(_OPERATOR):
@@ -355,38 +232,6 @@ def _plain(word: str) -> str:
     return escaped(quoted).replace("@@", "``")
 
 
-def escaped(text: str) -> str:
-    r"""A text with the special characters of LaTeX replaced.
-
-    Examples
-    --------
-    >>> print(escaped("a_1 & 50% of x**2"))
-    a\_1 \& 50\% of x**2
-    """
-    table = {
-        "\\": r"\textbackslash{}",
-        "{": r"\{",
-        "}": r"\}",
-        "_": r"\_",
-        "&": r"\&",
-        "%": r"\%",
-        "#": r"\#",
-        "$": r"\$",
-        "^": r"\^{}",
-        "~": r"$\sim$",
-        "<": "$<$",
-        ">": "$>$",
-        "λ": r"$\lambda$",
-        "²": "$^2$",
-        "…": r"\dots{}",
-        "√": r"$\surd$",
-    }
-    table |= {sign: f"${SIGNS[sign].rstrip()}$" for sign in "≈≤≥→≠±·∞"}
-    table |= {letter: rf"$\{word}$" for letter, word in GREEK_LETTERS.items()}
-    found = "".join(table.get(c, c) for c in text)  # LaTeX reads other letters in UTF-8
-    return _breaking(found)
-
-
 def unit(text: str, *, dimensionless: bool = False) -> str:
     r"""A unit in LaTeX.
 
@@ -415,8 +260,5 @@ def number(text: str) -> str:
     """
     if text == "-":
         return "--"
-    match = re.fullmatch(r"([+-]?)(\d*\.?\d+)(?:e([+-]?\d+))?", text)
-    if not match:
-        return escaped(text)
-    power = rf"\cdot10^{{{int(match[3])}}}" if match[3] else ""
-    return f"${match[1]}{match[2]}{power}$"
+    known = re.fullmatch(r"[+-]?\d*\.?\d+(e[+-]?\d+)?", text)
+    return f"${scientific(text)}$" if known else escaped(text)

@@ -19,7 +19,7 @@ from ..boundary.two_parameters.point_records import PointKind
 from ..boundary.two_parameters.points import codimension_two
 from ..systems.system import System
 from .benchmarks.bicycle import BENCHMARK, bicycle
-from .benchmarks.row import PUBLISHED, QUOTED, Source, at_zero, symbols, system_of
+from .benchmarks.row import PUBLISHED, QUOTED, BenchmarkRow, Source, at_zero, symbols, system_of
 from .printed import Value, of_printed_values, printed_row
 from .table import About, Standing
 
@@ -109,7 +109,7 @@ def folds(one: Curve, low: float, high: float) -> list[Value]:
 # --- models ---
 
 
-def reaction() -> list[dict[str, Any]]:
+def reaction() -> list[BenchmarkRow]:
     """Rows of the reaction: both folds and the Hopf point."""
     u, w, p, m = symbols("u w p m")
     made = p * (1 - u) * ca.exp(w)
@@ -124,7 +124,7 @@ def reaction() -> list[dict[str, Any]]:
     ]
 
 
-def control() -> list[dict[str, Any]]:
+def control() -> list[BenchmarkRow]:
     """Rows of the adaptive control: Hopf point, frequency, first Lyapunov coefficient."""
     x, v, a, alpha = symbols("x v a alpha")
     system = system_of("control", [x, v, a], [alpha], [v, a, -alpha * a - v - x + x**2])
@@ -142,7 +142,7 @@ def control() -> list[dict[str, Any]]:
     ]
 
 
-def lorenz() -> list[dict[str, Any]]:
+def lorenz() -> list[BenchmarkRow]:
     """Row of Lorenz's equations: the Hopf point."""
     x, y, z, r = symbols("x y z r")
     system = system_of(
@@ -153,7 +153,7 @@ def lorenz() -> list[dict[str, Any]]:
     return [printed_row(LORENZ, "r at the Hopf point", "24.7368", (point.value, point.error))]
 
 
-def oxidation() -> list[dict[str, Any]]:
+def oxidation() -> list[BenchmarkRow]:
     """Rows of the oxidation: Hopf points at k = 2/5, double zeros, the cusp."""
     x, y, s, q, k, r = symbols("x y s q k r")
     z = 1 - x - y - s
@@ -186,7 +186,7 @@ def oxidation() -> list[dict[str, Any]]:
     return [*rows, printed_row(OXIDATION, "k at the cusp", "0.35665351", k_cusp, note=CUSP)]
 
 
-def winds() -> list[dict[str, Any]]:
+def winds() -> list[BenchmarkRow]:
     """Rows of Lorenz-84: the ends of the bracket of its fold."""
     x, y, z, u, F, X = symbols("x y z u F X")
     size = (X - 1) ** 2 + X**2
@@ -209,7 +209,7 @@ def winds() -> list[dict[str, Any]]:
     ]
 
 
-def bazykin() -> list[dict[str, Any]]:
+def bazykin() -> list[BenchmarkRow]:
     """Rows of Bazykin's equations without crowding of the predator: both Hopf points."""
     x, y, a = symbols("x y a")
     eaten = x * y / (1 + a * x)
@@ -222,7 +222,7 @@ def bazykin() -> list[dict[str, Any]]:
     ]
 
 
-def skate() -> list[dict[str, Any]]:
+def skate() -> list[BenchmarkRow]:
     """Row of the skate: the speed above which weave is stable."""
     given: dict[str, Any] = dict.fromkeys(BENCHMARK, 0.0) | {
         "w": 1.0,
@@ -236,7 +236,7 @@ def skate() -> list[dict[str, Any]]:
     return [printed_row(SKATE, "speed of weave", "2.841008324", value, unit="m/s")]
 
 
-def section() -> list[dict[str, Any]]:
+def section() -> list[BenchmarkRow]:
     """Rows of the typical section in steady flow: reduced speeds of flutter and divergence.
 
     a = -1/5, e = -1/10, μ = 20, r² = 6/25, σ = 2/5; lengths in semichords, rates in those of twist.

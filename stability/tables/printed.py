@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
-from ..base.types import Progress
-from .benchmarks.row import AGREES, COLUMNS, Source, benchmark_lines, compared
-from .table import Column, Definition, as_printed, framed
+from .benchmarks.row import (
+    AGREES,
+    COLUMNS,
+    BenchmarkRow,
+    Case,
+    Source,
+    compared,
+    of_known_values,
+    rows_of,
+)
+from .table import Column, Definition, as_printed
 
 BOUND = Column(
     "bound", "proved bound on the error of the recomputed value, in 16 digits", form="{:.0e}"
@@ -33,7 +43,7 @@ def printed_row(
     unit: str = "",
     status: str = "",
     note: str = "",
-) -> dict[str, Any]:
+) -> BenchmarkRow:
     """A row from a printed value and the package's; `note` says why these differ, or none is."""
     number, error = value or (None, None)
     row = compared(about, quantity, known, number, unit=unit, reason=note)
@@ -41,35 +51,15 @@ def printed_row(
     said = status or row.status
     if value is not None and not status and row.status != AGREES:
         said = f"differs: {row.status}" + (f"; {note}" if note else "")
-    cells = {c.name: getattr(row, c.name, None) for c in PRINTED}
-    return cells | {"bound": bound, "status": said}
+    return replace(row, bound=bound, status=said)
 
 
-def of_printed_values(
-    heading: str, cases: tuple[Callable[[], list[dict[str, Any]]], ...], **more: Any
-) -> Definition:
+def of_printed_values(heading: str, cases: tuple[Case, ...], **more: Any) -> Definition:
     """The definition of a table whose rows each case returns."""
-
-    def rows(progress: Progress | None = None) -> list[dict[str, Any]]:
-        table: list[dict[str, Any]] = []
-        for done, case in enumerate(cases, start=1):
-            table += case()
-            if progress is not None:
-                progress(done, len(cases))
-        return table
-
-    return Definition(
-        heading,
-        PRINTED,
-        rows,
-        ("progress",),
-        lambda table: _counts(table.rows),
-        lambda table: framed(table, benchmark_lines(table.rows, PRINTED)),
-        **more,
-    )
+    return of_known_values(heading, partial(rows_of, cases), columns=PRINTED, notes=_counts, **more)
 
 
-def _counts(rows: list[dict[str, Any]]) -> list[str]:
+def _counts(rows: Sequence[dict[str, Any]]) -> list[str]:
     differ = sum(row["status"].startswith("differs") for row in rows)
     missing = sum(row["recomputed"] is None for row in rows)
     agree = len(rows) - differ - missing

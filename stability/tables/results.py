@@ -8,7 +8,7 @@ from typing import Any
 
 from ..base.quantities import Kind
 from ..base.verdict import Verdict
-from .letters import symbol
+from ..derivation.latex import symbol
 from .table import Column, Definition, Table, latex, word
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ..algebra.polynomial import Polynomial
 from ..base.exact_numbers import decimal_of, written
 from ..base.quantities import readable
-from .letters import converted, escaped, symbol
+from ..derivation.latex import converted, escaped, powers, scientific, symbol
 from .letters import unit as unit_in_latex
 from .table import END, Column, Definition, Table, word
 
@@ -206,15 +205,10 @@ def record(found: Conditions) -> dict[str, Any]:
 
 def _formula(poly: Polynomial, relation: str, label: str = "") -> str:
     """A polynomial with a relation as displayed mathematics, broken into lines, with a label."""
-    parts = []
+    parts, names = [], {n: symbol(n) for n in poly.variables}
     for sign, size, exponents in _terms(poly, _size(poly)):
-        powers = [
-            symbol(n) if e == 1 else f"{{{symbol(n)}}}^{{{e}}}"
-            for n, e in zip(poly.variables, exponents, strict=True)
-            if e
-        ]
-        size = re.sub(r"e([+-])0*(\d+)", r" \\cdot 10^{\1\2}", size).replace("{+", "{")
-        words = [size] * (size != "1" or not powers) + powers
+        factors = powers(poly.variables, exponents, names)
+        words = [scientific(size)] * (size != "1" or not factors) + factors
         parts.append(f"{sign} {' '.join(words)}")
     parts = parts or ["0"]
     parts[0] = parts[0].removeprefix("+ ")

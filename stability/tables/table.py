@@ -16,10 +16,11 @@ from typing import Any
 from ..base.printing import html_table
 from ..base.quantities import Kind, Quantity, readable
 from ..base.types import Record, Sentences
+from ..derivation.latex import escaped
 from ..storage.files import write_file
 from ..storage.targets import check_suffix, check_target
 from ..storage.text import csv_text, json_text
-from .letters import escaped, number, prose, unit
+from .letters import number, prose, unit
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from flint import arb
@@ -26,6 +27,7 @@ from .benchmarks.row import (
     at_threshold,
     compared,
     of_known_values,
+    rows_of,
     threshold,
 )
 from .table import About, Standing
@@ -66,25 +68,23 @@ def threshold_rows(progress: Progress | None = None) -> list[BenchmarkRow]:
     >>> first.known, round(first.recomputed, 4), first.origin
     ('-4.6851', -4.6851, 'quoted at second hand')
     """
-    rows = [_relative_spin()]
-    for done, (family, law, formula, square) in enumerate(FORMULAS, start=1):
-        rows.append(_change(family, law, formula, square))
-        if progress is not None:
-            progress(done, len(FORMULAS))
-    return rows + _circling()
+    changes = (partial(_change, *formula) for formula in FORMULAS)
+    return rows_of([_relative_spin, *changes, _circling], progress)
 
 
-def _relative_spin() -> BenchmarkRow:
+def _relative_spin() -> list[BenchmarkRow]:
     theta = math.pi / 2 - math.radians(LEAN)
     at = [theta, PRECESSION * float(DISK.time)]
     state = disk_family("circling", "rough").member(at, [float(DISK.k)])
     found = state[3] * DISK.rate - PRECESSION * math.cos(theta)
     what = f"relative spin, no slip, lean {LEAN}°, precession {PRECESSION} rad/s"
     about = Source("disk of 0.5 m, no slip", REPORT, QUOTED)
-    return compared(about, what, SPIN, float(found), unit="rad/s")
+    return [compared(about, what, SPIN, float(found), unit="rad/s")]
 
 
-def _change(family: str, law: str, formula: str, square: Callable[[arb], arb]) -> BenchmarkRow:
+def _change(
+    family: str, law: str, formula: str, square: Callable[[arb], arb]
+) -> list[BenchmarkRow]:
     with precision(BITS):
         rate = (arb(DISK.gravity) / arb(DISK.radius)).sqrt()
         known = _digits(square(arb(DISK.k)).sqrt() * rate)
@@ -92,14 +92,9 @@ def _change(family: str, law: str, formula: str, square: Callable[[arb], arb]) -
     values: dict[str, Any] = {"k": float(DISK.k)} | ({"mu": MU} if law == "viscous" else {})
     found = threshold(disk_family(family, law), near / 2, 2 * near, **values)
     quantity = {"rolling": "omega3", "spinning": "phi_dot"}[family]
-    return at_threshold(
-        Source(f"{family} of the disk of 0.5 m", LINEAR),
-        f"{quantity} of {family}, {law}: the root of {formula}",
-        known,
-        found,
-        unit="rad/s",
-        scale=float(DISK.rate),
-    )
+    about = Source(f"{family} of the disk of 0.5 m", LINEAR)
+    what = f"{quantity} of {family}, {law}: the root of {formula}"
+    return [at_threshold(about, what, known, found, unit="rad/s", scale=float(DISK.rate))]
 
 
 def _circling() -> list[BenchmarkRow]:
@@ -168,7 +163,6 @@ def _digits(value: arb) -> str:
 TABLE = of_known_values(
     "thresholds of a disk of 0.5 m, by contact law",
     threshold_rows,
-    ("progress",),
     about=About(
         REPORT,
         "nothing; the disk and one spin are quoted at second hand",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import casadi as ca
 from flint import arb
@@ -14,7 +13,7 @@ from ..bodies.contact_laws import Rough
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..motion.simulate import simulate
-from .benchmarks.row import CLOSED, QUOTED, Source
+from .benchmarks.row import CLOSED, QUOTED, BenchmarkRow, Source
 from .peers import BITS
 from .printed import of_printed_values, printed_row
 from .table import About, Standing
@@ -37,7 +36,7 @@ def _tumbling_rate(theta: float) -> float:
     return float(pair.family("tumbling", "rough").member([theta], [0.4, 1.4])[2])
 
 
-def balls() -> list[dict[str, Any]]:
+def balls() -> list[BenchmarkRow]:
     """Rows of the hurricane balls: the rate at which one lifts, and the inclination of a rate."""
     rate = _tumbling_rate(math.pi / 2) * math.sqrt(9.81 / 0.008) / (2 * math.pi)
     inclined = math.sin(math.radians(LEAN))
@@ -49,7 +48,7 @@ def balls() -> list[dict[str, Any]]:
     ]
 
 
-def toy() -> list[dict[str, Any]]:
+def toy() -> list[BenchmarkRow]:
     """Row of the toy: mass of a disk with round edges, by Pappus, in balls."""
     with precision(BITS):
         R, h, f, density = (arb(v) for v in ("0.03755", "0.0128", "0.002", "7792.2775"))
@@ -59,7 +58,7 @@ def toy() -> list[dict[str, Any]]:
     return [printed_row(TOY, "mass", ".4387", value, unit="kg")]
 
 
-def coin() -> list[dict[str, Any]]:
+def coin() -> list[BenchmarkRow]:
     """Row of the coin: how far its contact has moved along x in half a second."""
     theta, rate = math.pi / 2 + math.radians(1), 10 * math.pi
     start = {"theta": theta, "phi_dot": rate, "omega3": rate * math.cos(theta)}
@@ -70,7 +69,7 @@ def coin() -> list[dict[str, Any]]:
     return [printed_row(COIN, what, ".002004099927", (moved, None), unit="m", note=ERROR)]
 
 
-def without_value() -> list[dict[str, Any]]:
+def without_value() -> list[BenchmarkRow]:
     """Rows of what is not covered."""
     words = "inclination, forbidden region, critical aspect ratio"
     none = "the numbers of its disk were not at hand"

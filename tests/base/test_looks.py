@@ -15,8 +15,8 @@ from node import Engine
 
 import stability as st
 from stability.base.looks import DARK, HATCHES, LIGHT, LOOKS, OCHRE, PATTERNS, YELLOW
-from stability.compare.failures import LINEAR, Entry
-from stability.compare.figures import ladder_figure
+from stability.compare.failures import LINEAR, STEPS, Entry
+from stability.compare.figures import _shares_figure
 from stability.compare.marks import Mark
 from stability.compare.page import _cell, write
 from stability.figures.diagram import caption
@@ -61,7 +61,7 @@ def test_a_diagram_draws_undecided_cells_and_boxes_as_the_table_says(look: Any) 
 
 
 def test_a_report_draws_undecided_answers_as_the_table_says(look: Any, tmp_path: Path) -> None:
-    figure = ladder_figure(["a"], [True], [-1], np.array([[[0.0, 1.0, 0.0]]]))
+    figure = _shares_figure(["ad"], ["10"], np.array([[[0.0, 1.0, 0.0]]]), marks=STEPS)
     cell = figure.axes[0].patches[0]
     assert to_hex(cell.get_facecolor()) == look.cell[0] and cell.get_hatch() == look.cell[1]
     entry = Entry(LINEAR, "g", "c", "m", Mark.UNDECIDED, float("nan"), "", ())

@@ -18,13 +18,14 @@ import numpy as np
 import pytest
 import reference
 from numpy.typing import NDArray
+from proofs import stored as kept
+from proofs.disk_polynomials import derive
 
 import stability as st
 from stability.algebra.upright import UPRIGHT
 from stability.base.errors import StabilityError
 from stability.bodies.families import FAMILIES, SteadyFamily
 from stability.cli import main
-from stability.derivation.characteristic import derive
 from stability.tables.registry import definition
 
 EDGE_ON = SteadyFamily(
@@ -271,8 +272,6 @@ def test_what_has_no_polynomial_says_so(family: str) -> None:
 
 
 def test_a_polynomial_is_derived_from_the_record(monkeypatch: pytest.MonkeyPatch) -> None:
-    from stability.derivation.characteristic import derive
-
     monkeypatch.setitem(FAMILIES, "edge-on", EDGE_ON)
     found = derive("edge-on", "rough")
     assert [str(f.as_expr()) for f in found.factors] == ["k*lam**2 + k*z + lam**2 + z - 1"]
@@ -300,12 +299,10 @@ def test_a_stored_polynomial_makes_its_answers_exact(
 def test_a_family_whose_graph_has_another_form_gets_no_polynomial(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    from stability.derivation import hurwitz
-
     monkeypatch.setitem(FAMILIES, "coning", CONING)
-    monkeypatch.setattr(hurwitz, "LAWS", {"rough": None})
-    monkeypatch.setattr(hurwitz, "families_under", lambda _: [CONING, FAMILIES["rolling"]])
-    assert list(hurwitz.catalogue()["cases"]) == ["rolling rough"]
+    monkeypatch.setattr(kept, "LAWS", {"rough": None})
+    monkeypatch.setattr(kept, "families_under", lambda _: [CONING, FAMILIES["rolling"]])
+    assert list(kept.of_disk()["cases"]) == ["rolling rough"]
 
 
 def test_a_condition_with_several_roots_names_them_all(monkeypatch: pytest.MonkeyPatch) -> None:

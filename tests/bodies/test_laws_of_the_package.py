@@ -7,13 +7,13 @@ from typing import ClassVar
 import numpy as np
 import pytest
 from own_law import Cubic, Weakening
+from proofs import stored as kept
+from proofs.disk_polynomials import derive
 
 import stability as st
 from stability.bodies import contact_laws
 from stability.bodies.contact_laws import LAWS, MOTION_LAWS
 from stability.bodies.disk_polynomials import stored, stored_laws
-from stability.derivation import hurwitz
-from stability.derivation.characteristic import derive
 from stability.tables.conditions import _contacts
 
 
@@ -52,8 +52,8 @@ def test_deriving_leaves_out_a_law_whose_numbers_are_others(
     law: type[st.Contact], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A stored polynomial reads mu and c alone: with nu it would have been that of mu = 1."""
-    monkeypatch.setattr(hurwitz, "LAWS", {law.name: law})
-    assert hurwitz.catalogue()["cases"] == {}
+    monkeypatch.setattr(kept, "LAWS", {law.name: law})
+    assert kept.of_disk()["cases"] == {}
     with pytest.raises(st.StabilityError, match=r"derived for laws of mu \[s/m\] or c \[kg/s\]"):
         derive("rolling", law.name)
 

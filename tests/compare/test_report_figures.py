@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 
 from stability.base.looks import LOOKS as VERDICT_LOOKS
 from stability.compare import failures as catalogue
-from stability.compare import page, report
+from stability.compare import page
 from stability.compare.figures import (
     LOOKS,
     OPEN,
@@ -25,7 +25,9 @@ from stability.compare.figures import (
     PALE,
     PEOPLE,
     SOLID,
+    _shares_figure,
     boundary_figure,
+    failure_figure,
     first_call_figure,
     ladder_figure,
     motion_figure,
@@ -99,7 +101,7 @@ def figures(
     """Every figure of the report but those of scenes."""
     names = list(catalogue.ROUTE_NAMES)
     share = np.random.default_rng(1).dirichlet([3, 1, 1], size=(len(names), 15))
-    own = [n in catalogue.own_methods() for n in names]
+    heads = [str(d) for d in range(15)]
     draw: dict[str, Callable[[], Figure]] = {
         "verdict": lambda: verdict_figure(spectrum),
         "eigenvalues": lambda: spectrum_figure(spectrum),
@@ -107,10 +109,10 @@ def figures(
         "path": lambda: motion_figure(motion, "path"),
         "event": lambda: motion_figure(motion, "event"),
         "first": lambda: first_call_figure(motion),
-        "linear": lambda: report._failure_figure(cases, "linear"),
-        "motion": lambda: report._failure_figure(cases, "motion"),
-        "ladder": lambda: report._ladder_figure(cases),
-        "other": lambda: ladder_figure(names, own, [*range(-1, -16, -1)], share),
+        "linear": lambda: failure_figure([e for e in cases if e.part == "linear"]),
+        "motion": lambda: failure_figure([e for e in cases if e.part == "motion"]),
+        "ladder": lambda: ladder_figure(cases),
+        "other": lambda: _shares_figure(names, heads, share, marks=catalogue.STEPS, label="d"),
     }
     return Drawn(draw)
 

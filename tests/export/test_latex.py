@@ -14,7 +14,7 @@ from programs import needed
 
 import stability as st
 from stability.cli.commands import main
-from stability.export.to_latex import symbol, symbols
+from stability.derivation.latex import symbol, symbols
 
 RNG = np.random.default_rng(7)
 
@@ -176,7 +176,7 @@ def test_conditions_alone_and_a_part_of_a_document() -> None:
         ("omega_theta", r"\omega_{\theta}"),
         ("I3", "I_{3}"),
         ("speed", r"\mathit{speed}"),
-        ("a_b_c", r"\mathit{a\_b\_c}"),
+        ("a_b_c", "a_{b,c}"),
         ("y_dot", r"\dot{y}"),
         ("sqrt(b)", r"\sqrt{b}"),
     ],

@@ -11,7 +11,6 @@ import pytest
 
 import stability as st
 from stability.bodies.resistance import Resistance
-from stability.boundary.mean_path import thin_ring
 
 TOP = st.EccentricSphere(0.1)
 ROLL = st.RollingResistance(0.01)
@@ -138,8 +137,6 @@ CASES: list[tuple[Callable[[], Any], str]] = [
     (lambda: retrograde(share=[2]), "share is [2]; its numbers must lie in [0, 1]"),
     (lambda: retrograde(starts=None), "starts is None; give a list of pairs"),
     (lambda: retrograde(starts=[]), "starts is []; give a list of pairs"),
-    (lambda: thin_ring("a"), "inner is 'a'; a real number is needed"),  # type: ignore[arg-type]
-    (lambda: thin_ring(2), "inner is 2; it must lie in [0, 1]"),
     (lambda: st.Scene(body=3, contact="rough", start={"theta": 1}), "body is 3; give a stab"),
     (lambda: launched(body=3), "body is 3; give a stability.Body or a stability.Disk"),
     (lambda: launched(body=TOP, family=np.ones(2)), "family is an array of shape (2,)"),
@@ -232,7 +229,7 @@ def calls(value: Any) -> Iterator[Callable[[], Any]]:
     ):
         yield lambda name=name: body(**{name: value})
     named = st.Torus, st.Spheroid, st.EccentricSphere, st.ThickDisk, st.Egg, st.from_profile
-    for make in (*named, st.AirTorque, st.RollingResistance, st.PivotingResistance, thin_ring):
+    for make in (*named, st.AirTorque, st.RollingResistance, st.PivotingResistance):
         yield lambda make=make: make(value)
     yield lambda: body(limits={"a": (0, value)})
     yield lambda: body(lambda theta, a: value)  # noqa: ARG005

@@ -290,25 +290,26 @@ def test_another_table_of_polynomials_is_refused(
 
 @pytest.mark.parametrize("derived", ["as stored", pytest.param("again", marks=pytest.mark.long)])
 def test_deriving_writes_the_table_and_its_digest(tmp_path: Path, derived: str) -> None:
+    from proofs import stored
+
     import stability.bodies.disk_polynomials as module
-    import stability.derivation.hurwitz as hurwitz
 
     table = Path(module.__file__).parent / module.DATA
     source = Path(module.__file__).read_text(encoding="utf-8")
     assert module.digest(table.read_bytes()) == module.DIGEST
     assert module.digest(table.read_bytes().replace(b"\n", b"\r\n")) == module.DIGEST
-    derive = hurwitz.catalogue
+    derive = stored.of_disk
     if derived == "as stored":
         derive = partial(json.loads, table.read_bytes())
     (tmp_path / "exact.py").write_text(source.replace(module.DIGEST, "0" * 64), encoding="utf-8")
-    where = str(tmp_path / "exact.json"), str(tmp_path / "exact.py")
-    assert hurwitz.write(*where, derive) == list(json.loads(table.read_bytes())["cases"])
-    assert hurwitz.write(*where, derive) == []
+    where = tmp_path / "exact.json", tmp_path / "exact.py"
+    assert stored.write(*where, derive) == list(json.loads(table.read_bytes())["cases"])
+    assert stored.write(*where, derive) == []
     assert (tmp_path / "exact.json").read_bytes() == table.read_bytes()
     assert (tmp_path / "exact.py").read_text(encoding="utf-8") == source
     (tmp_path / "exact.py").write_text("no digest here", encoding="utf-8")
     with pytest.raises(st.StabilityError, match="0 lines for the digest"):
-        hurwitz.write(str(tmp_path / "other.json"), str(tmp_path / "exact.py"), derive)
+        stored.write(tmp_path / "other.json", tmp_path / "exact.py", derive)
     assert not (tmp_path / "other.json").exists()
 
 

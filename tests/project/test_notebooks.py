@@ -86,7 +86,7 @@ def test_a_notebook_is_kept_with_its_output_and_small_pictures(path: Path) -> No
 
 
 FAST = ["README.md", "docs/explanation/contact-laws.md"]
-PAGES = [f"docs/explanation/{name}.md" for name in ("tour", "compare", "scenes")]
+PAGES = [f"docs/explanation/{name}.md" for name in ("tour", "scenes")]
 
 
 @pytest.mark.parametrize("page", [*FAST, *(pytest.param(p, marks=pytest.mark.long) for p in PAGES)])

@@ -13,7 +13,7 @@ from random_body_scenes import columns, far
 
 import stability as st
 from stability.motion.round_starts import gather_round as gather
-from stability.scene.rungs.drifting import NumericManifold, SlowManifold, _numeric, drifting
+from stability.scene.rungs.drifting import SlowManifold, _manifold, drifting
 from stability.scene.rungs.track import Problem, Refused, Track, relative
 
 STATES = ("theta", "theta_dot", "phi_dot", "omega3", "slip_x", "slip_y")
@@ -56,22 +56,18 @@ def test_the_error_falls_as_the_square_of_the_tilt_over_the_same_share_of_the_wa
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.15)
 
 
-def test_the_closed_form_obeys_the_rates_and_keeps_the_integral() -> None:
-    slow = SlowManifold(0.25, 1.0, 0.02, 1.8)
-    times = np.linspace(0, 0.8 * slow.crossing, 7)
-    tilt, spin = slow.at(times)
-    ahead, back = slow.at(times + 1e-2), slow.at(times - 1e-2)
-    for i, rate in enumerate(slow.rates(tilt, spin)):
-        assert (ahead[i] - back[i]) / 2e-2 == pytest.approx(rate, rel=1e-6)
-    kept = tilt**2 * (3 * spin**2 - 1) / spin**2  # 2 (2k + 1) = 3
-    assert kept == pytest.approx(kept[0], rel=1e-12)
-
-
-def test_the_crossing_is_that_of_the_drift() -> None:
-    slow = SlowManifold(0.25, 1.0, 0.02, 1.8)
-    found = st.drift(at=1.8, tilt=0.02, contact=st.Viscous(1.0), launch=False)
-    assert slow.crossing == pytest.approx(found.time, rel=1e-12)
-    assert abs(slow.at(np.array([slow.crossing]))[1][0]) == pytest.approx(found.threshold, rel=1e-9)
+def test_the_manifold_of_the_disk_keeps_the_integral_and_has_the_rates_of_the_closed_form() -> None:
+    """The closed form is derived from another graph: notebooks/proofs/centre_manifold.py."""
+    law = st.Viscous(1.0)
+    slow = _manifold(_problem(0.25, law, st.launch("rolling", at=1.8, tilt=2e-2), 4e3), 0.02, 1.8)
+    assert isinstance(slow, SlowManifold)
+    tilts, spins = slow.at(np.linspace(0, 4e3, 7))
+    kept = tilts**2 * (3 * spins**2 - 1) / spins**2  # 2 (2k + 1) = 3
+    assert kept == pytest.approx(kept[0], rel=1e-7)
+    for tilt, spin in zip(tilts, spins, strict=True):
+        found = st.drift(at=spin, tilt=tilt, contact=law, launch=False)
+        wanted = found.tilt_rate * tilt**3, found.spin_rate * tilt**2
+        assert [float(v) for v in slow.rates(tilt, spin)] == pytest.approx(wanted, rel=1e-6)
 
 
 def test_a_scene_of_long_rolling_is_answered_by_the_drift() -> None:
@@ -110,19 +106,6 @@ def _off(body: st.Body, law: Any, start: Any, last: float) -> tuple[float, float
     return far(track.states, columns(run)), track.error
 
 
-@pytest.mark.parametrize("law", [st.Viscous(0.7), st.LinearViscous(2.0)])
-@pytest.mark.parametrize(("k", "spin", "last"), [(0.25, 1.8, 4e3), (0.45, -1.4, 2e3)])
-def test_the_drift_of_a_body_is_the_closed_form_of_the_disk(
-    k: float, spin: float, last: float, law: Any
-) -> None:
-    disk, start = st.Disk(k=k), st.launch("rolling", at=spin, tilt=-5e-3)
-    one = drifting(_problem(k, law, start, last))
-    other = drifting(_of_body(disk_as_body(disk), law, start, last))
-    assert isinstance(one, Track) and isinstance(other, Track)
-    assert far(other.states, one.states) < 1e-9
-    assert other.errors == pytest.approx(one.errors, rel=1e-4)
-
-
 @pytest.mark.parametrize(
     ("tube", "law", "spin", "tilt", "last"),
     [
@@ -154,8 +137,8 @@ def test_the_error_of_a_torus_falls_as_the_square_of_the_tilt() -> None:
 
 def test_the_manifold_of_a_body_obeys_its_rates() -> None:
     problem = _of_body(st.Torus(0.2), st.Viscous(1.0), st.launch("rolling", at=1.8, tilt=2e-2), 2e3)
-    slow = _numeric(problem, 0.02, 1.8)
-    assert isinstance(slow, NumericManifold)
+    slow = _manifold(problem, 0.02, 1.8)
+    assert isinstance(slow, SlowManifold)
     times = np.linspace(20.0, 1900.0, 7)
     tilt, spin = slow.at(times)
     ahead, back = slow.at(times + 1e-1), slow.at(times - 1e-1)
@@ -231,8 +214,8 @@ def test_a_body_that_has_no_known_drift_is_told_so(body: st.Body, start: Any, wo
     [
         (st.Rough(), st.launch("rolling", at=1.8, tilt=0.01), 10.0, "no rolling drifts"),
         (st.Viscous(1.0), st.launch("spinning", at=2.5, tilt=0.01), 10.0, "nearest steady motion"),
-        (st.Viscous(1.0), st.launch("rolling", at=1.3, tilt=0.01), 10.0, "below its threshold"),
-        (st.Viscous(1.0), st.launch("rolling", at=1.8, tilt=0.02), 5000.0, "crosses the threshold"),
+        (st.Viscous(1.0), st.launch("rolling", at=1.3, tilt=0.01), 10.0, "two zero eigenvalues"),
+        (st.Viscous(1.0), st.launch("rolling", at=1.8, tilt=0.02), 6000.0, "no longer decays"),
     ],
 )
 def test_what_does_not_drift_is_refused_with_the_reason(law, start, last, words: str) -> None:

@@ -65,14 +65,6 @@ def lines_of(report: str) -> list[tuple[bool, str, int, float]]:
 # --- the page ---
 
 
-def test_every_test_that_the_page_names_exists() -> None:
-    own = Path(__file__).read_text()
-    named = re.findall(r"`(test_\w+)`", PAGE)
-    assert len(named) >= 12
-    for name in named:
-        assert f"def {name}(" in own, name
-
-
 def test_every_rung_and_quantity_is_on_the_page() -> None:
     rungs = [row[0] for row in table("| rung | states |")]
     closed = [STEADY, LINEARISED, SECOND, DRIFT]

@@ -16,8 +16,8 @@ import xarray
 import stability as st
 from stability.base.errors import NameUnknownError, ParameterError
 from stability.base.quantities import rate_unit, time_unit
+from stability.derivation.latex import symbol
 from stability.figures.motion import caption
-from stability.tables.letters import symbol
 from stability.tables.system_conditions import latex, lines
 
 DISK_WORDS = (

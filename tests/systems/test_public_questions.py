@@ -97,3 +97,110 @@ def test_conditions_refuse_a_member_of_another_branch() -> None:
     assert st.spectrum(family, at=-1.0, certify=True).eigenvalues == pytest.approx([-3.0])
     with pytest.raises(DomainError, match="another branch"):
         conditions.verdict(-1.0)
+
+
+def test_where_all_pairs_of_a_large_ring_meet_at_zero_the_search_is_complete() -> None:
+    """λ² = -4 K sin²(π j/n): every pair is imaginary above K = 0, and real below."""
+    n = 7
+    d, w, K = ca.SX.sym("d", n), ca.SX.sym("w", n), ca.SX.sym("K")
+    pull = [K * (ca.sin(d[(i + 1) % n] - d[i]) + ca.sin(d[i - 1] - d[i])) for i in range(n)]
+    names = [f"d{i}" for i in range(n)] + [f"w{i}" for i in range(n)]
+    grid = st.System(
+        "grid",
+        ca.vertcat(d, w),
+        K,
+        ca.vertcat(w, *[p - v / 10 for p, v in zip(pull, ca.vertsplit(w), strict=True)]),
+        names,
+        ("K",),
+    )
+    sync = st.Family(grid, "sync", at=("K",), held=dict.fromkeys(names, 0.0))
+    found = st.boundaries(sync, axis=("K", -0.5, 1, 11))
+    assert found.complete
+    assert [(b.value, b.crossing, b.stable_below) for b in found] == [
+        (0.0, st.results.Crossing.STATIC, False)
+    ]
+
+
+def test_pairs_that_touch_at_one_value_are_told_apart_in_a_ring_of_pendula() -> None:
+    """λ² + (1/10 - p) λ + 1 + 4 c sin²(π j/n) = 0: all pairs cross at p = 1/10."""
+    n, p = 7, ca.SX.sym("p")
+    q, v = ca.SX.sym("q", n), ca.SX.sym("v", n)
+    pull = [
+        3 * (ca.sin(q[(i + 1) % n] - q[i]) + ca.sin(q[i - 1] - q[i])) / 10 - ca.sin(q[i])
+        for i in range(n)
+    ]
+    rates = [a + (p * ca.cos(q[i - 1]) - 0.1) * v[i] for i, a in enumerate(pull)]
+    names = [f"q{i}" for i in range(n)] + [f"v{i}" for i in range(n)]
+    ring = st.System("pendula", ca.vertcat(q, v), p, ca.vertcat(v, *rates), names, ("p",))
+    hanging = st.Family(ring, "hanging", at=("p",), held=dict.fromkeys(names, 0.0))
+    found = st.boundaries(hanging, axis=("p", 0, 3, 11))
+    assert found.complete
+    [point] = found
+    assert point.value == 0.1
+    waves = np.sqrt(1 + 1.2 * np.sin(np.pi * np.arange(n) / n) ** 2)
+    assert np.sort(point.frequencies) == pytest.approx(np.sort(waves), rel=1e-9)
+
+
+def test_every_cell_of_a_cusps_plane_counts_its_equilibria() -> None:
+    """Bazykin's model: with prey x > 0 and both alive, x obeys a cubic; NumPy counts its roots."""
+    x, y, a, d = (ca.SX.sym(n) for n in "xyad")
+    catch = x * y / (1 + a * x)
+    prey = st.System(
+        "prey",
+        ca.vertcat(x, y),
+        ca.vertcat(a, d),
+        ca.vertcat(x - catch - x**2 / 100, -y + catch - d * y**2),
+        ("x", "y"),
+        ("a", "d"),
+    )
+    both = prey.steady("a", guess={"x": 1.0, "y": 0.99, "a": 0.0}, d=0.0)
+    chart = st.stability_map(
+        both,
+        x=("a", 0.01, 1.19, 12),
+        y=("d", 0.01, 0.59, 9),
+        box={"x": (0.01, 99.9), "y": (0.01, 999)},
+    )
+    for i, j in np.ndindex(chart.equilibria.shape):
+        slope, crowd = float(chart.a[j]), float(chart.d[i])
+        # y = (1 - x/100)(1 + a x) in -1 + x/(1 + a x) - d y = 0, times 1 + a x
+        line = np.poly1d([slope, 1.0])
+        high = np.poly1d([-0.01, 1.0]) * line
+        roots = (np.poly1d([1.0, 0.0]) - line - crowd * high * line).roots
+        alive = [r.real for r in roots if abs(r.imag) < 1e-9 and 0.01 < r.real < 99.9]
+        alive = [r for r in alive if 0.01 < high(r) < 999]
+        assert int(chart.equilibria[i, j]) == len(alive), (slope, crowd)
+
+
+def test_a_stiff_system_is_integrated_by_a_stiff_method_however_long() -> None:
+    """Robertson's kinetics at 1e5; the value is that of SciPy's Radau at a tolerance of 1e-11."""
+    x, y, z, k = (ca.SX.sym(n) for n in "xyzk")
+    slow, fast = 0.04 * x - k * y * z, 3e7 * y**2
+    rates = ca.vertcat(-slow, slow - fast, fast)
+    system = st.System("Robertson", ca.vertcat(x, y, z), k, rates, ("x", "y", "z"), ("k",))
+    run = st.simulate(system, [1e4], [1.0, 0.0, 0.0], 1e5)
+    assert str(run.method.values) == "cvodes"
+    assert float(run.x[-1]) == pytest.approx(0.0178659211, abs=1e-8)
+
+
+def test_a_kink_of_a_coefficient_is_no_meeting_of_motions() -> None:
+    x, p = ca.SX.sym("x"), ca.SX.sym("p")
+    system = st.System("s", x, p, -(1 + ca.fabs(p)) * x, states=("x",), parameters=("p",))
+    found = st.boundaries(st.Family(system, "rest", at=("p",), held={"x": 0}), axis=("p", -2, 2, 9))
+    assert found.complete and not len(found)
+
+
+def test_a_cell_at_a_crossing_of_branches_leaves_the_others_decided() -> None:
+    """The roots are p and q: cells with p = q have a double root, all others one that is simple."""
+    y, P = ca.SX.sym("y"), ca.SX.sym("P", 2)
+    system = st.System("s", y, P, -(y - P[0]) * (y - P[1]), states=("y",), parameters=("p", "q"))
+    family = st.Family(
+        system,
+        "m",
+        at=("p",),
+        unknown={"y": 1.0},
+        equations=("y",),
+        typical={"p": 1.0, "q": -1.0},
+    )
+    verdict = st.stability_map(family, x=("p", -1, 1, 4), y=("q", -1, 1, 4)).verdict.values
+    apart = ~np.eye(4, dtype=bool)
+    assert (verdict[apart] == 1).all() and (verdict[~apart] == 0).all()

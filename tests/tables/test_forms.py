@@ -275,16 +275,6 @@ def test_points_of_a_body_have_its_units() -> None:
     assert of_body.to_csv().startswith("kind,phi_dot [√(g/R)],")
 
 
-def test_a_word_next_to_a_sign_is_a_symbol() -> None:
-    """The momentum b has a component b_y, and a polynomial is called A."""
-    assert prose("A = (Fx, by + (1 + k) Fy), by the chain rule") == (
-        "$A=(F_{x}$, $b_{y}+(1+k)F_{y})$, by the chain rule"
-    )
-    assert prose("A motion by a root of det(λ - A); factors of A") == (
-        r"A motion by a root of $\det (\lambda -A)$; factors of $A$"
-    )
-
-
 # --- the command and the function agree ---
 
 

@@ -100,4 +100,5 @@ def test_a_wrong_known_value_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     from stability.tables import thresholds
 
     monkeypatch.setattr(thresholds, "SPIN", "-4.6852")
-    assert thresholds._relative_spin().status == "agrees to 4 digits of 5"
+    [row] = thresholds._relative_spin()
+    assert row.status == "agrees to 4 digits of 5"

@@ -9,7 +9,7 @@ import mpmath as mp
 import pytest
 
 from stability.tables import peers
-from stability.tables.benchmarks.row import PUBLISHED
+from stability.tables.benchmarks.row import PUBLISHED, BenchmarkRow
 from stability.tables.printed import printed_row
 from stability.tables.registry import definition
 from stability.tables.table import Standing
@@ -23,7 +23,7 @@ def forty_digits() -> Iterator[None]:
 
 
 @cache
-def rows(case: Callable[[], list[dict[str, Any]]]) -> list[dict[str, Any]]:
+def rows(case: Callable[[], list[BenchmarkRow]]) -> list[BenchmarkRow]:
     return case()
 
 
@@ -206,11 +206,11 @@ def test_each_value_is_that_of_the_equations_by_hand(case: Any) -> None:
     """Within the stated bound and twice the rounding of the model's decimals to doubles."""
     values = ORACLES[case]()
     for row, value in zip(rows(case), values, strict=True):
-        off = abs(mp.mpf(row["recomputed"]) - value)
-        assert off <= row["bound"] + mp.mpf(2) ** -51 * abs(value), row
-        agrees = abs(value - mp.mpf(row["known"])) <= mp.mpf(10) ** -decimals(row["known"]) / 2
-        if "bracket" not in row["quantity"]:
-            assert row["status"].startswith("agrees" if agrees else "differs"), row
+        off = abs(mp.mpf(row.recomputed) - value)
+        assert off <= row.bound + mp.mpf(2) ** -51 * abs(value), row
+        agrees = abs(value - mp.mpf(row.known)) <= mp.mpf(10) ** -decimals(row.known) / 2
+        if "bracket" not in row.quantity:
+            assert row.status.startswith("agrees" if agrees else "differs"), row
 
 
 def decimals(text: str) -> int:
@@ -219,14 +219,14 @@ def decimals(text: str) -> int:
 
 def test_the_fold_of_lorenz_84_lies_outside_its_printed_bracket() -> None:
     lower, upper = rows(peers.winds)
-    assert not number(lower["known"]) < winds()[0] < number(upper["known"])
-    assert {row["status"] for row in (lower, upper)} == {"differs: outside the printed bracket"}
+    assert not number(lower.known) < winds()[0] < number(upper.known)
+    assert {row.status for row in (lower, upper)} == {"differs: outside the printed bracket"}
 
 
 def test_a_wrong_printed_value_is_said_to_differ() -> None:
     row = printed_row(peers.LORENZ, "r", "24.7369", (24.736842105263158, 4e-15))
-    assert row["status"] == "differs: agrees to 5 digits of 6"
-    assert Fraction(row["difference"]) < 0 < row["bound"] < 1e-14
+    assert row.status == "differs: agrees to 5 digits of 6"
+    assert Fraction(row.difference) < 0 < row.bound < 1e-14
 
 
 def test_the_largest_difference_and_the_standing_are_those_of_the_rows() -> None:
@@ -236,5 +236,5 @@ def test_the_largest_difference_and_the_standing_are_those_of_the_rows() -> None
     printed = number("0.35665351")
     cusp = abs(number("0.3559912732086766") / printed - 1)
     assert about.largest / 2 < cusp <= about.largest and about.standing is Standing.PARTLY
-    origins = {row["origin"] for case in list(ORACLES)[:-1] for row in rows(case)}
+    origins = {row.origin for case in list(ORACLES)[:-1] for row in rows(case)}
     assert origins > {PUBLISHED, peers.RECALLED}

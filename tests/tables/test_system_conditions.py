@@ -16,7 +16,7 @@ from programs import needed
 
 import stability as st
 from stability.cli.commands import main
-from stability.tables.letters import escaped, symbol
+from stability.derivation.latex import escaped, symbol
 from stability.tables.system_conditions import latex, lines, record
 
 BICYCLE = "examples/bicycle.py:upright"

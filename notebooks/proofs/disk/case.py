@@ -16,7 +16,12 @@ import sympy
 from stability.algebra.number_types import sympy_algebra
 from stability.algebra.program import Program
 from stability.bodies.thin_disk import disk_system
-from stability.derivation.body_polynomials import (
+from stability.derivation.characteristic import COS, LAM, MU, SIN, K, M
+from stability.derivation.characteristic import SQUARE as RATE_SQUARE
+from stability.derivation.hurwitz import Obligation, decisive
+
+from .. import rolling, spinning, steady_motions
+from ..body_polynomials import (
     AXIAL,
     BEND,
     FORCE_X,
@@ -43,11 +48,7 @@ from stability.derivation.body_polynomials import (
     equations,
     folded,
 )
-from stability.derivation.characteristic import COS, LAM, MU, SIN, K, M, derive
-from stability.derivation.characteristic import SQUARE as RATE_SQUARE
-from stability.derivation.hurwitz import Obligation, decisive
-
-from .. import rolling, spinning, steady_motions
+from ..disk_polynomials import derive
 from ..mechanics import StatedForce, force, same, simplified, vanishes
 from ..proof import DISK_TESTS, Proof, Theorem
 from ..signs import sign

@@ -11,7 +11,9 @@ from typing import Any
 
 import sympy
 
-from stability.derivation.body_polynomials import (
+from stability.derivation.characteristic import COS, MU, SIN, K
+
+from ..body_polynomials import (
     FORCE_X,
     FORCE_Y,
     NORMAL,
@@ -23,8 +25,6 @@ from stability.derivation.body_polynomials import (
     SPIN_DOT,
     THETA_DDOT,
 )
-from stability.derivation.characteristic import COS, MU, SIN, K
-
 from ..mechanics import simplified
 from ..proof import DISK_TESTS, Proof, Theorem
 from .case import rows

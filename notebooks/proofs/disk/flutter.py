@@ -7,7 +7,9 @@ from typing import Any
 
 import sympy
 
-from stability.derivation.body_polynomials import (
+from stability.derivation.characteristic import COS, SIN, K
+
+from ..body_polynomials import (
     PHI,
     PHI_DDOT,
     SLIP_X,
@@ -16,8 +18,6 @@ from stability.derivation.body_polynomials import (
     SPIN_DOT,
     THETA_DOT,
 )
-from stability.derivation.characteristic import COS, SIN, K
-
 from ..mechanics import same, same_linearisation, simplified
 from ..proof import DISK_TESTS, Proof, Theorem
 from .case import deciding, disk_case, energy, rows

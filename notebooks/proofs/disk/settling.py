@@ -7,7 +7,9 @@ from typing import Any
 
 import sympy
 
-from stability.derivation.body_polynomials import (
+from stability.derivation.characteristic import COS, MU, SIN, K
+
+from ..body_polynomials import (
     FORCE_X,
     FORCE_Y,
     NORMAL,
@@ -21,8 +23,6 @@ from stability.derivation.body_polynomials import (
     THETA_DDOT,
     THETA_DOT,
 )
-from stability.derivation.characteristic import COS, MU, SIN, K
-
 from ..mechanics import NO_SLIP, force, power_theorem, rate, same, simplified
 from ..proof import DISK_TESTS, Proof, Theorem
 from .case import UPRIGHT, determinant, disk_case, energy, rows

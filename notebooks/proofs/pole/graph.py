@@ -21,8 +21,9 @@ from stability.bodies.contact_laws import LAWS, Contact
 from stability.bodies.round_body.pole_equations import PoleBody
 from stability.bodies.round_body.shape import SCALES
 from stability.bodies.round_body.si_law import Law
-from stability.derivation.body_polynomials import BEND, FORCE_X, FORCE_Y, I1, I3, SLIP_X, SLIP_Y, H
 from stability.derivation.characteristic import MU
+
+from ..body_polynomials import BEND, FORCE_X, FORCE_Y, I1, I3, SLIP_X, SLIP_Y, H
 
 Expr = Any
 """A SymPy expression; SymPy states no types."""

@@ -7,8 +7,7 @@ from typing import Any
 
 import sympy
 
-from stability.derivation.body_polynomials import FORCE_X, FORCE_Y, I1, SLIP_X, SLIP_Y, H
-
+from ..body_polynomials import FORCE_X, FORCE_Y, I1, SLIP_X, SLIP_Y, H
 from ..mechanics import StatedForce, vanishes
 from ..proof import POLE_TESTS, Proof, Theorem
 from .graph import POLES, TURN_X, TURN_Y, pole_graph

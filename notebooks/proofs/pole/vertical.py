@@ -7,7 +7,9 @@ from typing import Any
 
 import sympy
 
-from stability.derivation.body_polynomials import (
+from stability.derivation.characteristic import COS, MU, SIN
+
+from ..body_polynomials import (
     AXIAL,
     BEND,
     I1,
@@ -20,8 +22,6 @@ from stability.derivation.body_polynomials import (
     R,
     Z,
 )
-from stability.derivation.characteristic import COS, MU, SIN
-
 from ..mechanics import along, same_linearisation, vanishes
 from ..proof import POLE_TESTS, Proof, Theorem
 from ..signs import sign

@@ -1,7 +1,7 @@
 """Families of bodies of revolution in closed form, from polynomials that hold for every height.
 
-The polynomials are derived from the graph with h, h′ and h′′ as symbols
-(`stability.derivation.body_polynomials`) and kept as package data.  A body's height and its two
+The polynomials are derived from the graph with h, h′ and h′′ as symbols, by
+notebooks/proofs/body_polynomials.py, and kept as package data.  A body's height and its two
 derivatives are put in as graphs, so no eigenvalue problem and no root-finder is left.
 
 Source: tests/bodies/test_closed_forms.py compares them with the linearisation of the graph.
@@ -9,7 +9,6 @@ Source: tests/bodies/test_closed_forms.py compares them with the linearisation o
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from importlib.resources import files
@@ -20,11 +19,10 @@ import casadi as ca
 from ...algebra.number_types import Algebra, casadi_algebra
 from ...algebra.polynomial import Polynomial
 from ...algebra.program import Program, operations
-from ...base.errors import StabilityError
 from ...systems.closed_form import ClosedForm, ImplicitForm
 from ...systems.system import System
 from ..contact_laws import Contact, LinearViscous, Rough, Smooth, Viscous
-from ..disk_polynomials import digest
+from ..disk_polynomials import stored_cases
 from ..explicit import Surface, surface
 from ..families import tumbling
 from .equations import conditions_along
@@ -46,15 +44,7 @@ KINDS = {Viscous: "viscous", LinearViscous: "viscous", Rough: "rough", Smooth: "
 
 @lru_cache(maxsize=1)
 def _catalogue() -> dict[str, Any]:
-    content = (files(__package__) / DATA).read_bytes()
-    if digest(content) != DIGEST:
-        raise StabilityError(
-            f"stability/bodies/round_body/{DATA} is not the file that was derived with this "
-            "version; it is damaged or was edited. Install the package again, or derive it (make "
-            "derive)."
-        )
-    found: dict[str, Any] = json.loads(content)["cases"]
-    return found
+    return stored_cases(files(__package__) / DATA, DIGEST)
 
 
 def stored(name: str, law: type[Contact]) -> bool:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from ...algebra.exact.function_field import TooManyFunctions
+from ...algebra.exact.function_field import Expression, TooManyFunctions
 from ...algebra.exact.hurwitz_forms import Budget
 from ...algebra.exact.number_fields import NotExact
 from ...algebra.exact.roots import BITS
@@ -39,8 +39,15 @@ MOST_TERMS = 4000
 """Largest number of terms of a polynomial."""
 SECONDS = 10.0
 """Time after which the exact search ends."""
-MOST_STATES = 12
+MOST_STATES = 30
 """States of the largest system whose characteristic polynomial is expanded."""
+DIGITS = 30_000
+"""Bits of the entries of its Jacobian, times the states, up to which that takes a second; beyond
+a few states."""
+MOST_DIGITS = 200_000
+"""The same, where a search in pieces stays open: ten seconds."""
+FEW_STATES = 12
+"""States up to which the entries may have any size, and unknowns are solved for."""
 MEET = "two steady motions meet at this value, or one goes to infinity, so the branch may end"
 END = "an unknown that must be positive is zero at this value, so the branch may end"
 POLE = "the linearisation of {family} {has} no value there; the verdict {said}"
@@ -48,7 +55,10 @@ NOBODY = "{family} has no member at this value of {axis}"
 
 
 def members_along(
-    line: AxisScan, ends: tuple[float | None, float | None], bits: int = BITS
+    line: AxisScan,
+    ends: tuple[float | None, float | None],
+    bits: int = BITS,
+    digits: int = DIGITS,
 ) -> Members:
     """The members along an axis, with every candidate for a change of their verdict.
 
@@ -60,6 +70,8 @@ def members_along(
         Ends of the interval, both included; None for no end.
     bits
         Working precision of the first attempt.
+    digits
+        Most bits of the entries of a Jacobian, times the states, beyond a few states.
 
     Raises
     ------
@@ -70,8 +82,10 @@ def members_along(
     budget = Budget(MOST_TERMS, SECONDS)
     if problem.exact is not None:
         return of_exact(line, problem.exact, ends, bits)
-    if len(family.system.states) > MOST_STATES:
-        raise NotExact(f"{len(family.system.states)} states, more than {MOST_STATES}")
+    count = len(family.system.states)
+    most = FEW_STATES if family.unknown and not family.closed else MOST_STATES
+    if count > most:
+        raise NotExact(f"{count} states, more than {most}")
     if "lean" in (line.axis, *line.fixed) and not problem.plain:
         raise NotExact("π is in it")
     try:  # a ring of few variables is faster
@@ -80,18 +94,26 @@ def members_along(
         if not problem.plain:
             raise NotExact("functions of units or angles occur") from None
         polynomial = AxisPolynomial(line, ends, budget)
+    if count > FEW_STATES:
+        terms = [c for row in polynomial.entries for e in row for c in _coefficients(e)]
+        if count * sum(int(c.height_bits()) for c in terms) > digits:
+            raise NotExact(f"{count} states, and numbers of many digits")
     if polynomial.rational:
         return of_family(line, polynomial, ends, bits)
     zeros = structure(family)
     if not zeros.steady:
         raise NotExact("a rate does not vanish at typical members")
-    count = polynomial.factored.zeros
-    if count < zeros.zeros:
+    known = polynomial.factored.zeros
+    if known < zeros.zeros:
         raise NotExact("zeros by structure are not proved")
-    return Branch(line, Tower(polynomial), budget, extra=count > zeros.zeros)
+    return Branch(line, Tower(polynomial), budget, extra=known > zeros.zeros)
 
 
-def searched(line: AxisScan, low: float, high: float) -> Boundaries:
+def _coefficients(entry: Expression) -> list[Any]:
+    return [*entry.num.coeffs(), *entry.den.coeffs()]
+
+
+def searched(line: AxisScan, low: float, high: float, digits: int = DIGITS) -> Boundaries:
     """Every change of verdict along an axis, each as a proved bracket.
 
     Raises
@@ -99,7 +121,7 @@ def searched(line: AxisScan, low: float, high: float) -> Boundaries:
     NotExact
         As `members_along`.
     """
-    return _Judge(line, members_along(line, (low, high)), low, high).result()
+    return _Judge(line, members_along(line, (low, high), digits=digits), low, high).result()
 
 
 class _Judge:

@@ -22,7 +22,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import combinations, combinations_with_replacement
+from itertools import combinations, combinations_with_replacement, permutations
 from typing import Any
 
 from flint import acb, arb
@@ -296,7 +296,7 @@ class _Projection:
             key = tuple(places)
             if key not in products:
                 total = self.forms.zero
-                for order in _orders(key):
+                for order in set(permutations(key)):
                     total = total + self.times(*(v[k] for v, k in zip(vectors, order, strict=True)))
                 products[key] = total
             out[i] = out[i] + self.times(products[key], value)
@@ -316,17 +316,6 @@ class _Projection:
                 total = total + self.times(inner, power)
             out[i] = total
         return out
-
-
-def _orders(places: Sequence[int]) -> set[tuple[int, ...]]:
-    """Every different order of some places."""
-    if len(places) < 2:
-        return {tuple(places)}
-    return {
-        (first, *rest)
-        for k, first in enumerate(places)
-        for rest in _orders((*places[:k], *places[k + 1 :]))
-    }
 
 
 @dataclass(frozen=True)

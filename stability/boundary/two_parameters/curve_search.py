@@ -27,6 +27,7 @@ from ...base.axis import Axis
 from ...base.errors import StabilityError
 from ...base.types import Floats
 from ...spectra.problem import Problem
+from ...systems.continuation import Pace
 from ...systems.family import Family
 from ..brackets import Crossing
 from ..hopf import rounded
@@ -62,8 +63,6 @@ COSINE = 0.9
 """Least cosine of the angle between tangents before and after a step."""
 SHORTEST = 1e-4
 """Shortest step, over the longest."""
-SETTLED = 1e-6
-"""Last correction of a point of a curve, whose square is its error."""
 SAME = 1e-3
 """Distance from a curve, in scaled coordinates, below which a point lies on it."""
 WIDEST = 2**12
@@ -374,25 +373,18 @@ class CurveSearch:
         points, turns = [z], [phases]
         longest = step = (1 if held is None else 2) / STEPS
 
-        def block(z: Floats, c: Floats) -> tuple[Floats, Floats]:
-            values, slopes = (v[0] for v in system.at(z[None], c[None]))
-            slopes = slopes * scale
+        def at(z: Floats) -> tuple[Floats, Floats]:
+            values, slopes = (v[0] for v in system.at(z[None], phases[None]))
             if held is not None:
-                row = np.zeros((1, len(z)))
-                row[0, held] = 1
+                row = np.eye(1, len(z), held)
                 return np.append(values, 0.0), np.vstack([slopes, row])
             return values, slopes
 
-        def tangent(z: Floats, c: Floats) -> Floats | None:
-            _, slopes = block(z, c)
-            if not np.isfinite(slopes).all():
-                return None
-            out: Floats = np.linalg.svd(slopes)[2][-1]
-            return out
-
-        along = tangent(z, phases)
-        if along is None:
+        pace = Pace(at, scale)
+        begin = pace.tangent(z, np.ones(len(z)))
+        if begin is None:
             return Curve(system, np.array(points), np.array(turns))
+        along, _ = begin
         cut = self.sheet.count
         lead = int(np.argmax(np.abs(along[:cut])))
         along = along * np.copysign(1.0, side * along[lead])
@@ -400,12 +392,12 @@ class CurveSearch:
         while len(points) < MOST_STEPS and step >= SHORTEST * longest:
             quick = float(np.abs(along[cut - 2 : cut]).max())
             step = min(step, longest / max(quick, 1e-300))
-            new = self._corrected(block, z + step * along * scale, phases, (along, scale))
-            after = tangent(new, phases) if new is not None else None
-            if new is None or after is None or abs(after @ along) < COSINE:
+            new = pace.corrected(z + step * along * scale, along)
+            after = pace.tangent(new, along) if new is not None else None
+            if new is None or after is None or after[0] @ along < COSINE:
                 step /= 2
                 continue
-            along = after * np.copysign(1.0, after @ along)
+            along = after[0]
             z, phases = new, _turned(system, new, phases)
             points.append(z)
             turns.append(phases)
@@ -417,28 +409,6 @@ class CurveSearch:
                 if way.max() < longest / 2:
                     break
         return Curve(system, np.array(points), np.array(turns))
-
-    @staticmethod
-    def _corrected(block: Any, guess: Floats, c: Floats, way: tuple[Floats, Floats]) -> Any:
-        """The point of a curve in the plane through a prediction, if it is reached fast."""
-        (along, scale), z, sizes = way, guess, list[float]()
-        for _ in range(6):
-            values, slopes = block(z, c)
-            rows = np.vstack([slopes, along])
-            right = np.append(values, along @ ((z - guess) / scale))
-            if not (np.isfinite(rows).all() and np.isfinite(right).all()):
-                return None
-            try:
-                step = np.linalg.solve(rows, right)
-            except np.linalg.LinAlgError:
-                return None
-            z = z - step * scale
-            sizes.append(float(np.abs(step).max()))
-            if sizes[-1] > max(2 / STEPS, sizes[0]):
-                return None
-            if sizes[-1] <= SETTLED:
-                return z
-        return None
 
     # --- points ---
 

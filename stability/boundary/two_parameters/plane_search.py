@@ -20,7 +20,8 @@ from ...algebra.krawczyk import NotProvedError, Values, operator, polished, test
 from ...algebra.number_types import precision
 from ...base.errors import NoMemberError, StabilityError
 from ...derivation.signs import real_roots
-from .planes import ExactPlane, GraphPlane, Nature, Slope, equations, nature, value_of
+from ...systems.graph.family_graph import Sloped
+from .planes import ExactPlane, GraphPlane, Nature, equations, nature, slope, value_of
 from .point_records import PointKind, UnresolvedBox
 
 SPECTRAL = (PointKind.DOUBLE_ZERO, PointKind.ZERO_HOPF, PointKind.DOUBLE_HOPF)
@@ -82,10 +83,10 @@ class PlaneEquations:
         return split(self.kind, self.plane.at(*z))
 
 
-def split(kind: PointKind, p: Sequence[Slope]) -> tuple[Values, list[Values]]:
+def split(kind: PointKind, p: Sequence[Sloped]) -> tuple[Values, list[Values]]:
     """Values and rows of slopes of a kind's equations, from coefficients with slopes."""
     found = equations(kind, list(p)) or []
-    return [f.value for f in found], [[f.x, f.y] for f in found]
+    return [f.value for f in found], [slope(f) for f in found]
 
 
 def concluded(plane: Plane, kind: PointKind, x: Any, y: Any) -> Found | None:
@@ -367,13 +368,13 @@ class BoxSearch:
             here = self.plane.at(*middle)
         except (StabilityError, ArithmeticError):
             return tuple(kinds), NO_VALUE
-        if not all(c.value.is_finite() and c.x.is_finite() and c.y.is_finite() for c in over):
+        if not all(v.is_finite() for c in over for v in (c.value, *slope(c))):
             return tuple(kinds), NO_VALUE
         rest = [k for k in kinds if not self._settled(k, here, over, (tight, middle, wide))]
         return tuple(rest), SINGULAR
 
     def _settled(
-        self, kind: PointKind, here: Sequence[Slope], over: Sequence[Slope], boxes: Any
+        self, kind: PointKind, here: Sequence[Sloped], over: Sequence[Sloped], boxes: Any
     ) -> bool:
         """Whether a box has no point of a kind, or one that is proved and recorded."""
         tight, middle, wide = boxes

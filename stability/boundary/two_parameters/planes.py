@@ -27,6 +27,7 @@ from ...algebra.exact.routh import divided, expanded_determinant, hurwitz_sign, 
 from ...algebra.krawczyk import NotProvedError
 from ...polynomials.characteristic import CharacteristicPolynomial
 from ...spectra.problem import Problem
+from ...systems.graph.family_graph import Sloped
 from ...systems.structure.enclosure import ball_unknowns
 from ...systems.structure.structural_zeros import structure
 from ..interval_search.meetings import polynomial
@@ -37,38 +38,9 @@ Poly = list[Any]
 """Coefficients, lowest power first, of any ring."""
 
 
-@dataclass(frozen=True)
-class Slope:
-    """A number with its slopes along both axes, in balls."""
-
-    value: Any
-    """Value."""
-    x: Any
-    """Slope along x."""
-    y: Any
-    """Slope along y."""
-
-    def __add__(self, other: Any) -> Slope:
-        o = _slope(other)
-        return Slope(self.value + o.value, self.x + o.x, self.y + o.y)
-
-    __radd__ = __add__
-
-    def __sub__(self, other: Any) -> Slope:
-        o = _slope(other)
-        return Slope(self.value - o.value, self.x - o.x, self.y - o.y)
-
-    def __mul__(self, other: Any) -> Slope:
-        o = _slope(other)
-        return Slope(
-            self.value * o.value,
-            self.x * o.value + self.value * o.x,
-            self.y * o.value + self.value * o.y,
-        )
-
-
-def _slope(value: Any) -> Slope:
-    return value if isinstance(value, Slope) else Slope(arb(value), arb(0), arb(0))
+def slope(value: Sloped) -> list[Any]:
+    """Slopes of a number along x and y."""
+    return [value.slopes.get(axis, arb(0)) for axis in (0, 1)]
 
 
 # --- Bezout ---
@@ -215,7 +187,7 @@ class GraphPlane:
         self.zeros = structure(self.family).zeros
         self.fixed = {n: arb(float(v)) for n, v in problem.values.items() if n not in names}
 
-    def at(self, x: Any, y: Any) -> list[Slope]:
+    def at(self, x: Any, y: Any) -> list[Sloped]:
         """Coefficients with their slopes, lowest first, without structural zeros.
 
         Raises
@@ -229,7 +201,7 @@ class GraphPlane:
             with terms(2):
                 matrices = linearisation(self.family, *self._given(*series), start, 2)
                 forms.append(polynomial(matrices, fold=False)[self.zeros :])
-        return [Slope(c[0], c[1], d[1]) for c, d in zip(*forms, strict=True)]
+        return [Sloped(c[0], {0: c[1], 1: d[1]}) for c, d in zip(*forms, strict=True)]
 
     @property
     def solved(self) -> tuple[int, ...]:
@@ -315,9 +287,10 @@ class ExactPlane:
         turn = self.turns[axis]
         return getattr(value, f"a{turn}")() if turn else value
 
-    def at(self, x: Any, y: Any) -> list[Slope]:
+    def at(self, x: Any, y: Any) -> list[Sloped]:
         """Coefficients with their slopes at balls."""
-        return [Slope(*(_value(t, x, y) for t in row)) for row in self._terms]
+        rows = ([_value(t, x, y) for t in row] for row in self._terms)
+        return [Sloped(value, {0: by_x, 1: by_y}) for value, by_x, by_y in rows]
 
 
 def _terms(p: Any) -> list[tuple[int, int, Any]]:

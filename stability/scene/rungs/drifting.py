@@ -5,12 +5,9 @@ a slow circling with a tilt.  Both drift, the tilt at the rate of its cube, unti
 crossed (`stability.boundary.drift`).  The closed forms near a steady motion lose this after a time
 of 1/tilt².  The drift keeps it at any time before the threshold, at the same cost.
 
-With C = α²(2(2k+1)w² - 1)/w² constant, the spin obeys
-(2k+1)w² - ln w = (2k+1)w0² - ln w0 - C t/(mu (2k+1)³).
-
-Of another body that is alike on both sides of its equator the rates are a(w) α³ and b(w) α² too,
-with a and b from its graph at a small tilt.  Then ln α is the integral of a/b over the spin, and
-the time that of 1/(b α²).
+Of a body that is alike on both sides of its equator the rates are a(w) α³ and b(w) α², with a and
+b from its graph at a small tilt.  Then ln α is the integral of a/b over the spin, and the time that
+of 1/(b α²).
 """
 
 from __future__ import annotations
@@ -23,7 +20,6 @@ import numpy as np
 
 from ...base.types import Floats
 from ...bodies.contact_laws import LinearViscous, Viscous
-from ...bodies.thin_disk import disk_system
 from .elements import Elements, chebyshev
 from .near_steady import SAMPLES, Modes, modes, modes_of, rates_at, slope_at
 from .track import Problem, Refused, Track, relative
@@ -32,8 +28,6 @@ DRIFT, ROLLING = "drift", "rolling"
 """Name of the rung, and of the family that drifts."""
 ZERO = 1e-9
 """Size of an eigenvalue, over the largest, below which it is one of the two zeros."""
-MARGIN = 0.1
-"""Share of the spin's way to the threshold that must be left at the horizon."""
 LOOKS, TURNS, NEWTON = 5, 3, 30
 """Times at which the error is estimated; corrections of the manifold there; steps for the spin."""
 SAFETY = 2.0
@@ -53,46 +47,7 @@ STEP = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class SlowManifold:
-    """Tilt and spin at the start, with the numbers that their drift depends on."""
-
-    k: float
-    """Inertia factor."""
-    mu: float
-    """Friction."""
-    tilt: float
-    """Tilt θ - π/2 on the slow manifold at the start [rad]."""
-    spin: float
-    """ω₃ there."""
-
-    def at(self, times: Floats) -> tuple[Floats, Floats]:
-        """Tilt and spin at times, shape (t,)."""
-        many, w0 = 2 * self.k + 1, abs(self.spin)
-        kept = self.tilt**2 * (2 * many * w0**2 - 1) / w0**2
-        goal = many * w0**2 - np.log(w0) - kept * times / (self.mu * many**3)
-        w = np.full(times.shape, w0)
-        for _ in range(NEWTON):  # convex and rising: Newton's method converges from above
-            w = w - (many * w**2 - np.log(w) - goal) / (2 * many * w - 1 / w)
-        tilt = np.sign(self.tilt) * np.sqrt(kept * w**2 / (2 * many * w**2 - 1))
-        return tilt, np.sign(self.spin) * w
-
-    def rates(self, tilt: Floats, spin: Floats) -> tuple[Floats, Floats]:
-        """Rates of tilt and spin."""
-        many = 2 * self.k + 1
-        common = 1 / (self.mu * spin * many**3)
-        return common / (spin * (2 * many * spin**2 - 1)) * tilt**3, -common * tilt**2
-
-    @property
-    def crossing(self) -> float:
-        """The time at which the spin reaches the threshold."""
-        many, w0, wc = 2 * self.k + 1, abs(self.spin), 1 / np.sqrt(2 * self.k)
-        kept = self.tilt**2 * (2 * many * w0**2 - 1) / w0**2
-        way = many * (w0**2 - wc**2) - np.log(w0 / wc)
-        return float(self.mu * many**3 * way / kept) if kept else np.inf
-
-
-@dataclass(frozen=True, eq=False)
-class NumericManifold:
-    """Tilt and spin of a body with their drift, as functions of the spin."""
+    """Tilt and spin with their drift, as functions of the spin."""
 
     tilt: float
     """Tilt θ - π/2 on the slow manifold at the start [rad]."""
@@ -122,7 +77,7 @@ class NumericManifold:
         return a * tilt**3, b * tilt**2
 
 
-def _numeric(problem: Problem, tilt: float, spin: float) -> NumericManifold | Refused:
+def _manifold(problem: Problem, tilt: float, spin: float) -> SlowManifold | Refused:
     """The drift of a body up to the horizon, on an interval of the spin that is found."""
     first = _coefficients(problem, np.array([spin]))
     if isinstance(first, Refused):
@@ -132,26 +87,22 @@ def _numeric(problem: Problem, tilt: float, spin: float) -> NumericManifold | Re
     points, derivative, _ = chebyshev(NODES)
     integral = np.zeros((NODES, NODES))
     integral[1:, 1:] = np.linalg.inv(derivative[1:, 1:])
-    shortest = np.inf
+    low, high = 0.0, np.inf  # an interval that is known, and one that is too long
     for _ in range(REACHES):
         found = _coefficients(problem, spin + reach * points)
+        resolved = not isinstance(found, Refused)
         if isinstance(found, Refused):
-            why, shortest, reach = found, abs(reach), reach / 2
-            continue
-        a, b = found.T
-        log = np.log(abs(tilt)) + reach * integral @ (a / b)
-        time = reach * integral @ (1 / (b * np.exp(2 * log)))
-        tails = Elements(np.array([0.0, 1.0]), NODES).tails(
-            np.stack([a / a[0], b / b[0]], -1)[None]
-        )
-        if not tails.max() < RESOLVED:
-            shortest, reach = abs(reach), reach / 2
-        elif time[-1] >= problem.last:
-            return NumericManifold(tilt, spin, reach, np.stack([time, log, a, b], axis=-1))
-        elif 2 * abs(reach) < shortest:
-            reach *= 2
+            why = found
         else:
-            break
+            a, b = found.T
+            log = np.log(abs(tilt)) + reach * integral @ (a / b)
+            time = reach * integral @ (1 / (b * np.exp(2 * log)))
+            shares = np.stack([a / a[0], b / b[0]], -1)
+            resolved = Elements(np.array([0.0, 1.0]), NODES).tails(shares[None]).max() < RESOLVED
+            if resolved and time[-1] >= problem.last:
+                return SlowManifold(tilt, spin, reach, np.stack([time, log, a, b], axis=-1))
+        low, high = (abs(reach), high) if resolved else (low, abs(reach))
+        reach = np.copysign(2 * low if np.isinf(high) else (low + high) / 2, reach)
     return why
 
 
@@ -184,12 +135,6 @@ def _coefficients(problem: Problem, spins: Floats) -> Floats | Refused:
     return found
 
 
-def thin(problem: Problem) -> bool:
-    """Whether a disk without thickness moves, whose drift under viscous friction is known."""
-    lines, law = problem.launches.settling.lines[:1], problem.launches.law
-    return [line.system for line in lines] == [disk_system(law)]
-
-
 def drifting(problem: Problem) -> Track | Refused:
     """The track of a rolling body that drifts, and of its fast modes while they decay."""
     if problem.launches.law not in (Viscous, LinearViscous):
@@ -204,8 +149,6 @@ def drifting(problem: Problem) -> Track | Refused:
             f"the body leans by {np.pi / 2 - near.member[0]:.3g} rad as it rolls, where "
             "no drift is known"
         )
-    if thin(problem) and 2 * float(problem.p[0]) * near.at**2 <= 1:
-        return Refused("rolling is below its threshold, where nothing lasts")
     found = modes(problem, near.member, near.family)
     if isinstance(found, Refused):
         return found
@@ -214,19 +157,11 @@ def drifting(problem: Problem) -> Track | Refused:
         return Refused("rolling has not two zero eigenvalues and decaying ones")
     slow, fast = _split(found, zero)
     tilt, spin = float(slow[0]), float(found.member[3] + slow[1])
+    if not tilt:
+        return Refused("it does not lean: nothing drifts")
+    drift = _manifold(problem, tilt, spin)
     where = {"tilt": abs(tilt)}
-    if not thin(problem):
-        drift = (
-            _numeric(problem, tilt, spin) if tilt else Refused("it does not lean: nothing drifts")
-        )
-        return drift if isinstance(drift, Refused) else _track(problem, found, drift, fast, where)
-    manifold = SlowManifold(float(problem.p[0]), problem.friction, tilt, spin)
-    where = {"time of crossing the threshold": manifold.crossing} | where
-    if problem.last > (1 - MARGIN) * manifold.crossing:
-        return Refused(
-            f"the drift crosses the threshold at {problem.when(manifold.crossing)}", where
-        )
-    return _track(problem, found, manifold, fast, where)
+    return drift if isinstance(drift, Refused) else _track(problem, found, drift, fast, where)
 
 
 def _split(found: Modes, zero: Floats) -> tuple[Floats, Floats]:
@@ -239,7 +174,7 @@ def _split(found: Modes, zero: Floats) -> tuple[Floats, Floats]:
 def _track(
     problem: Problem,
     start: Modes,
-    manifold: SlowManifold | NumericManifold,
+    manifold: SlowManifold,
     fast: Floats,
     where: dict[str, float],
 ) -> Track | Refused:
@@ -317,7 +252,7 @@ class Linear:
         return found
 
 
-def _offset(start: Modes, manifold: SlowManifold | NumericManifold, last: float) -> float:
+def _offset(start: Modes, manifold: SlowManifold, last: float) -> float:
     """Second order of the start in tilt and spin: that of the motion, less the drift itself."""
     decay = float(-start.values.real[np.abs(start.values.real) > ZERO].max())
     early = min(last, FADED / decay)
@@ -362,7 +297,7 @@ def _here(problem: Problem, spin: float) -> Linear | None:
 def _size(
     problem: Problem,
     here: Linear,
-    manifold: SlowManifold | NumericManifold,
+    manifold: SlowManifold,
     place: tuple[float, float],
     mode: Floats,
 ) -> float:

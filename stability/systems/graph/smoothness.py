@@ -322,11 +322,6 @@ def _at_edges(program: Program, x: Floats, p: Floats) -> NDArray[np.bool_]:
     return found
 
 
-def has_kinks(system: Equations) -> bool:
-    """Whether a function of the graph may lack a slope somewhere."""
-    return _program(system) is not None
-
-
 def sloped(system: Equations, x: Floats, p: Floats) -> NDArray[np.bool_]:
     """Whether the rates of a system have a slope at states, which |x| has not at 0.
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from ...base.checks import chosen
 from ...base.citation import cited
+from ...base.types import Progress
 from ..table import About, Standing
 from .bicycle import linear_bicycle, nonlinear_bicycle
 from .oscillators import (
@@ -18,7 +19,7 @@ from .oscillators import (
     triangular_points,
     ziegler,
 )
-from .row import BenchmarkRow, Case, of_known_values
+from .row import BenchmarkRow, Case, of_known_values, rows_of
 from .spinning import gyropendulum, lagrange, liquid, sphere, tippe, vortices
 from .wheels import hunting, sympy_disc, turning
 
@@ -47,7 +48,7 @@ CASES: dict[str, Case] = {
 
 
 def benchmark_rows(
-    systems: str | Sequence[str] | None = None, progress: Callable[[int, int], None] | None = None
+    systems: str | Sequence[str] | None = None, progress: Progress | None = None
 ) -> list[BenchmarkRow]:
     """Every known value, recomputed.
 
@@ -73,12 +74,7 @@ def benchmark_rows(
     """
     known = {name: name.split()[-1] for name in CASES}  # a refusal has room for these
     names = list(known) if systems is None else chosen("system", systems, known)
-    rows: list[BenchmarkRow] = []
-    for done, name in enumerate(names, start=1):
-        rows += CASES[name]()
-        if progress is not None:
-            progress(done, len(names))
-    return rows
+    return rows_of([CASES[name] for name in names], progress)
 
 
 TABLE = of_known_values(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any, NamedTuple
@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import casadi as ca
 
 from ...base.errors import StabilityWarning, listed
+from ...base.types import Progress
 from ...base.verdict import Verdict
 from ...boundary.changes import boundaries
 from ...spectra.spectrum import spectrum
@@ -71,8 +72,12 @@ class BenchmarkRow:
     """Certified verdict at a relative distance of 1e-12 below a threshold; empty elsewhere."""
     above: str
     """Certified verdict at a relative distance of 1e-12 above a threshold; empty elsewhere."""
+    bound: float | None = None
+    """Proved bound on the error of the recomputed value, in 16 digits; None where there is none."""
 
 
+Case = Callable[[], list[BenchmarkRow]]
+"""A function that returns the rows of a system."""
 COLUMNS = (
     word("system", "name of the system", "group"),
     word("quantity", "quantity that is compared", share=0.22),
@@ -237,23 +242,39 @@ def at_threshold(
 # --- the table of such rows ---
 
 
+def rows_of(cases: Iterable[Case], progress: Progress | None = None) -> list[BenchmarkRow]:
+    """The rows of some cases; `progress` is called with (cases done, cases in all)."""
+    cases = list(cases)
+    rows: list[BenchmarkRow] = []
+    for done, case in enumerate(cases, start=1):
+        rows += case()
+        if progress is not None:
+            progress(done, len(cases))
+    return rows
+
+
 def of_known_values(
-    heading: str, rows: Callable[..., list[BenchmarkRow]], takes: tuple[str, ...], **more: Any
+    heading: str,
+    rows: Callable[..., list[BenchmarkRow]],
+    takes: tuple[str, ...] = ("progress",),
+    columns: tuple[Column, ...] = COLUMNS,
+    notes: Callable[[Sequence[dict[str, Any]]], list[str]] | None = None,
+    **more: Any,
 ) -> Definition:
     """The definition of a table of known values; `rows` takes the options in `takes`."""
     return Definition(
         heading,
-        COLUMNS,
-        lambda **options: [asdict(row) for row in rows(**options)],
+        columns,
+        lambda **options: [{c.name: getattr(r, c.name) for c in columns} for r in rows(**options)],
         takes,
-        lambda table: benchmark_notes(table.rows),
-        lambda table: framed(table, benchmark_lines(table.rows)),
+        lambda table: (notes or benchmark_notes)(table.rows),
+        lambda table: framed(table, benchmark_lines(table.rows, columns)),
         **more,
     )
 
 
 def benchmark_lines(
-    rows: Sequence[dict[str, object]], columns: Sequence[Column] | None = None
+    rows: Sequence[dict[str, object]], columns: Sequence[Column] = COLUMNS
 ) -> list[str]:
     """The table of benchmarks as lines of text, one paragraph for each system."""
     lines: list[str] = []
@@ -262,7 +283,7 @@ def benchmark_lines(
         if row["system"] != title:
             title = row["system"]
             lines += ["", f"{title}  ({row['source']})"]
-        lines += _lines_of(row, COLUMNS if columns is None else columns)
+        lines += _lines_of(row, columns)
     return lines[1:]
 
 
@@ -327,7 +348,3 @@ def system_of(
 def at_zero(system: System, name: str, at: str, **others: float) -> Family:
     """A family all of whose states vanish but `others`."""
     return Family(system, name, at=(at,), held=dict.fromkeys(system.states, 0.0) | others)
-
-
-Case = Callable[[], list[BenchmarkRow]]
-"""A function that returns the rows of a system."""

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from proofs import spinning
+from proofs.body_polynomials import PAIRS, characteristic
 from proofs.catalogue import BODIES
 from proofs.entry import written
 from proofs.known_results import known_results
@@ -39,7 +40,6 @@ import stability as st
 from stability.bodies.contact_laws import LAWS
 from stability.bodies.round_body.equations import round_system
 from stability.bodies.round_body.families import round_family
-from stability.derivation.body_polynomials import PAIRS, characteristic
 
 ROOT = Path(__file__).resolve().parents[3]
 CONTACT: dict[str, Callable[..., st.Contact]] = {

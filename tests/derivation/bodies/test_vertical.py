@@ -19,6 +19,7 @@ import sympy as sp
 from body_profiles import eccentric_sphere
 from convex_body import Law, axis_rates
 from ellipsoid_on_end import Ellipsoid, jacobian
+from proofs.body_polynomials import PAIRS, characteristic
 from proofs.pole.polynomials import bilharz, vertical
 from proofs.pole.vertical import THRESHOLD
 
@@ -26,7 +27,6 @@ import stability as st
 from stability.bodies.contact_laws import LAWS
 from stability.bodies.round_body.equations import round_system
 from stability.bodies.round_body.families import round_family
-from stability.derivation.body_polynomials import PAIRS, characteristic
 from stability.tables.benchmarks.spinning import sphere
 
 LAM = sp.Symbol("lam")

@@ -14,7 +14,6 @@ are 1.  Sine and cosine of θ are symbols with s² + c² = 1.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -23,13 +22,15 @@ import casadi as ca
 import sympy
 from sympy.polys.matrices import DomainMatrix
 
-from ..algebra.program import Program
-from ..base.checks import known
-from ..bodies.contact_laws import LAWS, Contact
-from ..bodies.round_body.body import Body
-from ..bodies.round_body.equations import round_system
-from .characteristic import COS, LAM, MU, SIN, algebra_of_angle
-from .hurwitz import factored, terms
+from stability.algebra.program import Program
+from stability.base.checks import known
+from stability.bodies.contact_laws import LAWS, Contact
+from stability.bodies.round_body.body import Body
+from stability.bodies.round_body.equations import round_system
+from stability.derivation.characteristic import COS, LAM, MU, SIN
+from stability.derivation.hurwitz import factored
+
+from .disk_polynomials import algebra_of_angle
 
 Expr = Any
 """A SymPy expression; SymPy states no types."""
@@ -223,7 +224,7 @@ def characteristic(family: str, law: str) -> Characteristic:
     known("family", family, (*STATES, *PAIRS))
     if family in PAIRS:
         known("law", law, (PAIRS[family],))
-        poly = _of_pair(family, PAIRED[family])
+        poly = pair_polynomial(family, PAIRED[family])
     else:
         rest = dict(STATES[family])
         spin = {SPIN: rest.pop(SPIN, SPIN)}  # with its fraction only after the determinant
@@ -245,7 +246,7 @@ def _determinant(law: str, values: dict[Expr, Expr]) -> Expr:
     return whole.domain.to_sympy(whole.det())
 
 
-def _of_pair(family: str, place: dict[Expr, Expr]) -> sympy.Poly:
+def pair_polynomial(family: str, place: dict[Expr, Expr]) -> sympy.Poly:
     """The whole polynomial in λ of circling or precession; ω₃ and φ̇ both stay in it."""
     law = PAIRS[family]
     force = PHI * (R * SPIN - PHI * SIN * Z) if law == "rough" else 0  # mass times acceleration
@@ -266,39 +267,3 @@ def _negative(expression: Expr) -> bool:
         COS: sympy.Rational(3, 5),
     }
     return bool(expression.subs(point) < 0)
-
-
-# --- for use without SymPy ---
-
-VARIABLES = (I1, I3, H, BEND, R, Z, RHO, SIN, COS, PHI, SPIN, MU)
-"""Variables of a stored polynomial; that of tumbling has no ω₃, that of rolling no r, z and ρ."""
-
-
-def stored() -> dict[str, Any]:
-    """Every polynomial that `stability.bodies.round_body.polynomials` reads, as JSON.
-
-    Returns
-    -------
-    dict
-        By family and law: `zeros`, `even`, and `coefficients` (terms of each, lowest power first).
-    """
-    cases: dict[str, Any] = {}
-    for law in STORED_LAWS:
-        for family in ("rolling", "tumbling"):
-            found = characteristic(family, law)
-            cases[f"{family} {law}"] = _record(found.zeros, found.coefficients[::-1])
-    for family, law in PAIRS.items():
-        poly = _of_pair(family, PLACED)
-        zeros = min(n for (n,) in poly.monoms())
-        cases[f"{family} {law}"] = _record(zeros, poly.all_coeffs()[::-1][zeros:])
-    return {"format": 1, "cases": cases}
-
-
-def _record(zeros: int, coefficients: Sequence[Expr]) -> dict[str, Any]:
-    used = [v for v in VARIABLES if any(sympy.sympify(c).has(v) for c in coefficients)]
-    return {
-        "variables": [str(v) for v in used],
-        "zeros": int(zeros),
-        "even": all(c == 0 for c in coefficients[1::2]),
-        "coefficients": [terms(c, used) for c in coefficients],
-    }

@@ -1,0 +1,199 @@
+r"""Names, numbers and words in LaTeX, for formulas and tables alike."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Collection, Iterable, Mapping, Sequence
+
+from ..bodies.quantities import QUANTITIES
+
+GREEK = frozenset(
+    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau phi "
+    "chi psi omega Gamma Delta Theta Lambda Xi Pi Sigma Phi Psi Omega".split()
+)
+GREEK_LETTERS = {
+    letter: word
+    for word in GREEK
+    for letter in [
+        unicodedata.lookup(
+            f"GREEK {'CAPITAL' if word[0].isupper() else 'SMALL'} LETTER "
+            f"{word.upper().replace('LAMBDA', 'LAMDA')}"
+        )
+    ]
+} | {"µ": "mu", "ϕ": "phi", "ϑ": "theta", "ϵ": "epsilon"}
+"""Names that LaTeX writes as Greek letters."""
+FUNCTIONS = ("sin", "cos", "tan", "exp", "log", "ln", "sinh", "cosh", "tanh")
+"""Functions with a name of their own in LaTeX."""
+SIGNS = {
+    "*": r"\,",
+    "≤": r"\le ",
+    "≥": r"\ge ",
+    "≠": r"\ne ",
+    "→": r"\to ",
+    "∞": r"\infty ",
+    "±": r"\pm ",
+    "·": r"\cdot ",
+    "×": r"\times ",
+    "…": r"\ldots ",
+    "{": r"\{",
+    "}": r"\}",
+    "∂": r"\partial ",
+    "′": "'",
+    "%": r"\%",
+    "&": r"\&",
+    "#": r"\#",
+    "$": r"\$",
+    "~": r"\sim ",
+    "≈": r"\approx ",
+    "∈": r"\in ",
+    "−": "-",
+    "–": "-",
+    "_": r"\_",
+    "\\": r"\backslash ",
+    "\u2060": "",
+}
+"""Signs in formulas."""
+OF_DISK = {
+    name: re.sub(r"_(\w)$", r"_{\1}", QUANTITIES[name].latex)
+    for name in ("mu", "phi_dot", "theta_dot", "omega3", "theta", "slip_x", "slip_y")
+}
+"""Symbols of the disk."""
+
+
+def symbols(names: Iterable[str]) -> dict[str, str]:
+    r"""A symbol for each name; two names never share one.
+
+    Examples
+    --------
+    >>> symbols(["theta", "x_1", "speed", "sin(theta)"])["sin(theta)"]
+    '\\sin\\left(\\theta\\right)'
+    >>> list(symbols(["q1", "q_1"]).values())
+    ['q_{1}', '\\mathit{q\\_1}']
+    """
+    found: dict[str, str] = {}
+    for name in dict.fromkeys(names):
+        made = symbol(name)
+        if made in found.values():
+            made = rf"\mathit{{{escaped(name)}}}"
+        found[name] = made
+    return found
+
+
+def symbol(name: str) -> str:
+    r"""The name of a variable in mathematics of LaTeX.
+
+    Parameters
+    ----------
+    name
+        Name of a variable, such as `phi_dot` or `sin(theta)`.
+
+    Examples
+    --------
+    >>> print(symbol("omega_0"), symbol("sin(theta)"), symbol("sqrt(b)"), symbol("de"))
+    \omega_{0} \sin\left(\theta\right) \sqrt{b} \mathit{de}
+    """
+    if name in OF_DISK:
+        return OF_DISK[name]
+    match = re.fullmatch(r"([^\W\d_]\w*)\((.*)\)", name)
+    if match:
+        inner = converted(match[2])
+        if match[1] == "sqrt":
+            return rf"\sqrt{{{inner}}}"
+        head = f"\\{match[1]}" if match[1] in FUNCTIONS else rf"\mathrm{{{match[1]}}}"
+        return rf"{head}\left({inner}\right)"
+    if dotted := re.fullmatch(r"(\w+)_dot", name):
+        return rf"\dot{{{symbol(dotted[1])}}}"
+    first, *rest = [p for p in name.split("_") if p] or ["x"]
+    digits = re.fullmatch(r"([A-Za-z]+)(\d+)", first)
+    if digits:
+        first, rest = digits[1], [digits[2], *rest]
+    head = _letter(first)
+    return head + (f"_{{{','.join(_letter(r) for r in rest)}}}" if rest else "")
+
+
+def _letter(word: str) -> str:
+    if word in GREEK:
+        return f"\\{word}"
+    if word.isascii() and (len(word) == 1 or word.isdigit()):
+        return word
+    if word in GREEK_LETTERS:
+        return f"\\{GREEK_LETTERS[word]}"
+    if not word.isascii() or " " in word:
+        return rf"\text{{{escaped(word)}}}"
+    safe = "".join(c for c in word if c.isalnum())
+    return rf"\mathit{{{safe or 'x'}}}"
+
+
+def converted(text: str, names: Collection[str] = ()) -> str:
+    """The text of an expression in a user's names; names such as sqrt(b) are one symbol."""
+    known = "".join(rf"(?<!\w){re.escape(n)}(?!\w)|" for n in sorted(names, key=len, reverse=True))
+    out: list[str] = []
+    for token in re.findall(rf"{known}[<>]=|\*\*\d+|[^\W\d_]\w*|\d+|.", text):
+        if token.startswith("**"):
+            out[-1] = f"{{{out[-1].strip()}}}^{{{token[2:]}}} "
+        elif token[0].isalpha():
+            out.append(f"{symbol(token)} ")
+        else:
+            out.append({"*": r"\,", "<=": r"\leq ", ">=": r"\geq "}.get(token, token))
+    return " ".join("".join(out).split())
+
+
+def powers(
+    variables: Sequence[str], exponents: Sequence[int], names: Mapping[str, str]
+) -> list[str]:
+    """The factors of a monomial; a name has its symbol."""
+    return [
+        names[v] if e == 1 else f"{{{names[v]}}}^{{{e}}}"
+        for v, e in zip(variables, exponents, strict=True)
+        if e
+    ]
+
+
+def scientific(text: str) -> str:
+    r"""A number as Python writes it, with its power of ten.
+
+    Examples
+    --------
+    >>> print(scientific("0.25"), scientific("1e-09"))
+    0.25 1\cdot10^{-9}
+    """
+    digits, mark, power = text.partition("e")
+    return rf"{digits}\cdot10^{{{int(power)}}}" if mark else text
+
+
+def escaped(text: str) -> str:
+    r"""A text with the special characters of LaTeX replaced.
+
+    Examples
+    --------
+    >>> print(escaped("a_1 & 50% of x**2"))
+    a\_1 \& 50\% of x**2
+    """
+    table = {
+        "\\": r"\textbackslash{}",
+        "{": r"\{",
+        "}": r"\}",
+        "_": r"\_",
+        "&": r"\&",
+        "%": r"\%",
+        "#": r"\#",
+        "$": r"\$",
+        "^": r"\^{}",
+        "~": r"$\sim$",
+        "<": "$<$",
+        ">": "$>$",
+        "λ": r"$\lambda$",
+        "²": "$^2$",
+        "…": r"\dots{}",
+        "√": r"$\surd$",
+    }
+    table |= {sign: f"${SIGNS[sign].rstrip()}$" for sign in "≈≤≥→≠±·∞"}
+    table |= {letter: rf"$\{word}$" for letter, word in GREEK_LETTERS.items()}
+    found = "".join(table.get(c, c) for c in text)  # LaTeX reads other letters in UTF-8
+    return breaking(found)
+
+
+def breaking(text: str) -> str:
+    """A text that may break within an exact number, which may be long."""
+    return re.sub(r"(\d{9,}/)(?=\d)", r"\1\\allowbreak ", text)
