@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache
+from typing import Literal, TypeVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,10 +29,12 @@ from ..spectra.problem import Problem
 from ..systems.family import Family
 from ..systems.singular_points import Curve, crossings, directions, kind_of_crossing
 from ..systems.symmetry import symmetric_family
+from .algebraic.every_crossing import every_crossing
 from .algebraic.exact_search import searched
-from .brackets import AxisScan, Boundaries, BoundaryPoint, crossed
+from .brackets import AxisScan, Boundaries, BoundaryPoint, Crossings, crossed
 from .interval_search.pieces import meaningful, proved
 
+Points = TypeVar("Points", Boundaries, Crossings)
 SYMMETRIC = "; members are symmetric, which is proved, and were solved for in symmetric coordinates"
 ZERO = 1e-12
 """Value of a branch point, over the interval, up to which it is 0 within rounding."""
@@ -53,6 +56,7 @@ MOST_SCAN = 1_000_000
 """Most points of a scan for boundaries along an axis."""
 
 
+@overload
 def boundaries(
     family: str | Family,
     *,
@@ -61,8 +65,32 @@ def boundaries(
     body: Body | Disk | None = None,
     contact: Contact | type[Contact] | str | None = None,
     at: ArrayLike | None = None,
+    every: Literal[False] = False,
     **parameters: ArrayLike,
-) -> Boundaries:
+) -> Boundaries: ...
+@overload
+def boundaries(
+    family: str | Family,
+    *,
+    axis: AxisLike,
+    disk: Disk | None = None,
+    body: Body | Disk | None = None,
+    contact: Contact | type[Contact] | str | None = None,
+    at: ArrayLike | None = None,
+    every: Literal[True],
+    **parameters: ArrayLike,
+) -> Crossings: ...
+def boundaries(
+    family: str | Family,
+    *,
+    axis: AxisLike,
+    disk: Disk | None = None,
+    body: Body | Disk | None = None,
+    contact: Contact | type[Contact] | str | None = None,
+    at: ArrayLike | None = None,
+    every: bool = False,
+    **parameters: ArrayLike,
+) -> Boundaries | Crossings:
     """Every change of verdict along one axis, proved, with the kind of crossing.
 
     For the disk, and for a user's family whose graph is rational in the axis, every real root of
@@ -84,12 +112,17 @@ def boundaries(
     disk, body, contact, at, **parameters
         As for `stability_map`, with one number for every quantity but the axis.  Where the axis is
         circling's theta or phi_dot, `at` is the other of the two.
+    every
+        Whether each crossing of the imaginary axis is listed, also where other eigenvalues stay
+        unstable; for families that are algebraic along the axis.
 
     Returns
     -------
     Boundaries
         A sequence of `BoundaryPoint` in increasing order, with `.complete` (whether these are
-        proved to be all) and `.unresolved` (pieces of the axis, each with a reason).
+        proved to be all) and `.unresolved` (pieces of the axis, each with a reason).  With `every`
+        a sequence of crossings instead, each with `value`, `error`, `crossing`, `frequencies`, and
+        the proved numbers `unstable_below` and `unstable_above` of unstable eigenvalues.
 
     Raises
     ------
@@ -112,14 +145,21 @@ def boundaries(
     >>> found = st.boundaries("spinning", axis=("at", 0.1, 5, 9), contact=st.Viscous(0.97))
     >>> [(round(b.value, 10), b.crossing.word) for b in found], found.complete
     ([(2.0, 'static'), (2.0451355787, 'flutter')], True)
+
+    >>> law = st.Viscous(1)
+    >>> crossings = st.boundaries("rolling", axis=("at", 0.1, 5, 9), contact=law, every=True)
+    >>> [(c.crossing.word, c.unstable_below, c.unstable_above) for c in crossings]
+    [('static', 1, 2), ('flutter', 2, 0)]
     """
     problem, (grid,) = swept(
         family, {"axis": axis}, disk, body, contact, at, parameters, exact=True, most=MOST_SCAN
     )
-    found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
-    law = problem.law.name if problem.law else None
-    works = cited(law, model=of_package(problem), proofs=True)
     fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
+    if every:
+        crossings = _described(problem, grid, _every(problem, grid, fixed))
+        crossings.warn(grid.name)
+        return crossings
+    found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
 
     @cache
     def regular() -> Problem:
@@ -127,17 +167,38 @@ def boundaries(
         return _past_branch_points(line, grid.values)[0].problem
 
     found = replace(
-        found,
+        _described(problem, grid, found),
         points=tuple(replace(b, good=_good(regular, problem, fixed, grid.name, b)) for b in found),
-        how=problem.family.system.qualified(found.how),
-        searched=(grid.name, grid.low, grid.high),
-        citation=works,
         throughout=_throughout(problem, fixed, grid.name, found, (grid.low, grid.high)),
-        unit=unit_of(axis_attributes(problem, grid.name)),
-        rate_unit=unit_of(rate_attributes(problem)),
     )
     found.warn(grid.name)
     return found
+
+
+def _described(problem: Problem, grid: Axis, found: Points) -> Points:
+    """A result with what was searched, units, and what to cite."""
+    law = problem.law.name if problem.law else None
+    return replace(
+        found,
+        how=problem.family.system.qualified(found.how),
+        searched=(grid.name, grid.low, grid.high),
+        citation=cited(law, model=of_package(problem), proofs=True),
+        unit=unit_of(axis_attributes(problem, grid.name)),
+        rate_unit=unit_of(rate_attributes(problem)),
+    )
+
+
+def _every(problem: Problem, grid: Axis, fixed: Mapping[str, float]) -> Crossings:
+    """Every crossing of the imaginary axis; families that are not algebraic are refused."""
+    line = AxisScan(problem, grid.name, fixed)
+    try:
+        found = every_crossing(line, grid.low, grid.high)
+    except (NotExact, UnclearError) as error:
+        raise ParameterError(
+            f"every crossing is listed for families that are algebraic along the axis, and "
+            f"{problem.family.name} along {grid.name} is not searched: {error}."
+        ) from None
+    return meaningful(line, grid.low, grid.high, found)
 
 
 def _good(

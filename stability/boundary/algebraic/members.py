@@ -33,6 +33,7 @@ from ...algebra.exact.routh import (
     is_even,
     least_sign,
     monic,
+    sign_changes,
     verdict_polynomial,
 )
 from ...algebra.number_types import precision
@@ -45,6 +46,8 @@ from .tower import Tower
 
 LADDER = (128, 512, 2048)
 """Precisions of the balls at members."""
+FINE_BITS = 512
+"""Precision of the factors at a candidate."""
 MOST_BITS = 8192
 """Largest precision at which a value is proved to be zero."""
 SHARES = (0.5, 0.2578125, 0.7265625, 0.0859375, 0.9140625)
@@ -88,6 +91,8 @@ class Cell:
     """What is proved there."""
     doubts: tuple[tuple[Any, Any, str], ...] = ()
     """Parts (low, high, reason) in which the root-finder gives other members, or none."""
+    sample: Any = None
+    """Rational value of the base variable, where the verdict is exact there."""
 
 
 class Members(ABC):
@@ -104,6 +109,8 @@ class Members(ABC):
     """Whether verdicts are exact on each piece, and what stays open is single values."""
     how: str
     """How the axis is searched."""
+    even: Sequence[bool]
+    """Whether each factor is even, so that pairs stay on the imaginary axis."""
     missing: Sequence[float] = ()
     """Values at which there is no member."""
 
@@ -120,6 +127,18 @@ class Members(ABC):
     @abstractmethod
     def cell(self, low: Any, high: Any) -> Cell:
         """What is proved between two neighbouring candidates, or a candidate and an end."""
+
+    @abstractmethod
+    def unstable_in(self, cell: Cell) -> list[int] | None:
+        """Number of unstable eigenvalues of each factor in a piece; None where not proved."""
+
+    @abstractmethod
+    def holds(self, value: float, cell: Cell) -> bool:
+        """Whether the member at a number in a piece is proved to be that of the piece."""
+
+    @abstractmethod
+    def factors_at(self, one: Candidate) -> list[tuple[list[Any], int]]:
+        """Factors in balls at a candidate, each with its power."""
 
     @abstractmethod
     def vanishing(self, one: Candidate) -> list[Watched] | None:
@@ -170,6 +189,16 @@ def growing(polys: Sequence[Any], balls: list[Any], zero: Callable[[Any], bool])
     return None if sign == 0 else sign < 0
 
 
+def _unstable(balls: list[Any], even: bool) -> int | None:  # noqa: FBT001
+    """Number of roots with a positive real part; None where this is not proved."""
+    if not even and (count := sign_changes(monic(balls))) is not None:
+        return count
+    roots = isolated(balls, even)
+    if roots is None or any(z.real != 0 and z.real.contains(0) for z in roots):
+        return None
+    return sum(bool(z.real > 0) for z in roots)
+
+
 class Branch(Members):
     """The members of a family with functions of the axis, or with unknowns."""
 
@@ -185,7 +214,8 @@ class Branch(Members):
         self.sought = bool(self.family.unknown) and not self.family.closed
         if self.sought:
             self.how += ", on one branch of steady motions"
-        self.dissipative = not extra and not any(is_even(a) for a, _ in tower.whole.factors)
+        self.even = [is_even(a) for a, _ in tower.whole.factors]
+        self.dissipative = not extra and not any(self.even)
         found = (
             (norm, w) for w in watched(tower, budget) for norm in norms(tower, w.image, budget)
         )
@@ -333,7 +363,31 @@ class Branch(Members):
             if look.sign and shares is SHARES:
                 return
 
+    def unstable_in(self, cell: Cell) -> list[int] | None:
+        """Counted in balls, at the number where the member was examined."""
+        if not cell.look.sign:
+            return None
+        for bits in LADDER:
+            with precision(bits):
+                every = self.factors(self.known(arb(cell.place)))
+                counts = [_unstable(a, even) for a, even in zip(every, self.even, strict=True)]
+            if None not in counts:
+                powers = (power for _, power in self.tower.whole.factors)
+                return [power * (n or 0) for n, power in zip(counts, powers, strict=True)]
+        return None
+
+    def holds(self, value: float, cell: Cell) -> bool:
+        """Whether the member lies on the branch of the piece."""
+        return self.look(value).label == cell.look.label
+
     # --- at a candidate ---
+
+    def factors_at(self, one: Candidate) -> list[tuple[list[Any], int]]:
+        """Factors in balls at a candidate, each with its power."""
+        value = self.candidates.refined(one, FINE_BITS)
+        with precision(FINE_BITS):
+            rows = self.factors(self.known(value))
+        return list(zip(rows, (power for _, power in self.tower.whole.factors), strict=True))
 
     def vanishing(self, one: Candidate) -> list[Watched] | None:
         """Polynomials that are not proved to differ from zero; None without a member."""

@@ -35,7 +35,7 @@ from ...algebra.exact.rational_functions import (
     univariate,
 )
 from ...algebra.exact.roots import BITS, MOST_BITS, sign_at
-from ...algebra.exact.routh import is_even, least_sign, on_the_axis
+from ...algebra.exact.routh import is_even, least_sign, on_the_axis, unstable_roots
 from ...algebra.number_types import MIXED, Algebra, precision
 from ...algebra.polynomial import ExactPolynomial, TabulatedPolynomial
 from ...base.errors import StabilityError
@@ -47,7 +47,7 @@ from ...systems.structure.structural_zeros import structure
 from ..brackets import AxisScan
 from ..pairs import crossing, grows, meeting
 from .candidates import Candidate, Candidates, Watched, critical
-from .members import NEAR, SHARES, Cell, Look, Members, growing
+from .members import FINE_BITS, NEAR, SHARES, Cell, Look, Members, growing
 from .tower import AxisPolynomial, Base
 
 POSITIVE = ("k", "mu", "c", "mass", "radius", "gravity")
@@ -102,14 +102,16 @@ class Factors:
     ----------
     rows
         The factors other than λ, irreducible.
+    powers
+        Power of each.
     poles
         Polynomials at whose zeros there is no linearisation, or an eigenvalue is infinite.
     """
 
     sine = None
 
-    def __init__(self, rows: Sequence[Row], poles: Sequence[Any]) -> None:
-        self.rows, self.poles = rows, poles
+    def __init__(self, rows: Sequence[Row], powers: Sequence[int], poles: Sequence[Any]) -> None:
+        self.rows, self.powers, self.poles = rows, powers, poles
         self.even = [is_even(row) for row in rows]
 
     def watched(self) -> list[tuple[str, Any]]:
@@ -122,6 +124,13 @@ class Factors:
     def verdict(self, x: Any) -> Verdict:
         """The verdict at a rational value; zeros by structure do not count."""
         return on_the_axis([fmpq_poly([c(x) for c in row]) for row in self.rows])
+
+    def unstable(self, x: Any) -> list[int]:
+        """Number of unstable eigenvalues of each factor at a rational value."""
+        return [
+            power * unstable_roots(fmpq_poly([c(x) for c in row]))
+            for row, power in zip(self.rows, self.powers, strict=True)
+        ]
 
     def sign(self, x: Any) -> int:
         """1 stable or neutral, -1 unstable."""
@@ -185,6 +194,7 @@ class OneVariable(Members):
         bits: int = BITS,
     ) -> None:
         self.line, self.source, self.dissipative = line, source, dissipative
+        self.even = source.even if isinstance(source, Factors) else []
         self._sign = cache(source.sign)  # of an inclination two pieces may share their sine
         if line.problem.family.exact:
             self.how += ", from the family's polynomial"
@@ -211,9 +221,27 @@ class OneVariable(Members):
                     if any(low < x < high for x in base.back(z, low, high)):
                         sign = self._sign(z.fmpq())
                         if sign:
-                            return Cell(low, high, math.nan, Look(sign, (), ""))
+                            return Cell(low, high, math.nan, Look(sign, (), ""), sample=z.fmpq())
                         break
         return Cell(low, high, math.nan, Look(0, None, NEAR))
+
+    def unstable_in(self, cell: Cell) -> list[int] | None:
+        """Counted over Q."""
+        if cell.sample is None or not isinstance(self.source, Factors):
+            return None
+        return self.source.unstable(cell.sample)
+
+    def holds(self, value: float, cell: Cell) -> bool:  # noqa: ARG002
+        """There is one member at every number."""
+        return True
+
+    def factors_at(self, one: Candidate) -> list[tuple[list[Any], int]]:
+        """Factors in balls at a candidate, each with its power."""
+        assert isinstance(self.source, Factors)
+        root = self.candidates.base.variable(self.candidates.refined(one, FINE_BITS))
+        with precision(FINE_BITS):
+            rows = [[arb_poly(c)(root) for c in row] for row in self.source.rows]
+        return list(zip(rows, self.source.powers, strict=True))
 
     def vanishing(self, one: Candidate) -> list[Watched]:
         """Every watched polynomial is its own norm."""
@@ -306,7 +334,8 @@ def of_family(
     """The members of a family that is rational in the axis."""
     form, problem = polynomial.factored, line.problem
     rows = [[univariate(c) for c in row] for row, _ in form.factors]
-    source = Factors(rows, [univariate(p) for p in form.nonzero])
+    powers = [power for _, power in form.factors]
+    source = Factors(rows, powers, [univariate(p) for p in form.nonzero])
     zeros = structure(problem.family).zeros  # refuses what is declared conservative and is not
     base = Base("positive" if not problem.plain and line.axis in POSITIVE else "plain")
     good = form.zeros <= zeros and not any(source.even)
@@ -318,8 +347,12 @@ def of_exact(
     exact: ExactPolynomial,
     ends: tuple[float | None, float | None],
     bits: int = BITS,
+    *,
+    every: bool = False,
 ) -> OneVariable:
     """The members of a family with a polynomial of its own, stored or stated.
+
+    With `every` the polynomial itself is searched, where conditions say less.
 
     Raises
     ------
@@ -334,7 +367,7 @@ def of_exact(
         angle, edge = exact.angle(axis), exact.borders
         over, sine = _tabulated(exact, axes, angle, field)
     base = Base(angle or ("positive" if not problem.plain and axis in POSITIVE else "plain"))
-    found = exact.conditions(axes, over)
+    found = None if every else exact.conditions(axes, over)
     if found is not None:
         # of the same sign, since a denominator is a power of a positive axis
         quotients = [(kind, _quotient(field, p)) for kind, p in found]
@@ -343,21 +376,25 @@ def of_exact(
             good, edge = not problem.family.conservative, edge and bool(angle)
             source = Conditions(cleared, sine)
             return OneVariable(line, source, base, ends, dissipative=good, edge=edge, bits=bits)
-    # a condition vanishes all along the axis, so that the polynomial itself is searched
+    # with `every`, or where a condition vanishes all along the axis: the polynomial is searched
     rows: list[Row] = []
+    powers: list[int] = []
     poles: list[Any] = []
     lam = RING.gens()[1]
     for factor in exact.coefficients(axes, over):
-        row = [_quotient(field, c) for c in factor]
-        common = common_multiple((q.den for q in row), field.one)
+        quotients_ = [_quotient(field, c) for c in factor]
+        common = common_multiple((q.den for q in quotients_), field.one)
         if not isinstance(exact, TabulatedPolynomial):  # whose axes there are positive
             poles.append(univariate(common))
         whole = RING.constant(0)
-        for k, c in enumerate(primitive([q.num * (common / q.den) for q in row])):
+        for k, c in enumerate(primitive([q.num * (common / q.den) for q in quotients_])):
             whole = whole + multivariate(univariate(c)) * lam**k
-        some = [coefficient_row(p, 1) for p, _ in factors(whole)[1] if p != lam]
-        rows += [[univariate(c) for c in powers] for powers in some if len(powers) > 1]
-    source_ = Factors(rows, [*poles, *(row[-1] for row in rows)])
+        for p, power in factors(whole)[1]:
+            row = coefficient_row(p, 1)
+            if p != lam and len(row) > 1:
+                rows.append([univariate(c) for c in row])
+                powers.append(power)
+    source_ = Factors(rows, powers, [*poles, *(row[-1] for row in rows)])
     return OneVariable(line, source_, base, ends, dissipative=not any(source_.even), bits=bits)
 
 

@@ -16,7 +16,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, groupby
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from flint import arb
@@ -33,6 +33,7 @@ from ..brackets import (
     AxisScan,
     Boundaries,
     BoundaryPoint,
+    Crossings,
     Unresolved,
     at_point,
     bracketed,
@@ -497,13 +498,14 @@ def _has_value(line: AxisScan, point: BoundaryPoint) -> bool:
             return False
 
 
+Found = TypeVar("Found", Boundaries, Crossings)
 MOST_PARTS = 600
 """Largest number of pieces."""
 UNSURE = "whether the conditions of {system} hold here is not decided"
 FAILS = "{family} has no member here, since a condition of {system} fails: {sentence}"
 
 
-def meaningful(line: AxisScan, low: float, high: float, found: Boundaries) -> Boundaries:
+def meaningful(line: AxisScan, low: float, high: float, found: Found) -> Found:
     """A result without the parts of the axis on which the system's conditions are not proved.
 
     Parameters
@@ -522,7 +524,9 @@ def meaningful(line: AxisScan, low: float, high: float, found: Boundaries) -> Bo
     """
     if not line.problem.plain or not line.problem.family.system.conditions:
         return found
-    parts = [u for u in _Conditions(line).fail(low, high) if not _inside(u, found.unresolved)]
+    parts: list[Unresolved] = [
+        u for u in _Conditions(line).fail(low, high) if not _inside(u, found.unresolved)
+    ]
     if not parts:
         return found
 

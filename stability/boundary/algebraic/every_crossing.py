@@ -1,0 +1,111 @@
+"""Every crossing of the imaginary axis, with the number of unstable eigenvalues on both sides.
+
+Unstable eigenvalues are counted in each piece between candidates, for each factor of the
+characteristic polynomial.  A factor whose number changes crosses at the candidate between.
+
+Source: tests/boundary/test_every_crossing.py.
+"""
+
+from __future__ import annotations
+
+import math
+from contextlib import suppress
+from typing import Any
+
+from flint import arb
+
+from ...algebra.number_types import precision
+from ...base.errors import StabilityError
+from ..brackets import LATE, AxisCrossing, AxisScan, Crossing, Crossings, bracket
+from ..pairs import on_axis
+from .candidates import Candidate, Watched
+from .exact_search import Judge, members_along, tidy
+from .members import FINE_BITS, Cell
+
+HOW = (
+    "every value at which an eigenvalue can meet the imaginary axis was isolated exactly, and "
+    "unstable eigenvalues were counted between these values"
+)
+REACHED = "whether eigenvalues of {family} reach the imaginary axis there is not decided"
+
+
+def every_crossing(line: AxisScan, low: float, high: float) -> Crossings:
+    """Every value of an axis at which eigenvalues cross the imaginary axis.
+
+    Raises
+    ------
+    NotExact
+        As `members_along`.
+    """
+    return _EveryCrossing(line, members_along(line, (low, high), every=True), low, high).crossings()
+
+
+class _EveryCrossing(Judge):
+    """Candidates judged by the unstable eigenvalues of each factor on both sides."""
+
+    what = "the number of unstable eigenvalues"
+
+    def crossings(self) -> Crossings:
+        """The record."""
+        self.every: list[AxisCrossing] = []
+        self.judge()
+        left = tuple(tidy(self.left))
+        known = (side for cell in self.members.cells if (side := self.side(cell)) is not None)
+        number = None if left or self.every else sum(next(known))
+        return Crossings(tuple(self.every), left, tuple(self.touching), HOW, throughout=number)
+
+    def side(self, cell: Cell) -> list[int] | None:
+        """Number of unstable eigenvalues of each factor."""
+        return self.members.unstable_in(cell)
+
+    def single(self, one: Candidate, kept: list[Watched], below: Cell, above: Cell) -> None:
+        """A candidate where eigenvalues may reach the axis, and as many are unstable beyond it."""
+        rows = zip(self._on_axis(one), self.members.even, strict=False)
+        if any(w == 0 or not even for row, even in rows for w in row):
+            if self.members.meets(one, kept, below, above):
+                self.touching.append(float(one.value.mid()))
+            else:
+                self.leave_at(one, REACHED.format(family=self.name))
+
+    def change(self, one: Candidate, below: Cell, above: Cell, others: list[Any]) -> None:  # noqa: ARG002
+        """A crossing as a proved bracket: its ends lie in the pieces on both sides."""
+
+        def side(value: float) -> int:
+            if below.low < arb(value) < one.value and self.members.holds(value, below):
+                return 1
+            inside = one.value < arb(value) < above.high
+            return -1 if inside and self.members.holds(value, above) else 0
+
+        root = self.root(one)
+        proof = bracket(side, root)
+        counts = self.side(below), self.side(above)
+        if proof is None or counts[0] is None or counts[1] is None:
+            self.leave(one.value, one.value, LATE)
+            return
+        rates = sorted(w for row in self._on_axis(one) for w in row)
+        if not rates and any(w.kind == "static" for w in self.members.vanishing(one) or ()):
+            rates = [0.0]  # where branches cross no member was found
+        kind = Crossing.STATIC if rates and not any(rates) else Crossing.FLUTTER
+        if any(rates) and not all(rates):
+            kind = Crossing.STATIC_AND_FLUTTER
+        unit = self._rate(root)
+        self.every.append(
+            AxisCrossing(
+                root, proof[0], kind, tuple(unit * w for w in rates), sum(counts[0]), sum(counts[1])
+            )
+        )
+
+    def _on_axis(self, one: Candidate) -> list[list[float]]:
+        """|Im λ| of what is on the axis at a candidate, by factor; empty without a member."""
+        with suppress(StabilityError, ArithmeticError), precision(FINE_BITS):
+            rows = zip(self.members.factors_at(one), self.members.even, strict=True)
+            return [on_axis(row, even=even) * power for (row, power), even in rows]
+        return []
+
+    def _rate(self, value: float) -> float:
+        """Unit of the polynomial's λ in the user's unit of rate."""
+        exact = self.line.problem.exact
+        if exact is None:
+            return self.line.rate(value)
+        scale, square = exact.scale(self.line.fixed | {self.line.axis: value})
+        return float(scale) if scale is not None else math.sqrt(square)

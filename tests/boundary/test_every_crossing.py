@@ -1,0 +1,120 @@
+"""Every crossing of the imaginary axis, counted on both sides, against planted ones."""
+
+import json
+import math
+import random
+from fractions import Fraction
+
+import casadi as ca
+import pytest
+from flint import arb, fmpq, fmpq_poly
+from planted_crossings import HIGH, LOW, Plan
+
+import stability as st
+from stability.algebra.exact.routh import sign_changes, unstable_roots
+from stability.cli import main
+
+REACHED = "reach the imaginary axis there is not decided"
+
+
+def compared(seed: int, route: str) -> int:
+    """Compare one family with its plan; the number of crossings."""
+    plan = Plan(seed)
+    crossings, touching = plan.crossings()
+    family, axis = plan.family(route)
+    found = st.boundaries(family, axis=("q", axis(LOW), axis(HIGH), 9), every=True)
+    touching = [axis(v) for v in touching]
+    if route != "rational":  # where a factor is not in lowest terms, an exchange in it is no change
+        near = [*found.touching, *(u.low for u in found.unresolved)]
+        same = [e for e in crossings if e.below == e.above]
+        same = [e for e in same if any(math.isclose(axis(e.zero.near), v) for v in near)]
+        crossings = [e for e in crossings if e not in same]
+        touching = sorted([*touching, *(axis(e.zero.near) for e in same)])
+        left = [u for u in found.unresolved if REACHED in u.reason]
+        touching = [v for v in touching if not any(u.low <= v <= u.high for u in left)]
+        assert len(left) == len(found.unresolved) <= 2, found.unresolved
+    else:
+        assert found.complete, found.unresolved
+    assert len(found) == len(crossings), (found, crossings)
+    for one, expected in zip(found, crossings, strict=True):
+        zero = expected.zero
+        if route == "rational":
+            low, high = (Fraction(one.value) + k * Fraction(one.error) for k in (-1, 1))
+            assert zero(low) <= 0 <= zero(high)
+        assert math.isclose(one.value, axis(zero.near), rel_tol=1e-14, abs_tol=1e-300)
+        assert (one.unstable_below, one.unstable_above) == (expected.below, expected.above)
+        assert one.frequencies == pytest.approx(expected.rates, rel=1e-12)
+        zeros, pairs = any(w == 0 for w in expected.rates), any(expected.rates)
+        word = {(True, False): "static", (False, True): "flutter"}
+        assert one.crossing.word == word.get((zeros, pairs), "static_and_flutter")
+    assert found.touching == pytest.approx(touching, rel=1e-14)
+    if not crossings and found.complete:
+        assert found.throughout == sum(b.unstable(Fraction(1, 7)) for b in plan.blocks)
+    return len(crossings)
+
+
+@pytest.mark.parametrize("route", ["rational", "sine", "unknown"])
+def test_planted_crossings_are_listed_with_both_numbers(route: str) -> None:
+    assert sum(compared(seed, route) for seed in range(6)) > 10
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("route", ["rational", "sine", "unknown"])
+def test_planted_crossings_of_many_families(route: str) -> None:
+    assert sum(compared(seed, route) for seed in range(100, 400)) > 600
+
+
+def test_two_pairs_and_a_zero_at_one_value_are_one_entry() -> None:
+    """λ - p, and λ² - p λ + 1 and λ² - p λ + 4: a zero and two pairs cross at p = 0."""
+    x, p = ca.SX.sym("x", 5), ca.SX.sym("p")
+    rates = ca.vertcat(p * x[0], x[2], p * x[2] - x[1], x[4], p * x[4] - 4 * x[3])
+    states = tuple(f"x{i}" for i in range(5))
+    system = st.System("coincidence", x, p, rates, states=states, parameters=("p",))
+    family = st.Family(system, "rest", at=("p",), held=dict.fromkeys(states, 0.0))
+    found = st.boundaries(family, axis=("p", -1, 1, 9), every=True)
+    [one] = found
+    assert (one.value, one.unstable_below, one.unstable_above) == (0.0, 0, 5)
+    assert one.crossing is st.Crossing.STATIC_AND_FLUTTER and one.frequencies == (0.0, 1.0, 2.0)
+    said = "static and flutter, 0 unstable below, 5 above, frequencies 0, 1, 2"
+    assert said in repr(found) and said in one.words()
+    [row] = found.to_pandas().to_dict("records")
+    assert row["unstable above"] == 5 and row["frequencies"] == "0.0; 1.0; 2.0"
+
+
+def test_divergence_behind_flutter_is_printed_by_the_command(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Below flutter at √2 a rolling disk has two unstable eigenvalues, below √(1/3) one."""
+    words = ["boundaries", "rolling", "--axis", "at:0.1:5:9", "--mu", "1", "--every", "--json"]
+    assert main(words) == 0
+    found = json.loads(capsys.readouterr().out)
+    squares = [c["value"] ** 2 for c in found["crossings"]]
+    assert squares == pytest.approx([1 / 3, 2], rel=1e-15)
+    counts = [(c["unstable_below"], c["unstable_above"]) for c in found["crossings"]]
+    assert counts == [(1, 2), (2, 0)]
+    for number in (0.5, 1.0, 1.5):
+        spectrum = st.spectrum("rolling", at=number, contact=st.Viscous(1))
+        expected = counts[0][0] if number < squares[0] ** 0.5 else counts[1][number > 1.414]
+        assert sum(spectrum.eigenvalues.real > 1e-9) == expected
+
+
+def test_a_family_that_is_not_algebraic_is_refused_in_one_sentence() -> None:
+    x, p = ca.SX.sym("x"), ca.SX.sym("p")
+    system = st.System("s", x, p, p * ca.tanh(p) * x - x, states=("x",), parameters=("p",))
+    family = st.Family(system, "rest", at=("p",), held={"x": 0})
+    with pytest.raises(st.StabilityError, match="families that are algebraic along the axis"):
+        st.boundaries(family, axis=("p", 0, 2, 9), every=True)
+
+
+def test_unstable_roots_are_counted_with_multiplicities() -> None:
+    draw = random.Random(20261129)
+    for _ in range(500):
+        p, expected = fmpq_poly([draw.choice([1, -3])]), 0
+        for _ in range(draw.randint(0, 4)):
+            a, b = fmpq(draw.randint(-4, 4), 2), fmpq(draw.randint(1, 9), 3)
+            pair, power = draw.random() < 0.5, draw.choice([1, 1, 2, 3])
+            p *= fmpq_poly([a * a + b, -2 * a, 1] if pair else [-a, 1]) ** power
+            expected += (a > 0) * (2 if pair else 1) * power
+        assert unstable_roots(p) == expected
+        if p.degree() and (count := sign_changes([arb(c) for c in p.coeffs()])) is not None:
+            assert count == expected
