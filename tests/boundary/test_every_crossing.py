@@ -27,7 +27,9 @@ def compared(seed: int, route: str) -> int:
     if route != "rational":  # where a factor is not in lowest terms, an exchange in it is no change
         near = [*found.touching, *(u.low for u in found.unresolved)]
         same = [e for e in crossings if e.below == e.above]
-        same = [e for e in same if any(math.isclose(axis(e.zero.near), v) for v in near)]
+        same = [
+            e for e in same if any(math.isclose(axis(e.zero.near), v, abs_tol=1e-9) for v in near)
+        ]
         crossings = [e for e in crossings if e not in same]
         touching = sorted([*touching, *(axis(e.zero.near) for e in same)])
         left = [u for u in found.unresolved if REACHED in u.reason]
@@ -41,25 +43,27 @@ def compared(seed: int, route: str) -> int:
         if route == "rational":
             low, high = (Fraction(one.value) + k * Fraction(one.error) for k in (-1, 1))
             assert zero(low) <= 0 <= zero(high)
-        assert math.isclose(one.value, axis(zero.near), rel_tol=1e-14, abs_tol=1e-300)
+        assert math.isclose(one.value, axis(zero.near), rel_tol=1e-14, abs_tol=1e-15)
         assert (one.unstable_below, one.unstable_above) == (expected.below, expected.above)
         assert one.frequencies == pytest.approx(expected.rates, rel=1e-12)
         zeros, pairs = any(w == 0 for w in expected.rates), any(expected.rates)
         word = {(True, False): "static", (False, True): "flutter"}
         assert one.crossing.word == word.get((zeros, pairs), "static_and_flutter")
-    assert found.touching == pytest.approx(touching, rel=1e-14)
+    assert found.touching == pytest.approx(touching, rel=1e-14, abs=1e-15)
     if not crossings and found.complete:
         assert found.throughout == sum(b.unstable(Fraction(1, 7)) for b in plan.blocks)
     return len(crossings)
 
 
-@pytest.mark.parametrize("route", ["rational", "sine", "unknown"])
-def test_planted_crossings_are_listed_with_both_numbers(route: str) -> None:
-    assert sum(compared(seed, route) for seed in range(6)) > 10
+@pytest.mark.parametrize(
+    ("route", "count"), [("rational", 8), ("exponential", 8), ("sine", 4), ("unknown", 4)]
+)
+def test_planted_crossings_are_listed_with_both_numbers(route: str, count: int) -> None:
+    assert sum(compared(seed, route) for seed in range(count)) > count
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("route", ["rational", "sine", "unknown"])
+@pytest.mark.parametrize("route", ["rational", "exponential", "sine", "unknown"])
 def test_planted_crossings_of_many_families(route: str) -> None:
     assert sum(compared(seed, route) for seed in range(100, 400)) > 600
 

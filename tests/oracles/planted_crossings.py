@@ -171,6 +171,7 @@ class Plan:
         x, y = ca.SX.sym("x", size), ca.SX.sym("y")
         p, value = {
             "rational": (axis, lambda r: r),
+            "exponential": (ca.exp(axis) - 3, lambda r: math.log(r + 3)),
             "sine": (4 * ca.sin(axis), lambda r: math.asin(r / 4)),
             "unknown": (y, lambda r: r + r**3),
         }[route]
@@ -204,7 +205,7 @@ def _between(zeros: Sequence[Zero]) -> list[Fraction]:
 def _similarity(draw: random.Random, size: int) -> tuple[Any, Any]:
     """An integer matrix with determinant one, and its inverse."""
     turn, back = np.eye(size), np.eye(size)
-    for _ in range(size if size > 1 else 0):
+    for _ in range(3 * size if size > 1 else 0):
         i, j = draw.sample(range(size), 2)
         k = draw.choice([-1, 1])
         turn[i] += k * turn[j]

@@ -19,7 +19,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 from flint import arb
@@ -364,15 +364,19 @@ class Branch(Members):
                 return
 
     def unstable_in(self, cell: Cell) -> list[int] | None:
-        """Counted in balls, at the number where the member was examined."""
+        """Counted in balls, at numbers where the member is proved."""
         if not cell.look.sign:
             return None
-        for bits in LADDER:
+        middles = (float((cell.low + (cell.high - cell.low) * s).mid()) for s in SHARES)
+        places = [cell.place, *(m for m in middles if arb(m) > cell.low and arb(m) < cell.high)]
+        powers = [power for _, power in self.tower.whole.factors]
+        for place, bits in product(places, LADDER):
+            if bits == LADDER[0] and not self.holds(place, cell):
+                continue
             with precision(bits):
-                every = self.factors(self.known(arb(cell.place)))
+                every = self.factors(self.known(arb(place)))
                 counts = [_unstable(a, even) for a, even in zip(every, self.even, strict=True)]
             if None not in counts:
-                powers = (power for _, power in self.tower.whole.factors)
                 return [power * (n or 0) for n, power in zip(counts, powers, strict=True)]
         return None
 
