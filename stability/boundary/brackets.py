@@ -776,7 +776,7 @@ def refine(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:
         if line.quick_sign(float(np.nextafter(end, other))) == beyond:
             return at_point(line, end)  # only the end itself differs, as without any damping
     # Both determinants may change sign an even number of times: find the change of verdict first.
-    root = _zero(lambda v: float(line.quick_sign(v)), low, high)
+    root = zero_between(lambda v: float(line.quick_sign(v)), low, high)
     for width in (1e-6, 1e-9, 1e-12):
         near = max(low, root - width * abs(root)), min(high, root + width * abs(root))
         point = _crossing(line, *near)
@@ -788,7 +788,7 @@ def refine(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:
 def zeros(line: AxisScan, low: float, high: float) -> list[float]:
     """A zero between two points of each determinant that changes its sign, as proved in balls."""
     functions = [line.function(c) for c in (Crossing.STATIC, Crossing.FLUTTER)]
-    return [_zero(f, low, high) for f in functions if f(low) * f(high) < 0]
+    return [zero_between(f, low, high) for f in functions if f(low) * f(high) < 0]
 
 
 def _crossing(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:
@@ -796,13 +796,14 @@ def _crossing(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:
     for crossing in (Crossing.STATIC, Crossing.FLUTTER):
         f = line.function(crossing)
         if f(low) * f(high) < 0:
-            point = bracketed(line, _zero(f, low, high), crossing)
+            point = bracketed(line, zero_between(f, low, high), crossing)
             if point is not None:
                 return point
     return None
 
 
-def _zero(f: Callable[[float], float], low: float, high: float) -> float:
+def zero_between(f: Callable[[float], float], low: float, high: float) -> float:
+    """A zero between two numbers at which the signs of a function differ."""
     from scipy.optimize import brentq
 
     return float(brentq(f, low, high, xtol=1e-300, rtol=4 * np.finfo(float).eps, maxiter=5000))

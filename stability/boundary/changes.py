@@ -29,9 +29,9 @@ from ..spectra.problem import Problem
 from ..systems.family import Family
 from ..systems.singular_points import Curve, crossings, directions, kind_of_crossing
 from ..systems.symmetry import symmetric_family
-from .algebraic.every_crossing import every_crossing
 from .algebraic.exact_search import searched
 from .brackets import AxisScan, Boundaries, BoundaryPoint, Crossings, crossed
+from .every_crossing import crossings_in_pieces, every_crossing
 from .interval_search.pieces import meaningful, proved
 
 Points = TypeVar("Points", Boundaries, Crossings)
@@ -114,7 +114,7 @@ def boundaries(
         circling's theta or phi_dot, `at` is the other of the two.
     every
         Whether each crossing of the imaginary axis is listed, also where other eigenvalues stay
-        unstable; for families that are algebraic along the axis.
+        unstable.
 
     Returns
     -------
@@ -156,7 +156,10 @@ def boundaries(
     )
     fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
     if every:
-        crossings = _described(problem, grid, _every(problem, grid, fixed))
+        line = AxisScan(problem, grid.name, fixed)
+        searches = every_crossing, crossings_in_pieces
+        whole = _along(line, grid.low, grid.high, grid.count, log=grid.log, searches=searches)
+        crossings = _described(problem, grid, meaningful(line, grid.low, grid.high, whole))
         crossings.warn(grid.name)
         return crossings
     found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
@@ -186,19 +189,6 @@ def _described(problem: Problem, grid: Axis, found: Points) -> Points:
         unit=unit_of(axis_attributes(problem, grid.name)),
         rate_unit=unit_of(rate_attributes(problem)),
     )
-
-
-def _every(problem: Problem, grid: Axis, fixed: Mapping[str, float]) -> Crossings:
-    """Every crossing of the imaginary axis; families that are not algebraic are refused."""
-    line = AxisScan(problem, grid.name, fixed)
-    try:
-        found = every_crossing(line, grid.low, grid.high)
-    except (NotExact, UnclearError) as error:
-        raise ParameterError(
-            f"every crossing is listed for families that are algebraic along the axis, and "
-            f"{problem.family.name} along {grid.name} is not searched: {error}."
-        ) from None
-    return meaningful(line, grid.low, grid.high, found)
 
 
 def _good(
@@ -287,15 +277,25 @@ def along(
     if line.formulas is not None:  # a piece that is proved has members that are proved
         found = proved(line, Axis(axis, low, high, points, log).values, log=log)
     if found is None or not found.complete:
-        found = meaningful(line, low, high, _along(line, low, high, points, log=log))
+        either = searched, proved
+        whole = _along(line, low, high, points, log=log, searches=either)
+        found = meaningful(line, low, high, whole)
     return replace(found, points=tuple(crossed(line, point) for point in found))
 
 
-def _along(line: AxisScan, low: float, high: float, points: int, *, log: bool) -> Boundaries:
+def _along(
+    line: AxisScan,
+    low: float,
+    high: float,
+    points: int,
+    *,
+    log: bool,
+    searches: tuple[Callable[[AxisScan, float, float], Points], Callable[..., Points]],
+) -> Points:
     """By exact numbers where possible, otherwise in pieces; how says why."""
     exact, reason = None, ""
     try:
-        exact = searched(line, low, high)
+        exact = searches[0](line, low, high)
     except (NotExact, UnclearError) as error:
         reason = f"; no exact search, since {error}"
     if exact is not None:
@@ -305,7 +305,7 @@ def _along(line: AxisScan, low: float, high: float, points: int, *, log: bool) -
     line.__dict__["formulas"] = None
     values = Axis(line.axis, low, high, points, log).values
     other, said, near = _past_branch_points(line, values)
-    found = proved(other, values, log=log, singular=near)
+    found = searches[1](other, values, log=log, singular=near)
     reason = said + reason
     if exact is not None and not found.complete:
         return exact

@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 from flint import acb, acb_poly, arb, fmpq_poly
 
-from ..algebra.exact.roots import complex_roots
+from ..algebra.exact.roots import complex_roots, isolated
+from ..algebra.exact.routh import monic, sign_changes
 from ..algebra.number_types import precision
 
 CLOSE = 2.0**-64
@@ -88,6 +89,22 @@ def on_axis(coefficients: Sequence[Any], *, even: bool) -> list[float]:
         return [0.0] * (zeros // 2) + [w for distance, w in meetings if distance < CLOSE]
     pairs = sorted(w for distance, w in crossing(fmpq_poly(rest)) if distance < CLOSE)
     return [0.0] * zeros + pairs[::2]
+
+
+def unstable_count(coefficients: Sequence[Any], *, even: bool) -> int | None:
+    """Number of zeros with Re > 0 of a polynomial of balls, lowest first; None without a proof.
+
+    Examples
+    --------
+    >>> unstable_count([arb(-1), arb(0), arb(1)], even=True)
+    1
+    """
+    if not even and (count := sign_changes(monic(coefficients))) is not None:
+        return count
+    roots = isolated(list(coefficients), even)
+    if roots is None or any(z.real != 0 and z.real.contains(0) for z in roots):
+        return None
+    return sum(bool(z.real > 0) for z in roots)
 
 
 def grows(coefficients: Sequence[Any]) -> bool:

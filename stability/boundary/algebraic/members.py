@@ -33,14 +33,13 @@ from ...algebra.exact.routh import (
     is_even,
     least_sign,
     monic,
-    sign_changes,
     verdict_polynomial,
 )
 from ...algebra.number_types import precision
 from ...base.errors import NoMemberError, StabilityError
 from ..brackets import AxisScan, Crossing, crossing_rate
 from ..interval_search.pieces import NO_MEMBER, NO_VALUE
-from ..pairs import grows
+from ..pairs import grows, unstable_count
 from .candidates import Candidate, Candidates, Watched, least_size, norms, watched
 from .tower import Tower
 
@@ -187,16 +186,6 @@ def growing(polys: Sequence[Any], balls: list[Any], zero: Callable[[Any], bool])
         return False
     sign = hurwitz_sign(verdict_polynomial(monic(rest), 0, is_even(rest)))
     return None if sign == 0 else sign < 0
-
-
-def _unstable(balls: list[Any], even: bool) -> int | None:  # noqa: FBT001
-    """Number of roots with a positive real part; None where this is not proved."""
-    if not even and (count := sign_changes(monic(balls))) is not None:
-        return count
-    roots = isolated(balls, even)
-    if roots is None or any(z.real != 0 and z.real.contains(0) for z in roots):
-        return None
-    return sum(bool(z.real > 0) for z in roots)
 
 
 class Branch(Members):
@@ -375,7 +364,9 @@ class Branch(Members):
                 continue
             with precision(bits):
                 every = self.factors(self.known(arb(place)))
-                counts = [_unstable(a, even) for a, even in zip(every, self.even, strict=True)]
+                counts = [
+                    unstable_count(a, even=even) for a, even in zip(every, self.even, strict=True)
+                ]
             if None not in counts:
                 return [power * (n or 0) for n, power in zip(counts, powers, strict=True)]
         return None

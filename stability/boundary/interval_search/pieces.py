@@ -94,6 +94,7 @@ def pieces(
     *,
     log: bool = False,
     singular: Mapping[float, str] | None = None,
+    every: bool = False,
 ) -> Pieces:
     """Proof along an axis of where an eigenvalue meets the imaginary axis, and where none does.
 
@@ -107,6 +108,8 @@ def pieces(
         Whether pieces are cut at equal ratios.
     singular
         Values near which no member can be proved, each with the reason.
+    every
+        Whether pieces on which another eigenvalue stays unstable are searched too.
     """
     try:
         found = _meetings(line)
@@ -114,6 +117,7 @@ def pieces(
         found = str(error)
     if isinstance(found, str):
         return Pieces((Leaf(low, high, None, found),), low, high, 0)
+    found.every = every
     leaves, waiting, count = [], [(low, high)], 0
     quick = quick_pieces(found, low, high, log=log) if isinstance(found, FormulaMeetings) else None
     if quick is not None:
@@ -410,12 +414,15 @@ def proved(
             continue
         points += part[0]
         left += part[1]
-    family = line.problem.family
-    how = PIECES.format(count=found.count)
-    if family.unknown and not family.closed:
-        how += f", {ON_ONE_BRANCH}"
     inside = [p for p in points if low <= p.value + p.error and p.value - p.error <= high]
-    return Boundaries(tuple(inside), tuple(left), how=how)
+    return Boundaries(tuple(inside), tuple(left), how=how_in_pieces(line, found))
+
+
+def how_in_pieces(line: AxisScan, found: Pieces) -> str:
+    """How an axis was searched, in words."""
+    family = line.problem.family
+    solved = family.unknown and not family.closed
+    return PIECES.format(count=found.count) + (f", {ON_ONE_BRANCH}" if solved else "")
 
 
 Part = tuple[list[BoundaryPoint], list[Unresolved]]

@@ -1,7 +1,9 @@
 """Every crossing of the imaginary axis, with the number of unstable eigenvalues on both sides.
 
-Unstable eigenvalues are counted in each piece between candidates, for each factor of the
-characteristic polynomial.  A factor whose number changes crosses at the candidate between.
+By exact numbers unstable eigenvalues are counted in each piece between candidates, for each factor
+of the characteristic polynomial.  A factor whose number changes crosses at the candidate between.
+Otherwise they are counted at both ends of each piece that is proved to hold a single meeting with
+the imaginary axis.
 
 Source: tests/boundary/test_every_crossing.py.
 """
@@ -9,23 +11,41 @@ Source: tests/boundary/test_every_crossing.py.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
 
 from flint import arb
 
-from ...algebra.number_types import precision
-from ...base.errors import StabilityError
-from ..brackets import LATE, AxisCrossing, AxisScan, Crossing, Crossings, bracket
-from ..pairs import on_axis
-from .candidates import Candidate, Watched
-from .exact_search import Judge, members_along, tidy
-from .members import FINE_BITS, Cell
+from ..algebra.number_types import precision
+from ..base.errors import StabilityError
+from ..base.types import Floats
+from ..systems.structure.structural_zeros import structure
+from .algebraic.candidates import Candidate, Watched
+from .algebraic.exact_search import Judge, members_along, tidy
+from .algebraic.members import FINE_BITS, Cell
+from .brackets import (
+    LADDER,
+    LATE,
+    AxisCrossing,
+    AxisScan,
+    Crossing,
+    Crossings,
+    Unresolved,
+    bracket,
+    crossing_rate,
+    zero_between,
+)
+from .interval_search.pieces import BRANCH, TOUCH, how_in_pieces, pieces
+from .interval_search.quick_pieces import Leaf
+from .pairs import on_axis, unstable_count
 
 HOW = (
     "every value at which an eigenvalue can meet the imaginary axis was isolated exactly, and "
     "unstable eigenvalues were counted between these values"
 )
+SHARE = 0.382
+"""Share of an interval at which eigenvalues are counted where none crosses."""
 REACHED = "whether eigenvalues of {family} reach the imaginary axis there is not decided"
 
 
@@ -109,3 +129,84 @@ class _EveryCrossing(Judge):
             return self.line.rate(value)
         scale, square = exact.scale(self.line.fixed | {self.line.axis: value})
         return float(scale) if scale is not None else math.sqrt(square)
+
+
+# --- in pieces ---
+
+
+def crossings_in_pieces(
+    line: AxisScan,
+    grid: Floats,
+    *,
+    log: bool = False,
+    singular: Mapping[float, str] | None = None,
+) -> Crossings:
+    """Every crossing along an axis that need not be algebraic, with what stays open.
+
+    Parameters
+    ----------
+    line
+        The line.
+    grid
+        Numbers whose first and last are the ends of the interval.
+    log
+        Whether pieces are cut at equal ratios.
+    singular
+        As for `pieces`.
+    """
+    low, high = float(grid[0]), float(grid[-1])
+    found = pieces(line, low, high, log=log, singular=singular, every=True)
+    points: list[AxisCrossing] = []
+    left: list[Unresolved] = []
+    for leaf in found.leaves:
+        if leaf.meetings == 0:
+            continue
+        outcome = _crossing(line, leaf) if leaf.meetings == 1 else leaf.reason
+        if isinstance(outcome, str):
+            left.append(Unresolved(max(leaf.low, low), min(leaf.high, high), f"{outcome}."))
+        elif outcome and low <= outcome.value + outcome.error:
+            points += [outcome] if outcome.value - outcome.error <= high else []
+    number = None if left or points else _unstable_at(line, low + SHARE * (high - low))
+    how = how_in_pieces(line, found)
+    return Crossings(tuple(points), tuple(left), how=how, throughout=number)
+
+
+def _crossing(line: AxisScan, leaf: Leaf) -> AxisCrossing | str | None:
+    """The crossing at the single meeting of a piece, None, or why it is not known."""
+    below, above = _unstable_at(line, leaf.low), _unstable_at(line, leaf.high)
+    if below is None or above is None:
+        return TOUCH
+    if below == above:
+        return None  # two opposite real eigenvalues
+
+    def side(value: float) -> int:
+        inside = leaf.low <= value <= leaf.high
+        count = _unstable_at(line, value) if inside else None
+        return (count == below) - (count == above)
+
+    if leaf.low < 0 < leaf.high and not side(0.0):
+        root = 0.0
+    elif leaf.near:
+        root = leaf.near[0]
+    else:
+        root = zero_between(lambda v: float(side(v)), leaf.low, leaf.high)
+    proof = bracket(side, root)
+    if proof is None:
+        return LATE
+    if not line.joined(root - proof[0], root, root + proof[0]):
+        return BRANCH
+    kind = Crossing.STATIC if abs(above - below) == 1 else Crossing.FLUTTER
+    return AxisCrossing(root, proof[0], kind, (crossing_rate(line, root, kind),), below, above)
+
+
+def _unstable_at(line: AxisScan, value: float) -> int | None:
+    """Number of unstable eigenvalues at a number; None where this is not proved."""
+    zeros = structure(line.problem.family).zeros
+    with suppress(StabilityError, ArithmeticError):
+        for bits in LADDER:
+            with precision(bits):
+                coefficients = line.coefficients(value, bits)[zeros:]
+                count = unstable_count(coefficients, even=line.even)
+            if count is not None:
+                return count
+    return None
