@@ -156,8 +156,8 @@ class AxisCrossing:
     crossing: Crossing
     """What crosses: zeros, pairs, or both."""
     frequencies: tuple[float, ...]
-    """|Im λ| of what is on the imaginary axis there, in the user's unit of rate, in increasing
-    order: 0 for each zero, one number for each pair."""
+    """|Im λ| of what is on the imaginary axis there, in the factors of the characteristic
+    polynomial that cross, in the user's unit of rate: 0 for each zero, one number for each pair."""
     unstable_below: int
     """Number of unstable eigenvalues below the value, proved; zeros by structure do not count."""
     unstable_above: int

@@ -154,14 +154,11 @@ def boundaries(
     problem, (grid,) = swept(
         family, {"axis": axis}, disk, body, contact, at, parameters, exact=True, most=MOST_SCAN
     )
-    fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
     if every:
-        line = AxisScan(problem, grid.name, fixed)
-        searches = every_crossing, crossings_in_pieces
-        whole = _along(line, grid.low, grid.high, grid.count, log=grid.log, searches=searches)
-        crossings = _described(problem, grid, meaningful(line, grid.low, grid.high, whole))
+        crossings = _described(problem, grid, every_along(problem, grid))
         crossings.warn(grid.name)
         return crossings
+    fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
     found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
 
     @cache
@@ -176,6 +173,15 @@ def boundaries(
     )
     found.warn(grid.name)
     return found
+
+
+def every_along(problem: Problem, grid: Axis) -> Crossings:
+    """Every crossing of the imaginary axis along one axis, each as a proved bracket."""
+    fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
+    line = AxisScan(problem, grid.name, fixed)
+    searches = every_crossing, crossings_in_pieces
+    found = _along(line, grid.low, grid.high, grid.count, log=grid.log, searches=searches)
+    return meaningful(line, grid.low, grid.high, found)
 
 
 def _described(problem: Problem, grid: Axis, found: Points) -> Points:

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from contextlib import suppress
+from itertools import compress
 from typing import Any
 
 from flint import arb
@@ -98,11 +99,13 @@ class _EveryCrossing(Judge):
 
         root = self.root(one)
         proof = bracket(side, root)
-        counts = self.side(below), self.side(above)
-        if proof is None or counts[0] is None or counts[1] is None:
+        numbers = self.side(below), self.side(above)
+        if proof is None or numbers[0] is None or numbers[1] is None:
             self.leave(one.value, one.value, LATE)
             return
-        rates = sorted(w for row in self._on_axis(one) for w in row)
+        changed = [a != b for a, b in zip(numbers[0], numbers[1], strict=True)]
+        rows = self._on_axis(one)  # what touches the axis in another factor does not cross
+        rates = sorted(w for row in compress(rows, changed) for w in row)
         if not rates and any(w.kind == "static" for w in self.members.vanishing(one) or ()):
             rates = [0.0]  # where branches cross no member was found
         kind = Crossing.STATIC if rates and not any(rates) else Crossing.FLUTTER
@@ -111,7 +114,12 @@ class _EveryCrossing(Judge):
         unit = self._rate(root)
         self.every.append(
             AxisCrossing(
-                root, proof[0], kind, tuple(unit * w for w in rates), sum(counts[0]), sum(counts[1])
+                root,
+                proof[0],
+                kind,
+                tuple(unit * w for w in rates),
+                sum(numbers[0]),
+                sum(numbers[1]),
             )
         )
 

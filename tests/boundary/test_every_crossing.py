@@ -46,8 +46,11 @@ def compared(seed: int, route: str) -> int:
             assert zero(low) <= 0 <= zero(high)
         assert math.isclose(one.value, axis(zero.near), rel_tol=1e-14, abs_tol=1e-15)
         assert (one.unstable_below, one.unstable_above) == (expected.below, expected.above)
-        assert one.frequencies == pytest.approx(expected.rates, rel=1e-12)
-        zeros, pairs = any(w == 0 for w in expected.rates), any(expected.rates)
+        rates = expected.rates
+        if route != "rational" and len(one.frequencies) > len(rates):  # in one factor with others
+            rates = sorted([*rates, *expected.touching])
+        assert one.frequencies == pytest.approx(rates, rel=1e-12)
+        zeros, pairs = any(w == 0 for w in rates), any(rates)
         word = {(True, False): "static", (False, True): "flutter"}
         assert one.crossing.word == word.get((zeros, pairs), "static_and_flutter")
     assert found.touching == pytest.approx(touching, rel=1e-14, abs=1e-15)

@@ -123,6 +123,7 @@ class Expected:
     below: int
     above: int
     rates: list[float]
+    touching: list[float]
 
 
 class Plan:
@@ -157,10 +158,14 @@ class Plan:
         crossings, touching = [], []
         for zero, (low, high) in zip(zeros, pairwise(places), strict=True):
             counts = [[b.unstable(p) for b in self.blocks] for p in (low, high)]
-            rates = sorted(w for b in self.blocks for w in b.on_axis(zero))
+            rates: tuple[list[float], list[float]] = ([], [])
+            for block, below, above in zip(self.blocks, *counts, strict=True):
+                rates[below == above].extend(block.on_axis(zero))
             if counts[0] != counts[1]:
-                crossings.append(Expected(zero, sum(counts[0]), sum(counts[1]), rates))
-            elif rates:
+                crossings.append(
+                    Expected(zero, sum(counts[0]), sum(counts[1]), sorted(rates[0]), rates[1])
+                )
+            elif rates[1]:
                 touching.append(zero.near)
         return crossings, touching
 
