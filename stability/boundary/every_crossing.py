@@ -174,14 +174,14 @@ def crossings_in_pieces(
             left.append(Unresolved(max(leaf.low, low), min(leaf.high, high), f"{outcome}."))
         elif outcome and low <= outcome.value + outcome.error:
             points += [outcome] if outcome.value - outcome.error <= high else []
-    number = None if left or points else _unstable_at(line, low + SHARE * (high - low))
+    number = None if left or points else unstable_at(line, low + SHARE * (high - low))
     how = how_in_pieces(line, found)
     return Crossings(tuple(points), tuple(left), how=how, throughout=number)
 
 
 def _crossing(line: AxisScan, leaf: Leaf) -> AxisCrossing | str | None:
     """The crossing at the single meeting of a piece, None, or why it is not known."""
-    below, above = _unstable_at(line, leaf.low), _unstable_at(line, leaf.high)
+    below, above = unstable_at(line, leaf.low), unstable_at(line, leaf.high)
     if below is None or above is None:
         return TOUCH
     if below == above:
@@ -189,7 +189,7 @@ def _crossing(line: AxisScan, leaf: Leaf) -> AxisCrossing | str | None:
 
     def side(value: float) -> int:
         inside = leaf.low <= value <= leaf.high
-        count = _unstable_at(line, value) if inside else None
+        count = unstable_at(line, value) if inside else None
         return (count == below) - (count == above)
 
     if leaf.low < 0 < leaf.high and not side(0.0):
@@ -207,7 +207,7 @@ def _crossing(line: AxisScan, leaf: Leaf) -> AxisCrossing | str | None:
     return AxisCrossing(root, proof[0], kind, (crossing_rate(line, root, kind),), below, above)
 
 
-def _unstable_at(line: AxisScan, value: float) -> int | None:
+def unstable_at(line: AxisScan, value: float) -> int | None:
     """Number of unstable eigenvalues at a number; None where this is not proved."""
     zeros = structure(line.problem.family).zeros
     with suppress(StabilityError, ArithmeticError):

@@ -90,7 +90,8 @@ class Block:
         b = self.b(p)
         if self.c is None:
             return self.power * (b < 0)
-        return self.power * (1 if self.c(p) < 0 else 2 * (b < 0))
+        c = self.c(p)
+        return self.power * (1 if c < 0 else (1 + (c > 0)) * (b < 0))
 
     def zeros(self) -> set[Zero]:
         return set(self.b.zeros()) | set(self.c.zeros() if self.c else ())
@@ -169,9 +170,12 @@ class Plan:
                 touching.append(zero.near)
         return crossings, touching
 
-    def family(self, route: str) -> tuple[st.Family, Callable[[float], float]]:
-        """The family, and its axis as a function of the parameter of the plan."""
-        axis = ca.SX.sym("q")
+    def family(self, route: str, pace: bool = False) -> tuple[st.Family, Callable[[float], float]]:
+        """The family, and its axis as a function of the parameter of the plan.
+
+        With `pace` a second parameter s multiplies all rates.
+        """
+        axis, s = ca.SX.sym("q"), ca.SX.sym("s")
         size = sum(len(b.matrix(0.0)) * b.power for b in self.blocks)
         x, y = ca.SX.sym("x", size), ca.SX.sym("y")
         p, value = {
@@ -195,7 +199,11 @@ class Plan:
             return st.Family(
                 system, "rest", at=("q",), held=held, unknown={"y": 0.0}, equations=("y",)
             ), value
-        system = st.System("planted", x, axis, rates, states=names, parameters=("q",))
+        if pace:
+            both = ca.vertcat(axis, s)
+            system = st.System("planted", x, both, s * rates, states=names, parameters=("q", "s"))
+        else:
+            system = st.System("planted", x, axis, rates, states=names, parameters=("q",))
         return st.Family(system, "rest", at=("q",), held=held), value
 
 
