@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from ..algebra.exact.number_fields import NotExact
 from ..algebra.exact.roots import UnclearError
 from ..base.axis import Axis, AxisLike
+from ..base.checks import flag
 from ..base.citation import cited
 from ..base.errors import ParameterError, StabilityError
 from ..base.quantities import unit_of
@@ -151,6 +152,7 @@ def boundaries(
     >>> [(c.crossing.word, c.unstable_below, c.unstable_above) for c in crossings]
     [('static', 1, 2), ('flutter', 2, 0)]
     """
+    every = flag("every", every)
     problem, (grid,) = swept(
         family, {"axis": axis}, disk, body, contact, at, parameters, exact=True, most=MOST_SCAN
     )

@@ -4,6 +4,7 @@ import json
 import math
 import random
 from fractions import Fraction
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -25,7 +26,8 @@ def compared(seed: int, route: str) -> int:
     family, axis = plan.family(route)
     found = st.boundaries(family, axis=("q", axis(LOW), axis(HIGH), 9), every=True)
     touching = [axis(v) for v in touching]
-    if route != "rational":  # where a factor is not in lowest terms, an exchange in it is no change
+    lowest = route in ("rational", "exponential")  # with sines and unknowns factors are joined
+    if not lowest:  # where eigenvalues change places in a factor its number does not change
         near = [*found.touching, *(u.low for u in found.unresolved)]
         same = [e for e in crossings if e.below == e.above]
         same = [
@@ -46,11 +48,16 @@ def compared(seed: int, route: str) -> int:
             assert zero(low) <= 0 <= zero(high)
         assert math.isclose(one.value, axis(zero.near), rel_tol=1e-14, abs_tol=1e-15)
         assert (one.unstable_below, one.unstable_above) == (expected.below, expected.above)
-        rates = expected.rates
-        if route != "rational" and len(one.frequencies) > len(rates):  # in one factor with others
-            rates = sorted([*rates, *expected.touching])
-        assert one.frequencies == pytest.approx(rates, rel=1e-12)
-        zeros, pairs = any(w == 0 for w in rates), any(rates)
+        if lowest:
+            assert one.frequencies == pytest.approx(expected.rates, rel=1e-12)
+        else:  # as far as factors that are not in lowest terms change
+            assert one.frequencies
+            every = [*expected.rates, *expected.touching]
+            for w in one.frequencies:
+                nearest = min(every, key=lambda v, w=w: abs(v - w))
+                assert nearest == pytest.approx(w, rel=1e-12)
+                every.remove(nearest)
+        zeros, pairs = any(w == 0 for w in one.frequencies), any(one.frequencies)
         word = {(True, False): "static", (False, True): "flutter"}
         assert one.crossing.word == word.get((zeros, pairs), "static_and_flutter")
     assert found.touching == pytest.approx(touching, rel=1e-14, abs=1e-15)
@@ -164,6 +171,24 @@ def test_divergence_behind_flutter_is_printed_by_the_command(
         spectrum = st.spectrum("rolling", at=number, contact=st.Viscous(1))
         expected = counts[0][0] if number < squares[0] ** 0.5 else counts[1][number > 1.414]
         assert sum(spectrum.eigenvalues.real > 1e-9) == expected
+
+
+@pytest.mark.parametrize("law", ["smooth", "viscous", "linear-viscous", "rough"])
+def test_boundaries_of_the_disk_are_the_crossings_without_others(law: str) -> None:
+    """Boundaries come from conditions, crossings from the polynomial; along k also with sin 0.5."""
+    contact: dict[str, Any] = {"contact": law}
+    contact |= {"viscous": {"mu": 0.42}, "linear-viscous": {"c": 26.0}}.get(law, {})
+    asked = [("rolling", ("at", 0.1, 5, 9), {}), ("spinning", ("at", 0.1, 5, 9), {})]
+    asked += [("tumbling", ("at", 0.1, 1.5, 9), {}), ("tumbling", ("k", 0.05, 0.5, 9), {"at": 0.5})]
+    for family, axis, given in asked:
+        edges = st.boundaries(family, axis=axis, **given, **contact)
+        crossings = st.boundaries(family, axis=axis, every=True, **given, **contact)
+        assert crossings.complete
+        alone = [c for c in crossings if min(c.unstable_below, c.unstable_above) == 0]
+        assert [c.value for c in alone] == [e.value for e in edges]
+        for one, edge in zip(alone, edges, strict=True):
+            assert (one.unstable_below == 0) == edge.stable_below
+            assert max(one.frequencies) == pytest.approx(edge.frequency, rel=1e-12)
 
 
 def test_unstable_roots_are_counted_with_multiplicities() -> None:
