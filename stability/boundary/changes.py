@@ -110,12 +110,14 @@ def boundaries(
     axis
         (name, low, high, n) or (name, low, high, n, "log"); both ends belong to it.  n is the
         number of points of a scan, where pieces stay without proof.
-    disk, body, contact, at, **parameters
+    disk, body, contact, at
         As for `stability_map`, with one number for every quantity but the axis.  Where the axis is
         circling's theta or phi_dot, `at` is the other of the two.
     every
         Whether each crossing of the imaginary axis is listed, also where other eigenvalues stay
         unstable.
+    **parameters
+        As for `stability_map`, one number each.
 
     Returns
     -------
