@@ -11,10 +11,11 @@ A `Boundaries` holds the changes, and the pieces that stay unresolved.
 from __future__ import annotations
 
 import re
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple, overload
+from typing import Any, ClassVar, NamedTuple, TypeVar, overload
 
 import numpy as np
 from flint import arb, ctx, fmpq_poly
@@ -132,6 +133,48 @@ class BoundaryPoint:
         return f"{value}   {kind}, {verdict} {side}{turning}"
 
 
+@dataclass(frozen=True)
+class AxisCrossing:
+    """One value of an axis at which eigenvalues cross the imaginary axis.
+
+    Source: planted crossings: tests/boundary/test_every_crossing.py.
+
+    Examples
+    --------
+    >>> import stability as st
+    >>> [one, _] = st.boundaries(
+    ...     "spinning", axis=("at", 0.1, 5, 9), contact=st.Viscous(0.97), every=True
+    ... )
+    >>> one.value, one.crossing.word, one.unstable_below, one.unstable_above
+    (2.0, 'static', 1, 0)
+    """
+
+    value: float
+    """Value of the axis, in the user's unit."""
+    error: float
+    """Half-width of the proved bracket, same unit: nothing else crosses in it."""
+    crossing: Crossing
+    """What crosses: zeros, pairs, or both."""
+    frequencies: tuple[float, ...]
+    """|Im λ| of what is on the imaginary axis there, in the factors of the characteristic
+    polynomial that cross, in the user's unit of rate: 0 for each zero, one number for each pair."""
+    unstable_below: int
+    """Number of unstable eigenvalues below the value, proved; zeros by structure do not count."""
+    unstable_above: int
+    """The same above it."""
+
+    def words(self, unit: str = "1", rate: str = "1") -> str:
+        """The crossing in words; `unit` and `rate` as in `BoundaryPoint.words`."""
+        several = len(self.frequencies) > 1
+        rates = [f"{w:.12g}" for w in self.frequencies if several or w]
+        turning = f"{', '.join(rates)}{behind(rate)}"
+        turning = f", {'frequencies' if several else 'frequency'} {turning}" if rates else ""
+        kind = self.crossing.word.replace("_", " ")
+        value = f"{to_bound(self.value, self.error)}{behind(unit)}"
+        sides = f"{self.unstable_below} unstable below, {self.unstable_above} above"
+        return f"{value}   {kind}, {sides}{turning}"
+
+
 class Unresolved(NamedTuple):
     """A piece of an axis on which a change of verdict was not excluded, or not located.
 
@@ -160,11 +203,175 @@ LATE = (
 """Reasons, without a full stop."""
 
 
+PointT = TypeVar("PointT", BoundaryPoint, AxisCrossing)
+
+
 @dataclass(frozen=True, eq=False)
-class Boundaries(Sequence[BoundaryPoint]):
-    """Every change of verdict that a search found, in increasing order, and the unresolved pieces.
+class AxisPoints(Sequence[PointT], ABC):
+    """Points of an axis in increasing order, and the pieces that stay unresolved.
 
     A sequence that equals the list of its points, and is false if empty.
+    """
+
+    points: tuple[PointT, ...]
+    """The points."""
+    unresolved: tuple[Unresolved, ...] = ()
+    """Pieces on which a point was not excluded, or not bracketed; each with a reason."""
+    touching: tuple[float, ...] = ()
+    """Values at which eigenvalues are on the imaginary axis, and both sides are alike."""
+    how: str = ""
+    """One sentence on how the axis was searched."""
+    searched: tuple[str, float, float] | None = None
+    """Name of the axis, and the closed interval that was searched; None where nobody said."""
+    citation: str = ""
+    """Keys of the works to cite, for `stability.citation`."""
+    throughout: Verdict | int | None = None
+    """What was proved on the whole interval, where it holds no point; None elsewhere."""
+    unit: str = "1"
+    """Unit of the axis, in words where it is dimensionless."""
+    rate_unit: str = "1"
+    """Unit of frequencies."""
+
+    one: ClassVar[str]
+    """Name of a point."""
+    several: ClassVar[str]
+    """Name of points."""
+    what: ClassVar[str]
+    """What is sought along an axis."""
+    alone: ClassVar[str]
+    """What holds at a single value in `touching`."""
+
+    @property
+    @abstractmethod
+    def constant(self) -> str:
+        """What `throughout` says, in words; empty for nothing."""
+
+    @abstractmethod
+    def flat(self) -> tuple[list[str], list[list[Any]]]:
+        """Header with units, and a row for each point."""
+
+    @property
+    def complete(self) -> bool:
+        """Whether the points are proved to be all changes on the closed interval."""
+        return not self.unresolved
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    @overload
+    def __getitem__(self, index: int) -> PointT: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[PointT]: ...
+    def __getitem__(self, index: int | slice) -> PointT | list[PointT]:
+        return list(self.points)[index]
+
+    def __iter__(self) -> Iterator[PointT]:
+        return iter(self.points)
+
+    def __eq__(self, other: object) -> bool:
+        if isinstance(other, AxisPoints):
+            return (self.points, self.unresolved) == (other.points, other.unresolved)
+        if isinstance(other, (list, tuple)):
+            return list(self.points) == list(other)
+        return NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self.points)
+
+    def __add__(self, other: Any) -> list[PointT]:
+        return [*self.points, *other]
+
+    def __radd__(self, other: Any) -> list[PointT]:
+        return [*other, *self.points]
+
+    def __repr__(self) -> str:
+        where = ""
+        if self.searched:
+            axis, low, high = self.searched
+            where = f" along {axis} from {low:.10g} to {high:.10g}{behind(self.unit)}"
+        if self.constant:
+            where += f", {self.constant} throughout"
+        state = f"; complete: {self.how}" if self.how else "; complete"
+        if self.unresolved:
+            state = f"; not complete, {len(self.unresolved)} unresolved: {self._first()}"
+        said = (re.sub(" {3}", ", ", p.words(self.unit, self.rate_unit)) for p in self.points)
+        points = f": {'; '.join(said)}" if self.points else ""
+        points += self._alone()
+        count = f"{len(self.points)} {self.one if len(self.points) == 1 else self.several}"
+        return f"<{count}{where}{points}{state}>"
+
+    def to_csv(self) -> str:
+        """The points as CSV: one header line with units, numbers with all their digits.
+
+        Examples
+        --------
+        >>> import stability as st
+        >>> found = st.boundaries("rolling", axis=("at", 1, 2, 9), contact=st.Viscous(0.3))
+        >>> found.to_csv().splitlines()[0]
+        'at [√(g/R)],error [√(g/R)],crossing,verdict,side,frequency [√(g/R)]'
+        """
+        return csv_text(*self.flat())
+
+    def to_pandas(self) -> Any:
+        """The points as a pandas DataFrame, with the header of the CSV."""
+        import pandas as pd
+
+        header, rows = self.flat()
+        return pd.DataFrame(rows, columns=header)
+
+    def _repr_html_(self) -> str:
+        name = (self.searched or ("value",))[0]
+        header, rows = self.flat()
+        cells = [
+            [f"{v:.15g}" if isinstance(v, float) else "" if v is None else str(v) for v in row]
+            for row in rows
+        ]
+        head = repr(self)[1:-1].partition(": " if self.points else "; ")[0]
+        return html_table(head, header if rows else [], cells, self.statement(name))
+
+    def _first(self) -> str:
+        first, more = self.unresolved[0], len(self.unresolved) - 1
+        said = f"from {first.low:.10g} to {first.high:.10g}: {first.reason}"
+        return said + (f" (and {more} more in .unresolved)" if more else "")
+
+    def statement(self, axis: str) -> str:
+        """One sentence on how the axis was searched and what was not excluded.
+
+        Parameters
+        ----------
+        axis
+            Name of the axis.
+        """
+        if not self.complete:
+            return f"the search along {axis} is not complete; {self._first()}"
+        if self.constant and self.searched:
+            where = f"from {self.searched[1]:.10g} to {self.searched[2]:.10g}{behind(self.unit)}"
+            said = f"no {self.what} along {axis} {where}, {self.constant} throughout"
+        else:
+            said = f"every {self.what} along {axis} was found"
+        return f"{said}: {self.how}{self._alone()}."
+
+    def _alone(self) -> str:
+        return "".join(f"; at {value:.10g} {self.alone}" for value in self.touching)
+
+    def warn(self, axis: str) -> None:
+        """Issue a `StabilityWarning` where the search was not complete.
+
+        Parameters
+        ----------
+        axis
+            Name of the axis.
+        """
+        if not self.complete:
+            warned(self.statement(axis))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Boundaries(AxisPoints[BoundaryPoint]):
+    """Every change of verdict that a search found, in increasing order, and the unresolved pieces.
+
+    A sequence that equals the list of its points, and is false if empty.  At the values in
+    `touching` alone the verdict is neutral: stable on both sides, or unstable on both.
 
     Source: docs/explanation/method.md; planted boundaries: tests/boundary/test_boundaries.py.
 
@@ -178,74 +385,15 @@ class Boundaries(Sequence[BoundaryPoint]):
     (True, True)
     """
 
-    points: tuple[BoundaryPoint, ...]
-    """The changes."""
-    unresolved: tuple[Unresolved, ...] = ()
-    """Pieces on which a change was not excluded, or not bracketed; each with a reason."""
-    touching: tuple[float, ...] = ()
-    """Values at which alone the verdict is neutral: stable on both sides, or unstable on both."""
-    how: str = ""
-    """One sentence on how the axis was searched."""
-    searched: tuple[str, float, float] | None = None
-    """Name of the axis, and the closed interval that was searched; None where nobody said."""
-    citation: str = ""
-    """Keys of the works to cite, for `stability.citation`."""
     throughout: Verdict | None = None
     """The one verdict on the whole interval, where it was proved not to change; None elsewhere."""
-    unit: str = "1"
-    """Unit of the axis, in words where it is dimensionless."""
-    rate_unit: str = "1"
-    """Unit of frequencies."""
+    one, several, what = "boundary", "boundaries", "change of verdict"
+    alone = "alone it is neutral"
 
     @property
-    def complete(self) -> bool:
-        """Whether the points are proved to be all changes on the closed interval."""
-        return not self.unresolved
-
-    def __len__(self) -> int:
-        return len(self.points)
-
-    @overload
-    def __getitem__(self, index: int) -> BoundaryPoint: ...
-    @overload
-    def __getitem__(self, index: slice) -> list[BoundaryPoint]: ...
-    def __getitem__(self, index: int | slice) -> BoundaryPoint | list[BoundaryPoint]:
-        return list(self.points)[index]
-
-    def __iter__(self) -> Iterator[BoundaryPoint]:
-        return iter(self.points)
-
-    def __eq__(self, other: object) -> bool:
-        if isinstance(other, Boundaries):
-            return (self.points, self.unresolved) == (other.points, other.unresolved)
-        if isinstance(other, (list, tuple)):
-            return list(self.points) == list(other)
-        return NotImplemented
-
-    def __hash__(self) -> int:
-        return hash(self.points)
-
-    def __add__(self, other: Any) -> list[BoundaryPoint]:
-        return [*self.points, *other]
-
-    def __radd__(self, other: Any) -> list[BoundaryPoint]:
-        return [*other, *self.points]
-
-    def __repr__(self) -> str:
-        where = ""
-        if self.searched:
-            axis, low, high = self.searched
-            where = f" along {axis} from {low:.10g} to {high:.10g}{behind(self.unit)}"
-        if self.throughout:
-            where += f", {self.throughout.word} throughout"
-        state = f"; complete: {self.how}" if self.how else "; complete"
-        if self.unresolved:
-            state = f"; not complete, {len(self.unresolved)} unresolved: {self._first()}"
-        said = (re.sub(" {3}", ", ", p.words(self.unit, self.rate_unit)) for p in self.points)
-        points = f": {'; '.join(said)}" if self.points else ""
-        points += "".join(f"; at {value:.10g} alone it is neutral" for value in self.touching)
-        count = f"{len(self.points)} boundar{'y' if len(self.points) == 1 else 'ies'}"
-        return f"<{count}{where}{points}{state}>"
+    def constant(self) -> str:
+        """The one verdict, as a word."""
+        return self.throughout.word if self.throughout else ""
 
     def flat(self) -> tuple[list[str], list[list[Any]]]:
         """Header with units, and a row for each boundary."""
@@ -264,69 +412,51 @@ class Boundaries(Sequence[BoundaryPoint]):
         ]
         return [*header, f"frequency{in_brackets(self.rate_unit)}"], rows
 
-    def to_csv(self) -> str:
-        """The boundaries as CSV: one header line with units, numbers with all their digits.
 
-        Examples
-        --------
-        >>> import stability as st
-        >>> found = st.boundaries("rolling", axis=("at", 1, 2, 9), contact=st.Viscous(0.3))
-        >>> found.to_csv().splitlines()[0]
-        'at [√(g/R)],error [√(g/R)],crossing,verdict,side,frequency [√(g/R)]'
-        """
-        return csv_text(*self.flat())
+@dataclass(frozen=True, eq=False, repr=False)
+class Crossings(AxisPoints[AxisCrossing]):
+    """Every value of an axis at which eigenvalues cross the imaginary axis, as `Boundaries`.
 
-    def to_pandas(self) -> Any:
-        """The boundaries as a pandas DataFrame, with the header of the CSV."""
-        import pandas as pd
+    At the values in `touching` eigenvalues reach the imaginary axis, and as many are unstable on
+    both sides.
 
-        header, rows = self.flat()
-        return pd.DataFrame(rows, columns=header)
+    Source: planted crossings: tests/boundary/test_every_crossing.py.
 
-    def _repr_html_(self) -> str:
-        name = (self.searched or ("value",))[0]
-        header, rows = self.flat()
-        cells = [
-            [f"{v:.15g}" if isinstance(v, float) else str(v or "") for v in row] for row in rows
+    Examples
+    --------
+    >>> import stability as st
+    >>> found = st.boundaries("rolling", axis=("at", 0.1, 5, 9), contact=st.Viscous(1), every=True)
+    >>> [(c.unstable_below, c.unstable_above) for c in found], found.complete
+    ([(1, 2), (2, 0)], True)
+    """
+
+    throughout: int | None = None
+    """The number of unstable eigenvalues on the whole interval, where none crosses."""
+    one, several, what = "crossing", "crossings", "crossing of the imaginary axis"
+    alone = "eigenvalues reach the imaginary axis, and as many are unstable on both sides"
+
+    @property
+    def constant(self) -> str:
+        """The number of unstable eigenvalues, in words."""
+        number = self.throughout
+        return "" if number is None else f"{number} unstable eigenvalue{'s' * (number != 1)}"
+
+    def flat(self) -> tuple[list[str], list[list[Any]]]:
+        """Header with units, and a row for each crossing."""
+        name, unit = (self.searched or ("value",))[0], in_brackets(self.unit)
+        header = [f"{name}{unit}", f"error{unit}", "crossing", "unstable below", "unstable above"]
+        rows: list[list[Any]] = [
+            [
+                c.value,
+                c.error,
+                c.crossing.word.replace("_", " "),
+                c.unstable_below,
+                c.unstable_above,
+                "; ".join(map(repr, c.frequencies)),
+            ]
+            for c in self.points
         ]
-        head = repr(self)[1:-1].partition(": " if self.points else "; ")[0]
-        return html_table(head, header if rows else [], cells, self.statement(name))
-
-    def _first(self) -> str:
-        first, more = self.unresolved[0], len(self.unresolved) - 1
-        said = f"from {first.low:.10g} to {first.high:.10g}: {first.reason}"
-        return said + (f" (and {more} more in .unresolved)" if more else "")
-
-    def statement(self, axis: str) -> str:
-        """One sentence on how the axis was searched and what was not excluded.
-
-        Parameters
-        ----------
-        axis
-            Name of the axis.
-        """
-        if self.complete:
-            alone = "".join(f"; at {value:.10g} alone it is neutral" for value in self.touching)
-            if self.throughout and self.searched:
-                where = f"from {self.searched[1]:.10g} to {self.searched[2]:.10g}"
-                where += behind(self.unit)
-                return (
-                    f"no change of verdict along {axis} {where}, {self.throughout.word} "
-                    f"throughout: {self.how}{alone}."
-                )
-            return f"every change of verdict along {axis} was found: {self.how}{alone}."
-        return f"the search along {axis} is not complete; {self._first()}"
-
-    def warn(self, axis: str) -> None:
-        """Issue a `StabilityWarning` where the search was not complete.
-
-        Parameters
-        ----------
-        axis
-            Name of the axis.
-        """
-        if not self.complete:
-            warned(self.statement(axis))
+        return [*header, f"frequencies{in_brackets(self.rate_unit)}"], rows
 
 
 def bracket(
@@ -646,7 +776,7 @@ def refine(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:
         if line.quick_sign(float(np.nextafter(end, other))) == beyond:
             return at_point(line, end)  # only the end itself differs, as without any damping
     # Both determinants may change sign an even number of times: find the change of verdict first.
-    root = _zero(lambda v: float(line.quick_sign(v)), low, high)
+    root = zero_between(lambda v: float(line.quick_sign(v)), low, high)
     for width in (1e-6, 1e-9, 1e-12):
         near = max(low, root - width * abs(root)), min(high, root + width * abs(root))
         point = _crossing(line, *near)
@@ -658,7 +788,7 @@ def refine(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:
 def zeros(line: AxisScan, low: float, high: float) -> list[float]:
     """A zero between two points of each determinant that changes its sign, as proved in balls."""
     functions = [line.function(c) for c in (Crossing.STATIC, Crossing.FLUTTER)]
-    return [_zero(f, low, high) for f in functions if f(low) * f(high) < 0]
+    return [zero_between(f, low, high) for f in functions if f(low) * f(high) < 0]
 
 
 def _crossing(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:
@@ -666,13 +796,14 @@ def _crossing(line: AxisScan, low: float, high: float) -> BoundaryPoint | None:
     for crossing in (Crossing.STATIC, Crossing.FLUTTER):
         f = line.function(crossing)
         if f(low) * f(high) < 0:
-            point = bracketed(line, _zero(f, low, high), crossing)
+            point = bracketed(line, zero_between(f, low, high), crossing)
             if point is not None:
                 return point
     return None
 
 
-def _zero(f: Callable[[float], float], low: float, high: float) -> float:
+def zero_between(f: Callable[[float], float], low: float, high: float) -> float:
+    """A zero between two numbers at which the signs of a function differ."""
     from scipy.optimize import brentq
 
     return float(brentq(f, low, high, xtol=1e-300, rtol=4 * np.finfo(float).eps, maxiter=5000))

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache
+from typing import Literal, TypeVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +14,7 @@ from numpy.typing import ArrayLike
 from ..algebra.exact.number_fields import NotExact
 from ..algebra.exact.roots import UnclearError
 from ..base.axis import Axis, AxisLike
+from ..base.checks import flag
 from ..base.citation import cited
 from ..base.errors import ParameterError, StabilityError
 from ..base.quantities import unit_of
@@ -29,9 +31,11 @@ from ..systems.family import Family
 from ..systems.singular_points import Curve, crossings, directions, kind_of_crossing
 from ..systems.symmetry import symmetric_family
 from .algebraic.exact_search import MOST_DIGITS, searched
-from .brackets import AxisScan, Boundaries, BoundaryPoint, crossed
+from .brackets import AxisScan, Boundaries, BoundaryPoint, Crossings, crossed
+from .every_crossing import crossings_in_pieces, every_crossing
 from .interval_search.pieces import meaningful, proved
 
+Points = TypeVar("Points", Boundaries, Crossings)
 SYMMETRIC = "; members are symmetric, which is proved, and were solved for in symmetric coordinates"
 ZERO = 1e-12
 """Value of a branch point, over the interval, up to which it is 0 within rounding."""
@@ -53,6 +57,7 @@ MOST_SCAN = 1_000_000
 """Most points of a scan for boundaries along an axis."""
 
 
+@overload
 def boundaries(
     family: str | Family,
     *,
@@ -61,8 +66,32 @@ def boundaries(
     body: Body | Disk | None = None,
     contact: Contact | type[Contact] | str | None = None,
     at: ArrayLike | None = None,
+    every: Literal[False] = False,
     **parameters: ArrayLike,
-) -> Boundaries:
+) -> Boundaries: ...
+@overload
+def boundaries(
+    family: str | Family,
+    *,
+    axis: AxisLike,
+    disk: Disk | None = None,
+    body: Body | Disk | None = None,
+    contact: Contact | type[Contact] | str | None = None,
+    at: ArrayLike | None = None,
+    every: Literal[True],
+    **parameters: ArrayLike,
+) -> Crossings: ...
+def boundaries(
+    family: str | Family,
+    *,
+    axis: AxisLike,
+    disk: Disk | None = None,
+    body: Body | Disk | None = None,
+    contact: Contact | type[Contact] | str | None = None,
+    at: ArrayLike | None = None,
+    every: bool = False,
+    **parameters: ArrayLike,
+) -> Boundaries | Crossings:
     """Every change of verdict along one axis, proved, with the kind of crossing.
 
     For the disk, and for a user's family whose graph is rational in the axis, every real root of
@@ -81,15 +110,22 @@ def boundaries(
     axis
         (name, low, high, n) or (name, low, high, n, "log"); both ends belong to it.  n is the
         number of points of a scan, where pieces stay without proof.
-    disk, body, contact, at, **parameters
+    disk, body, contact, at
         As for `stability_map`, with one number for every quantity but the axis.  Where the axis is
         circling's theta or phi_dot, `at` is the other of the two.
+    every
+        Whether each crossing of the imaginary axis is listed, also where other eigenvalues stay
+        unstable.
+    **parameters
+        As for `stability_map`, one number each.
 
     Returns
     -------
     Boundaries
         A sequence of `BoundaryPoint` in increasing order, with `.complete` (whether these are
-        proved to be all) and `.unresolved` (pieces of the axis, each with a reason).
+        proved to be all) and `.unresolved` (pieces of the axis, each with a reason).  With `every`
+        a sequence of crossings instead, each with `value`, `error`, `crossing`, `frequencies`, and
+        the proved numbers `unstable_below` and `unstable_above` of unstable eigenvalues.
 
     Raises
     ------
@@ -112,14 +148,22 @@ def boundaries(
     >>> found = st.boundaries("spinning", axis=("at", 0.1, 5, 9), contact=st.Viscous(0.97))
     >>> [(round(b.value, 10), b.crossing.word) for b in found], found.complete
     ([(2.0, 'static'), (2.0451355787, 'flutter')], True)
+
+    >>> law = st.Viscous(1)
+    >>> crossings = st.boundaries("rolling", axis=("at", 0.1, 5, 9), contact=law, every=True)
+    >>> [(c.crossing.word, c.unstable_below, c.unstable_above) for c in crossings]
+    [('static', 1, 2), ('flutter', 2, 0)]
     """
+    every = flag("every", every)
     problem, (grid,) = swept(
         family, {"axis": axis}, disk, body, contact, at, parameters, exact=True, most=MOST_SCAN
     )
-    found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
-    law = problem.law.name if problem.law else None
-    works = cited(law, model=of_package(problem), proofs=True)
+    if every:
+        crossings = _described(problem, grid, every_along(problem, grid))
+        crossings.warn(grid.name)
+        return crossings
     fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
+    found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
 
     @cache
     def regular() -> Problem:
@@ -127,17 +171,34 @@ def boundaries(
         return _past_branch_points(line, grid.values)[0].problem
 
     found = replace(
-        found,
+        _described(problem, grid, found),
         points=tuple(replace(b, good=_good(regular, problem, fixed, grid.name, b)) for b in found),
-        how=problem.family.system.qualified(found.how),
-        searched=(grid.name, grid.low, grid.high),
-        citation=works,
         throughout=_throughout(problem, fixed, grid.name, found, (grid.low, grid.high)),
-        unit=unit_of(axis_attributes(problem, grid.name)),
-        rate_unit=unit_of(rate_attributes(problem)),
     )
     found.warn(grid.name)
     return found
+
+
+def every_along(problem: Problem, grid: Axis) -> Crossings:
+    """Every crossing of the imaginary axis along one axis, each as a proved bracket."""
+    fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
+    line = AxisScan(problem, grid.name, fixed)
+    searches = every_crossing, crossings_in_pieces
+    found = _along(line, grid.low, grid.high, grid.count, log=grid.log, searches=searches)
+    return meaningful(line, grid.low, grid.high, found)
+
+
+def _described(problem: Problem, grid: Axis, found: Points) -> Points:
+    """A result with what was searched, units, and what to cite."""
+    law = problem.law.name if problem.law else None
+    return replace(
+        found,
+        how=problem.family.system.qualified(found.how),
+        searched=(grid.name, grid.low, grid.high),
+        citation=cited(law, model=of_package(problem), proofs=True),
+        unit=unit_of(axis_attributes(problem, grid.name)),
+        rate_unit=unit_of(rate_attributes(problem)),
+    )
 
 
 def _good(
@@ -226,16 +287,26 @@ def along(
     if line.formulas is not None:  # a piece that is proved has members that are proved
         found = proved(line, Axis(axis, low, high, points, log).values, log=log)
     if found is None or not found.complete:
-        found = meaningful(line, low, high, _along(line, low, high, points, log=log))
+        either = searched, proved
+        whole = _along(line, low, high, points, log=log, searches=either)
+        found = meaningful(line, low, high, whole)
     return replace(found, points=tuple(crossed(line, point) for point in found))
 
 
-def _along(line: AxisScan, low: float, high: float, points: int, *, log: bool) -> Boundaries:
+def _along(
+    line: AxisScan,
+    low: float,
+    high: float,
+    points: int,
+    *,
+    log: bool,
+    searches: tuple[Callable[..., Points], Callable[..., Points]],
+) -> Points:
     """By exact numbers where possible, otherwise in pieces; how says why."""
-    exact: Boundaries | None = None
+    exact: Points | None = None
     reason = ""
     try:
-        exact = searched(line, low, high)
+        exact = searches[0](line, low, high)
     except (NotExact, UnclearError) as error:
         reason = f"; no exact search, since {error}"
     if exact is not None:
@@ -245,12 +316,12 @@ def _along(line: AxisScan, low: float, high: float, points: int, *, log: bool) -
     line.__dict__["formulas"] = None
     values = Axis(line.axis, low, high, points, log).values
     other, said, near = _past_branch_points(line, values)
-    found = proved(other, values, log=log, singular=near)
+    found = searches[1](other, values, log=log, singular=near)
     reason = said + reason
     if not found.complete:
         if exact is None:
             with suppress(NotExact, UnclearError):
-                exact = searched(line, low, high, MOST_DIGITS)
+                exact = searches[0](line, low, high, MOST_DIGITS)
         if exact is not None:
             return exact
     return replace(found, how=found.how + reason)

@@ -21,7 +21,7 @@ tests/boundary/test_hopf.py compares with an independent derivation and with sim
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any, NamedTuple, overload
@@ -52,8 +52,8 @@ from ..systems.family import Family
 from ..systems.structure.linearity import linear
 from ..systems.structure.structural_zeros import structure
 from .algebraic.exact_search import members_along
-from .brackets import AxisScan, BoundaryPoint, Crossing
-from .changes import MOST_SCAN, along
+from .brackets import AxisCrossing, AxisScan, Boundaries, BoundaryPoint, Crossing
+from .changes import MOST_SCAN, along, every_along
 from .lyapunov_coefficient import (
     Coefficients,
     Line,
@@ -190,7 +190,7 @@ class Onset(Sentences):
     --------
     >>> import stability as st
     >>> [kind.word for kind in st.results.Onset]
-    ['soft', 'hard', 'linear', 'undecided']
+    ['soft', 'hard', 'linear', 'undecided', 'unstable']
     """
 
     SOFT = (
@@ -207,6 +207,10 @@ class Onset(Sentences):
         "oscillation of its own size: beyond the boundary a disturbance grows forever"
     )
     UNDECIDED = "undecided: no sign of the first Lyapunov coefficient is proved"
+    UNSTABLE = (
+        "unstable: other eigenvalues are unstable, and so is the small oscillation; it is there "
+        "while the pair grows if the first Lyapunov coefficient is negative, else while it decays"
+    )
 
     @property
     def word(self) -> str:
@@ -242,9 +246,9 @@ class CycleBirth(Record):
     error: float
     """Half-width of the proved bracket, same unit."""
     kind: Onset
-    """Soft, hard, linear or undecided."""
+    """Soft, hard, linear, undecided or unstable."""
     stable_below: bool
-    """Whether the stable side has the smaller value of the axis."""
+    """Whether the pair decays on the side with the smaller value of the axis."""
     frequency: float
     """ω = |Im λ| of the pair, in the user's unit of rate."""
     frequency_error: float
@@ -259,7 +263,9 @@ class CycleBirth(Record):
     coefficient_error: float
     """Bound on its error."""
     reason: str = ""
-    """Why the onset is undecided, or linear; empty otherwise."""
+    """Why the onset is undecided, linear or unstable; empty otherwise."""
+    unstable: int = 0
+    """Number of other eigenvalues that are unstable there, proved; -1 where others cross too."""
     citation: str = field(default="", compare=False, repr=False)
     """Keys of the works to cite, for `stability.citation`."""
 
@@ -288,7 +294,7 @@ WHOLE_LINE = (
 
 
 def births(problem: Problem, grid: Axis) -> list[CycleBirth] | list[HopfPoint]:
-    """Every flutter boundary along an axis, with the kind of its onset.
+    """Every crossing of a pair along an axis, with the kind of its onset; boundaries on a line.
 
     Raises
     ------
@@ -298,11 +304,7 @@ def births(problem: Problem, grid: Axis) -> list[CycleBirth] | list[HopfPoint]:
     """
     family = problem.family
     on_line = _accepted(family, grid.name)
-    found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
-    found.warn(grid.name)
     fixed = {n: float(v) for n, v in problem.values.items() if n != grid.name}
-    pairs = (Crossing.FLUTTER, Crossing.STATIC_AND_FLUTTER)
-    flutter = [b for b in found if b.crossing in pairs]
     line = Line(family, grid.name, fixed)
     works = cited(
         model=bool(family.system.quantities),
@@ -311,8 +313,40 @@ def births(problem: Problem, grid: Axis) -> list[CycleBirth] | list[HopfPoint]:
     )
     if on_line:
         units = _units(problem, grid.name)
-        return [replace(_on_line(line, b), citation=works, units=units) for b in flutter]
-    return [replace(birth(line, b), citation=works) for b in flutter]
+        edges = _flutter_edges(problem, grid)
+        edges.warn(grid.name)
+        return [replace(_on_line(line, b), citation=works, units=units) for b in edges]
+    found = every_along(problem, grid)
+    found.warn(grid.name)
+    pairs = [pair for crossing in found for pair in _pairs(crossing)]
+    if not found.complete:  # where numbers are open a verdict may still change
+        pairs += [
+            (edge, -1 if edge.frequencies else 0)
+            for edge in _flutter_edges(problem, grid)
+            if all(abs(edge.value - c.value) > edge.error + c.error for c in found)
+        ]
+    return [
+        replace(birth(line, point, number), citation=works)
+        for point, number in sorted(pairs, key=lambda pair: pair[0].value)
+    ]
+
+
+def _flutter_edges(problem: Problem, grid: Axis) -> Boundaries:
+    """The boundaries along an axis at which pairs cross."""
+    found = along(problem, grid.name, grid.low, grid.high, points=grid.count, log=grid.log)
+    kinds = (Crossing.FLUTTER, Crossing.STATIC_AND_FLUTTER)
+    return replace(found, points=tuple(b for b in found if b.crossing in kinds))
+
+
+def _pairs(one: AxisCrossing) -> Iterator[tuple[BoundaryPoint, int]]:
+    """Each pair of a crossing, with the number of other eigenvalues that are unstable there."""
+    below, above = one.unstable_below, one.unstable_above
+    number = min(below, above) if len(one.frequencies) == 1 else -1
+    for frequency in filter(None, dict.fromkeys(one.frequencies)):
+        yield (
+            BoundaryPoint(one.value, one.error, Crossing.FLUTTER, frequency, below < above),
+            number,
+        )
 
 
 NO_PAIR = (
@@ -354,7 +388,7 @@ def _accepted(family: Family, axis: str) -> bool:
     )
 
 
-def birth(line: Line, point: BoundaryPoint) -> CycleBirth:
+def birth(line: Line, point: BoundaryPoint, unstable: int = 0) -> CycleBirth:
     """The first Lyapunov coefficient at a flutter boundary, with proved bounds."""
     reason = ""
     for bits in PRECISIONS:
@@ -365,8 +399,8 @@ def birth(line: Line, point: BoundaryPoint) -> CycleBirth:
                 reason = NO_COEFFICIENT
                 found = coefficients(pair)
                 reason = LINEAR if linear(line.family.system) else _open(found)
-                if not reason or bits == PRECISIONS[-1] or found.others < 0:
-                    return _record(point, pair, found, reason)
+                if not reason or bits == PRECISIONS[-1]:
+                    return _record(point, pair, found, reason, unstable)
             except NotProvedError:
                 continue
     nan = float("nan")
@@ -382,6 +416,7 @@ def birth(line: Line, point: BoundaryPoint) -> CycleBirth:
         nan,
         nan,
         reason,
+        unstable,
     )
 
 
@@ -402,8 +437,6 @@ def _checked(line: Line, point: BoundaryPoint) -> Pair:
 
 def _open(found: Coefficients) -> str:
     """Why the onset is undecided, or nothing."""
-    if found.others < 0:
-        return "another eigenvalue is unstable at the boundary"
     if not found.others:
         return "another eigenvalue is not proved to be stable at the boundary"
     if not signed(found.speed):
@@ -413,21 +446,29 @@ def _open(found: Coefficients) -> str:
     return ""
 
 
-def _record(point: BoundaryPoint, pair: Pair, found: Coefficients, reason: str) -> CycleBirth:
+def _record(
+    point: BoundaryPoint, pair: Pair, found: Coefficients, reason: str, unstable: int
+) -> CycleBirth:
     kind = Onset.SOFT if found.first < 0 else Onset.HARD
     if reason:
         kind = Onset.LINEAR if reason == LINEAR else Onset.UNDECIDED
+    elif found.others < 0:
+        kind = Onset.UNSTABLE
+        reason = "another eigenvalue is unstable there"
+        reason = f"{unstable} other eigenvalues are unstable there" if unstable > 1 else reason
+    below = found.speed > 0 if signed(found.speed) else point.stable_below
     value, error = rounded(pair.value)
     frequency, speed, first = map(rounded, (pair.frequency, found.speed, found.first))
     return CycleBirth(
         value,
         error,
         kind,
-        point.stable_below,
+        bool(below),
         *frequency,
         *speed,
         *first,
         reason,
+        unstable,
     )
 
 
@@ -506,10 +547,10 @@ def hopf(
 ) -> list[CycleBirth] | list[HopfPoint]:
     """Every flutter boundary, with what begins there: soft or hard, elliptic or hyperbolic.
 
-    For a user's family: the boundaries of `boundaries` along an axis.  Where its steady motions are
-    isolated, each has its first Lyapunov coefficient with a proved bound.  Where the axis is a
-    state in `at`, so that they are a line, each has the normal form of a line.  States on which
-    nothing depends are left out first.
+    For a user's family whose steady motions are isolated: each crossing of a pair along an axis,
+    also where others are unstable, with its first Lyapunov coefficient and a proved bound.  Where
+    the axis is a state in `at`, so that they are a line: the flutter boundaries, each with the
+    normal form of a line.  States on which nothing depends are left out first.
 
     For the disk the search is complete: every real root of the conditions over Q is isolated, along
     all of the line (phi_dot > 0; theta between 0 and upright, beyond which it is mirrored).  A

@@ -16,9 +16,12 @@ from typing import Any
 import numpy as np
 from flint import acb, acb_poly, arb, fmpq_poly
 
-from ..algebra.exact.roots import complex_roots
+from ..algebra.exact.roots import complex_roots, isolated
+from ..algebra.exact.routh import monic, sign_changes
 from ..algebra.number_types import precision
 
+CLOSE = 2.0**-64
+"""Distance from the imaginary axis, over |Im λ|, up to which a root is on it."""
 FREQUENCY_BITS = 128
 """Digits of the roots for a frequency in doubles."""
 
@@ -54,9 +57,10 @@ def frequency(polynomial: Sequence[Any], *, even: bool = False) -> float:
 
 def crossing(polynomial: Any) -> Iterator[tuple[float, float]]:
     """(distance from the imaginary axis over |Im λ|, |Im λ|) of each root that is not real."""
-    for root, _ in complex_roots(polynomial):
+    for root, count in complex_roots(polynomial):
         if root.imag != 0:
-            yield abs(float((root.real / root.imag).mid())), abs(float(root.imag.mid()))
+            distance = abs(float((root.real / root.imag).mid()))
+            yield from [(distance, abs(float(root.imag.mid())))] * count
 
 
 def meeting(squares: Any) -> Iterator[tuple[float, float]]:
@@ -66,6 +70,41 @@ def meeting(squares: Any) -> Iterator[tuple[float, float]]:
         middle = float(((y + z) / 2).real.mid())
         if middle < 0:
             yield float(abs(z - y).mid()) / -middle, math.sqrt(-middle)
+
+
+def on_axis(coefficients: Sequence[Any], *, even: bool) -> list[float]:
+    """|Im λ| of what is on the imaginary axis: 0 for each zero, one number for each pair.
+
+    Parameters
+    ----------
+    coefficients
+        Narrow balls, lowest first; one that contains zero counts as zero.
+    even
+        Whether the polynomial is q(λ²), of whose pairs only those that meet are listed.
+    """
+    zeros = next(i for i, c in enumerate(coefficients) if not c.contains(0))
+    rest = [c.mid().fmpq() for c in coefficients[zeros:]]
+    if even:
+        meetings = meeting(fmpq_poly(rest[::2]))
+        return [0.0] * (zeros // 2) + [w for distance, w in meetings if distance < CLOSE]
+    pairs = sorted(w for distance, w in crossing(fmpq_poly(rest)) if distance < CLOSE)
+    return [0.0] * zeros + pairs[::2]
+
+
+def unstable_count(coefficients: Sequence[Any], *, even: bool) -> int | None:
+    """Number of zeros with Re > 0 of a polynomial of balls, lowest first; None without a proof.
+
+    Examples
+    --------
+    >>> unstable_count([arb(-1), arb(0), arb(1)], even=True)
+    1
+    """
+    if not even and (count := sign_changes(monic(coefficients))) is not None:
+        return count
+    roots = isolated(list(coefficients), even)
+    if roots is None or any(z.real != 0 and z.real.contains(0) for z in roots):
+        return None
+    return sum(bool(z.real > 0) for z in roots)
 
 
 def grows(coefficients: Sequence[Any]) -> bool:

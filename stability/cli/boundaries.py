@@ -1,4 +1,4 @@
-"""The command `boundaries`: every change of verdict along one axis."""
+"""The command `boundaries`: every change of verdict along one axis, or every crossing."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ EXAMPLES = (
     "stability boundaries spinning --axis at:0.1:5:9 --mu 0.97",
     "stability boundaries rolling --body spheroid --aspect 0.5 --axis omega3:0.1:3:9 "
     "--contact rough",
+    "stability boundaries rolling --axis at:0.1:5:9 --mu 1 --every",
     "stability boundaries --system examples/bicycle.py:upright --axis v:0.1:10:50 --set g=9.81 "
     "--json",
 )
@@ -29,7 +30,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     axis = "axis, both ends included; N points are scanned where pieces of it stay without proof"
     parser.add_argument("--axis", required=True, metavar=AXIS, help=axis)
     parser.add_argument("--at", help="what names the member, where it is no axis")
-    flags(parser, {"--certify": CERTIFY, **FORMS})
+    every = "list each crossing of the imaginary axis, with the number of unstable eigenvalues"
+    flags(parser, {"--every": f"{every} on both sides", "--certify": CERTIFY, **FORMS})
 
 
 def run(options: argparse.Namespace) -> None:
@@ -42,7 +44,8 @@ def run(options: argparse.Namespace) -> None:
         from ..boundary.changes import boundaries
 
         subject = options_subject(options, {axis[0]: axis}, exact=True)
-        found = boundaries(subject.family, axis=axis, **subject.arguments)
+        every: Any = options.every
+        found = boundaries(subject.family, axis=axis, every=every, **subject.arguments)
     record: dict[str, Any] = {
         **subject.who,
         "parameters": doubles(subject.beyond((axis[0],))),
@@ -50,22 +53,17 @@ def run(options: argparse.Namespace) -> None:
         "axis": axis[0],
         "low": axis[1],
         "high": axis[2],
-        "boundaries": [
+        found.several: [
             {
-                "value": b.value,
-                "error": b.error,
-                "crossing": b.crossing.word,
-                "frequency": b.frequency,
-                "frequencies": list(b.frequencies),
-                "stable_below": b.stable_below,
-                "good": b.good.word,
+                name: value.word if name in ("crossing", "good") else value
+                for name, value in vars(b).items()
             }
             for b in found
         ],
         "touching": list(found.touching),
         "complete": found.complete,
         "unresolved": [u._asdict() for u in found.unresolved],
-        "throughout": found.throughout.word if found.throughout else None,
+        "throughout": found.throughout if options.every else found.constant or None,
         "statement": found.statement(axis[0]),
         "citation": found.citation,
     }
@@ -113,6 +111,6 @@ def _lines(subject: CommandSubject, axis: Sequence[Any], found: Any) -> Iterator
         yield subject.law
     for b in found:
         yield f"  {name} = {b.words(subject.units.get(name, '1'), subject.rate)}"
-    if not found and not found.throughout:
+    if not found and not found.constant:
         yield "  none"
     yield found.statement(name)

@@ -67,6 +67,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         {
             "--certify": CERTIFY,
             "--modes": "keep all eigenvalues, not only the first",
+            "--unstable": "count the unstable eigenvalues in each cell, and name regions by them",
             "--points": "find, mark and list points of codimension two",
             "--verdict-only": "proved verdicts alone, streamed to the file, however large",
         },
@@ -102,6 +103,7 @@ def run(options: argparse.Namespace) -> None:
                 certify=options.certify,
                 levels=options.levels,
                 modes=options.modes,
+                unstable=options.unstable,
                 points=options.points,
                 box=box_of(options),
                 progress=progress,
@@ -188,7 +190,8 @@ def _write(options: argparse.Namespace, dataset: Any, targets: Mapping[str, Path
         if "plot" in targets:
             from ..figures.diagram import plot_map
 
-            figure = plot_map(dataset, title=str(dataset.attrs["title"]).split(":")[0])
+            title = str(dataset.attrs["title"]).split(":")[0]
+            figure = plot_map(dataset, title=title, unstable=options.unstable)
             save(figure, targets["plot"], overwrite=options.force)
         write_map(dataset, targets["out"], overwrite=options.force)
 
@@ -202,7 +205,7 @@ def _stream(options: argparse.Namespace, axes: Mapping[str, Any]) -> None:
 
         subject = options_subject(options, {axis[0]: axis for axis in axes.values()})
         _targets(options)
-        for name in ("plot", "points", "certify", "modes", "box", "checkpoint"):
+        for name in ("plot", "points", "certify", "modes", "unstable", "box", "checkpoint"):
             if getattr(options, name):
                 raise ParameterError(
                     f"--{name} does not go with --verdict-only; leave one of them out."

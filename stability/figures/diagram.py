@@ -61,6 +61,7 @@ def plot_map(
     below: Strip | None = None,
     points: CodimensionTwo | None = None,
     scale: tuple[float, float] | None = None,
+    unstable: bool = False,
     title: str = "",
     ax: Axes | None = None,
     width: float | None = None,
@@ -80,6 +81,9 @@ def plot_map(
     scale
         Growth rate up to which the colours are linear, and the largest one, in the unit of the
         map: figures with one scale can be compared.  Those of this map when left out.
+    unstable
+        Whether regions are named by their numbers of unstable eigenvalues, with thin lines between
+        them; for a map that has these numbers.
     title
         Title of the figure.
     ax
@@ -121,6 +125,10 @@ def plot_map(
         )
     if scale is not None and not 0 < positive("scale", scale[0]) < positive("scale", scale[1]):
         raise ParameterError(f"scale is {shown(scale)}; give the linear part, then the largest.")
+    if unstable and "unstable" not in dataset:
+        raise ParameterError(
+            "the map has no numbers of unstable eigenvalues; ask stability_map with unstable=True."
+        )
     if ax is not None and (above or below):
         raise ParameterError("above and below need a figure of their own; leave out ax.")
     with drawing(ax, width, fontsize, lambda wide: min(0.98 * wide, 2.05 + 0.38 * wide)) as figure:
@@ -139,7 +147,9 @@ def plot_map(
         _curves(main, dataset)
         settle(figure)
         nameless = {v for s, p in strips for v in draw_strip(p, s, mesh.norm)}
-        named = _region_names(main, dataset)
+        if unstable:
+            _draw_numbers(main, dataset)
+        named = set() if unstable else _verdict_names(main, dataset)
         nameless = (nameless | _present(dataset.verdict.values)) - named
         key(rows[0], _handles(main, dataset, nameless), title)
         note(rows[-1], _fixed(dataset))
@@ -342,14 +352,34 @@ def _quantities(dataset: xarray.Dataset) -> Mapping[str, Quantity]:
     return quantities_of(str(dataset.attrs.get("system", "")))
 
 
-def _region_names(axes: Axes, dataset: xarray.Dataset) -> set[Verdict]:
-    """Write each verdict into its region, far from its edge; those that are written."""
+def _draw_numbers(axes: Axes, dataset: xarray.Dataset) -> None:
+    """Numbers of unstable eigenvalues in their regions, and lines between those that have some."""
+    counts = dataset.unstable.values
+    levels = np.arange(1.5, counts.max())
+    if levels.size:
+        across, up = dataset[_x(dataset)], dataset[_y(dataset)]
+        some = np.ma.masked_less(counts, 1)
+        axes.contour(across, up, some, levels=levels, colors="#333333", linewidths=0.5)
+        axes.plot([], [], color="#333333", linewidth=0.5, label="unstable eigenvalues")
+    numbers = {n: str(n) for n in np.unique(counts[counts >= 0]).tolist()}
+    _region_names(axes, dataset, counts, numbers)
+
+
+def _verdict_names(axes: Axes, dataset: xarray.Dataset) -> set[Verdict]:
+    """Write each verdict into its region; those that are written."""
+    names = {code: v.word for v, code in CODES.items()} | {NO_MEMBER: LOOKS["absent"].word}
+    named = _region_names(axes, dataset, dataset.verdict.values, names)
+    return {v for v in Verdict if v.word in named}
+
+
+def _region_names(
+    axes: Axes, dataset: xarray.Dataset, codes: NDArray[Any], names: Mapping[int, str]
+) -> set[str]:
+    """Write the word of each code into its region, far from its edge; those that are written."""
     from scipy.ndimage import distance_transform_edt
 
-    codes = dataset.verdict.values
-    names = {code: v.word for v, code in CODES.items()}
     named = set()
-    for code, word in (names | {NO_MEMBER: LOOKS["absent"].word}).items():
+    for code, word in names.items():
         where = codes == code
         if where.sum() < 0.03 * codes.size:
             continue
@@ -370,7 +400,7 @@ def _region_names(axes: Axes, dataset: xarray.Dataset) -> set[Verdict]:
         x = float(dataset[_x(dataset)][min(max(j - 1, 0) // fine[1], codes.shape[1] - 1)])
         y = float(dataset[_y(dataset)][min(max(i - 1, 0) // fine[0], codes.shape[0] - 1)])
         write(axes, x, y, word, edge=2.2, zorder=5, fontsize=small() + 1.5)
-        named |= {v for v in Verdict if v.word == word}
+        named.add(word)
     return named
 
 

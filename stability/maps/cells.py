@@ -271,6 +271,13 @@ class Cells:
                 codes[cell] = CODES[verdict(self.problem, values, most)]
             self.handed_on += 1
 
+    def unstable(self, some: NDArray[np.intp]) -> NDArray[np.int16]:
+        """Number of unstable eigenvalues in some cells, -1 where discs leave it open."""
+        a, q, _, u, good = self._members_of(some, self._grid)
+        counts = np.full(len(some), -1, dtype=np.int16)
+        counts[good] = self._by_graph.unstable(a, q, u)
+        return counts
+
     def part(self, xs: Floats, ys: Floats) -> Chunk:
         """The arrays of a grid inside the map, complete, without the others.
 

@@ -215,7 +215,7 @@ def assemble(
     curves: Curves | None,
     boxes: Boxes | None = None,
     points: CodimensionTwo | None = None,
-    sheets: Mapping[str, Any] | None = None,
+    counts: Mapping[str, Any] | None = None,
 ) -> xarray.Dataset:
     """The dataset of a map."""
     dims = axes[1].name, axes[0].name
@@ -238,7 +238,7 @@ def assemble(
             cells.values,
             words | {"long_name": "eigenvalues, structural zeros removed, sorted by real part"},
         )
-    variables |= sheets or {}
+    variables |= counts or {}
     if curves is not None:
         variables |= _boundary_variables(problem, axes, curves, words)
     if boxes is not None:

@@ -28,7 +28,7 @@ from ..base.types import Floats
 from ..base.verdict import CODES, NO_MEMBER, Verdict
 from ..polynomials.identities import certain, symmetric
 from ..spectra.deflation import Reduced, deflate
-from ..spectra.eigenvalues import decide, eigenvalues
+from ..spectra.eigenvalues import decide, eigenvalues, unstable_in_discs
 from ..spectra.problem import Problem, formulas_of
 from ..storage.pieces import Chunk
 from ..systems.closed_form import ClosedForm, ImplicitForm
@@ -347,6 +347,14 @@ class GraphCells:
                 self._restore(values, radius, codes, (a, q, u), reduced.supported)
             found = of_eigenvalues(values, radius, codes)
         return {"codes": found.codes, **arrays_of(found, modes=self.modes, unit=rate)}
+
+    def unstable(self, a: Floats, q: Floats, u: Floats) -> NDArray[np.int16]:
+        """Number of unstable eigenvalues of members, -1 where discs leave it open."""
+        watch = not self._certain
+        reduced = deflate(self.problem.family, a, q, u, self.problem.roundings, watch=watch)
+        values, radius, _ = eigenvalues(reduced, even=self._even)
+        counts = unstable_in_discs(values, radius, even=self._even)
+        return np.where(watch & (reduced.supported < self.zeros), -1, counts)
 
     def _restore(
         self,

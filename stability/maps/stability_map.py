@@ -22,6 +22,7 @@ from ..systems.family import Family
 from .boxes import MOST_LEVELS, prove_boxes
 from .cells import Cells
 from .sheets import sheet_box, sheet_counts
+from .unstable import unstable_variable
 
 if TYPE_CHECKING:
     import xarray
@@ -48,6 +49,7 @@ def stability_map(
     points: bool = False,
     box: Mapping[str, ArrayLike] | None = None,
     modes: bool = False,
+    unstable: bool = False,
     workers: int | None = None,
     executor: Executor | str | None = None,
     progress: Progress | None = None,
@@ -85,6 +87,8 @@ def stability_map(
         sheets, with the family's held states.
     modes
         Whether to keep all eigenvalues (complex, dimension `mode`).
+    unstable
+        Whether to count the unstable eigenvalues in each cell.
     workers
         Number of workers; the number of processors when left out.
     executor
@@ -115,8 +119,8 @@ def stability_map(
         points, along `point`: `point_X` and `point_X_error` (a proved bound), `point_kind`,
         `point_frequency` (of each pair) and `point_others`, and attributes `points_…` that say how
         these were sought, whether they are all, and what stays open; with box, `equilibria` and
-        `stable_equilibria` (proved numbers, -1 where not proved, and a comment that says in how
-        many cells).
+        `stable_equilibria`, and with unstable, `unstable` (proved numbers, -1 where not proved, and
+        a comment that says in how many cells).
         Attributes hold units, versions, parameters, method and tolerances.
 
     Raises
@@ -144,6 +148,7 @@ def stability_map(
     """
     certify, boundaries = flag("certify", certify), flag("boundaries", boundaries)
     modes, points = flag("modes", modes), flag("points", points)
+    unstable = flag("unstable", unstable)
     if levels is not None and not certify:
         raise ParameterError("levels belongs to certify=True; leave it out or certify.")
     if levels is not None:
@@ -174,5 +179,7 @@ def stability_map(
         boxes = prove_boxes(problem, axes, min(finest, 12) if levels is None else levels)
     cells.settle(certify=certify)
     curves = trace(problem, axes, cells.codes, cells.abscissa, progress) if boundaries else None
-    sheets = None if box is None else sheet_counts(problem, axes, box)
-    return assemble(problem, axes, cells, curves, boxes, marked, sheets)
+    counts = {} if box is None else sheet_counts(problem, axes, box)
+    if unstable:
+        counts |= unstable_variable(cells, certify=certify)
+    return assemble(problem, axes, cells, curves, boxes, marked, counts)

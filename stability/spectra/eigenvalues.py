@@ -250,12 +250,17 @@ def _decide(values: Complexes, radius: Floats) -> NDArray[np.int8]:
     return codes
 
 
-def _decide_even(values: Complexes, radius: Floats) -> NDArray[np.int8]:
-    """Verdicts where no two discs meet: all on the imaginary axis, or some clear to its right."""
+def _alone(values: Complexes, radius: Floats) -> NDArray[np.bool_]:
+    """Whether no two discs meet."""
     distance = np.abs(values[:, :, None] - values[:, None, :])
     reach = radius[:, :, None] + radius[:, None, :]
     np.einsum("ijj->ij", distance)[...] = np.inf
-    alone = (distance > reach).all(axis=(1, 2))
+    return np.asarray((distance > reach).all(axis=(1, 2)))
+
+
+def _decide_even(values: Complexes, radius: Floats) -> NDArray[np.int8]:
+    """Verdicts where no two discs meet: all on the imaginary axis, or some clear to its right."""
+    alone = _alone(values, radius)
     # an isolated λ whose disc meets the imaginary axis lies on it, since -λ̄ is an eigenvalue too
     neutral = alone & (np.abs(values.real) <= radius).all(axis=1)
     unstable = alone & (values.real - radius > 0).any(axis=1)
@@ -263,6 +268,17 @@ def _decide_even(values: Complexes, radius: Floats) -> NDArray[np.int8]:
     codes[neutral] = NEUTRAL
     codes[unstable] = UNSTABLE
     return codes
+
+
+def unstable_in_discs(values: Complexes, radius: Floats, *, even: bool) -> NDArray[np.int16]:
+    """Number of unstable eigenvalues, -1 where a disc meets the imaginary axis; as `decide`."""
+    with np.errstate(all="ignore"):
+        off = np.abs(values.real) > radius
+        decided = off.all(axis=1)
+        if even:  # a disc alone that meets the axis holds an eigenvalue on it
+            decided |= (off | (values.real == 0)).all(axis=1) & _alone(values, radius)
+        right = (values.real > radius).sum(axis=1)
+    return np.where(decided, right, -1).astype(np.int16)
 
 
 class Modes(NamedTuple):

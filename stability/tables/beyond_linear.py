@@ -51,7 +51,10 @@ def _birth_text(table: Table) -> str:
     lines = []
     for point in found:
         side = "above" if point.stable_below else "below"
-        lines.append(f"{axis} = {point.at:.15g}{unit}: {point.kind.word}, unstable {side}")
+        grows = "unstable"
+        if isinstance(point, CycleBirth) and point.unstable:
+            grows = "the pair grows"
+        lines.append(f"{axis} = {point.at:.15g}{unit}: {point.kind.word}, {grows} {side}")
         if isinstance(point, CycleBirth):
             lines.append(f"    frequency {to_bound(point.frequency, point.frequency_error)}")
             lines.append(f"    crossing {to_bound(point.crossing, point.crossing_error)}")
@@ -148,6 +151,7 @@ BIRTHS = Definition(
         Column("coefficient", "first Lyapunov coefficient", latex="l_{1}", form="{:.6g}"),
         _bound("coefficient_error", "coefficient", "{:.6g}"),
         Column("push", "coefficient of the drift along a line", latex="p"),
+        Column("unstable", "other eigenvalues that are unstable", latex="n"),
         word("reason", "reason for an open kind", "below"),
     ),
     lambda **_: [],

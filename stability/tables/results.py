@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from ..base.quantities import Kind
-from ..base.verdict import Verdict
+from ..boundary.brackets import Crossings
 from ..derivation.latex import symbol
 from .table import Column, Definition, Table, latex, word
 
@@ -75,7 +75,7 @@ def boundaries_table(found: Any, subject: str, axis: str, kinds: Mapping[str, An
     Parameters
     ----------
     found
-        The `Boundaries`.
+        The `Boundaries`, or every crossing.
     subject
         What they are of, for the heading.
     axis
@@ -88,28 +88,32 @@ def boundaries_table(found: Any, subject: str, axis: str, kinds: Mapping[str, An
     rate: Kind | str = Kind.GROWTH_RATE if kinds else found.rate_unit
     letter = (known.latex or known.symbol) if known else symbol(axis)
     form = "{:.15g}"
+    every = isinstance(found, Crossings)
+    sides = (
+        (
+            Column("below", "unstable eigenvalues below", latex="n_{<}"),
+            Column("above", "unstable eigenvalues above", latex="n_{>}"),
+        )
+        if every
+        else (
+            word("verdict", "verdict on the side that is not unstable"),
+            word("side", "that side"),
+        )
+    )
     columns = (
         Column("value", known.long_name if known else "the axis", unit, letter, form),
         Column("error", "proved bound", unit, r"\pm", "{:.0e}", of=("value", form)),
         word("crossing", "what crosses the imaginary axis"),
-        word("verdict", "verdict on the side that is not unstable"),
-        word("side", "that side"),
+        *sides,
         Column("frequency", "angular frequency there", rate, r"\omega", "{:.12g}"),
     )
-    rows = [
-        {
-            "value": b.value,
-            "error": b.error,
-            "crossing": b.crossing.word.replace("_", " "),
-            "verdict": "not unstable" if b.good is Verdict.UNDECIDED else b.good.word,
-            "side": "below" if b.stable_below else "above",
-            "frequency": b.frequencies or b.frequency or None,
-        }
-        for b in found
-    ]
+    names = [c.name for c in columns[:-1]]
+    rows = [dict(zip(names, row, strict=False)) for row in found.flat()[1]]
+    for row, b in zip(rows, found, strict=True):
+        row["frequency"] = b.frequencies or (None if every else b.frequency or None)
     heading = _heading(subject)
-    if found.throughout:
-        heading += f": no boundary, {found.throughout.word} throughout"
+    if found.constant:
+        heading += f": no {found.one}, {found.constant} throughout"
     return Table(
         "boundaries",
         heading,

@@ -18,6 +18,7 @@ import sympy
 
 import stability as st
 from stability.boundary.hopf import HopfKind, Onset
+from stability.tables.beyond_linear import birth_table
 
 
 def at_rest(
@@ -267,8 +268,27 @@ def test_what_is_not_proved_is_undecided() -> None:
             p * x[0] - x[1] - x[0] ** 3, x[0] + p * x[1], p * x[2] - 2 * x[3], 2 * x[2] + p * x[3]
         )
 
-    [point] = st.hopf(at_rest("abcd", ["p"], pairs), axis=("p", -1, 1.5, 9))
-    assert point.kind is Onset.UNDECIDED and point.reason
+    points = st.hopf(at_rest("abcd", ["p"], pairs), axis=("p", -1, 1.5, 9))
+    assert [p.frequency for p in points] == pytest.approx([1, 2])
+    assert all(p.kind is Onset.UNDECIDED and p.reason and p.unstable == -1 for p in points)
+
+
+@pytest.mark.parametrize("s", [-1.5, 0.25])
+def test_a_pair_that_crosses_while_others_are_unstable_has_its_coefficient(s: float) -> None:
+    """The normal form with a + i b by s r², next to rates of growth 1 and 2: others do not act."""
+
+    def form(x: Any, p: Any) -> Any:
+        r = s * (x[0] ** 2 + x[1] ** 2)
+        pair = [p * x[0] - x[1] + r * x[0], x[0] + p * x[1] + r * x[1]]
+        return ca.vertcat(*pair, *((i - 1) * x[i] for i in range(2, x.numel())))
+
+    family, axis = at_rest("abcd", ["p"], form), ("p", -1, 1.5, 9)
+    [point] = st.hopf(family, axis=axis)
+    assert isinstance(point, st.CycleBirth) and point.kind is Onset.UNSTABLE
+    assert (point.at, point.stable_below, point.unstable) == (0, True, 2)
+    assert point.reason == "2 other eigenvalues are unstable there"
+    assert within(point, 2 * s, 1, 1)
+    assert "unstable, the pair grows above" in birth_table(family, axis).to_text()
 
 
 @pytest.mark.parametrize(

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import reduce
-from itertools import islice
+from itertools import islice, pairwise
 from typing import Any, NamedTuple
 
 from flint import arb, arb_mat, fmpq, fmpq_poly
 
 from ...base.verdict import Verdict
-from .roots import split
+from .roots import split, squares
 
 
 def on_the_axis(factors: Sequence[Any]) -> Verdict:
@@ -46,6 +46,41 @@ def on_the_axis(factors: Sequence[Any]) -> Verdict:
             if not _negative_roots(RATIONALS, plain.coeffs()):
                 return Verdict.UNSTABLE
     return Verdict.NEUTRAL if neutral else Verdict.STABLE
+
+
+def unstable_roots(p: Any) -> int:
+    """Number of roots with a positive real part, with multiplicities.
+
+    Parameters
+    ----------
+    p
+        An `fmpq_poly`, not zero.
+
+    Source: Routh-Hurwitz theorem, F. R. Gantmacher, The Theory of Matrices, vol. 2, ch. XV § 3,
+    with the Cauchy index by Sturm's chain.
+
+    Examples
+    --------
+    >>> unstable_roots(fmpq_poly([-1, 0, 1]) * fmpq_poly([5, -2, 1]) ** 2)
+    5
+    """
+    _, symmetric, rest = split(p)
+    # of ±√y one is unstable, unless both are on the axis
+    count = sum(m for y, m in squares(symmetric) if not (y.imag == 0 and y.real < 0))
+    turned = [(-1) ** (i // 2) * c for i, c in enumerate(rest.coeffs())]  # the polynomial at iω
+    parts = [fmpq_poly([c if i % 2 == k else 0 for i, c in enumerate(turned)]) for k in (0, 1)]
+    degree = rest.degree()
+    chain = [parts[degree % 2], parts[1 - degree % 2] * (-1) ** (degree + 1)]
+    while chain[-1] != 0:
+        chain.append(-(chain[-2] % chain[-1]))
+    leading = [f[f.degree()] for f in chain[:-1]]
+    behind = [c * (-1) ** f.degree() for c, f in zip(leading, chain[:-1], strict=True)]
+    index = _variations(behind) - _variations(leading)  # stable roots, less the unstable ones
+    return int(count + (degree - index) // 2)
+
+
+def _variations(numbers: Sequence[Any]) -> int:
+    return sum(a * b < 0 for a, b in pairwise(numbers))
 
 
 def _sign(number: Any) -> int:
@@ -308,6 +343,28 @@ def hurwitz_sign(polynomial: Sequence[Any]) -> int:
         if not first > 0:
             return 0
     return 1
+
+
+def sign_changes(polynomial: Sequence[Any]) -> int | None:
+    """Number of roots with a positive real part, by Routh's array in balls.
+
+    Parameters
+    ----------
+    polynomial
+        Coefficients as balls, lowest first.
+
+    Returns
+    -------
+    int or None
+        None where a number of the first column is not proved to differ from zero.
+
+    Examples
+    --------
+    >>> sign_changes([arb(5), arb(-2), arb(1)]), sign_changes([arb(1), arb(0), arb(1)])
+    (2, None)
+    """
+    signs = [_sign(number) for number in routh(polynomial)]
+    return None if 0 in signs or len(signs) < len(polynomial) else _variations(signs)
 
 
 def hurwitz_matrix(polynomial: Sequence[Any], size: int, zero: Any) -> list[list[Any]]:

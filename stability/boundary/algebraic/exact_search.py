@@ -31,7 +31,7 @@ from ..brackets import (
 )
 from ..interval_search.pieces import BRANCH
 from .candidates import Candidate, Watched
-from .members import Branch, Cell, Members
+from .members import OPEN, Branch, Cell, Members
 from .one_variable import of_exact, of_family
 from .tower import AxisPolynomial, Tower
 
@@ -50,7 +50,7 @@ FEW_STATES = 12
 """States up to which the entries may have any size, and unknowns are solved for."""
 MEET = "two steady motions meet at this value, or one goes to infinity, so the branch may end"
 END = "an unknown that must be positive is zero at this value, so the branch may end"
-POLE = "the linearisation of {family} {has} no value there; the verdict {said}"
+POLE = "the linearisation of {family} {has} no value there; {what} {said}"
 NOBODY = "{family} has no member at this value of {axis}"
 
 
@@ -59,6 +59,8 @@ def members_along(
     ends: tuple[float | None, float | None],
     bits: int = BITS,
     digits: int = DIGITS,
+    *,
+    every: bool = False,
 ) -> Members:
     """The members along an axis, with every candidate for a change of their verdict.
 
@@ -72,6 +74,9 @@ def members_along(
         Working precision of the first attempt.
     digits
         Most bits of the entries of a Jacobian, times the states, beyond a few states.
+    every
+        Whether every crossing of the imaginary axis is a candidate, and not those alone that can
+        change the verdict.
 
     Raises
     ------
@@ -81,7 +86,7 @@ def members_along(
     problem, family = line.problem, line.problem.family
     budget = Budget(MOST_TERMS, SECONDS)
     if problem.exact is not None:
-        return of_exact(line, problem.exact, ends, bits)
+        return of_exact(line, problem.exact, ends, bits, every=every)
     count = len(family.system.states)
     most = FEW_STATES if family.unknown and not family.closed else MOST_STATES
     if count > most:
@@ -121,11 +126,14 @@ def searched(line: AxisScan, low: float, high: float, digits: int = DIGITS) -> B
     NotExact
         As `members_along`.
     """
-    return _Judge(line, members_along(line, (low, high), digits=digits), low, high).result()
+    return Judge(line, members_along(line, (low, high), digits=digits), low, high).result()
 
 
-class _Judge:
+class Judge:
     """Cells and candidates of a line, and what follows from them."""
+
+    what = "the verdict"
+    """What is compared on both sides of a candidate."""
 
     def __init__(self, line: AxisScan, members: Members, low: float, high: float) -> None:
         self.line, self.members, self.low, self.high = line, members, low, high
@@ -136,16 +144,26 @@ class _Judge:
 
     def result(self) -> Boundaries:
         """The record."""
+        self.judge()
+        left = tuple(tidy(self.left))
+        return Boundaries(tuple(self.points), left, tuple(self.touching), self.members.how)
+
+    def side(self, cell: Cell) -> Any:
+        """What is proved of the members in a piece; None for nothing."""
+        return cell.look.sign or None
+
+    def judge(self) -> None:
+        """Every candidate, in increasing order."""
         candidates = self.members.candidates
         for value in self.members.missing:
             said = NOBODY.format(family=self.name, axis=self.line.axis)
             self.left.append(Unresolved(value, value, f"{said}."))
         for cell in () if self.members.exact else self.members.cells:
             inside = cell.high > arb(self.low) and cell.low < arb(self.high)
-            if inside and not cell.look.sign:
-                self._leave(cell.low, cell.high, cell.look.reason)
+            if inside and self.side(cell) is None:
+                self.leave(cell.low, cell.high, cell.look.reason or OPEN)
             for low, high, reason in cell.doubts if inside else ():
-                self._leave(low, high, reason)
+                self.leave(low, high, reason)
         changes = [
             (one, below, above)
             for one, below, above in self.members.between()
@@ -153,29 +171,27 @@ class _Judge:
         ]
         for i, change in enumerate(changes):
             others = [c[0].value for j, c in enumerate(changes) if abs(i - j) == 1]
-            self._change(*change, others)
-        left = tuple(_tidy(self.left))
-        return Boundaries(tuple(self.points), left, tuple(self.touching), self.members.how)
+            self.change(*change, others)
 
     def _judged(self, one: Candidate, below: Cell, above: Cell) -> bool:
         """Whether the verdict changes at a candidate; anything else is recorded."""
-        signs = below.look.sign, above.look.sign
-        if 0 in signs:
+        sides = self.side(below), self.side(above)
+        if None in sides:
             if not self._closed(one, below, above):
-                self._leave_at(one, (above if signs[0] else below).look.reason)
+                self.leave_at(one, (above if sides[0] else below).look.reason or OPEN)
             return False
         kept = self.members.vanishing(one)
         ending = {w.kind for w in (one.watched if kept is None else kept)} & {"fold", "pole", "end"}
         if kept is None or ending:
-            self._leave_at(one, self._event(ending, same=signs[0] == signs[1]))
+            self.leave_at(one, self._event(ending, same=sides[0] == sides[1]))
             return False
         if not self.members.joined(one, below, above):
-            self._leave(arb(below.place), arb(above.place), BRANCH)
+            self.leave(arb(below.place), arb(above.place), BRANCH)
             return False
         kept = [w for w in kept if w.kind != "kink"]
-        if signs[0] == signs[1] and kept:
-            self._single(one, kept, below, above, signs[0])
-        return signs[0] != signs[1]
+        if sides[0] == sides[1] and kept:
+            self.single(one, kept, below, above)
+        return bool(sides[0] != sides[1])
 
     def _event(self, kinds: set[str], *, same: bool) -> str:
         """Reason why a candidate stays open."""
@@ -184,7 +200,7 @@ class _Judge:
                 return reason
         said = "is the same on both sides" if same else "differs on the two sides"
         has = "has" if self.members.exact else "may have"
-        return POLE.format(family=self.name, has=has, said=said)
+        return POLE.format(family=self.name, has=has, what=self.what, said=said)
 
     def _closed(self, one: Candidate, below: Cell, above: Cell) -> bool:
         """Whether the member at an end has the verdict of those inside; beyond there is none."""
@@ -194,10 +210,9 @@ class _Judge:
                     return self.line.sign(end) == inner.look.sign
         return False
 
-    def _single(
-        self, one: Candidate, kept: list[Watched], below: Cell, above: Cell, sign: int
-    ) -> None:
-        """A candidate between members with the same verdict."""
+    def single(self, one: Candidate, kept: list[Watched], below: Cell, above: Cell) -> None:
+        """A candidate between members that are alike."""
+        sign = below.look.sign
         if sign > 0:
             if not self.members.dissipative:
                 return  # neutral on both sides too
@@ -207,17 +222,17 @@ class _Judge:
             unstable = self.members.unstable(one)
         if unstable is None:
             sides = "stable" if sign > 0 else "unstable"
-            self._leave_at(one, HERE.format(family=self.name, sides=sides))
+            self.leave_at(one, HERE.format(family=self.name, sides=sides))
         elif not unstable:
             self.touching.append(float(one.value.mid()))
 
-    def _change(self, one: Candidate, below: Cell, above: Cell, others: list[Any]) -> None:
+    def change(self, one: Candidate, below: Cell, above: Cell, others: list[Any]) -> None:
         """A change of verdict as a proved bracket."""
-        root = min(max(float(one.value.mid()), self.low), self.high)
+        root = self.root(one)
         room = min((float(abs(v - one.value).mid()) for v in others), default=math.inf)
         proof = bracket(lambda v: self.members.sign(v, above if v > root else below), root, room)
         if proof is None:
-            self._leave(one.value, one.value, LATE)
+            self.leave(one.value, one.value, LATE)
             return
         kept = self.members.vanishing(one) or list(one.watched)
         static = any(w.kind == "static" for w in kept)
@@ -225,15 +240,19 @@ class _Judge:
         rate = 0.0 if static else self.members.rate(one, root)
         self.points.append(BoundaryPoint(root, proof[0], crossing, rate, proof[1]))
 
-    def _leave_at(self, one: Candidate, reason: str) -> None:
+    def root(self, one: Candidate) -> float:
+        """The double next to a candidate, in the interval."""
+        return min(max(float(one.value.mid()), self.low), self.high)
+
+    def leave_at(self, one: Candidate, reason: str) -> None:
         """Leave a candidate open: one double where the search is exact."""
         if not self.members.exact:
-            self._leave(one.value, one.value, reason)
+            self.leave(one.value, one.value, reason)
             return
         value = float(one.value.mid())
         self.left.append(Unresolved(value, value, f"{reason}."))
 
-    def _leave(self, low: Any, high: Any, reason: str) -> None:
+    def leave(self, low: Any, high: Any, reason: str) -> None:
         """Leave a part of the interval open, rounded outwards."""
         if low > arb(self.high) or high < arb(self.low):
             return
@@ -243,7 +262,7 @@ class _Judge:
             self.left.append(Unresolved(first, last, f"{reason}."))
 
 
-def _tidy(left: list[Unresolved]) -> Iterator[Unresolved]:
+def tidy(left: list[Unresolved]) -> Iterator[Unresolved]:
     """Parts in order; overlapping ones with the same reason as one."""
     open_: list[Unresolved] = []
     for part in sorted(left):

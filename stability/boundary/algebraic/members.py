@@ -19,7 +19,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 from flint import arb
@@ -39,12 +39,14 @@ from ...algebra.number_types import precision
 from ...base.errors import NoMemberError, StabilityError
 from ..brackets import AxisScan, Crossing, crossing_rate
 from ..interval_search.pieces import NO_MEMBER, NO_VALUE
-from ..pairs import grows
+from ..pairs import grows, unstable_count
 from .candidates import Candidate, Candidates, Watched, least_size, norms, watched
 from .tower import Tower
 
 LADDER = (128, 512, 2048)
 """Precisions of the balls at members."""
+FINE_BITS = 512
+"""Precision of the factors at a candidate."""
 MOST_BITS = 8192
 """Largest precision at which a value is proved to be zero."""
 SHARES = (0.5, 0.2578125, 0.7265625, 0.0859375, 0.9140625)
@@ -88,6 +90,8 @@ class Cell:
     """What is proved there."""
     doubts: tuple[tuple[Any, Any, str], ...] = ()
     """Parts (low, high, reason) in which the root-finder gives other members, or none."""
+    sample: Any = None
+    """Rational value of the base variable, where the verdict is exact there."""
 
 
 class Members(ABC):
@@ -104,6 +108,8 @@ class Members(ABC):
     """Whether verdicts are exact on each piece, and what stays open is single values."""
     how: str
     """How the axis is searched."""
+    even: Sequence[bool]
+    """Whether each factor is even, so that pairs stay on the imaginary axis."""
     missing: Sequence[float] = ()
     """Values at which there is no member."""
 
@@ -120,6 +126,18 @@ class Members(ABC):
     @abstractmethod
     def cell(self, low: Any, high: Any) -> Cell:
         """What is proved between two neighbouring candidates, or a candidate and an end."""
+
+    @abstractmethod
+    def unstable_in(self, cell: Cell) -> list[int] | None:
+        """Number of unstable eigenvalues of each factor in a piece; None where not proved."""
+
+    @abstractmethod
+    def holds(self, value: float, cell: Cell) -> bool:
+        """Whether the member at a number in a piece is proved to be that of the piece."""
+
+    @abstractmethod
+    def factors_at(self, one: Candidate) -> list[tuple[list[Any], int]]:
+        """Factors in balls at a candidate, each with its power."""
 
     @abstractmethod
     def vanishing(self, one: Candidate) -> list[Watched] | None:
@@ -185,7 +203,8 @@ class Branch(Members):
         self.sought = bool(self.family.unknown) and not self.family.closed
         if self.sought:
             self.how += ", on one branch of steady motions"
-        self.dissipative = not extra and not any(is_even(a) for a, _ in tower.whole.factors)
+        self.even = [is_even(a) for a, _ in tower.whole.factors]
+        self.dissipative = not extra and not any(self.even)
         found = (
             (norm, w) for w in watched(tower, budget) for norm in norms(tower, w.image, budget)
         )
@@ -333,7 +352,37 @@ class Branch(Members):
             if look.sign and shares is SHARES:
                 return
 
+    def unstable_in(self, cell: Cell) -> list[int] | None:
+        """Counted in balls, at numbers where the member is proved."""
+        if not cell.look.sign:
+            return None
+        middles = (float((cell.low + (cell.high - cell.low) * s).mid()) for s in SHARES)
+        places = [cell.place, *(m for m in middles if arb(m) > cell.low and arb(m) < cell.high)]
+        powers = [power for _, power in self.tower.whole.factors]
+        for place, bits in product(places, LADDER):
+            if bits == LADDER[0] and not self.holds(place, cell):
+                continue
+            with precision(bits):
+                every = self.factors(self.known(arb(place)))
+                counts = [
+                    unstable_count(a, even=even) for a, even in zip(every, self.even, strict=True)
+                ]
+            if None not in counts:
+                return [power * (n or 0) for n, power in zip(counts, powers, strict=True)]
+        return None
+
+    def holds(self, value: float, cell: Cell) -> bool:
+        """Whether the member lies on the branch of the piece."""
+        return self.look(value).label == cell.look.label
+
     # --- at a candidate ---
+
+    def factors_at(self, one: Candidate) -> list[tuple[list[Any], int]]:
+        """Factors in balls at a candidate, each with its power."""
+        value = self.candidates.refined(one, FINE_BITS)
+        with precision(FINE_BITS):
+            rows = self.factors(self.known(value))
+        return list(zip(rows, (power for _, power in self.tower.whole.factors), strict=True))
 
     def vanishing(self, one: Candidate) -> list[Watched] | None:
         """Polynomials that are not proved to differ from zero; None without a member."""

@@ -24,8 +24,13 @@ from typing import Any
 
 from flint import arb, arb_poly, fmpq_poly
 
-from ...algebra.exact.function_field import Expression, FunctionField
-from ...algebra.exact.hurwitz_forms import coefficient_row, factors
+from ...algebra.exact.function_field import Expression, FunctionField, counted, evaluate
+from ...algebra.exact.hurwitz_forms import (
+    coefficient_row,
+    factors,
+    hurwitz_determinants,
+    subdiscriminants,
+)
 from ...algebra.exact.number_fields import EXACT, NotExact, rational
 from ...algebra.exact.rational_functions import (
     RING,
@@ -35,7 +40,7 @@ from ...algebra.exact.rational_functions import (
     univariate,
 )
 from ...algebra.exact.roots import BITS, MOST_BITS, sign_at
-from ...algebra.exact.routh import is_even, least_sign, on_the_axis
+from ...algebra.exact.routh import is_even, least_sign, on_the_axis, unstable_roots
 from ...algebra.number_types import MIXED, Algebra, precision
 from ...algebra.polynomial import ExactPolynomial, TabulatedPolynomial
 from ...base.errors import StabilityError
@@ -45,9 +50,9 @@ from ...spectra.verdict_routes import BITS as MEMBER_BITS
 from ...spectra.verdict_routes import Point, decided
 from ...systems.structure.structural_zeros import structure
 from ..brackets import AxisScan
-from ..pairs import crossing, grows, meeting
-from .candidates import Candidate, Candidates, Watched, critical
-from .members import NEAR, SHARES, Cell, Look, Members, growing
+from ..pairs import crossing, grows, meeting, unstable_count
+from .candidates import Candidate, Candidates, Watched, critical, in_base
+from .members import FINE_BITS, NEAR, SHARES, Cell, Look, Members, growing
 from .tower import AxisPolynomial, Base
 
 POSITIVE = ("k", "mu", "c", "mass", "radius", "gravity")
@@ -102,14 +107,16 @@ class Factors:
     ----------
     rows
         The factors other than λ, irreducible.
+    powers
+        Power of each.
     poles
         Polynomials at whose zeros there is no linearisation, or an eigenvalue is infinite.
     """
 
     sine = None
 
-    def __init__(self, rows: Sequence[Row], poles: Sequence[Any]) -> None:
-        self.rows, self.poles = rows, poles
+    def __init__(self, rows: Sequence[Row], powers: Sequence[int], poles: Sequence[Any]) -> None:
+        self.rows, self.powers, self.poles = rows, powers, poles
         self.even = [is_even(row) for row in rows]
 
     def watched(self) -> list[tuple[str, Any]]:
@@ -123,6 +130,17 @@ class Factors:
         """The verdict at a rational value; zeros by structure do not count."""
         return on_the_axis([fmpq_poly([c(x) for c in row]) for row in self.rows])
 
+    def unstable(self, x: Any) -> list[int]:
+        """Number of unstable eigenvalues of each factor at a rational value."""
+        return [
+            power * unstable_roots(fmpq_poly([c(x) for c in row]))
+            for row, power in zip(self.rows, self.powers, strict=True)
+        ]
+
+    def at(self, root: Any) -> list[list[Any]]:
+        """The factors at a ball of the variable."""
+        return [[arb_poly(c)(root) for c in row] for row in self.rows]
+
     def sign(self, x: Any) -> int:
         """1 stable or neutral, -1 unstable."""
         return -1 if self.verdict(x) is Verdict.UNSTABLE else 1
@@ -134,6 +152,54 @@ class Factors:
             p = fmpq_poly([c(x) for c in row])
             known += meeting(fmpq_poly(p.coeffs()[::2])) if even else crossing(p)
         return min(known, default=(math.inf, 0.0))[1]
+
+
+class SineFactors:
+    """As `Factors`, with polynomials in x and a transcendental sine s; for counts alone."""
+
+    def __init__(
+        self,
+        rows: Sequence[Row],
+        powers: Sequence[int],
+        poles: Sequence[Any],
+        sine: Callable[[], Any],
+    ) -> None:
+        self.rows, self.powers, self.poles, self.sine = rows, powers, poles, sine
+        self.even = [is_even(row) for row in rows]
+
+    def watched(self) -> list[tuple[str, Any]]:
+        """(kind, polynomial) of what can vanish where a number changes."""
+        budget = counted()
+        found = [("pole", p) for p in self.poles]
+        for row in self.rows:
+            found += critical(
+                row,
+                lambda a: hurwitz_determinants(a, budget)[-1],
+                lambda q: subdiscriminants(q, budget)[-1],
+            )
+        return [(kind, p) for kind, p in found if not p.derivative(0).is_zero()]
+
+    def at(self, root: Any) -> list[list[Any]]:
+        """The factors at a ball of the variable."""
+        place = {0: root, 1: self.sine()}
+        return [[arb(evaluate(c, place)) for c in row] for row in self.rows]
+
+    def unstable(self, x: Any) -> list[int] | None:
+        """As `Factors.unstable`, in balls; None without a proof."""
+        bits = BITS
+        while bits <= MOST_BITS:
+            with precision(bits):
+                rows = zip(self.at(arb(x)), self.even, strict=True)
+                counts = [unstable_count(row, even=even) for row, even in rows]
+            if None not in counts:
+                return [n * (c or 0) for n, c in zip(self.powers, counts, strict=True)]
+            bits *= 2
+        return None
+
+    def sign(self, x: Any) -> int:
+        """1 stable or neutral, -1 unstable; 0 without a proof."""
+        counts = self.unstable(x)
+        return 0 if counts is None else -1 if any(counts) else 1
 
 
 def _pair(a: Sequence[Any]) -> Any:
@@ -176,7 +242,7 @@ class OneVariable(Members):
     def __init__(
         self,
         line: AxisScan,
-        source: Conditions | Factors,
+        source: Conditions | Factors | SineFactors,
         base: Base,
         ends: tuple[float | None, float | None],
         *,
@@ -185,6 +251,7 @@ class OneVariable(Members):
         bits: int = BITS,
     ) -> None:
         self.line, self.source, self.dissipative = line, source, dissipative
+        self.even = [] if isinstance(source, Conditions) else source.even
         self._sign = cache(source.sign)  # of an inclination two pieces may share their sine
         if line.problem.family.exact:
             self.how += ", from the family's polynomial"
@@ -211,9 +278,26 @@ class OneVariable(Members):
                     if any(low < x < high for x in base.back(z, low, high)):
                         sign = self._sign(z.fmpq())
                         if sign:
-                            return Cell(low, high, math.nan, Look(sign, (), ""))
+                            return Cell(low, high, math.nan, Look(sign, (), ""), sample=z.fmpq())
                         break
         return Cell(low, high, math.nan, Look(0, None, NEAR))
+
+    def unstable_in(self, cell: Cell) -> list[int] | None:
+        """Counted over Q."""
+        if cell.sample is None or isinstance(self.source, Conditions):
+            return None
+        return self.source.unstable(cell.sample)
+
+    def holds(self, value: float, cell: Cell) -> bool:  # noqa: ARG002
+        """There is one member at every number."""
+        return True
+
+    def factors_at(self, one: Candidate) -> list[tuple[list[Any], int]]:
+        """Factors in balls at a candidate, each with its power."""
+        assert not isinstance(self.source, Conditions)
+        root = self.candidates.base.variable(self.candidates.refined(one, FINE_BITS))
+        with precision(FINE_BITS):
+            return list(zip(self.source.at(root), self.source.powers, strict=True))
 
     def vanishing(self, one: Candidate) -> list[Watched]:
         """Every watched polynomial is its own norm."""
@@ -230,6 +314,7 @@ class OneVariable(Members):
     def unstable(self, one: Candidate) -> bool | None:
         """Whether the member at a candidate is unstable; None where this is not proved."""
         source = self.source
+        assert not isinstance(source, SineFactors)
         with precision(max(BITS, min(one.root.rel_accuracy_bits(), MOST_BITS)) + GUARD):
             if isinstance(source, Factors):
                 return self._grows(source, one)
@@ -241,7 +326,7 @@ class OneVariable(Members):
 
     @staticmethod
     def _grows(source: Factors, one: Candidate) -> bool | None:
-        balls = [[arb_poly(c)(one.root) for c in row] for row in source.rows]
+        balls = source.at(one.root)
         if any(map(grows, balls)):
             return True
         norm = next(
@@ -306,7 +391,8 @@ def of_family(
     """The members of a family that is rational in the axis."""
     form, problem = polynomial.factored, line.problem
     rows = [[univariate(c) for c in row] for row, _ in form.factors]
-    source = Factors(rows, [univariate(p) for p in form.nonzero])
+    powers = [power for _, power in form.factors]
+    source = Factors(rows, powers, [univariate(p) for p in form.nonzero])
     zeros = structure(problem.family).zeros  # refuses what is declared conservative and is not
     base = Base("positive" if not problem.plain and line.axis in POSITIVE else "plain")
     good = form.zeros <= zeros and not any(source.even)
@@ -318,8 +404,12 @@ def of_exact(
     exact: ExactPolynomial,
     ends: tuple[float | None, float | None],
     bits: int = BITS,
+    *,
+    every: bool = False,
 ) -> OneVariable:
     """The members of a family with a polynomial of its own, stored or stated.
+
+    With `every` the polynomial itself is searched, where conditions say less.
 
     Raises
     ------
@@ -334,7 +424,7 @@ def of_exact(
         angle, edge = exact.angle(axis), exact.borders
         over, sine = _tabulated(exact, axes, angle, field)
     base = Base(angle or ("positive" if not problem.plain and axis in POSITIVE else "plain"))
-    found = exact.conditions(axes, over)
+    found = None if every else exact.conditions(axes, over)
     if found is not None:
         # of the same sign, since a denominator is a power of a positive axis
         quotients = [(kind, _quotient(field, p)) for kind, p in found]
@@ -343,22 +433,40 @@ def of_exact(
             good, edge = not problem.family.conservative, edge and bool(angle)
             source = Conditions(cleared, sine)
             return OneVariable(line, source, base, ends, dissipative=good, edge=edge, bits=bits)
-    # a condition vanishes all along the axis, so that the polynomial itself is searched
-    rows: list[Row] = []
-    poles: list[Any] = []
-    lam = RING.gens()[1]
-    for factor in exact.coefficients(axes, over):
-        row = [_quotient(field, c) for c in factor]
-        common = common_multiple((q.den for q in row), field.one)
-        if not isinstance(exact, TabulatedPolynomial):  # whose axes there are positive
-            poles.append(univariate(common))
-        whole = RING.constant(0)
-        for k, c in enumerate(primitive([q.num * (common / q.den) for q in row])):
-            whole = whole + multivariate(univariate(c)) * lam**k
-        some = [coefficient_row(p, 1) for p, _ in factors(whole)[1] if p != lam]
-        rows += [[univariate(c) for c in powers] for powers in some if len(powers) > 1]
-    source_ = Factors(rows, [*poles, *(row[-1] for row in rows)])
+    # with `every`, or where a condition vanishes all along the axis: the polynomial is searched
+    source_ = _itself(exact, problem.rationals(line.fixed), axis, angle)
     return OneVariable(line, source_, base, ends, dissipative=not any(source_.even), bits=bits)
+
+
+def _itself(
+    exact: ExactPolynomial, fixed: Mapping[str, Any], axis: str, angle: str
+) -> Factors | SineFactors:
+    """The polynomial in factors, where conditions say less."""
+    field = FunctionField(("x", "s", "λ"), spare=0)
+    axes = {**fixed, axis: field.symbols[0]}
+    over, sine, lam = EXACT, None, field.symbols[2].num
+    if isinstance(exact, TabulatedPolynomial):
+        over, sine = _tabulated(exact, axes, angle, field)
+    rows: list[Row] = []
+    powers: list[int] = []
+    poles: list[Any] = []
+    for factor in exact.coefficients(axes, over):
+        quotients = [_quotient(field, c) for c in factor]
+        common = common_multiple((q.den for q in quotients), field.one)
+        if not isinstance(exact, TabulatedPolynomial):  # whose axes there are positive
+            poles.append(common)
+        row = primitive([q.num * (common / q.den) for q in quotients])
+        whole = sum((c * lam**k for k, c in enumerate(row)), field.ring.constant(0))
+        for p, power in factors(whole)[1]:
+            if p != lam and len(row := coefficient_row(p, 2)) > 1:
+                rows.append(row)
+                powers.append(power)
+    poles += [row[-1] for row in rows]
+    if sine is not None:
+        flat = [[in_base(c) for c in row] for row in rows]
+        return SineFactors(flat, powers, [in_base(p) for p in poles], sine)
+    plain = [[univariate(c) for c in row] for row in rows]
+    return Factors(plain, powers, [univariate(p) for p in poles])
 
 
 def _tabulated(
@@ -369,7 +477,7 @@ def _tabulated(
     def sines(value: Any) -> Algebra:
         return Algebra("sines", EXACT.constant, dict.fromkeys(("sin", "cos"), lambda _: value))
 
-    x, s = field.symbols
+    x, s = field.symbols[:2]
     if angle:
         return sines(x), None
     try:

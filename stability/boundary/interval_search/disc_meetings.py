@@ -390,7 +390,9 @@ class DiscMeetings(GraphMeetings):
         found = []
         with np.errstate(all="ignore"):  # what overflows proves nothing
             every = [_carried(span) for span in self._spans(piece.span)]
-            if any(carried is not None and carried.unstable() for carried in every):
+            if not self.every and any(
+                carried is not None and carried.unstable() for carried in every
+            ):
                 return []
             for block, carried in zip(self.blocks, every, strict=True):
                 if not self.zeros and carried and carried.clear():

@@ -189,6 +189,8 @@ class Meetings(ABC):
     """States of each block of the linearisation."""
     count: int
     """Number of functions at most."""
+    every: bool = False
+    """Whether meetings count where another eigenvalue stays unstable."""
 
     @property
     def most(self) -> int:

@@ -16,7 +16,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, groupby
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from flint import arb
@@ -33,6 +33,7 @@ from ..brackets import (
     AxisScan,
     Boundaries,
     BoundaryPoint,
+    Crossings,
     Unresolved,
     at_point,
     bracketed,
@@ -93,6 +94,7 @@ def pieces(
     *,
     log: bool = False,
     singular: Mapping[float, str] | None = None,
+    every: bool = False,
 ) -> Pieces:
     """Proof along an axis of where an eigenvalue meets the imaginary axis, and where none does.
 
@@ -106,6 +108,8 @@ def pieces(
         Whether pieces are cut at equal ratios.
     singular
         Values near which no member can be proved, each with the reason.
+    every
+        Whether pieces on which another eigenvalue stays unstable are searched too.
     """
     try:
         found = _meetings(line)
@@ -113,6 +117,7 @@ def pieces(
         found = str(error)
     if isinstance(found, str):
         return Pieces((Leaf(low, high, None, found),), low, high, 0)
+    found.every = every
     leaves, waiting, count = [], [(low, high)], 0
     quick = quick_pieces(found, low, high, log=log) if isinstance(found, FormulaMeetings) else None
     if quick is not None:
@@ -409,12 +414,15 @@ def proved(
             continue
         points += part[0]
         left += part[1]
-    family = line.problem.family
-    how = PIECES.format(count=found.count)
-    if family.unknown and not family.closed:
-        how += f", {ON_ONE_BRANCH}"
     inside = [p for p in points if low <= p.value + p.error and p.value - p.error <= high]
-    return Boundaries(tuple(inside), tuple(left), how=how)
+    return Boundaries(tuple(inside), tuple(left), how=how_in_pieces(line, found))
+
+
+def how_in_pieces(line: AxisScan, found: Pieces) -> str:
+    """How an axis was searched, in words."""
+    family = line.problem.family
+    solved = family.unknown and not family.closed
+    return PIECES.format(count=found.count) + (f", {ON_ONE_BRANCH}" if solved else "")
 
 
 Part = tuple[list[BoundaryPoint], list[Unresolved]]
@@ -497,13 +505,14 @@ def _has_value(line: AxisScan, point: BoundaryPoint) -> bool:
             return False
 
 
+Found = TypeVar("Found", Boundaries, Crossings)
 MOST_PARTS = 600
 """Largest number of pieces."""
 UNSURE = "whether the conditions of {system} hold here is not decided"
 FAILS = "{family} has no member here, since a condition of {system} fails: {sentence}"
 
 
-def meaningful(line: AxisScan, low: float, high: float, found: Boundaries) -> Boundaries:
+def meaningful(line: AxisScan, low: float, high: float, found: Found) -> Found:
     """A result without the parts of the axis on which the system's conditions are not proved.
 
     Parameters
@@ -522,7 +531,9 @@ def meaningful(line: AxisScan, low: float, high: float, found: Boundaries) -> Bo
     """
     if not line.problem.plain or not line.problem.family.system.conditions:
         return found
-    parts = [u for u in _Conditions(line).fail(low, high) if not _inside(u, found.unresolved)]
+    parts: list[Unresolved] = [
+        u for u in _Conditions(line).fail(low, high) if not _inside(u, found.unresolved)
+    ]
     if not parts:
         return found
 
