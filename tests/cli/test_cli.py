@@ -328,7 +328,7 @@ UPRIGHT = "examples/bicycle.py:upright"
 def test_spectrum_of_ones_own_system(capsys: pytest.CaptureFixture[str]) -> None:
     words = ["spectrum", "--system", UPRIGHT, "--set", "g=9.81"]
     text = output(capsys, *words, "--at", "5")
-    assert text.startswith("bicycle, upright, at v = 5, g = 9.81\nverdict     stable")
+    assert text.startswith("bicycle, upright, at v = 5 m/s, g = 9.81 m/s²\nverdict     stable")
     assert "disk" not in text
     body = json.loads(output(capsys, *words, "--set", "v=5", "--certify", "--json"))
     assert body["system"] == "bicycle"
