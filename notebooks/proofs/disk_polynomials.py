@@ -19,12 +19,13 @@ from stability.algebra.number_types import Algebra, sympy_algebra
 from stability.algebra.upright import UPRIGHT
 from stability.base.errors import StabilityError, listed
 from stability.bodies.contact_laws import law_class
-from stability.bodies.disk_polynomials import FRICTION
 from stability.bodies.families import FAMILIES
 from stability.bodies.subject import disk_family
 from stability.derivation.characteristic import COS, LAM, MU, SIN, SQUARE, Derived, K, M
 from stability.polynomials.characteristic import CharacteristicPolynomial
 
+FRICTION = {"mu": "s/m", "c": "kg/s"}
+"""Numbers of friction that a polynomial depends on, with their units; M is made of them."""
 AT = sympy.Symbol("at")
 TRIG = sympy.Poly(SIN**2 + COS**2 - 1, COS)
 SYMBOLS = {"k": K, "mu": MU, "sin(theta)": SIN, "cos(theta)": COS, "phi_dot": AT, "omega3": AT}

@@ -708,7 +708,6 @@ def law_named(
     name: str,
     mu: float | None,
     *,
-    needed: bool = True,
     motion: bool = False,
     others: Mapping[str, float] | None = None,
 ) -> Contact:
@@ -721,8 +720,6 @@ def law_named(
     mu
         Friction coefficient [s/m, dry friction: -], or None for a law without one.  For
         `linear-viscous` it gives c = mu m g, with the same linearisation.
-    needed
-        Whether a missing coefficient is an error; otherwise its value is 1.
     motion
         Whether the law is for a motion; dry friction is accepted only then.
     others
@@ -758,7 +755,11 @@ def law_named(
             raise ParameterError(f"{n} is given but the {law.name} law has none{where}.")
     for p in law.parameters:
         if not set(law.alternatives(p.name)) & set(given):
-            _supply(law, p.name, given, needed=needed)
+            word = "mu" if "mu" in law.alternatives(p.name) else p.name
+            option = "--mu" if word == "mu" else f"--set {word}=VALUE"
+            raise ParameterError(
+                f"{word} is missing; the {law.name} law needs a positive coefficient ({option})."
+            )
     return law(**given)
 
 
@@ -880,17 +881,6 @@ def class_named(name: str, *, motion: bool = False) -> type[Contact]:
     """The class of a contact law by its name; arguments as in `law_named`."""
     own = isinstance(name, str) and ":" in name
     return law_class(_imported(name) if own else name, motion=motion)
-
-
-def _supply(law: type[Contact], name: str, given: dict[str, Any], *, needed: bool) -> None:
-    """Set a coefficient that is not needed to 1, or refuse one that is missing."""
-    name = "mu" if "mu" in law.alternatives(name) else name
-    if needed:
-        option = "--mu" if name == "mu" else f"--set {name}=VALUE"
-        raise ParameterError(
-            f"{name} is missing; the {law.name} law needs a positive coefficient ({option})."
-        )
-    given[name] = 1.0
 
 
 def _imported(place: str) -> Any:

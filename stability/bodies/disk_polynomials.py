@@ -29,8 +29,6 @@ DIGEST = "d60731b19cd4d14caabd9d683c1229d5ee419c736590ce8994c1b54211caac27"
 """SHA-256 of that file, written by `make derive`; a file with another digest is refused."""
 
 
-FRICTION = {"mu": "s/m", "c": "kg/s"}
-"""Numbers of friction that a polynomial depends on, with their units: `point` makes M of them."""
 INPUT = {"k": 0, "M": 5, "z": 5, "s": 2}
 """Most roundings in each variable: mu·mu·(g·R), at·at·(R/g), the sine within one unit in the last
 place."""

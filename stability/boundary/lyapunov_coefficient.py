@@ -358,7 +358,7 @@ def pair_of(equations: PairEquations, box: Values) -> Pair:
 # --- linear algebra next to an eigenvalue ---
 
 
-def bordered(matrix: Any, right: Balls, *, by: Balls | None = None) -> Balls:
+def bordered(matrix: Any, right: Balls) -> Balls:
     """The left null vector of a singular matrix, scaled so that its product with `right` is 1.
 
     Parameters
@@ -367,8 +367,6 @@ def bordered(matrix: Any, right: Balls, *, by: Balls | None = None) -> Balls:
         Complex matrix whose kernel is spanned by `right`.
     right
         Null vector.
-    by
-        Vector outside the matrix's range; a numeric left null vector when left out.
 
     Raises
     ------
@@ -384,7 +382,8 @@ def bordered(matrix: Any, right: Balls, *, by: Balls | None = None) -> Balls:
     )
     if not np.isfinite(table).all():
         raise NotProvedError
-    column = by or [acb(float(c.real), float(c.imag)) for c in np.linalg.svd(table)[0][:, -1]]
+    # a numeric left null vector is outside the range
+    column = [acb(float(c.real), float(c.imag)) for c in np.linalg.svd(table)[0][:, -1]]
     rows = [[matrix[j, i] for j in range(n)] + [right[i].conjugate()] for i in range(n)]
     rows.append([*column, acb(0)])
     try:

@@ -232,7 +232,7 @@ def _dot(entries: Sequence[Any], vector: Sequence[Any]) -> Any:
 FUNCTIONS = 4
 """Functions of a family's numbers that a field over them has room for, for each state."""
 MOST_STATES = 16
-"""States of the largest block whose symmetry is sought by multiplying expressions out."""
+"""States of the largest block whose polynomial is multiplied out, in expressions or in balls."""
 
 
 @dataclass(frozen=True)

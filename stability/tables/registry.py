@@ -12,7 +12,7 @@ import numpy as np
 from ..base.citation import gathered, joined
 from ..base.errors import NameUnknownError, ParameterError, StabilityError, listed, shown
 from ..base.types import Progress
-from ..bodies.contact_laws import law_named
+from ..bodies.contact_laws import class_named, law_named
 from ..bodies.disk import Disk
 from ..systems.family import Family
 from .table import Definition, Table, framed, word
@@ -217,7 +217,9 @@ def _checked(name: str, given: Mapping[str, Any]) -> dict[str, Any]:
             options[key] = [float(v) for v in np.atleast_1d(options[key])]
     if "contact" in options:
         law = options.pop("contact")
-        law_named(law, options["mu"][0] if "mu" in options else None, needed=False)
+        class_named(law)
+        if "mu" in options:
+            law_named(law, options["mu"][0])
         options |= {"laws": [law]} if name == "conditions" else {"law": law}
     if "k" in options:
         Disk(k=options["k"])

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from flint import arb, arb_series, fmpq
+from own_systems import system_of
 
 import stability as st
 from stability.algebra.exact.number_fields import EXACT, NotExact
@@ -146,9 +147,7 @@ X, V, C = (ca.SX.sym(n) for n in ("x", "v", "c"))
 
 
 def rest(force: ca.SX, **held: float) -> st.Family:
-    system = st.System(
-        "s", ca.vertcat(X, V), C, ca.vertcat(V, force), states=("x", "v"), parameters=("c",)
-    )
+    system = system_of("s", [X, V], [C], [V, force])
     return st.Family(system, "rest", ("c",), held={"x": 0.0, "v": 0.0} | held)
 
 

@@ -4,6 +4,7 @@ from typing import Any
 
 import casadi as ca
 import pytest
+from own_systems import system_of
 
 import stability as st
 
@@ -11,14 +12,7 @@ import stability as st
 def spinner() -> st.Family:
     """d²θ/dt² = (w² - v) θ - w dθ/dt: unstable where w² > v."""
     theta, rate, v, w = (ca.SX.sym(n) for n in ("theta", "rate", "v", "w"))
-    system = st.System(
-        "spinner",
-        ca.vertcat(theta, rate),
-        ca.vertcat(v, w),
-        ca.vertcat(rate, (w**2 - v) * theta - w * rate),
-        states=("theta", "rate"),
-        parameters=("v", "w"),
-    )
+    system = system_of("spinner", [theta, rate], [v, w], [rate, (w**2 - v) * theta - w * rate])
     return st.Family(system, "rest", ("v", "w"), held={"theta": 0.0, "rate": 0.0})
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
+from own_systems import system_of
 
 import stability as st
 
@@ -25,14 +26,7 @@ def bazykin() -> st.Family:
     x, y, a, d = symbols("x", "y", "a", "d")
     eaten = x * y / (1 + a * x)
     rates = ca.vertcat(x - eaten - x**2 / 100, -y + eaten - d * y**2)
-    system = st.System(
-        "Bazykin",
-        ca.vertcat(x, y),
-        ca.vertcat(a, d),
-        rates,
-        states=("x", "y"),
-        parameters=("a", "d"),
-    )
+    system = system_of("Bazykin", [x, y], [a, d], rates)
     return system.steady(("a", "d"), guess={"x": 6.27, "y": 3.6, "a": 0.45, "d": 0.1745})
 
 
@@ -107,14 +101,7 @@ def test_the_oxidation_of_carbon_monoxide_has_its_printed_double_zeros() -> None
     rates = ca.vertcat(
         5 * z**2 - 2 * x**2 - 10 * x * y, q * z - 0.1 * y - 10 * x * y, 0.0675 * (z - k * s)
     )
-    system = st.System(
-        "oxidation",
-        ca.vertcat(x, y, s),
-        ca.vertcat(q, k),
-        rates,
-        states=("x", "y", "s"),
-        parameters=("q", "k"),
-    )
+    system = system_of("oxidation", [x, y, s], [q, k], rates)
     guess = {"x": 0.001137, "y": 0.891483, "s": 0.062345, "q": 1.0, "k": 0.4}
     family = system.steady(("q", "k"), guess=guess)
     found = st.codimension_two(family, x=("q", 0.8, 2, 8), y=("k", 0.2, 1.2, 8))

@@ -13,6 +13,7 @@ import casadi as ca
 import mpmath
 import numpy as np
 import pytest
+from own_systems import system_of
 from scipy.optimize import brentq
 
 import stability as st
@@ -266,14 +267,7 @@ def test_edges_over_a_branch_point_of_a_symmetric_pair_are_not_searched() -> Non
     # on x = y = s the slope across is 1 - p s (1 - s/a); s by bisection of its one equation
     x, y, p, a = (ca.SX.sym(n) for n in "xypa")
     rates = [a / (1 + ca.exp(p * (other - 1))) - own for own, other in ((x, y), (y, x))]
-    system = st.System(
-        "pair",
-        ca.vertcat(x, y),
-        ca.vertcat(p, a),
-        ca.vertcat(*rates),
-        states=("x", "y"),
-        parameters=("p", "a"),
-    )
+    system = system_of("pair", [x, y], [p, a], ca.vertcat(*rates))
     family = system.steady("p", guess={"x": 1, "y": 1, "p": 0.5}, a=2.2)
     problem, (across, up) = swept(family, {"x": ("p", 0.2, 6, 9), "y": ("a", 1, 4, 4)})
 

@@ -12,6 +12,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
+from own_systems import system_of
 
 import stability as st
 from stability.boundary.brackets import Crossing
@@ -212,9 +213,7 @@ def test_points_of_a_rest_with_quadratic_drag() -> None:
     """-v|v| has the slope 0 at rest: x'' = p x' - k x, with a double zero at p = k = 0."""
     x, v, p, k = (ca.SX.sym(n) for n in ("x", "v", "p", "k"))
     rates = ca.vertcat(v, -k * x + p * v - v * ca.fabs(v))
-    system = st.System(
-        "drag", ca.vertcat(x, v), ca.vertcat(p, k), rates, states=("x", "v"), parameters=("p", "k")
-    )
+    system = system_of("drag", [x, v], [p, k], rates)
     rest = st.Family(system, "rest", at=("p",), held={"x": 0, "v": 0})
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", st.StabilityWarning)

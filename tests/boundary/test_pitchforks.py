@@ -8,6 +8,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
+from own_systems import system_of
 from scipy.optimize import brentq
 
 import stability as st
@@ -28,14 +29,7 @@ def columns(sign: int) -> st.Family:
         w,
         k * ca.sin(u) - u - sign * pull + sign * 0.1 - w,
     )
-    system = st.System(
-        "columns",
-        ca.vertcat(x, v, u, w),
-        ca.vertcat(k, c),
-        rates,
-        states=("x", "v", "u", "w"),
-        parameters=("k", "c"),
-    )
+    system = system_of("columns", [x, v, u, w], [k, c], rates)
     guess = {"x": 0.2, "u": sign * 0.2, "v": 0, "w": 0, "k": 0.5}
     return system.steady("k", guess=guess, c=-0.3)
 
@@ -56,14 +50,7 @@ def crossings() -> list[float]:
 def test_two_neurons_differ_beyond_the_pitchfork() -> None:
     x, y, p, q = symbols("xypq")
     rates = ca.vertcat(-x + q - p * ca.tanh(y), -y + q - p * ca.tanh(x))
-    pair = st.System(
-        "neurons",
-        ca.vertcat(x, y),
-        ca.vertcat(p, q),
-        rates,
-        states=("x", "y"),
-        parameters=("p", "q"),
-    )
+    pair = system_of("neurons", [x, y], [p, q], rates)
     even = pair.steady("p", guess={"x": 0.3, "y": 0.3, "p": 0.5}, q=0.5)
     found = st.boundaries(even, axis=("p", 0.2, 4, 40), q=0.5)
     assert found.complete and "symmetric" in found.how
@@ -92,9 +79,7 @@ def test_a_symmetry_that_is_only_nearly_one_is_not_taken() -> None:
     rates = ca.vertcat(
         p * ca.sin(x) - 2 * x + y + (1 + e) * ca.exp(0.1), p * ca.sin(y) - 2 * y + x + ca.exp(0.1)
     )
-    system = st.System(
-        "near", ca.vertcat(x, y), ca.vertcat(p, e), rates, states=("x", "y"), parameters=("p", "e")
-    )
+    system = system_of("near", [x, y], [p, e], rates)
     family = system.steady("p", guess={"x": 2, "y": 2, "p": 0.5}, e=0.0)
     state, way = np.array([2.0, 2.0]), np.array([1.0, -1.0])
     assert symmetric_family(family, state, way) is None  # e is a parameter, which may differ from 0

@@ -7,6 +7,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from flint import arb
+from own_systems import system_of
 
 import stability as st
 from stability.algebra.number_types import precision
@@ -17,14 +18,7 @@ def reactor() -> st.Family:
     """A stirred tank, dx/dt = -x + φ, dT/dt = -T + B φ - β T with φ = D (1 - x) exp T."""
     x, t, d, b, beta = (ca.SX.sym(n) for n in ("x", "T", "D", "B", "beta"))
     heat = d * (1 - x) * ca.exp(t)
-    system = st.System(
-        "reactor",
-        ca.vertcat(x, t),
-        ca.vertcat(d, b, beta),
-        ca.vertcat(-x + heat, -t + b * heat - beta * t),
-        states=("x", "T"),
-        parameters=("D", "B", "beta"),
-    )
+    system = system_of("reactor", [x, t], [d, b, beta], [-x + heat, -t + b * heat - beta * t])
     guess = {"x": 0.1, "T": 0.1, "D": 0.02, "B": 14.0, "beta": 3.0}
     return system.steady("D", guess=guess, name="reactor")
 
@@ -77,15 +71,11 @@ def nerve() -> st.Family:
     bm, bn, ah = 4 * ca.exp(-v / 18), 0.125 * ca.exp(-v / 80), 0.07 * ca.exp(-v / 20)
     bh = 1 / (ca.exp((30 - v) / 10) + 1)
     ionic = 120 * m**3 * h * (v - 115) + 36 * n**4 * (v + 12) + 0.3 * (v - 10.6)
-    system = st.System(
+    system = system_of(
         "nerve",
-        ca.vertcat(v, m, h, n),
-        current,
-        ca.vertcat(
-            current - ionic, am * (1 - m) - bm * m, ah * (1 - h) - bh * h, an * (1 - n) - bn * n
-        ),
-        states=("V", "m", "h", "n"),
-        parameters=("I",),
+        [v, m, h, n],
+        [current],
+        [current - ionic, am * (1 - m) - bm * m, ah * (1 - h) - bh * h, an * (1 - n) - bn * n],
     )
     return system.steady("I", guess={"V": 0.01, "m": 0.05, "h": 0.6, "n": 0.32, "I": 0.0})
 

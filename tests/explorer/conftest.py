@@ -28,3 +28,17 @@ def opened_disk(browser: Any, page_of_disk: Path) -> Iterator[Visit]:
     """The page itself."""
     with visit(browser, page_of_disk) as found:
         yield found
+
+
+@pytest.fixture(scope="session")
+def page_of_coin(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path: Path = st.explore(
+        "rolling",
+        disk=st.Disk.named("quarter"),
+        at=45.0,
+        mu=0.9,
+        x=("at", 5.0, 100.0),
+        certify=False,
+        out=tmp_path_factory.mktemp("page") / "coin.html",
+    )
+    return path

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from node import Engine
 from own_families import spring
+from own_systems import system_of
 from page_numbers import OPEN, VERDICT
 from towed_wheel import GIVEN, towed_wheel
 
@@ -18,14 +19,7 @@ def pumped() -> st.Family:
     """A pendulum on a turning support: its inclination is solved for."""
     angle, rate, turn, loss = (ca.SX.sym(n) for n in ("angle", "rate", "turn", "loss"))
     pull = ca.sin(angle) * (turn**2 * ca.cos(angle) - 1)
-    system = st.System(
-        "pendulum",
-        ca.vertcat(angle, rate),
-        ca.vertcat(turn, loss),
-        ca.vertcat(rate, pull - loss * rate),
-        states=("angle", "rate"),
-        parameters=("turn", "loss"),
-    )
+    system = system_of("pendulum", [angle, rate], [turn, loss], [rate, pull - loss * rate])
     near = {"angle": 1.0, "turn": 1.5, "loss": 0.2}
     return system.steady("turn", held={"rate": 0.0}, guess=near, name="inclined")
 
@@ -33,14 +27,7 @@ def pumped() -> st.Family:
 def pushed() -> st.Family:
     """A spring that is at rest only where nothing pushes it."""
     x, v, k, c, push = (ca.SX.sym(n) for n in ("x", "v", "k", "c", "push"))
-    system = st.System(
-        "pushed",
-        ca.vertcat(x, v),
-        ca.vertcat(k, c, push),
-        ca.vertcat(v, push - k * x - c * v),
-        states=("x", "v"),
-        parameters=("k", "c", "push"),
-    )
+    system = system_of("pushed", [x, v], [k, c, push], [v, push - k * x - c * v])
     return st.Family(system, "rest", at=("k",), held={"x": 0, "v": 0})
 
 

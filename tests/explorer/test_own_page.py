@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from chromium import DESKTOP, PHONE, Visit, visit
 from own_families import CASES, SHOWN, agrees, number, vector_of
+from own_systems import system_of
 from page_numbers import REST
 
 import stability as st
@@ -288,14 +289,7 @@ def test_the_page_fits_the_screen_and_its_text_can_be_read(
 
 def test_a_place_without_a_member_has_no_table_and_no_mode(browser: Any, tmp_path: Path) -> None:
     x, y, p, c = (ca.SX.sym(n) for n in ("x", "y", "p", "c"))
-    system = st.System(
-        "fold",
-        ca.vertcat(x, y),
-        ca.vertcat(p, c),
-        ca.vertcat(y, p + c * x - x**2 - y),
-        states=("x", "y"),
-        parameters=("p", "c"),
-    )
+    system = system_of("fold", [x, y], [p, c], [y, p + c * x - x**2 - y])
     near = {"x": 1.5, "p": 2.0, "c": 0.2}
     upper = system.steady("p", held={"y": 0.0}, guess=near, equations=("y",), name="upper")
     path = st.explore(

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from chromium import WITHOUT_WEBGL, Visit, visit
 from node import Engine
+from own_families import governor
+from own_systems import system_of
 from page_numbers import ASK, LOOKED
 
 import stability as st
@@ -22,34 +24,11 @@ NEAR = 1e-6
 """Distance from a boundary, over the largest modulus, at which verdicts may differ."""
 
 
-def governor() -> st.Family:
-    """Watt's governor; its members are followed from a known one."""
-    x, y, z, a, b, e = (ca.SX.sym(n) for n in ("x", "y", "z", "a", "b", "e"))
-    rhs = ca.vertcat(y, z**2 * ca.sin(x) * ca.cos(x) - ca.sin(x) - e * y, a * (ca.cos(x) - b))
-    system = st.System(
-        "governor",
-        ca.vertcat(x, y, z),
-        ca.vertcat(a, b, e),
-        rhs,
-        states=("x", "y", "z"),
-        parameters=("a", "b", "e"),
-    )
-    near = {"x": 1.0, "z": 1.4, "a": 0.5, "b": 0.5, "e": 0.4}
-    return system.steady("e", held={"y": 0.0}, guess=near, equations=("y", "z"), name="running")
-
-
 def bead() -> st.Family:
     """A bead on a turning hoop, raised; its angle is found from one guess."""
     angle, rate, turn, drag = (ca.SX.sym(n) for n in ("angle", "rate", "turn", "drag"))
     force = ca.sin(angle) * (turn**2 * ca.cos(angle) - 1) - drag * rate
-    system = st.System(
-        "bead",
-        ca.vertcat(angle, rate),
-        ca.vertcat(turn, drag),
-        ca.vertcat(rate, force),
-        states=("angle", "rate"),
-        parameters=("turn", "drag"),
-    )
+    system = system_of("bead", [angle, rate], [turn, drag], [rate, force])
     return st.Family(
         system,
         "raised",
@@ -65,14 +44,7 @@ def bead() -> st.Family:
 def fold() -> st.Family:
     """The upper root of p + c x = x²; it ends at a fold, and the page follows it that far."""
     x, y, p, c = (ca.SX.sym(n) for n in ("x", "y", "p", "c"))
-    system = st.System(
-        "fold",
-        ca.vertcat(x, y),
-        ca.vertcat(p, c),
-        ca.vertcat(y, p + c * x - x**2 - y),
-        states=("x", "y"),
-        parameters=("p", "c"),
-    )
+    system = system_of("fold", [x, y], [p, c], [y, p + c * x - x**2 - y])
     near = {"x": 1.5, "p": 2.0, "c": 0.2}
     return system.steady("p", held={"y": 0.0}, guess=near, equations=("y",), name="upper")
 
@@ -80,14 +52,7 @@ def fold() -> st.Family:
 def cusp() -> st.Family:
     """The upper sheet of p + c x = x³; beyond its edge lies another one, which is not reached."""
     x, y, p, c = (ca.SX.sym(n) for n in ("x", "y", "p", "c"))
-    system = st.System(
-        "cusp",
-        ca.vertcat(x, y),
-        ca.vertcat(p, c),
-        ca.vertcat(y, p + c * x - x**3 - y),
-        states=("x", "y"),
-        parameters=("p", "c"),
-    )
+    system = system_of("cusp", [x, y], [p, c], [y, p + c * x - x**3 - y])
     near = {"x": 1.5, "p": 2.0, "c": 1.0}
     return system.steady("p", held={"y": 0.0}, guess=near, equations=("y",), name="upper")
 

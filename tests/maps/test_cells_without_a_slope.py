@@ -5,6 +5,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
+from own_systems import system_of
 
 import stability as st
 
@@ -21,14 +22,7 @@ FORCES = {
 @pytest.mark.parametrize("count", [5, 401])
 def test_an_inner_row_without_a_slope_is_left_out(force: str, count: int) -> None:
     """λ² + c λ + 1 where p is not 0; at p = 0 the force has a kink."""
-    system = st.System(
-        "s",
-        ca.vertcat(X, V),
-        ca.vertcat(C, P),
-        ca.vertcat(V, -X - C * V + FORCES[force]),
-        states=("x", "v"),
-        parameters=("c", "p"),
-    )
+    system = system_of("s", [X, V], [C, P], [V, -X - C * V + FORCES[force]])
     family = st.Family(system, "rest", ("c",), held={"x": 0.0, "v": 0.0})
     found = st.stability_map(family, x=("c", -1, 2, 4), y=("p", -1, 1, count))
     words = found.verdict.attrs["flag_meanings"].split()
@@ -40,14 +34,7 @@ def test_an_inner_row_without_a_slope_is_left_out(force: str, count: int) -> Non
 
 
 def test_a_point_at_the_kink_is_refused_and_a_map_of_nothing_else_too() -> None:
-    system = st.System(
-        "s",
-        ca.vertcat(X, V),
-        ca.vertcat(C, P),
-        ca.vertcat(V, -X - C * V + P * ca.fabs(X)),
-        states=("x", "v"),
-        parameters=("c", "p"),
-    )
+    system = system_of("s", [X, V], [C, P], [V, -X - C * V + P * ca.fabs(X)])
     family = st.Family(system, "rest", ("c",), held={"x": 0.0, "v": 0.0})
     with pytest.raises(st.StabilityError, match="have no slope there"):
         st.spectrum(family, at=1.0, p=1.0)

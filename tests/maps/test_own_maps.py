@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 import sympy
 from flint import arb, fmpq
+from own_systems import system_of
 
 import stability as st
 from stability.algebra.exact.number_fields import NotExact
@@ -225,9 +226,7 @@ def test_the_graph_too_decides_reversible_families_by_the_square(count: int) -> 
     """A bead on a turning hoop, q'' = e^q W² q - sinh q: neutral for W < 1, with W² = e^w."""
     q, v, w, k = (ca.SX.sym(n) for n in ("q", "v", "w", "k"))
     rates = ca.vertcat(v, (ca.exp(w) * ca.cos(q) - ca.cosh(k * q)) * ca.sinh(q))
-    system = st.System(
-        "bead", ca.vertcat(q, v), ca.vertcat(w, k), rates, states=("q", "v"), parameters=("w", "k")
-    )
+    system = system_of("bead", [q, v], [w, k], rates)
     bottom = st.Family(system, "bottom", at=("w",), held={"q": 0.0, "v": 0.0})
     axes = {"x": ("w", -2, 1.93, count), "y": ("k", 0.5, 3, count)}
     found = st.stability_map(bottom, **axes, boundaries=False)

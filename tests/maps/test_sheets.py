@@ -11,6 +11,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
+from own_systems import system_of
 
 import stability as st
 
@@ -75,14 +76,7 @@ def test_counts_leave_out_what_is_outside_the_box_or_fails_a_condition(
 
 def test_counts_of_cells_are_those_of_one_search_each() -> None:
     rates = ca.vertcat(x * (1 - x - a * y - b * x**2), y * (1 - y - a * x - b * y**2))
-    system = st.System(
-        "rivals",
-        ca.vertcat(x, y),
-        ca.vertcat(a, b),
-        rates,
-        states=("x", "y"),
-        parameters=("a", "b"),
-    )
+    system = system_of("rivals", [x, y], [a, b], rates)
     even = system.steady("a", guess={"x": 0.6, "y": 0.6, "a": 0.5}, b=0.1)
     box = {"y": (-0.1, 1.2), "x": (-0.1, 1.1)}
     m = st.stability_map(even, x=("a", 0.1, 3, 3), y=("b", 0.01, 0.5, 2), box=box, boundaries=False)
@@ -117,9 +111,7 @@ def test_a_box_belongs_to_families_that_are_solved_for() -> None:
 def test_stable_counts_are_open_where_a_zero_is_one_by_structure() -> None:
     """A held y has y' = 0: the verdict of a member leaves this zero out, a count has no member."""
     rate = ca.vertcat(a + b * x - x**3, 0 * y)
-    system = st.System(
-        "kept", ca.vertcat(x, y), ca.vertcat(a, b), rate, states=("x", "y"), parameters=("a", "b")
-    )
+    system = system_of("kept", [x, y], [a, b], rate)
     family = system.steady("b", guess={"x": 1, "b": 1}, a=0.1, held={"y": 0})
     m = st.stability_map(
         family, x=("a", -1, 1, 4), y=("b", 0, 1, 2), box={"x": (-3, 3)}, boundaries=False

@@ -22,6 +22,7 @@ import numpy as np
 import sympy as sp
 import sympy.physics.mechanics as me
 from numpy.typing import ArrayLike, NDArray
+from scipy.integrate import solve_ivp
 
 LAWS = ("smooth", "viscous", "linear-viscous", "rough")
 
@@ -309,3 +310,14 @@ def _flat(a: Array) -> Array:
 def _cross(a: Array) -> Array:
     """Matrix of the map b -> a x b."""
     return np.cross(a[..., None, :], np.eye(3)).swapaxes(-1, -2)
+
+
+def states_after(six: Any, p: Any, span: float) -> Any:
+    """States of viscous disks after a time, by Newton's laws in fixed axes, shape (launches, 6)."""
+
+    def rates(_: float, flat: Any) -> Any:
+        return fixed_axes("viscous", flat.reshape(six.shape), p).rates.ravel()
+
+    run = solve_ivp(rates, (0, span), six.ravel(), method="DOP853", rtol=1e-9, atol=1e-12)
+    assert run.success
+    return run.y[:, -1].reshape(six.shape)

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 from disk_members import deviation
 from flint import arb, ctx
-from kane_disk import fixed_axes
-from scipy.integrate import solve_ivp
+from kane_disk import states_after
 
 import stability as st
 from stability.algebra.program import Program
@@ -55,17 +54,6 @@ def nearest(six: Any, law: Any, p: Any) -> Nearest:
     return disk_settling(law).nearest(six, p, WITHIN)
 
 
-def final(six: Any, p: Any, span: float) -> Any:
-    """States after a time, by Newton's laws in fixed axes: (launches, 6)."""
-
-    def rates(_: float, flat: Any) -> Any:
-        return fixed_axes("viscous", flat.reshape(six.shape), p).rates.ravel()
-
-    run = solve_ivp(rates, (0, span), six.ravel(), method="DOP853", rtol=1e-9, atol=1e-12)
-    assert run.success
-    return run.y[:, -1].reshape(six.shape)
-
-
 @pytest.fixture(autouse=True)
 def _boxes_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """These are tests of the box about a state; tests/settling/test_tube.py has those of tubes."""
@@ -78,7 +66,7 @@ def converges(found: Any, six: Any, p: Any, some: Any, lives: float = 12) -> Any
     rate = found.settled.rate
     order = some[np.argsort(rate[some])]
     for part in np.array_split(order, math.ceil(len(order) / 12)):  # of nearly equal rates
-        there = final(six[part], p[part], lives / rate[part].min())
+        there = states_after(six[part], p[part], lives / rate[part].min())
         for i, state in zip(part, there, strict=True):
             at, e = deviation(state, float(p[i, 0]), found.names[found.family[i]])
             room = found.settled.error[i] + 3 * np.linalg.norm(e) + 1e-8

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from disk_members import deviation
 from flint import arb
-from kane_disk import fixed_axes
+from kane_disk import states_after
 from scipy.integrate import solve_ivp
 
 import stability as st
@@ -41,17 +41,6 @@ def launches(count: int, seed: int) -> tuple[Any, Any]:
     return six + off * (size / np.linalg.norm(off, axis=1))[:, None], p
 
 
-def final(six: Any, p: Any, span: float) -> Any:
-    """States after a time, by Newton's laws in fixed axes."""
-
-    def rates(_: float, flat: Any) -> Any:
-        return fixed_axes("viscous", flat.reshape(six.shape), p).rates.ravel()
-
-    run = solve_ivp(rates, (0, span), six.ravel(), method="DOP853", rtol=1e-9, atol=1e-12)
-    assert run.success
-    return run.y[:, -1].reshape(six.shape)
-
-
 def misses(count: int, most: int, seed: int, share: float = 0.0) -> tuple[Any, Any]:
     """Distances of ends from stated limits, over what is allowed, and of the starts' members."""
     six, p = launches(count, seed)
@@ -61,7 +50,7 @@ def misses(count: int, most: int, seed: int, share: float = 0.0) -> tuple[Any, A
     some = some[np.argsort(told.rate[some])]
     off, plain = [], []
     for part in np.array_split(some, math.ceil(len(some) / 8)):
-        there = final(six[part], p[part], 9 / told.rate[part].min())
+        there = states_after(six[part], p[part], 9 / told.rate[part].min())
         for i, state in zip(part, there, strict=True):
             at, e = deviation(state, float(p[i, 0]), found.names[found.family[i]])
             assert np.linalg.norm(e) < 0.1 * found.distance[i]

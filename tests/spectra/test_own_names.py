@@ -5,6 +5,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
+from own_systems import system_of
 
 import stability as st
 from stability.base.errors import ParameterError
@@ -16,14 +17,7 @@ LAW: dict[str, Any] = {"contact": "viscous", "mu": 0.3}
 def bent() -> st.Family:
     """A pendulum with a moment p at its hinge, at rest at the angle x."""
     x, v, p, m = (ca.SX.sym(n) for n in "xvpm")
-    system = st.System(
-        "pendulum",
-        ca.vertcat(x, v),
-        ca.vertcat(p, m),
-        ca.vertcat(v, -m * v - ca.sin(x) + p),
-        states=("x", "v"),
-        parameters=("p", "m"),
-    )
+    system = system_of("pendulum", [x, v], [p, m], [v, -m * v - ca.sin(x) + p])
     return st.Family(system, "bent", ("p",), held={"v": 0.0}, unknown={"x": 0.1}, equations=("v",))
 
 

@@ -5,6 +5,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
+from own_systems import system_of
 
 import stability as st
 from stability.base.verdict import Verdict
@@ -18,14 +19,7 @@ def governor() -> st.Family:
     """Watt's governor, whose members are solved for."""
     x, y, z, a, b, e = (ca.SX.sym(n) for n in ("x", "y", "z", "a", "b", "e"))
     rhs = ca.vertcat(y, z**2 * ca.sin(x) * ca.cos(x) - ca.sin(x) - e * y, a * (ca.cos(x) - b))
-    system = st.System(
-        "governor",
-        ca.vertcat(x, y, z),
-        ca.vertcat(a, b, e),
-        rhs,
-        states=("x", "y", "z"),
-        parameters=("a", "b", "e"),
-    )
+    system = system_of("governor", [x, y, z], [a, b, e], rhs)
     return st.Family(
         system,
         "running",
@@ -43,9 +37,7 @@ def kinked() -> st.Family:
     x, y, p, q = (ca.SX.sym(n) for n in ("x", "y", "p", "q"))
     fall = y - p
     rhs = ca.vertcat(fall + ca.sin(fall) - q * x, ca.fabs(p) - p - x - 2 * fall)
-    system = st.System(
-        "kinked", ca.vertcat(x, y), ca.vertcat(p, q), rhs, states=("x", "y"), parameters=("p", "q")
-    )
+    system = system_of("kinked", [x, y], [p, q], rhs)
     return st.Family(
         system,
         "line",

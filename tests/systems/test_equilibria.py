@@ -12,6 +12,7 @@ import casadi as ca
 import mpmath
 import numpy as np
 import pytest
+from own_systems import system_of
 
 import stability as st
 from stability.cli import main
@@ -199,7 +200,7 @@ def pitchfork() -> st.System:
 def rivals() -> st.System:
     x, y, p = (ca.SX.sym(n) for n in "xyp")
     rates = ca.vertcat(x * (1 - x - p * y), y * (1 - y - p * x))
-    return st.System("rivals", ca.vertcat(x, y), p, rates, states=("x", "y"), parameters=("p",))
+    return system_of("rivals", [x, y], [p], rates)
 
 
 def wells(count: int) -> st.System:
@@ -229,7 +230,7 @@ def test_a_stirred_tank_reactor(p: float, count: int) -> None:
     u, w, rate = (ca.SX.sym(n) for n in ("u", "w", "p"))
     heat = rate * (1 - u) * ca.exp(w)
     rates = ca.vertcat(heat - u, 14 * heat - 3 * w)
-    tank = st.System("tank", ca.vertcat(u, w), rate, rates, states=("u", "w"), parameters=("p",))
+    tank = system_of("tank", [u, w], [rate], rates)
     found = tank.equilibria({"u": (0, 1), "w": (0, 20)}, p=p)
     assert found.complete and len(found) == count
     # 14 u = 3 w, so that one equation in w is left; its changes of sign are counted
@@ -310,14 +311,7 @@ def test_conditions_leave_out_equilibria_without_a_meaning() -> None:
 def cart() -> st.System:
     place, speed, heading, k = (ca.SX.sym(n) for n in ("place", "speed", "heading", "k"))
     rates = ca.vertcat(speed * ca.cos(heading), k - speed**2, speed - 1)
-    return st.System(
-        "cart",
-        ca.vertcat(place, speed, heading),
-        k,
-        rates,
-        states=("place", "speed", "heading"),
-        parameters=("k",),
-    )
+    return system_of("cart", [place, speed, heading], [k], rates)
 
 
 def test_ignorable_states_are_left_out_and_may_move() -> None:
@@ -369,7 +363,7 @@ def test_a_bad_question_is_refused_in_a_sentence(
 def test_a_conserved_sum_is_named() -> None:
     a, b, k = (ca.SX.sym(n) for n in "abk")
     rates = ca.vertcat(-2 * a**2 + k * b, a**2 - k * b / 2)
-    pair = st.System("pair", ca.vertcat(a, b), k, rates, states=("a", "b"), parameters=("k",))
+    pair = system_of("pair", [a, b], [k], rates)
     with pytest.raises(st.StabilityError, match="1/2 a [+] b is constant in every motion of pair"):
         pair.equilibria({"a": (0, 1), "b": (0, 1)}, k=1)
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import sympy as sp
 import xarray
+from own_systems import system_of
 from scipy.linalg import expm
 
 import stability as st
@@ -138,14 +139,7 @@ def hover() -> st.Family:
     """A craft whose tilt nobody holds: a push grows until drag balances what the tilt pulls."""
     tilt, rate, v, lift, m, c = (ca.SX.sym(n) for n in ("tilt", "rate", "v", "lift", "m", "c"))
     rates = ca.vertcat(rate, 0 * rate, (-lift * ca.sin(tilt) - c * v) / m)
-    system = st.System(
-        "hover",
-        ca.vertcat(tilt, rate, v),
-        ca.vertcat(lift, m, c),
-        rates,
-        states=("tilt", "rate", "v"),
-        parameters=("lift", "m", "c"),
-    )
+    system = system_of("hover", [tilt, rate, v], [lift, m, c], rates)
     return st.Family(system, "level", at=("lift",), held={"tilt": 0, "rate": 0, "v": 0})
 
 

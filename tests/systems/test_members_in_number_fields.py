@@ -4,6 +4,7 @@ import casadi as ca
 import mpmath as mp
 import pytest
 from flint import arb, fmpq
+from own_systems import system_of
 
 import stability as st
 from stability.algebra.exact.number_fields import Algebraic, NotExact
@@ -80,13 +81,8 @@ def test_the_triangle_of_three_bodies_is_neutral_up_to_rouths_mass_ratio() -> No
 def two_roots(second: int) -> st.Family:
     """Members u = √p and w = 1 + √s; the eigenvalue of z is w - u - 1."""
     u, w, z, p, s = (ca.SX.sym(n) for n in "uwzps")
-    system = st.System(
-        "roots",
-        ca.vertcat(u, w, z),
-        ca.vertcat(p, s),
-        ca.vertcat(p - ca.sqrt(u**4), s - ca.sqrt((w - 1) ** 4), (w - u - 1) * z),
-        states=("u", "w", "z"),
-        parameters=("p", "s"),
+    system = system_of(
+        "roots", [u, w, z], [p, s], [p - ca.sqrt(u**4), s - ca.sqrt((w - 1) ** 4), (w - u - 1) * z]
     )
     start = second**0.5
     return st.Family(

@@ -10,6 +10,7 @@ import casadi as ca
 import mpmath
 import numpy as np
 import pytest
+from own_systems import system_of
 
 import stability as st
 from stability.systems.graph.smoothness import sloped
@@ -107,14 +108,7 @@ X, V, C = (ca.SX.sym(n) for n in "xvc")
 
 
 def rest(rate: ca.SX) -> st.Family:
-    system = st.System(
-        "s",
-        ca.vertcat(X, V),
-        C,
-        ca.vertcat(V, -X - C * V - rate),
-        states=("x", "v"),
-        parameters=("c",),
-    )
+    system = system_of("s", [X, V], [C], [V, -X - C * V - rate])
     return st.Family(system, "rest", ("c",), held={"x": 0.0, "v": 0.0})
 
 

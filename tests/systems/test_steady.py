@@ -7,6 +7,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
+from own_systems import system_of
 
 import stability as st
 
@@ -233,14 +234,7 @@ def test_the_triangular_point_above_is_found_where_only_that_one_is_admissible(
     far = ca.sqrt((x + m) ** 2 + y**2), ca.sqrt((x + m - 1) ** 2 + y**2)
     potential = (x**2 + y**2) / 2 + (1 - m) / far[0] + m / far[1]
     pull = ca.gradient(potential, ca.vertcat(x, y)) + 2 * ca.vertcat(v, -u)
-    bodies = st.System(
-        "three bodies",
-        ca.vertcat(x, y, u, v),
-        m,
-        ca.vertcat(u, v, pull),
-        states=("x", "y", "u", "v"),
-        parameters=("m",),
-    )
+    bodies = system_of("three bodies", [x, y, u, v], [m], [u, v, pull])
     family = st.Family(
         bodies,
         "L4",
@@ -261,14 +255,7 @@ def test_members_next_to_a_pitchfork_are_not_refused_by_luck() -> None:
     """X = y exists for all p > 0: q x² + (1 + p) x = 1.  Lines cross a pitchfork near p = 1."""
     x, y, p, q = (ca.SX.sym(n) for n in "xypq")
     rates = ca.vertcat(x * (1 - x - p * y - q * x**2), y * (1 - y - p * x - q * y**2))
-    system = st.System(
-        "rivals",
-        ca.vertcat(x, y),
-        ca.vertcat(p, q),
-        rates,
-        states=("x", "y"),
-        parameters=("p", "q"),
-    )
+    system = system_of("rivals", [x, y], [p, q], rates)
     even = system.steady("p", guess={"x": 0.6, "y": 0.6, "p": 0.5}, q=0.1)
     grid = np.meshgrid(np.linspace(0.1, 3, 40), np.linspace(0.01, 0.5, 30))
     at, other = grid[0].ravel(), grid[1].ravel()
@@ -294,14 +281,7 @@ def test_a_member_that_runs_to_infinity_is_refused_in_a_sentence() -> None:
     """A stirred tank reactor: towards D = 0 the equations overflow, and again where D < 0."""
     x, y, b, c, d = (ca.SX.sym(n) for n in ("x", "y", "B", "c", "D"))
     rate = d * (1 - x) * ca.exp(y)
-    tank = st.System(
-        "tank",
-        ca.vertcat(x, y),
-        ca.vertcat(b, c, d),
-        ca.vertcat(-x + rate, -y + b * rate - c * y),
-        states=("x", "y"),
-        parameters=("B", "c", "D"),
-    )
+    tank = system_of("tank", [x, y], [b, c, d], [-x + rate, -y + b * rate - c * y])
     hot = tank.steady("D", guess={"x": 0.7, "y": 3.0, "D": 0.15}, B=7.06, c=0.74)
     given = np.array([0.15, 7.06, 0.74]) + [-0.155, 204.74, -0.925]
     found = hot.search(given[None, :1], given[None, 1:])
@@ -334,13 +314,11 @@ def test_a_place_may_move() -> None:
     assert free.left_out == ("x",)
 
     y, heading, turn, m = (ca.SX.sym(n) for n in ("y", "heading", "turn", "M"))
-    cart = st.System(
+    cart = system_of(
         "cart",
-        ca.vertcat(x, y, heading, v, turn),
-        ca.vertcat(f, m),
-        ca.vertcat(v * ca.cos(heading), v * ca.sin(heading), turn, f - v, m - 2 * turn),
-        states=("x", "y", "heading", "v", "turn"),
-        parameters=("F", "M"),
+        [x, y, heading, v, turn],
+        [f, m],
+        [v * ca.cos(heading), v * ca.sin(heading), turn, f - v, m - 2 * turn],
     )
     circle = cart.steady("F", guess={"v": 1.0, "turn": 1.0, "F": 1.0}, M=1.0)
     assert circle.member([2.0], [3.0])[3:] == pytest.approx([2.0, 1.5])

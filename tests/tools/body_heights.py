@@ -121,3 +121,22 @@ def by_height(body: ConvexBody, theta: float) -> st.Body:
         name=body.name,
         shape={} if body.name in NUMBERS else dict(body.parameters),
     )
+
+
+def numbers_at(body: st.Body, theta: float) -> dict[str, float]:
+    """Values of the symbols of `proofs.body_polynomials` at an inclination."""
+    h, slope, bend = (float(body.height_at(theta, n)) for n in range(3))
+    s, c = math.sin(theta), math.cos(theta)
+    axial, transverse = body.moments()
+    return {
+        "h": h,
+        "h′": slope,
+        "h′′": bend,
+        "ρ": h + bend,
+        "I1": transverse,
+        "I3": axial,
+        "s": s,
+        "c": c,
+        "r": h * s + slope * c,
+        "z": h * c - slope * s,
+    }

@@ -5,6 +5,7 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
+from own_systems import system_of
 from towed_wheel import GIVEN, towed_wheel
 
 import stability as st
@@ -22,14 +23,7 @@ def governor() -> st.Family:
     """Watt's governor: its members are solved for, and it has no energy."""
     x, y, z, a, b, e = (ca.SX.sym(n) for n in ("x", "y", "z", "a", "b", "e"))
     rhs = ca.vertcat(y, z**2 * ca.sin(x) * ca.cos(x) - ca.sin(x) - e * y, a * (ca.cos(x) - b))
-    system = st.System(
-        "governor",
-        ca.vertcat(x, y, z),
-        ca.vertcat(a, b, e),
-        rhs,
-        states=("x", "y", "z"),
-        parameters=("a", "b", "e"),
-    )
+    system = system_of("governor", [x, y, z], [a, b, e], rhs)
     near = {"x": 1.0, "z": 1.4, "a": 0.5, "b": 0.5, "e": 0.4}
     return system.steady("e", held={"y": 0.0}, guess=near, equations=("y", "z"), name="running")
 
@@ -37,13 +31,11 @@ def governor() -> st.Family:
 def spring() -> st.Family:
     """A weight on a stiff spring, and a current that dies out: with units and an energy."""
     z, v, i, k, c, g = (ca.SX.sym(n) for n in ("height", "rise", "current", "k", "c", "g"))
-    system = st.System(
+    system = system_of(
         "spring",
-        ca.vertcat(z, v, i),
-        ca.vertcat(k, c, g),
-        ca.vertcat(v, -k * z - c * v - g, -i),
-        states=("height", "rise", "current"),
-        parameters=("k", "c", "g"),
+        [z, v, i],
+        [k, c, g],
+        [v, -k * z - c * v - g, -i],
         observables={"tension": k * z, "power": c * v**2, "energy": (v**2 + k * z**2) / 2 + g * z},
         units={
             "height": "m",
@@ -73,13 +65,11 @@ def rotor() -> st.Family:
     rates = ca.vertcat(
         u, v, -(de + di) * u - w**2 * x - turn * di * y, -(de + di) * v - w**2 * y + turn * di * x
     )
-    system = st.System(
+    system = system_of(
         "rotor",
-        ca.vertcat(x, y, u, v),
-        ca.vertcat(turn, w, de, di),
+        [x, y, u, v],
+        [turn, w, de, di],
         rates,
-        states=("x", "y", "u", "v"),
-        parameters=("W", "w", "de", "di"),
         units={"x": "m", "y": "m", "u": "m/s", "v": "m/s"},
     )
     return st.Family(system, "centred", at=("W",), held=dict.fromkeys(system.states, 0.0))

@@ -1,8 +1,30 @@
 """Systems as a user would bring them: pendulum, spinning top, Chaplygin sleigh."""
 
+from collections.abc import Sequence
+from typing import Any
+
 import casadi as ca
 
 import stability as st
+
+
+def system_of(
+    name: str,
+    states: Sequence[ca.SX],
+    parameters: Sequence[ca.SX],
+    rates: Sequence[Any] | ca.SX,
+    **more: Any,
+) -> st.System:
+    """A system with the names of its symbols."""
+    words = {"states": states, "parameters": parameters}
+    return st.System(
+        name,
+        ca.vertcat(*states),
+        ca.vertcat(*parameters),
+        rates if isinstance(rates, ca.SX) else ca.vertcat(*rates),
+        **{word: tuple(s.name() for s in symbols) for word, symbols in words.items()},
+        **more,
+    )
 
 
 def pendulum(*, observed: bool = True) -> st.System:

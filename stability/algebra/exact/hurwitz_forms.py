@@ -17,6 +17,8 @@ from .routh import hurwitz_matrix
 
 Poly = Any
 """An `fmpq_mpoly`."""
+MOST_FACTORED = 2000
+"""Number of terms beyond which a polynomial counts as one factor."""
 
 
 class TooLarge(NotExact):
@@ -213,19 +215,17 @@ def coefficient_row(poly: Poly, index: int) -> list[Poly]:
     return [parts.get(power, zero) for power in range(max(parts, default=0) + 1)]
 
 
-def factors(poly: Poly, most: int = 2000) -> tuple[Any, list[tuple[Poly, int]]]:
+def factors(poly: Poly) -> tuple[Any, list[tuple[Poly, int]]]:
     """A rational and the irreducible factors over Q, each primitive; unfactored where too large.
 
     Parameters
     ----------
     poly
         A polynomial, not zero.
-    most
-        Number of terms beyond which the polynomial counts as one factor.
     """
     if poly.is_constant():
         return poly.leading_coefficient(), []
-    if len(poly) <= most:
+    if len(poly) <= MOST_FACTORED:
         try:
             constant, found = poly.factor()
         except OverflowError:  # python-flint cannot sort factors with long coefficients

@@ -34,13 +34,12 @@ from ...algebra.krawczyk import NotProvedError
 from ...algebra.number_types import precision, upper
 from ...algebra.running_error import TINY, UNIT
 from ...base.types import Complexes, Floats
+from ...polynomials.identities import MOST_STATES
 from ...spectra.verdict_routes import BITS
 from ..brackets import AxisScan, Crossing
 from .meetings import MOST_PIECES, GraphMeetings, NoValueError, around, middle_of
 from .taylor import coefficient, entries_of, terms
 
-MOST_STATES = 16
-"""Largest number of states in one block whose polynomial is enclosed."""
 MOST_WORK = 800_000
 """Largest number of pieces times the square of the number of states."""
 STEPS = 12

@@ -25,7 +25,7 @@ from ...algebra.number_types import balls, precision
 from ...base.errors import NoMemberError, StabilityError
 from ...base.types import Floats
 from ...base.verdict import DECAYING, Verdict
-from ...polynomials.identities import certain
+from ...polynomials.identities import MOST_STATES, certain
 from ...spectra.verdict_routes import BITS
 from ...systems.structure.enclosure import ball_unknowns
 from ...systems.structure.structural_zeros import structure
@@ -39,7 +39,7 @@ from ..brackets import (
     bracketed,
     refine,
 )
-from .disc_meetings import MOST_STATES, DiscMeetings
+from .disc_meetings import DiscMeetings
 from .meetings import FormulaMeetings, GraphMeetings, Meetings, NoValueError, middle_of
 from .quick_pieces import Leaf, quick_pieces
 

@@ -20,6 +20,7 @@ from flint import arb, arb_mat, arb_series, ctx
 from ...algebra.number_types import UNARY, Algebra, ball_angle, ball_power, balls
 from ...base.errors import StabilityError
 from ...systems.family import Family
+from ...systems.graph.family_graph import by_argument
 
 UNIT = arb(0, 1)
 """Every t of a piece."""
@@ -119,14 +120,8 @@ def _plain(name: str) -> Callable[[Any], Any]:
     return apply
 
 
-SLOPES: dict[str, Callable[[Any], Any]] = {
-    "expm1": lambda x: x.exp(),
-    "log1p": lambda x: 1 / (1 + x),
-    "asinh": lambda x: 1 / (1 + x * x).sqrt(),
-    "acosh": lambda x: 1 / (x * x - 1).sqrt(),
-    "atanh": lambda x: 1 / (1 - x * x),
-}
-"""Derivatives of functions that power series lack."""
+LACKING = ("expm1", "log1p", "asinh", "acosh", "atanh")
+"""Functions that power series lack, found from their derivatives."""
 
 
 def _by_slope(name: str, slope: Callable[[Any], Any]) -> Callable[[Any], Any]:
@@ -159,7 +154,8 @@ def series_algebra() -> Algebra:
     (0.0, 1.0)
     """
     table: dict[str, Callable[..., Any]] = {n: _plain(n) for n in UNARY}
-    table |= {n: _by_slope(n, slope) for n, slope in SLOPES.items()} | {"atan2": _angle}
+    slopes = by_argument(table)
+    table |= {n: _by_slope(n, slopes[n]) for n in LACKING} | {"atan2": _angle}
     table |= {"sinh": _hyperbolic("sinh", "cosh"), "cosh": _hyperbolic("cosh", "sinh")}
     return Algebra("series", arb, table | {"tanh": _tanh, "pow": _power, "fabs": _fabs})
 

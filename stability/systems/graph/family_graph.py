@@ -114,7 +114,7 @@ BY_VALUE: dict[str, Callable[[Any], Any]] = {
 """Derivatives that the value y of the function gives."""
 
 
-def _by_argument(f: Mapping[str, Callable[..., Any]]) -> dict[str, Callable[[Any], Any]]:
+def by_argument(f: Mapping[str, Callable[..., Any]]) -> dict[str, Callable[[Any], Any]]:
     """Derivatives of the other functions, from the argument x."""
     return {
         "sin": f["cos"],
@@ -137,7 +137,7 @@ def sloped_algebra(plain: Algebra) -> Algebra:
     """Numbers of an algebra with slopes."""
     f = plain.functions
 
-    by_argument = _by_argument(f)
+    slopes_by_argument = by_argument(f)
 
     def lifted(name: str) -> Callable[[Any], Any]:
         def apply(number: Any) -> Any:
@@ -145,7 +145,7 @@ def sloped_algebra(plain: Algebra) -> Algebra:
             y = f[name](x)
             if not slopes:
                 return y
-            slope = BY_VALUE[name](y) if name in BY_VALUE else by_argument[name](x)
+            slope = BY_VALUE[name](y) if name in BY_VALUE else slopes_by_argument[name](x)
             return Sloped(y, _scaled(slopes, slope))
 
         return apply

@@ -16,6 +16,7 @@ import casadi as ca
 import numpy as np
 import pytest
 import sympy as sp
+from body_heights import numbers_at
 from proofs import spinning
 from proofs.body_polynomials import PAIRS, characteristic
 from proofs.catalogue import BODIES
@@ -76,25 +77,6 @@ def upright(rho: float, axial: float, transverse: float) -> st.Body:
         shape={"rho": rho},
         name="upright",
     )
-
-
-def numbers(body: st.Body, theta: float) -> dict[str, float]:
-    """Values of the symbols at an inclination."""
-    h, slope, bend = (float(body.height_at(theta, n)) for n in range(3))
-    s, c = math.sin(theta), math.cos(theta)
-    axial, transverse = body.moments()
-    return {
-        "h": h,
-        "h′": slope,
-        "h′′": bend,
-        "ρ": h + bend,
-        "I1": transverse,
-        "I3": axial,
-        "s": s,
-        "c": c,
-        "r": h * s + slope * c,
-        "z": h * c - slope * s,
-    }
 
 
 @lru_cache
@@ -192,7 +174,7 @@ def test_polynomials_have_the_eigenvalues_of_the_spectrum(
     spectrum = st.spectrum(family, at=member, body=body, contact=CONTACT[law](mu))
     found = characteristic(family, law)
     theta, _, phi, spin = member_of(family, member, body, law)[:4]
-    values = numbers(body, theta) | {"phi_dot": phi, "omega3": spin, "mu": mu}
+    values = numbers_at(body, theta) | {"phi_dot": phi, "omega3": spin, "mu": mu}
     roots = np.roots([at(c, values) for c in found.coefficients])
     ours = np.array(spectrum.eigenvalues)
     assert len(ours) + spectrum.structural_zeros == found.zeros + len(roots)
@@ -234,7 +216,7 @@ def test_conditions_are_those_of_the_roots(count: int) -> None:
 )
 def test_rolling_turns_at_the_printed_threshold(body: st.Body, law: str) -> None:
     theta = 1.2 if body is LEAN else math.pi / 2
-    v = numbers(body, theta)
+    v = numbers_at(body, theta)
     i1, i3, h, bend = v["I1"], v["I3"], v["h"], v["h′′"]
     q = i1 * i3 + h**2 * (i1 * v["s"] ** 2 + i3 * v["c"] ** 2)
     known = {
@@ -252,7 +234,7 @@ def test_rolling_turns_at_the_printed_threshold(body: st.Body, law: str) -> None
 
 def test_rolling_of_a_long_body_turns_the_other_way() -> None:
     body = st.Spheroid(1.6)
-    v = numbers(body, math.pi / 2)
+    v = numbers_at(body, math.pi / 2)
     known = v["I1"] * v["h′′"] / (v["I3"] * (v["I1"] - v["I3"]))
     found = st.boundaries(
         "rolling", axis=("omega3", 0.05, 8, 20), body=body, contact=st.Viscous(0.8)
@@ -267,7 +249,7 @@ def test_rolling_of_a_long_body_turns_the_other_way() -> None:
 @pytest.mark.parametrize("law", ["rough", "smooth"])
 @pytest.mark.parametrize("body", [st.Torus(0.3), st.Spheroid(0.6)], ids=lambda b: b.name)
 def test_spinning_turns_at_the_printed_threshold(body: st.Body, law: str) -> None:
-    v = numbers(body, math.pi / 2)
+    v = numbers_at(body, math.pi / 2)
     known = -v["h′′"] / (v["I1"] + (v["h"] ** 2 if law == "rough" else 0))
     found = st.boundaries(
         "spinning", axis=("phi_dot", 0.1, 5, 20), body=body, contact=CONTACT[law](0)
@@ -374,7 +356,7 @@ def test_members_of_circling_and_precession_lie_on_the_surfaces() -> None:
         p = [{"axial": 0.3, "transverse": 0.4, "a": 0.1, "b": 0.08}[n] for n in family.parameters]
         for theta, phi in ((0.9, 1.3), (2.1, 0.4)):
             state = family.member([theta, phi], p)
-            v, spin = numbers(EGG, theta), state[3]
+            v, spin = numbers_at(EGG, theta), state[3]
             arm = (v["r"] * v["h"], v["z"] * v["h"]) if law == "rough" else (0, 0)
             value = v["h′"] + phi * (
                 spin * (arm[0] + v["I3"] * v["s"]) - phi * v["s"] * (arm[1] + v["I1"] * v["c"])
@@ -384,12 +366,12 @@ def test_members_of_circling_and_precession_lie_on_the_surfaces() -> None:
 
 def test_tumbling_meets_spinning_and_rest_where_the_theorem_says() -> None:
     for body in (st.Torus(0.2), st.Spheroid(0.5)):
-        v = numbers(body, math.pi / 2)
+        v = numbers_at(body, math.pi / 2)
         known = v["h"] * v["h′′"] / (v["I3"] * v["ρ"] - v["I1"] * v["h"])
         state = member_of("tumbling", math.pi / 2 - 1e-4, body, "rough")
         assert state[2] ** 2 == pytest.approx(known, rel=1e-6)
     thick = st.ThickDisk(0.4)
-    level, v = math.atan(5), numbers(thick, math.atan(5))
+    level, v = math.atan(5), numbers_at(thick, math.atan(5))
     for step in (1e-4, -1e-4):
         square = v["h′′"] * step / ((v["I1"] - v["I3"]) * v["s"] * v["c"])
         if square > 0:
@@ -402,7 +384,7 @@ def test_tumbling_meets_spinning_and_rest_where_the_theorem_says() -> None:
 
 def _energy(body: st.Body, theta: float) -> float:
     """Energy of tumbling, from the height alone."""
-    v = numbers(body, theta)
+    v = numbers_at(body, theta)
     square = v["h′"] * v["r"] / (v["s"] * (v["I1"] * v["r"] * v["c"] - v["I3"] * v["z"] * v["s"]))
     turn = v["I1"] * v["s"] ** 2 + v["I3"] * (v["s"] * v["z"] / v["r"]) ** 2
     return float(v["h"] + square * turn / 2)
@@ -411,7 +393,7 @@ def _energy(body: st.Body, theta: float) -> float:
 @pytest.mark.parametrize("whole", [False, pytest.param(True, marks=pytest.mark.long)])
 def test_tumbling_has_its_static_boundary_where_energy_is_stationary(whole: bool) -> None:
     body = st.Spheroid(1.5)
-    slopes = [at(energy_slope(), numbers(body, t)) for t in (0.4, 1.1)]
+    slopes = [at(energy_slope(), numbers_at(body, t)) for t in (0.4, 1.1)]
     for slope, t in zip(slopes, (0.4, 1.1), strict=True):
         measured = (_energy(body, t + 1e-5) - _energy(body, t - 1e-5)) / 2e-5
         assert slope == pytest.approx(measured, rel=1e-6)
@@ -425,7 +407,7 @@ def test_tumbling_has_its_static_boundary_where_energy_is_stationary(whole: bool
                 )
             except st.StabilityError:
                 continue
-            v = numbers(shape, theta)
+            v = numbers_at(shape, theta)
             sign_of = v["h′"] * at(energy_slope(), v)
             rest = np.array(found.eigenvalues)  # the structural zero is not among them
             assert len(rest) == 5
@@ -465,8 +447,8 @@ def test_energy_is_least_at_neutral_members(law: str) -> None:
                 y = solve_ivp(turn, (theta, theta + step), y, rtol=1e-12, atol=1e-13).y[:, -1]
             energies.append(system.observe([theta + step, 0.0, *y], p)["energy"])
         bend = (energies[0] - 2 * energies[1] + energies[2]) / 4e-6
-        inertia = numbers(EGG, theta)["I1"] + numbers(EGG, theta)["h′"] ** 2
-        inertia += numbers(EGG, theta)["h"] ** 2 if law == "rough" else 0
+        inertia = numbers_at(EGG, theta)["I1"] + numbers_at(EGG, theta)["h′"] ** 2
+        inertia += numbers_at(EGG, theta)["h"] ** 2 if law == "rough" else 0
         square = max((e**2 for e in found.eigenvalues), key=abs)
         assert bend == pytest.approx(-inertia * square.real, rel=2e-4)
         words.add(found.verdict.word)
@@ -499,7 +481,7 @@ def test_thresholds_of_a_rounded_coin_move_at_the_printed_rate(shift: Any) -> No
         if shift.quantity.startswith("mu"):
             # far above the static boundary for M1, just above it for M2
             static = THRESHOLDS["spinning", "viscous", "φ̇²"]
-            lower = at(static, numbers(body, math.pi / 2))
+            lower = at(static, numbers_at(body, math.pi / 2))
             rate = 1e5 if shift.quantity.endswith("M1") else math.sqrt(lower * (1 + 1e-9))
             found = st.boundaries(
                 "spinning", at=rate, axis=("mu", 0.3, 3, 30), body=body, contact="viscous"

@@ -7,7 +7,6 @@ the rationals; verdicts are certified spectra of single bodies.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any
@@ -16,6 +15,7 @@ import casadi as ca
 import numpy as np
 import pytest
 import sympy as sp
+from body_heights import numbers_at
 from body_profiles import eccentric_sphere
 from convex_body import Law, axis_rates
 from ellipsoid_on_end import Ellipsoid, jacobian
@@ -323,24 +323,6 @@ THIN = st.Body(lambda t: ca.sin(t), axial=0.5, transverse=0.25, name="coin")
 THICK = st.ThickDisk(0.4)
 
 
-def inclined(body: st.Body, theta: float) -> Mapping[str, float]:
-    h, slope, bend = (float(body.height_at(theta, n)) for n in range(3))
-    s, c = math.sin(theta), math.cos(theta)
-    axial, transverse = body.moments()
-    return {
-        "h": h,
-        "h′": slope,
-        "h′′": bend,
-        "ρ": h + bend,
-        "I1": transverse,
-        "I3": axial,
-        "s": s,
-        "c": c,
-        "r": h * s + slope * c,
-        "z": h * c - slope * s,
-    }
-
-
 @pytest.mark.parametrize(
     ("family", "count"),
     [("precession", 3), *(pytest.param(f, 14, marks=pytest.mark.long) for f in PAIRS)],
@@ -360,7 +342,7 @@ def test_circling_and_precession_turn_where_the_theorem_says(family: str, count:
             theta, phi = rng.uniform(low + 0.2, high - 0.1), rng.choice([0.1, 0.4, 1.1, 3.0])
             found = st.spectrum(family, at=(theta, phi), body=body, contact=contact, certify=True)
             spin = own.member([theta, phi], p)[3]
-            given = inclined(body, theta) | {"phi_dot": phi, "omega3": spin}
+            given = numbers_at(body, theta) | {"phi_dot": phi, "omega3": spin}
             table = {sp.Symbol(n): v for n, v in given.items()}
             value = float(printed.subs(table))
             square = max((e**2 for e in found.eigenvalues), key=abs)
