@@ -101,8 +101,9 @@ _WHERE = {name: module for module, names in _HOME.items() for name in names}
 _ABOVE = {
     "figure of a spectrum": ("figures.loci", "plot_locus"),
     "spectrum": ("spectra.spectrum", "spectrum"),
+    "citation of a file": ("storage.datasets", "file_citation"),
 }
-"""Where the functions are that results of rooms below call: `.plot()`, and `.spectra`."""
+"""Where the functions are that rooms below call: `.plot()`, `.spectra`, `citation` of a path."""
 
 __all__ = sorted(_WHERE)  # noqa: PLE0605
 

@@ -21,6 +21,8 @@ from ..base.looks import LIGHT
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from ..base.types import Overwrite
+
 _asked = os.environ.pop("MPLBACKEND", None)
 _log = logging.getLogger("matplotlib")
 _level = _log.level
@@ -135,8 +137,14 @@ def laid_out(figure: Figure) -> Iterator[None]:
         figure.dpi = dots
 
 
-def save_figure(figure: Figure, path: str | os.PathLike[str], **options: Any) -> None:
-    """Write a figure at 300 dots an inch.
+def save_figure(
+    figure: Figure,
+    path: str | os.PathLike[str],
+    *,
+    overwrite: Overwrite = True,
+    **options: Any,
+) -> None:
+    """Write a figure at 300 dots an inch, whole or not at all, with the record of its origin.
 
     Parameters
     ----------
@@ -144,15 +152,19 @@ def save_figure(figure: Figure, path: str | os.PathLike[str], **options: Any) ->
         The figure.
     path
         File to write; its suffix names the format: PNG, PDF or SVG.
+    overwrite
+        Whether an existing file may be replaced; "same": if the same call wrote it.
     **options
         As for `FigureCanvasAgg.print_png`, `print_pdf` and `print_svg` of Matplotlib.
     """
     with figure_style(getattr(figure, "settings", STYLE)), laid_out(figure):
-        _write(figure, Path(path), **options)
+        _write(figure, Path(path), overwrite, **options)
 
 
-def _write(figure: Figure, name: Path, **options: Any) -> None:
+def _write(figure: Figure, name: Path, overwrite: Overwrite, **options: Any) -> None:
     """Draw the figure as it stands, once, into a file."""
+    from ..storage.files import write_file
+
     content, kind, canvas = BytesIO(), name.suffix[1:].lower(), figure.canvas
     backend = import_module(f"matplotlib.backends.backend_{RENDERERS[kind]}")
     try:
@@ -161,7 +173,8 @@ def _write(figure: Figure, name: Path, **options: Any) -> None:
         getattr(writer, f"print_{kind}")(content, **options)
     finally:
         figure.set_canvas(canvas)
-    name.write_bytes(content.getbuffer())
+    origin = getattr(figure, "origin", None)
+    write_file(name, content.getvalue(), overwrite=overwrite, origin=origin)
 
 
 def save(figure: Figure, stem: Path, formats: Sequence[str] = FORMATS) -> list[Path]:
@@ -181,13 +194,10 @@ def save(figure: Figure, stem: Path, formats: Sequence[str] = FORMATS) -> list[P
     list of Path
         The files.
     """
-    from ..storage.files import atomic_write
-
     paths = [stem.parent / (stem.name + suffix) for suffix in formats]
     with figure_style(getattr(figure, "settings", STYLE)), laid_out(figure):
         for path in paths:
-            with atomic_write(path, overwrite=True) as draft:
-                # no creation date, so that the same map gives the same file
-                meta = {"CreationDate": None} if path.suffix == ".pdf" else None
-                _write(figure, draft, metadata=meta)
+            # no creation date, so that the same map gives the same file
+            meta = {"CreationDate": None} if path.suffix == ".pdf" else None
+            _write(figure, path, overwrite=True, metadata=meta)
     return paths

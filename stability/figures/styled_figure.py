@@ -8,6 +8,9 @@ import io
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import wraps
+from inspect import signature
+from pathlib import Path
 from typing import Any
 
 import matplotlib
@@ -23,8 +26,13 @@ from matplotlib.textpath import text_to_path
 from matplotlib.ticker import MaxNLocator, ScalarFormatter
 
 from ..base.checks import positive
+from ..base.citation import joined, keys_of
 from ..base.errors import ParameterError, shown
 from ..base.quantities import Quantity, formula_in_latex, in_latex, plain_text
+from ..base.types import Overwrite
+from ..storage.files import atomic_write
+from ..storage.origin import origin_of
+from ..storage.targets import PICTURES, check_suffix
 
 LARGEST = 40.0
 """Largest width [in] and size of text [pt]."""
@@ -52,6 +60,11 @@ class StyledFigure(Figure):
     refuse.
     """
 
+    origin: Mapping[str, str] | None = None
+    """The record of the call that drew the figure; its files carry it."""
+    citation = ""
+    """Keys of the works to cite, for `stability.citation`."""
+
     def __init__(self, *args: Any, settings: Mapping[Any, Any] = STYLE, **options: Any) -> None:
         self.settings = dict(settings)
         with figure_style(self.settings):
@@ -63,10 +76,25 @@ class StyledFigure(Figure):
         with figure_style(self.settings):
             super().draw(renderer)
 
-    def savefig(self, *args: Any, **options: Any) -> None:
-        """Save in the figure's own settings, as `Figure.savefig` does."""
+    def savefig(self, fname: Any, *, overwrite: Overwrite = True, **options: Any) -> None:
+        """Save in the figure's own settings, as `Figure.savefig` does.
+
+        Parameters
+        ----------
+        fname
+            File to write.
+        overwrite
+            Whether an existing file may be replaced; "same": if the same call wrote it.
+        **options
+            As for `Figure.savefig`.
+        """
         with figure_style(self.settings):
-            super().savefig(*args, **options)
+            if overwrite is True and Path(str(fname)).suffix.lower() not in PICTURES:
+                super().savefig(fname, **options)
+                return
+            name = check_suffix(fname, PICTURES)
+            with atomic_write(name, overwrite=overwrite, origin=self.origin) as draft:
+                super().savefig(draft, **options)
 
     def _repr_mimebundle_(self, **_: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         """The picture in a notebook, sharp, whether or not pyplot is imported there."""
@@ -74,6 +102,21 @@ class StyledFigure(Figure):
         self.savefig(kept, format="png", dpi=2 * SCREEN)
         wide, tall = (round(SCREEN * side) for side in self.get_size_inches())
         return {"image/png": kept.getvalue()}, {"image/png": {"width": wide, "height": tall}}
+
+
+def remembered(plot: Callable[..., Figure]) -> Callable[..., Figure]:
+    """A function that draws, whose figures know the call that drew them and what to cite."""
+
+    @wraps(plot)
+    def call(*given: Any, **named: Any) -> Figure:
+        figure = plot(*given, **named)
+        if isinstance(figure, StyledFigure):
+            arguments = signature(plot).bind(*given, **named).arguments
+            figure.citation = joined(filter(None, map(keys_of, arguments.values())))
+            figure.origin = origin_of(plot.__name__, arguments, figure.citation)
+        return figure
+
+    return call
 
 
 @contextmanager

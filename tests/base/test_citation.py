@@ -239,9 +239,9 @@ def test_it_prints_as_text_and_bibtex() -> None:
     assert "doi:10.1134/S1560354716020052" in found.text
 
 
-@pytest.mark.parametrize("nothing", [3.0, "a text", {"a": 1}])
+@pytest.mark.parametrize("nothing", [3.0, "a text", {"a": 1}, Path(__file__)])
 def test_what_says_nothing_is_refused(nothing: Any) -> None:
-    with pytest.raises(st.StabilityError, match="says nothing of what to cite"):
+    with pytest.raises(st.StabilityError, match=r"says nothing of what to cite|^a text cannot be"):
         st.citation(nothing)
 
 
