@@ -58,7 +58,8 @@ class Work:
         many = ", ".join(people[:-1]) + " and " + people[-1] if len(people) > 1 else people[0]
         where = " ".join(filter(None, [self.place, self.volume]))
         parts = [many, self.title, where, self.pages.replace("--", "-"), self.year]
-        return ", ".join(filter(None, parts)) + (f", doi:{self.doi}" if self.doi else "")
+        parts += [self.url, self.doi and f"doi:{self.doi}"]
+        return ", ".join(filter(None, parts))
 
     @property
     def bibtex(self) -> str:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from .canvas import BASE, COLUMN, DOTS, LEAST, STYLE, figure_style, styled  # isort: skip
+from .canvas import BASE, COLUMN, DOTS, LEAST, STYLE, UNDATED, figure_style, keep  # isort: skip
+from .canvas import styled, unchanged  # isort: skip
 
 import io
 import math
@@ -30,7 +31,6 @@ from ..base.citation import joined, keys_of
 from ..base.errors import ParameterError, shown
 from ..base.quantities import Quantity, formula_in_latex, in_latex, plain_text
 from ..base.types import Overwrite
-from ..storage.files import atomic_write
 from ..storage.origin import origin_of
 from ..storage.targets import PICTURES, check_suffix
 
@@ -64,6 +64,8 @@ class StyledFigure(Figure):
     """The record of the call that drew the figure; its files carry it."""
     citation = ""
     """Keys of the works to cite, for `stability.citation`."""
+    changed = False
+    """Whether anything of the figure was changed after that call."""
 
     def __init__(self, *args: Any, settings: Mapping[Any, Any] = STYLE, **options: Any) -> None:
         self.settings = dict(settings)
@@ -71,9 +73,21 @@ class StyledFigure(Figure):
             super().__init__(*args, **options)
         _Canvas(self)
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        """Matplotlib sets `stale` at every change of the figure and of all that it holds."""
+        super().__setattr__(name, value)
+        if name == "stale" and value:
+            super().__setattr__("changed", True)
+
+    def remember(self, call: str, arguments: Mapping[str, Any], citation: str) -> None:
+        """Keep the call that drew the figure, and what to cite."""
+        self.citation = citation
+        self.origin = origin_of(call, arguments, citation)
+        self.changed = False
+
     def draw(self, renderer: Any) -> None:
         """Draw in the figure's own settings."""
-        with figure_style(self.settings):
+        with figure_style(self.settings), unchanged(self):
             super().draw(renderer)
 
     def savefig(self, fname: Any, *, overwrite: Overwrite = True, **options: Any) -> None:
@@ -88,13 +102,15 @@ class StyledFigure(Figure):
         **options
             As for `Figure.savefig`.
         """
-        with figure_style(self.settings):
+        with figure_style(self.settings), unchanged(self):
             if overwrite is True and Path(str(fname)).suffix.lower() not in PICTURES:
                 super().savefig(fname, **options)
                 return
             name = check_suffix(fname, PICTURES)
-            with atomic_write(name, overwrite=overwrite, origin=self.origin) as draft:
-                super().savefig(draft, **options)
+            suffix, content = name.suffix.lower(), io.BytesIO()
+            usual = {"format": suffix[1:], "metadata": UNDATED.get(suffix)}
+            super().savefig(content, **usual | options)
+        keep(self, name, content.getvalue(), overwrite, options)
 
     def _repr_mimebundle_(self, **_: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         """The picture in a notebook, sharp, whether or not pyplot is imported there."""
@@ -112,8 +128,10 @@ def remembered(plot: Callable[..., Figure]) -> Callable[..., Figure]:
         figure = plot(*given, **named)
         if isinstance(figure, StyledFigure):
             arguments = signature(plot).bind(*given, **named).arguments
-            figure.citation = joined(filter(None, map(keys_of, arguments.values())))
-            figure.origin = origin_of(plot.__name__, arguments, figure.citation)
+            keys = joined(filter(None, [figure.citation, *map(keys_of, arguments.values())]))
+            if arguments.get("ax") is None:
+                figure.remember(plot.__name__, arguments, keys)
+            figure.citation = keys
         return figure
 
     return call

@@ -360,16 +360,16 @@ class Scene(Record):
         """
         from .chart import chart
 
+        asked = {"scene": self, "laws": options.get("laws")}
         if path is not None:
-            path = check_target(check_suffix(path, PICTURES), overwrite=overwrite)
+            path = check_suffix(path, PICTURES)
+            check_target(path, overwrite=overwrite, origin=origin_of("Scene.plot", asked))
         # by name: figures are another room of the same floor, as a backend of plots
         dataset = chart(self, **options)
         figure = import_module("stability.figures.scene_chart").scene_figure(dataset)
-        figure.citation = dataset.attrs["citation"]
+        figure.remember("Scene.plot", asked, dataset.attrs["citation"])
         if path is not None:
             save = import_module("stability.figures.canvas").save_figure
-            asked = {"scene": self, "laws": options.get("laws")}
-            figure.origin = origin_of("Scene.plot", asked, figure.citation)
             save(figure, path, overwrite=overwrite)
         return figure
 

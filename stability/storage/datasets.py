@@ -14,7 +14,7 @@ from ..base.types import Overwrite
 from .files import atomic_write
 from .formats import FORMATS, NETCDF, Format, format_named, formats_for
 from .litter import temporary
-from .origin import CALL, KEYS, VERSION, record_of
+from .origin import CALL, KEYS, LATER, VERSION, record_of
 from .targets import check_folder, check_suffix, check_target, path_text, place, refusing
 
 if TYPE_CHECKING:
@@ -241,7 +241,8 @@ def file_citation(path: str | os.PathLike[str]) -> Citation:
             raise FileError(f"{path_text(target)} says nothing of what to cite: {error}.") from None
     if not record.get(KEYS):
         raise nothing
-    titles = [v["attributes"].get("title") for v in record.values() if "attributes" in (v or ())]
-    source = f" from {titles[0]}" if any(titles) else ""
-    made = f"{target.name} was made by {record[CALL]} of stability {record[VERSION]}{source}."
+    made = f"{target.name} was made by {record[CALL]} of stability {record[VERSION]}"
+    for told in (value for value in record.values() if isinstance(value, dict)):
+        made += f" from {title}" if (title := told.get("attributes", {}).get("title")) else ""
+    made += ", and changed afterwards." if f"its {LATER}" in record else "."
     return citation_of_keys(record[KEYS], record[VERSION], made)

@@ -132,11 +132,9 @@ def atomic_write(
     """
     from .origin import record_of, stamp  # here, so that a command starts without NumPy
 
-    target = check_target(path, overwrite=overwrite)
+    target = check_target(path, overwrite=overwrite, origin=origin)
     clear(target.parent)
     same = overwrite == "same" and target.exists()
-    if same and origin is not None:
-        check_same(target, origin)
     over = same or overwrite is True
     ready = _Ready(target.parent / temporary(target.suffix), target, over, result)
     group = _waiting.get(None)

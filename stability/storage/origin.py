@@ -33,8 +33,8 @@ ASIDE = ("its citation", "attribute citation")
 """What a file says of itself, and its numbers do not depend on."""
 DATED = ("created",)
 """Attributes of datasets that differ between two runs of a call."""
-CALL, VERSION, KEYS = "the call", "the version", "its citation"
-"""Entries of a record that are no arguments."""
+CALL, VERSION, KEYS, LATER = "the call", "the version", "its citation", "later changes"
+"""Entries of a record that are no arguments; of figures the checksum where they were changed."""
 PACKAGE = __name__.partition(".")[0]
 MARK = b"stability origin "
 LONGEST = 400
@@ -61,12 +61,19 @@ def origin_of(call: str, arguments: Mapping[str, Any], keys: str = "") -> dict[s
     >>> origin_of("plot_map", {"title": "A map"})["its title"]
     '"A map"'
     """
-    every = {CALL: call, VERSION: __version__, KEYS: keys}
-    every |= {f"its {name}": value for name, value in arguments.items()}
+    own = {CALL: call, VERSION: __version__, KEYS: keys}
+    return with_arguments({n: json.dumps(text) for n, text in own.items()}, arguments)
+
+
+def with_arguments(
+    origin: Mapping[str, str] | None, arguments: Mapping[str, Any]
+) -> dict[str, str] | None:
+    """A record with further arguments; None where one cannot be described."""
     try:
-        return {n: plain_json(_described(v), allow_nan=True) for n, v in every.items()}
+        more = {n: plain_json(_described(v), allow_nan=True) for n, v in arguments.items()}
     except ParameterError:
         return None
+    return None if origin is None else {**origin, **{f"its {n}": text for n, text in more.items()}}
 
 
 def _described(value: Any) -> Any:
@@ -81,7 +88,7 @@ def _described(value: Any) -> Any:
     if isinstance(value, Enum):
         return value.name
     if isinstance(value, np.ndarray) and value.size > LONGEST and value.dtype.kind != "O":
-        return f"{value.shape} {value.dtype} {hashlib.sha256(value.tobytes()).hexdigest()}"
+        return f"{value.shape} {value.dtype} {digest_of(value.tobytes())}"
     if isinstance(value, (np.ndarray, np.generic)):
         return _described(value.tolist())
     if isinstance(value, complex):
@@ -95,10 +102,15 @@ def _described(value: Any) -> Any:
     if isinstance(value, (list, tuple)):
         return [_described(v) for v in value]
     if isinstance(value, str) and len(value) > LONGEST:
-        return hashlib.sha256(value.encode()).hexdigest()
+        return digest_of(value.encode())
     if value is None or isinstance(value, (str, bool, int, float)):
         return value
     raise ParameterError(f"{shown(value)} has no description.")
+
+
+def digest_of(content: bytes) -> str:
+    """The checksum of a file."""
+    return hashlib.sha256(content).hexdigest()
 
 
 def digest_of_arrays(variables: Mapping[Any, Any]) -> str:
@@ -140,7 +152,7 @@ def counted(asked: Mapping[str, str]) -> dict[str, str]:
 
 def fingerprint_of(asked: Mapping[str, Any]) -> str:
     """The checksum of a question."""
-    return hashlib.sha256(plain_json(asked).encode()).hexdigest()
+    return digest_of(plain_json(asked).encode())
 
 
 def difference(head: Mapping[str, Any], asked: Mapping[str, str]) -> str:
@@ -232,9 +244,10 @@ def stamp(path: Path, origin: Mapping[str, str]) -> None:
     kind = _kind_of(content)
     if kind is None:
         return
-    # no comment of HTML, SVG or PDF may hold two hyphens or a new line; in JSON they are in texts
+    # what could end a comment or begin a tag is written as JSON also can
     text = json.dumps(origin, sort_keys=True).replace("--", "-\\u002d")
-    record = MARK + hashlib.sha256(content).hexdigest().encode() + f" {text}\n".encode()
+    text = text.replace("<", "\\u003c").replace(">", "\\u003e")
+    record = MARK + digest_of(content).encode() + f" {text}\n".encode()
     place = content.rindex(kind.before)
     path.write_bytes(content[:place] + kind.wrapped(record) + content[place:])
 
@@ -259,10 +272,10 @@ def record_of(path: Path) -> dict[str, str]:
     if kind is not None and not mark:
         return {}
     if kind is None:
-        return {"the bytes": plain_json(hashlib.sha256(content).hexdigest())}
+        return {"the bytes": plain_json(digest_of(content))}
     line = rest.partition(b"\n")[0]
     body = content.replace(kind.wrapped(mark + line + b"\n"), b"", 1)
-    if line[:64] != hashlib.sha256(body).hexdigest().encode():
+    if line[:64] != digest_of(body).encode():
         raise FileError("it has been changed since it was written")
     return dict(json.loads(line[65:]))
 

@@ -91,7 +91,12 @@ def check_same(target: Path, origin: Mapping[str, str] | None = None) -> None:
         )
 
 
-def check_target(path: str | os.PathLike[str], *, overwrite: Overwrite = False) -> Path:
+def check_target(
+    path: str | os.PathLike[str],
+    *,
+    overwrite: Overwrite = False,
+    origin: Mapping[str, str] | None = None,
+) -> Path:
     """Check that a file can be written, and resolve links; nothing is created."""
     from ..base.checks import overwriting  # here, so that a command starts without NumPy
 
@@ -124,7 +129,7 @@ def check_target(path: str | os.PathLike[str], *, overwrite: Overwrite = False) 
         if len(os.fsencode(target.name)) > 255:
             raise FileError(f"{path_text(target)} cannot be written: the name is too long.")
     if there and overwrite == "same":
-        check_same(target)
+        check_same(target, origin)
     return target
 
 

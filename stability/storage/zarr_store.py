@@ -14,7 +14,6 @@ there exactly if its record is, and whole if all its files are those of the reco
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
 import os
@@ -46,6 +45,7 @@ from .origin import (
     QUESTION,
     counted,
     difference,
+    digest_of,
     digest_of_arrays,
     fingerprint_of,
     plain_json,
@@ -77,11 +77,6 @@ RESUME = "; the finished chunks are kept: give the same command again to go on"
 
 
 # --- what is whole ---
-
-
-def digest_of(content: bytes) -> str:
-    """The checksum of a file."""
-    return hashlib.sha256(content).hexdigest()
 
 
 def content_of(path: Path) -> bytes | None:

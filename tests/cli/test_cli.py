@@ -723,7 +723,6 @@ def test_an_interruption_leaves_nothing(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Ctrl-C while the picture is half written, and the map wholly."""
-
     whole = Path.write_bytes
 
     def half(draft: Path, content: bytes) -> int:

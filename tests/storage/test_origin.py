@@ -17,6 +17,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from stability.figures.styled_figure import drawing, remembered  # isort: skip
+
 import stability as st
 from stability.cli.commands import main
 from stability.storage import origin
@@ -36,8 +38,16 @@ def motion(mu: float = 0.3) -> Any:
     return st.simulate(DISK, st.Viscous(mu), START, 3.0, pose=True)
 
 
+@remembered
+def sketch(dataset: Any, *, title: str = "", width: float = 2.0, fontsize: float = 7.0) -> Any:
+    """A figure that is drawn faster than the package's own."""
+    with drawing(None, width, fontsize, lambda wide: wide) as figure:
+        figure.add_subplot(title=title).plot(dataset.abscissa.values.ravel())
+    return figure
+
+
 def figure(path: Path, mu: float = 3.0, **options: Any) -> None:
-    st.plot_map(stability_map(mu), **options).savefig(path, dpi=50, overwrite="same")
+    sketch(stability_map(mu), **options).savefig(path, dpi=50, overwrite="same")
 
 
 def film(path: Path, mu: float = 0.3, **options: Any) -> None:
@@ -45,7 +55,7 @@ def film(path: Path, mu: float = 0.3, **options: Any) -> None:
 
 
 def page(path: Path, mu: float = 0.3, **options: Any) -> None:
-    st.explore("spinning", mu=mu, out=path, overwrite="same", **options)
+    st.explore("spinning", mu=mu, out=path, certify=False, overwrite="same", **options)
 
 
 def table(path: Path, k: float = 0.25, **options: Any) -> None:
@@ -126,7 +136,7 @@ def test_foreign_readers_read_the_record_and_the_file(tmp_path: Path) -> None:
     for suffix in ("png", "svg", "pdf"):
         figure(tmp_path / f"a.{suffix}", title="one -- two --> three")
     told = stamped(tmp_path / "a.png")
-    assert told["the call"] == "plot_map" and told["its title"] == "one -- two --> three"
+    assert told["the call"] == "sketch" and told["its title"] == "one -- two --> three"
     assert stamped(tmp_path / "a.svg") == told
     content, place, kinds = (tmp_path / "a.png").read_bytes(), 8, []
     while place < len(content):
@@ -167,6 +177,71 @@ def test_films_and_pages_play_with_their_record(tmp_path: Path) -> None:
     size, kind = struct.unpack(">I4s", content[16:24])
     assert kind == b"free" and 16 + size == len(content)
     assert origin.record_of(film_file) == {"the call": '"animate"'}
+
+
+@pytest.mark.parametrize("suffix", ["png", "pdf", "svg"])
+def test_what_is_changed_in_a_figure_counts(suffix: str, tmp_path: Path) -> None:
+    """A picture that is shown in a notebook, drawn and measured is still that of its call."""
+    path = tmp_path / f"a.{suffix}"
+
+    def write(word: str = "", **options: Any) -> None:
+        drawn = sketch(stability_map())
+        drawn.canvas.draw()
+        if word:
+            drawn.axes[0].set_xlabel(word)
+        drawn.savefig(path, overwrite="same", **options)
+
+    write()
+    write()
+    refused(lambda: write("mine"), path, "later changes: missing there")
+    refused(lambda: write(facecolor="0.9"), path, 'facecolor: missing there, "0.9" here')
+    path.unlink()
+    write("mine")
+    write("mine")
+    assert st.citation(path).made.endswith(", and changed afterwards.")
+    refused(lambda: write("other"), path, "the later changes differ")
+
+
+def test_every_figure_knows_its_call() -> None:
+    spectrum = st.spectrum("rolling", at=[1.0, 1.5, 2.0], contact=st.Viscous(0.3))
+    data = {st.plot_map: stability_map(), st.plot_locus: spectrum, st.plot_motion: motion()}
+    for call, one in data.items():
+        drawn = call(one)
+        assert json.loads(drawn.origin["the call"]) == call.__name__ and not drawn.changed
+        assert st.citation(drawn) == st.citation(one)
+
+
+def test_a_figure_on_the_axes_of_another_is_a_changed_one() -> None:
+    both = sketch(stability_map())
+    works = len(st.citation(both).works)
+    st.plot_motion(motion(), show="paths", ax=both.axes[0])
+    assert both.changed and len(st.citation(both).works) > works
+
+
+def test_a_file_says_what_made_it_and_what_to_cite(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    names = ["a.png", "film.html", "page.html"]
+    with monkeypatch.context() as patch:
+        patch.setattr(origin, "__version__", "0.4.9")
+        for name in names:
+            CALLS[name][0](tmp_path / name)
+    for name, call in zip(names, ("sketch", "animate", "explore"), strict=True):
+        cited = st.citation(tmp_path / name)
+        assert cited.made.startswith(f"{name} was made by {call} of stability 0.4.9")
+        assert [w.key for w in cited.works][:3] == ["stability", "przybylska2016", "casadi"]
+        assert "note = {version 0.4.9}" in cited.bibtex.split("@")[1]
+        assert main(["cite", str(tmp_path / name)]) == 0
+        assert capsys.readouterr().out == cited.text + "\n"
+    keys = [w.key for w in st.citation(str(tmp_path / "a.png")).works]
+    assert keys == [w.key for w in st.citation(stability_map()).works]
+    changed = (tmp_path / "a.png").read_bytes().replace(b"IDAT", b"iDAT", 1)
+    (tmp_path / "a.png").write_bytes(changed)
+    Image.new("RGB", (2, 2)).save(tmp_path / "b.png")
+    for name, why in (("a", "it has been changed since"), ("b", "give a figure"), ("c", "No such")):
+        assert main(["cite", str(tmp_path / f"{name}.png")]) == 2
+        said = capsys.readouterr().err
+        assert why in said and said.count("\n") == 1
 
 
 def test_a_dataset_is_the_same_up_to_its_date(tmp_path: Path) -> None:
