@@ -247,7 +247,8 @@ def stamp(path: Path, origin: Mapping[str, str]) -> None:
     # what could end a comment or begin a tag is written as JSON also can
     text = json.dumps(origin, sort_keys=True).replace("--", "-\\u002d")
     text = text.replace("<", "\\u003c").replace(">", "\\u003e")
-    record = MARK + digest_of(content).encode() + f" {text}\n".encode()
+    digest = digest_of(content + text.encode())
+    record = MARK + f"{digest} {text}\n".encode()
     place = content.rindex(kind.before)
     path.write_bytes(content[:place] + kind.wrapped(record) + content[place:])
 
@@ -275,9 +276,10 @@ def record_of(path: Path) -> dict[str, str]:
         return {"the bytes": plain_json(digest_of(content))}
     line = rest.partition(b"\n")[0]
     body = content.replace(kind.wrapped(mark + line + b"\n"), b"", 1)
-    if line[:64] != digest_of(body).encode():
+    digest, _, text = line.partition(b" ")
+    if digest != digest_of(body + text).encode():
         raise FileError("it has been changed since it was written")
-    return dict(json.loads(line[65:]))
+    return dict(json.loads(text))
 
 
 def unlike(path: Path, asked: Mapping[str, str] | None = None) -> str:

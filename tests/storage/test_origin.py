@@ -23,6 +23,7 @@ import stability as st
 from stability.cli.commands import main
 from stability.storage import origin
 from stability.storage.files import atomic_write, together
+from stability.storage.targets import check_target
 
 DISK, AXES = st.Disk(), {"x": ("at", 1, 2, 4), "y": ("mu", 0.1, 3, 4)}
 START = {"theta": 1.4}
@@ -110,10 +111,12 @@ def test_a_file_is_replaced_by_the_call_that_wrote_it_and_by_no_other(
             bytes([*whole[:40], whole[40] ^ 1, *whole[41:]]),
             "changed|no record|bytes differ|damaged",
         ),
+        (whole.replace(b"the call", b"the cell"), "changed"),
         (b"notes of my own", "no record|bytes|damaged"),
     ):
-        path.write_bytes(content)
-        refused(lambda: write(path), path, why)
+        if content != whole:
+            path.write_bytes(content)
+            refused(lambda: write(path), path, why)
     path.write_bytes(whole)
     write(path)
     if not name.endswith((".csv", ".tex", ".nc")):
@@ -357,6 +360,14 @@ def test_the_command_line_has_a_flag(tmp_path: Path, capsys: pytest.CaptureFixtu
         run("--overwrite-same", "--overwrite")
     assert "not allowed with" in capsys.readouterr().err
     assert run("--overwrite", mu="mu:0.1:3:4") == 0
+
+
+def test_a_foreign_file_is_refused_before_anything_is_computed(tmp_path: Path) -> None:
+    picture, dataset = tmp_path / "a.png", tmp_path / "a.nc"
+    Image.new("RGB", (2, 2)).save(picture)
+    stability_map().abscissa.to_netcdf(dataset, engine="h5netcdf")
+    for path in (picture, dataset):
+        refused(lambda path=path: check_target(path, overwrite="same"), path, "it has no record")
 
 
 @pytest.mark.parametrize("value", ["no", "Same", 3, None])
