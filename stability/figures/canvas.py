@@ -138,14 +138,15 @@ def laid_out(figure: Figure) -> Iterator[None]:
     Matplotlib would measure all text again for each file, and draw each of them twice.
     """
     engine, dots = figure.get_layout_engine(), figure.dpi
-    with unchanged(figure):
-        figure.dpi = DOTS
-        try:
+    try:
+        with unchanged(figure):
+            figure.dpi = DOTS
             if engine is not None:
                 engine.execute(figure)
                 figure.set_layout_engine("none")
-            yield
-        finally:
+        yield
+    finally:
+        with unchanged(figure):
             if engine is not None:
                 figure.set_layout_engine(engine)
             figure.dpi = dots
@@ -180,12 +181,13 @@ def _write(figure: Figure, name: Path, overwrite: Overwrite, **options: Any) -> 
     content, kind, canvas = BytesIO(), name.suffix[1:].lower(), figure.canvas
     backend = import_module(f"matplotlib.backends.backend_{RENDERERS[kind]}")
     undated = {"metadata": UNDATED.get(f".{kind}")}
-    try:
-        writer = canvas if hasattr(canvas, f"print_{kind}") else backend.FigureCanvas(figure)
-        # in memory: on a full disk the PDF writer of Matplotlib raises a different error
-        getattr(writer, f"print_{kind}")(content, **undated | options)
-    finally:
-        figure.set_canvas(canvas)
+    with unchanged(figure):
+        try:
+            writer = canvas if hasattr(canvas, f"print_{kind}") else backend.FigureCanvas(figure)
+            # in memory: on a full disk the PDF writer of Matplotlib raises a different error
+            getattr(writer, f"print_{kind}")(content, **undated | options)
+        finally:
+            figure.set_canvas(canvas)
     keep(figure, name, content.getvalue(), overwrite, options)
 
 

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from stability.figures.canvas import save_figure  # isort: skip
 from stability.figures.styled_figure import drawing, remembered  # isort: skip
 
 import stability as st
@@ -194,7 +195,8 @@ def test_what_is_changed_in_a_figure_counts(suffix: str, tmp_path: Path) -> None
             drawn.axes[0].set_xlabel(word)
         drawn.savefig(path, overwrite="same", **options)
 
-    write()
+    save_figure(sketch(stability_map()), path)
+    assert f"its {origin.LATER}" not in origin.record_of(path)
     write()
     refused(lambda: write("mine"), path, "later changes: missing there")
     refused(lambda: write(facecolor="0.9"), path, 'facecolor: missing there, "0.9" here')
