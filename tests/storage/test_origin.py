@@ -18,7 +18,7 @@ import pytest
 from PIL import Image
 
 from stability.figures.canvas import save_figure  # isort: skip
-from stability.figures.styled_figure import drawing, remembered  # isort: skip
+from stability.figures.styled_figure import StyledFigure, remembered  # isort: skip
 
 import stability as st
 from stability.cli.commands import main
@@ -41,10 +41,11 @@ def motion(mu: float = 0.3) -> Any:
 
 
 @remembered
-def sketch(dataset: Any, *, title: str = "", width: float = 2.0, fontsize: float = 7.0) -> Any:
+def sketch(dataset: Any, *, title: str = "", width: float = 1.0, fontsize: float = 7.0) -> Any:
     """A figure that is drawn faster than the package's own."""
-    with drawing(None, width, fontsize, lambda wide: wide) as figure:
-        figure.add_subplot(title=title).plot(dataset.abscissa.values.ravel())
+    figure = StyledFigure(figsize=(width, 1.0))
+    figure.add_subplot().plot(dataset.abscissa.values.ravel())
+    figure.text(0.1, 0.1, title, fontsize=fontsize)
     return figure
 
 
@@ -73,11 +74,6 @@ CALLS: dict[str, tuple[Callable[..., None], dict[str, Any], dict[str, Any]]] = {
     "page.html": (page, {"at": 1.5}, {"mu": 0.31}),
     "a.csv": (table, {"k": 0.3}, {"k": 0.35}),
     "a.tex": (table, {"k": 0.3}, {"k": 0.35}),
-    "map.nc": (
-        lambda path, mu=3.0, **_: st.write_map(stability_map(mu), path, overwrite="same"),
-        {"mu": 3.1},
-        {"mu": 3.5},
-    ),
 }
 """By name of a file: a call that writes it, another option, and other data."""
 
@@ -105,22 +101,22 @@ def test_a_file_is_replaced_by_the_call_that_wrote_it_and_by_no_other(
         refused(lambda other=other: write(path, **other), path, "is not what this call wrote")
     whole = path.read_bytes()
     for content, why in (
-        (b"", "it is empty|damaged"),
-        (whole[: len(whole) // 2], "no record|bytes differ|damaged"),
-        (whole[:-1], "changed|no record|bytes differ|damaged"),
+        (b"", "it is empty"),
+        (whole[: len(whole) // 2], "no record|bytes differ"),
+        (whole[:-1], "changed|no record|bytes differ"),
         (
             bytes([*whole[:40], whole[40] ^ 1, *whole[41:]]),
-            "changed|no record|bytes differ|damaged",
+            "changed|no record|bytes differ",
         ),
         (whole.replace(b"the call", b"the cell"), "changed"),
-        (b"notes of my own", "no record|bytes|damaged"),
+        (b"notes of my own", "no record|bytes"),
     ):
         if content != whole:
             path.write_bytes(content)
             refused(lambda: write(path), path, why)
     path.write_bytes(whole)
     write(path)
-    if not name.endswith((".csv", ".tex", ".nc")):
+    if not name.endswith((".csv", ".tex")):
         monkeypatch.setattr(origin, "__version__", "9.9")
         refused(lambda: write(path), path, 'version: "0.5.0" there, "9.9" here')
 
@@ -192,7 +188,7 @@ def test_what_is_changed_in_a_figure_counts(suffix: str, tmp_path: Path) -> None
         drawn = sketch(stability_map())
         drawn.canvas.draw()
         if word:
-            drawn.axes[0].set_xlabel(word)
+            drawn.text(0.1, 0.5, word)
         drawn.savefig(path, overwrite="same", **options)
 
     save_figure(sketch(stability_map()), path)
@@ -217,7 +213,7 @@ def test_every_figure_knows_its_call() -> None:
 
 
 def test_a_figure_on_the_axes_of_another_is_a_changed_one() -> None:
-    both = sketch(stability_map())
+    both = st.plot_map(stability_map(), width=2.5)
     works = len(st.citation(both).works)
     st.plot_motion(motion(), show="paths", ax=both.axes[0])
     assert both.changed and len(st.citation(both).works) > works
@@ -252,13 +248,19 @@ def test_a_file_says_what_made_it_and_what_to_cite(
 def test_a_dataset_is_the_same_up_to_its_date(tmp_path: Path) -> None:
     path, run = tmp_path / "run.nc", motion()
     st.write_motion(run, path)
+    whole = path.read_bytes()
     st.write_motion(run.assign_attrs(created="2001-01-01T00:00:00"), path, overwrite="same")
-    assert st.read_motion(path).created.startswith("2001")
+    assert path.read_bytes() != whole
     other = run.copy(deep=True)
     other.theta.values[-1] = np.nextafter(other.theta.values[-1], 2)
-    write = lambda dataset: lambda: st.write_motion(dataset, path, overwrite="same")  # noqa: E731
-    refused(write(other), path, "the numbers of its dataset differ")
-    refused(write(run.assign_attrs(tolerance=1e-8)), path, "tolerance of attributes")
+
+    def write() -> None:
+        st.write_motion(other, path, overwrite="same")
+
+    refused(write, path, "the numbers of its dataset differ")
+    for content, why in ((whole[:-1], "damaged"), (whole[:5000], "damaged"), (b"", "empty")):
+        path.write_bytes(content)
+        refused(write, path, why)
 
 
 def test_a_map_of_other_equations_is_another_map(tmp_path: Path) -> None:
