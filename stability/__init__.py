@@ -19,8 +19,9 @@ __getattr__, __dir__, __all__ = attach(__name__)  # noqa: PLE0605
 _ABOVE = {
     "figure of a spectrum": ("figures.loci", "plot_locus"),
     "spectrum": ("spectra.spectrum", "spectrum"),
+    "citation of a file": ("storage.datasets", "file_citation"),
 }
-"""Where the functions are that results of rooms below call: `.plot()`, and `.spectra`."""
+"""Where the functions are that rooms below call: `.plot()`, `.spectra`, `citation` of a path."""
 
 
 def _finder(module: str, name: str) -> Callable[[], Any]:

@@ -159,14 +159,14 @@ def misfit(function: Any, given: Any, named: Mapping[str, Any], first: int) -> s
     str
         Empty where every type fits, or none is known.
     """
-    from inspect import Parameter, signature
+    from inspect import Parameter, signature, unwrap
 
     own = signature(function)
     try:
         bound = own.bind(*given, **named).arguments
     except TypeError:
         return ""
-    space = {**getattr(function, "__globals__", {})}
+    space = {**getattr(unwrap(function), "__globals__", {})}
     for name, value in list(bound.items())[first:]:
         one = own.parameters[name]
         accepted = _type(one.annotation, space)

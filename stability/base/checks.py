@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .errors import NameUnknownError, ParameterError, shown
 from .exact_numbers import warn_rounded
+from .types import Overwrite
 
 Number = float | NDArray[np.float64]
 MOST_WORKERS = 1024
@@ -155,6 +156,21 @@ def flag(name: str, value: Any) -> bool:
     """
     if not isinstance(value, (bool, np.bool_)):
         raise ParameterError(f"{name} is {shown(value)}; give True or False.")
+    return bool(value)
+
+
+def overwriting(value: Any) -> Overwrite:
+    """True, False or "same", or a refusal.
+
+    Examples
+    --------
+    >>> overwriting("same")
+    'same'
+    """
+    if isinstance(value, str) and value == "same":
+        return "same"
+    if not isinstance(value, (bool, np.bool_)):
+        raise ParameterError(f"overwrite is {shown(value)}; give True, False or 'same'.")
     return bool(value)
 
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
+import os
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from importlib.resources import files
 from typing import Any
 
+from .above import function_of
 from .errors import ParameterError, shown
 from .types import Record
 from .version import __version__
@@ -44,6 +46,8 @@ class Work:
     """Volume, with the number in brackets."""
     pages: str = ""
     """First and last page."""
+    url: str = ""
+    """Address of a program's page."""
     doi: str = ""
     """DOI."""
 
@@ -54,7 +58,8 @@ class Work:
         many = ", ".join(people[:-1]) + " and " + people[-1] if len(people) > 1 else people[0]
         where = " ".join(filter(None, [self.place, self.volume]))
         parts = [many, self.title, where, self.pages.replace("--", "-"), self.year]
-        return ", ".join(filter(None, parts)) + (f", doi:{self.doi}" if self.doi else "")
+        parts += [self.url, self.doi and f"doi:{self.doi}"]
+        return ", ".join(filter(None, parts))
 
     @property
     def bibtex(self) -> str:
@@ -75,6 +80,7 @@ class Work:
             "number": number.strip(")"),
             "pages": self.pages,
             "year": self.year,
+            "url": self.url,
             "doi": self.doi,
         }
         lines = [f"  {name} = {{{_latex(value)}}}" for name, value in fields.items() if value]
@@ -230,12 +236,15 @@ class Citation(Record):
     """
 
     works: tuple[Work, ...]
-    """The works, this package first."""
+    """The works, this package first, in the version that made the result."""
+    made: str = ""
+    """Of a figure, film or page in a file: the call that made it, in a sentence."""
 
     @property
     def text(self) -> str:
-        """One line for each work, with what it is cited for."""
-        return "\n".join(f"{work.role}:\n  {work.text}" for work in self.works)
+        """The call, and one line for each work, with what it is cited for."""
+        lines = [f"{work.role}:\n  {work.text}" for work in self.works]
+        return "\n".join([self.made] * bool(self.made) + lines)
 
     @property
     def bibtex(self) -> str:
@@ -253,8 +262,8 @@ def citation(result: Any = None) -> Citation:
     ----------
     result
         What a call of this package returned, or `read_map` or `read_motion` read: anything with
-        `.citation` or `attrs["citation"]`, or a list of these.  When left out: this package, and
-        the paper of the disk.
+        `.citation` or `attrs["citation"]`, or a list of these; or the path of a figure, film, page
+        or dataset that it wrote.  When left out: this package, and the paper of the disk.
 
     Returns
     -------
@@ -275,27 +284,32 @@ def citation(result: Any = None) -> Citation:
     The stability developers, stability: stability
     """
     if result is None:
-        return _of_keys(MODEL)
-    keys = _keys(result)
+        return citation_of_keys(MODEL)
+    if isinstance(result, (str, os.PathLike)):
+        file_citation: Callable[[Any], Citation] = function_of("citation of a file")
+        return file_citation(result)
+    keys = keys_of(result)
     if not keys:
         raise ParameterError(
             f"{shown(type(result).__name__)} says nothing of what to cite; give a result of this "
             "package, such as a spectrum, a map, a motion or an answer."
         )
-    return _of_keys(keys)
+    told = getattr(result, "attrs", {})
+    software = told.get("software") or told.get("stability_version") or __version__
+    return citation_of_keys(keys, str(software).rpartition(" ")[2])
 
 
-def _keys(result: Any) -> str:
-    """Keys of a result, or of each in a list; empty where one says nothing."""
+def keys_of(result: Any) -> str:
+    """Keys of the works of a result, or of each in a list; empty where one says nothing."""
     keys = getattr(result, "attrs", {}).get(ATTRIBUTE) or getattr(result, ATTRIBUTE, "")
     if not keys and isinstance(result, (list, tuple)):
-        every = [_keys(one) for one in result]
+        every = [keys_of(one) for one in result]
         return joined(every) if all(every) else ""
     return keys if isinstance(keys, str) else ""
 
 
-def _of_keys(keys: str) -> Citation:
-    """The works with these keys."""
+def citation_of_keys(keys: str, version: str = __version__, made: str = "") -> Citation:
+    """The works with these keys, and this package in a version."""
     names = [key.strip() for key in keys.split(",")]
     for name in names:
         if name not in WORKS:
@@ -303,4 +317,5 @@ def _of_keys(keys: str) -> Citation:
                 f"the result cites {shown(name)}, which this version does not know; read it with "
                 "the version that wrote it."
             )
-    return Citation(tuple(WORKS[name] for name in names))
+    own = replace(WORKS["stability"], place=f"version {version}")
+    return Citation(tuple(own if name == own.key else WORKS[name] for name in names), made)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Set
 from dataclasses import fields, is_dataclass
 from enum import Enum, EnumMeta
 from functools import cache
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,8 @@ from .errors import NameUnknownError, shown
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 Progress = Callable[[int, int], None]
+Overwrite = bool | Literal["same"]
+"""Whether a file may be replaced: always, never, or where the same call wrote it."""
 
 
 def fields_of(record: Any) -> dict[str, Any]:

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from ..base.axis import Axis, AxisLike
 from ..base.checks import whole_number
 from ..base.errors import ParameterError, StabilityError, StabilityWarning, shown, warned
-from ..base.types import Floats, Progress, fields_of
+from ..base.types import Floats, Overwrite, Progress, fields_of
 from ..base.verdict import CODES
 from ..bodies.disk import Disk
 from ..bodies.families import at_name
@@ -156,7 +156,7 @@ def basins(
     max_seconds: float = Settings.max_seconds,
     levels: int = 0,
     store: str | os.PathLike[str] | None = None,
-    overwrite: bool = False,
+    overwrite: Overwrite = False,
     chunk: int | None = None,
     executor: Executor | str | None = None,
     workers: int | None = None,
@@ -218,7 +218,8 @@ def basins(
         Folder of a Zarr store.  It holds every chunk that is finished, and the same call continues
         an interrupted one.  Without it the result is in memory.
     overwrite
-        Whether a store that was made with other arguments may be replaced.
+        Whether a store that was made with other arguments may be replaced; "same": it may not, as
+        False.  A store that the same call began is continued.
     chunk
         Launches of a chunk, about; a worker computes and writes one at a time.  4096 when left
         out, up to 16384 for more than 262144 launches.
@@ -363,7 +364,7 @@ def _named(name: Any, family: Any) -> Any:
 def run(
     plan: Plan,
     store: Any,
-    overwrite: bool,
+    overwrite: Overwrite,
     executor: Any,
     workers: int | None,
     progress: Progress | None,
@@ -408,7 +409,7 @@ def run(
     return kept
 
 
-def store_of(plan: Plan, store: Any = None, overwrite: bool = False) -> Store:
+def store_of(plan: Plan, store: Any = None, overwrite: Overwrite = False) -> Store:
     """The store of a plan, in memory or in a folder: made, or as it is there.
 
     Parameters

@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--bodies"
     )
     parser.add_argument("--draft", action=argparse.BooleanOptionalAction, help=draft)
-    overwriting(parser, "replace files in an existing folder")
+    overwriting(parser, "replace files in an existing folder", same=False)
 
 
 def run(options: argparse.Namespace) -> None:

@@ -47,7 +47,7 @@ class Command:
         )
         methods = "routes or integrators, in the same way (default: all)"
         values(parser, str, {"--cases": ("NAMES", cases), "--methods": ("NAMES", methods)})
-        overwriting(parser, "write into a folder that holds other files")
+        overwriting(parser, "write into a folder that holds other files", same=False)
 
     def run(self, options: argparse.Namespace) -> None:
         """Write a chart, the catalogue or the whole report, and print a summary."""

@@ -11,6 +11,7 @@ from typing import Any, NoReturn
 
 from ..base.errors import ParameterError, listed, meant, shown
 from ..base.exact_numbers import ratio_of_text
+from ..base.types import Overwrite
 from ..bodies.families import leaning
 from ..storage.text import json_text
 from .terminal import say
@@ -131,9 +132,20 @@ def nearest(wrong: str, known: Iterable[str]) -> str:
 # --- options that commands share ---
 
 
-def overwriting(parser: argparse.ArgumentParser, what: str) -> None:
-    """The option that lets a command replace files; `--force` is its other name."""
-    parser.add_argument("--overwrite", "--force", dest="force", action="store_true", help=what)
+def overwriting(parser: argparse.ArgumentParser, what: str, *, same: bool = True) -> None:
+    """The options that let a command replace files; `--force` is another name of the first."""
+    one = parser.add_mutually_exclusive_group()
+    one.add_argument("--overwrite", "--force", dest="force", action="store_true", help=what)
+    if same:
+        text = "replace what the same command wrote, and nothing else"
+        one.add_argument(
+            "--overwrite-same",
+            dest="force",
+            action="store_const",
+            const="same",
+            default=False,
+            help=text,
+        )
 
 
 def plotting(parser: argparse.ArgumentParser, what: str = "") -> None:
@@ -354,10 +366,8 @@ def answer(
         print(line)
 
 
-def save(figure: Any, target: Path, *, overwrite: bool) -> None:
+def save(figure: Any, target: Path, *, overwrite: Overwrite) -> None:
     """Write a figure."""
     from ..figures.canvas import save_figure
-    from ..storage.files import atomic_write
 
-    with atomic_write(target, overwrite=overwrite) as draft:
-        save_figure(figure, draft)
+    save_figure(figure, target, overwrite=overwrite)

@@ -18,7 +18,7 @@ from ..base.errors import FileError
 from ..jobs.measured_cells import JOURNAL, Cell, Journal, run
 from ..jobs.pipeline import check_run, resumable
 from ..storage.datasets import write_dataset
-from ..storage.files import atomic_write, together, write_file
+from ..storage.files import together, write_file
 from ..storage.pieces import is_records
 from ..storage.targets import check_folder, path_text, place, refusing
 from ..storage.text import csv_text
@@ -333,8 +333,7 @@ def _write(folder: Path, one: Part) -> None:
     for plate in one.plates:
         figure = plate.draw()
         for suffix in canvas.FORMATS:
-            with atomic_write(folder / f"{plate.stem}{suffix}", overwrite=True) as draft:
-                canvas.save_figure(figure, draft)
+            canvas.save_figure(figure, folder / f"{plate.stem}{suffix}")
     for name, make in one.data.items():
         content = make()
         if isinstance(content, str):

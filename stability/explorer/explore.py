@@ -7,12 +7,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ..base.checks import flag, instance
+from ..base.checks import flag, instance, overwriting
+from ..base.citation import cited
 from ..base.errors import ParameterError
+from ..base.types import Overwrite
 from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..storage.files import write_file
+from ..storage.origin import origin_of
 from ..storage.targets import check_suffix, check_target
 from ..systems.family import Family
 from .page import axis_of, page, widget
@@ -37,7 +40,7 @@ def explore(
     theta: float | None = None,
     out: str | os.PathLike[str] | None = None,
     certify: bool = True,
-    overwrite: bool = False,
+    overwrite: Overwrite = False,
     **parameters: Any,
 ) -> Any:
     """A stability diagram to explore: a page in one file, or a widget in a notebook.
@@ -77,7 +80,7 @@ def explore(
     certify
         Whether the page carries rectangles on which verdicts are proved.
     overwrite
-        Whether an existing file may be replaced.
+        Whether an existing file may be replaced; "same": if the same call wrote it.
     **parameters
         Parameters of a law that is named, such as `mu` [1/√(gR)]; of a family of your own, values
         by name.
@@ -105,7 +108,7 @@ def explore(
     ...     path.stat().st_size < 1_500_000
     True
     """
-    certify, overwrite = flag("certify", certify), flag("overwrite", overwrite)
+    certify, overwrite = flag("certify", certify), overwriting(overwrite)
     if out is not None:
         check_suffix(out, ENDINGS)
         check_target(out, overwrite=overwrite)
@@ -127,7 +130,11 @@ def explore(
     data = contents.data(axes)
     if out is None:
         return widget(data)
-    write_file(out, page(data, contents.title), overwrite=overwrite)
+    text = page(data, contents.title)
+    own = family.system.name if isinstance(family, Family) else ""
+    keys = cited(model=not own, system=own, proofs=certify)
+    origin = origin_of("explore", parameters | {"at": at, "contents": text}, keys)
+    write_file(out, text, overwrite=overwrite, origin=origin)
     return Path(out)
 
 

@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 
 from ..base.errors import DomainError, FileError, ParameterError, shown
-from ..base.types import Floats, Record
+from ..base.types import Floats, Overwrite, Record
 from ..storage.files import together, write_file
 from ..storage.targets import path_text, place, refusing
 from ..systems.equations import Equations
@@ -87,7 +87,7 @@ def c_code(
     *,
     name: str | None = None,
     points: int = 5,
-    overwrite: bool = False,
+    overwrite: Overwrite = False,
 ) -> CCode:
     """C code of a system's rates and Jacobian, or of any CasADi function, with an example.
 
@@ -106,7 +106,7 @@ def c_code(
     points
         Points of the example.
     overwrite
-        Whether files of an earlier call are replaced.
+        Whether files of an earlier call are replaced; "same": if the same call wrote them all.
 
     Returns
     -------
@@ -255,7 +255,7 @@ def _points(function: ca.Function, points: int) -> tuple[Floats, Floats]:
     )
 
 
-def write_folder(out: str | Path, files: Mapping[str, str], *, overwrite: bool) -> Path:
+def write_folder(out: str | Path, files: Mapping[str, str], *, overwrite: Overwrite) -> Path:
     """Write texts into a folder, which is made if needed; all of them or none."""
     folder = place(out)
     if folder.exists() and not folder.is_dir():

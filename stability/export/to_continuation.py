@@ -22,7 +22,7 @@ from ..algebra.program import Program
 from ..algebra.straight_lines import Language, Line, Record
 from ..base.checks import instance
 from ..base.errors import NameUnknownError, ParameterError, shown
-from ..base.types import Floats
+from ..base.types import Floats, Overwrite
 from ..systems.family import A_FAMILY, Family, refuse_system
 from ..systems.structure.structural_zeros import structure
 from .to_c import c_name, generated, write_folder
@@ -260,7 +260,7 @@ def auto_input(
     start: float,
     stop: float,
     name: str | None = None,
-    overwrite: bool = False,
+    overwrite: Overwrite = False,
     **parameters: Any,
 ) -> Path:
     """AUTO-07p's input for a family of steady motions: NAME.c and c.NAME.
@@ -282,7 +282,7 @@ def auto_input(
     name
         Name of the problem; that of the family when left out.
     overwrite
-        Whether files of an earlier call are replaced.
+        Whether files of an earlier call are replaced; "same": if the same call wrote them all.
     **parameters
         Values of everything else that names a member, and of the other parameters.
 
@@ -424,7 +424,7 @@ def bifurcationkit_input(
     start: float,
     stop: float,
     name: str | None = None,
-    overwrite: bool = False,
+    overwrite: Overwrite = False,
     **parameters: Any,
 ) -> Path:
     """BifurcationKit.jl's input for a family of steady motions: NAME.jl.

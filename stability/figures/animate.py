@@ -36,12 +36,13 @@ from scipy.spatial.transform import Rotation, Slerp
 from ..base.checks import callback, flag, instance, positive
 from ..base.errors import FileError, ParameterError, shown
 from ..base.quantities import behind, unit_of
-from ..base.types import Floats
+from ..base.types import Floats, Overwrite
 from ..base.version import install_line
 from ..bodies.quantities import PHYSICAL
 from ..bodies.round_body.body import Body
 from ..motion.result import BY_CODE
 from ..storage.files import atomic_write
+from ..storage.origin import origin_of
 from ..storage.targets import FILMS, check_suffix, check_target
 from .motion import _quantities
 from .single_run import events_of, one_launch
@@ -96,7 +97,7 @@ def animate(
     *,
     fps: float = 25,
     seconds: float | None = None,
-    overwrite: bool = False,
+    overwrite: Overwrite = False,
     progress: Callable[[int, int], None] | None = None,
     body: Body | None = None,
     contact_path: bool = True,
@@ -115,7 +116,7 @@ def animate(
     seconds
         Length of the film [s]; when left out the length of the motion, within 4 to 20.
     overwrite
-        Whether an existing file may be replaced.
+        Whether an existing file may be replaced; "same": if the same call wrote it.
     progress
         Called with (frames done, frames in all).
     body
@@ -164,7 +165,9 @@ def animate(
         raise ParameterError(f"fps × seconds is {count}; at most {MOST_FRAMES} are drawn.")
     paths = {"contact_path": flag("contact_path", contact_path)}
     report = progress or (lambda *_: None)
-    with atomic_write(path, overwrite=overwrite) as draft:
+    asked = {"dataset": dataset, "fps": rate, "seconds": length, "body": body} | paths
+    origin = origin_of("animate", asked, dataset.attrs.get("citation", ""))
+    with atomic_write(path, overwrite=overwrite, origin=origin) as draft:
         if suffix == ".html":
             page = _page(dataset, motion, length, body, **paths)
             draft.write_text(page, encoding="utf-8")

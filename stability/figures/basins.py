@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .styled_figure import checked_title, drawing, entry, fixed, halo, key, label_axes, note  # isort: skip
-from .styled_figure import points, settle, small, wide, with_strips  # isort: skip
+from .styled_figure import points, remembered, settle, small, wide, with_strips  # isort: skip
 
 import json
 from collections import Counter
@@ -47,6 +47,7 @@ FINE = 600
 """Points of the strip where the places of its changes are known."""
 
 
+@remembered
 def plot_basins(
     dataset: xarray.Dataset,
     *,

@@ -21,6 +21,8 @@ from ..base.looks import LIGHT
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from ..base.types import Overwrite
+
 _asked = os.environ.pop("MPLBACKEND", None)
 _log = logging.getLogger("matplotlib")
 _level = _log.level
@@ -64,6 +66,7 @@ def styled(fontsize: float = BASE) -> dict[Any, Any]:
         "hatch.linewidth": 0.35,
         "hatch.color": LIGHT.hatch,
         "savefig.dpi": DOTS,
+        "svg.hashsalt": "stability",
         "pdf.fonttype": 42,
         "ps.fonttype": 42,
         "mathtext.fontset": "dejavusans",
@@ -75,6 +78,8 @@ STYLE = styled()
 """Settings of the package's figures."""
 FORMATS = (".png", ".pdf")
 """Endings of the files of a figure."""
+UNDATED = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
+"""Metadata of files without a date, so that the same figure gives the same file."""
 RENDERERS = {"png": "agg", "pdf": "pdf", "svg": "svg"}
 """Backend of Matplotlib by kind of file."""
 COLUMN = 3.39
@@ -117,26 +122,44 @@ def figure_style(style: Mapping[str, Any]) -> Iterator[None]:
 
 
 @contextmanager
+def unchanged(figure: Figure) -> Iterator[None]:
+    """Do what changes a figure for Matplotlib and not for the user, such as drawing it."""
+    before = getattr(figure, "changed", False)
+    try:
+        yield
+    finally:
+        figure.changed = before  # type: ignore[attr-defined]
+
+
+@contextmanager
 def laid_out(figure: Figure) -> Iterator[None]:
     """Give the panels their places once, at `DOTS`, and hold them for every file of the figure.
 
     Matplotlib would measure all text again for each file, and draw each of them twice.
     """
     engine, dots = figure.get_layout_engine(), figure.dpi
-    figure.dpi = DOTS
     try:
-        if engine is not None:
-            engine.execute(figure)
-            figure.set_layout_engine("none")
+        with unchanged(figure):
+            figure.dpi = DOTS
+            if engine is not None:
+                engine.execute(figure)
+                figure.set_layout_engine("none")
         yield
     finally:
-        if engine is not None:
-            figure.set_layout_engine(engine)
-        figure.dpi = dots
+        with unchanged(figure):
+            if engine is not None:
+                figure.set_layout_engine(engine)
+            figure.dpi = dots
 
 
-def save_figure(figure: Figure, path: str | os.PathLike[str], **options: Any) -> None:
-    """Write a figure at 300 dots an inch.
+def save_figure(
+    figure: Figure,
+    path: str | os.PathLike[str],
+    *,
+    overwrite: Overwrite = True,
+    **options: Any,
+) -> None:
+    """Write a figure at 300 dots an inch, whole or not at all, with the record of its origin.
 
     Parameters
     ----------
@@ -144,24 +167,43 @@ def save_figure(figure: Figure, path: str | os.PathLike[str], **options: Any) ->
         The figure.
     path
         File to write; its suffix names the format: PNG, PDF or SVG.
+    overwrite
+        Whether an existing file may be replaced; "same": if the same call wrote it.
     **options
         As for `FigureCanvasAgg.print_png`, `print_pdf` and `print_svg` of Matplotlib.
     """
     with figure_style(getattr(figure, "settings", STYLE)), laid_out(figure):
-        _write(figure, Path(path), **options)
+        _write(figure, Path(path), overwrite, **options)
 
 
-def _write(figure: Figure, name: Path, **options: Any) -> None:
+def _write(figure: Figure, name: Path, overwrite: Overwrite, **options: Any) -> None:
     """Draw the figure as it stands, once, into a file."""
     content, kind, canvas = BytesIO(), name.suffix[1:].lower(), figure.canvas
     backend = import_module(f"matplotlib.backends.backend_{RENDERERS[kind]}")
-    try:
-        writer = canvas if hasattr(canvas, f"print_{kind}") else backend.FigureCanvas(figure)
-        # in memory: on a full disk the PDF writer of Matplotlib raises a different error
-        getattr(writer, f"print_{kind}")(content, **options)
-    finally:
-        figure.set_canvas(canvas)
-    name.write_bytes(content.getbuffer())
+    undated = {"metadata": UNDATED.get(f".{kind}")}
+    with unchanged(figure):
+        try:
+            writer = canvas if hasattr(canvas, f"print_{kind}") else backend.FigureCanvas(figure)
+            # in memory: on a full disk the PDF writer of Matplotlib raises a different error
+            getattr(writer, f"print_{kind}")(content, **undated | options)
+        finally:
+            figure.set_canvas(canvas)
+    keep(figure, name, content.getvalue(), overwrite, options)
+
+
+def keep(
+    figure: Figure, path: Path, content: bytes, overwrite: Overwrite, options: Mapping[str, Any]
+) -> None:
+    """Write the bytes of a figure with the record of the call that drew it.
+
+    What was changed since that call is compared by the bytes of the file.
+    """
+    from ..storage.files import write_file
+    from ..storage.origin import LATER, digest_of, with_arguments
+
+    later = {LATER: digest_of(content)} if getattr(figure, "changed", False) else {}
+    origin = with_arguments(getattr(figure, "origin", None), {**options, **later})
+    write_file(path, content, overwrite=overwrite, origin=origin)
 
 
 def save(figure: Figure, stem: Path, formats: Sequence[str] = FORMATS) -> list[Path]:
@@ -181,13 +223,8 @@ def save(figure: Figure, stem: Path, formats: Sequence[str] = FORMATS) -> list[P
     list of Path
         The files.
     """
-    from ..storage.files import atomic_write
-
     paths = [stem.parent / (stem.name + suffix) for suffix in formats]
     with figure_style(getattr(figure, "settings", STYLE)), laid_out(figure):
         for path in paths:
-            with atomic_write(path, overwrite=True) as draft:
-                # no creation date, so that the same map gives the same file
-                meta = {"CreationDate": None} if path.suffix == ".pdf" else None
-                _write(figure, draft, metadata=meta)
+            _write(figure, path, overwrite=True)
     return paths

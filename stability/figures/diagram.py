@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .styled_figure import checked_title, drawing, fixed, halo, key, label_axes, note, points  # isort: skip
-from .styled_figure import settle, small, with_strips, write  # isort: skip
+from .styled_figure import remembered, settle, small, with_strips, write  # isort: skip
 
 import json
 import re
@@ -54,6 +54,7 @@ LINES = {
 }
 
 
+@remembered
 def plot_map(
     dataset: xarray.Dataset,
     *,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .styled_figure import checked_title, drawing, entry, fixed, key, note, panels, points  # isort: skip
-from .styled_figure import settle, signed_ticks, ticks_along, write  # isort: skip
+from .styled_figure import remembered, settle, signed_ticks, ticks_along, write  # isort: skip
 
 import math
 from collections.abc import Sequence
@@ -56,6 +56,7 @@ HALO = 2.0
 Groups = list[tuple[int, ...]]
 
 
+@remembered
 def plot_locus(
     spectrum: Spectrum,
     *,

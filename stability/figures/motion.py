@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .canvas import COLUMN  # isort: skip
-from .styled_figure import checked_size, drawing, entry, fixed, key  # isort: skip
+from .styled_figure import checked_size, drawing, entry, fixed, key, remembered  # isort: skip
 from .styled_figure import note, points, settle, small, spacing, wide, write  # isort: skip
 
 import json
@@ -58,6 +58,7 @@ COUNTS = {"states": len(SERIES), "paths": 1, "energy": 2}
 """Number of axes that each part of the figure of a disk's motion takes."""
 
 
+@remembered
 def plot_motion(
     dataset: xarray.Dataset,
     *,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .styled_figure import drawing, entry, spacing  # isort: skip
+from .styled_figure import drawing, entry, remembered, spacing  # isort: skip
 
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +25,7 @@ LINES = ("-", "--", ":", "-.")
 CURVE = "#000000"
 
 
+@remembered
 def plot_retrograde(dataset: xarray.Dataset, *, width: float | None = None) -> Figure:
     """Where the mean path of a ring turns back: colours for the first start, a line for each.
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from .canvas import BASE, COLUMN, DOTS, LEAST, STYLE, figure_style, styled  # isort: skip
+from .canvas import BASE, COLUMN, DOTS, LEAST, STYLE, UNDATED, figure_style, keep  # isort: skip
+from .canvas import styled, unchanged  # isort: skip
 
 import io
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import wraps
+from inspect import signature
+from pathlib import Path
 from typing import Any
 
 import matplotlib
@@ -23,8 +27,12 @@ from matplotlib.textpath import text_to_path
 from matplotlib.ticker import MaxNLocator, ScalarFormatter
 
 from ..base.checks import positive
+from ..base.citation import joined, keys_of
 from ..base.errors import ParameterError, shown
 from ..base.quantities import Quantity, formula_in_latex, in_latex, plain_text
+from ..base.types import Overwrite
+from ..storage.origin import origin_of
+from ..storage.targets import PICTURES, check_suffix
 
 LARGEST = 40.0
 """Largest width [in] and size of text [pt]."""
@@ -52,21 +60,57 @@ class StyledFigure(Figure):
     refuse.
     """
 
+    origin: Mapping[str, str] | None = None
+    """The record of the call that drew the figure; its files carry it."""
+    citation = ""
+    """Keys of the works to cite, for `stability.citation`."""
+    changed = False
+    """Whether anything of the figure was changed after that call."""
+
     def __init__(self, *args: Any, settings: Mapping[Any, Any] = STYLE, **options: Any) -> None:
         self.settings = dict(settings)
         with figure_style(self.settings):
             super().__init__(*args, **options)
         _Canvas(self)
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        """Matplotlib sets `stale` at every change of the figure and of all that it holds."""
+        super().__setattr__(name, value)
+        if name == "stale" and value:
+            super().__setattr__("changed", True)
+
+    def remember(self, call: str, arguments: Mapping[str, Any], citation: str) -> None:
+        """Keep the call that drew the figure, and what to cite."""
+        self.citation = citation
+        self.origin = origin_of(call, arguments, citation)
+        self.changed = False
+
     def draw(self, renderer: Any) -> None:
         """Draw in the figure's own settings."""
-        with figure_style(self.settings):
+        with figure_style(self.settings), unchanged(self):
             super().draw(renderer)
 
-    def savefig(self, *args: Any, **options: Any) -> None:
-        """Save in the figure's own settings, as `Figure.savefig` does."""
-        with figure_style(self.settings):
-            super().savefig(*args, **options)
+    def savefig(self, fname: Any, *, overwrite: Overwrite = True, **options: Any) -> None:
+        """Save in the figure's own settings, as `Figure.savefig` does.
+
+        Parameters
+        ----------
+        fname
+            File to write.
+        overwrite
+            Whether an existing file may be replaced; "same": if the same call wrote it.
+        **options
+            As for `Figure.savefig`.
+        """
+        with figure_style(self.settings), unchanged(self):
+            if overwrite is True and Path(str(fname)).suffix.lower() not in PICTURES:
+                super().savefig(fname, **options)
+                return
+            name = check_suffix(fname, PICTURES)
+            suffix, content = name.suffix.lower(), io.BytesIO()
+            usual = {"format": suffix[1:], "metadata": UNDATED.get(suffix)}
+            super().savefig(content, **usual | options)
+        keep(self, name, content.getvalue(), overwrite, options)
 
     def _repr_mimebundle_(self, **_: Any) -> tuple[dict[str, Any], dict[str, Any]]:
         """The picture in a notebook, sharp, whether or not pyplot is imported there."""
@@ -74,6 +118,23 @@ class StyledFigure(Figure):
         self.savefig(kept, format="png", dpi=2 * SCREEN)
         wide, tall = (round(SCREEN * side) for side in self.get_size_inches())
         return {"image/png": kept.getvalue()}, {"image/png": {"width": wide, "height": tall}}
+
+
+def remembered(plot: Callable[..., Figure]) -> Callable[..., Figure]:
+    """A function that draws, whose figures know the call that drew them and what to cite."""
+
+    @wraps(plot)
+    def call(*given: Any, **named: Any) -> Figure:
+        figure = plot(*given, **named)
+        if isinstance(figure, StyledFigure):
+            arguments = signature(plot).bind(*given, **named).arguments
+            keys = joined(filter(None, [figure.citation, *map(keys_of, arguments.values())]))
+            if arguments.get("ax") is None:
+                figure.remember(plot.__name__, arguments, keys)
+            figure.citation = keys
+        return figure
+
+    return call
 
 
 @contextmanager

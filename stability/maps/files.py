@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..base.types import Overwrite
 from ..spectra.labels import FORMAT
 from ..storage.datasets import read_dataset, refuse_other, write_dataset
 
@@ -18,7 +19,7 @@ MISSING = 15 * 2.0**119
 
 
 def write_map(
-    dataset: xarray.Dataset, path: str | os.PathLike[str], *, overwrite: bool = False
+    dataset: xarray.Dataset, path: str | os.PathLike[str], *, overwrite: Overwrite = False
 ) -> Path:
     """Write a map to a file, usually NetCDF-4; complex variables keep their names.
 
@@ -29,7 +30,8 @@ def write_map(
     path
         File to write, in the format of its ending; `.nc` or none is NetCDF.
     overwrite
-        Whether an existing file may be replaced.
+        Whether an existing file may be replaced; "same": if it holds the same dataset, up to
+        its date.
 
     Returns
     -------

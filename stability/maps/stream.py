@@ -25,7 +25,7 @@ from ..algebra.polynomial import TabulatedPolynomial
 from ..base.axis import Axis, AxisLike
 from ..base.checks import flag
 from ..base.errors import FileError, ParameterError, listed
-from ..base.types import Floats, Progress
+from ..base.types import Floats, Overwrite, Progress
 from ..base.verdict import CODES, Verdict
 from ..bodies.contact_laws import Contact
 from ..bodies.disk import Disk
@@ -172,7 +172,7 @@ def _store(
     arrays: tuple[Variable, ...],
     method: str,
     more: Mapping[str, Any],
-    overwrite: bool,
+    overwrite: Overwrite,
 ) -> Store:
     """The store of a map; equal maps have equal files, so it holds no date."""
     attrs = {n: v for n, v in provenance(problem, axes, method).items() if n != "created"}
@@ -204,7 +204,7 @@ def stream_map(
     at: ArrayLike | None = None,
     workers: int | None = None,
     executor: Executor | str | None = None,
-    overwrite: bool = False,
+    overwrite: Overwrite = False,
     progress: Progress | None = None,
     **parameters: ArrayLike,
 ) -> Path:
@@ -233,7 +233,7 @@ def stream_map(
         `threads`, `processes`, `dask` (a scheduler and workers on this machine), the address of a
         running scheduler, or any `concurrent.futures.Executor`.
     overwrite
-        Whether an existing file may be replaced.
+        Whether an existing file may be replaced; "same": if it holds the same map.
     progress
         Called with (cells done, cells in all).
     **parameters
@@ -303,11 +303,11 @@ class _How:
     """Number of workers."""
     progress: Progress | None
     """Called with (cells done, cells in all)."""
-    overwrite: bool
-    """Whether an existing file may be replaced."""
+    overwrite: Overwrite
+    """Whether an existing file may be replaced; "same": if the same call wrote it."""
 
 
-def _target(out: str | os.PathLike[str], growth: bool, overwrite: bool) -> Path:
+def _target(out: str | os.PathLike[str], growth: bool, overwrite: Overwrite) -> Path:
     """The file or folder to write."""
     folders = [ending for f in formats_for("chunks") for ending in f.endings]
     if growth and place(out).suffix.lower() not in folders:

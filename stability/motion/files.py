@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..base.types import Overwrite
 from ..storage.datasets import read_dataset, refuse_other, write_dataset
 from .dataset import FORMAT
 
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def write_motion(
-    dataset: xarray.Dataset, path: str | os.PathLike[str], *, overwrite: bool = False
+    dataset: xarray.Dataset, path: str | os.PathLike[str], *, overwrite: Overwrite = False
 ) -> Path:
     """Write a motion to a file, usually NetCDF-4.
 
@@ -25,7 +26,8 @@ def write_motion(
     path
         File to write, in the format of its ending; `.nc` or none is NetCDF.
     overwrite
-        Whether an existing file may be replaced.
+        Whether an existing file may be replaced; "same": if it holds the same dataset, up to
+        its date.
 
     Returns
     -------

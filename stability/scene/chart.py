@@ -411,6 +411,7 @@ def _attributes(scene: Any, problem: Problem, answer: Any) -> dict[str, Any]:
         "start": json.dumps({n: float(v) for n, v in states}),
         "sentence": answer.sentence,
         "truth": "the full model at a tolerance 1000 times finer",
+        "citation": answer.citation,
         "machine": json.dumps(machine()),
         "created": today(),
         "source": launches.model.source,

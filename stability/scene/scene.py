@@ -14,9 +14,9 @@ import numpy as np
 
 from ..base.checks import flag, known, one_number
 from ..base.errors import DomainError, NameUnknownError, ParameterError, listed, shown
-from ..base.types import Record
+from ..base.types import Overwrite, Record
 from ..motion.gather import moving
-from ..storage.files import atomic_write
+from ..storage.origin import origin_of
 from ..storage.targets import PICTURES, check_suffix, check_target
 from .answer import Answer, held_against, single, tell
 from .inputs import SceneSubject, launched, scene_subject, setting, weights_of
@@ -342,7 +342,7 @@ class Scene(Record):
             errors = {n: held_against(n, answer.motion, truth) for n in self.quantities}
         return replace(answer, true_error=single(errors))
 
-    def plot(self, path: Any = None, *, overwrite: bool = False, **options: Any) -> Any:
+    def plot(self, path: Any = None, *, overwrite: Overwrite = False, **options: Any) -> Any:
         """Draw cost against true error of every model of the scene.
 
         Parameters
@@ -350,7 +350,7 @@ class Scene(Record):
         path
             File to write, PNG, PDF or SVG; none is written if left out.
         overwrite
-            Whether an existing file may be replaced.
+            Whether an existing file may be replaced; "same": if the same call wrote it.
         **options
             As for `stability.scene.chart.chart`: laws, progress.
 
@@ -360,14 +360,17 @@ class Scene(Record):
         """
         from .chart import chart
 
+        asked = {"scene": self, "laws": options.get("laws")}
         if path is not None:
-            path = check_target(check_suffix(path, PICTURES), overwrite=overwrite)
+            path = check_suffix(path, PICTURES)
+            check_target(path, overwrite=overwrite, origin=origin_of("Scene.plot", asked))
         # by name: figures are another room of the same floor, as a backend of plots
-        figure = import_module("stability.figures.scene_chart").scene_figure(chart(self, **options))
+        dataset = chart(self, **options)
+        figure = import_module("stability.figures.scene_chart").scene_figure(dataset)
+        figure.remember("Scene.plot", asked, dataset.attrs["citation"])
         if path is not None:
             save = import_module("stability.figures.canvas").save_figure
-            with atomic_write(path, overwrite=overwrite) as draft:
-                save(figure, draft)
+            save(figure, path, overwrite=overwrite)
         return figure
 
     @classmethod

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..base.citation import Citation, citation, citation_of_keys, keys_of
 from ..base.errors import FileError, listed
+from ..base.types import Overwrite
 from .files import atomic_write
 from .formats import FORMATS, NETCDF, Format, format_named, formats_for
 from .litter import temporary
+from .origin import CALL, KEYS, LATER, VERSION, record_of
 from .targets import check_folder, check_suffix, check_target, path_text, place, refusing
 
 if TYPE_CHECKING:
@@ -91,7 +95,7 @@ def format_to_write(path: str | os.PathLike[str], *ways: str, option: str = "") 
 
 
 def dataset_target(
-    path: str | os.PathLike[str], *ways: str, overwrite: bool = False, option: str = ""
+    path: str | os.PathLike[str], *ways: str, overwrite: Overwrite = False, option: str = ""
 ) -> Path:
     """Check that a dataset can be written, before anything is computed.
 
@@ -100,7 +104,7 @@ def dataset_target(
     path, *ways, option
         As for `format_to_write`.
     overwrite
-        Whether an existing file may be replaced.
+        Whether an existing file may be replaced; "same": if the same call wrote it.
     """
     found = format_to_write(path, *ways, option=option)
     found.check_installed()
@@ -119,7 +123,7 @@ def dataset_target(
 
 
 def write_dataset(
-    dataset: xarray.Dataset, path: str | os.PathLike[str], *, overwrite: bool = False
+    dataset: xarray.Dataset, path: str | os.PathLike[str], *, overwrite: Overwrite = False
 ) -> Path:
     """Write a dataset whole; complex arrays as two real parts.
 
@@ -130,7 +134,7 @@ def write_dataset(
     path
         File to write.
     overwrite
-        Whether an existing file may be replaced.
+        Whether an existing file may be replaced; "same": if the same call wrote it.
 
     Raises
     ------
@@ -203,3 +207,42 @@ def read_dataset(
             attributes = {k: v for k, v in variable.attrs.items() if k != "complex"}
             dataset[name] = xarray.Variable(variable.dims[:-1], values, attributes)
     return dataset
+
+
+def file_citation(path: str | os.PathLike[str]) -> Citation:
+    """What a file of this package says to cite, and of a figure, film or page what made it.
+
+    Parameters
+    ----------
+    path
+        File or folder.
+
+    Raises
+    ------
+    FileError
+        If it cannot be read, is damaged, or says nothing of what to cite.
+    """
+    target = place(path)
+    nothing = FileError(
+        f"{path_text(target)} says nothing of what to cite; give a figure, film, page or dataset "
+        "that this package wrote."
+    )
+    if any(target.suffix.lower() in found.endings for found in FORMATS):
+        found = format_named(target, NETCDF)
+        found.check_installed()
+        with found.read(target, lazy=True) as dataset:
+            if not keys_of(dataset):
+                raise nothing
+            return citation(dataset)
+    with refusing(target, "read"):
+        try:
+            record = {name: json.loads(text) for name, text in record_of(target).items()}
+        except FileError as error:
+            raise FileError(f"{path_text(target)} says nothing of what to cite: {error}.") from None
+    if not record.get(KEYS):
+        raise nothing
+    made = f"{target.name} was made by {record[CALL]} of stability {record[VERSION]}"
+    for told in (value for value in record.values() if isinstance(value, dict)):
+        made += f" from {title}" if (title := told.get("attributes", {}).get("title")) else ""
+    made += ", and changed afterwards." if f"its {LATER}" in record else "."
+    return citation_of_keys(record[KEYS], record[VERSION], made)

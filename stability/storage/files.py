@@ -6,16 +6,19 @@ import os
 import shutil
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..base.errors import FileError
 from .litter import clear, temporary
-from .targets import check_target, path_text, refusing
+from .targets import check_same, check_target, path_text, refusing
+
+if TYPE_CHECKING:
+    from ..base.types import Overwrite
 
 STOPS = tuple(getattr(signal, n) for n in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, n))
 """Signals that ask a command to stop."""
@@ -86,9 +89,10 @@ def record(path: Path) -> None:
 def atomic_write(
     path: str | os.PathLike[str],
     *,
-    overwrite: bool = False,
+    overwrite: Overwrite = False,
     result: bool = True,
     durable: bool = False,
+    origin: Mapping[str, str] | None = None,
 ) -> Iterator[Path]:
     """A temporary name in the target's folder; renamed if all goes well, removed otherwise.
 
@@ -99,11 +103,13 @@ def atomic_write(
     path
         The file to write.
     overwrite
-        Whether an existing file may be replaced.
+        Whether an existing file may be replaced; "same": where it is what the same call wrote.
     result
         Whether the file is a result, not only a help for a later run.
     durable
         Whether its bytes are on the disk before it has its name, for a file that proves another.
+    origin
+        The record of the call, which the file then carries: see `origin_of`.
 
     Yields
     ------
@@ -124,9 +130,13 @@ def atomic_write(
     ...     (Path(folder) / "a.txt").read_text()
     'all of it'
     """
-    target = check_target(path, overwrite=overwrite)
+    from .origin import record_of, stamp  # here, so that a command starts without NumPy
+
+    target = check_target(path, overwrite=overwrite, origin=origin)
     clear(target.parent)
-    ready = _Ready(target.parent / temporary(target.suffix), target, overwrite, result)
+    same = overwrite == "same" and target.exists()
+    over = same or overwrite is True
+    ready = _Ready(target.parent / temporary(target.suffix), target, over, result)
     group = _waiting.get(None)
     mask = os.umask(0)
     os.umask(mask)
@@ -134,6 +144,10 @@ def atomic_write(
         with refusing(target):
             os.close(os.open(ready.temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
             yield ready.temporary
+            if origin is not None:
+                stamp(ready.temporary, origin)
+            elif same:
+                check_same(target, record_of(ready.temporary))
             ready.temporary.chmod(0o666 & ~mask)
             if durable:
                 with ready.temporary.open("rb+") as handle:

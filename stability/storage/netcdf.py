@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 from ..base.errors import FileError
+from ..base.types import Overwrite
 from .checksum import ATTRIBUTE, STATEMENT, intact, seal, sealed
 from .chunks import Arrays, Layout, Variable
 from .files import atomic_write, postponed
@@ -319,7 +320,7 @@ def rows(
     coords: Mapping[str, Any],
     attrs: Mapping[str, Any],
     *,
-    overwrite: bool = False,
+    overwrite: Overwrite = False,
 ) -> Iterator[Rows]:
     """Write a file row by row; it has its name, and a checksum, when all is there.
 
@@ -331,7 +332,7 @@ def rows(
         As for `stability.storage.zarr_store.ZarrStore`; the layout of two axes is that of chunks
         in the file.
     overwrite
-        Whether an existing file may be replaced.
+        Whether an existing file may be replaced; "same": if the same call wrote it.
     """
     with atomic_write(path, overwrite=overwrite) as draft:
         with _Sink(draft) as sink:

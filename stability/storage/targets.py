@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..base.errors import FileError, listed, one_line, shown
 from .formats import FORMATS
 from .litter import clear
+
+if TYPE_CHECKING:
+    from ..base.types import Overwrite
 
 LONGEST = 120
 """Largest number of characters of a path in a message."""
@@ -75,11 +78,29 @@ def check_suffix(path: Any, endings: Sequence[str], option: str = "") -> Path:
     raise FileError(f"{subject}; the name must end in {listed(endings, 'or')}.")
 
 
-def check_target(path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
-    """Check that a file can be written, and resolve links; nothing is created."""
-    from ..base.checks import flag  # here, so that a command starts without NumPy
+def check_same(target: Path, origin: Mapping[str, str] | None = None) -> None:
+    """Refuse to replace a file that another call wrote, or without a record, that none did."""
+    from .origin import unlike
 
-    overwrite = flag("overwrite", overwrite)
+    with refusing(target, "read"):
+        why = unlike(target, origin)
+    if why:
+        raise FileError(
+            f"{path_text(target)} is not what this call wrote ({why}); choose another name, or "
+            "replace it with --overwrite (overwrite=True)."
+        )
+
+
+def check_target(
+    path: str | os.PathLike[str],
+    *,
+    overwrite: Overwrite = False,
+    origin: Mapping[str, str] | None = None,
+) -> Path:
+    """Check that a file can be written, and resolve links; nothing is created."""
+    from ..base.checks import overwriting  # here, so that a command starts without NumPy
+
+    overwrite = overwriting(overwrite)
     target = place(path)
     with refusing(target):
         there = os.path.lexists(target)
@@ -107,6 +128,8 @@ def check_target(path: str | os.PathLike[str], *, overwrite: bool = False) -> Pa
             )
         if len(os.fsencode(target.name)) > 255:
             raise FileError(f"{path_text(target)} cannot be written: the name is too long.")
+    if there and overwrite == "same":
+        check_same(target, origin)
     return target
 
 

@@ -14,7 +14,6 @@ there exactly if its record is, and whole if all its files are those of the reco
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
 import os
@@ -32,14 +31,25 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..base.checks import flag
-from ..base.errors import FileError, ParameterError, StabilityError, shown, warned
+from ..base.checks import overwriting
+from ..base.errors import FileError, StabilityError, warned
+from ..base.types import Overwrite
 from ..base.version import __version__
 from .checksum import sealed, unsealed
 from .chunks import Arrays, Block, Layout, Variable, check_chunk
 from .files import write_file
 from .formats import ZARR
 from .litter import clear, temporary
+from .origin import (
+    PRINT,
+    QUESTION,
+    counted,
+    difference,
+    digest_of,
+    digest_of_arrays,
+    fingerprint_of,
+    plain_json,
+)
 from .targets import check_folder, path_text, place, refusing
 
 if TYPE_CHECKING:
@@ -59,12 +69,6 @@ UNREADABLE = (ValueError, LookupError, TypeError, AttributeError, RecursionError
 FORMAT = CHECKED = 2
 """Version of the way in which stores are written, another one is another question; the first
 version in which every file has a checksum."""
-QUESTION, PRINT = "question", "fingerprint"
-"""Attributes of a store: what its numbers depend on, and the checksum of that."""
-ABSENT = "missing"
-"""Text of an entry that one of two questions does not have; no JSON reads so."""
-ASIDE = ("its citation", "attribute citation")
-"""What a store says of itself, and its numbers do not depend on."""
 LEVEL = 3
 """Level of compression."""
 LARGEST = 2**22
@@ -73,11 +77,6 @@ RESUME = "; the finished chunks are kept: give the same command again to go on"
 
 
 # --- what is whole ---
-
-
-def digest_of(content: bytes) -> str:
-    """The checksum of a file."""
-    return hashlib.sha256(content).hexdigest()
 
 
 def content_of(path: Path) -> bytes | None:
@@ -321,13 +320,7 @@ def asked_of(
     """Everything that the files of a store depend on, as texts by name, without the citation."""
     import xarray
 
-    digest = hashlib.sha256()
-    for name, values in sorted(xarray.Dataset(coords=dict(coords)).variables.items()):
-        content = np.ascontiguousarray(values.values)
-        text = content.astype(str) if content.dtype.kind in "OT" else content
-        digest.update(f"{name} {values.dims} {content.shape} {content.dtype.kind}".encode())
-        digest.update(plain_json(dict(values.attrs)).encode())
-        digest.update(text.tobytes())
+    every = xarray.Dataset(coords=dict(coords)).variables
     arrays = [[v.name, v.dtype, v.fill, v.attrs, v.more] for v in variables]
     found = {
         **{f"its {name}": plain_json(value) for name, value in question.items()},
@@ -335,76 +328,15 @@ def asked_of(
         "the number of cells": plain_json([layout.dims, layout.shape]),
         "the chunk": plain_json(layout.chunk),
         "the arrays": plain_json(arrays, allow_nan=True),
-        "the coordinates": digest.hexdigest(),
+        "the coordinates": digest_of_arrays(every),
         "the format": plain_json([FORMAT, __version__]),
     }
-    return _kept(found)
-
-
-def _kept(asked: Mapping[str, str]) -> dict[str, str]:
-    """A question without what the numbers do not depend on."""
-    return {name: text for name, text in asked.items() if name not in ASIDE}
+    return counted(found)
 
 
 def same_question(head: Mapping[str, Any], asked: Mapping[str, str]) -> bool:
     """Whether a store holds the question."""
     return bool(head[PRINT] == fingerprint_of(asked))
-
-
-def plain_json(value: Any, *, allow_nan: bool = False) -> str:
-    """A value as JSON with sorted names, arrays as lists; a value that does not fit is refused."""
-    try:
-        return json.dumps(value, default=_plain, allow_nan=allow_nan, sort_keys=True)
-    except (TypeError, ValueError):
-        raise ParameterError(f"{shown(value)} does not fit JSON, which a store needs.") from None
-
-
-def _plain(value: Any) -> Any:
-    """Arrays, numbers of NumPy and mappings as those of JSON."""
-    if isinstance(value, (np.ndarray, np.generic)):
-        return value.tolist()
-    if isinstance(value, Mapping):
-        return dict(value)
-    raise TypeError
-
-
-def fingerprint_of(asked: Mapping[str, Any]) -> str:
-    """The checksum of a question."""
-    return hashlib.sha256(plain_json(asked).encode()).hexdigest()
-
-
-def difference(head: Mapping[str, Any], asked: Mapping[str, str]) -> str:
-    """The first difference between the question of a store and the one that is asked."""
-    try:
-        there = json.loads(head[QUESTION])
-        names = _kept({**asked, **there})
-        lacking = [n for n in names if n not in asked or n not in there]  # these say most
-        name = next(n for n in (*lacking, *names) if asked.get(n) != there.get(n))
-    except (ValueError, KeyError, TypeError, StopIteration):
-        return "which cannot be read"
-    if name == "the coordinates":
-        return "the coordinates differ"
-    name, *sides = _apart(name, there.get(name, ABSENT), asked.get(name, ABSENT))
-    old, new = (t if len(t) <= 40 else f"{t[:18]} … {t[-18:]}" for t in sides)
-    return f"{name.removeprefix('the ').removeprefix('its ')}: {old} there, {new} here"
-
-
-def _apart(name: str, old: str, new: str) -> tuple[str, str, str]:
-    """The first entry by name that differs between two texts of JSON; else the texts."""
-    if ABSENT in (old, new):
-        return name, old, new
-    one, other = json.loads(old), json.loads(new)
-    if isinstance(one, str) and isinstance(other, str):  # a text that holds JSON itself
-        with suppress(ValueError):
-            one, other = json.loads(one), json.loads(other)
-    if not (isinstance(one, dict) and isinstance(other, dict)):
-        return name, old, new
-    pairs = {
-        n: [plain_json(side[n], allow_nan=True) if n in side else ABSENT for side in (one, other)]
-        for n in {**one, **other}
-    }
-    entry = next((n for n, (a, b) in pairs.items() if a != b), None)
-    return (name, old, new) if entry is None else _apart(f"{entry} of {name}", *pairs[entry])
 
 
 # --- writing ---
@@ -506,7 +438,8 @@ class ZarrStore:
     question
         What the numbers depend on, as JSON: a store that was made with other arguments is refused.
     overwrite
-        Whether a store that was made with other arguments may be replaced.
+        Whether a store that was made with other arguments may be replaced; "same": it may
+        not, as False.
 
     Raises
     ------
@@ -539,11 +472,11 @@ class ZarrStore:
         attrs: Mapping[str, Any] | None = None,
         question: Mapping[str, Any] | None = None,
         *,
-        overwrite: bool = False,
+        overwrite: Overwrite = False,
     ) -> None:
         ZARR.check_installed()
         self.layout, self.variables = layout, tuple(variables)
-        overwrite = flag("overwrite", overwrite)
+        overwrite = overwriting(overwrite)
         self.folder: Path = check_folder(path).resolve()
         if Path.cwd().is_relative_to(self.folder):  # a new store would take its place
             raise FileError(
@@ -555,7 +488,7 @@ class ZarrStore:
         self._asked = asked
         head = head_of(self.folder)
         if head is not None and not same_question(head, asked):
-            if not overwrite:
+            if overwrite is not True:
                 raise FileError(
                     f"{path_text(path)} was made with other arguments ({difference(head, asked)}); "
                     "choose another name, or replace it with --overwrite (overwrite=True)."

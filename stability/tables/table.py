@@ -15,7 +15,7 @@ from typing import Any
 
 from ..base.printing import html_table
 from ..base.quantities import Kind, Quantity, readable
-from ..base.types import Record, Sentences
+from ..base.types import Overwrite, Record, Sentences
 from ..derivation.latex import escaped
 from ..storage.files import write_file
 from ..storage.targets import check_suffix, check_target
@@ -614,7 +614,7 @@ class Table(Record):
         forms = {"csv": self.to_csv, "json": self.to_json, "latex": self.to_latex}
         return forms.get(form, self.to_text)()
 
-    def write(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
+    def write(self, path: str | os.PathLike[str], *, overwrite: Overwrite = False) -> Path:
         """Write the table to a file, in the form that its ending names.
 
         Parameters
@@ -622,7 +622,7 @@ class Table(Record):
         path
             A file that ends in .csv, .json, .tex or .txt.
         overwrite
-            Whether an existing file may be replaced.
+            Whether an existing file may be replaced; "same": if the same call wrote it.
 
         Returns
         -------

@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -239,9 +240,9 @@ def test_it_prints_as_text_and_bibtex() -> None:
     assert "doi:10.1134/S1560354716020052" in found.text
 
 
-@pytest.mark.parametrize("nothing", [3.0, "a text", {"a": 1}])
+@pytest.mark.parametrize("nothing", [3.0, "a text", {"a": 1}, Path(__file__)])
 def test_what_says_nothing_is_refused(nothing: Any) -> None:
-    with pytest.raises(st.StabilityError, match="says nothing of what to cite"):
+    with pytest.raises(st.StabilityError, match=r"says nothing of what to cite|^a text cannot be"):
         st.citation(nothing)
 
 
@@ -269,6 +270,16 @@ def test_the_command_cites_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert "cannot be read as NetCDF" in capsys.readouterr().err
 
 
+def test_the_fields_of_the_package_reach_its_entry() -> None:
+    """Year, address and DOI are filled in works.json once, and stand in the text and in BibTeX."""
+    filled = {"year": "2027", "url": "https://example.org/s", "doi": "10.5281/zenodo.1"}
+    own = replace(st.citation().works[0], author="Rossi, Ada and Bo, Cy", **filled)
+    for name, value in filled.items():
+        assert f"  {name} = {{{value}}}" in own.bibtex
+    assert own.text.startswith("A. Rossi and C. Bo, ")
+    assert own.text.endswith("2027, https://example.org/s, doi:10.5281/zenodo.1")
+
+
 def test_the_citation_file_says_the_same() -> None:
     """CITATION.cff, pyproject.toml and `st.citation` agree."""
     cff = yaml.safe_load((ROOT / "CITATION.cff").read_text())
@@ -279,6 +290,8 @@ def test_the_citation_file_says_the_same() -> None:
     assert "version" not in cff  # it stands in one place, stability/base/version.py
     assert f'license = "{cff["license"]}"' in project
     assert [a["name"] for a in cff["authors"]] == [own.author.strip("{}")]
+    year = str(cff.get("date-released", ""))[:4]
+    assert (year, cff.get("url", ""), cff.get("doi", "")) == (own.year, own.url, own.doi)
     [reference] = cff["references"]
     assert reference["doi"] == paper.doi
     assert reference["title"] == paper.title

@@ -266,7 +266,7 @@ def test_a_part_of_several_names_is_answered_with_all_of_them(
     said = refused(capsys, "spectrum", "rolling", "--c", "rough", "--at", "1")
     assert "--c is not an option here; --contact, --certify or --csv is" in said
     said = refused(capsys, "map", "spinning", "--o", "m.nc")  # before the axes are asked for
-    assert "--o is not an option here; --out or --overwrite is" in said
+    assert "--o is not an option here; --out, --overwrite or --overwrite-same is" in said
 
 
 def test_lists_in_help_are_those_of_the_registries(
@@ -723,12 +723,15 @@ def test_an_interruption_leaves_nothing(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Ctrl-C while the picture is half written, and the map wholly."""
+    whole = Path.write_bytes
 
-    def half(_: object, draft: Path) -> None:
-        draft.write_text("half")
-        os.kill(os.getpid(), signal.SIGINT)
+    def half(draft: Path, content: bytes) -> int:
+        written = whole(draft, content[:100])
+        if draft.suffix == ".png":
+            os.kill(os.getpid(), signal.SIGINT)
+        return written
 
-    monkeypatch.setattr("stability.figures.canvas.save_figure", half)
+    monkeypatch.setattr(Path, "write_bytes", half)
     code = main([*MAP, "--out", str(tmp_path / "m.nc"), "--plot", str(tmp_path / "m.png")])
     errors = capsys.readouterr().err
     assert code == 130

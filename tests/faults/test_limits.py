@@ -180,7 +180,7 @@ CALLS: dict[str, tuple[Callable[[], Any], str]] = {
     "words": (lambda: st.Viscous(0.3).force("ab", 1, 0.5), "of one number type"),
     "verdict": (lambda: st.Verdict(np.zeros(0)), "give undecided, stable, unstable, neutral"),
     "law": (lambda: st.disk_system(ca.DM(1)), "known are smooth"),  # type: ignore[arg-type]
-    "flag": (lambda: st.write_map(_small(), "x.nc", overwrite=np.ones(2)), "True or False"),  # type: ignore[arg-type]
+    "flag": (lambda: st.write_map(_small(), "x.nc", overwrite=np.ones(2)), "True, False or"),  # type: ignore[arg-type]
     "shapes": (lambda: st.Disk(mass=[1, 2], radius=[1, 2, 3], gravity=1), "do not broadcast"),
     "sentence": (lambda: st.Condition(ca.SX(1), "{nothing}"), "braces"),
     "two names": (lambda: _spring(-1.0, ("q", "q")), "twice"),

@@ -85,7 +85,7 @@ def test_a_notebook_is_kept_with_its_output_and_small_pictures(path: Path) -> No
             assert len(image.convert("L").getcolors(256) or ()) > 16
 
 
-FAST = ["README.md", "docs/explanation/contact-laws.md"]
+FAST = ["README.md", "docs/explanation/contact-laws.md", "docs/explanation/citing.md"]
 PAGES = [f"docs/explanation/{name}.md" for name in ("tour", "scenes")]
 
 

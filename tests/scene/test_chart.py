@@ -299,15 +299,15 @@ def test_a_plot_is_refused_before_anything_is_computed(
 def test_a_plot_that_fails_leaves_the_old_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from stability.figures import canvas
+    whole = Path.write_bytes
 
-    def broken(figure: Any, path: Path) -> None:  # noqa: ARG001
-        path.write_bytes(b"half")
+    def broken(path: Path, content: bytes) -> None:
+        whole(path, content[:100])
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(canvas, "save_figure", broken)
     taken = tmp_path / "chart.png"
     taken.write_bytes(b"mine")
+    monkeypatch.setattr(Path, "write_bytes", broken)
     with pytest.raises(FileError, match="No space left"):
         ROLLING.plot(taken, overwrite=True, laws={})
     assert taken.read_bytes() == b"mine" and list(tmp_path.iterdir()) == [taken]
