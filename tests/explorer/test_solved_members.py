@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from chromium import WITHOUT_WEBGL, Visit, visit
 from node import Engine
+from own_families import governor
 from page_numbers import ASK, LOOKED
 
 import stability as st
@@ -20,22 +21,6 @@ SAME = 1e-9
 """Largest difference of eigenvalues over the largest modulus."""
 NEAR = 1e-6
 """Distance from a boundary, over the largest modulus, at which verdicts may differ."""
-
-
-def governor() -> st.Family:
-    """Watt's governor; its members are followed from a known one."""
-    x, y, z, a, b, e = (ca.SX.sym(n) for n in ("x", "y", "z", "a", "b", "e"))
-    rhs = ca.vertcat(y, z**2 * ca.sin(x) * ca.cos(x) - ca.sin(x) - e * y, a * (ca.cos(x) - b))
-    system = st.System(
-        "governor",
-        ca.vertcat(x, y, z),
-        ca.vertcat(a, b, e),
-        rhs,
-        states=("x", "y", "z"),
-        parameters=("a", "b", "e"),
-    )
-    near = {"x": 1.0, "z": 1.4, "a": 0.5, "b": 0.5, "e": 0.4}
-    return system.steady("e", held={"y": 0.0}, guess=near, equations=("y", "z"), name="running")
 
 
 def bead() -> st.Family:

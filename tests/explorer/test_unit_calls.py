@@ -1,6 +1,5 @@
 """SI units of a body with mass and length: the page's numbers, its calls as they are printed."""
 
-import math
 import re
 from pathlib import Path
 from typing import Any
@@ -8,16 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 from node import Engine
-from page_numbers import OPEN, VERDICT
+from page_numbers import COIN, OPEN, RATE, SAME, VERDICT, apart, eigenvalues
 
 import stability as st
 
-COIN = st.Disk.named("quarter")
-RATE = math.sqrt(9.81 / 0.01213)
-"""√(g/R) of the coin, by hand [1/s]."""
 BODY = {"aspect": 0.7, "mass": 0.1, "gravity": 9.81, "length": 0.04}
-SAME = 1e-9
-"""Largest difference of eigenvalues over the largest modulus."""
 ENDS = """() => {
   const {view} = stabilityExplorer, q = view.subject.quantity[view.state.x];
   return view.state.ranges[q.name].slice(0, 2).map((v) => v * view.shown(q).size);
@@ -33,20 +27,6 @@ LAUNCH = """() => {
 }"""
 
 
-@pytest.fixture(scope="module")
-def page_of_coin(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path: Path = st.explore(
-        "rolling",
-        disk=COIN,
-        at=45.0,
-        mu=0.9,
-        x=("at", 5.0, 100.0),
-        certify=False,
-        out=tmp_path_factory.mktemp("page") / "coin.html",
-    )
-    return path
-
-
 @pytest.fixture
 def coin(page_of_coin: Path) -> Engine:
     return Engine(page_of_coin)
@@ -58,20 +38,6 @@ def called(page: Engine) -> dict[str, Any]:
     space: dict[str, Any] = {"code": code}
     exec(re.sub(r", (?:300|200)((?:, \"log\")?\))", r", 3\1", code), space)  # noqa: S102
     return space
-
-
-def eigenvalues(page: Engine) -> np.ndarray:
-    """Eigenvalues of the page in the unit that it shows."""
-    found = page.evaluate(
-        "(() => { const {view} = stabilityExplorer, {size} = view.curve('growth rate');"
-        "return view.subject.eigenvalues(view.point()).map((z) => z.map((v) => v * size)); })()"
-    )
-    return np.array([complex(*z) for z in found])
-
-
-def apart(found: np.ndarray, known: np.ndarray) -> float:
-    gaps = np.abs(found[:, None] - known[None, :])
-    return float(max(gaps.min(axis=0).max(), gaps.min(axis=1).max()) / np.abs(known).max())
 
 
 def test_the_numbers_that_were_given_are_those_of_the_page(coin: Engine) -> None:

@@ -10,29 +10,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from chromium import Visit, visit
-from page_numbers import REST
+from page_numbers import COIN, RATE, REST, SAME, apart, eigenvalues
 
 import stability as st
-
-COIN = st.Disk.named("quarter")
-RATE = math.sqrt(9.81 / 0.01213)
-"""√(g/R) of the coin, by hand [1/s]."""
-SAME = 1e-9
-"""Largest difference of eigenvalues over the largest modulus."""
-
-
-@pytest.fixture(scope="module")
-def page_of_coin(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path: Path = st.explore(
-        "rolling",
-        disk=COIN,
-        at=45.0,
-        mu=0.9,
-        x=("at", 5.0, 100.0),
-        certify=False,
-        out=tmp_path_factory.mktemp("page") / "coin.html",
-    )
-    return path
 
 
 @pytest.fixture
@@ -52,20 +32,6 @@ def called(page: Any) -> dict[str, Any]:
     space: dict[str, Any] = {"code": code}
     exec(re.sub(r", (?:300|200)((?:, \"log\")?\))", r", 3\1", code), space)  # noqa: S102
     return space
-
-
-def eigenvalues(page: Any) -> np.ndarray:
-    """Eigenvalues of the page in the unit that it shows."""
-    found = page.evaluate(
-        "(() => { const {view} = stabilityExplorer, {size} = view.curve('growth rate');"
-        "return view.subject.eigenvalues(view.point()).map((z) => z.map((v) => v * size)); })()"
-    )
-    return np.array([complex(*z) for z in found])
-
-
-def apart(found: np.ndarray, known: np.ndarray) -> float:
-    gaps = np.abs(found[:, None] - known[None, :])
-    return float(max(gaps.min(axis=0).max(), gaps.min(axis=1).max()) / np.abs(known).max())
 
 
 def test_the_numbers_that_were_given_are_shown_with_their_units(coin: Visit) -> None:
