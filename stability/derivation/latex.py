@@ -54,6 +54,8 @@ SIGNS = {
     "\u2060": "",
 }
 """Signs in formulas."""
+WIDTH = 80
+"""Characters of LaTeX in a row of a polynomial."""
 OF_DISK = {
     name: re.sub(r"_(\w)$", r"_{\1}", QUANTITIES[name].latex)
     for name in ("mu", "phi_dot", "theta_dot", "omega3", "theta", "slip_x", "slip_y")
@@ -139,15 +141,45 @@ def converted(text: str, names: Collection[str] = ()) -> str:
     return " ".join("".join(out).split())
 
 
-def powers(
-    variables: Sequence[str], exponents: Sequence[int], names: Mapping[str, str]
+def polynomial_rows(
+    terms: Iterable[tuple[str, str, Sequence[int]]],
+    variables: Sequence[str],
+    names: Mapping[str, str],
 ) -> list[str]:
-    """The factors of a monomial; a name has its symbol."""
-    return [
-        names[v] if e == 1 else f"{{{names[v]}}}^{{{e}}}"
-        for v, e in zip(variables, exponents, strict=True)
-        if e
-    ]
+    r"""A polynomial in rows of about `WIDTH` characters.
+
+    Parameters
+    ----------
+    terms
+        Sign, size of the coefficient as Python writes it, and exponents of each term.
+    variables
+        The variables of the exponents.
+    names
+        Their symbols.
+
+    Examples
+    --------
+    >>> terms = [("+", "2", (1, 2)), ("-", "1", (0, 0))]
+    >>> print(*polynomial_rows(terms, ("k", "z"), {"k": "k", "z": "z"}))
+    2\,k\,{z}^{2} - 1
+    """
+    rows: list[str] = []
+    row = ""
+    for sign, size, exponents in terms:
+        factors = [
+            names[v] if e == 1 else f"{{{names[v]}}}^{{{e}}}"
+            for v, e in zip(variables, exponents, strict=True)
+            if e
+        ]
+        number = [scientific(size)] * (size != "1" or not factors)
+        mark = f"{sign} " * bool(sign == "-" or row)
+        part = mark + r"\,".join([*number, *factors])
+        if row and len(row) + len(part) > WIDTH:
+            rows.append(row)
+            row = part
+        else:
+            row = f"{row} {part}".strip()
+    return [*rows, row or "0"]
 
 
 def scientific(text: str) -> str:
@@ -190,8 +222,11 @@ def escaped(text: str) -> str:
     }
     table |= {sign: f"${SIGNS[sign].rstrip()}$" for sign in "≈≤≥→≠±·∞"}
     table |= {letter: rf"$\{word}$" for letter, word in GREEK_LETTERS.items()}
-    found = "".join(table.get(c, c) for c in text)  # LaTeX reads other letters in UTF-8
-    return breaking(found)
+
+    def written(found: re.Match[str]) -> str:  # LaTeX reads other letters in UTF-8
+        return rf"$\lambda^{{{found[1]}}}$" if found[1] else table.get(found[0], found[0])
+
+    return breaking(re.sub(r"λ\^(\d+)|.", written, text, flags=re.DOTALL))
 
 
 def breaking(text: str) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -19,13 +18,11 @@ from ..bodies.disk import Disk
 from ..bodies.round_body.body import Body
 from ..bodies.subject import family_by_name
 from ..derivation.conditions import Conditions, conditions
-from ..derivation.latex import FUNCTIONS, escaped, powers, scientific, symbols
+from ..derivation.latex import FUNCTIONS, escaped, polynomial_rows, scientific, symbols
 from ..systems.equations import Equations
 from ..systems.family import Family
 from ..systems.sources.numeric import NumericSystem
 
-WIDTH = 90
-"""Characters of LaTeX in a line of a polynomial."""
 HEAD = r"""\documentclass{article}
 \usepackage{amsmath}
 \usepackage[margin=15mm,landscape]{geometry}
@@ -116,7 +113,7 @@ def _of_system(system: Equations) -> list[str]:
     both = ca.cse([ca.densify(system.rhs), ca.jacobian(system.rhs, system.x)])
     graph = ca.Function("system", [system.x, system.p], both)
     rates, slopes, sheet, places = _read(graph, [system.states, system.parameters], names)
-    title = rf"\section*{{Equations of motion: {_words(system.name)}}}"
+    title = rf"\section*{{Equations of motion: {escaped(system.name)}}}"
     left = [_rate(names[n]) for n in system.states]
     return [
         title,
@@ -135,7 +132,7 @@ def _of_family(family: Family) -> list[str]:
     state += [rf"{names[n]}\text{{ solved for}}" for n in family.unknown]
     left_out = [rf"{names[n]}\text{{ of any value}}" for n in family.left_out]
     at = ", ".join(names[n] for n in family.at)
-    text = rf"\section*{{Steady motions: {_words(family.name)}}}"
+    text = rf"\section*{{Steady motions: {escaped(family.name)}}}"
     given = r",\quad ".join([*state, *left_out])
     said = [rf"\[ {given},\quad \text{{named by }} {at} \]"] if given else []
     program = family.graph.matrix
@@ -226,9 +223,9 @@ def _of_conditions(found: Conditions) -> list[str]:
         out += ["with", *_display(vanishing)]
     out.append(r"\section*{Conditions of stability}")
     if found.branch:
-        out.append(rf"\noindent On {_words(found.branch)}:")
+        out.append(rf"\noindent On {escaped(found.branch)}:")
     for one in found.conditions:
-        out.append(rf"\noindent {_words(one.name)} of $p_{{{one.factor + 1}}}$: {one.status}")
+        out.append(rf"\noindent {escaped(one.name)} of $p_{{{one.factor + 1}}}$: {one.status}")
         sign = {"negative": "<", "zero": "="}.get(one.status, ">")
         out += _display([f"&{polynomial(one.polynomial, names)} {sign} 0"])
     return out
@@ -245,33 +242,13 @@ def polynomial(p: Polynomial, names: Mapping[str, str]) -> str:
     --------
     >>> p = Polynomial(("k", "z"), ((2, (1, 1)), (-1, (0, 0))))
     >>> print(polynomial(p, {"k": "k", "z": "z"}))
-    2\,k\,z-1
+    2\,k\,z - 1
     """
-    if not p.terms:
-        return "0"
-    lines: list[str] = []
-    line = ""
-    for coefficient, exponents in sorted(p.terms, key=lambda t: (-sum(t[1]), t[1])):
-        factors = powers(p.variables, exponents, names)
-        size = abs(coefficient)
-        head = [str(size)] if size != 1 or not factors else []
-        sign = "-" if coefficient < 0 else "+" if line or lines else ""
-        term = sign + r"\,".join([*head, *factors])
-        if line and len(line) + len(term) > WIDTH:
-            lines.append(line)
-            line = ""
-        line += term
-    return " \\\\\n&\\quad{}".join([*lines, line])
-
-
-def _words(text: str) -> str:
-    """Words outside of mathematics, with the signs that LaTeX would read."""
-    if "λ" in text:
-        parts = re.split(r"λ(?:\^(\d+))?", text)
-        powers = [rf"$\lambda^{{{n}}}$" if n else r"$\lambda$" for n in parts[1::2]]
-        ends = map(_words, parts[0::2])
-        return "".join(f"{word}{power}" for word, power in zip(ends, [*powers, ""], strict=True))
-    return escaped(text)
+    terms = sorted(p.terms, key=lambda t: (-sum(t[1]), t[1]))
+    rows = polynomial_rows(
+        [("-" if c < 0 else "+", str(abs(c)), e) for c, e in terms], p.variables, names
+    )
+    return " \\\\\n&\\quad{}".join(rows)
 
 
 # --- graphs as formulas ---

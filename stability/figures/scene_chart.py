@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from .canvas import COLUMN, STYLE, figure_style  # isort: skip
-from .styled_figure import StyledFigure, broken, entry, fixed, wide  # isort: skip
+from .styled_figure import drawing, entry, fixed, key, note, settle  # isort: skip
 
 import json
 from collections.abc import Sequence
@@ -24,12 +23,8 @@ from .letters import SMALL, Letter, letters
 if TYPE_CHECKING:
     import xarray
 
-WIDTH, BODY = COLUMN, 2.3
-"""Width of the figure, a journal column, and height of its panel [in]."""
-LEFT, RIGHT, TOP, UNDER = 0.5, 0.49, 0.06, 0.4
-"""Margins of the panel [in]."""
-LINE, KEY_LINE, COLUMNS = 0.122, 0.118, 2
-"""Height of a line of the note and of the key [in]; columns of the key."""
+ASPECT = 1.1
+"""Height of the figure over its width."""
 LOWEST = 1e-16
 """Smallest error that is drawn."""
 NEAR = 0.1
@@ -73,38 +68,17 @@ def scene_figure(dataset: xarray.Dataset) -> Figure:
         If the dataset is no chart of a scene.
     """
     _check(dataset)
-    with figure_style(STYLE):
-        room = 72 * (WIDTH - 0.1)
-        text = broken("\n".join(_note(dataset)), lambda line: wide(line) <= room)
-        handles = _handles(dataset)
-        foot = LINE * (text.count("\n") + 1) + 0.1
-        low = UNDER + KEY_LINE * -(-len(handles) // COLUMNS) + foot
-        height = TOP + BODY + low
-        figure = StyledFigure(figsize=(WIDTH, height))
-        axes = figure.add_axes(
-            (LEFT / WIDTH, low / height, (WIDTH - LEFT - RIGHT) / WIDTH, BODY / height)
-        )
+    with drawing(None, None, None, lambda width: ASPECT * width) as figure:
+        axes = figure.subplots()
         _limits(axes, dataset)
+        axes.set_xlabel("time of a run, with the estimate of its error [s]")
+        axes.set_ylabel("true error of the states")
         _lines(axes, dataset)
+        settle(figure)
+        key(axes, _handles(dataset))
+        note(axes, "\n".join(_note(dataset)))
+        settle(figure)
         _marks(axes, dataset)
-        axes.tick_params(labelsize=6.5)
-        axes.set_xlabel("time of a run, with the estimate of its error [s]", labelpad=2, fontsize=7)
-        axes.set_ylabel("true error of the states", labelpad=1, fontsize=7)
-        figure.legend(
-            handles=handles,
-            ncols=COLUMNS,
-            loc="upper center",
-            frameon=False,
-            bbox_to_anchor=(0.5, (low - UNDER + 0.02) / height),
-            borderaxespad=0,
-            borderpad=0,
-            columnspacing=1.4,
-            handletextpad=0.6,
-            labelspacing=0.3,
-        )
-        figure.text(
-            0.5, 0.04 / height, text, fontsize=SMALL, va="bottom", ha="center", linespacing=1.4
-        )
     return figure
 
 
@@ -293,7 +267,7 @@ def _handles(dataset: xarray.Dataset) -> list[Any]:
         entry(kind, linestyle="", mew=1.0, **look) for kind, look in LOOKS.items() if kind in there
     ]
     found.append(entry("chosen for the answer", linestyle="", **RING | {"ms": 7.5}))
-    found.append(Line2D([0], [0], label="to the time of the whole answer", **WHOLE))
+    found.append(Line2D([0], [0], label="time of the whole answer", **WHOLE))
     if np.isfinite(dataset.spread):
-        found.append(Patch(facecolor=BAND, alpha=0.28, label="below the spread of the inputs"))
+        found.append(Patch(facecolor=BAND, alpha=0.28, label="below the spread by inputs"))
     return found

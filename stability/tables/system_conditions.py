@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ..algebra.polynomial import Polynomial
 from ..base.exact_numbers import decimal_of, written
 from ..base.quantities import readable
-from ..derivation.latex import converted, escaped, powers, scientific, symbol
+from ..derivation.latex import converted, escaped, polynomial_rows, symbol
 from .letters import unit as unit_in_latex
 from .table import END, Column, Definition, Table, word
 
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
 DIGITS = 12
 """Digits of a coefficient in text; longer ones are rounded and marked."""
-WIDTH = 72
-"""Characters of a line of a formula in LaTeX, roughly."""
 ROWS = 20
 """Most lines of one display."""
 MOST_OF_RULE = 120
@@ -205,20 +203,9 @@ def record(found: Conditions) -> dict[str, Any]:
 
 def _formula(poly: Polynomial, relation: str, label: str = "") -> str:
     """A polynomial with a relation as displayed mathematics, broken into lines, with a label."""
-    parts, names = [], {n: symbol(n) for n in poly.variables}
-    for sign, size, exponents in _terms(poly, _size(poly)):
-        factors = powers(poly.variables, exponents, names)
-        words = [scientific(size)] * (size != "1" or not factors) + factors
-        parts.append(f"{sign} {' '.join(words)}")
-    parts = parts or ["0"]
-    parts[0] = parts[0].removeprefix("+ ")
-    rows, row = [], ""
-    for part in parts:
-        if row and len(row) + len(part) > WIDTH:
-            rows.append(row)
-            row = ""
-        row = f"{row} {part}".strip()
-    rows.append(f"{row} {relation}")
+    names = {n: symbol(n) for n in poly.variables}
+    rows = polynomial_rows(_terms(poly, _size(poly)), poly.variables, names)
+    rows[-1] += f" {relation}"
     mark = r"\approx{}" if _size(poly) > 1 else ""
     pages = [rows[i : i + ROWS] for i in range(0, len(rows), ROWS)]  # no page breaks in a display
     bodies = [" \\\\\n  & ".join(page) for page in pages]
@@ -257,8 +244,8 @@ def latex(found: Conditions) -> str:
         number = f"the factor $\\lambda^{{{found.zeros}}}$ and {count} more"
     out += [f"The characteristic polynomial has {number}."]
     for i, c in enumerate(found.deciding, start=1):
-        label = f"\\tag{{C{i}}}"
-        out += [f"{escaped(_words(c.kind, c.name))}:", _formula(c.polynomial, "> 0", label)]
+        out += [f"{c.kind.capitalize()} condition ({escaped(c.name)}):"]
+        out += [_formula(c.polynomial, "> 0", f"\\tag{{C{i}}}")]
     out += [escaped(_rule(found, labels=True))]
     if any(_size(c.polynomial) > 1 for c in found.deciding):
         out += [rf"Where $\approx$ is written, coefficients are rounded to {DIGITS} digits."]
@@ -278,11 +265,6 @@ def _latex_assumptions(found: Conditions) -> list[str]:
     apart = [rf"${converted(_text(p), names)} \neq 0$" for p in found.nonzero]
     parts = (("Given", given), ("Assumed", assumed + apart), ("With", solved))
     return [f"{word}: {', '.join(texts)}." for word, texts in parts if texts]
-
-
-def _words(kind: str, name: str) -> str:
-    plain = name.replace("λ^", "lambda to the power ").replace("λ²", "lambda squared")
-    return f"{kind.capitalize()} condition ({plain})"
 
 
 # --- for the registry ---

@@ -1,4 +1,4 @@
-"""One page of the disk for all tests of the explorer."""
+"""One page of the disk, and one of a coin, for all tests of the explorer."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 from chromium import Visit, visit
 from node import Engine
+from page_numbers import COIN
 
 import stability as st
 
@@ -34,7 +35,7 @@ def opened_disk(browser: Any, page_of_disk: Path) -> Iterator[Visit]:
 def page_of_coin(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path: Path = st.explore(
         "rolling",
-        disk=st.Disk.named("quarter"),
+        disk=COIN,
         at=45.0,
         mu=0.9,
         x=("at", 5.0, 100.0),

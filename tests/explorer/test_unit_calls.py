@@ -1,6 +1,5 @@
 """SI units of a body with mass and length: the page's numbers, its calls as they are printed."""
 
-import math
 import re
 from pathlib import Path
 from typing import Any
@@ -8,16 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 from node import Engine
-from page_numbers import OPEN, VERDICT, apart, eigenvalues
+from page_numbers import COIN, OPEN, RATE, SAME, VERDICT, apart, eigenvalues
 
 import stability as st
 
-COIN = st.Disk.named("quarter")
-RATE = math.sqrt(9.81 / 0.01213)
-"""√(g/R) of the coin, by hand [1/s]."""
 BODY = {"aspect": 0.7, "mass": 0.1, "gravity": 9.81, "length": 0.04}
-SAME = 1e-9
-"""Largest difference of eigenvalues over the largest modulus."""
 ENDS = """() => {
   const {view} = stabilityExplorer, q = view.subject.quantity[view.state.x];
   return view.state.ranges[q.name].slice(0, 2).map((v) => v * view.shown(q).size);

@@ -10,15 +10,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from chromium import Visit, visit
-from page_numbers import REST, apart, eigenvalues
+from page_numbers import COIN, RATE, REST, SAME, apart, eigenvalues
 
 import stability as st
-
-COIN = st.Disk.named("quarter")
-RATE = math.sqrt(9.81 / 0.01213)
-"""√(g/R) of the coin, by hand [1/s]."""
-SAME = 1e-9
-"""Largest difference of eigenvalues over the largest modulus."""
 
 
 @pytest.fixture

@@ -1,6 +1,5 @@
 """Films show the motion that was computed: geometry against kinematics, files whole or absent."""
 
-import json
 import math
 import re
 from pathlib import Path
@@ -9,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from figure_audit import drawn, faults, linear, luminance
+from film_page import motion_of
 from PIL import Image
 
 import stability as st
@@ -25,13 +25,6 @@ def launch(law: Any = None, disk: Any = None, last: float = 3.0, count: int = 61
     times, law = np.linspace(0, last, count), law or st.Viscous(0.3)
     start = START | ({"slip_y": 0.1} if law.name == "coulomb" else {})
     return st.simulate(disk or st.Disk(), law, start, times, pose=True)
-
-
-def shared(path: Path) -> dict[str, Any]:
-    """The data in a page."""
-    found = re.search(r'type="application/json" id="motion">(.*?)</script>', path.read_text())
-    assert found
-    return dict(json.loads(found[1], parse_constant=lambda name: pytest.fail(name)))
 
 
 @pytest.mark.few(2)
@@ -204,7 +197,7 @@ def test_a_page_holds_the_motion_and_loads_nothing(law: Contact, tmp_path: Path)
     path = animate(run, tmp_path / "a.html")
     text = path.read_text()
     assert not re.search(r"https?://|\bsrc=|@import|url\(|fetch\(|@MOTION@", text)
-    data = shared(path)
+    data = motion_of(path)
     for name in ("time", *animation.POSED, *animation.LINEAR):
         np.testing.assert_allclose(data[name], run[name], rtol=1e-5, atol=1e-12)
     assert ("mode" in data) == (law.name == "coulomb")
@@ -221,20 +214,20 @@ def test_words_in_the_data_cannot_end_the_script_of_a_page(tmp_path: Path) -> No
     run.attrs["title"] = evil = '</script><script>alert("1")</script><!--'
     path = animate(run, tmp_path / "a.html")
     assert "alert" in path.read_text() and "<script>alert" not in path.read_text()
-    assert shared(path)["title"] == evil
+    assert motion_of(path)["title"] == evil
 
 
 @pytest.mark.long
 def test_a_page_thins_a_long_motion_evenly(tmp_path: Path) -> None:
     run = launch(st.Coulomb(0.2), last=1.0, count=animation.MOST_SAMPLES + 5)
-    data = shared(animate(run, tmp_path / "a.html"))
+    data = motion_of(animate(run, tmp_path / "a.html"))
     assert {len(data[n]) for n in ("time", "phi", "mode")} == {animation.MOST_SAMPLES}
 
 
 def test_one_of_several_launches_can_be_taken(tmp_path: Path) -> None:
     start = {"theta": [1.2, 1.4], "omega3": 0.0}
     runs = st.simulate(st.Disk(), st.Smooth(), start, np.linspace(0, 5, 101), pose=True)
-    data = shared(animate(runs.isel(launch=0), tmp_path / "a.html"))
+    data = motion_of(animate(runs.isel(launch=0), tmp_path / "a.html"))
     assert data["outcome"] == "flat" and data["time"][-1] < float(runs.end_time[0]) < 5
 
 

@@ -1,15 +1,14 @@
 """Films and figures of bodies of revolution: the surface that is drawn, and what is refused."""
 
 import html
-import json
 import re
 import shutil
 import subprocess
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from film_page import motion_of
 from PIL import Image
 from scipy.spatial.transform import Rotation
 
@@ -77,17 +76,10 @@ def test_a_figure_and_its_caption_name_the_body(run) -> None:  # type: ignore[no
     assert caption(disk).startswith("Motion of a disk with rough contact")
 
 
-def page_data(path: Path) -> dict[str, Any]:
-    """The data in a page."""
-    found = re.search(r'type="application/json" id="motion">(.*?)</script>', path.read_text())
-    assert found
-    return dict(json.loads(found[1], parse_constant=lambda name: pytest.fail(name)))
-
-
 def test_a_page_of_a_body_holds_the_states_of_the_run(run, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
     path = st.animate(run, tmp_path / "top.html", body=TOP)
     assert not re.search(r"https?://|\bsrc=|@import|url\(|fetch\(|@MOTION@", path.read_text())
-    data = page_data(path)
+    data = motion_of(path)
     turn = Rotation.from_quat(data["turn"]).as_matrix()
     axis = np.stack([run.axis_x, run.axis_y, run.axis_z], axis=1)
     np.testing.assert_allclose(turn[:, :, 2], axis, atol=1e-8)

@@ -1,5 +1,6 @@
 """What tests ask a page of the explorer, in Chromium or in Node, and the package."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,11 @@ import stability as st
 
 FAMILIES = ("rolling", "spinning", "tumbling")
 LAWS = {"smooth": (), "viscous": ("mu",), "linear-viscous": ("mu",), "rough": ()}
+COIN = st.Disk.named("quarter")
+RATE = math.sqrt(9.81 / 0.01213)
+"""√(g/R) of the coin, by hand [1/s]."""
+SAME = 1e-9
+"""Largest difference of eigenvalues over the largest modulus."""
 
 
 def spectrum(family: str, law: str, points: np.ndarray) -> st.Spectrum:
@@ -16,6 +22,21 @@ def spectrum(family: str, law: str, points: np.ndarray) -> st.Spectrum:
     return st.spectrum(
         family, at=points[:, 0], contact=law, disk=st.Disk(k=points[:, -1]), **friction
     )
+
+
+def eigenvalues(page: Any) -> np.ndarray:
+    """Eigenvalues of the page in the unit that it shows."""
+    found = page.evaluate(
+        "(() => { const {view} = stabilityExplorer, {size} = view.curve('growth rate');"
+        "return view.subject.eigenvalues(view.point()).map((z) => z.map((v) => v * size)); })()"
+    )
+    return np.array([complex(*z) for z in found])
+
+
+def apart(found: np.ndarray, known: np.ndarray) -> float:
+    """Largest difference of two sets of eigenvalues, over the largest modulus."""
+    gaps = np.abs(found[:, None] - known[None, :])
+    return float(max(gaps.min(axis=0).max(), gaps.min(axis=1).max()) / np.abs(known).max())
 
 
 REST = """async () => {
