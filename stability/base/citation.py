@@ -274,6 +274,8 @@ def citation(result: Any = None) -> Citation:
     ------
     ParameterError
         If the object says nothing of what to cite.
+    FileError
+        If the file says nothing of it, cannot be read, or has been changed since it was written.
 
     Source: the works' own pages; tests/base/test_citation.py.
 

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from functools import wraps
 from inspect import signature
 from pathlib import Path
-from typing import Any
+from typing import Any, ParamSpec
 
 import matplotlib
 import numpy as np
@@ -31,9 +31,10 @@ from ..base.citation import joined, keys_of
 from ..base.errors import ParameterError, shown
 from ..base.quantities import Quantity, formula_in_latex, in_latex, plain_text
 from ..base.types import Overwrite
-from ..storage.origin import origin_of
+from ..storage.origin import PACKAGE, origin_of
 from ..storage.targets import PICTURES, check_suffix
 
+_Arguments = ParamSpec("_Arguments")
 LARGEST = 40.0
 """Largest width [in] and size of text [pt]."""
 SCREEN = 144.0
@@ -65,7 +66,7 @@ class StyledFigure(Figure):
     citation = ""
     """Keys of the works to cite, for `stability.citation`."""
     changed = False
-    """Whether anything of the figure was changed after that call."""
+    """Whether code of the user has drawn on it, by which that call does not say all."""
 
     def __init__(self, *args: Any, settings: Mapping[Any, Any] = STYLE, **options: Any) -> None:
         self.settings = dict(settings)
@@ -120,17 +121,20 @@ class StyledFigure(Figure):
         return {"image/png": kept.getvalue()}, {"image/png": {"width": wide, "height": tall}}
 
 
-def remembered(plot: Callable[..., Figure]) -> Callable[..., Figure]:
+def remembered(plot: Callable[_Arguments, Figure]) -> Callable[_Arguments, Figure]:
     """A function that draws, whose figures know the call that drew them and what to cite."""
+    # the version says nothing of what a function of the user draws
+    theirs = not plot.__module__.startswith(f"{PACKAGE}.")
 
     @wraps(plot)
-    def call(*given: Any, **named: Any) -> Figure:
+    def call(*given: _Arguments.args, **named: _Arguments.kwargs) -> Figure:
         figure = plot(*given, **named)
         if isinstance(figure, StyledFigure):
             arguments = signature(plot).bind(*given, **named).arguments
             keys = joined(filter(None, [figure.citation, *map(keys_of, arguments.values())]))
             if arguments.get("ax") is None:
                 figure.remember(plot.__name__, arguments, keys)
+                figure.changed = theirs
             figure.citation = keys
         return figure
 

@@ -241,8 +241,8 @@ def file_citation(path: str | os.PathLike[str]) -> Citation:
             raise FileError(f"{path_text(target)} says nothing of what to cite: {error}.") from None
     if not record.get(KEYS):
         raise nothing
-    made = f"{target.name} was made by {record[CALL]} of stability {record[VERSION]}"
+    made = f"{target.name} was made by {record[CALL]} with stability {record[VERSION]}"
     for told in (value for value in record.values() if isinstance(value, dict)):
         made += f" from {title}" if (title := told.get("attributes", {}).get("title")) else ""
-    made += ", and changed afterwards." if f"its {LATER}" in record else "."
+    made += ", and by code of the user." if f"its {LATER}" in record else "."
     return citation_of_keys(record[KEYS], record[VERSION], made)

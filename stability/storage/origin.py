@@ -34,7 +34,7 @@ ASIDE = ("its citation", "attribute citation")
 DATED = ("created",)
 """Attributes of datasets that differ between two runs of a call."""
 CALL, VERSION, KEYS, LATER = "the call", "the version", "its citation", "later changes"
-"""Entries of a record that are no arguments; of figures the checksum where they were changed."""
+"""Entries of a record that are no arguments; of figures the checksum where a user has drawn."""
 PACKAGE = __name__.partition(".")[0]
 MARK = b"stability origin "
 LONGEST = 400

@@ -93,17 +93,3 @@ LOOKED = """([key, points]) => {
 
 Next to them growth rate, verdict and largest modulus by the scripts of a point.
 """
-
-
-def eigenvalues(page: Any) -> np.ndarray:
-    """Eigenvalues of the page in the unit that it shows."""
-    found = page.evaluate(
-        "(() => { const {view} = stabilityExplorer, {size} = view.curve('growth rate');"
-        "return view.subject.eigenvalues(view.point()).map((z) => z.map((v) => v * size)); })()"
-    )
-    return np.array([complex(*z) for z in found])
-
-
-def apart(found: np.ndarray, known: np.ndarray) -> float:
-    gaps = np.abs(found[:, None] - known[None, :])
-    return float(max(gaps.min(axis=0).max(), gaps.min(axis=1).max()) / np.abs(known).max())
