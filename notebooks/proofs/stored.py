@@ -10,7 +10,6 @@ from typing import Any
 
 import sympy
 
-import stability
 from stability.base.errors import FileError, StabilityError
 from stability.bodies.contact_laws import LAWS
 from stability.bodies.disk_polynomials import digest
@@ -141,7 +140,7 @@ def write(data: Path, module: Path, derived: Callable[[], dict[str, Any]]) -> li
 
 
 if __name__ == "__main__":
-    bodies = Path(stability.__file__).parent / "bodies"
+    bodies = Path(__file__).parents[2] / "stability" / "bodies"
     round_body = bodies / "round_body"
     for data, module, derived in (
         (bodies / "disk_polynomials.json", bodies / "disk_polynomials.py", of_disk),

@@ -20,7 +20,7 @@ from .round_body.families import place_of
 from .round_body.inclinations import tumbling_rates
 from .round_body.shape import RoundShape
 from .round_body.si_law import shape_of
-from .round_body.thin import is_thin, thin_body
+from .round_body.thin import is_thin, round_shape, thin_body
 from .subject import disk_family
 
 TILT = 0.1
@@ -81,14 +81,14 @@ def launch(
     """
     if disk is not None and body is not None:
         raise ParameterError("body and disk are both given; give one of them.")
-    thing, own = disk if body is None else body, isinstance(body, Body)
+    own = isinstance(body, Body)
     names = [n for n, f in FAMILIES.items() if (len(f.at) == 1 if own else f.line)]
     record = FAMILIES[known("family", family, names)]
     if not own and (theta is not None or pole is not None):
         raise ParameterError(
             "theta and pole belong to a stability.Body; leave them out for a disk."
         )
-    shape = thing if isinstance(thing, Body) else thin_body(_disk_of(record, thing))
+    shape = thin_body(_disk_of(record, disk)) if body is None else round_shape(body)
     place = place_of(shape, family, theta, pole) if own else None
     if place is not None and not record.pole:
         _same_place(shape, family, place)

@@ -16,7 +16,7 @@ smooth sheet.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -268,27 +268,18 @@ class Followed(NamedTuple):
     """Share of the line that was followed; 1 where the end was reached, shape (N,)."""
 
 
-class _Lines:
-    """The equations along lines from `start` to `stop`, rows of (family parameters, parameters)."""
+def _at(lines: Curve, rows: Any, u: Floats, t: Floats) -> tuple[Floats, Floats, Floats]:
+    """Residual, slope by the unknowns, and slope along the line, at shares of some lines."""
+    some = replace(lines, start=lines.start[rows], turn=lines.turn[rows])
+    with np.errstate(all="ignore"):
+        r, slope = some.at(np.column_stack([u, t]))
+    return r, slope[..., :-1], slope[..., -1]
 
-    def __init__(self, graph: FamilyGraph, cut: int, start: Floats, stop: Floats) -> None:
-        self.graph, self.cut = graph, cut
-        self.start, self.turn = start, stop - start
 
-    def at(self, rows: NDArray[np.intp], u: Floats, t: Floats) -> tuple[Floats, Floats, Floats]:
-        """Residual, slope by the unknowns, and slope along the line."""
-        turn = self.turn[rows]
-        with np.errstate(all="ignore"):
-            given = self.start[rows] + t[:, None] * turn
-            arguments = [list(given.T[: self.cut]), list(u.T), list(given.T[self.cut :])]
-            r, r_u, r_g = self.graph.along.arrays(arguments, (len(rows),))
-            return r[..., 0], r_u, (r_g @ turn[..., None])[..., 0]
-
-    def crosses(self, row: int, u: Floats, t: float, h: float) -> bool:
-        """Whether a branch point is resolved next to a point: no narrow gap, which is no way."""
-        curve = Curve(self.graph, self.cut, self.start[row], self.turn[row])
-        found = locate_branch_point(curve, np.array([*u, t]))
-        return found.resolved and bool(abs(found.z[-1] - t) <= h)
+def _crosses(line: Curve, u: Floats, t: float, h: float) -> bool:
+    """Whether a branch point is resolved next to a point: no narrow gap, which is no way."""
+    found = locate_branch_point(line, np.array([*u, t]))
+    return found.resolved and bool(abs(found.z[-1] - t) <= h)
 
 
 def follow(graph: FamilyGraph, cut: int, start: Floats, u: Floats, stop: Floats) -> Followed:
@@ -320,16 +311,16 @@ def follow(graph: FamilyGraph, cut: int, start: Floats, u: Floats, stop: Floats)
     >>> found.u[0].round(6), found.share.round(6)
     (array([2.]), array([1. , 0.5]))
     """
-    lines = _Lines(graph, cut, start, stop)
+    lines = Curve(graph, cut, start, stop - start)
     u, t = u.copy(), np.zeros(len(u))
     step, patience = np.full(len(u), 1.0), np.zeros(len(u), dtype=int)
     jumped = np.zeros(len(u), dtype=bool)
     rows = np.arange(len(u))
-    _, slope, along = lines.at(rows, u, t)
+    _, slope, along = _at(lines, rows, u, t)
     turn = -solved(slope, along)
     sign, size = _sign(slope)
     # the way to where the determinant would vanish, by its change over the last step
-    left = _left(BRANCH, size, _sign(lines.at(rows, u - BRANCH * turn, t - BRANCH)[1])[1])
+    left = _left(BRANCH, size, _sign(_at(lines, rows, u - BRANCH * turn, t - BRANCH)[1])[1])
     for _ in range(MOST_STEPS):
         rows = np.flatnonzero((t < 1) & (step >= np.minimum(LEAST, 1 - t)) & (sign != 0))
         if not len(rows):
@@ -352,7 +343,9 @@ def follow(graph: FamilyGraph, cut: int, start: Floats, u: Floats, stop: Floats)
         fine &= (now != sign[rows]) | ~jump
         fine &= _smooth(h, u[rows], new, turn[rows], after)
         for i in np.flatnonzero(fine & (now != sign[rows])):
-            fine[i] = lines.crosses(rows[i], (u[rows[i]] + new[i]) / 2, t[rows[i]] + h[i] / 2, h[i])
+            row = rows[i]
+            line = replace(lines, start=start[row], turn=lines.turn[row])
+            fine[i] = _crosses(line, (u[row] + new[i]) / 2, t[row] + h[i] / 2, h[i])
         done = rows[fine]
         left[done] = _left(h, large, size[rows])[fine]
         size[done] = large[fine]
@@ -396,12 +389,12 @@ def _smooth(h: Floats, u: Floats, new: Floats, turn: Floats, after: Floats) -> N
 
 
 def _corrected(
-    lines: _Lines, rows: NDArray[np.intp], u: Floats, t: Floats
+    lines: Curve, rows: NDArray[np.intp], u: Floats, t: Floats
 ) -> tuple[Floats, NDArray[np.bool_], tuple[Floats, Floats]]:
     """Newton's method from a prediction; whether it contracts fast; slopes at its result."""
     sizes = []
     for _ in range(3):
-        r, slope, along = lines.at(rows, u, t)
+        r, slope, along = _at(lines, rows, u, t)
         correction = solved(slope, r)
         with np.errstate(all="ignore"):
             sizes.append((np.abs(correction) / (1 + np.abs(u))).max(axis=1))

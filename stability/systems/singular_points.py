@@ -42,7 +42,7 @@ class Curve(Record):
     cut: int
     """Number of family parameters."""
     start: Floats
-    """Numbers at the share 0."""
+    """Numbers at the share 0; of several lines a row for each."""
     turn: Floats
     """Change of the numbers over a share of 1."""
 
@@ -62,7 +62,7 @@ class Curve(Record):
         given = list(self.given(z).T)
         arguments = [given[: self.cut], list(z.T[:-1]), given[self.cut :]]
         r, r_u, r_g = self.graph.along.arrays(arguments, z.shape[:1])
-        return r[..., 0], np.concatenate([r_u, (r_g @ self.turn)[..., None]], axis=2)
+        return r[..., 0], np.concatenate([r_u, r_g @ self.turn[..., None]], axis=2)
 
     def noise(self, z: Floats) -> Floats:
         """Bound on the rounding of the residual at one point, shape (u,)."""

@@ -7,15 +7,11 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pytest
-from own_systems import system_of
+from own_systems import symbols, system_of
 
 import stability as st
 
 DOUBLE_ZERO, ZERO_HOPF, DOUBLE_HOPF, VANISHING, CUSP = st.PointKind
-
-
-def symbols(*names: str) -> list[Any]:
-    return [ca.SX.sym(n) for n in names]
 
 
 def points(found: st.CodimensionTwo, kind: st.PointKind) -> list[tuple[float, float]]:

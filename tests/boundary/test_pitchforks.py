@@ -3,25 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import casadi as ca
 import numpy as np
 import pytest
-from own_systems import system_of
+from own_systems import symbols, system_of
 from scipy.optimize import brentq
 
 import stability as st
 from stability.systems.symmetry import symmetric_family
 
 
-def symbols(names: str) -> list[Any]:
-    return [ca.SX.sym(n) for n in names]
-
-
 def columns(sign: int) -> st.Family:
     """Two columns on springs, coupled so that x = sign u: a pitchfork where k cos x = 1 + 2 c."""
-    x, v, u, w, k, c = symbols("xvuwkc")
+    x, v, u, w, k, c = symbols(*"xvuwkc")
     pull = c * ca.sin(sign * u - x)
     rates = ca.vertcat(
         v,
@@ -48,7 +43,7 @@ def crossings() -> list[float]:
 
 
 def test_two_neurons_differ_beyond_the_pitchfork() -> None:
-    x, y, p, q = symbols("xypq")
+    x, y, p, q = symbols(*"xypq")
     rates = ca.vertcat(-x + q - p * ca.tanh(y), -y + q - p * ca.tanh(x))
     pair = system_of("neurons", [x, y], [p, q], rates)
     even = pair.steady("p", guess={"x": 0.3, "y": 0.3, "p": 0.5}, q=0.5)
@@ -75,7 +70,7 @@ def test_every_pitchfork_of_a_symmetric_branch_is_listed(sign: int) -> None:
 
 
 def test_a_symmetry_that_is_only_nearly_one_is_not_taken() -> None:
-    x, y, p, e = symbols("xype")
+    x, y, p, e = symbols(*"xype")
     rates = ca.vertcat(
         p * ca.sin(x) - 2 * x + y + (1 + e) * ca.exp(0.1), p * ca.sin(y) - 2 * y + x + ca.exp(0.1)
     )
@@ -86,7 +81,7 @@ def test_a_symmetry_that_is_only_nearly_one_is_not_taken() -> None:
 
 
 def test_a_crossing_branch_without_a_symmetry_is_named_and_ends_the_search_early() -> None:
-    x, p = symbols("xp")
+    x, p = symbols(*"xp")
     rate = -(x - ca.sin(p)) * (ca.exp(x) - 1 - 2 * p)
     system = st.System("two branches", x, p, rate, states=("x",), parameters=("p",))
     family = system.steady("p", guess={"x": math.sin(0.5), "p": 0.5})

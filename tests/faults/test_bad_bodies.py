@@ -281,6 +281,10 @@ def test_a_film_of_a_body_with_other_numbers_is_refused(tmp_path: Any) -> None:
         (lambda: TOP.height_at([1.0, math.inf]), "theta is inf"),
         (lambda: st.Egg(0.2, aspect=1e308), r"aspect is 1e\+308; it must lie in"),
         (
+            lambda: st.launch("rolling", at=1.0, body=3),  # type: ignore[arg-type]
+            "body is 3; give a stability.Body or a stability.Disk",
+        ),
+        (
             lambda: st.launch("vertical", at=1.0, body=TOP, pole=np.array([0, 1])),
             "pole is an array",
         ),

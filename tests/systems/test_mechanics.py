@@ -9,12 +9,9 @@ import pytest
 import sympy as sp
 import sympy.physics.mechanics as me
 from kane_disk import kane
+from own_systems import symbols
 
 import stability as st
-
-
-def symbols(*names: str) -> list[ca.SX]:
-    return [ca.SX.sym(n) for n in names]
 
 
 def states(count: int, size: int, seed: int = 1) -> Any:

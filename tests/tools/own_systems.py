@@ -8,6 +8,10 @@ import casadi as ca
 import stability as st
 
 
+def symbols(*names: str) -> list[ca.SX]:
+    return [ca.SX.sym(n) for n in names]
+
+
 def system_of(
     name: str,
     states: Sequence[ca.SX],

@@ -132,6 +132,9 @@ class RoundShape(Record):
     shape: Mapping[str, Any]
     name: str
     between: tuple[float, float]
+    mass: Any
+    gravity: Any
+    length: Any
 
     @property
     def given(self) -> dict[str, Any]:
