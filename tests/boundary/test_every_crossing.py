@@ -173,6 +173,22 @@ def test_divergence_behind_flutter_is_printed_by_the_command(
         assert sum(spectrum.eigenvalues.real > 1e-9) == expected
 
 
+def test_the_number_throughout_is_that_of_the_interval_and_not_of_its_surroundings() -> None:
+    """√(1/3) is a little below the interval, and √2 a little above."""
+    found = st.boundaries("rolling", axis=("at", 0.58, 1.41, 9), contact=st.Viscous(1), every=True)
+    assert not found and found.complete and found.throughout == 2
+    assert "2 unstable eigenvalues throughout" in found.statement("at")
+
+
+def test_a_locus_tells_boundaries_from_other_crossings() -> None:
+    law = st.Viscous(1)
+    found = st.boundaries("rolling", axis=("at", 0.1, 3, 9), contact=law, every=True)
+    spectrum = st.spectrum("rolling", at=np.linspace(0.1, 3, 30), contact=law)
+    panel = st.plot_locus(spectrum, thresholds=found).axes[0]
+    dotted = [line for line in panel.lines if line.get_label() == "change of verdict"]
+    assert [line.get_xdata()[0] for line in dotted] == [found[1].value]
+
+
 @pytest.mark.parametrize("law", ["smooth", "viscous", "linear-viscous", "rough"])
 def test_boundaries_of_the_disk_are_the_crossings_without_others(law: str) -> None:
     """Boundaries come from conditions, crossings from the polynomial; along k also with sin 0.5."""
