@@ -252,7 +252,7 @@ class AxisPoints(Sequence[PointT], ABC):
 
     @property
     def complete(self) -> bool:
-        """Whether the points are proved to be all changes on the closed interval."""
+        """Whether the points are proved to be all on the closed interval."""
         return not self.unresolved
 
     def __len__(self) -> int:

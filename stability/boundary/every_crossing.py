@@ -24,7 +24,7 @@ from ..base.types import Floats
 from ..systems.structure.structural_zeros import structure
 from .algebraic.candidates import Candidate, Watched
 from .algebraic.exact_search import DIGITS, Judge, members_along, tidy
-from .algebraic.members import FINE_BITS, Cell
+from .algebraic.members import FINE_BITS, OPEN, Cell
 from .brackets import (
     LADDER,
     LATE,
@@ -70,15 +70,25 @@ class _EveryCrossing(Judge):
     def crossings(self) -> Crossings:
         """The record."""
         self.every: list[AxisCrossing] = []
+        self.counts: dict[int, list[int] | None] = {}
         self.judge()
-        left = tuple(tidy(self.left))
-        known = (side for cell in self.members.cells if (side := self.side(cell)) is not None)
-        number = None if left or self.every else sum(next(known))
-        return Crossings(tuple(self.every), left, tuple(self.touching), HOW, throughout=number)
+        number = None
+        if not self.left and not self.every:
+            # a candidate a little beyond the interval bounds a piece outside it
+            inside = (c for c in self.members.cells if c.high > arb(self.low))
+            side = self.side(next(inside))
+            if side is None:
+                self.left.append(Unresolved(self.low, self.high, f"{OPEN}."))
+            else:
+                number = sum(side)
+        left, touching = tuple(tidy(self.left)), tuple(self.touching)
+        return Crossings(tuple(self.every), left, touching, HOW, throughout=number)
 
     def side(self, cell: Cell) -> list[int] | None:
         """Number of unstable eigenvalues of each factor."""
-        return self.members.unstable_in(cell)
+        if id(cell) not in self.counts:  # cells live as long as the members
+            self.counts[id(cell)] = self.members.unstable_in(cell)
+        return self.counts[id(cell)]
 
     def single(self, one: Candidate, kept: list[Watched], below: Cell, above: Cell) -> None:
         """A candidate where eigenvalues may reach the axis, and as many are unstable beyond it."""

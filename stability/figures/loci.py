@@ -22,6 +22,7 @@ from ..base.looks import BLUE, GREEN, LIGHT, PURPLE, SKY, VERMILION
 from ..base.quantities import axis_label, in_latex
 from ..base.types import Complexes, Floats
 from ..base.verdict import BY_CODE
+from ..boundary.brackets import Crossings
 from ..spectra.result import Spectrum
 from .letters import Letter, letters
 from .modes import (
@@ -83,7 +84,8 @@ def plot_locus(
         Spectrum along one axis, of one quantity given as an array, eigenvalues of shape
         (points, n); or a single one.
     thresholds
-        Where the verdict changes: what `boundaries` returns, or values of the swept quantity.
+        Where the verdict changes: what `boundaries` returns, or values of the swept quantity.  Of
+        every crossing those with unstable eigenvalues on both sides are zeros.
     zeros
         Further values at which a growth rate crosses zero, with no change of verdict.
     title
@@ -133,6 +135,10 @@ def plot_locus(
     values, radius = tracked(spectrum)
     groups = mode_groups(values)
     names = mode_names(spectrum, groups)
+    if isinstance(thresholds, Crossings):
+        behind = [c for c in thresholds if c.unstable_below and c.unstable_above]
+        zeros = [*zeros, *(c.value for c in behind)]
+        thresholds = [c for c in thresholds if c not in behind]
     changes = [float(getattr(threshold, "value", threshold)) for threshold in thresholds]
     with drawing(ax, width, fontsize, lambda wide: min(1.15 * wide, 2.2 + 0.5 * wide)) as figure:
         panels = np.ravel(_panels(figure) if ax is None else ax).tolist()

@@ -173,6 +173,39 @@ def test_divergence_behind_flutter_is_printed_by_the_command(
         assert sum(spectrum.eigenvalues.real > 1e-9) == expected
 
 
+def test_squares_of_a_spinning_saddle_meet_cross_zero_or_touch_it() -> None:
+    """λ⁴ + (1 - a - b) λ² + a b: λ² meet at -1/4 for a = b = 1/4, and are 0 for a = 0."""
+    x, p = ca.SX.sym("x", 4), ca.SX.sym("p", 2)
+    for b, crossings, touching in (
+        (p[0] + p[1], [(0.25, 0, 2, (0.5,))], (0.0,)),
+        (p[1] - 1, [(0.0, 0, 1, (0.0,))], ()),
+    ):
+        turned = ca.vertcat(x[1], p[0] * x[0] + x[3], x[3], b * x[2] - x[1])
+        system = st.System("saddle", x, p, turned, states=tuple("xuyv"), parameters=("a", "c"))
+        family = st.Family(system, "rest", at=("a",), held=dict.fromkeys("xuyv", 0.0))
+        found = st.boundaries(family, axis=("a", -0.9, 0.9, 9), c=0.0, every=True)
+        assert found.complete and found.touching == touching
+        assert [
+            (c.value, c.unstable_below, c.unstable_above, c.frequencies) for c in found
+        ] == crossings
+
+
+def test_the_number_throughout_is_that_of_the_interval_and_not_of_its_surroundings() -> None:
+    """√(1/3) is a little below the interval, and √2 a little above."""
+    found = st.boundaries("rolling", axis=("at", 0.58, 1.41, 9), contact=st.Viscous(1), every=True)
+    assert not found and found.complete and found.throughout == 2
+    assert "2 unstable eigenvalues throughout" in found.statement("at")
+
+
+def test_a_locus_tells_boundaries_from_other_crossings() -> None:
+    law = st.Viscous(1)
+    found = st.boundaries("rolling", axis=("at", 0.1, 3, 9), contact=law, every=True)
+    spectrum = st.spectrum("rolling", at=np.linspace(0.1, 3, 30), contact=law)
+    panel = st.plot_locus(spectrum, thresholds=found).axes[0]
+    dotted = [line for line in panel.lines if line.get_label() == "change of verdict"]
+    assert [line.get_xdata()[0] for line in dotted] == [found[1].value]
+
+
 @pytest.mark.parametrize("law", ["smooth", "viscous", "linear-viscous", "rough"])
 def test_boundaries_of_the_disk_are_the_crossings_without_others(law: str) -> None:
     """Boundaries come from conditions, crossings from the polynomial; along k also with sin 0.5."""
