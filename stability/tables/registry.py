@@ -239,7 +239,9 @@ def _of_family(
 ) -> Table:
     """A table of a family of the user's own, or of codimension two of one of the disk's."""
     if name not in OF_FAMILY:
-        raise ParameterError(f"family belongs to `table` {listed([*OF_FAMILY])}; leave it out.")
+        raise ParameterError(
+            f"a family (--system) belongs to `table` {listed([*OF_FAMILY])}; leave it out."
+        )
     if family is None:
         raise ParameterError("`table codimension` needs a family; give it as family.")
     wanted, place = OF_FAMILY[name]

@@ -31,7 +31,8 @@ def test_a_map_has_symbols_units_and_the_body(chart: object, tmp_path: Path) -> 
     for dataset in (chart, st.read_map(target)):
         figure = st.plot_map(dataset)
         assert figure.axes[0].get_xlabel() == r"axis inclination $\theta$  [rad]"
-        assert figure.axes[0].get_ylabel() == r"friction coefficient $\mu$  [$1/\sqrt{gR}$]"
+        law = r"friction coefficient $\mu$ of $F = -\mu\,N\,v$"
+        assert figure.axes[0].get_ylabel() == law + "\n" + r"[$1/\sqrt{gR}$]"
         assert "torus, viscous contact, $b$ = 0.2" in texts(figure)
         assert r"[$\sqrt{g/R}$]" in texts(figure)
 

@@ -89,7 +89,8 @@ def test_a_locus_is_drawn_against_what_was_swept() -> None:
     assert figure.axes[1].get_xlabel() == "inertia factor $k$"
     law = st.Viscous(np.linspace(0.2, 0.5, 5))
     figure = st.plot_locus(st.spectrum("rolling", at=1.0, contact=law))
-    assert figure.axes[1].get_xlabel() == r"friction coefficient $\mu$  [$1/\sqrt{gR}$]"
+    label = r"friction coefficient $\mu$ of $F = -\mu\,N\,v$  [$1/\sqrt{gR}$]"
+    assert figure.axes[1].get_xlabel() == label
 
 
 def test_a_circle_lies_on_the_threshold_that_is_given() -> None:

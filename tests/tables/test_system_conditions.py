@@ -255,7 +255,7 @@ def test_latex_of_an_example_compiles(capsys: pytest.CaptureFixture[str], tmp_pa
 @pytest.mark.parametrize(
     ("words", "part"),
     [
-        (("families", "--system", BICYCLE), "--system belongs"),
+        (("families", "--system", BICYCLE), "a family (--system) belongs"),
         (("conditions", "--system", "examples/bicycle.py"), "module:family"),
         (("conditions", "--system", "examples/bicycle.py:nobody"), "its families are upright"),
         (("conditions", "--system", "examples/nothing.py:upright"), "cannot be imported"),
