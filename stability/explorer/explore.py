@@ -120,8 +120,10 @@ def explore(
                 raise ParameterError(
                     f"{name} belongs to a disk or body; leave it out for your own family."
                 )
+        own = family.system.name
         contents = system_page(family, at, axes, positive, parameters, certify=certify)
     else:
+        own = ""
         moving = _body(disk, body)
         where = {"pole": pole, "theta": theta}
         contents = round_page(
@@ -131,7 +133,6 @@ def explore(
     if out is None:
         return widget(data)
     text = page(data, contents.title)
-    own = family.system.name if isinstance(family, Family) else ""
     keys = cited(model=not own, system=own, proofs=certify)
     origin = origin_of("explore", parameters | {"at": at, "contents": text}, keys)
     write_file(out, text, overwrite=overwrite, origin=origin)
