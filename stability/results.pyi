@@ -3,9 +3,11 @@ from .algebra.polynomial import ExactPolynomial as ExactPolynomial
 from .base.citation import Citation as Citation
 from .base.verdict import Nonlinear as Nonlinear
 from .bodies.painleve import PainleveLimit as PainleveLimit
+from .boundary.brackets import AxisCrossing as AxisCrossing
 from .boundary.brackets import Boundaries as Boundaries
 from .boundary.brackets import BoundaryPoint as BoundaryPoint
 from .boundary.brackets import Crossing as Crossing
+from .boundary.brackets import Crossings as Crossings
 from .boundary.brackets import Unresolved as Unresolved
 from .boundary.drift import Drift as Drift
 from .boundary.hopf import CycleBirth as CycleBirth

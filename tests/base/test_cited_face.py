@@ -180,6 +180,7 @@ REASONS = {
             "BranchPoint",
             "Fold",
             "BoundaryPoint",
+            "AxisCrossing",
             "Unresolved",
             "CurveOfZeros",
             "DegeneratePoint",
@@ -191,6 +192,7 @@ REASONS = {
         (
             "Spectrum",
             "Boundaries",
+            "Crossings",
             "Conditions",
             "Drift",
             "HopfPoint",

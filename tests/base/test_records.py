@@ -132,6 +132,8 @@ MAKERS: dict[str, Callable[[float], Any]] = {
     "BranchPoint": lambda v: st.branch(fork(), -v, 1, [], points=7).branch_points[0],
     "Spectrum": lambda v: st.spectrum("rolling", at=[1.8, v], contact=st.Viscous(0.3)),
     "BoundaryPoint": lambda v: edges(v)[0],
+    "AxisCrossing": lambda v: every(v)[0],
+    "Crossings": lambda v: every(v),
     "Boundaries": lambda v: edges(v),
     "Unresolved": lambda v: st.Unresolved(v, v, "no reason"),
     "Exact": lambda v: st.exact_polynomial("rolling" if v < 0.35 else "spinning", "viscous"),
@@ -160,6 +162,13 @@ def _zeros(count: int) -> Damped:
 def edges(v: float) -> st.Boundaries:
     disk = st.Disk(k=v)
     return st.boundaries("rolling", axis=("at", 0.1, 5, 9), disk=disk, contact=st.Viscous(1))
+
+
+def every(v: float) -> st.results.Crossings:
+    disk = st.Disk(k=v)
+    return st.boundaries(
+        "rolling", axis=("at", 0.1, 5, 9), disk=disk, contact=st.Viscous(1), every=True
+    )
 
 
 CLASSES = sorted(n for n in HOMES if inspect.isclass(getattr(st, n)))
