@@ -75,10 +75,10 @@ def one_launch(dataset: xarray.Dataset, needed: tuple[str, ...]) -> SingleRun:
     if not isinstance(dataset, xarray.Dataset) or dataset.attrs.get("format") != FORMAT:
         raise ParameterError(f"dataset is {type(dataset).__name__}; give what simulate returns.")
     missing = [name for name in ("time", *needed, *KEPT) if name not in dataset.variables]
-    if missing and system_states(dataset) and missing[0] in (*ACCOUNT, *PLACES):
+    if missing and system_states(dataset) and missing[0] not in ("time", *KEPT):
         raise ParameterError(
             f"dataset of {dataset.attrs['system']} has no {missing[0]}; this figure needs "
-            + ("a disk." if missing[0] in PLACES else "a system that observes energy and power.")
+            + ("a system that observes energy and power." if missing[0] in ACCOUNT else "a disk.")
         )
     if missing:
         remedy = "with pose=True" if missing[0] in PLACES else "unchanged"
