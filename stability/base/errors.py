@@ -88,7 +88,7 @@ class StabilityWarning(UserWarning):
 
 
 def one_line(text: str, longest: int = LONGEST) -> str:
-    r"""A text as one printable line, its middle left out where it is too long.
+    r"""A text as one printable line; words in its middle are left out where it is too long.
 
     Parameters
     ----------
@@ -103,6 +103,8 @@ def one_line(text: str, longest: int = LONGEST) -> str:
     'a b\\x1b'
     >>> one_line("0123456789", 7)
     '01 … 89'
+    >>> one_line("height, horizon, tolerance, check", 20)
+    'height, … check'
     """
     if len(text) > 40 * longest:  # the part that is cut away below needs no work
         text = f"{text[: 20 * longest]} {text[-20 * longest :]}"
@@ -113,7 +115,12 @@ def one_line(text: str, longest: int = LONGEST) -> str:
         return plain
     room = longest - 3
     head = room - room // 2
-    return f"{plain[:head].rstrip()} … {plain[len(plain) - room // 2 :].lstrip()}"
+    first, last = plain[:head].rstrip(), plain[len(plain) - room // 2 :].lstrip()
+    if " " in first and plain[len(first)] != " ":  # whole words
+        first = first.rsplit(" ", 1)[0]
+    if " " in last and plain[-len(last) - 1] != " ":
+        last = last.split(" ", 1)[1]
+    return f"{first} … {last}"
 
 
 class _Short(reprlib.Repr):
