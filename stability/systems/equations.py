@@ -234,7 +234,8 @@ class Equations(Portable, Record):
         mass, forcing
             Square matrix and column in x and p.
         unknowns
-            Names of u: `d_STATE` for the rate of a state; other names are forces.
+            Names of u: `d_STATE` for the rate of a state; other names are forces, or any variables
+            of algebraic equations that are linear in them (index 1).
         rates
             Rates of the states that are not among the unknowns, expressions by state name.
         pivots

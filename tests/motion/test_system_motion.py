@@ -386,7 +386,7 @@ def test_figures_show_the_states_of_the_system_and_no_word_of_a_disk() -> None:
     said = caption(run)
     assert said.startswith("Motion of pendulum (c = 0.5 1/s, g = 9.81 1/s²) from angle = 1.5 rad,")
     assert "disk" not in said + "".join(t.get_text() for t in figure.findobj(match=_is_text))
-    with pytest.raises(st.StabilityError, match="of pendulum has no theta; this figure needs a disk"):
+    with pytest.raises(st.StabilityError, match="pendulum has no theta; this figure needs a disk"):
         st.animate(run, "never.gif")
 
 

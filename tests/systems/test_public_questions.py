@@ -5,6 +5,7 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 import pytest
+from scipy.linalg import eigvals
 
 import stability as st
 from stability.base.errors import DomainError
@@ -204,3 +205,30 @@ def test_a_cell_at_a_crossing_of_branches_leaves_the_others_decided() -> None:
     verdict = st.stability_map(family, x=("p", -1, 1, 4), y=("q", -1, 1, 4)).verdict.values
     apart = ~np.eye(4, dtype=bool)
     assert (verdict[apart] == 1).all() and (verdict[~apart] == 0).all()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_algebraic_variables_go_in_as_unknowns(seed: int) -> None:
+    """The finite eigenvalues of the pencil (A, diag(1, 1, 1, 0, 0)), by SciPy."""
+    a = np.random.default_rng(seed).integers(-4, 5, (5, 5)) - 6.0 * np.eye(5)
+    x, p = ca.SX.sym("x", 3), ca.SX.sym("p")
+    mass = ca.vertcat(
+        ca.horzcat(ca.DM.eye(3), -p * ca.DM(a[:3, 3:])), ca.horzcat(ca.DM(2, 3), -ca.DM(a[3:, 3:]))
+    )
+    system = st.System.from_mass_matrix(
+        "index one",
+        x,
+        p,
+        mass,
+        ca.mtimes(ca.DM(a[:, :3]), x),
+        unknowns=("d_a", "d_b", "d_c", "y", "z"),
+        rates={},
+        states=("a", "b", "c"),
+        parameters=("p",),
+    )
+    rest = st.Family(system, "rest", at=("p",), held=dict.fromkeys("abc", 0.0))
+    found = st.spectrum(rest, at=1.0, certify=True)
+    pencil = eigvals(a, np.diag([1.0, 1, 1, 0, 0]))
+    finite = pencil[np.isfinite(pencil) & (abs(pencil) < 1e6)]
+    finite = sorted(finite, key=lambda v: (round(v.real, 6), v.imag))
+    assert found.eigenvalues == pytest.approx(finite, abs=1e-11)
