@@ -476,9 +476,10 @@ def note(axes: Axes, text: str) -> None:
         )
         return
     tall = figure.bbox.height * inch
-    foot = (1.3 * small() * (lines.count("\n") + 1) + 3) / tall
+    written = figure.text(0.5, 3 / tall, lines, va="bottom", **look)
+    high = written.get_window_extent().height * inch  # roots are higher than a line
+    foot = (max(1.3 * small() * (lines.count("\n") + 1), high + 2) + 3) / tall
     figure.get_layout_engine().set(rect=(0.0, foot, 1.0, 1.0 - foot))
-    figure.text(0.5, 3 / tall, lines, va="bottom", **look)
 
 
 def broken(text: str, fits: Callable[[str], bool], between: str = ", ") -> str:

@@ -190,8 +190,9 @@ def questions(case: Case, p: float, q: float) -> dict[str, tuple[Callable[[], An
         return False
 
     def births(found: Any) -> bool:
-        growths = [case.growth(float(one.at), q) for one in found]
-        return any(g is None or abs(g) > 1e-6 for g in growths)
+        growths = [(case.growth(float(one.at), q), one.unstable) for one in found]
+        # another eigenvalue may be unstable where a pair crosses
+        return any(g is None or (abs(g) > 1e-6) != (n > 0) for g, n in growths)
 
     def cells(found: Any) -> bool:
         return any(
