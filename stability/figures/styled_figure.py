@@ -229,7 +229,13 @@ def label_axes(main: Axes, rows: Sequence[Axes], x: str, y: str) -> None:
         (rows[-1].set_xlabel, x, 0.9 * box.width),
         (main.set_ylabel, y, 0.6 * box.height),
     ):
-        set_label(broken(text, lambda line, room=room: larger * wide(line) <= room, "  "))  # type: ignore[misc]
+
+        def fits(line: str, room: float = room) -> bool:
+            return bool(larger * wide(line) <= room)
+
+        label = broken(text, fits, "  ")
+        lines = label.split("\n")  # the law of a coefficient has a line of its own in small axes
+        set_label("\n".join(n if fits(n) else broken(n, fits, " of ") for n in lines))
     if main.get_xscale() != "log":
         ticks_along(main.xaxis)
     if main.get_yscale() != "log":

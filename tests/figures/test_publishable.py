@@ -57,15 +57,16 @@ def pictures(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Figure]:
 
 
 def test_no_text_of_the_atlas_overlaps_or_is_too_small(pictures: dict[str, Figure]) -> None:
-    assert len(pictures) == 33
+    assert len(pictures) == 31  # where nearly all launches end alike stands a sentence
     assert {name: said for name, f in pictures.items() if (said := faults(f))} == {}
 
 
 def test_every_zone_of_an_atlas_diagram_has_its_word(pictures: dict[str, Figure]) -> None:
-    rough = pictures["rolling-disk"].axes[0]
-    assert [t.get_text() for t in rough.texts] == ["unstable", "neutral"]
-    arrow = rough.texts[0]  # from the word in the longer zone to the middle of the short one
-    assert arrow.xy[0] < 0.58 < arrow.get_position()[0]  # type: ignore[attr-defined]
+    rough, _, smooth, *_ = pictures["rolling-disk"].axes
+    assert [t.get_text() for t in smooth.texts] == ["unstable", "neutral"]
+    # a word that does not fit into its zone is left out, and not written into another
+    assert [t.get_text() for t in rough.texts] == ["neutral"]
+    assert rough.texts[0].get_position()[0] > 0.58
 
 
 @pytest.fixture(scope="module")
