@@ -214,7 +214,7 @@ def test_hand_and_keys_reach_every_picture(browser: Any, pages: dict[str, Path])
         page.evaluate(REST)
         half = page.evaluate(SHOWN)["until"] / 2
         said = page.locator(".motion .clock").first.inner_text()
-        assert float(said.removeprefix("t = ")) == pytest.approx(half, rel=0.01)
+        assert float(said.removeprefix("t = ").removesuffix(" s")) == pytest.approx(half, rel=0.01)
         cursor = page.locator(".traces .cursor").get_attribute("d")
         assert float(cursor[1:].split()[0]) > 200
         page.locator(".traces").click(position={"x": 70, "y": 30})
