@@ -116,7 +116,7 @@ def test_borders_are_refined_for_the_figure(
 ) -> None:
     drawn: list[xarray.Dataset] = []
     monkeypatch.setattr("stability.figures.basins.plot_basins", drawn.append)
-    monkeypatch.setattr("stability.figures.canvas.save_figure", lambda _, path: path.touch())
+    monkeypatch.setattr("stability.figures.canvas.save_figure", lambda _, path, **__: path.touch())
     monkeypatch.setattr("stability.basin.cost.LAST", 24)
     words = (*MAP, "--out", str(tmp_path / "a.zarr"), "--levels", "2")
     told = output(capsys, *words, "--dry-run")

@@ -350,9 +350,9 @@ def test_the_chart_is_written_next_to_the_motion_and_shows_the_models_of_python(
     path, names = written(tmp_path, SMALL), [str(tmp_path / n) for n in ("run.nc", "run.svg")]
     figures: list[Any] = []
 
-    def keep(figure: Any, draft: Path) -> None:
+    def keep(figure: Any, draft: Path, **named: Any) -> None:
         figures.append(figure)
-        save_figure(figure, draft)
+        save_figure(figure, draft, **named)
 
     monkeypatch.setattr("stability.figures.canvas.save_figure", keep)
     found = ask(capsys, path, "--out", names[0], "--plot", names[1])
@@ -372,7 +372,7 @@ def test_the_motion_and_the_chart_are_both_written_or_neither(
     path, names = written(tmp_path, SMALL), [str(tmp_path / n) for n in ("run.nc", "run.png")]
     words = ["--out", names[0], "--plot", names[1]]
 
-    def full(*_: Any) -> None:
+    def full(*_: Any, **__: Any) -> None:
         raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as patch:

@@ -245,10 +245,10 @@ def test_a_report_holds_figures_numbers_and_a_page(
     out = tmp_path / "report"
     drawn: list[Figure] = []
 
-    def keep(figure: Figure, path: Path) -> None:
+    def keep(figure: Figure, path: Path, **named: Any) -> None:
         if path.suffix == ".png":  # the form that the page shows
             drawn.append(figure)
-        save_figure(figure, path)
+        save_figure(figure, path, **named)
 
     monkeypatch.setattr("stability.figures.canvas.save_figure", keep)
     assert main(["report", "--out", str(out), "--json"]) == 0
@@ -286,7 +286,7 @@ def test_a_report_holds_figures_numbers_and_a_page(
     assert plt.get_fignums() == []
     # told again, nothing is done again
     monkeypatch.setattr(
-        "stability.figures.canvas.save_figure", lambda _, path: path.write_text("x")
+        "stability.figures.canvas.save_figure", lambda _, path, **__: path.write_text("x")
     )
     before = (out / journal.JOURNAL).read_text()
     assert main(["failures", "--out", str(out)]) == 0
