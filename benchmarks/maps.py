@@ -6,7 +6,8 @@ bound, no boundary, and no reliable verdict near a boundary.  A second, faster o
 evaluates the whole grid at once.
 
 `--calls` times whole calls of every kind of subject, with their curves, against CasADi's Jacobian
-mapped over all cells and one batched `eigvals`; steady motions are given to that route for nothing.
+mapped over all cells and one batched `eigvals`; that route gets steady motions in closed form for
+nothing, and solves for others by CasADi's Newton method.
 
 Usage: python benchmarks/maps.py [--large | --own | --calls]
 (own: families of one's own alone)
@@ -131,7 +132,7 @@ def large() -> dict[str, float]:
 
 def whole_calls() -> None:
     """A line for each map: seconds of the call with its curves, and the other route's over it."""
-    from own_maps import magnet
+    from own_maps import SYSTEMS, magnet
 
     from stability.tables.benchmarks.bicycle import BENCHMARK, bicycle
 
@@ -163,6 +164,7 @@ def whole_calls() -> None:
         ("bicycle", bicycle(), ("v", 0.1, 10), ("g", 1, 20), fixed),
         ("magnets", magnet(), ("a", -1, 2), ("b", -1, 1.4), {}),
     ]
+    asked += [(name, *some, {}) for name, some in SYSTEMS.items()]
     for name, family, x, y, more in asked:
         for nx, ny in ((NX, NY), (1250, 800)):
             axes = {"x": (*x, nx), "y": (*y, ny)}
@@ -192,8 +194,13 @@ def eigvals_at_once(family: Any, axes: dict[str, Any], more: dict[str, Any]) -> 
     mapped = ca.Function("J", inputs, [entries]).map(len(x))
     size = entries.shape[0]
 
+    searched = problem.family.unknown and problem.family.formulas is None
+    guess = np.tile(list(problem.family.unknown.values()), (len(x), 1)).T
+    finder = problem.family.graph.finder.map(len(x)) if searched else None
+
     def run() -> Any:
-        found = np.nan_to_num(np.asarray(mapped(a, u, q)))
+        member = u if finder is None else finder(guess, np.vstack([a, q]))
+        found = np.nan_to_num(np.asarray(mapped(a, member, q)))
         return np.linalg.eigvals(found.reshape(size, len(x), size).transpose(1, 0, 2))
 
     return run

@@ -53,6 +53,74 @@ def magnet() -> Any:
     return st.Family(system, "rest", at=("a",), held=dict.fromkeys(system.states, 0.0))
 
 
+def described(
+    name: str, states: str, parameters: str, rates: str, at: str, unknown: dict[str, float]
+) -> Any:
+    """A family of equilibria from the text of its rates; what is not unknown rests at 0."""
+    names = states.split(), parameters.split()
+    x, p = (ca.SX.sym(n, len(some)) for n, some in zip("xp", names, strict=True))
+    symbols = dict(zip(sum(names, []), ca.vertsplit(x) + ca.vertsplit(p), strict=True))
+    rhs = ca.vertcat(*eval(rates, {"tanh": ca.tanh, "cos": ca.cos, "sin": ca.sin}, symbols))
+    system = st.System(name, x, p, rhs, states=tuple(names[0]), parameters=tuple(names[1]))
+    held = {} if unknown else dict.fromkeys(names[0], 0.0)
+    return st.Family(system, name, at=(at,), held=held, unknown=unknown, equations=tuple(unknown))
+
+
+SYSTEMS: dict[str, tuple[Any, Any, Any]] = {
+    "Lorenz": (
+        described(
+            "Lorenz",
+            "x y z",
+            "r s",
+            "(s * (y - x), x * (r - z) - y, x * y - 8 / 3 * z)",
+            "r",
+            {"x": 8.0, "y": 8.0, "z": 27.0},
+        ),
+        ("r", 2, 60),
+        ("s", 4, 20),
+    ),
+    "column under a follower load": (
+        described(
+            "column",
+            "a b u v",
+            "load c",
+            "(u, v, (load - 3) * a / 2 + (2 - load) * b / 2 - (a - b) / 2 - c * (2 * u - 1.5 * v),"
+            " 2 * (a - b) - (load - 3) * a / 2 - (2 - load) * b / 2 + c * (2.5 * u - 2 * v))",
+            "load",
+            {},
+        ),
+        ("load", 0.1, 5),
+        ("c", 0.01, 1),
+    ),
+    "rotor with inner damping": (
+        described(
+            "rotor",
+            "x y u v",
+            "speed c",
+            "(u, v, -(0.3 + c) * u - x - c * speed * y, -(0.3 + c) * v - 1.2 * y + c * speed * x)",
+            "speed",
+            {},
+        ),
+        ("speed", 0.1, 6),
+        ("c", 0.01, 1),
+    ),
+    "towed wheel": (
+        described(
+            "wheel",
+            "angle rate slip",
+            "v k",
+            "(rate, -k * angle - 0.1 * rate - tanh(slip), v * sin(angle) + 0.5 * rate * cos(angle)"
+            " - v * slip)",
+            "v",
+            {},
+        ),
+        ("v", 0.1, 8),
+        ("k", 0.1, 5),
+    ),
+}
+"""Families of users' systems with two axes each."""
+
+
 def other(
     family: Any, axes: tuple[Axis, Axis], fixed: dict[str, float], every: int
 ) -> Callable[[], Any]:

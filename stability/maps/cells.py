@@ -36,16 +36,15 @@ from .engine import (
     Room,
     SliceCells,
     formula_cells,
+    may_sweep,
     slice_cells,
 )
 from .verdicts import ELSEWHERE
 
 CHUNK = 16384
 """Cells of a chunk: few enough for the cache, many enough for NumPy."""
-SMALL = 32768
-"""The same of systems with so few states that most cells take polynomials."""
 BAND = 65536
-"""Cells of a chunk of whole rows: few enough for the arrays of their roots."""
+"""The same where most cells take polynomials: few enough for the arrays of their roots."""
 SWEPT_BAND = 2**19
 """The same where compiled loops run over them: many, so that no thread waits for Python."""
 LEAST = 1024
@@ -89,7 +88,7 @@ class Cells:
         self.shape = axes[1].count, axes[0].count
         self.values: NDArray[np.complex128] | None = None
         self.modes, self.solver = modes, chosen()
-        self._by_graph = GraphCells(problem, modes)
+        self._by_graph = GraphCells(problem, modes, loops=may_sweep(axes, modes))
         if whole:
             self._make_room()
         self.handed_on = 0
@@ -100,7 +99,7 @@ class Cells:
         self.bands = self._bands()
         """What computes many rows at once; None where the graph computes every cell."""
         if self.bands is None:
-            self.band = SMALL if len(problem.family.system.states) <= MOST_STATES else CHUNK
+            self.band = BAND if len(problem.family.system.states) <= MOST_STATES else CHUNK
         else:
             self.band = SWEPT_BAND if self.bands.swept else BAND
         self.chunk = self._even_rows(max(1, self.band // self.shape[1])) * self.shape[1]

@@ -33,7 +33,7 @@ from ..spectra.problem import Problem, formulas_of
 from ..storage.pieces import Chunk
 from ..systems.closed_form import ClosedForm, ImplicitForm
 from ..systems.structure.structural_zeros import structure
-from .compiled.rates import CompiledRates
+from .compiled.rates import CompiledRates, of_coefficients
 from .compiled.swept import swept
 from .rates import (
     PROVED,
@@ -78,6 +78,35 @@ Room = tuple[Any, ...]
 """Arrays for abscissa, bound on its error, |imaginary part| and flags, each flat."""
 
 
+def may_sweep(axes: tuple[Axis, Axis], modes: bool) -> bool:
+    """Whether compiled loops may run over the cells of a map."""
+    many = axes[0].count * axes[1].count >= COMPILED_FROM
+    return many and not modes and numba_found()
+
+
+Parts = Sequence[tuple[Coefficients, bool, int]]
+"""Monic coefficients with bounds, whether even, and the multiplicity, of each factor."""
+
+
+def in_loops(parts: Parts) -> bool:
+    """Whether compiled loops know the degrees of the factors of a polynomial."""
+    (a, _), even, _ = parts[0]
+    return len(parts) == 1 and not even and 3 <= len(a) <= 5
+
+
+def _rates(parts: Parts, shape: tuple[int, int], *, modes: bool, loops: bool) -> Rates:
+    """Growth rates of a grid; by compiled loops where these are wanted and know the degree."""
+    if not (loops and in_loops(parts)):
+        return rates(parts, shape, modes=modes)
+    (a, e), even, _ = parts[0]
+    growth = of_coefficients((a, e), shape[1], WANTED)
+    left = np.flatnonzero(growth.poor)
+    if len(left):
+        some: Coefficients = [v[left] for v in a], [v[left] for v in e]
+        growth.put(left, rates([(some, even, 1)], (1, len(left)), modes=modes))
+    return growth
+
+
 class Bands(ABC):
     """The cells of a map by a polynomial, many rows at a time.
 
@@ -98,15 +127,16 @@ class Bands(ABC):
     complete = False
     """Whether no cell is left to the graph."""
     swept = False
-    """Whether compiled loops run over the cells, so that many rows at once need no more memory."""
+    """Whether compiled loops do all the work, so that many rows at once need no more memory."""
+    looped: bool
+    """Whether compiled loops take the coefficients of the cells."""
 
     def __init__(self, problem: Problem, axes: tuple[Axis, Axis], modes: bool) -> None:
         self.problem, self.modes = problem, modes
         self.axes = axes[0].name, axes[1].name
         x, y = (g.values[:: max(1, g.count // TRIED)] for g in axes)
         self._sample = x, y
-        many = axes[0].count * axes[1].count >= COMPILED_FROM
-        self._may_sweep = many and not modes and numba_found()
+        self._may_sweep, self.looped = may_sweep(axes, modes), False
 
     @abstractmethod
     def judged(self, xs: Floats, ys: Floats, room: Room | None) -> tuple[Codes, int, Rates]:
@@ -140,7 +170,7 @@ class FormulaCells(Bands):
         self.sized = formulas.even and not isinstance(formulas, ImplicitForm)
         self.growth = self._fine
         self.swept = self.growth and self.sized and self._may_sweep and self._square
-        self.how += LOOPS * self.swept
+        self.how += LOOPS * (self.swept or self.looped)
         if self.sized and not self.growth:
             self.sized = False
             self.growth = self._fine
@@ -163,9 +193,11 @@ class FormulaCells(Bands):
             return codes, 0, Rates(*quick, codes, None, codes == ELSEWHERE)
         along = self._line if np.array_equal(xs, self._xs) else self._along(xs)
         rows = max(1, BLOCK // len(xs))
-        parts = [self._block(xs, ys[i : i + rows], along) for i in range(0, len(ys), rows)]
-        a, e, member, none = (np.concatenate(v, axis=-1) for v in zip(*parts, strict=True))
-        growth = rates([((a, e), self.even, 1)], (len(ys), len(xs)), modes=self.modes)
+        blocks = [self._block(xs, ys[i : i + rows], along) for i in range(0, len(ys), rows)]
+        a, e, member, none = (np.concatenate(v, axis=-1) for v in zip(*blocks, strict=True))
+        parts, shape = [((a, e), self.even, 1)], (len(ys), len(xs))
+        self.looped = self._may_sweep and in_loops(parts)
+        growth = _rates(parts, shape, modes=self.modes, loops=self.looped)
         growth.poor[:] |= ~(member & np.isfinite(growth.error))
         growth.codes[growth.poor | (growth.codes == 0)] = ELSEWHERE
         growth.codes[none] = NO_MEMBER
@@ -265,7 +297,9 @@ MOST_STATES = 8
 """Largest matrix whose polynomial is formed in doubles."""
 
 
-def quick_rates(reduced: Reduced, *, even: bool, modes: bool, columns: int = 0) -> Rates | None:
+def quick_rates(
+    reduced: Reduced, *, even: bool, modes: bool, columns: int = 0, loops: bool = False
+) -> Rates | None:
     """Growth rates and verdicts of many members; None where the eigensolver is as good.
 
     Parameters
@@ -276,6 +310,8 @@ def quick_rates(reduced: Reduced, *, even: bool, modes: bool, columns: int = 0) 
         As for `rates`.
     columns
         Columns of the grid whose rows follow each other; 0 where the members are no grid.
+    loops
+        Whether compiled loops may run over the members.
 
     Returns
     -------
@@ -291,7 +327,8 @@ def quick_rates(reduced: Reduced, *, even: bool, modes: bool, columns: int = 0) 
     if _of(some, off, even=even, modes=False, columns=len(some)).poor.mean() > MOST_POOR:
         return None
     whole = columns and count % columns == 0
-    found = _of(matrix, error, even=even, modes=modes, columns=columns if whole else count)
+    across = columns if whole else count
+    found = _of(matrix, error, even=even, modes=modes, columns=across, loops=loops)
     left = np.flatnonzero(found.poor | (found.codes == 0))
     if len(left):
         part = Reduced(matrix[left], error[left], [], reduced.supported[left])
@@ -302,17 +339,20 @@ def quick_rates(reduced: Reduced, *, even: bool, modes: bool, columns: int = 0) 
     return found
 
 
-def _of(matrix: Floats, error: Floats, *, even: bool, modes: bool, columns: int) -> Rates:
+def _of(
+    matrix: Floats, error: Floats, *, even: bool, modes: bool, columns: int, loops: bool = False
+) -> Rates:
     shape = len(matrix) // columns, columns
     with np.errstate(all="ignore"):
-        return rates([(of_matrices(matrix, error), even, 1)], shape, modes=modes)
+        parts = [(of_matrices(matrix, error), even, 1)]
+        return _rates(parts, shape, modes=modes, loops=loops)
 
 
 class GraphCells:
-    """The arrays of members by the graph."""
+    """The arrays of members by the graph; compiled loops may run over many."""
 
-    def __init__(self, problem: Problem, modes: bool) -> None:
-        self.problem, self.modes = problem, modes
+    def __init__(self, problem: Problem, modes: bool, *, loops: bool) -> None:
+        self.problem, self.modes, self._loops = problem, modes, loops
         family = problem.family
         self.zeros = structure(family).zeros  # established here, before the threads start
         self._certain = problem.derived or certain(family)
@@ -339,7 +379,8 @@ class GraphCells:
         reduced = deflate(family, a, q, u, self.problem.roundings, watch=watch)
         found = None
         if not watch:
-            found = quick_rates(reduced, even=even, modes=self.modes, columns=columns)
+            how = {"even": even, "modes": self.modes, "loops": self._loops}
+            found = quick_rates(reduced, columns=columns, **how)
         if found is None:
             values, radius, _ = eigenvalues(reduced, even=even)
             codes = decide(values, radius, even=even)
@@ -428,8 +469,8 @@ class SliceCells(Bands):
         if self.complete and self._may_sweep:
             self.loops = CompiledRates.of([row for row, _, _ in self._factors], even=found.even)
         self.swept = self.loops is not None
-        self.how += LOOPS * self.swept
         self.growth = self.complete or bool(self.rates(*self._sample).poor.mean() <= MOST_POOR)
+        self.how += LOOPS * (self.swept or self.looped)
 
     def judged(self, xs: Floats, ys: Floats, room: Room | None = None) -> tuple[Codes, int, Rates]:
         """Flags and growth rates over a grid, flat."""
@@ -458,10 +499,12 @@ class SliceCells(Bands):
             )
             parts = [(_coefficients(row, t, s), even, count) for row, even, count in self._factors]
             shape = len(ys), len(xs)
+            if not self.complete:
+                self.looped = self._may_sweep and in_loops(parts)
+                return _rates(parts, shape, modes=self.modes, loops=self.looped)
             growth = rates(parts, shape, modes=self.modes, wanted=self._wanted)
-            if self.complete:
-                growth.poor[:] |= growth.open
-                growth.scale(_flat(self._unit(xs, ys), xs, ys))
+            growth.poor[:] |= growth.open
+            growth.scale(_flat(self._unit(xs, ys), xs, ys))
         return growth
 
     def _complete(self, growth: Rates, xs: Floats, ys: Floats, codes: Codes) -> int:

@@ -461,8 +461,9 @@ def find(family: Any, a: Floats, q: Floats, start: Floats | None) -> Found:
         if start is None
         else np.hstack([given[:, family.graph.used], start])
     )
-    inverse = np.zeros(1, dtype=int)
-    if len(key) > 1:
+    inverse = np.arange(len(key))
+    unused = np.setdiff1d(np.arange(given.shape[1]), family.graph.used)
+    if len(key) > 1 and (given[:, unused] != given[:1, unused]).any():
         inverse = np.unique(key, axis=0, return_inverse=True)[1].ravel()
     first = np.zeros(inverse.max(initial=-1) + 1, dtype=int)
     first[inverse] = np.arange(len(a))

@@ -4,6 +4,7 @@ from fractions import Fraction
 from importlib.util import find_spec
 from typing import Any
 
+import casadi as ca
 import mpmath
 import numpy as np
 import pytest
@@ -16,12 +17,13 @@ from stability.algebra.real_factors import Factors, enclose, settle, start
 from stability.base.axis import Axis
 from stability.base.verdict import CODES, Verdict
 from stability.maps.compiled import factors, loops
-from stability.maps.compiled.rates import CompiledRates
+from stability.maps.compiled.rates import CompiledRates, of_coefficients
 from stability.maps.engine import SliceCells, slice_cells
 from stability.maps.points import codes_at
-from stability.maps.rates import Rates
+from stability.maps.rates import PROVED, WANTED, Rates, rates
 from stability.spectra.certificate import certify
 from stability.spectra.problem import disk_problem
+from stability.tables.benchmarks.bicycle import BENCHMARK, bicycle
 
 SIDE = loops.SIDE
 FAMILIES = ["rolling", "spinning", "tumbling"]
@@ -31,6 +33,42 @@ CASES = [(f, law) for f in FAMILIES for law in LAWS]
 CASES += [("circling", st.Rough()), ("precession", st.Smooth())]
 needs_long = pytest.mark.skipif(np.finfo(np.longdouble).eps > 1e-18, reason="long double is double")
 needs_numba = pytest.mark.skipif(find_spec("numba") is None, reason="numba is not installed")
+
+
+def pendula() -> st.Family:
+    """Two coupled pendula with exponential forces: no polynomial in the axes exists."""
+    x, p = ca.SX.sym("x", 4), ca.SX.sym("p", 2)
+    pull = ca.exp(-p[0]) * (ca.sin(x[0] + p[1]) - ca.sin(p[1]))
+    first = -pull - 0.3 * ca.tanh(p[0] * x[2]) + 0.1 * x[1]
+    second = -ca.sinh(x[1]) * ca.cos(p[1]) - 0.1 * p[1] * x[3] + 0.1 * x[0]
+    names = {"states": ("q1", "q2", "v1", "v2"), "parameters": ("a", "b")}
+    system = st.System("pendula", x, p, ca.vertcat(x[2], x[3], first, second), **names)
+    return st.Family(system, "rest", at=("a",), held=dict.fromkeys(system.states, 0.0))
+
+
+MAPS: list[tuple[str, Any, dict[str, Any], bool]] = [
+    (
+        "torus",
+        "tumbling",
+        {"body": st.Torus(0.2), "x": ("at", 0.05, 1.55, 150), "y": ("mu", 0.05, 3, 40)},
+        True,
+    ),
+    (
+        "egg",
+        "rolling",
+        {"body": st.Egg(0.2), "x": ("at", 0.2, 3.0, 150), "y": ("mu", 0.05, 3, 40)},
+        True,
+    ),
+    (
+        "bicycle",
+        bicycle(),
+        {"x": ("v", 0.1, 10, 150), "y": ("g", 1, 20, 40)}
+        | {n: float(v) for n, v in BENCHMARK.items() if n != "g"},
+        True,
+    ),
+    ("pendula", pendula(), {"x": ("a", -1, 2, 150), "y": ("b", -1, 1.4, 40)}, False),
+]
+"""Name, family, what is asked, and whether the method of the map names the loops."""
 
 
 def names(case: Any) -> str:
@@ -98,7 +136,7 @@ def test_loops_and_numpy_agree_within_their_bounds(family: str, law: Any) -> Non
     # what is asked of a cell's bound; any other is as good as NumPy's
     modes = computed(asked, lines, quick=False, modes=True).values
     assert modes is not None
-    enough = loops.WANTED * (np.abs(modes.real) + np.abs(modes.imag)).max(axis=1)
+    enough = PROVED * (np.abs(modes.real) + np.abs(modes.imag)).max(axis=1)
     assert (found.error <= np.maximum(2 * wanted.error, 1.000001 * enough)).all()
     alone = cells(asked, lines, quick=True)._swept(*lines.values(), None)
     assert alone is not None
@@ -195,6 +233,9 @@ POLYNOMIALS = [
     [-0.25, 0.5 + 8j, 0.5 - 8j],
     [-3, 1, 2],
     [-4096, -64, -1, 0.125, 8],
+    [-1 + 2j, -1 - 2j, 3j, -3j],
+    [-3, -1, 2, 5],
+    [-0.25, 4, 0.5 + 8j, 0.5 - 8j],
 ]
 
 
@@ -227,13 +268,75 @@ def test_discs_are_as_large_as_those_of_numpy(roots: list[complex]) -> None:
     loops_().discs(n, 0, w)
     some = [w[at : at + n * SIDE : SIDE] for at in (loops.A, loops.F, loops.RADIUS)]
     a, f = ([v.reshape(1) for v in line.copy()] for line in some[:2])
-    known = Factors(f[0], list(zip(f[1::2], f[2::2], strict=True)))
+    known = Factors.of(f)
     plain = enclose(a, [np.array([1e-9]) for _ in a], known)
     assert np.allclose(some[2], np.ravel(plain.radius), rtol=1e-4)
 
 
 @needs_numba
-@pytest.mark.parametrize("roots", [[-1, -1, -2, -3, -4], [-1, 1j, -1j, 1j, -1j], [2, -1, -1]])
+@pytest.mark.parametrize("degree", [3, 4, 5])
+def test_loops_over_coefficients_hold_against_mpmath_and_leave_what_is_none(degree: int) -> None:
+    """Smooth coefficients over a grid, rounded, of which some cells have none."""
+    columns, random = SIDE + 37, np.random.default_rng(degree)
+    x, y = np.meshgrid(np.linspace(-1, 1, columns), np.linspace(-1, 1, 30))
+    a = np.array(
+        [
+            v @ [1 + 0 * x.ravel(), x.ravel(), y.ravel(), (x * y).ravel()]
+            for v in random.normal(size=(degree, 4))
+        ]
+    )
+    e = 1e-15 * np.abs(a)
+    a[0, 7 * columns : 7 * columns + 50] = np.nan
+    found = of_coefficients((a, e), columns, WANTED)
+    none = np.isnan(a[0])
+    assert found.poor[none].all() and found.poor.mean() < 0.1 + none.mean()
+    with np.errstate(all="ignore"):
+        wanted = rates([((a, e), False, 1)], x.shape, modes=False)
+    good = ~(found.poor | wanted.poor)
+    assert (np.abs(found.abscissa - wanted.abscissa) <= found.error + wanted.error)[good].all()
+    assert (found.codes == wanted.codes)[good & (wanted.codes != 0)].all()
+    for cell in random.choice(np.flatnonzero(~found.poor), 40, replace=False):
+        with mpmath.workdps(40):
+            roots = mpmath.polyroots(
+                [1, *map(mpmath.mpf, a[::-1, cell].tolist())], 500, extraprec=500
+            )
+            top = max(roots, key=lambda root: (root.real, abs(root.imag)))
+            assert abs(top.real - float(found.abscissa[cell])) <= found.error[cell]
+            assert abs(abs(top.imag) - float(found.frequency[cell])) <= 1e-9 * abs(top)
+
+
+@needs_numba
+@pytest.mark.parametrize("asked", MAPS, ids=lambda asked: asked[0])
+def test_maps_by_loops_over_coefficients_are_those_of_numpy(
+    asked: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import stability.maps.engine as module
+
+    _, family, axes, method = asked
+    small = st.stability_map(family, **axes, boundaries=False)
+    monkeypatch.setattr(module, "COMPILED_FROM", 2000)
+    taken: list[int] = []
+    plain = module.of_coefficients
+
+    def counted(some: Any, *more: Any) -> Rates:
+        taken.append(len(some[0][0]))
+        return plain(some, *more)
+
+    monkeypatch.setattr(module, "of_coefficients", counted)
+    large = st.stability_map(family, **axes, boundaries=False)
+    assert sum(taken) >= 0.9 * large.verdict.size
+    assert ("compiled loops" in large.attrs["method"]) == method
+    assert (large.verdict == small.verdict).all() and len(np.unique(large.verdict)) > 1
+    bound = large.abscissa_error + small.abscissa_error
+    off = np.abs(large.abscissa - small.abscissa)
+    assert ((off <= bound) | np.isnan(off)).all()
+
+
+@needs_numba
+@pytest.mark.parametrize(
+    "roots",
+    [[-1, -1, -2, -3, -4], [-1, 1j, -1j, 1j, -1j], [2, -1, -1], [1j, -1j, 1j, -1j], [-1, -1, 2, 3]],
+)
 def test_clusters_get_no_bound(roots: list[complex]) -> None:
     w = block(roots, 1e-16)
     loops_().discs(len(roots), 0, w)
@@ -243,12 +346,12 @@ def test_clusters_get_no_bound(roots: list[complex]) -> None:
 
 
 @needs_numba
-@pytest.mark.parametrize("degree", [3, 5])
+@pytest.mark.parametrize("degree", [3, 4, 5])
 def test_distances_that_overflow_give_no_bound(degree: int) -> None:
-    roots = [-(1e78 if degree == 3 else 1e39) * (i + 1) for i in range(degree)]
-    w = np.zeros(loops.PAGE)
-    known = [roots[0]]
-    for one, two in zip(roots[1::2], roots[2::2], strict=True):
+    roots = [-{3: 1e78, 4: 1e52, 5: 1e39}[degree] * (i + 1) for i in range(degree)]
+    w, odd = np.zeros(loops.PAGE), degree % 2
+    known = roots[:odd]
+    for one, two in zip(roots[odd::2], roots[odd + 1 :: 2], strict=True):
         known += [-(one + two), one * two]
     for i, (c, f) in enumerate(zip(np.poly(roots)[::-1], known, strict=False)):
         w[loops.A + i * SIDE : loops.A + (i + 1) * SIDE] = c
@@ -256,9 +359,8 @@ def test_distances_that_overflow_give_no_bound(degree: int) -> None:
     loops_().discs(degree, 0, w)
     assert not (w[loops.RADIUS : loops.RADIUS + degree * SIDE] < np.inf).any()
     a = [np.array([c]) for c in np.poly(roots)[::-1][:-1]]
-    pairs = [(np.array([p]), np.array([q])) for p, q in zip(known[1::2], known[2::2], strict=True)]
     with np.errstate(all="ignore"):
-        plain = enclose(a, [0 * c for c in a], Factors(np.array([roots[0]]), pairs))
+        plain = enclose(a, [0 * c for c in a], Factors.of([np.array([v]) for v in known]))
     assert not (np.array(plain.radius) < np.inf).any()
 
 

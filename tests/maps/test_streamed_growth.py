@@ -26,7 +26,7 @@ needs_numba = pytest.mark.skipif(find_spec("numba") is None, reason="numba is no
 @pytest.fixture(autouse=True)
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
     """Ten chunks to a map."""
-    for name in ("BAND", "SWEPT_BAND", "CHUNK", "SMALL"):
+    for name in ("BAND", "SWEPT_BAND", "CHUNK"):
         monkeypatch.setattr(f"stability.maps.cells.{name}", 120)
 
 

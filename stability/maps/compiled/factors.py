@@ -1,4 +1,4 @@
-"""Real factors of one cubic or quintic: their corrections, and discs around their roots.
+"""Real factors of a cubic, quartic or quintic: their corrections, and discs around their roots.
 
 Formulas and proofs are those of `stability.algebra.real_factors`, for one cell instead of arrays.
 Loops over cells call these functions, and the compiler turns them into vector instructions: there
@@ -21,13 +21,16 @@ INLINE = (
     "larger",
     "smaller",
     "change_of",
+    "_shifted",
     "_quadratic",
     "pair",
     "clear",
     "weight",
     "correct_cubic",
+    "correct_quartic",
     "correct_quintic",
     "cubic_discs",
+    "quartic_discs",
     "quintic_discs",
 )
 """Functions, here and in `algebra.kernels.pairs`, that are written into the loops over cells."""
@@ -93,11 +96,29 @@ def _quadratic(
     three = c - p * two - q * one
     alpha, beta = b - p * three - q * two, a - q * three
     s, f = u - p, v - q
-    gamma, delta = f - s * (r + p), -r * f - s * q
+    return _shifted(alpha, beta, f - s * (r + p), -r * f - s * q, p, q)
+
+
+def _shifted(alpha: Any, beta: Any, gamma: Any, delta: Any, p: Any, q: Any) -> Any:
+    """Change of x² + p x + q, modulo which the polynomial is αx + β, the other factors γx + δ."""
     m = delta - gamma * p
     det = delta * m + gamma * gamma * q
     dp, dq = (alpha * delta - beta * gamma) / det, (m * beta + gamma * q * alpha) / det
     return dp, dq, change_of(dp, dq, p, q)
+
+
+def correct_quartic(j: int, w: Any) -> None:
+    """The same for (x² + p x + q)(x² + u x + v)."""
+    a, b, c, d = w[A + j], w[A + SIDE + j], w[A + 2 * SIDE + j], w[A + 3 * SIDE + j]
+    p, q, u, v = w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j], w[F + 3 * SIDE + j]
+    s, f = u - p, v - q
+    one, other = d - p, d - u
+    two, second = c - p * one - q, c - u * other - v
+    dp, dq, first = _shifted(b - p * two - q * one, a - q * two, s, f, p, q)
+    du, dv, last = _shifted(b - u * second - v * other, a - v * second, -s, -f, u, v)
+    w[F + j], w[F + SIDE + j] = p + dp, q + dq
+    w[F + 2 * SIDE + j], w[F + 3 * SIDE + j] = u + du, v + dv
+    w[CHANGE + j] = larger(first, last)
 
 
 def correct_quintic(j: int, w: Any) -> None:
@@ -163,8 +184,38 @@ def cubic_discs(j: int, w: Any) -> None:
 
 def clear(n: int, heaviest: Any, total: Any, closest: Any) -> Any:
     """0 where every disc is clear of the others and all weights are numbers, infinity elsewhere."""
-    away = 2 * (n + 10) * heaviest
+    away = 12 * n * heaviest
     return 0.0 if (closest > away * away) & (total < math.inf) else math.inf
+
+
+def quartic_discs(j: int, w: Any) -> None:
+    """The same for a factor of degree 4."""
+    a, b, c, d = w[A + j], w[A + SIDE + j], w[A + 2 * SIDE + j], w[A + 3 * SIDE + j]
+    ea, eb, ec, ed = w[E + j], w[E + SIDE + j], w[E + 2 * SIDE + j], w[E + 3 * SIDE + j]
+    p, q, u, v = w[F + j], w[F + SIDE + j], w[F + 2 * SIDE + j], w[F + 3 * SIDE + j]
+    ps, qs, us, vs = abs(p), abs(q), abs(u), abs(v)
+    ea = abs(a - q * v) + ea + 5 * EPS * (qs * vs)
+    eb = abs(b - (p * v + q * u)) + eb + 5 * EPS * (ps * vs + qs * us)
+    ec = abs(c - (q + p * u + v)) + ec + 5 * EPS * (qs + ps * us + vs)
+    ed = abs(d - (p + u)) + ed + 5 * EPS * (ps + us)
+    x1, x2, y, m1, m2, near, slip = pair(p, q)
+    x3, x4, z, m3, m4, close, slide = pair(u, v)
+    same, cross = (y - z) ** 2, (y + z) ** 2
+    d13, d24 = (x1 - x3) ** 2 + same, (x2 - x4) ** 2 + same
+    d14, d23 = (x1 - x4) ** 2 + cross, (x2 - x3) ** 2 + cross
+    closest = smaller(smaller(near, close), smaller(smaller(d13, d24), smaller(d14, d23)))
+    m1, m2, m3, m4 = m1 + slip, m2 + slip, m3 + slide, m4 + slide
+    w1 = weight(ea, eb, ec, ed, 0.0, m1, near * (d13 * d14)) + slip
+    w2 = weight(ea, eb, ec, ed, 0.0, m2, near * (d23 * d24)) + slip
+    w3 = weight(ea, eb, ec, ed, 0.0, m3, close * (d13 * d23)) + slide
+    w4 = weight(ea, eb, ec, ed, 0.0, m4, close * (d14 * d24)) + slide
+    far = clear(4, larger(larger(w1, w2), larger(w3, w4)), w1 + w2 + w3 + w4, closest)
+    w[REAL + j], w[REAL + SIDE + j] = x1, x2
+    w[REAL + 2 * SIDE + j], w[REAL + 3 * SIDE + j] = x3, x4
+    w[IMAG + j], w[IMAG + SIDE + j] = y, y
+    w[IMAG + 2 * SIDE + j], w[IMAG + 3 * SIDE + j] = z, z
+    w[RADIUS + j], w[RADIUS + SIDE + j] = far + 1.3 * w1, far + 1.3 * w2
+    w[RADIUS + 2 * SIDE + j], w[RADIUS + 3 * SIDE + j] = far + 1.3 * w3, far + 1.3 * w4
 
 
 def quintic_discs(j: int, w: Any) -> None:

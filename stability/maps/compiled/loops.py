@@ -37,9 +37,11 @@ from .factors import (
     F,
     U,
     correct_cubic,
+    correct_quartic,
     correct_quintic,
     cubic_discs,
     larger,
+    quartic_discs,
     quintic_discs,
     smaller,
 )
@@ -124,8 +126,6 @@ ROUNDS = 200
 """Largest number of rounds of a cell that starts from nothing."""
 ENOUGH = 8 * EPS
 """Square of a change that leaves no error."""
-WANTED = 1e-13
-"""Error of the abscissa, relative to the largest modulus, beyond which a cell is computed again."""
 
 
 def correct(degree: int, w: Any) -> int:
@@ -133,6 +133,9 @@ def correct(degree: int, w: Any) -> int:
     if degree == 3:
         for j in range(SIDE):
             correct_cubic(j, w)
+    elif degree == 4:
+        for j in range(SIDE):
+            correct_quartic(j, w)
     else:
         for j in range(SIDE):
             correct_quintic(j, w)
@@ -167,13 +170,15 @@ def begin(degree: int, j: int, z: Any, w: Any) -> None:
 
 
 def join(degree: int, j: int, z: Any, w: Any) -> None:
-    """Real factors of a cell from approximate roots: one real root, and pairs of the others."""
-    real = 0
-    for i in range(degree):
-        real = i if abs(z[i].imag) < abs(z[real].imag) else real
-    w[F + j] = z[real].real
-    z[real] = z[0]
-    for k in range(1, degree, 2):
+    """Real factors of a cell from approximate roots: a real root if odd, and pairs of others."""
+    odd = degree % 2
+    if odd:
+        real = 0
+        for i in range(degree):
+            real = i if abs(z[i].imag) < abs(z[real].imag) else real
+        w[F + j] = z[real].real
+        z[real] = z[0]
+    for k in range(odd, degree, 2):
         # the root farthest from the real line, then the root nearest to its conjugate
         far = k
         for i in range(k, degree):
@@ -190,6 +195,9 @@ def join(degree: int, j: int, z: Any, w: Any) -> None:
 
 def rescue(degree: int, j: int, near: Any, z: Any, w: Any) -> None:
     """Factors of a cell whose prediction failed: from the cell before it, or from nothing."""
+    for i in range(degree):
+        if not abs(w[A + i * SIDE + j]) < math.inf:  # a cell without a member
+            return
     for attempt in range(2):
         if attempt == 0:
             for f in range(degree):
@@ -199,6 +207,8 @@ def rescue(degree: int, j: int, near: Any, z: Any, w: Any) -> None:
         for _ in range(LONGER if attempt else 2 * MORE):
             if degree == 3:
                 correct_cubic(j, w)
+            elif degree == 4:
+                correct_quartic(j, w)
             else:
                 correct_quintic(j, w)
             if w[CHANGE + j] < ENOUGH:
@@ -214,6 +224,9 @@ def discs(degree: int, slot: int, w: Any) -> None:
     elif degree == 3:
         for j in range(SIDE):
             cubic_discs(j, w)
+    elif degree == 4:
+        for j in range(SIDE):
+            quartic_discs(j, w)
     else:
         for j in range(SIDE):
             quintic_discs(j, w)
@@ -256,7 +269,7 @@ def judge_squares(flags: Any, w: Any) -> int:
         still = (top == 0) & (turn > error)
         error = unit * (0.0 if still else error + (6e-16 * top + 1e-18 * root))
         top, largest = unit * top, unit * root
-        good = (error <= WANTED * largest) & ((top > error) | (error == 0))
+        good = (error <= flags[2] * largest) & ((top > error) | (error == 0))
         w[TOP + j], w[ERROR + j], w[TURN + j] = top, error, unit * turn
         w[CHANGE + j] = (flags[1] if z > 0 else flags[0]) if good else 0.0
         sure += 1 if good else 0
@@ -339,7 +352,7 @@ def judge(even: bool, roots: int, flags: Any, w: Any) -> int:
     for j in range(SIDE):
         unit = w[UNIT + j]
         top, error, largest = unit * w[TOP + j], unit * w[ERROR + j], unit * w[LARGEST + j]
-        good = (error <= WANTED * largest) & (abs(top) > error)
+        good = (error <= flags[2] * largest) & (abs(top) > error)
         w[TOP + j], w[ERROR + j], w[TURN + j] = top, error, unit * w[TURN + j]
         w[CHANGE + j] = (flags[1] if top > 0 else flags[0]) if good else 0.0
         sure += 1 if good else 0
@@ -353,6 +366,28 @@ def leave(cell: int, j: int, count: int, poor: Any, kept: Any, w: Any) -> int:
         for f in range(len(kept)):
             kept[f, count] = w[F + f * SIDE + j]
         return count + 1
+    return count
+
+
+def store(
+    at: int,
+    many: int,
+    sure: int,
+    count: int,
+    out: Any,
+    codes: Any,
+    poor: Any,
+    kept: Any,
+    w: Any,
+) -> int:
+    """Write the cells of a block from `at` on, and list those that are to be computed again."""
+    for q in range(3):
+        for j in range(many):
+            out[q][U(at + j)] = w[U(TOP + q * SIDE + j)]
+    for j in range(many):
+        codes[U(at + j)] = w[U(CHANGE + j)]
+    for j in range(many if sure < SIDE else 0):
+        count = leave(at + j, j, count, poor, kept, w)
     return count
 
 
@@ -382,7 +417,8 @@ def sweep(
     even
         Whether the polynomial is linear in λ².
     flags
-        Flags of stable and unstable cells.
+        Flags of stable and unstable cells, and the error of the abscissa, relative to the largest
+        modulus, beyond which a cell is computed again.
     out, codes
         Abscissa, error, frequency and flags, each of shape (rows · columns,).
     poor, kept
@@ -414,13 +450,30 @@ def sweep(
                     discs(n, slot, w)
                 slot += n
             sure, at = judge(even, slot, flags, w), row * columns + column
-            for q in range(3):
-                for j in range(many):
-                    out[q][U(at + j)] = w[U(TOP + q * SIDE + j)]
-            for j in range(many):
-                codes[U(at + j)] = w[U(CHANGE + j)]
-            for j in range(many if sure < SIDE else 0):
-                count = leave(at + j, j, count, poor, kept, w)
+            count = store(at, many, sure, count, out, codes, poor, kept, w)
+    return count
+
+
+def sweep_cells(
+    a: Any, e: Any, columns: int, flags: Any, out: Any, codes: Any, poor: Any, kept: Any
+) -> int:
+    """The same from monic coefficients of every cell and bounds on their errors, one row each."""
+    degree = len(a)
+    past = np.zeros((4, degree, columns))
+    near, z = np.full(degree, math.nan), np.zeros(degree, dtype=np.complex128)
+    w, count = np.zeros(PAGE), 0
+    w[UNIT : UNIT + SIDE] = 1.0
+    for row in range(a.shape[1] // columns):
+        for column in range(0, columns, SIDE):
+            many, at = min(SIDE, columns - column), row * columns + column
+            for i in range(degree):
+                for j in range(SIDE):  # the last cell is repeated
+                    cell = at + min(j, many - 1)
+                    w[U(A + i * SIDE + j)], w[U(E + i * SIDE + j)] = a[i, cell], e[i, cell]
+            settle(row, column, many, degree, past, near, z, w)
+            discs(degree, 0, w)
+            sure = judge(False, degree, flags, w)
+            count = store(at, many, sure, count, out, codes, poor, kept, w)
     return count
 
 

@@ -12,7 +12,7 @@ from ...algebra.kernels.compiled import compiled
 from ...algebra.running_error import UNIT
 from ...base.types import Floats
 from ...base.verdict import CODES, Verdict, best
-from ..rates import Rates
+from ..rates import PROVED, Coefficients, Rates
 from ..surfaces import LEAST, Surface
 from . import factors, loops
 
@@ -55,7 +55,7 @@ class CompiledRates:
         high, self.rest = np.array(tables).swapaxes(0, 1).copy()
         self.table = high, np.array(degrees), np.array(bounds), np.array(starts)
         self.even = even
-        self.flags = float(CODES[best(even=even)]), float(CODES[Verdict.UNSTABLE])
+        self.flags = *_flags(even=even), PROVED
 
     @classmethod
     def of(cls, rows: Sequence[Sequence[Surface | None]], *, even: bool) -> CompiledRates | None:
@@ -106,6 +106,29 @@ class CompiledRates:
         poor = np.zeros(count, dtype=bool)
         poor[left[:open_cells]] = True
         return Rates(top, error, turn, codes, None, poor)
+
+
+def _flags(*, even: bool) -> tuple[float, float]:
+    """Flags of stable and unstable cells."""
+    return float(CODES[best(even=even)]), float(CODES[Verdict.UNSTABLE])
+
+
+def of_coefficients(coefficients: Coefficients, columns: int, wanted: float) -> Rates:
+    """Growth rates by compiled loops from monic coefficients of degree 3 to 5 over a grid, flat.
+
+    Flags are 0 in cells whose bound is not good, which are poor.
+    """
+    a, e = (np.ascontiguousarray(some) for some in coefficients)
+    degree, count = a.shape
+    top, error, turn = out = np.empty(count), np.empty(count), np.empty(count)
+    codes = np.empty(count, dtype=np.int8)
+    left, kept = np.empty(count, dtype=np.int64), np.empty((degree, count))
+    flags = *_flags(even=False), wanted
+    run = compiled(pairs, factors, loops).sweep_cells
+    open_cells = run(a, e, columns, flags, out, codes, left, kept)
+    poor = np.zeros(count, dtype=bool)
+    poor[left[:open_cells]] = True
+    return Rates(top, error, turn, codes, None, poor)
 
 
 def in_range(values: Floats) -> bool:
