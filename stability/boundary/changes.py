@@ -355,6 +355,8 @@ def _past_branch_points(line: AxisScan, values: Floats) -> tuple[AxisScan, str, 
             continue
         kind = kind_of_crossing(both)
         other = both[int(np.argmin(np.abs(both[:, -1])))]
+        if family.trimmed:
+            continue
         places = [family.system.index(n) for n in family.unknown]
         here = curve.given(point.z[None])
         state = family.states(here[:, :cut], point.z[None, :-1], here[:, cut:])[0]

@@ -172,7 +172,7 @@ class GridPolynomials:
         none = np.zeros(len(edges.axis), dtype=bool)
         if not len(none) or self.stored is not None or formulas_of(family) is not None:
             return none
-        if family.closed or len(family.unknown) < len(family.system.states) or not self.readable:
+        if family.closed or {*family.unknown} != {*family.system.states} or not self.readable:
             return none
         with suppress(StabilityError, ArithmeticError):
             low, high = (

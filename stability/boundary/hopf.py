@@ -374,7 +374,7 @@ def _accepted(family: Family, axis: str) -> bool:
     left = zeros_left(family)
     if left == 0:
         return False
-    lines = [n for n in family.at if n in family.system.states]
+    lines = [family.at[i] for i in family.moved]
     if left == 1 and axis in lines:
         return True
     if left == 1 and lines:

@@ -111,10 +111,8 @@ class Line:
                     "beyond the linearisation is found only where rates of states are solved."
                 )
         self.d = derivatives(system)
-        self.solved = [] if family.closed else [system.index(n) for n in family.unknown]
+        self.solved = () if family.closed else tuple(family.unknown)
         self.rows = [] if family.closed else [system.index(n) for n in family.equations]
-        self.by_state = axis in system.states
-        self.place = (system.states if self.by_state else system.parameters).index(axis)
 
     def point(self, value: Any, unknowns: Sequence[Any]) -> tuple[Balls, Balls]:
         """States and parameters as balls.
@@ -147,23 +145,33 @@ class Line:
         """The unknowns of the family's member, in double precision; none where they are known."""
         return [float(v) for v in self.row(value)[1][0]] if self.solved else []
 
-    def first(self, x: Balls, p: Balls) -> tuple[Balls, list[Balls], Balls]:
-        """Rates, Jacobian, and slope of the rates by the axis alone."""
-        n = len(x)
+    @property
+    def free(self) -> tuple[str, ...]:
+        """The axis, and what is solved for: states and parameters."""
+        return (self.axis, *self.solved)
+
+    def first(self, x: Balls, p: Balls) -> tuple[Balls, list[Balls], list[Balls]]:
+        """Rates, Jacobian, and slopes of the rates by what is free, one column each."""
+        n, system = len(x), self.family.system
         rates, slopes, by_p = self.d.first.run(balls(), [x, p])
         rows = [[arb(slopes[j * n + i]) for j in range(n)] for i in range(n)]
-        if self.by_state:
-            return [arb(r) for r in rates], rows, [row[self.place] for row in rows]
-        column = by_p[self.place * n : (self.place + 1) * n]
-        return [arb(r) for r in rates], rows, [arb(v) for v in column]
+        columns = {name: [row[j] for row in rows] for j, name in enumerate(system.states)}
+        for j, name in enumerate(system.parameters):
+            columns[name] = [arb(v) for v in by_p[j * n : (j + 1) * n]]
+        return [arb(r) for r in rates], rows, [columns[name] for name in self.free]
 
-    def turned(self, x: Balls, p: Balls, v: Balls) -> Balls:
-        """Slope of A v by the axis alone."""
-        n = len(x)
-        if self.by_state:
-            return self.second(x, p, v, self.unit(self.place))
-        column = self.d.mixed.run(balls(), [x, p, v])[0]
-        return list(column[self.place * n : (self.place + 1) * n])
+    def turned(self, x: Balls, p: Balls, v: Balls) -> list[Balls]:
+        """Slopes of A v by what is free."""
+        n, system, mixed = len(x), self.family.system, None
+        out = []
+        for name in self.free:
+            if name in system.states:
+                out.append(self.second(x, p, v, self.unit(system.index(name))))
+                continue
+            mixed = mixed or self.d.mixed.run(balls(), [x, p, v])[0]
+            place = system.parameters.index(name)
+            out.append(list(mixed[place * n : (place + 1) * n]))
+        return out
 
     def second(self, x: Balls, p: Balls, u: Balls, v: Balls) -> Balls:
         """B(u, v), the second derivative."""
@@ -250,17 +258,16 @@ class PairEquations:
         line, kept = self.line, self.line.d.kept
         value, unknowns, vr, vi, w = self.cut(z)
         x, p = line.point(value, unknowns)
-        rates, slopes, by_axis = line.first(x, p)
+        rates, slopes, columns = line.first(x, p)
         n, m, size = len(kept), self.count, len(z)
         values: Values = []
         rows: list[Values] = []
         for i in line.rows:
             values.append(rates[i])
-            rows.append([by_axis[i], *[slopes[i][j] for j in line.solved]] + [arb(0)] * (2 * n + 1))
+            rows.append([column[i] for column in columns] + [arb(0)] * (2 * n + 1))
         for part, other, sign, start in ((vr, vi, 1, 0), (vi, vr, -1, n)):
             full = line.whole(part)
-            turns = [line.turned(x, p, full)]
-            turns += [line.second(x, p, full, line.unit(j)) for j in line.solved]
+            turns = line.turned(x, p, full)
             for k, i in enumerate(kept):
                 total = sum((slopes[i][j] * v for j, v in zip(kept, part, strict=True)), arb(0))
                 values.append(total + sign * w * other[k])
@@ -419,33 +426,27 @@ def solve(matrix: Any, right: Balls) -> Balls:
     return [found[i, 0] for i in range(len(right))]
 
 
-def direction(line: Line, x: Balls, p: Balls) -> Balls:
-    """dx/d axis along the family over all states."""
-    _, slopes, by_axis = line.first(x, p)
-    out = [arb(0)] * len(x)
-    if line.by_state:
-        out[line.place] = arb(1)
-    if line.solved:
-        rows = arb_mat([[slopes[i][j] for j in line.solved] for i in line.rows])
-        try:
-            turn = rows.solve(arb_mat(len(line.rows), 1, [-by_axis[i] for i in line.rows]))
-        except ZeroDivisionError:
-            raise NotProvedError from None
-        for k, j in enumerate(line.solved):
-            out[j] = out[j] + turn[k, 0]
-    return out
+def speeds(line: Line, x: Balls, p: Balls) -> Balls:
+    """d/d axis along the family of what is free: 1 for the axis, then what is solved for."""
+    _, _, (by_axis, *columns) = line.first(x, p)
+    if not line.solved:
+        return [arb(1)]
+    rows = arb_mat([[column[i] for column in columns] for i in line.rows])
+    try:
+        turn = rows.solve(arb_mat(len(line.rows), 1, [-by_axis[i] for i in line.rows]))
+    except ZeroDivisionError:
+        raise NotProvedError from None
+    return [arb(1), *[turn[k, 0] for k in range(len(columns))]]
 
 
 def eigenvalue_speed(pair: Pair, left: Balls, v: Sequence[Any]) -> Any:
     """dλ/d axis = w (dA/d axis) v for a simple eigenvalue with w v = 1."""
     line, kept = pair.line, pair.line.d.kept
     x, p = pair.point
-    along, full = direction(line, x, p), line.whole(v)
-    turned = line.turned(x, p, full)
-    if line.by_state:  # the axis itself is in `turned` already
-        along[line.place] = arb(0)
-    more = line.second(x, p, full, along)
-    return dot(left, [acb(turned[i]) + acb(more[i]) for i in kept])
+    total = [acb(0)] * len(x)
+    for speed, turned in zip(speeds(line, x, p), line.turned(x, p, line.whole(v)), strict=True):
+        total = [t + speed * acb(w) for t, w in zip(total, turned, strict=True)]
+    return dot(left, [total[i] for i in kept])
 
 
 @dataclass(frozen=True)
@@ -533,8 +534,9 @@ def line_form(pair: Pair) -> LineForm:
     """
     line, kept = pair.line, pair.line.d.kept
     x, p = pair.point
-    along = direction(line, x, p)
-    tangent = [acb(along[i]) for i in kept]
+    along = dict(zip(line.free, speeds(line, x, p), strict=True))
+    states = line.family.system.states
+    tangent = [acb(along.get(states[i], 0)) for i in kept]
     matrix, q = pair.matrix, pair.mode
     left = bordered(shifted(matrix, acb(0, 1) * pair.frequency), q)
     across = bordered(shifted(matrix, acb(0)), tangent)

@@ -224,6 +224,7 @@ def sloped_somewhere(family: Family, given: Mapping[str, Any]) -> bool:
     found = family.search(a, q)
     if not found.good.all():
         return True
+    known |= dict(zip(family.unknown, found.u[0].tolist(), strict=True))
     point = np.array([[known[n] for n in family.system.parameters]]).reshape(1, -1)
     return bool(sloped(family.system, family.states(a, found.u, q), point)[0])
 

@@ -139,6 +139,11 @@ def _check(names: tuple[str, ...], free: str, given: Mapping[str, Any]) -> None:
 
 def _isolated(family: Family) -> None:
     """Refuse zeros of the Jacobian that are no tangents of the family."""
+    if family.trimmed:
+        raise ParameterError(
+            f"{family.name} is solved for {', '.join(family.trimmed)}; continuation codes solve "
+            "for states alone. Name the family by it, and solve for the states."
+        )
     zeros = structure(family).zeros - len(family.left_out) - family.tangents
     if zeros > 0:
         raise ParameterError(

@@ -15,7 +15,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from ..base.errors import StabilityError
+from ..base.errors import ParameterError, StabilityError
 from ..base.types import Floats
 from ..systems.family import Family
 from .line import Line
@@ -48,6 +48,11 @@ def system_settling(families: tuple[Family, ...]) -> Settling:
 @lru_cache(maxsize=32)
 def _line(family: Family) -> Line:
     system = family.system
+    if family.trimmed:
+        raise ParameterError(
+            f"{family.name} is solved for {', '.join(family.trimmed)}, and a launch gives it a "
+            "value; give families that are named by states or parameters alone."
+        )
     along = tuple(n for n in system.states if n in family.at)
     u = ca.SX.sym("u", len(family.unknown))
     member: dict[str, Any] = dict(family.held) | dict.fromkeys(family.left_out)

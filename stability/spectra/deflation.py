@@ -311,7 +311,7 @@ def tangent_vectors(family: Family, read: Reader) -> tuple[Floats, Floats]:
         carried[(size == 0) & (by_u[1] == 0)] = 0.0  # no share of an infinite doubt
         error = error + carried.sum(axis=-2) + by_u[1] @ absolute
         error += 4 * (len(family.unknown) * UNIT * (size @ absolute + np.abs(tangent)) + TINY)
-    keep = [i for i, name in enumerate(family.at) if name in family.system.states]
+    keep = list(family.moved)
     return tangent[..., keep], error[..., keep]
 
 

@@ -224,6 +224,12 @@ class Rows:
         self.states: Floats = self._joined(
             len(a), lambda p: (family.checked_states(a[p], u[p], q[p]),)
         )[0]
+        self.trimmed = {
+            name: column.reshape(self.shape)
+            for name, column in zip(family.unknown, u.T, strict=True)
+            if name in family.trimmed
+        }
+        """Parameters that are solved for."""
         self.zeros = structure(family).zeros
         self.certain = problem.derived or certain(family)
         """Whether the number of zeros is proved at every member of the family."""
@@ -456,7 +462,7 @@ def spectrum(
         symmetric=rows.symmetric,
         pairs=pairs,
         solver=chosen(),
-        values=dict(problem.values),
+        values=dict(problem.values) | rows.trimmed,
         law=problem.law,
         dimensionless=problem.dimensionless,
     )

@@ -587,7 +587,9 @@ class _Line(Record):
         family, cut, given = self.family, self.curve.cut, self.curve.given(z)
         found = family.states(given[:, :cut], z[:, :-1], given[:, cut:])
         # where the guess is exact, the family itself knows no other unknowns
-        found[:, [family.system.index(n) for n in family.unknown]] = z[:, :-1]
+        for name, column in zip(family.unknown, z.T, strict=False):
+            if name in family.system.states:
+                found[:, family.system.index(name)] = column
         return found
 
     def _point(self, found: Located) -> tuple[float, Floats, float]:

@@ -47,7 +47,7 @@ class Family(Record):
     held
         Values of the states that are the same along the family; `UPRIGHT` for the exact π/2.
     unknown
-        First guesses of the states that are solved for.
+        First guesses of the states, and parameters, that are solved for.
     equations
         States whose rates must vanish, or observables that must, as many as there are unknowns.
     positive
@@ -159,13 +159,19 @@ class Family(Record):
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names of the system's parameters that `at` does not take."""
-        return tuple(n for n in self.system.parameters if n not in self.at)
+        """Names of the system's parameters that the family neither names nor solves for."""
+        return tuple(n for n in self.system.parameters if n not in (*self.at, *self.unknown))
+
+    @property
+    def trimmed(self) -> tuple[str, ...]:
+        """Names of the system's parameters that are solved for."""
+        return tuple(n for n in self.unknown if n in self.system.parameters)
 
     @property
     def named(self) -> tuple[str, ...]:
         """Names of the states that are given: held, solved for, or in `at`."""
-        return (*self.held, *self.unknown, *(n for n in self.at if n in self.system.states))
+        given = *self.held, *self.unknown, *self.at
+        return tuple(n for n in given if n in self.system.states)
 
     # --- states that may move ---
 
@@ -219,7 +225,13 @@ class Family(Record):
     @property
     def tangents(self) -> int:
         """Number of independent directions along the family in the state."""
-        return sum(name in self.system.states for name in self.at)
+        return len(self.moved)
+
+    @cached_property
+    def moved(self) -> tuple[int, ...]:
+        """Places in `at` of the states along which other members have the same parameters."""
+        states = tuple(i for i, name in enumerate(self.at) if name in self.system.states)
+        return () if self.trimmed else states  # what is solved for changes with these states
 
     def member(
         self, at: ArrayLike, parameters: ArrayLike, guess: ArrayLike | None = None
@@ -272,7 +284,7 @@ class Family(Record):
         """
         a, u, q = tables(self, a, q, u)
         states = self.states(a, u, q)
-        given = self._system_parameters(a, q)
+        given = self._system_parameters(a, u, q)
         self.system.check(states, given)
         try:
             require_steady(self, a, u, q, states)
@@ -331,10 +343,9 @@ class Family(Record):
         a, u, q = tables(self, a, q, u)
         arguments = [entries(a), entries(u), entries(q)]
         by_a, by_u, _, r_u, r_a = self.graph.tangent.arrays(arguments, a.shape[:1])
-        keep = [i for i, name in enumerate(self.at) if name in self.system.states]
         if u.shape[1] and not self.closed:
             by_a = by_a - by_u @ np.linalg.solve(r_u, r_a)
-        out: Floats = by_a[..., keep]
+        out: Floats = by_a[..., list(self.moved)]
         return out
 
     def solve(self, a: Floats, q: Floats, guess: ArrayLike | None = None) -> Floats:
@@ -413,7 +424,7 @@ class Family(Record):
         found = self.search(a, q)
         good = found.good.copy()
         a_, u_, q_ = a[good], found.u[good], q[good]
-        place = self.states(a_, u_, q_), self._system_parameters(a_, q_)
+        place = self.states(a_, u_, q_), self._system_parameters(a_, u_, q_)
         good[good] = self.system.valid(*place)
         valid = good.copy()
         good[found.good] &= sloped(self.system, *place)
@@ -473,8 +484,9 @@ class Family(Record):
         q = np.broadcast_to(q, (*shape, len(self.parameters))).reshape(count, len(self.parameters))
         return a, q, shape
 
-    def _system_parameters(self, a: Floats, q: Floats) -> Floats:
-        table = dict(zip(self.at, a.T, strict=True)) | dict(zip(self.parameters, q.T, strict=True))
+    def _system_parameters(self, a: Floats, u: Floats, q: Floats) -> Floats:
+        blocks = (self.at, a), (self.unknown, u), (self.parameters, q)
+        table = {n: v for names, block in blocks for n, v in zip(names, block.T, strict=True)}
         columns = [table[n] for n in self.system.parameters]
         return np.column_stack(columns) if columns else np.zeros((len(a), 0))
 

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..algebra.running_error import UNIT, RunningError, running_error_arrays
+from ..base.checks import known
 from ..base.errors import NameUnknownError, ParameterError, listing, shown
 from ..base.types import Floats
 from .graph.family_graph import FamilyGraph
@@ -481,9 +482,9 @@ def _rooted(
 ) -> tuple[Floats, NDArray[np.bool_]]:
     """Roots next to those of the family's formulas; where it has none, next to first guesses."""
     u, good, left = start.copy(), np.zeros(len(a), dtype=bool), np.ones(len(a), dtype=bool)
-    known = family.formulas.guess(a, q) if family.formulas is not None else None
-    if known is not None:
-        near, lacking = known
+    guessed = family.formulas.guess(a, q) if family.formulas is not None else None
+    if guessed is not None:
+        near, lacking = guessed
         some = np.flatnonzero(np.isfinite(near).all(axis=1) & ~lacking)
         if len(some):
             u[some] = near[some]
@@ -572,7 +573,11 @@ def check_states(family: Any) -> None:
         as the unknowns.
     """
     system, whose = family.system, f"family {family.name}"
-    for name in (*family.held, *family.unknown, *family.equations):
+    for name in family.unknown:
+        known("an unknown", name, (*system.states, *system.parameters))
+        if name in family.at:
+            raise ParameterError(f"{shown(name)} of {whose} is in at and unknown; name it once.")
+    for name in (*family.held, *family.equations):
         seen = system.observables.get(name) if name in family.equations else None
         if seen is None or seen.shape != (1, 1):
             system.index(name)

@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from ..algebra.upright import Upright
-from ..base.checks import one_number
+from ..base.checks import known, one_number
 from ..base.errors import (
     NameUnknownError,
     NoMemberError,
@@ -48,6 +48,7 @@ def steady(
     at: Sequence[str] | str,
     *,
     held: Mapping[str, float | Upright] | None,
+    unknown: Sequence[str] | str,
     guess: Mapping[str, float] | None,
     equations: Sequence[str] | None,
     positive: Sequence[str],
@@ -60,7 +61,7 @@ def steady(
     ----------
     system
         The equations of motion.
-    at, held, guess, equations, positive, name
+    at, held, unknown, guess, equations, positive, name
         As in `System.steady`.
     **options
         Values of parameters at the guess, and `typical`, `conservative`, `integrals`, `drifts`
@@ -88,31 +89,37 @@ def steady(
     for what in fixed:
         system.index(what)
     moving = moving_states(system, {*fixed, *where, *(equations or ())})
-    unknown = [n for n in system.states if n not in fixed and n not in where]
+    trimmed = (unknown,) if isinstance(unknown, str) else names("unknown", unknown)
+    for what in trimmed:
+        known("unknown", what, system.parameters)
+    sought = [n for n in system.states if n not in fixed and n not in where]
     solved = names("equations", equations) if equations is not None else None
-    for what in [n for n in unknown if n in moving or (n not in given and _ignorable(system, n))]:
-        unknown.remove(what)
+    for what in [n for n in sought if n in moving or (n not in given and _ignorable(system, n))]:
+        sought.remove(what)
     if solved is None:
-        for what in _resting(system, fixed, unknown, given):
+        for what in _resting(system, fixed, sought, given):
             fixed[what] = 0.0
-            unknown.remove(what)
+            sought.remove(what)
+        every = [*sought, *trimmed]
         try:
-            solved = independent_rates(system, fixed, unknown, given, moving)
+            solved = independent_rates(system, fixed, every, given, moving)
         except ParameterError:  # an ignorable state that rests decides what the others leave open
             if not moving:
                 raise
-            solved, moving = independent_rates(system, fixed, unknown, given, ()), ()
+            solved, moving = independent_rates(system, fixed, every, given, ()), ()
     for what in system.states:
-        if what not in (*fixed, *where, *unknown, *moving):
+        if what not in (*fixed, *where, *sought, *moving):
             fixed[what] = 0.0  # no rate depends on it, so any value is as good
     missing = [n for n in (*where, *system.parameters) if n not in given]
-    if missing and unknown:
+    sought += trimmed
+    if missing and sought:
         raise ParameterError(
             f"the guess needs a value of {listed(list(dict.fromkeys(missing)))}; name it in guess, "
             "so that the first member is found there."
         )
-    first = {n: given.get(n, 0.0) for n in unknown}
+    first = {n: given.get(n, 0.0) for n in sought}
     typical = {n: given[n] or 1.0 for n in (*where, *system.parameters) if n in given}
+    typical = {n: v for n, v in typical.items() if n not in trimmed}
     of_family.setdefault("typical", typical)
     family = Family(
         system,
@@ -124,7 +131,7 @@ def steady(
         positive=tuple(positive),
         **of_family,
     )
-    if not unknown or (family.closed and _exists(family, given)):
+    if not sought or (family.closed and _exists(family, given)):
         return family
     if family.closed:  # CasADi folds ∞ - ∞ to 0, and other rates need not vanish
         moved = {n: v + 1 + i / 8 for i, (n, v) in enumerate(first.items())}
@@ -174,7 +181,14 @@ def independent_rates(
     own = [n for n in system.states if n not in moving]
     rates = {n: v for n, v in rates_by_name(system).items() if n not in moving}
     values = _with_held(system, held, ca.vertcat(*rates.values()))
-    sought = ca.vertcat(*[system.x[system.index(n)] for n in unknown])
+    symbols = dict(
+        zip(
+            (*system.states, *system.parameters),
+            ca.vertsplit(ca.vertcat(system.x, system.p)),
+            strict=True,
+        )
+    )
+    sought = ca.vertcat(*[symbols[n] for n in unknown])
     rows = [
         n
         for i, n in enumerate(rates)

@@ -235,6 +235,7 @@ class System(Equations):
         at: Sequence[str] | str,
         *,
         held: Mapping[str, float | Upright] | None = None,
+        unknown: Sequence[str] | str = (),
         guess: Mapping[str, float] | None = None,
         equations: Sequence[str] | None = None,
         positive: Sequence[str] = (),
@@ -253,6 +254,9 @@ class System(Equations):
             Names of the parameters or states that name a member.
         held
             Values of the states that are the same along the family.
+        unknown
+            Names of parameters that are solved for too: the thrust that holds a speed.  Name as
+            many states more in `at` or `held`.
         guess
             Values near one member: of parameters and states, by name.  A state that is left out
             counts as 0.  An ignorable state, such as a place, is left out: it may move.
@@ -300,6 +304,7 @@ class System(Equations):
             self,
             at,
             held=held,
+            unknown=unknown,
             guess=guess,
             equations=equations,
             positive=positive,

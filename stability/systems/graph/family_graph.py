@@ -482,7 +482,7 @@ class FamilyGraph:
         self._frame = frame
         self._system = system = frame.system
         self._zero = frame.zero
-        others = [n for n in system.parameters if n not in frame.at]
+        others = [n for n in system.parameters if n not in (*frame.at, *frame.unknown)]
         a, u, q = ([ca.SX.sym(n) for n in names] for names in (frame.at, frame.unknown, others))
         self._inputs = [ca.vertcat(*s) if s else ca.SX(0, 1) for s in (a, u, q)]
         self._size = len(u)

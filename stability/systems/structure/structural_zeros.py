@@ -148,7 +148,7 @@ def _has_member(family: Family, a: Floats, q: Floats) -> bool:
     found = family.search(a, q)
     if not found.good[0]:
         return False
-    states, p = family.states(a, found.u, q), family._system_parameters(a, q)
+    states, p = family.states(a, found.u, q), family._system_parameters(a, found.u, q)
     return bool(family.system.valid(states, p, CLEAR)[0])
 
 
