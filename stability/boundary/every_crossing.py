@@ -47,6 +47,8 @@ HOW = (
 )
 SHARE = 0.382
 """Share of an interval at which eigenvalues are counted where none crosses."""
+NOTHING = 1e-300
+"""Distance from 0 up to which a crossing is one at 0."""
 REACHED = "whether eigenvalues of {family} reach the imaginary axis there is not decided"
 
 
@@ -203,7 +205,7 @@ def _crossing(line: AxisScan, leaf: Leaf) -> AxisCrossing | str | None:
         count = unstable_at(line, value) if inside else None
         return (count == below) - (count == above)
 
-    if leaf.low < 0 < leaf.high and not side(0.0):
+    if leaf.low < 0 < leaf.high and side(-NOTHING) * side(NOTHING) < 0:
         root = 0.0
     elif leaf.near:
         root = leaf.near[0]

@@ -102,7 +102,8 @@ def unstable_count(coefficients: Sequence[Any], *, even: bool) -> int | None:
     if not even and (count := sign_changes(monic(coefficients))) is not None:
         return count
     roots = isolated(list(coefficients), even)
-    if roots is None or any(z.real != 0 and z.real.contains(0) for z in roots):
+    # a ball that holds zero is not unequal to it: only an exact zero is on the axis
+    if roots is None or any(z.real.contains(0) and not z.real.is_zero() for z in roots):
         return None
     return sum(bool(z.real > 0) for z in roots)
 

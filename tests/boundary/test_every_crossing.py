@@ -14,6 +14,7 @@ from planted_crossings import HIGH, LOW, Plan
 
 import stability as st
 from stability.algebra.exact.routh import sign_changes, unstable_roots
+from stability.boundary.pairs import unstable_count
 from stability.cli import main
 
 REACHED = "reach the imaginary axis there is not decided"
@@ -104,6 +105,19 @@ def test_planted_crossings_are_listed_on_an_axis_that_is_not_algebraic() -> None
 def test_planted_crossings_of_many_families_that_are_not_algebraic() -> None:
     crossings, left = np.sum([compared_in_pieces(seed) for seed in range(100, 120)], axis=0)
     assert crossings > 2 * left
+
+
+def test_a_crossing_at_zero_is_at_zero() -> None:
+    """Both numbers are proved as near to it as doubles lie; a ball that holds zero proves none."""
+    x, a = ca.SX.sym("x"), ca.SX.sym("a")
+    system = st.System("s", x, a, (ca.exp(a) - ca.cos(a)) * x, states=("x",), parameters=("a",))
+    family = st.Family(system, "rest", at=("a",), held={"x": 0})
+    for low, high in ((-1, 1), (-1, 10), (-0.5, 3)):
+        [one] = st.boundaries(family, axis=("a", low, high, 9), every=True)
+        assert one.value == 0.0 and one.error <= 1e-300
+        assert (one.unstable_below, one.unstable_above) == (0, 1)
+    assert unstable_count([arb(0, 1e-38), arb(14.3), arb(1), arb(1)], even=False) is None
+    assert unstable_count([arb(0), arb(14.3), arb(1), arb(1)], even=False) == 0
 
 
 def test_three_pairs_of_lorenz_84_cross_on_an_unstable_sheet() -> None:
