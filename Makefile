@@ -102,7 +102,7 @@ bench: $(READY)
 # Other people's codes compared with this one. What is not installed is reported as missing.
 peers: $(READY)
 	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[peers]'
-	for peer in sympy_kane heyoka_raw auto mujoco_disk; do \
+	for peer in sympy_kane heyoka_raw auto auto_demos mujoco_disk; do \
 	  echo; echo "== $$peer"; $(BIN)/python benchmarks/peers/$$peer.py || exit 1; done
 
 # Every polynomial and condition derived again from the graph, into disk_polynomials.json and body_polynomials.json;
