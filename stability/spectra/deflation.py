@@ -218,12 +218,13 @@ def _linearised(family: Family, read: Reader, count: int, zeros: int, watch: boo
         states.remove(name)
         sound.append(np.ones(count, dtype=bool))
     left = zeros - len(steps)
-    tangents, doubts = tangent_vectors(family, read)
-    for index in range(min(left, tangents.shape[-1])):
+    along = min(left, family.tangents)
+    tangents, doubts = tangent_vectors(family, read) if along else (matrix, error)
+    for index in range(along):
         vector, doubt = _push(tangents[..., index], doubts[..., index], steps)
         matrix, error, within = _deflate(matrix, error, vector, doubt, steps, watch)
         sound.append(within)
-    for _ in range(left - min(left, tangents.shape[-1])):
+    for _ in range(left - along):
         if not np.isfinite(matrix).all():
             break
         vector, doubt = null_vector(matrix, error)
