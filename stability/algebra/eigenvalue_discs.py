@@ -83,10 +83,10 @@ def eigenvalue_discs(matrix: Floats, error: Floats) -> Discs:
             return nothing
         if basis is None:
             return nothing
-        found = _gershgorin(values, *near_diagonal(basis, matrix, error, values))
-        values, radius = unit * found.values, unit * found.radius + 2 * TINY
+        discs = _gershgorin(values, *near_diagonal(basis, matrix, error, values))
+        values, radius = unit * discs.values, unit * discs.radius + 2 * TINY
         fine = np.isfinite(values).all() and np.isfinite(radius).all()
-        return Discs(values, radius, found.alone) if fine else nothing
+        return Discs(values, radius, discs.alone) if fine else nothing
 
 
 def _scaled(matrix: Floats, error: Floats, size: float) -> tuple[Floats, Floats, float]:
@@ -174,9 +174,9 @@ def _defect(matrix: Floats, values: Complexes, x: Complexes) -> tuple[Complexes,
     # what no product of slices has, and the sum of small terms (Ogita, Rump, Oishi 2005)
     cut = (SLICES + 2) * n * 2.0 ** (-SLICES * bits) + 4 * n * (terms * UNIT) ** 2
     bound = cut * rows[:, None] * columns + 8 * (terms * UNIT) ** 2 * largest * columns
-    found = total + small
-    bound = MORE * (bound + 2 * UNIT * np.abs(found)) + n * LOST
-    return found[:, :n] + 1j * found[:, n:], bound[:, :n] + bound[:, n:]
+    residual = total + small
+    bound = MORE * (bound + 2 * UNIT * np.abs(residual)) + n * LOST
+    return residual[:, :n] + 1j * residual[:, n:], bound[:, :n] + bound[:, n:]
 
 
 def _above(rows: Floats) -> Floats:

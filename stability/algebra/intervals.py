@@ -77,9 +77,9 @@ def times(a: Pair, b: Pair) -> Pair:
         hi = np.maximum(np.maximum(ends[0], ends[1]), np.maximum(ends[2], ends[3]))
     total = lo.sum()
     if total != total:  # zero times infinity, or no number
-        known = ~(np.isnan(a_lo) | np.isnan(b_lo))
+        valid = ~(np.isnan(a_lo) | np.isnan(b_lo))
         fixed = [
-            np.where(np.isnan(v) & known, 0.0, v)
+            np.where(np.isnan(v) & valid, 0.0, v)
             for v in (a_lo * b_lo, a_lo * b_hi, a_hi * b_lo, a_hi * b_hi)
         ]
         lo = np.minimum(np.minimum(fixed[0], fixed[1]), np.minimum(fixed[2], fixed[3]))

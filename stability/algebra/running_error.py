@@ -149,8 +149,8 @@ def _elementary(function: Any, change: Any) -> Any:
         x = tracked(x)
         total = function(x.value)
         size = np.abs(total)
-        own = 2 * UNIT * size + TINY * (size > 0)  # only exp rounds a nonzero value to zero
-        return RunningError(total, change(x.value, x.error, size) + own)
+        rounding = 2 * UNIT * size + TINY * (size > 0)  # only exp rounds a nonzero value to zero
+        return RunningError(total, change(x.value, x.error, size) + rounding)
 
     return apply
 
@@ -436,16 +436,16 @@ def bounded(function: ca.Function, constants: Sequence[float] | None = None) -> 
     program = Program(function)
     entries = [[Sized(v, ca.fabs(v), 0) for v in ca.vertsplit(some)] for some in inputs]
     values, errors = [], []
-    for found, places, shape in zip(
+    for outputs, places, shape in zip(
         program.run(SIZED, entries), program.places, program.shapes, strict=True
     ):
         value, error = ca.SX.zeros(*shape), ca.SX.zeros(*shape)
-        for place, one in zip(places, found, strict=True):
-            if isinstance(one, Sized):
-                value[place] = one.value
-                error[place] = 1.01 * one.count * UNIT * one.size + LEAST_SIZE
+        for place, entry in zip(places, outputs, strict=True):
+            if isinstance(entry, Sized):
+                value[place] = entry.value
+                error[place] = 1.01 * entry.count * UNIT * entry.size + LEAST_SIZE
             else:
-                value[place] = one
+                value[place] = entry
         values.append(ca.densify(value))
         errors.append(ca.densify(error))
     return Program(ca.Function("bounded", inputs, [*values, *errors]), constants)

@@ -69,10 +69,10 @@ class Record:
         """The number type of these lines."""
 
         def call(name: str, value: Any) -> Any:
-            own = dict(self.language.renamed).get(name, name)
+            spelling = dict(self.language.renamed).get(name, name)
             if not isinstance(value, Line) and hasattr(math, name):
                 return getattr(math, name)(value)
-            return self.line(self.language.function.format(name=own, value=self.text(value)))
+            return self.line(self.language.function.format(name=spelling, value=self.text(value)))
 
         names = [n for n in (*UNARY, *MORE, "fabs") if n not in self.language.lacking]
         table: dict[str, Callable[..., Any]] = {n: partial(call, n) for n in names}
@@ -83,10 +83,10 @@ class Record:
 
     def _power(self, base: Any, exponent: Any) -> Any:
         if not isinstance(exponent, Line) and float(exponent) == int(exponent) and exponent >= 0:
-            found: Any = 1.0
+            product: Any = 1.0
             for _ in range(int(exponent)):
-                found = base * found
-            return found
+                product = base * product
+            return product
         return self.line(self.language.power.format(a=self.text(base), b=self.text(exponent)))
 
 
