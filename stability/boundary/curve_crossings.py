@@ -99,9 +99,9 @@ def saddles(
     grid
         Values of both axes.
     """
-    found: list[Saddle | None] = [None] * len(turns)
+    resolved: list[Saddle | None] = [None] * len(turns)
     if not 1 < len(turns) <= MOST or not polynomials.readable:
-        return found
+        return resolved
     place = np.array(turns).T
     first = (np.searchsorted(g, v).clip(1, len(g) - 1) for g, v in zip(grid, place, strict=True))
     cell = np.array([np.diff(g)[k - 1] for g, k in zip(grid, first, strict=True)])
@@ -110,8 +110,8 @@ def saddles(
     if len(some):
         with np.errstate(all="ignore"), suppress(StabilityError, ArithmeticError):
             for k, saddle in _resolved(polynomials, place[:, some], cell[:, some]):
-                found[some[k]] = saddle
-    return found
+                resolved[some[k]] = saddle
+    return resolved
 
 
 def _resolved(
@@ -185,7 +185,7 @@ def linked(
     for k, saddle in enumerate(saddles(polynomials, turns, grid)):
         if saddle is not None:
             place = saddle.place.place(0), saddle.place.place(1)
-            same = [some for one, some in groups if one.far(place) < SAME]
+            same = [some for earlier, some in groups if earlier.far(place) < SAME]
             same[0].append(k) if same else groups.append((saddle, [k]))
     groups = [
         (saddle, sorted(some, key=lambda k: saddle.far(turns[k]))[:2])
@@ -230,7 +230,7 @@ def _arms(
 
 
 def _joined(
-    arms: list[Arm], partner: dict[tuple[int, int], tuple[int, int]], found: list[Saddle]
+    arms: list[Arm], partner: dict[tuple[int, int], tuple[int, int]], saddles: list[Saddle]
 ) -> list[list[Placed]]:
     """Arms in a row, each with its partner at a saddle."""
     curves, left = [], set(range(len(arms)))
@@ -244,7 +244,7 @@ def _joined(
             points += arms[i].points[::-1] if end else arms[i].points
             leaving, at = (i, 1 - end), arms[i].ends[1 - end]
             if at is not None:
-                points += [found[at].place] if not found[at].sign else []
+                points += [saddles[at].place] if not saddles[at].sign else []
                 i, end = partner[leaving]
                 if i not in left:
                     points.append(points[0])

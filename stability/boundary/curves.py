@@ -93,13 +93,13 @@ def trace(
     lines = contour_generator(z=sign, line_type=LineType.Separate).lines(0.0)
     places = [_edges(line) for line in lines]
     total = sum(map(len, lines))
-    known = scans.changes(np.concatenate([np.empty((0, 3), dtype=int), *places]), codes, progress)
-    turns = _turns(known)
+    changes = scans.changes(np.concatenate([np.empty((0, 3), dtype=int), *places]), codes, progress)
+    turns = _turns(changes)
     tips, xs, ys = Tips(scans), axes[0].values, axes[1].values
     curves: list[Sequence[Placed | Turn]] = []
     missing = 0
     for line, edges in zip(lines, places, strict=True):
-        points = [known[axis, i, j] for axis, i, j in edges.tolist()]
+        points = [changes[axis, i, j] for axis, i, j in edges.tolist()]
         missing += points.count(None)
         between: list[Sequence[Turn]] = [()] * len(points)
         if turns:
@@ -133,25 +133,25 @@ def _edges(line: Floats) -> NDArray[np.int_]:
     return np.array(first, dtype=int).T
 
 
-def _turns(known: Mapping[tuple[int, int, int], Placed | None]) -> dict[Cell, list[Turn]]:
+def _turns(changes: Mapping[tuple[int, int, int], Placed | None]) -> dict[Cell, list[Turn]]:
     """Where two curves may cross within a cell, by its row and column.
 
     All four edges of the cell change, or two curves come near to each other on both sides of a row
     (or column) of grid points, and their lines meet between two of these points.
     """
     turns: dict[Cell, list[Turn]] = {}
-    for axis, i, j in known:
+    for axis, i, j in changes:
         if axis == 0:
             sides = (0, i, j), (0, i + 1, j), (1, i, j), (1, i, j + 1)
-            ends = [end for side in sides if (end := known.get(side)) is not None]
+            ends = [end for side in sides if (end := changes.get(side)) is not None]
             if len(ends) == len(sides):
                 turns[i, j] = _meeting(*ends)
         up, right = axis, 1 - axis  # from the edge before, over the grid point between them
-        if known.get((axis, i - up, j - right)) is None:
+        if changes.get((axis, i - up, j - right)) is None:
             continue
         ahead = [(i + k * right, j + k * up) for k in (-1, 0, 1, 2)]
-        after = [end for r, c in ahead if (end := known.get((axis, r, c))) is not None]
-        before = [e for r, c in ahead if (e := known.get((axis, r - up, c - right))) is not None]
+        after = [end for r, c in ahead if (end := changes.get((axis, r, c))) is not None]
+        before = [e for r, c in ahead if (e := changes.get((axis, r - up, c - right))) is not None]
         if len(after) == len(before) == len(ahead):
             apart = [a.point.value - b.point.value for a, b in zip(after, before, strict=True)]
             if apart[0] >= 2 * apart[1] and apart[3] >= 2 * apart[2]:
@@ -374,19 +374,19 @@ class Tips:
         """Both sides, and each of the tip's own points on the side that it belongs to."""
         axis = first.axis
 
-        def off(side: list[Placed], one: Placed) -> float:
+        def off(side: list[Placed], point: Placed) -> float:
             order = sorted(side, key=lambda p: p.place(1 - axis))
             at = np.interp(
-                one.place(1 - axis),
+                point.place(1 - axis),
                 [p.place(1 - axis) for p in order],
                 [p.place(axis) for p in order],
             )
-            return abs(float(at) - one.place(axis))
+            return abs(float(at) - point.place(axis))
 
         sides = [first, *up], [last, *down]
         way = 1 if up[0].place(1 - axis) > first.place(1 - axis) else -1
-        for one in middle:
-            (up if off(sides[0], one) <= off(sides[1], one) else down).append(one)
+        for point in middle:
+            (up if off(sides[0], point) <= off(sides[1], point) else down).append(point)
         up.sort(key=lambda p: way * p.place(1 - axis))
         down.sort(key=lambda p: -way * p.place(1 - axis))
         meeting = _meeting(*[first, *up][-2:], *[*down, last][:2])
@@ -427,12 +427,12 @@ class Tips:
         tries = [(low + high) / 2, *np.linspace(low, high, TRIES)]
         values = np.array([*outer, *tries, *np.linspace(*outer, TRIES)])
         heights = np.full(len(values), height)
-        known = self.lines.polynomials.signs(
+        signs = self.lines.polynomials.signs(
             *((values, heights) if axis == 0 else (heights, values))
         )
 
         def sign(k: int) -> int:
-            return int(known[k]) or line.quick_sign(float(values[k]))
+            return int(signs[k]) or line.quick_sign(float(values[k]))
 
         try:
             ground = sign(0)

@@ -131,16 +131,16 @@ class Line:
         table[self.axis] = arb(value)
         for name, held in family.fixed.items():
             table[name] = arb.pi() / 2 if isinstance(held, Upright) else arb(held)
-        found = list(family.unknown.values()) if family.closed else list(unknowns)
-        table |= {n: arb(v) for n, v in zip(family.unknown, found, strict=True)}
+        values = list(family.unknown.values()) if family.closed else list(unknowns)
+        table |= {n: arb(v) for n, v in zip(family.unknown, values, strict=True)}
         return [table[n] for n in system.states], [table[n] for n in system.parameters]
 
     def row(self, value: float) -> tuple[Floats, Floats, Floats]:
         """Family parameters, unknowns and parameters of a member in double precision, one row."""
         family = self.family
-        given = {n: float(arb(v).mid()) for n, v in self.fixed.items()} | {self.axis: value}
-        a = np.array([[given[n] for n in family.at]])
-        q = np.array([[given[n] for n in family.parameters]]).reshape(1, -1)
+        values = {n: float(arb(v).mid()) for n, v in self.fixed.items()} | {self.axis: value}
+        a = np.array([[values[n] for n in family.at]])
+        q = np.array([[values[n] for n in family.parameters]]).reshape(1, -1)
         return a, family.solve(a, q), q
 
     def member(self, value: float) -> list[float]:
@@ -305,8 +305,8 @@ def guess(
     if not np.isfinite(matrix).all():
         raise NotProvedError
     with precision(GUESS_BITS):
-        found, columns = acb_mat(matrix.tolist()).eig(right=True, algorithm="approx")
-    values = np.array([complex(v) for v in found])
+        eigenvalues, columns = acb_mat(matrix.tolist()).eig(right=True, algorithm="approx")
+    values = np.array([complex(v) for v in eigenvalues])
     if frequency is None:
         turns = values.imag > REAL * np.abs(values).max()
         far = np.where(turns, np.abs(values.real), np.inf)
@@ -413,10 +413,10 @@ def shifted(matrix: Any, number: Any) -> Any:
 def solve(matrix: Any, right: Balls) -> Balls:
     """Solution of a regular complex system."""
     try:
-        found = matrix.solve(acb_mat(len(right), 1, [acb(v) for v in right]))
+        solution = matrix.solve(acb_mat(len(right), 1, [acb(v) for v in right]))
     except ZeroDivisionError:
         raise NotProvedError from None
-    return [found[i, 0] for i in range(len(right))]
+    return [solution[i, 0] for i in range(len(right))]
 
 
 def direction(line: Line, x: Balls, p: Balls) -> Balls:
@@ -475,8 +475,8 @@ def coefficients(pair: Pair) -> Coefficients:
     conjugate = [v.conjugate() for v in q]
 
     def second(u: Balls, v: Balls) -> Balls:
-        found = line.second(x, p, line.whole(u), line.whole(v))
-        return [acb(found[i]) for i in kept]
+        derivative = line.second(x, p, line.whole(u), line.whole(v))
+        return [acb(derivative[i]) for i in kept]
 
     cubic = line.third(x, p, line.whole(q), line.whole(q), line.whole(conjugate))
     total = dot(left, [acb(cubic[i]) for i in kept])

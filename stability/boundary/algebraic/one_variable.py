@@ -121,10 +121,10 @@ class Factors:
 
     def watched(self) -> list[tuple[str, Any]]:
         """(kind, polynomial) of what can vanish where the verdict changes."""
-        found = [("pole", multivariate(p)) for p in self.poles]
+        conditions = [("pole", multivariate(p)) for p in self.poles]
         for row in self.rows:
-            found += critical([multivariate(c) for c in row], _pair, _meeting)
-        return [(kind, p) for kind, p in found if not p.is_constant()]
+            conditions += critical([multivariate(c) for c in row], _pair, _meeting)
+        return [(kind, p) for kind, p in conditions if not p.is_constant()]
 
     def verdict(self, x: Any) -> Verdict:
         """The verdict at a rational value; zeros by structure do not count."""
@@ -147,11 +147,11 @@ class Factors:
 
     def frequency(self, x: Any) -> float:
         """|Im λ| of the pair that meets the axis, or of two that meet on it, next to a rational."""
-        known: list[tuple[float, float]] = []
+        pairs: list[tuple[float, float]] = []
         for row, even in zip(self.rows, self.even, strict=True):
             p = fmpq_poly([c(x) for c in row])
-            known += meeting(fmpq_poly(p.coeffs()[::2])) if even else crossing(p)
-        return min(known, default=(math.inf, 0.0))[1]
+            pairs += meeting(fmpq_poly(p.coeffs()[::2])) if even else crossing(p)
+        return min(pairs, default=(math.inf, 0.0))[1]
 
 
 class SineFactors:
@@ -170,14 +170,14 @@ class SineFactors:
     def watched(self) -> list[tuple[str, Any]]:
         """(kind, polynomial) of what can vanish where a number changes."""
         budget = counted()
-        found = [("pole", p) for p in self.poles]
+        conditions = [("pole", p) for p in self.poles]
         for row in self.rows:
-            found += critical(
+            conditions += critical(
                 row,
                 lambda a: hurwitz_determinants(a, budget)[-1],
                 lambda q: subdiscriminants(q, budget)[-1],
             )
-        return [(kind, p) for kind, p in found if not p.derivative(0).is_zero()]
+        return [(kind, p) for kind, p in conditions if not p.derivative(0).is_zero()]
 
     def at(self, root: Any) -> list[list[Any]]:
         """The factors at a ball of the variable."""
@@ -255,9 +255,9 @@ class OneVariable(Members):
         self._sign = cache(source.sign)  # of an inclination two pieces may share their sine
         if line.problem.family.exact:
             self.how += ", from the family's polynomial"
-        found = [*_apart(source.watched(), turned=base.turned)]
-        found += [("edge", UPRIGHT)] if edge else []
-        norms = ((p, Watched(kind, p, p)) for kind, p in found)
+        conditions = [*_apart(source.watched(), turned=base.turned)]
+        conditions += [("edge", UPRIGHT)] if edge else []
+        norms = ((p, Watched(kind, p, p)) for kind, p in conditions)
         self.candidates = Candidates(base, source.sine, norms, ends, bits)
         none = line.axis == "phi_dot" and not line.problem.plain
         low, high = ends
@@ -292,54 +292,56 @@ class OneVariable(Members):
         """There is one member at every number."""
         return True
 
-    def factors_at(self, one: Candidate) -> list[tuple[list[Any], int]]:
+    def factors_at(self, candidate: Candidate) -> list[tuple[list[Any], int]]:
         """Factors in balls at a candidate, each with its power."""
         assert not isinstance(self.source, Conditions)
-        root = self.candidates.base.variable(self.candidates.refined(one, FINE_BITS))
+        root = self.candidates.base.variable(self.candidates.refined(candidate, FINE_BITS))
         with precision(FINE_BITS):
             return list(zip(self.source.at(root), self.source.powers, strict=True))
 
-    def vanishing(self, one: Candidate) -> list[Watched]:
+    def vanishing(self, candidate: Candidate) -> list[Watched]:
         """Every watched polynomial is its own norm."""
-        return list(one.watched)
+        return list(candidate.watched)
 
-    def joined(self, one: Candidate, below: Cell, above: Cell) -> bool:  # noqa: ARG002
+    def joined(self, candidate: Candidate, below: Cell, above: Cell) -> bool:  # noqa: ARG002
         """The members are a function of the axis."""
         return True
 
-    def meets(self, one: Candidate, kept: list[Watched], below: Cell, above: Cell) -> bool:  # noqa: ARG002
+    def meets(self, candidate: Candidate, kept: list[Watched], below: Cell, above: Cell) -> bool:  # noqa: ARG002
         """Every watched polynomial is its own norm."""
         return True
 
-    def unstable(self, one: Candidate) -> bool | None:
+    def unstable(self, candidate: Candidate) -> bool | None:
         """Whether the member at a candidate is unstable; None where this is not proved."""
         source = self.source
         assert not isinstance(source, SineFactors)
-        with precision(max(BITS, min(one.root.rel_accuracy_bits(), MOST_BITS)) + GUARD):
+        with precision(max(BITS, min(candidate.root.rel_accuracy_bits(), MOST_BITS)) + GUARD):
             if isinstance(source, Factors):
-                return self._grows(source, one)
-            if source.negative(one.root):
+                return self._grows(source, candidate)
+            if source.negative(candidate.root):
                 return True
         # no condition is proved negative; omitted ones follow only where the others are positive
-        place = self.line.fixed | {self.line.axis: float(one.value.mid())}
+        place = self.line.fixed | {self.line.axis: float(candidate.value.mid())}
         return False if certified(self.line.problem, place) is Verdict.NEUTRAL else None
 
     @staticmethod
-    def _grows(source: Factors, one: Candidate) -> bool | None:
-        balls = source.at(one.root)
+    def _grows(source: Factors, candidate: Candidate) -> bool | None:
+        balls = source.at(candidate.root)
         if any(map(grows, balls)):
             return True
         norm = next(
-            p for p, _ in univariate(one.norm).factor()[1] if arb_poly(p)(one.root).contains(0)
+            p
+            for p, _ in univariate(candidate.norm).factor()[1]
+            if arb_poly(p)(candidate.root).contains(0)
         )
         if norm.degree() == 1:
             said = source.verdict(-norm[0] / norm[1])
             return None if said is Verdict.STABLE else said is Verdict.UNSTABLE
-        found = [
+        growth = [
             growing(row, b, lambda c: (c % norm).is_zero())
             for row, b in zip(source.rows, balls, strict=True)
         ]
-        return True if True in found else None if None in found else False
+        return True if True in growth else None if None in growth else False
 
     def sign(self, value: float, cell: Cell) -> int:  # noqa: ARG002
         """The proved verdict at a double: from the graph, by Routh's array or over Q."""
@@ -361,24 +363,24 @@ class OneVariable(Members):
         except StabilityError:  # outside the range of the body's values
             return 0
 
-    def rate(self, one: Candidate, root: float) -> float:
+    def rate(self, candidate: Candidate, root: float) -> float:
         """|Im λ| of the pair that meets the imaginary axis at a candidate."""
         if self.line.problem.exact is None:
             assert isinstance(self.source, Factors)
             with precision(MEMBER_BITS):  # more digits than a double needs slow the roots down
-                return self.source.frequency((one.root * 1).mid().fmpq())
-        return super().rate(one, root)
+                return self.source.frequency((candidate.root * 1).mid().fmpq())
+        return super().rate(candidate, root)
 
 
-def _apart(found: list[tuple[str, Any]], *, turned: bool) -> Iterator[tuple[str, Any]]:
+def _apart(conditions: list[tuple[str, Any]], *, turned: bool) -> Iterator[tuple[str, Any]]:
     """Polynomials without a common or multiple root; a pole, then a zero eigenvalue names it."""
-    known = [UPRIGHT] if turned else []
-    for kind, p in sorted(found, key=lambda w: ("pole", "static", w[0]).index(w[0])):
+    earlier = [UPRIGHT] if turned else []
+    for kind, p in sorted(conditions, key=lambda w: ("pole", "static", w[0]).index(w[0])):
         rest = p / p.gcd(p.derivative(0))
-        for other in known:
+        for other in earlier:
             rest = rest / rest.gcd(other)
         if not rest.derivative(0).is_zero():
-            known.append(rest)
+            earlier.append(rest)
             yield kind, rest
 
 
@@ -424,10 +426,10 @@ def of_exact(
         angle, edge = exact.angle(axis), exact.borders
         over, sine = _tabulated(exact, axes, angle, field)
     base = Base(angle or ("positive" if not problem.plain and axis in POSITIVE else "plain"))
-    found = None if every else exact.conditions(axes, over)
-    if found is not None:
+    conditions = None if every else exact.conditions(axes, over)
+    if conditions is not None:
         # of the same sign, since a denominator is a power of a positive axis
-        quotients = [(kind, _quotient(field, p)) for kind, p in found]
+        quotients = [(kind, _quotient(field, p)) for kind, p in conditions]
         cleared = [(kind, q.num * q.den) for kind, q in quotients]
         if all(not p.is_zero() for _, p in cleared):
             good, edge = not problem.family.conservative, edge and bool(angle)

@@ -91,7 +91,7 @@ class Discs(NamedTuple):
     @property
     def meetings(self) -> int | None:
         """Number of meetings with the axis, a pair counted once; None where it is not proved."""
-        crossing = [one.value.imag for one in self.suspects if one.crosses]
+        crossing = [disc.value.imag for disc in self.suspects if disc.crosses]
         pairs, alone = divmod(sum(v != 0 for v in crossing), 2)
         return None if alone else pairs + sum(v == 0 for v in crossing)
 
@@ -375,9 +375,9 @@ class DiscMeetings(GraphMeetings):
 
     def zeros_in(self, piece: DiscPiece) -> int | None:
         """Number of meetings on a piece, each simple; None if this is not proved."""
-        found = self._found(piece)
-        if found is not None:
-            return sum(seen.meetings or 0 for _, seen in found)
+        open_blocks = self._found(piece)
+        if open_blocks is not None:
+            return sum(seen.meetings or 0 for _, seen in open_blocks)
         if (piece.low, piece.high) not in self.ended or not self.left:
             return None
         self.left -= 1
@@ -386,7 +386,7 @@ class DiscMeetings(GraphMeetings):
 
     def _found(self, piece: DiscPiece) -> list[tuple[list[int], Discs]] | None:
         """The blocks that forms leave open, with what discs prove of them."""
-        found = []
+        open_blocks = []
         with np.errstate(all="ignore"):  # what overflows proves nothing
             every = [_carried(span) for span in self._spans(piece.span)]
             if not self.every and any(
@@ -401,8 +401,8 @@ class DiscMeetings(GraphMeetings):
                     if carried is None or carried.lost(self.zeros):
                         self.ended.add((piece.low, piece.high))
                     return None
-                found.append((block, seen))
-        return found
+                open_blocks.append((block, seen))
+        return open_blocks
 
     def near(self, piece: DiscPiece) -> tuple[float, Crossing] | None:
         """The single meeting of a piece to double precision."""

@@ -91,10 +91,10 @@ def polynomial(matrix: Sequence[Any], *, fold: bool) -> list[Form]:
     """det(λ - B) by powers of λ, lowest first, for a matrix of forms (Berkowitz)."""
     # Taylor forms of any graph over boxes, algebraic or not; by matrices of balls, in one product
     top, size = len(matrix) - 1, matrix[0].nrows()
-    one = [arb(1), *[arb(0)] * top]
-    poly = [one]
+    unit = [arb(1), *[arb(0)] * top]
+    poly = [unit]
     for r in range(size):
-        first = [one, [-m[r, r] for m in matrix]]
+        first = [unit, [-m[r, r] for m in matrix]]
         if r:
             inner = [arb_mat([[m[i, j] for j in range(r)] for i in range(r)]) for m in matrix]
             row = [arb_mat([[-m[r, j] for j in range(r)]]) for m in matrix]
@@ -259,10 +259,10 @@ class Meetings(ABC):
         """Proved signs of the functions at a point; 0 where open."""
         bits, out = BITS, [0]
         while 0 in out and bits <= POINT_BITS:
-            found = self.values(value, bits, piece)
-            if found is None:
+            values = self.values(value, bits, piece)
+            if values is None:
                 return [0] * self.count
-            out = [int(f > 0) - int(f < 0) for f in found]
+            out = [int(f > 0) - int(f < 0) for f in values]
             bits *= 2
         return out
 
@@ -482,10 +482,10 @@ class FormulaMeetings(Meetings):
             some = [coefficient(a, k) for k in range(FORMULA_ORDER)] + [
                 coefficient(b, FORMULA_ORDER)
             ]
-            found = [c * half**k for k, c in enumerate(some)]
-            if not all(c.is_finite() for c in found):
+            coefficients = [c * half**k for k, c in enumerate(some)]
+            if not all(c.is_finite() for c in coefficients):
                 raise NoValueError
-            return found
+            return coefficients
 
         if not all(span(form(a, b)) > 0 for a, b in zip(asked, numbers, strict=True)):
             raise NoMemberError(f"{self.line.problem.family.name} has no member there.")
@@ -510,8 +510,8 @@ class FormulaMeetings(Meetings):
     @property
     def kinds(self) -> list[Crossing | None]:
         """What each of these numbers means; None for infinity."""
-        own: list[Crossing | None] = [Crossing.STATIC, None]
-        return own if self.formulas.even else [*own, Crossing.FLUTTER]
+        kinds: list[Crossing | None] = [Crossing.STATIC, None]
+        return kinds if self.formulas.even else [*kinds, Crossing.FLUTTER]
 
     def forms(self, piece: FormulaPiece) -> list[Form]:
         """The functions of the polynomial."""

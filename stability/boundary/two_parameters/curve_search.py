@@ -192,7 +192,7 @@ class CurveSearch:
         """The curves within the rectangle, each with the points that are proved."""
         if not self.run():
             return []
-        return [known for curve in self.curves for known in self._pieces(curve)]
+        return [piece for curve in self.curves for piece in self._pieces(curve)]
 
     def _pieces(self, curve: Curve) -> Iterator[CurveOfZeros]:
         """Parts of a curve whose points are all proved."""
@@ -272,11 +272,11 @@ class CurveSearch:
         a, q, *_ = self.problem.arrays(
             {**self.problem.values, self.axes[0].name: x, self.axes[1].name: y}
         )
-        found = self.problem.family.search(a, q)
-        self.covered = bool(found.good.all())
-        unknowns = found.u if self._folds else found.u[:, :0]
+        members = self.problem.family.search(a, q)
+        self.covered = bool(members.good.all())
+        unknowns = members.u if self._folds else members.u[:, :0]
         table = np.column_stack([unknowns, x, y]).reshape(*counts, -1)
-        good = found.good.reshape(counts)
+        good = members.good.reshape(counts)
         for axis in (0, 1):
             for i in range(counts[axis]):
                 row, fine = (np.moveaxis(v, axis, 0)[i] for v in (table, good))
@@ -513,8 +513,8 @@ class CurveSearch:
         plain = z[: self.sheet.count]
         scale = self._scale(plain)
         return any(
-            bool((np.abs(plain - known) <= DIGITS * scale).all())
-            for other, known in self._seen
+            bool((np.abs(plain - earlier) <= DIGITS * scale).all())
+            for other, earlier in self._seen
             if other is kind
         )
 
