@@ -32,18 +32,18 @@ def fixed_model(model: Model) -> Model:
     model
         Model with a chart, of `stability.bodies.round_body.models.pole_model`.
     """
-    known = dict(model.quantities) | dict(round_quantities("", Smooth, (), STATES))
-    return replace(model, states=STATES, quantities=known, chart=None)
+    quantities = dict(model.quantities) | dict(round_quantities("", Smooth, (), STATES))
+    return replace(model, states=STATES, quantities=quantities, chart=None)
 
 
-def fixed_states(chart: Chart, own: int, states: Floats) -> Floats:
+def fixed_states(chart: Chart, count: int, states: Floats) -> Floats:
     """States along fixed axes, with X along the direction x̂ of the given ones.
 
     Parameters
     ----------
     chart
         Chart of the model.
-    own
+    count
         Number of states of its equations.
     states
         The six states of the angles, shape (…, 6).
@@ -53,9 +53,9 @@ def fixed_states(chart: Chart, own: int, states: Floats) -> Floats:
     ndarray
         Shape (…, 8).
     """
-    found = np.zeros((*states.shape[:-1], len(STATES)))
-    found[..., :own] = chart.pack(states)[..., :own]
-    return found
+    fixed = np.zeros((*states.shape[:-1], len(STATES)))
+    fixed[..., :count] = chart.pack(states)[..., :count]
+    return fixed
 
 
 @dataclass(frozen=True, eq=False)
