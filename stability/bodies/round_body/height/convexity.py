@@ -195,13 +195,13 @@ def _corner(
 
 def _joined(pieces: Sequence[Piece]) -> tuple[Span, ...]:
     """Pieces in order, neighbours as one."""
-    found: list[Span] = []
+    spans: list[Span] = []
     for low, high, _ in sorted(pieces):
-        if found and low <= found[-1][1]:
-            found[-1] = found[-1][0], max(high, found[-1][1])
+        if spans and low <= spans[-1][1]:
+            spans[-1] = spans[-1][0], max(high, spans[-1][1])
         else:
-            found.append((low, high))
-    return tuple(found)
+            spans.append((low, high))
+    return tuple(spans)
 
 
 # --- values of a height and its slopes on pieces ---
@@ -217,15 +217,15 @@ def _enclosure(
     waves = [wave_sum(plain, numbers) for numbers in shapes]
     if all(waves):
         return _by_waves(waves), MOST  # type: ignore[arg-type]  # none of them is None
-    found = _of_graph(height, names)
-    if found is None:
+    graph = _of_graph(height, names)
+    if graph is None:
         return None
-    run, most = found
+    run, most = graph
     numbers = np.array(shapes).reshape(len(shapes), -1).T
 
     def enclose(middle: Floats, half: Floats, which: Any) -> tuple[Floats, Floats]:
-        own = numbers[:, which]
-        return run(np.concatenate([[middle], own]), np.concatenate([[half], 0 * own]))
+        columns = numbers[:, which]
+        return run(np.concatenate([[middle], columns]), np.concatenate([[half], 0 * columns]))
 
     return enclose, most
 
@@ -234,13 +234,13 @@ def _by_waves(waves: Sequence[WaveSum]) -> Enclosure:
     """Values of sums of waves, shape by shape."""
 
     def enclose(middle: Floats, half: Floats, which: Any) -> tuple[Floats, Floats]:
-        found = np.zeros((2, 5, len(middle)))
-        for shape, one in enumerate(waves):
+        balls = np.zeros((2, 5, len(middle)))
+        for shape, wave in enumerate(waves):
             mine = which == shape
             if mine.any():
                 with np.errstate(all="ignore"):  # what is not finite proves nothing
-                    found[:, :, mine] = one.values(middle[mine], half[mine])
-        return found[0], found[1]
+                    balls[:, :, mine] = wave.values(middle[mine], half[mine])
+        return balls[0], balls[1]
 
     return enclose
 
@@ -257,8 +257,8 @@ def _program(height: Expression) -> Program | None:
 @lru_cache(maxsize=64)
 def _of_graph(height: Expression, names: tuple[str, ...]) -> tuple[Balls, int] | None:
     """Balls of a height and its slopes, from centres and radii of θ and the shape's numbers."""
-    theta, *own = symbols = [ca.SX.sym(n) for n in ("theta", *names)]
-    rows = [ca.SX(height(theta, *own))]
+    theta, *numbers = symbols = [ca.SX.sym(n) for n in ("theta", *names)]
+    rows = [ca.SX(height(theta, *numbers))]
     for _ in range(4):
         rows.append(ca.jacobian(rows[-1], theta))
     curves = [rows[i] + rows[i + 2] for i in range(3)]
@@ -268,8 +268,8 @@ def _of_graph(height: Expression, names: tuple[str, ...]) -> tuple[Balls, int] |
     except StabilityError:
         return None
 
-    def run(given: Sequence[Any], algebra: Algebra) -> list[Any]:
-        return [v for [v] in program.run(algebra, [[v] for v in given])]
+    def run(arguments: Sequence[Any], algebra: Algebra) -> list[Any]:
+        return [v for [v] in program.run(algebra, [[v] for v in arguments])]
 
     try:
         tape = recorded(run, len(symbols))
@@ -287,15 +287,15 @@ def _by_balls(run: Callable[[Sequence[Any], Algebra], list[Any]]) -> Balls:
     algebra = Algebra("signed balls", plain.constant, table)
 
     def enclose(mid: Floats, rad: Floats) -> tuple[Floats, Floats]:
-        found = np.full((2, 5, mid.shape[1]), math.nan)
+        enclosures = np.full((2, 5, mid.shape[1]), math.nan)
         with precision(BITS):
-            for lane, given in enumerate(zip(mid.T.tolist(), rad.T.tolist(), strict=True)):
-                values = run(list(map(arb, *given)), algebra)
+            for lane, pair in enumerate(zip(mid.T.tolist(), rad.T.tolist(), strict=True)):
+                values = run(list(map(arb, *pair)), algebra)
                 for i, value in enumerate(values):
                     if value.is_finite():
                         middle = float(value.mid())
                         away = float((value - middle).abs_upper())
-                        found[:, i, lane] = middle, np.nextafter(away, math.inf)
-        return found[0], found[1]
+                        enclosures[:, i, lane] = middle, np.nextafter(away, math.inf)
+        return enclosures[0], enclosures[1]
 
     return enclose
