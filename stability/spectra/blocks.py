@@ -82,9 +82,9 @@ class Blocks:
     @property
     def verdict(self) -> Verdict:
         """The verdict of all blocks."""
-        known = {part.verdict for part in self.parts}
+        verdicts = {part.verdict for part in self.parts}
         order = (Verdict.UNSTABLE, Verdict.UNDECIDED, Verdict.NEUTRAL)
-        return next((v for v in order if v in known), Verdict.STABLE)
+        return next((v for v in order if v in verdicts), Verdict.STABLE)
 
     @property
     def values(self) -> Complexes:
@@ -117,9 +117,9 @@ class Blocks:
         if member.enclosed_only:
             return None
         with suppress(NotExact):
-            found = member.matrix()
-            if all(isinstance(v, (int, fmpq)) for row in found for v in row):
-                return found
+            matrix = member.matrix()
+            if all(isinstance(v, (int, fmpq)) for row in matrix for v in row):
+                return matrix
         return None
 
 
