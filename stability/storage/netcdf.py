@@ -116,9 +116,9 @@ def _variables(file: Any) -> Iterator[tuple[str, Any]]:
     for name in file:
         if file.get(name, getclass=True, getlink=True) is not h5py.HardLink:
             raise FileError(f"{path_text(name)} of the file leads elsewhere; it is none of ours.")
-        found = file[name]
-        if isinstance(found, h5py.Dataset):
-            yield name, found
+        entry = file[name]
+        if isinstance(entry, h5py.Dataset):
+            yield name, entry
 
 
 def _twice(variable: Any) -> bool:
