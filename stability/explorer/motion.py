@@ -154,8 +154,8 @@ def start_along_axes(family: Family, formulas: Formulas, model: Model, pole: int
             upright = 0.0 if pole == 1 else math.pi
             six = [upright + pole * tilt[0], 0.0, 0.0, pole * q[0], 0.0, 0.0]
         else:
-            found = formulas.states(family, algebra, q)
-            six = [found[0] - tilt[0], *found[1:], *[0.0] * (6 - len(found))]
+            states = formulas.states(family, algebra, q)
+            six = [states[0] - tilt[0], *states[1:], *[0.0] * (6 - len(states))]
         theta, theta_dot, phi_dot, omega3, *slip = six
         sine, cosine = (algebra.functions[n](theta) for n in ("sin", "cos"))
         spin = omega3 - phi_dot * cosine

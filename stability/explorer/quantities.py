@@ -42,7 +42,7 @@ class Quantity:
     @classmethod
     def of(
         cls,
-        known: Known,
+        quantity: Known,
         low: float,
         high: float,
         value: float,
@@ -52,11 +52,19 @@ class Quantity:
         **limits: Any,
     ) -> Quantity:
         """A quantity of a disk or body: name in calls and unit are its own where none is given."""
-        symbol = (known.symbol or known.name).removesuffix("/mR²")
-        label = "" if known.long_name == symbol else known.long_name
-        unit = known.kind.label(dimensionless=True) if unit is None else unit
+        symbol = (quantity.symbol or quantity.name).removesuffix("/mR²")
+        label = "" if quantity.long_name == symbol else quantity.long_name
+        unit = quantity.kind.label(dimensionless=True) if unit is None else unit
         return cls(
-            name or known.name, symbol, label, unit, low, high, value, kind=known.kind, **limits
+            name or quantity.name,
+            symbol,
+            label,
+            unit,
+            low,
+            high,
+            value,
+            kind=quantity.kind,
+            **limits,
         )
 
     def told(self) -> dict[str, Any]:
@@ -145,14 +153,14 @@ class PageUnits:
     @property
     def body(self) -> str:
         """Mass, length and gravity as a reader sees them."""
-        one = self.units
-        return f"m = {one.mass:.6g} kg, R = {one.length:.6g} m, g = {one.gravity:.6g} m/s²"
+        units = self.units
+        return f"m = {units.mass:.6g} kg, R = {units.length:.6g} m, g = {units.gravity:.6g} m/s²"
 
     def told(self) -> dict[str, Any]:
         """The record in the page; empty for a body without dimension."""
         if self.dimensionless:
             return {}
-        one = self.units
-        given = {"mass": one.mass, self.length: one.length, "gravity": one.gravity}
+        units = self.units
+        scales = {"mass": units.mass, self.length: units.length, "gravity": units.gravity}
         sizes = {k.name: [v, readable(k.si)] for k, v in self.sizes.items() if k.words}
-        return {"given": given, "body": self.body, "sizes": sizes}
+        return {"given": scales, "body": self.body, "sizes": sizes}

@@ -76,11 +76,11 @@ class PageSubject:
             more: list[Any] = []
             if solver:
                 q, more = solver.polished(algebra, q)
-            found = formulas.members(algebra, q) if formulas.members else []
+            members = formulas.members(algebra, q) if formulas.members else []
             shares = [rule.share for rule in formulas.rules]
             signs = formulas.signs(algebra, q)
             errors = [(v, share * size) for (v, size), share in zip(signs, shares, strict=True)]
-            return formulas.coefficients(algebra, q), errors, [*found, *more]
+            return formulas.coefficients(algebra, q), errors, [*members, *more]
 
         slopes = ca.Function("slopes", [system.x, system.p], [ca.jacobian(system.rhs, system.x)])
         return {
@@ -123,7 +123,7 @@ class PageSubject:
 
     def _degrees(self, count: int) -> list[int]:
         lines = Record(JAVASCRIPT)
-        found = self.formulas.coefficients(
+        factors = self.formulas.coefficients(
             lines.algebra(), [Line(lines, f"a0[{i}]") for i in range(count)]
         )
-        return [len(factor) - 1 for factor in found]
+        return [len(factor) - 1 for factor in factors]
