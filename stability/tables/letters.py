@@ -260,5 +260,5 @@ def number(text: str) -> str:
     """
     if text == "-":
         return "--"
-    known = re.fullmatch(r"[+-]?\d*\.?\d+(e[+-]?\d+)?", text)
-    return f"${scientific(text)}$" if known else escaped(text)
+    match = re.fullmatch(r"[+-]?\d*\.?\d+(e[+-]?\d+)?", text)
+    return f"${scientific(text)}$" if match else escaped(text)
