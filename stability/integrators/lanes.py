@@ -122,7 +122,7 @@ def ends(
     Source: tests/integrators/test_lanes.py.
     """
     count = len(starts)
-    found = Ends(
+    result = Ends(
         np.zeros(count, dtype=np.int8),
         np.zeros(count),
         np.array(starts, dtype=float),
@@ -130,16 +130,16 @@ def ends(
         None if times is None else np.full((count, times.shape[1], starts.shape[1]), np.nan),
     )
     if not count:
-        return found
-    if found.samples is not None:
-        found.samples[:, 0] = starts
+        return result
+    if result.samples is not None:
+        result.samples[:, 0] = starts
     batches = min(1 if watch is None else TURNS, -(-count // lanes_of_batch()))
     with _lent(_batch(flow, max(tolerance, FINEST), effort), batches) as taken:
         steps = np.broadcast_to(most, count)
-        run = _Run(flow, taken, p, horizon, tolerance, steps, watch, found)
+        run = _Run(flow, taken, p, horizon, tolerance, steps, watch, result)
         run.times, run.seconds = times, seconds
         run.to_the_end()
-    return found
+    return result
 
 
 class _Run:
@@ -154,11 +154,11 @@ class _Run:
         tolerance: float,
         most: NDArray[np.int64],
         watch: Watch | None,
-        found: Ends,
+        ends: Ends,
     ) -> None:
         self.batches, self.p, self.horizon, self.most = batches, p, horizon, most
-        self.watch, self.found, self.next = watch, found, 0
-        self.idle = found.state[0].copy()
+        self.watch, self.found, self.next = watch, ends, 0
+        self.idle = ends.state[0].copy()
         self.times: Floats | None = None
         self.sampled = np.ones(len(p), dtype=np.intp)  # the start is the first
         self.seconds: Floats | None = None
@@ -223,8 +223,8 @@ class _Run:
             batch.propagate_until(last, max_steps=steps, **more)
         else:
             self._sample(at, self.times, self.found.samples, steps, more)
-        found: list[Any] = batch.propagate_res
-        return found
+        outcomes: list[Any] = batch.propagate_res
+        return outcomes
 
     def _sample(
         self, at: int, times: Floats, samples: Floats, steps: int, more: dict[str, Any]
@@ -357,13 +357,13 @@ def lanes_of_batch() -> int:
 @lru_cache(maxsize=1)
 def _outcomes() -> dict[int, int]:
     """Standing of a lane by the library's outcome; any other is an event."""
-    known = heyoka().taylor_outcome
+    codes = heyoka().taylor_outcome
     return {
-        int(known.success): RUNNING,
-        int(known.step_limit): RUNNING,
-        int(known.time_limit): LASTED,
-        int(known.err_nf_state): FAILED,
-        int(known.cb_stop): FAILED,
+        int(codes.success): RUNNING,
+        int(codes.step_limit): RUNNING,
+        int(codes.time_limit): LASTED,
+        int(codes.err_nf_state): FAILED,
+        int(codes.cb_stop): FAILED,
     }
 
 
@@ -418,12 +418,12 @@ class Lean:
 
     def whole(self, y: Floats) -> Floats:
         """States of the whole flow from those of the lean one; work is 0 where it is left out."""
-        own = len(self.whole_flow.system.states)
-        found = np.zeros((*y.shape[:-1], len(self.whole_flow.names)))
-        found[..., : y.shape[-1]] = y
+        count = len(self.whole_flow.system.states)
+        states = np.zeros((*y.shape[:-1], len(self.whole_flow.names)))
+        states[..., : y.shape[-1]] = y
         if self.short:
-            found[..., :own] = self.flow.reported(y)[..., :own]
-        return found
+            states[..., :count] = self.flow.reported(y)[..., :count]
+        return states
 
     def report(self, y: Floats) -> Floats:
         """States that a motion reports, shape (N, s), from those of the lean flow."""
@@ -486,7 +486,7 @@ def integrate_many(
             task,
             executor=executor,
             workers=count,
-            own=threads if count > 1 else here,
+            start_pool=threads if count > 1 else here,
             progress=progress,
             size=len,
         )
@@ -522,17 +522,17 @@ def _together(
     long = (done.kind == FAILED) & (done.steps >= QUIET) & (most > QUIET) & (effort != OPTIMISED)
     left = np.flatnonzero(long).tolist()
     longer = _together(flow, OPTIMISED, [numbers[i] for i in left]) if left else []
-    found = dict(zip(left, longer, strict=True))
+    paths = dict(zip(left, longer, strict=True))
     with ASKING:
         rows = np.flatnonzero(done.kind == EVENT)
         last = lean.whole(done.state[rows])
         events = on_guards([legs[i] for i in rows], times[rows, 0] + done.time[rows], last)
         ended = dict(zip(rows.tolist(), events, strict=True))
         for i, leg in enumerate(legs):
-            if i not in found:
+            if i not in paths:
                 path = Path(states[i], ended.get(i), int(done.steps[i]))
-                found[i] = _path(leg, path, failed=done.kind[i] == FAILED)
-    return [found[i] for i in range(len(legs))]
+                paths[i] = _path(leg, path, failed=done.kind[i] == FAILED)
+    return [paths[i] for i in range(len(legs))]
 
 
 def _path(leg: Leg, path: Path, *, failed: bool) -> Path:

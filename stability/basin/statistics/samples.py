@@ -150,10 +150,10 @@ class Independent(Record):
 
     def __post_init__(self) -> None:
         _named(self.quantities)
-        for name, one in self.quantities.items():
-            if not callable(getattr(one, "at", None)):
+        for name, quantity in self.quantities.items():
+            if not callable(getattr(quantity, "at", None)):
                 raise ParameterError(
-                    f"the distribution of {name} is {shown(one)}; "
+                    f"the distribution of {name} is {shown(quantity)}; "
                     "give Uniform, LogUniform or Normal."
                 )
 
@@ -170,7 +170,7 @@ class Independent(Record):
     def values(self, shares: Floats) -> Floats:
         """Launches from even numbers in (0, 1)."""
         columns = zip(self.quantities.values(), shares.T, strict=True)
-        return np.stack([one.at(share) for one, share in columns], axis=1)
+        return np.stack([quantity.at(share) for quantity, share in columns], axis=1)
 
 
 @dataclass(frozen=True, eq=False)

@@ -162,18 +162,18 @@ class _Ball:
         point = np.asarray(checked("start", start))
         if point.ndim != 1:
             raise ParameterError(f"start is {shown(start)}; give one launch, shape (d,).")
-        given = (
+        ranges = (
             ("scale", np.asarray(positive("scale", scale))),
             ("low", np.asarray(-np.inf if low is None else checked("low", low))),
             ("high", np.asarray(np.inf if high is None else checked("high", high))),
         )
-        for name, value in given:
+        for name, value in ranges:
             if value.shape not in ((), point.shape):
                 raise ParameterError(
                     f"{name} has shape {value.shape}; give one number, or one for each of the "
                     f"{len(point)} coordinates."
                 )
-        size, least, most = (np.broadcast_to(v, point.shape) for _, v in given)
+        size, least, most = (np.broadcast_to(v, point.shape) for _, v in ranges)
         if (point < least).any() or (point > most).any():
             raise ParameterError("the start is outside its range; give low ≤ start ≤ high.")
         return cls(point, size, least, most)
@@ -252,11 +252,11 @@ class _Search:
         self.drawn += DRAWS
         before = min(self.size, self.reach)
         shocks = before * in_ball(numbers)
-        start, known = self.searched, self.size
+        start, bound = self.searched, self.size
         try:
             changed = np.flatnonzero(self.ask(shocks) != self.own)
         finally:  # the budget may end here
-            if self.size == known:
+            if self.size == bound:
                 self.clear += self.searched - start
         order = np.argsort(np.linalg.norm(shocks[changed], axis=1), kind="stable")
         self.bracket(shocks[changed[order[:CLOSEST]]], self.tolerance)
